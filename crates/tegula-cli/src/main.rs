@@ -1,0 +1,2 @@
+//! tegula
+fn main() {}

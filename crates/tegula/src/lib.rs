@@ -1,0 +1,14 @@
+//! Flexible multibody dynamics with thin and moderately thick shells.
+
+pub mod error;
+pub mod mesh;
+pub mod model;
+
+pub use error::{Error, Issue, Place, Result};
+pub use mesh::Mesh;
+pub use model::Model;
+
+/// A vector of three-dimensional space.
+pub type Vec3 = nalgebra::Vector3<f64>;
+/// A 3×3 matrix.
+pub type Mat3 = nalgebra::Matrix3<f64>;

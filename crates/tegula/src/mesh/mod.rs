@@ -1,0 +1,30 @@
+//! Quadrilateral surface meshes: nodes, cells, named sets, directors.
+//!
+//! | name | is |
+//! |---|---|
+//! | node | a point of the mid-surface |
+//! | quad | four nodes, counter-clockwise seen from the side the director points to; natural coordinates (−1,−1), (1,−1), (1,1), (−1,1) |
+//! | director | unit normal of the *true* surface at a node; one a node on smooth surfaces, several where sheets meet at an angle |
+//! | set | a name for nodes, edges or quads, used by conditions, loads, sections and output |
+
+use std::collections::BTreeMap;
+
+use crate::Vec3;
+
+/// A mesh of four-node quadrilaterals with named sets.
+#[derive(Debug, Clone, Default)]
+pub struct Mesh {
+    /// Position of each node [length].
+    pub positions: Vec<Vec3>,
+    /// Nodes of each quad, counter-clockwise about the director.
+    pub quads: Vec<[u32; 4]>,
+    /// Exact unit normals of the true surface at the corners of each quad, where
+    /// whoever made the mesh knows them; otherwise they are averaged from the facets.
+    pub normals: Option<Vec<[Vec3; 4]>>,
+    /// Named sets of nodes, without repetition.
+    pub node_sets: BTreeMap<String, Vec<u32>>,
+    /// Named sets of edges, each a pair of neighbouring nodes.
+    pub edge_sets: BTreeMap<String, Vec<[u32; 2]>>,
+    /// Named sets of quads.
+    pub quad_sets: BTreeMap<String, Vec<u32>>,
+}

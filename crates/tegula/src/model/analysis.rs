@@ -1,0 +1,179 @@
+//! What to compute: static, modal, transient.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What to compute.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "kebab-case")]
+pub enum Analysis {
+    /// Equilibrium under loads that grow from 0 to their full value.
+    Static(StaticAnalysis),
+    /// Natural frequencies and mode shapes.
+    Modal(ModalAnalysis),
+    /// Motion in time.
+    Transient(TransientAnalysis),
+}
+
+/// Static equilibrium.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StaticAnalysis {
+    /// Small displacements: one solve with the tangent of the reference configuration.
+    #[serde(default)]
+    pub linear: bool,
+    /// Iteration to equilibrium.
+    #[serde(default)]
+    pub method: NewtonMethod,
+    /// Load steps to begin with; a step that does not converge is cut back by itself.
+    #[serde(default = "one")]
+    pub load_steps: u32,
+    /// Iterations after which a load step is cut back.
+    #[serde(default = "thirty")]
+    pub max_iterations: u32,
+    /// Cut-backs after which the analysis gives up.
+    #[serde(default = "twelve")]
+    pub max_cutbacks: u32,
+    /// Accept an equilibrium at which the structure would buckle (tangent with negative pivots).
+    #[serde(default)]
+    pub allow_unstable: bool,
+}
+
+impl Default for StaticAnalysis {
+    fn default() -> Self {
+        Self {
+            linear: false,
+            method: NewtonMethod::default(),
+            load_steps: one(),
+            max_iterations: thirty(),
+            max_cutbacks: twelve(),
+            allow_unstable: false,
+        }
+    }
+}
+
+/// How equilibrium is iterated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum NewtonMethod {
+    /// Newton with extrapolated stress resultants: few iterations and large steps on thin shells.
+    #[default]
+    Mixed,
+    /// Plain Newton on displacements.
+    Displacement,
+}
+
+/// Natural frequencies.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ModalAnalysis {
+    /// Number of modes wanted, rigid ones counted.
+    pub modes: u32,
+    /// Vibrate about the equilibrium under the loads instead of the reference configuration.
+    #[serde(default)]
+    pub prestressed: bool,
+}
+
+/// Motion in time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TransientAnalysis {
+    /// Time at which the analysis ends [time]; it starts at 0.
+    pub end_time: f64,
+    /// Time integration scheme.
+    #[serde(default)]
+    pub scheme: Scheme,
+    /// Tolerance of automatic steps: RMS error of position per step over the size of the model.
+    #[serde(default = "paper_tolerance")]
+    pub tolerance: f64,
+    /// Constant time step [time]; given, steps are not chosen automatically.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_step: Option<f64>,
+    /// First automatic step [time]; chosen from the initial acceleration unless given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub initial_step: Option<f64>,
+    /// Largest automatic step [time].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_step: Option<f64>,
+    /// Iterations after which a time step is repeated smaller.
+    #[serde(default = "twenty")]
+    pub max_iterations: u32,
+    /// Small displacements: the tangent of the reference configuration throughout.
+    #[serde(default)]
+    pub linear: bool,
+}
+
+/// Time integration schemes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "kebab-case")]
+pub enum Scheme {
+    /// Newmark-β; β = 1/4, γ = 1/2 (trapezoidal rule) unless given.
+    Newmark(NewmarkScheme),
+    /// Conserves energy and momenta exactly (Simo–Tarnow).
+    EnergyMomentum(EnergyMomentumScheme),
+    /// Hilber–Hughes–Taylor α method: second order with numerical damping.
+    Hht(HhtScheme),
+}
+
+impl Default for Scheme {
+    fn default() -> Self {
+        Self::Newmark(NewmarkScheme::default())
+    }
+}
+
+/// Newmark-β.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewmarkScheme {
+    /// β, above 0; unconditionally stable (linear) for β ≥ γ/2 ≥ 1/4.
+    #[serde(default = "quarter")]
+    pub beta: f64,
+    /// γ; 1/2 is second order, above it is damped and first order.
+    #[serde(default = "half")]
+    pub gamma: f64,
+}
+
+impl Default for NewmarkScheme {
+    fn default() -> Self {
+        Self { beta: 0.25, gamma: 0.5 }
+    }
+}
+
+/// Energy–momentum scheme; it has no parameters.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EnergyMomentumScheme {}
+
+/// Hilber–Hughes–Taylor.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HhtScheme {
+    /// α between −1/3 (most damping) and 0 (none).
+    #[serde(default = "hht_alpha")]
+    pub alpha: f64,
+}
+
+fn one() -> u32 {
+    1
+}
+fn twelve() -> u32 {
+    12
+}
+fn twenty() -> u32 {
+    20
+}
+fn thirty() -> u32 {
+    30
+}
+fn quarter() -> f64 {
+    0.25
+}
+fn half() -> f64 {
+    0.5
+}
+fn hht_alpha() -> f64 {
+    -0.05
+}
+fn paper_tolerance() -> f64 {
+    1e-5
+}

@@ -1,0 +1,204 @@
+//! Supports, prescribed motions, loads, added masses, initial velocities.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A support or a prescribed motion.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "kebab-case")]
+pub enum Condition {
+    /// Positions and directors fixed: no displacement, no rotation.
+    Clamp(OnSet),
+    /// Positions fixed along an edge, rotation about it free.
+    Hinge(OnSet),
+    /// Positions fixed, directors free: a ball joint to the ground.
+    Spherical(OnSet),
+    /// The structure goes on mirrored beyond a plane: no motion of position and director across it.
+    Symmetry(SymmetryPlane),
+    /// Chosen components of position and director fixed.
+    Fix(FixComponents),
+    /// One component of position or director prescribed as a function of time.
+    Prescribe(PrescribeComponent),
+}
+
+/// A condition that needs nothing but a set.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OnSet {
+    /// Name of a node or edge set.
+    pub on: String,
+}
+
+/// A plane of symmetry.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SymmetryPlane {
+    /// Name of a node or edge set that lies in the plane.
+    pub on: String,
+    /// Normal of the plane, of any length and direction.
+    pub normal: [f64; 3],
+}
+
+/// Chosen components fixed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FixComponents {
+    /// Name of a node or edge set.
+    pub on: String,
+    /// Components of position that are fixed.
+    #[serde(default)]
+    pub position: Vec<Axis>,
+    /// Components of the director that are fixed.
+    #[serde(default)]
+    pub director: Vec<Axis>,
+}
+
+/// A component prescribed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PrescribeComponent {
+    /// Name of a node or edge set.
+    pub on: String,
+    /// Which vector of the nodes.
+    #[serde(default)]
+    pub of: NodalVector,
+    /// Which component.
+    pub component: Axis,
+    /// Change of the component from its reference value [length, or none for directors], times the amplitude.
+    pub value: f64,
+    /// Name of an amplitude; without one the value grows with the load factor in statics and holds from the start in transients.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub amplitude: Option<String>,
+}
+
+/// The vectors of a shell node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum NodalVector {
+    /// Position of the mid-surface.
+    #[default]
+    Position,
+    /// Director (transverse gradient).
+    Director,
+}
+
+/// Components of a vector.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Axis {
+    /// First.
+    X,
+    /// Second.
+    Y,
+    /// Third.
+    Z,
+}
+
+impl Axis {
+    /// 0, 1 or 2.
+    pub fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// A load.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "kebab-case")]
+pub enum Load {
+    /// A force on every node of a set.
+    Force(VectorLoad),
+    /// A moment on every node of a set; it turns the director and stays constant in space.
+    Moment(VectorLoad),
+    /// A force per length of an edge.
+    Edge(VectorLoad),
+    /// A moment per length of an edge.
+    EdgeMoment(VectorLoad),
+    /// A force per reference area, constant in direction.
+    Traction(VectorLoad),
+    /// A pressure that follows the surface; positive pushes against the director.
+    Pressure(PressureLoad),
+    /// Gravity on all masses.
+    Gravity(GravityLoad),
+}
+
+/// A load given by a vector.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VectorLoad {
+    /// Name of the set: nodes for force and moment, edges for edge loads, quads (or `"all"`) for traction.
+    pub on: String,
+    /// The vector.
+    pub value: [f64; 3],
+    /// Name of an amplitude; without one the load grows with the load factor in statics and is constant in transients.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub amplitude: Option<String>,
+}
+
+/// A pressure.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PressureLoad {
+    /// Name of a quad set, or `"all"`.
+    #[serde(default = "all")]
+    pub on: String,
+    /// Pressure [force/area]; positive pushes against the director.
+    pub value: f64,
+    /// Name of an amplitude.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub amplitude: Option<String>,
+}
+
+/// Gravity.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GravityLoad {
+    /// Acceleration of gravity [length/time²], such as `[0, 0, -9.81]`.
+    pub value: [f64; 3],
+    /// Name of an amplitude.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub amplitude: Option<String>,
+}
+
+/// Mass in addition to that of the sections; it moves with the mid-surface.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "kebab-case")]
+pub enum AddedMass {
+    /// A mass at every node of a set [mass].
+    Point(MassOn),
+    /// A mass per length of an edge [mass/length].
+    Edge(MassOn),
+    /// A mass per area of a quad set [mass/area].
+    Area(MassOn),
+}
+
+/// An added mass on a set.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MassOn {
+    /// Name of the set.
+    pub on: String,
+    /// The mass, not negative.
+    pub value: f64,
+}
+
+/// Velocity field at time 0: that of a rigid motion of the nodes of a set.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InitialVelocity {
+    /// Name of a node, edge or quad set, or `"all"`.
+    #[serde(default = "all")]
+    pub on: String,
+    /// Translation [length/time].
+    #[serde(default)]
+    pub velocity: [f64; 3],
+    /// Rotation [1/time].
+    #[serde(default)]
+    pub angular_velocity: [f64; 3],
+    /// Point about which it turns [length].
+    #[serde(default)]
+    pub center: [f64; 3],
+}
+
+fn all() -> String {
+    "all".into()
+}

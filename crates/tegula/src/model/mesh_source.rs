@@ -1,0 +1,179 @@
+//! Where the mid-surface comes from: generators and mesh files.
+//!
+//! All generators map a rectangle of parameters (u, v) to the surface and name
+//! the same sets: edges `u_min`, `u_max`, `v_min`, `v_max` (as node and edge
+//! sets), corners `u_min_v_min`, … and the node nearest the middle, `middle`.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The mid-surface.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "kebab-case")]
+pub enum MeshSource {
+    /// A rectangle; u along `u_axis`, v along `v_axis`.
+    Plate(PlateMesh),
+    /// A sector of a cylinder; u is the angle, v runs along the axis.
+    Cylinder(CylinderMesh),
+    /// A flat ring or sector of it in the plane z = 0; u is the radius, v the angle from the x axis.
+    Annulus(AnnulusMesh),
+    /// A patch of a sphere about the z axis; u is the longitude from the x axis, v the latitude from the equator.
+    Sphere(SphereMesh),
+    /// A polyline swept along a direction; u runs along the polyline, v along the direction.
+    Extrusion(ExtrusionMesh),
+    /// A Gmsh file (`.msh`, format 2.2 or 4.1, ASCII or binary); physical groups become sets.
+    Gmsh(GmshMesh),
+}
+
+/// What all generators share.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Grid {
+    /// Number of elements along u and v, at least 1 each.
+    pub elements: [u32; 2],
+    /// Ratio of the last to the first element's length along u and v (1: all equal).
+    #[serde(default = "ones")]
+    pub grading: [f64; 2],
+    /// Random shift of inner nodes within the surface, as a part of the element size (0…0.4).
+    #[serde(default)]
+    pub distortion: f64,
+    /// Seed of the random shift; the same seed gives the same mesh.
+    #[serde(default)]
+    pub seed: u64,
+    /// Names for further points: each becomes a node set with the node nearest to the position.
+    #[serde(default)]
+    pub points: BTreeMap<String, [f64; 3]>,
+}
+
+impl Grid {
+    /// A uniform grid of `u` by `v` elements.
+    pub fn uniform(u: u32, v: u32) -> Self {
+        Self { elements: [u, v], grading: ones(), distortion: 0.0, seed: 0, points: BTreeMap::new() }
+    }
+}
+
+/// A rectangle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlateMesh {
+    /// Corner u = v = 0 [length].
+    #[serde(default)]
+    pub origin: [f64; 3],
+    /// Direction of u.
+    #[serde(default = "x_axis")]
+    pub u_axis: [f64; 3],
+    /// Direction of v, not parallel to u; the director is u × v.
+    #[serde(default = "y_axis")]
+    pub v_axis: [f64; 3],
+    /// Lengths along u and v [length].
+    pub size: [f64; 2],
+    /// Elements, grading, distortion, points.
+    pub grid: Grid,
+}
+
+/// A sector of a cylinder.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CylinderMesh {
+    /// Point on the axis from which v is counted [length].
+    #[serde(default)]
+    pub center: [f64; 3],
+    /// Direction of the axis and of v.
+    #[serde(default = "y_axis")]
+    pub axis: [f64; 3],
+    /// Radial direction of the angle 0; the part along the axis is ignored.
+    #[serde(default = "z_axis")]
+    pub start: [f64; 3],
+    /// Radius [length].
+    pub radius: f64,
+    /// First and last angle [degrees], right-handed about the axis.
+    pub angles: [f64; 2],
+    /// Length along the axis [length].
+    pub length: f64,
+    /// Elements, grading, distortion, points.
+    pub grid: Grid,
+}
+
+/// A flat ring.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AnnulusMesh {
+    /// Centre [length].
+    #[serde(default)]
+    pub center: [f64; 3],
+    /// Inner and outer radius [length].
+    pub radii: [f64; 2],
+    /// First and last angle [degrees]; a full turn leaves a slit.
+    #[serde(default = "full_turn")]
+    pub angles: [f64; 2],
+    /// Elements, grading, distortion, points.
+    pub grid: Grid,
+}
+
+/// A patch of a sphere.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SphereMesh {
+    /// Centre [length].
+    #[serde(default)]
+    pub center: [f64; 3],
+    /// Radius [length].
+    pub radius: f64,
+    /// First and last longitude [degrees].
+    #[serde(default = "quarter_turn")]
+    pub longitudes: [f64; 2],
+    /// First and last latitude [degrees], within −90…90 but not at a pole.
+    pub latitudes: [f64; 2],
+    /// Elements, grading, distortion, points.
+    pub grid: Grid,
+}
+
+/// A swept polyline.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExtrusionMesh {
+    /// Vertices of the polyline [length], at least two; neighbours differ.
+    pub vertices: Vec<[f64; 3]>,
+    /// Sweep [length].
+    pub sweep: [f64; 3],
+    /// Elements along the whole polyline (shared out by length, at least one a segment) and along the sweep; grading and distortion.
+    pub grid: Grid,
+}
+
+/// A Gmsh file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GmshMesh {
+    /// Path, relative to the model file.
+    pub file: String,
+    /// Factor on all coordinates.
+    #[serde(default = "one")]
+    pub scale: f64,
+    /// Names for further points: each becomes a node set with the node nearest to the position.
+    #[serde(default)]
+    pub points: BTreeMap<String, [f64; 3]>,
+}
+
+fn ones() -> [f64; 2] {
+    [1.0; 2]
+}
+fn one() -> f64 {
+    1.0
+}
+fn x_axis() -> [f64; 3] {
+    [1.0, 0.0, 0.0]
+}
+fn y_axis() -> [f64; 3] {
+    [0.0, 1.0, 0.0]
+}
+fn z_axis() -> [f64; 3] {
+    [0.0, 0.0, 1.0]
+}
+fn full_turn() -> [f64; 2] {
+    [0.0, 360.0]
+}
+fn quarter_turn() -> [f64; 2] {
+    [0.0, 90.0]
+}

@@ -1,0 +1,260 @@
+//! What the user says: plain data, read from a model file or built in code.
+//!
+//! Every type here is both the Rust interface and the model-file format: the
+//! keys of the TOML file are the field names, the JSON Schema is derived from
+//! the same types, and the documentation of a key is its doc comment.
+
+mod analysis;
+mod condition;
+mod mesh_source;
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+pub use analysis::*;
+pub use condition::*;
+pub use mesh_source::*;
+
+/// A whole model: mesh, materials, sections, conditions, loads, analysis, output.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "tegula model")]
+pub struct Model {
+    /// One line that says what the model is; it appears in results and pictures.
+    #[serde(default)]
+    pub title: String,
+    /// What to compute.
+    pub analysis: Analysis,
+    /// The mid-surface: a generator or a mesh file.
+    pub mesh: MeshSource,
+    /// Materials by name.
+    pub materials: BTreeMap<String, Material>,
+    /// Which elements, material and thickness the parts of the mesh have.
+    pub sections: Vec<Section>,
+    /// Supports and prescribed motions.
+    #[serde(default)]
+    pub conditions: Vec<Condition>,
+    /// Loads.
+    #[serde(default)]
+    pub loads: Vec<Load>,
+    /// Masses in addition to those of the sections.
+    #[serde(default)]
+    pub masses: Vec<AddedMass>,
+    /// Velocities at the start of a transient analysis.
+    #[serde(default)]
+    pub initial_velocities: Vec<InitialVelocity>,
+    /// Damping of the whole model.
+    #[serde(default)]
+    pub damping: Damping,
+    /// Functions of time by name, used by loads and prescribed motions.
+    #[serde(default)]
+    pub amplitudes: BTreeMap<String, Amplitude>,
+    /// What to write.
+    #[serde(default)]
+    pub output: Output,
+}
+
+/// A material.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "kebab-case")]
+pub enum Material {
+    /// Isotropic linear elastic (St. Venant–Kirchhoff).
+    Isotropic(Isotropic),
+}
+
+/// Isotropic linear elastic material.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Isotropic {
+    /// Young's modulus E [force/area], above 0.
+    pub young: f64,
+    /// Poisson's ratio ν, above −1 and below 0.5.
+    pub poisson: f64,
+    /// Density ρ [mass/volume]; needed by transient and modal analysis and by gravity.
+    #[serde(default)]
+    pub density: f64,
+}
+
+/// Element type, material and thickness of a part of the mesh.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Section {
+    /// Name of a quad set, or `"all"`.
+    #[serde(default = "all")]
+    pub on: String,
+    /// Element type.
+    #[serde(default)]
+    pub element: ElementKind,
+    /// Name of a material.
+    pub material: String,
+    /// Thickness h [length], above 0.
+    pub thickness: f64,
+    /// Transverse shear correction factors c_xz, c_yz (5/6 each unless given).
+    #[serde(default = "five_sixths")]
+    pub shear_correction: [f64; 2],
+    /// Assumed natural strain for transverse shear; off: the element locks when thin.
+    #[serde(default = "yes")]
+    pub ans_shear: bool,
+    /// Assumed natural strain for the thickness; off: curved elements lock.
+    #[serde(default = "yes")]
+    pub ans_thickness: bool,
+    /// Enhanced assumed strain in the plane (4 parameters); off: in-plane bending is too stiff.
+    #[serde(default = "yes")]
+    pub eas: bool,
+    /// Total mass of the section [mass]; given, the density is scaled to meet it on the mesh.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub total_mass: Option<f64>,
+    /// Retardation time τ of Kelvin–Voigt damping [time]: the stress is that of the strain `ε + τ dε/dt`.
+    #[serde(default)]
+    pub retardation_time: f64,
+}
+
+/// Element types.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum ElementKind {
+    /// Shear-deformable bilinear shell of the absolute nodal coordinate formulation, elastic middle surface.
+    #[default]
+    Ems,
+}
+
+/// Damping of the whole model.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Damping {
+    /// Rayleigh factor of the mass matrix [1/time]: force −α M v.
+    #[serde(default)]
+    pub mass: f64,
+    /// Rayleigh factor of the stiffness [time]. It acts on strain rates, so rigid motion is
+    /// not damped; for small motions it is −β K v. Added to `retardation_time` of each section.
+    #[serde(default)]
+    pub stiffness: f64,
+}
+
+/// A function of time (of the load factor 0…1 in statics).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "kebab-case")]
+pub enum Amplitude {
+    /// The same value at all times.
+    Constant(ConstantAmplitude),
+    /// From 0 at `start` linearly to 1 at `end`, constant before and after.
+    Ramp(RampAmplitude),
+    /// Straight lines between given points, constant before and after.
+    Table(TableAmplitude),
+    /// A formula in `t`.
+    Expression(ExpressionAmplitude),
+}
+
+/// The same value at all times.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ConstantAmplitude {
+    /// The value.
+    pub value: f64,
+}
+
+/// From 0 at `start` linearly to 1 at `end`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RampAmplitude {
+    /// Time at which the ramp leaves 0.
+    #[serde(default)]
+    pub start: f64,
+    /// Time at which the ramp reaches 1.
+    pub end: f64,
+}
+
+/// Straight lines between given points.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TableAmplitude {
+    /// Times, ascending.
+    pub times: Vec<f64>,
+    /// Values at those times.
+    pub values: Vec<f64>,
+}
+
+/// A formula in `t`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExpressionAmplitude {
+    /// Formula such as `"sin(2*PI*t)"`; operators `+ - * / ^`, functions `sin cos tan exp ln sqrt tanh …`, constants `PI`, `E`.
+    pub expression: String,
+}
+
+/// What a run writes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Output {
+    /// Points whose motion is recorded at every step.
+    #[serde(default)]
+    pub points: Vec<OutputPoint>,
+    /// Fields in the VTU files; all of them unless given.
+    #[serde(default = "all_fields")]
+    pub fields: Vec<Field>,
+    /// Time (load factor) between two field files; 0 writes every step.
+    #[serde(default)]
+    pub interval: f64,
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self { points: Vec::new(), fields: all_fields(), interval: 0.0 }
+    }
+}
+
+/// A point whose motion is recorded.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OutputPoint {
+    /// Name of the point in histories, plots and `summary.json`.
+    pub name: String,
+    /// Name of a node set with exactly one node.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub on: Option<String>,
+    /// Position in the reference configuration [length]; the nearest node is taken.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<[f64; 3]>,
+}
+
+/// Fields of the result files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Field {
+    /// Displacement of the nodes [length].
+    Displacement,
+    /// Director at the nodes.
+    Director,
+    /// Velocity of the nodes [length/time].
+    Velocity,
+    /// Membrane resultants n_xx, n_yy, n_xy in the element's cross-section frame [force/length].
+    Membrane,
+    /// Bending resultants m_xx, m_yy, m_xy in the element's cross-section frame [force].
+    Bending,
+    /// Transverse shear resultants q_xz, q_yz in the element's cross-section frame [force/length].
+    Shear,
+    /// In-plane stresses at the top and bottom surface [force/area].
+    SurfaceStress,
+    /// Greatest von Mises stress of top, middle and bottom [force/area].
+    VonMises,
+    /// Strain energy per reference area [energy/area].
+    EnergyDensity,
+}
+
+fn all_fields() -> Vec<Field> {
+    use Field::*;
+    vec![Displacement, Director, Velocity, Membrane, Bending, Shear, SurfaceStress, VonMises, EnergyDensity]
+}
+fn all() -> String {
+    "all".into()
+}
+fn yes() -> bool {
+    true
+}
+fn five_sixths() -> [f64; 2] {
+    [5.0 / 6.0; 2]
+}
