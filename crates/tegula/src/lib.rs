@@ -1,8 +1,10 @@
 //! Flexible multibody dynamics with thin and moderately thick shells.
 
+pub mod element;
 pub mod error;
 pub mod mesh;
 pub mod model;
+pub mod section;
 
 pub use error::{Error, Issue, Place, Result};
 pub use mesh::Mesh;

@@ -5,6 +5,8 @@
 //! the same types, and the documentation of a key is its doc comment.
 
 mod analysis;
+pub mod build;
+pub mod check;
 mod condition;
 mod mesh_source;
 

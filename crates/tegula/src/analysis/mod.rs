@@ -1,0 +1,110 @@
+//! Analyses: statics, natural frequencies, motion in time.
+
+pub mod dynamics;
+pub mod modal;
+pub mod newton;
+pub mod statics;
+
+use crate::Result;
+use crate::element::Nodal;
+
+/// State of a model at a time: plain data, a checkpoint is its dump.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct State {
+    /// Time (load factor in statics).
+    pub time: f64,
+    /// Number of the last finished step.
+    pub step: u64,
+    /// Displacements of the nodal vectors.
+    pub u: Vec<Nodal>,
+    /// Velocities.
+    pub v: Vec<Nodal>,
+    /// Accelerations.
+    pub a: Vec<Nodal>,
+    /// Extrapolated stress of the samples.
+    pub stress: Vec<f64>,
+    /// Length of the next time step (load step).
+    pub next_step: f64,
+    /// Work of loads other than constant gravity since the start.
+    pub work: f64,
+    /// Energy dissipated by damping since the start.
+    pub dissipated: f64,
+    /// Largest energy met so far: scale of the convergence test.
+    pub energy_scale: f64,
+}
+
+/// Energies and momenta at the end of a step.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Balance {
+    /// ½ v·M v.
+    pub kinetic: f64,
+    /// Strain energy.
+    pub strain: f64,
+    /// Potential of gravity, 0 at the start.
+    pub potential: f64,
+    /// Work of all other loads and of prescribed motions since the start.
+    pub work: f64,
+    /// Energy dissipated since the start.
+    pub dissipated: f64,
+    /// kinetic + strain + potential + dissipated − work: constant for an exact integration.
+    pub total: f64,
+    /// Linear momentum.
+    pub momentum: [f64; 3],
+    /// Angular momentum about the origin.
+    pub angular_momentum: [f64; 3],
+}
+
+/// Counts of what an analysis has done.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Finished steps.
+    pub steps: u64,
+    /// Iterations, those of repeated steps included.
+    pub iterations: u64,
+    /// Numerical factorisations.
+    pub factorizations: u64,
+    /// Steps repeated smaller.
+    pub cutbacks: u64,
+}
+
+/// A finished step.
+#[derive(Debug)]
+pub struct Step<'a> {
+    /// The state at its end.
+    pub state: &'a State,
+    /// Energies and momenta.
+    pub balance: &'a Balance,
+    /// Counts so far.
+    pub statistics: &'a Statistics,
+    /// Iterations of this step.
+    pub iterations: u32,
+    /// Time at which the analysis ends.
+    pub end: f64,
+}
+
+/// Watches an analysis: progress, writers, probes.
+pub trait Observer {
+    /// A step is finished.
+    ///
+    /// # Errors
+    /// Ends the analysis ([`Error::Interrupted`](crate::Error::Interrupted) on request of the user).
+    fn on_step(&mut self, step: &Step) -> Result<()>;
+    /// An iteration is finished: its number, energy of the increment over the energy scale, size of the increment.
+    fn on_iteration(&mut self, _iteration: u32, _energy: f64, _increment: f64) {}
+    /// Something the user may want to know (a step cut back, a rounding floor).
+    fn on_event(&mut self, _message: &str) {}
+    /// Asked between iterations; true ends the analysis after the last finished step.
+    fn interrupted(&self) -> bool {
+        false
+    }
+}
+
+/// An observer that watches nothing.
+#[derive(Debug, Default, Clone, Copy)]
+pub struct Silent;
+
+impl Observer for Silent {
+    fn on_step(&mut self, _step: &Step) -> Result<()> {
+        Ok(())
+    }
+}

@@ -1,0 +1,266 @@
+//! Newton's method for one step of statics or dynamics, plain or mixed.
+//!
+//! Mixed: the geometric part of the tangent carries stresses extrapolated from the last
+//! iterate,
+//!
+//! ```text
+//! solve  [SᵀHS + Σ 2 n_k A_k⊗I] δ = R(q)
+//! then   n ← H (s(q) + S(q) δ),   q ← q + δ
+//! ```
+//!
+//! The residual is the ordinary one, so the solution is the ordinary one; the path is much
+//! shorter for thin shells (D. Magisano, L. Leonetti, G. Garcea, *Advantages of the mixed
+//! format in geometrically nonlinear analysis of beams and shells using solid finite elements*,
+//! Int. J. Numer. Meth. Engng 109 (2017) 1237–1262).
+
+use crate::element::{Kinematics, Nodal};
+use crate::linear::{Factor, FactorError, SparseCholesky, SymmetricPattern};
+use crate::model::NewtonMethod;
+use crate::system::assembly::TangentParts;
+use crate::system::{Assembly, System, VectorKind, dot};
+use crate::{Error, Result};
+
+use super::Observer;
+
+/// The equation of one step: `rest(q) − force · f_int(q) = 0`.
+pub trait Equation {
+    /// The motion at the present iterate.
+    fn kinematics<'a>(&'a self, system: &'a System) -> Kinematics<'a>;
+    /// Weights of the tangent.
+    fn parts(&self) -> TangentParts;
+    /// Loads minus inertia and everything else that is not internal force of this iterate.
+    fn rest(&self, system: &System, out: &mut [Nodal]);
+    /// Adds an increment of all nodal vectors.
+    fn apply(&mut self, system: &System, increment: &[Nodal]);
+    /// Increment that brings the supported coordinates to their prescribed values; false if there is none.
+    fn prescribed(&self, system: &System, increment: &mut [Nodal]) -> bool;
+    /// Energy to which the energy of an increment is compared.
+    fn energy_scale(&self, system: &System, assembly: &mut Assembly) -> f64;
+    /// Size of the displacement of the step or of the state, to which increments are compared.
+    fn displacement_scale(&self, system: &System) -> f64;
+}
+
+/// When an iteration is finished.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerances {
+    /// Energy of the increment |δ·R| over the energy scale.
+    pub energy: f64,
+    /// Size of the increment over the displacement scale.
+    pub increment: f64,
+    /// Iterations at most.
+    pub max_iterations: u32,
+}
+
+/// A step that converged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Converged {
+    /// Iterations.
+    pub iterations: u32,
+    /// Negative pivots of the last tangent.
+    pub negative_pivots: usize,
+    /// The increments stopped shrinking at the rounding floor of the model.
+    pub floor: bool,
+}
+
+/// A step that did not converge.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Diverged {
+    /// Iterations spent.
+    pub iterations: u32,
+    /// Why, for people.
+    pub reason: String,
+}
+
+/// Solver and buffers, made once for an analysis.
+pub struct Newton {
+    /// Element buffers and tangent.
+    pub assembly: Assembly,
+    /// Linear solver.
+    pub solver: SparseCholesky,
+    method: NewtonMethod,
+    internal: Vec<Nodal>,
+    residual: Vec<Nodal>,
+    increment: Vec<Nodal>,
+    right_side: Vec<f64>,
+    solution: Vec<f64>,
+    /// The factor belongs to these parts of a linear model and serves again.
+    factored: Option<TangentParts>,
+}
+
+impl Newton {
+    /// Analyses the pattern and makes the buffers.
+    ///
+    /// # Errors
+    /// The factor does not fit in memory.
+    pub fn new(system: &System, method: NewtonMethod) -> Result<Self> {
+        let pattern =
+            SymmetricPattern::new(system.pattern.column_pointers.clone(), system.pattern.row_indices.clone());
+        let solver = SparseCholesky::new(pattern).map_err(|e| Error::Singular {
+            what: format!("The matrix of {} unknowns cannot be factored: {e}.", system.unknowns()),
+            help: "Use a coarser mesh or a machine with more memory.".into(),
+        })?;
+        let n = system.vectors();
+        Ok(Self {
+            assembly: Assembly::new(system),
+            solver,
+            method,
+            internal: vec![[0.0; 3]; n],
+            residual: vec![[0.0; 3]; n],
+            increment: vec![[0.0; 3]; n],
+            right_side: vec![0.0; system.unknowns()],
+            solution: vec![0.0; system.unknowns()],
+            factored: None,
+        })
+    }
+
+    /// Iterates an equation to convergence.
+    ///
+    /// # Errors
+    /// It did not converge; the iterate is useless then.
+    pub fn solve(
+        &mut self,
+        system: &System,
+        equation: &mut dyn Equation,
+        tolerances: &Tolerances,
+        observer: &mut dyn Observer,
+    ) -> std::result::Result<Converged, Diverged> {
+        let mixed = self.method == NewtonMethod::Mixed && !system.linear;
+        let mut history: Vec<f64> = Vec::with_capacity(tolerances.max_iterations as usize);
+        for iteration in 1..=tolerances.max_iterations {
+            let diverged = |reason: String| Diverged { iterations: iteration, reason };
+            if observer.interrupted() {
+                return Err(diverged("interrupted".into()));
+            }
+            let has_prescribed = equation.prescribed(system, &mut self.increment);
+            let parts = equation.parts();
+            let reuse = system.linear && self.factored == Some(parts) && !has_prescribed;
+            {
+                let k = equation.kinematics(system);
+                if reuse {
+                    self.assembly.forces(system, &k, &mut self.internal);
+                } else {
+                    let prescribed = has_prescribed.then_some(self.increment.as_slice());
+                    self.assembly.forces_and_tangent(system, &k, &parts, mixed, prescribed, &mut self.internal);
+                }
+            }
+            equation.rest(system, &mut self.residual);
+            if has_prescribed && parts.mass != 0.0 {
+                system.pattern.add_mass_product(-parts.mass, &self.increment, &mut self.residual);
+            }
+            for (r, f) in self.residual.iter_mut().zip(&self.internal) {
+                for i in 0..3 {
+                    r[i] -= parts.weights.force * f[i];
+                }
+            }
+            system.numbering.reduce(&self.residual, &mut self.right_side);
+            if !self.right_side.iter().all(|r| r.is_finite()) {
+                return Err(diverged("the forces grew beyond all bounds".into()));
+            }
+            let mut negative_pivots = 0;
+            if !reuse {
+                self.factored = None;
+                let inertia = self.solver.factor(&self.assembly.values).map_err(|e| match e {
+                    FactorError::Singular => diverged("the tangent is singular".into()),
+                    e => diverged(e.to_string()),
+                })?;
+                negative_pivots = inertia.negative;
+                if system.linear && !has_prescribed {
+                    self.factored = Some(parts);
+                }
+            }
+            self.solution.copy_from_slice(&self.right_side);
+            self.solver.solve(&mut self.solution);
+            let energy = self.solution.iter().zip(&self.right_side).map(|(a, b)| a * b).sum::<f64>().abs();
+            expand_free(system, &self.solution, has_prescribed, &mut self.increment);
+            if !energy.is_finite() {
+                return Err(diverged("the increment is not a number".into()));
+            }
+            if mixed {
+                let k = equation.kinematics(system);
+                self.assembly.extrapolate(system, &k, &self.increment, &parts.weights);
+            }
+            equation.apply(system, &self.increment);
+            let size = system.norm(&self.increment);
+            if size > 1e4 {
+                return Err(diverged(format!(
+                    "an increment moved the model by {size:.1e} times its own size; {}",
+                    largest(system, &self.residual)
+                )));
+            }
+            let energy_scale = equation.energy_scale(system, &mut self.assembly);
+            let size_scale = equation.displacement_scale(system);
+            let relative = energy / energy_scale.max(f64::MIN_POSITIVE);
+            observer.on_iteration(iteration, relative, size / size_scale.max(f64::MIN_POSITIVE));
+            let converged = energy <= tolerances.energy * energy_scale && size <= tolerances.increment * size_scale;
+            if converged || (energy == 0.0 && size == 0.0) {
+                return Ok(Converged { iterations: iteration, negative_pivots, floor: false });
+            }
+            history.push(energy);
+            if let Some(floor) = stagnation(&history) {
+                if relative <= 1e-9 && size <= 1e-5 * size_scale {
+                    return Ok(Converged { iterations: iteration, negative_pivots, floor: true });
+                }
+                if floor {
+                    return Err(diverged(format!(
+                        "the iteration runs in a circle (energy of the increment {relative:.1e} of the model's); {}",
+                        largest(system, &self.residual)
+                    )));
+                }
+            }
+        }
+        Err(Diverged {
+            iterations: tolerances.max_iterations,
+            reason: format!(
+                "not converged after {} iterations; {}",
+                tolerances.max_iterations,
+                largest(system, &self.residual)
+            ),
+        })
+    }
+}
+
+/// Some(false): the last three energies did not shrink; Some(true): nor did those of the last ten.
+fn stagnation(history: &[f64]) -> Option<bool> {
+    let n = history.len();
+    let best_before = |k: usize| history[..n - k].iter().copied().fold(f64::INFINITY, f64::min);
+    let best_since = |k: usize| history[n - k..].iter().copied().fold(f64::INFINITY, f64::min);
+    let stuck = |k: usize| n > k && best_since(k) > 0.5 * best_before(k);
+    if stuck(12) { Some(true) } else { stuck(3).then_some(false) }
+}
+
+/// Free coordinates of the increment; the prescribed ones stay where there are some.
+fn expand_free(system: &System, free: &[f64], keep: bool, field: &mut [Nodal]) {
+    if !keep {
+        system.numbering.expand(free, field);
+        return;
+    }
+    for (v, value) in field.iter_mut().enumerate() {
+        let mut local = system.numbering.to_axes(v, *value);
+        for (number, x) in system.numbering.of(v).into_iter().zip(&mut local) {
+            if let Some(y) = free.get(number as usize) {
+                *x = *y;
+            }
+        }
+        *value = system.numbering.from_axes(v, local);
+    }
+}
+
+/// Where the residual is largest, for people.
+pub fn largest(system: &System, residual: &[Nodal]) -> String {
+    let mut free = vec![[0.0; 3]; residual.len()];
+    system.numbering.supported_part(residual, &mut free);
+    let size = |v: usize| {
+        let r: Nodal = std::array::from_fn(|i| residual[v][i] - free[v][i]);
+        dot(&[r], &[r])
+    };
+    let Some(v) = (0..residual.len()).max_by(|&a, &b| size(a).total_cmp(&size(b))) else {
+        return "the model is empty".into();
+    };
+    let node = system.nodes[v];
+    let p = system.reference[system.position_of[node as usize] as usize];
+    let what = match system.kinds[v] {
+        VectorKind::Position => "force",
+        VectorKind::Director => "moment",
+    };
+    format!("the largest out-of-balance {what} is at node {node}, at ({:.4}, {:.4}, {:.4})", p[0], p[1], p[2])
+}

@@ -1,0 +1,247 @@
+//! Static equilibrium: load steps with cut-back.
+
+use super::newton::{Diverged, Equation, Newton, Tolerances};
+use super::{Balance, Observer, State, Statistics, Step};
+use crate::element::{Kinematics, Motion, Nodal, TangentWeights};
+use crate::model::StaticAnalysis;
+use crate::system::assembly::{TangentParts, add_follower_loads};
+use crate::system::{Assembly, System, dot};
+use crate::{Error, Result};
+
+/// Energy of the last increment over the strain energy; convergence is quadratic, so the error is far below.
+const ENERGY_TOLERANCE: f64 = 1e-14;
+/// Last increment over the displacement.
+const INCREMENT_TOLERANCE: f64 = 1e-6;
+
+/// Equilibrium at a load factor: `F(λ) − f_int(u) = 0`.
+pub struct StaticEquation {
+    /// Displacements.
+    pub u: Vec<Nodal>,
+    /// Load factor.
+    pub time: f64,
+}
+
+impl Equation for StaticEquation {
+    fn kinematics<'a>(&'a self, system: &'a System) -> Kinematics<'a> {
+        state_kinematics(system, &self.u)
+    }
+
+    fn parts(&self) -> TangentParts {
+        TangentParts {
+            weights: TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 },
+            mass: 0.0,
+            time: self.time,
+        }
+    }
+
+    fn rest(&self, system: &System, out: &mut [Nodal]) {
+        out.fill([0.0; 3]);
+        system.add_dead_loads(self.time, 1.0, out);
+        add_follower_loads(system, &self.kinematics(system), self.time, 1.0, out);
+    }
+
+    fn apply(&mut self, _system: &System, increment: &[Nodal]) {
+        add(&mut self.u, increment);
+    }
+
+    fn prescribed(&self, system: &System, increment: &mut [Nodal]) -> bool {
+        prescribed_increment(system, self.time, &self.u, increment)
+    }
+
+    fn energy_scale(&self, system: &System, assembly: &mut Assembly) -> f64 {
+        assembly.strain_energy(system, &self.u)
+    }
+
+    fn displacement_scale(&self, system: &System) -> f64 {
+        system.norm(&self.u)
+    }
+}
+
+/// A state without rates.
+pub fn state_kinematics<'a>(system: &'a System, u: &'a [Nodal]) -> Kinematics<'a> {
+    Kinematics { reference: &system.reference, motion: Motion::State { u, velocity: None }, linear: system.linear }
+}
+
+/// Adds an increment to a field.
+pub fn add(field: &mut [Nodal], increment: &[Nodal]) {
+    for (x, d) in field.iter_mut().zip(increment) {
+        for i in 0..3 {
+            x[i] += d[i];
+        }
+    }
+}
+
+/// Increment of the supported coordinates to their prescribed values at a time; false if it vanishes.
+pub fn prescribed_increment(system: &System, time: f64, u: &[Nodal], increment: &mut [Nodal]) -> bool {
+    if system.numbering.prescribed.is_empty() {
+        return false;
+    }
+    increment.copy_from_slice(u);
+    system.prescribe(time, increment);
+    let mut any = false;
+    for (d, u) in increment.iter_mut().zip(u) {
+        for i in 0..3 {
+            d[i] -= u[i];
+            any |= d[i].abs() > 1e-15 * u[i].abs();
+        }
+    }
+    any
+}
+
+/// Equilibrium under the full loads.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StaticOutcome {
+    /// Final state.
+    pub state: State,
+    /// Its energies.
+    pub balance: Balance,
+    /// Counts.
+    pub statistics: Statistics,
+    /// Negative pivots of the tangent at the end: above 0 the equilibrium is unstable.
+    pub negative_pivots: usize,
+}
+
+/// Runs a static analysis from `start` (the reference configuration where `None`) to load factor 1.
+///
+/// # Errors
+/// No equilibrium was found, or only an unstable one; the error says where the model stood.
+pub fn run(
+    system: &System,
+    options: &StaticAnalysis,
+    start: Option<State>,
+    observer: &mut dyn Observer,
+) -> Result<StaticOutcome> {
+    let mut newton = Newton::new(system, options.method)?;
+    let n = system.vectors();
+    let mut state = start.unwrap_or_else(|| State {
+        u: vec![[0.0; 3]; n],
+        v: vec![[0.0; 3]; n],
+        a: vec![[0.0; 3]; n],
+        stress: newton.assembly.stress.clone(),
+        next_step: 1.0 / f64::from(options.load_steps.max(1)),
+        ..State::default()
+    });
+    newton.assembly.stress.copy_from_slice(&state.stress);
+    let tolerances = Tolerances {
+        energy: ENERGY_TOLERANCE,
+        increment: INCREMENT_TOLERANCE,
+        max_iterations: options.max_iterations,
+    };
+    let smallest = 1.0 / f64::from(options.load_steps.max(1)) * 0.5_f64.powi(options.max_cutbacks as i32);
+    let mut statistics = Statistics { steps: state.step, ..Statistics::default() };
+    let mut balance = Balance::default();
+    let mut negative_pivots = 0;
+    let mut external = vec![[0.0; 3]; n];
+    while state.time < 1.0 {
+        // A last sliver of a step would only repeat the one before.
+        let target = if state.time + 1.0001 * state.next_step >= 1.0 { 1.0 } else { state.time + state.next_step };
+        let mut equation = StaticEquation { u: state.u.clone(), time: target };
+        let result = newton.solve(system, &mut equation, &tolerances, observer);
+        statistics.factorizations = newton.solver.factorizations() as u64;
+        let failure = match result {
+            Ok(c) if c.negative_pivots > 0 && !options.allow_unstable => {
+                statistics.iterations += u64::from(c.iterations);
+                format!(
+                    "the equilibrium found is unstable ({} negative pivot(s) of the tangent): the structure would buckle",
+                    c.negative_pivots
+                )
+            }
+            Ok(c) => {
+                statistics.iterations += u64::from(c.iterations);
+                if c.floor {
+                    observer.on_event(&format!(
+                        "load factor {target}: increments stopped shrinking at the rounding floor of the model; accepted"
+                    ));
+                }
+                negative_pivots = c.negative_pivots;
+                // Work by the trapezoidal rule over the load step.
+                let mut before = vec![[0.0; 3]; n];
+                system.add_dead_loads(state.time, 1.0, &mut before);
+                add_follower_loads(system, &state_kinematics(system, &state.u), state.time, 1.0, &mut before);
+                equation.rest(system, &mut external);
+                let mut work = 0.0;
+                for v in 0..n {
+                    for i in 0..3 {
+                        work += 0.5 * (before[v][i] + external[v][i]) * (equation.u[v][i] - state.u[v][i]);
+                    }
+                }
+                state.work += work;
+                state.next_step = (1.0 - target).min(grow(target - state.time, c.iterations));
+                state.u.copy_from_slice(&equation.u);
+                state.time = target;
+                state.step += 1;
+                let k = state_kinematics(system, &state.u);
+                newton.assembly.reset_stress(system, &k);
+                state.stress.copy_from_slice(&newton.assembly.stress);
+                statistics.steps = state.step;
+                balance = energies(system, &mut newton.assembly, &state);
+                observer.on_step(&Step {
+                    state: &state,
+                    balance: &balance,
+                    statistics: &statistics,
+                    iterations: c.iterations,
+                    end: 1.0,
+                })?;
+                if observer.interrupted() && state.time < 1.0 {
+                    return Err(Error::Interrupted);
+                }
+                continue;
+            }
+            Err(Diverged { iterations, reason }) => {
+                statistics.iterations += u64::from(iterations);
+                if observer.interrupted() {
+                    return Err(Error::Interrupted);
+                }
+                reason
+            }
+        };
+        let step = 0.5 * (target - state.time);
+        if step < smallest {
+            return Err(Error::NotConverged {
+                at: format!("load factor {target:.6}"),
+                reason: failure,
+                help: format!(
+                    "The last equilibrium was at load factor {:.6}. Look at supports, units and load directions there; \
+                     a limit point needs displacement control (`prescribe`).",
+                    state.time
+                ),
+            });
+        }
+        statistics.cutbacks += 1;
+        observer.on_event(&format!("load factor {target:.6} not reached: {failure}; the step is halved"));
+        newton.assembly.stress.copy_from_slice(&state.stress);
+        state.next_step = step;
+    }
+    Ok(StaticOutcome { state, balance, statistics, negative_pivots })
+}
+
+/// Steps that converge quickly grow.
+fn grow(step: f64, iterations: u32) -> f64 {
+    if iterations <= 12 { 2.0 * step } else { step }
+}
+
+fn energies(system: &System, assembly: &mut Assembly, state: &State) -> Balance {
+    let strain = assembly.strain_energy(system, &state.u);
+    let mut external = vec![[0.0; 3]; state.u.len()];
+    system.add_dead_loads(state.time, 1.0, &mut external);
+    let potential = -dot(&external, &state.u);
+    Balance { strain, potential, work: state.work, total: strain + potential, ..Balance::default() }
+}
+
+/// Reactions of the supports: force that they exert on the supported coordinates.
+pub fn reactions(system: &System, assembly: &mut Assembly, state: &State) -> Vec<Nodal> {
+    let n = system.vectors();
+    let (mut internal, mut external) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
+    let k = state_kinematics(system, &state.u);
+    assembly.forces(system, &k, &mut internal);
+    system.add_dead_loads(state.time, 1.0, &mut external);
+    add_follower_loads(system, &k, state.time, 1.0, &mut external);
+    for (f, e) in internal.iter_mut().zip(&external) {
+        for i in 0..3 {
+            f[i] -= e[i];
+        }
+    }
+    let mut out = vec![[0.0; 3]; n];
+    system.numbering.supported_part(&internal, &mut out);
+    out
+}

@@ -1,0 +1,320 @@
+//! The shear-deformable bilinear shell of the absolute nodal coordinate
+//! formulation with elastic middle surface ("ANCF EMS shell").
+//!
+//! A. I. Valkeapää, H. Yamashita, P. Jayakumar, H. Sugiyama: *On the use of elastic
+//! middle surface approach in the large deformation analysis of moderately thick
+//! shell structures using absolute nodal coordinate formulation*, Nonlinear Dynamics
+//! 80 (2015) 1133–1146. Equation numbers are the paper's.
+//!
+//! | paper | here | is |
+//! |---|---|---|
+//! | r_m, ∂r/∂z | `positions`, `directors` | nodal vectors, bilinear over the element (eq. 3) |
+//! | J = \[G1 G2 G3\] | `base` | covariant base of the reference (eq. 10) |
+//! | A | `frame` | cross-section frame (eqs. 17–19) |
+//! | B = AᵀJ, C | `b`, `c` | base in the frame; its in-plane 2×2 block (eqs. 14, 20) |
+//! | ε̃, κ̃ | samples | covariant strains and curvatures (eqs. 12, 22) |
+//! | G(ξ) α | `enhanced` | enhanced assumed strain (eqs. 28–31) |
+//!
+//! Because everything is bilinear, few samples carry all of it (g = 1/√3):
+//!
+//! | strain | sampled at | count | form |
+//! |---|---|---|---|
+//! | ε̃xx, κ̃xx | η = ±g | 2 + 2 | ½ r,ξ·r,ξ and −d,ξ·r,ξ |
+//! | ε̃yy, κ̃yy | ξ = ±g | 2 + 2 | ½ r,η·r,η and −d,η·r,η |
+//! | 2ε̃xy, 2κ̃xy | Gauss points | 4 + 4 | r,ξ·r,η and −(d,ξ·r,η + d,η·r,ξ) |
+//! | ε̃zz | nodes (ANS, eq. 34) | 4 | ½ d·d |
+//! | 2ε̃xz | C(0,−1), D(0,1) (ANS, eq. 33) | 2 | r,ξ·d |
+//! | 2ε̃yz | A(−1,0), B(1,0) | 2 | r,η·d |
+//!
+//! With a linear material the energy is `½ sᵀ H s`. The condition on the enhanced
+//! parameters (eq. 36) is linear in α with constant matrices, so α is eliminated
+//! once, `H ← H − K_αsᵀ K_αα⁻¹ K_αs`: nothing is left to iterate or to store.
+//!
+//! Where the paper leaves a choice:
+//! * G (eq. 29) is built in the frame of the Gauss point from the base of the centre,
+//!   `B₀ = A(gp)ᵀ J(centre)`: the same tensor at every point. Components added across
+//!   frames, as eqs. 29–30 read, break the membrane patch test on distorted elements.
+//! * |J| in eq. 29 is the measure of the integration, dA₀ = |G1×G2| dξdη, so that ∫G dA₀ = 0.
+//! * k lies along G3, which on coarse curved meshes is not normal to the facet; the
+//!   full 6×6 transformation is used.
+//! * The thickness strain has modulus E and no Poisson coupling (eq. 24).
+
+use nalgebra::{DMatrix, Matrix2, SMatrix, SVector};
+
+use super::geometry::{
+    GAUSS, GAUSS_POINTS, area_measure, covariant_base, cross_section_frame, in_plane_transformation,
+    shape, shape_eta, shape_xi, strain_transformation,
+};
+use super::strains::SampledStrains;
+use crate::section::{SectionInertia, SectionStiffness};
+use crate::{Mat3, Vec3};
+
+/// Nodal vectors: positions of nodes 1–4, then their directors.
+pub const VECTORS: usize = 8;
+/// Coordinates.
+pub const COORDINATES: usize = 24;
+/// Samples with assumed natural shear strain.
+pub const SAMPLES: usize = 24;
+/// Samples without it: transverse shear is taken at the Gauss points.
+pub const SAMPLES_WITHOUT_ANS_SHEAR: usize = 28;
+
+const ZZ: usize = 8;
+const KXX: usize = 12;
+const KYY: usize = 14;
+const KXY: usize = 16;
+const SHEAR: usize = 20;
+
+/// The element with its locking remedies, each of which can be switched off to show
+/// the locking that it cures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct EmsShell {
+    /// Assumed natural strain for transverse shear (eq. 33).
+    pub ans_shear: bool,
+    /// Assumed natural strain for the thickness (eq. 34).
+    pub ans_thickness: bool,
+    /// Enhanced assumed strain in the plane, 4 parameters (eqs. 27–31).
+    pub eas: bool,
+}
+
+impl Default for EmsShell {
+    fn default() -> Self {
+        Self { ans_shear: true, ans_thickness: true, eas: true }
+    }
+}
+
+/// Reference geometry of an element: nodal positions and directors.
+#[derive(Debug, Clone, Copy)]
+pub struct ShellGeometry {
+    /// Positions of the nodes.
+    pub positions: [Vec3; 4],
+    /// Directors of the nodes.
+    pub directors: [Vec3; 4],
+}
+
+/// Strains per sample at a Gauss point.
+#[derive(Debug, Clone)]
+pub struct PointStrains {
+    /// Rows ε_xx, ε_yy, 2ε_xy, ε_zz, 2ε_xz, 2ε_yz, κ_xx, κ_yy, 2κ_xy in the cross-section
+    /// frame; columns are the samples.
+    pub matrix: SMatrix<f64, 9, SAMPLES_WITHOUT_ANS_SHEAR>,
+    /// Share of the enhanced parameters in ε_xx, ε_yy, 2ε_xy (eq. 29).
+    pub enhanced: SMatrix<f64, 3, 4>,
+    /// Cross-section frame.
+    pub frame: Mat3,
+    /// Reference area that the point stands for.
+    pub area: f64,
+}
+
+impl EmsShell {
+    /// Number of samples.
+    pub fn samples(&self) -> usize {
+        if self.ans_shear { SAMPLES } else { SAMPLES_WITHOUT_ANS_SHEAR }
+    }
+
+    /// The sampled strains; `S` is [`samples`](Self::samples).
+    pub fn strains<const S: usize>(&self) -> SampledStrains<VECTORS, COORDINATES, S> {
+        let mut t = SampledStrains::new();
+        let position = |n: [f64; 4]| std::array::from_fn(|a| if a < 4 { n[a] } else { 0.0 });
+        let director = |n: [f64; 4]| std::array::from_fn(|a| if a < 4 { 0.0 } else { n[a - 4] });
+        let r_xi = [-GAUSS, GAUSS].map(|eta| t.direction(position(shape_xi(eta))));
+        let r_eta = [-GAUSS, GAUSS].map(|xi| t.direction(position(shape_eta(xi))));
+        let d_xi = [-GAUSS, GAUSS].map(|eta| t.direction(director(shape_xi(eta))));
+        let d_eta = [-GAUSS, GAUSS].map(|xi| t.direction(director(shape_eta(xi))));
+        for i in 0..2 {
+            t.product(i, 0.5, r_xi[i], r_xi[i]);
+            t.product(2 + i, 0.5, r_eta[i], r_eta[i]);
+            t.product(KXX + i, -1.0, d_xi[i], r_xi[i]);
+            t.product(KYY + i, -1.0, d_eta[i], r_eta[i]);
+        }
+        for p in 0..4 {
+            let (xi, eta) = (p % 2, p / 2);
+            t.product(4 + p, 1.0, r_xi[eta], r_eta[xi]);
+            t.product(KXY + p, -1.0, d_xi[eta], r_eta[xi]);
+            t.product(KXY + p, -1.0, d_eta[xi], r_xi[eta]);
+        }
+        let at_gauss: [usize; 4] = if self.ans_shear && self.ans_thickness {
+            [0; 4]
+        } else {
+            GAUSS_POINTS.map(|[xi, eta]| t.direction(director(shape(xi, eta))))
+        };
+        let thickness = if self.ans_thickness {
+            super::geometry::NODES.map(|[xi, eta]| t.direction(director(shape(xi, eta))))
+        } else {
+            at_gauss
+        };
+        for a in 0..4 {
+            t.product(ZZ + a, 0.5, thickness[a], thickness[a]);
+        }
+        if self.ans_shear {
+            for (i, side) in [-1.0, 1.0].into_iter().enumerate() {
+                let tangent = t.direction(position(shape_xi(side)));
+                let normal = t.direction(director(shape(0.0, side)));
+                t.product(SHEAR + i, 1.0, tangent, normal);
+                let tangent = t.direction(position(shape_eta(side)));
+                let normal = t.direction(director(shape(side, 0.0)));
+                t.product(SHEAR + 2 + i, 1.0, tangent, normal);
+            }
+        } else {
+            for p in 0..4 {
+                t.product(SHEAR + p, 1.0, r_xi[p / 2], at_gauss[p]);
+                t.product(SHEAR + 4 + p, 1.0, r_eta[p % 2], at_gauss[p]);
+            }
+        }
+        t
+    }
+
+    /// Strains at a Gauss point from the samples.
+    ///
+    /// # Errors
+    /// The cross-section frame is not defined there: collapsed element or director in the surface.
+    pub fn point_strains(&self, g: &ShellGeometry, point: usize) -> Result<PointStrains, String> {
+        let [xi, eta] = GAUSS_POINTS[point];
+        let (i_xi, i_eta) = (point % 2, point / 2);
+        let base = covariant_base(&g.positions, &g.directors, xi, eta);
+        let frame = cross_section_frame(&base)
+            .ok_or("its director lies in the surface or vanishes: no cross-section frame")?;
+        let b = frame.transpose() * base;
+        let c: Matrix2<f64> = b.fixed_view::<2, 2>(0, 0).into();
+        let area = area_measure(&base);
+        let (b_inverse, c_inverse) = b
+            .try_inverse()
+            .zip(c.try_inverse())
+            .filter(|(b, _)| area > 0.0 && b.iter().all(|x| x.is_finite()))
+            .ok_or("it is collapsed: its area vanishes at an integration point")?;
+
+        let mut covariant = SMatrix::<f64, 6, SAMPLES_WITHOUT_ANS_SHEAR>::zeros();
+        covariant[(0, i_eta)] = 1.0;
+        covariant[(1, 2 + i_xi)] = 1.0;
+        covariant[(2, 4 + point)] = 1.0;
+        if self.ans_thickness {
+            for (a, n) in shape(xi, eta).into_iter().enumerate() {
+                covariant[(3, ZZ + a)] = n;
+            }
+        } else {
+            covariant[(3, ZZ + point)] = 1.0;
+        }
+        if self.ans_shear {
+            for (i, side) in [-1.0, 1.0].into_iter().enumerate() {
+                covariant[(4, SHEAR + i)] = 0.5 * (1.0 + side * eta);
+                covariant[(5, SHEAR + 2 + i)] = 0.5 * (1.0 + side * xi);
+            }
+        } else {
+            covariant[(4, SHEAR + point)] = 1.0;
+            covariant[(5, SHEAR + 4 + point)] = 1.0;
+        }
+        let mut curvature = SMatrix::<f64, 3, SAMPLES_WITHOUT_ANS_SHEAR>::zeros();
+        curvature[(0, KXX + i_eta)] = 1.0;
+        curvature[(1, KYY + i_xi)] = 1.0;
+        curvature[(2, KXY + point)] = 1.0;
+
+        let mut matrix = SMatrix::<f64, 9, SAMPLES_WITHOUT_ANS_SHEAR>::zeros();
+        matrix
+            .fixed_view_mut::<6, SAMPLES_WITHOUT_ANS_SHEAR>(0, 0)
+            .copy_from(&(strain_transformation(&b_inverse) * covariant));
+        matrix
+            .fixed_view_mut::<3, SAMPLES_WITHOUT_ANS_SHEAR>(6, 0)
+            .copy_from(&(in_plane_transformation(&c_inverse) * curvature));
+
+        let centre = covariant_base(&g.positions, &g.directors, 0.0, 0.0);
+        let b0 = frame.transpose() * centre;
+        let c0: Matrix2<f64> = b0.fixed_view::<2, 2>(0, 0).into();
+        let c0_inverse = c0.try_inverse().ok_or("it is collapsed at its centre")?;
+        let polynomials = SMatrix::<f64, 3, 4>::new(
+            xi, 0.0, 0.0, 0.0, //
+            0.0, eta, 0.0, 0.0, //
+            0.0, 0.0, xi, eta,
+        );
+        let enhanced = in_plane_transformation(&c0_inverse) * polynomials * (area_measure(&centre) / area);
+        Ok(PointStrains { matrix, enhanced, frame, area })
+    }
+
+    /// `H` of the energy `½ sᵀ H s` by rows, α eliminated, and the matrix `−K_αα⁻¹ K_αs`
+    /// that gives α from the samples.
+    ///
+    /// # Errors
+    /// The geometry is invalid; the text says how.
+    pub fn stiffness(
+        &self,
+        g: &ShellGeometry,
+        section: &SectionStiffness,
+    ) -> Result<(Vec<f64>, SMatrix<f64, 4, SAMPLES_WITHOUT_ANS_SHEAR>), String> {
+        const S: usize = SAMPLES_WITHOUT_ANS_SHEAR;
+        let mut h = SMatrix::<f64, S, S>::zeros();
+        let mut k_aa = SMatrix::<f64, 4, 4>::zeros();
+        let mut k_as = SMatrix::<f64, 4, S>::zeros();
+        for point in 0..4 {
+            let p = self.point_strains(g, point)?;
+            let d = resultants(section);
+            h += p.matrix.transpose() * (d * p.matrix) * p.area;
+            if self.eas {
+                let membrane: SMatrix<f64, 3, 9> = d.fixed_view::<3, 9>(0, 0).into();
+                k_aa += p.enhanced.transpose() * (section.membrane * p.enhanced) * p.area;
+                k_as += p.enhanced.transpose() * (membrane * p.matrix) * p.area;
+            }
+        }
+        let mut alpha = SMatrix::<f64, 4, S>::zeros();
+        if self.eas {
+            let inverse = k_aa.cholesky().ok_or("its enhanced strains are not independent")?;
+            alpha = -inverse.solve(&k_as);
+            h += k_as.transpose() * alpha;
+        }
+        // Rounding leaves H unsymmetric in the last digit; the tangent must be symmetric.
+        let h = (h + h.transpose()) * 0.5;
+        let n = self.samples();
+        let h = DMatrix::from_fn(n, n, |i, j| h[(i, j)]);
+        Ok((h.transpose().as_slice().to_vec(), alpha))
+    }
+
+    /// ∫N_aN_b dA₀ times the inertia: scalar mass of the lower triangle of nodal vector pairs.
+    pub fn mass(&self, g: &ShellGeometry, inertia: &SectionInertia) -> [f64; VECTORS * (VECTORS + 1) / 2] {
+        let mut nn = [[0.0; 4]; 4];
+        for [xi, eta] in GAUSS_POINTS {
+            let area = area_measure(&covariant_base(&g.positions, &g.directors, xi, eta));
+            let n = shape(xi, eta);
+            for a in 0..4 {
+                for b in 0..4 {
+                    nn[a][b] += n[a] * n[b] * area;
+                }
+            }
+        }
+        let mut out = [0.0; VECTORS * (VECTORS + 1) / 2];
+        for a in 0..4 {
+            for b in 0..=a {
+                out[a * (a + 1) / 2 + b] = inertia.mass * nn[a][b];
+                let (c, d) = (a + 4, b + 4);
+                out[c * (c + 1) / 2 + d] = inertia.rotary * nn[a][b];
+            }
+        }
+        out
+    }
+}
+
+/// Matrix of resultants (n, n_zz, q, m) from (ε, ε_zz, γ, κ) in the order of [`PointStrains::matrix`].
+fn resultants(section: &SectionStiffness) -> SMatrix<f64, 9, 9> {
+    let mut d = SMatrix::<f64, 9, 9>::zeros();
+    d.fixed_view_mut::<3, 3>(0, 0).copy_from(&section.membrane);
+    d.fixed_view_mut::<3, 3>(0, 6).copy_from(&section.coupling);
+    d.fixed_view_mut::<3, 3>(6, 0).copy_from(&section.coupling.transpose());
+    d.fixed_view_mut::<3, 3>(6, 6).copy_from(&section.bending);
+    d.fixed_view_mut::<2, 2>(4, 4).copy_from(&section.shear);
+    d[(3, 3)] = section.thickness;
+    d
+}
+
+/// Resultants (n_xx, n_yy, n_xy, n_zz, q_xz, q_yz, m_xx, m_yy, m_xy) at a Gauss point from the
+/// samples `s`, and the strain energy per area there.
+pub fn point_resultants(
+    point: &PointStrains,
+    alpha: &SMatrix<f64, 4, SAMPLES_WITHOUT_ANS_SHEAR>,
+    section: &SectionStiffness,
+    s: &[f64],
+) -> (SVector<f64, 9>, f64) {
+    let samples = SVector::<f64, SAMPLES_WITHOUT_ANS_SHEAR>::from_fn(|i, _| s.get(i).copied().unwrap_or(0.0));
+    let mut strain = point.matrix * samples;
+    let enhanced = point.enhanced * (alpha * samples);
+    for i in 0..3 {
+        strain[i] += enhanced[i];
+    }
+    let n = resultants(section) * strain;
+    (n, 0.5 * n.dot(&strain))
+}

@@ -1,0 +1,227 @@
+//! Sampled strains as quadratic forms of nodal vectors.
+//!
+//! An element of `M` nodal vectors `v_a` has `S` sampled strains
+//!
+//! ```text
+//! s_k(v) = Σ_t w_t (P_t · Q_t) − (the same at the reference),   P = Σ_a p_a v_a,  Q = Σ_a q_a v_a
+//! ```
+//!
+//! that is `s_k = Σ_ab A_k[a,b] v_a·v_b − s_k⁰` with `A_k = Σ_t w_t ½ (p qᵀ + q pᵀ)`.
+//! `P` and `Q` are *directions* of the element: a tangent of the mid-surface at a
+//! sampling point, the director there, its derivative. With the stress resultants
+//! `n = ∂ψ/∂s` conjugate to the samples follow
+//!
+//! ```text
+//! S = ∂s/∂v          rows 2 Σ_b A_k[a,b] v_bᵀ
+//! f = Sᵀ n           internal force
+//! K = Sᵀ H S + Σ_k 2 n_k A_k ⊗ I₃       exact tangent, symmetric
+//! ```
+//!
+//! Strains are computed from displacements, `s = P₀·q + p·Q₀ + p·q`, not as a
+//! difference of two metrics: thin shells under small loads would lose digits.
+
+use super::scalar::{Scalar, Triple, dot};
+
+/// Largest number of directions of an element type.
+pub const MAX_DIRECTIONS: usize = 32;
+
+/// Values of all directions of one element.
+pub type Directions<T> = [Triple<T>; MAX_DIRECTIONS];
+
+/// A product `weight · (left · right)` that contributes to a sample.
+#[derive(Debug, Clone, Copy)]
+struct Term {
+    sample: usize,
+    weight: f64,
+    left: usize,
+    right: usize,
+}
+
+/// The sampled strains of an element type: `M` nodal vectors, `N = 3 M`
+/// coordinates, `S` samples.
+#[derive(Debug, Clone)]
+pub struct SampledStrains<const M: usize, const N: usize, const S: usize> {
+    directions: Vec<[f64; M]>,
+    terms: Vec<Term>,
+    /// `2 A_k`, lower triangle by rows, for the geometric part of the tangent.
+    geometric: Vec<Vec<f64>>,
+}
+
+impl<const M: usize, const N: usize, const S: usize> Default for SampledStrains<M, N, S> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const M: usize, const N: usize, const S: usize> SampledStrains<M, N, S> {
+    /// Blocks in the lower triangle of the element matrix.
+    pub const BLOCKS: usize = M * (M + 1) / 2;
+
+    /// No samples yet.
+    pub fn new() -> Self {
+        const { assert!(N == 3 * M) };
+        Self { directions: Vec::new(), terms: Vec::new(), geometric: vec![vec![0.0; Self::BLOCKS]; S] }
+    }
+
+    /// Adds a direction `Σ_a coefficients[a] v_a` and returns its number.
+    pub fn direction(&mut self, coefficients: [f64; M]) -> usize {
+        debug_assert!(self.directions.len() < MAX_DIRECTIONS);
+        self.directions.push(coefficients);
+        self.directions.len() - 1
+    }
+
+    /// Adds `weight · (left · right)` to a sample.
+    pub fn product(&mut self, sample: usize, weight: f64, left: usize, right: usize) {
+        self.terms.push(Term { sample, weight, left, right });
+        let (p, q) = (self.directions[left], self.directions[right]);
+        let mut block = 0;
+        for a in 0..M {
+            for b in 0..=a {
+                self.geometric[sample][block] += weight * (p[a] * q[b] + q[a] * p[b]);
+                block += 1;
+            }
+        }
+    }
+
+    /// Values of the directions for the nodal vectors `v`.
+    #[inline(always)]
+    pub fn directions<T: Scalar>(&self, v: &[Triple<T>; M]) -> Directions<T> {
+        let mut out = [[T::from(0.0); 3]; MAX_DIRECTIONS];
+        for (value, coefficients) in out.iter_mut().zip(&self.directions) {
+            for a in 0..M {
+                let c = coefficients[a];
+                if c != 0.0 {
+                    let c = T::from(c);
+                    for i in 0..3 {
+                        value[i] += c * v[a][i];
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    /// Strains of the displacement directions `p` from the reference directions `p0`;
+    /// `quadratic = false` leaves out the products of displacements (small displacements).
+    #[inline(always)]
+    pub fn strains<T: Scalar>(&self, p0: &Directions<T>, p: &Directions<T>, quadratic: bool) -> [T; S] {
+        let mut s = [T::from(0.0); S];
+        for t in &self.terms {
+            let mut value = dot(p0[t.left], p[t.right]) + dot(p[t.left], p0[t.right]);
+            if quadratic {
+                value += dot(p[t.left], p[t.right]);
+            }
+            s[t.sample] += T::from(t.weight) * value;
+        }
+        s
+    }
+
+    /// `S(x) v`: change of the strains at the directions `x` with the directions `v` of a velocity or increment.
+    #[inline(always)]
+    pub fn rates<T: Scalar>(&self, x: &Directions<T>, v: &Directions<T>) -> [T; S] {
+        let mut s = [T::from(0.0); S];
+        for t in &self.terms {
+            s[t.sample] +=
+                T::from(t.weight) * (dot(x[t.left], v[t.right]) + dot(v[t.left], x[t.right]));
+        }
+        s
+    }
+
+    /// `Sᵀ(x) n`: nodal forces of the stress resultants `n` at the directions `x`.
+    #[inline(always)]
+    pub fn force<T: Scalar>(&self, x: &Directions<T>, n: &[T; S]) -> [Triple<T>; M] {
+        let mut on_direction = [[T::from(0.0); 3]; MAX_DIRECTIONS];
+        for t in &self.terms {
+            let w = T::from(t.weight) * n[t.sample];
+            for i in 0..3 {
+                on_direction[t.left][i] += w * x[t.right][i];
+                on_direction[t.right][i] += w * x[t.left][i];
+            }
+        }
+        let mut f = [[T::from(0.0); 3]; M];
+        for (force, coefficients) in on_direction.iter().zip(&self.directions) {
+            for a in 0..M {
+                let c = coefficients[a];
+                if c != 0.0 {
+                    let c = T::from(c);
+                    for i in 0..3 {
+                        f[a][i] += c * force[i];
+                    }
+                }
+            }
+        }
+        f
+    }
+
+    /// `S(x)`: derivatives of the samples with respect to the coordinates.
+    #[inline(always)]
+    pub fn gradient(&self, x: &Directions<f64>) -> [[f64; N]; S] {
+        let mut s = [[0.0; N]; S];
+        for t in &self.terms {
+            let (p, q) = (&self.directions[t.left], &self.directions[t.right]);
+            let row = &mut s[t.sample];
+            for a in 0..M {
+                let (wp, wq) = (t.weight * p[a], t.weight * q[a]);
+                for i in 0..3 {
+                    row[3 * a + i] += wp * x[t.right][i] + wq * x[t.left][i];
+                }
+            }
+        }
+        s
+    }
+
+    /// Adds `material · SᵀHS + geometric · Σ_k 2 n_k A_k ⊗ I₃` to the blocks of the lower
+    /// triangle of an element matrix: block (a, b ≤ a) at `9 (a (a+1)/2 + b)`, by rows.
+    #[inline(always)]
+    pub fn tangent(
+        &self,
+        h: &[f64],
+        gradient: &[[f64; N]; S],
+        n: &[f64; S],
+        material: f64,
+        geometric: f64,
+        blocks: &mut [f64],
+    ) {
+        let mut hs = [[0.0; N]; S];
+        for (row, h_row) in hs.iter_mut().zip(h.chunks_exact(S)) {
+            for (s_row, &h_kl) in gradient.iter().zip(h_row) {
+                if h_kl != 0.0 {
+                    for j in 0..N {
+                        row[j] += h_kl * s_row[j];
+                    }
+                }
+            }
+        }
+        let mut first = 0;
+        for a in 0..M {
+            for i in 0..3 {
+                let mut row = [0.0; N];
+                for (s_row, hs_row) in gradient.iter().zip(&hs) {
+                    let s = material * s_row[3 * a + i];
+                    if s != 0.0 {
+                        for j in 0..N {
+                            row[j] += s * hs_row[j];
+                        }
+                    }
+                }
+                for b in 0..=a {
+                    let at = 9 * (first + b) + 3 * i;
+                    blocks[at..at + 3].copy_from_slice(&row[3 * b..3 * b + 3]);
+                }
+            }
+            first += a + 1;
+        }
+        if geometric != 0.0 {
+            for (block, values) in blocks.chunks_exact_mut(9).enumerate() {
+                let mut g = 0.0;
+                for (a_k, &n_k) in self.geometric.iter().zip(n) {
+                    g += a_k[block] * n_k;
+                }
+                g *= geometric;
+                values[0] += g;
+                values[4] += g;
+                values[8] += g;
+            }
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! Loads: functions of time, constant nodal forces, forces that follow the motion.
+
+pub mod amplitude;
+pub mod follower;
+
+pub use amplitude::TimeFunction;
+pub use follower::FollowerLoad;

@@ -1,0 +1,481 @@
+//! What can be wrong with a model, found all at once and said for people.
+
+use std::collections::BTreeMap;
+
+use nalgebra::SMatrix;
+
+use super::{AddedMass, Amplitude, Analysis, Condition, Load, Material, Model, Scheme};
+use crate::element::Nodal;
+use crate::mesh::Mesh;
+use crate::system::numbering::{Support, VectorKind};
+use crate::system::System;
+use crate::{Issue, Vec3};
+
+impl Condition {
+    /// Name of the set it acts on.
+    pub fn on(&self) -> &str {
+        match self {
+            Self::Clamp(c) | Self::Hinge(c) | Self::Spherical(c) => &c.on,
+            Self::Symmetry(c) => &c.on,
+            Self::Fix(c) => &c.on,
+            Self::Prescribe(c) => &c.on,
+        }
+    }
+}
+
+/// Values and names that are wrong whatever the mesh.
+pub fn keys(model: &Model) -> Vec<Issue> {
+    let mut c = Checker::default();
+    for (name, material) in &model.materials {
+        let Material::Isotropic(m) = material;
+        let key = format!("materials.{name}");
+        c.positive(&format!("{key}.young"), "Young's modulus", m.young);
+        if !(m.poisson > -1.0 && m.poisson < 0.5) {
+            c.add(
+                format!("{key}.poisson"),
+                format!("Poisson's ratio is {}; it must be above -1 and below 0.5", m.poisson),
+                "at 0.5 a material is incompressible and plane stress has no limit here; use 0.49 or less",
+            );
+        }
+        c.not_negative(&format!("{key}.density"), "the density", m.density);
+    }
+    if model.sections.is_empty() {
+        c.add("sections", "no section: no part of the mesh has elements", "add a [[sections]] entry with material and thickness");
+    }
+    for (i, s) in model.sections.iter().enumerate() {
+        let key = format!("sections[{i}]");
+        c.positive(&format!("{key}.thickness"), "the thickness", s.thickness);
+        for (j, k) in s.shear_correction.iter().enumerate() {
+            c.positive(&format!("{key}.shear_correction[{j}]"), "the shear correction factor", *k);
+        }
+        if let Some(m) = s.total_mass {
+            c.positive(&format!("{key}.total_mass"), "the total mass", m);
+        }
+        c.not_negative(&format!("{key}.retardation_time"), "the retardation time", s.retardation_time);
+        if !model.materials.contains_key(&s.material) {
+            c.missing(format!("{key}.material"), "material", &s.material, model.materials.keys());
+        }
+    }
+    c.not_negative("damping.mass", "the damping factor", model.damping.mass);
+    c.not_negative("damping.stiffness", "the damping factor", model.damping.stiffness);
+    for (i, condition) in model.conditions.iter().enumerate() {
+        let key = format!("conditions[{i}]");
+        match condition {
+            Condition::Symmetry(s) => {
+                if !Vec3::from(s.normal).norm().is_normal() {
+                    c.add(format!("{key}.normal"), "the normal of the plane vanishes", "give a vector such as [1, 0, 0]");
+                }
+            }
+            Condition::Fix(f) => {
+                if f.position.is_empty() && f.director.is_empty() {
+                    c.add(key, "fixes nothing", "list components: position = [\"x\", \"y\", \"z\"], director = [...]");
+                }
+            }
+            Condition::Prescribe(p) => {
+                c.finite(&format!("{key}.value"), "the prescribed value", &[p.value]);
+                c.amplitude(model, &key, &p.amplitude);
+            }
+            Condition::Clamp(_) | Condition::Hinge(_) | Condition::Spherical(_) => {}
+        }
+    }
+    for (i, load) in model.loads.iter().enumerate() {
+        let key = format!("loads[{i}]");
+        let (value, amplitude): (&[f64], _) = match load {
+            Load::Force(l) | Load::Moment(l) | Load::Edge(l) | Load::EdgeMoment(l) | Load::Traction(l) => {
+                (&l.value, &l.amplitude)
+            }
+            Load::Pressure(l) => (std::slice::from_ref(&l.value), &l.amplitude),
+            Load::Gravity(l) => (&l.value, &l.amplitude),
+        };
+        c.finite(&format!("{key}.value"), "the load", value);
+        c.amplitude(model, &key, amplitude);
+    }
+    for (i, m) in model.masses.iter().enumerate() {
+        let (AddedMass::Point(m) | AddedMass::Edge(m) | AddedMass::Area(m)) = m;
+        c.not_negative(&format!("masses[{i}].value"), "the mass", m.value);
+    }
+    for (i, v) in model.initial_velocities.iter().enumerate() {
+        let key = format!("initial_velocities[{i}]");
+        c.finite(&format!("{key}.velocity"), "the velocity", &v.velocity);
+        c.finite(&format!("{key}.angular_velocity"), "the angular velocity", &v.angular_velocity);
+    }
+    c.analysis(model);
+    for (i, p) in model.output.points.iter().enumerate() {
+        let key = format!("output.points[{i}]");
+        if p.on.is_some() == p.at.is_some() {
+            c.add(key.as_str(), format!("point \"{}\" needs either `on` or `at`", p.name), "give the name of a set with one node, or a position");
+        }
+        if p.name.is_empty() || !p.name.chars().all(|ch| ch.is_alphanumeric() || "_-. ".contains(ch)) {
+            c.add(format!("{key}.name"), format!("\"{}\" cannot name a point", p.name), "use letters, digits, blanks, '_', '-' and '.'");
+        }
+        if model.output.points[..i].iter().any(|q| q.name == p.name) {
+            c.add(format!("{key}.name"), format!("two points are named \"{}\"", p.name), "give each point its own name");
+        }
+    }
+    c.not_negative("output.interval", "the interval", model.output.interval);
+    c.issues
+}
+
+/// Names of sets that the mesh does not have, loads and sections on nothing.
+pub fn sets(model: &Model, mesh: &Mesh) -> Vec<Issue> {
+    let mut c = Checker::default();
+    let mut section_of: BTreeMap<u32, usize> = BTreeMap::new();
+    for (i, s) in model.sections.iter().enumerate() {
+        let key = format!("sections[{i}].on");
+        for q in c.set(mesh, key.clone(), &s.on, "quads", Mesh::quads_on) {
+            if let Some(other) = section_of.insert(q, i) {
+                c.add(
+                    key.as_str(),
+                    format!("element {q} belongs to sections[{other}] and sections[{i}]"),
+                    "let the sets of the sections be disjoint",
+                );
+                break;
+            }
+        }
+    }
+    if section_of.len() < mesh.quads.len()
+        && let Some(q) = (0..mesh.quads.len() as u32).find(|q| !section_of.contains_key(q))
+        && !model.sections.is_empty()
+    {
+        c.add(
+            "sections",
+            format!("{} of {} elements have no section, the first is element {q}", mesh.quads.len() - section_of.len(), mesh.quads.len()),
+            "add a section for them, or use on = \"all\"",
+        );
+    }
+    for (i, condition) in model.conditions.iter().enumerate() {
+        let key = format!("conditions[{i}].on");
+        let nodes = c.set(mesh, key.clone(), condition.on(), "nodes", Mesh::nodes_on);
+        match condition {
+            Condition::Hinge(_) if !nodes.is_empty() => c.hinge(mesh, key, condition.on(), &nodes),
+            Condition::Symmetry(s) => c.plane(mesh, key, s, &nodes),
+            _ => {}
+        }
+    }
+    for (i, load) in model.loads.iter().enumerate() {
+        let key = format!("loads[{i}].on");
+        match load {
+            Load::Force(l) | Load::Moment(l) => drop(c.set(mesh, key, &l.on, "nodes", Mesh::nodes_on)),
+            Load::Edge(l) | Load::EdgeMoment(l) => drop(c.set(mesh, key, &l.on, "edges", Mesh::edges_on)),
+            Load::Traction(l) => drop(c.set(mesh, key, &l.on, "quads", Mesh::quads_on)),
+            Load::Pressure(l) => drop(c.set(mesh, key, &l.on, "quads", Mesh::quads_on)),
+            Load::Gravity(_) => {}
+        }
+    }
+    for (i, mass) in model.masses.iter().enumerate() {
+        let key = format!("masses[{i}].on");
+        match mass {
+            AddedMass::Point(m) => drop(c.set(mesh, key, &m.on, "nodes", Mesh::nodes_on)),
+            AddedMass::Edge(m) => drop(c.set(mesh, key, &m.on, "edges", Mesh::edges_on)),
+            AddedMass::Area(m) => drop(c.set(mesh, key, &m.on, "quads", Mesh::quads_on)),
+        }
+    }
+    for (i, v) in model.initial_velocities.iter().enumerate() {
+        drop(c.set(mesh, format!("initial_velocities[{i}].on"), &v.on, "nodes", Mesh::nodes_on));
+    }
+    for (i, p) in model.output.points.iter().enumerate() {
+        if let Some(on) = &p.on {
+            let key = format!("output.points[{i}].on");
+            let nodes = c.set(mesh, key.clone(), on, "nodes", Mesh::nodes_on);
+            if nodes.len() > 1 {
+                c.add(key, format!("set \"{on}\" has {} nodes, a point needs one", nodes.len()), "name a set with one node, or give a position with `at`");
+            }
+        }
+    }
+    c.issues
+}
+
+/// Rigid-body motions that the supports leave free, sheet by sheet.
+///
+/// Each part of the mesh that hangs together has six rigid motions. A support forbids a combination of
+/// them; a motion that no support forbids is a free mechanism.
+pub fn mechanisms(
+    mesh: &Mesh,
+    reference: &[Nodal],
+    kinds: &[VectorKind],
+    nodes: &[u32],
+    supports: &[Support],
+) -> Vec<Issue> {
+    let part_of = parts(mesh);
+    let length = mesh.extent();
+    let count = part_of.iter().filter(|&&p| p != u32::MAX).max().map_or(0, |&p| p as usize + 1);
+    let mut normal = vec![SMatrix::<f64, 6, 6>::zeros(); count];
+    let mut first = vec![usize::MAX; count];
+    let mut size = vec![0; count];
+    for (node, &p) in part_of.iter().enumerate().filter(|(_, p)| **p != u32::MAX) {
+        first[p as usize] = first[p as usize].min(node);
+        size[p as usize] += 1;
+    }
+    for s in supports {
+        let v = s.vector as usize;
+        let part = part_of[nodes[v] as usize];
+        if part == u32::MAX {
+            continue;
+        }
+        let origin = mesh.positions[first[part as usize]];
+        // Motion t L + ω × (x − origin) of a position, ω × d of a director.
+        let arm = match kinds[v] {
+            VectorKind::Position => (Vec3::from(reference[v]) - origin) / length,
+            VectorKind::Director => Vec3::from(reference[v]),
+        };
+        let translation = if kinds[v] == VectorKind::Position { s.direction } else { Vec3::zeros() };
+        let rotation = arm.cross(&s.direction);
+        let row = SMatrix::<f64, 1, 6>::from_fn(|_, c| if c < 3 { translation[c] } else { rotation[c - 3] });
+        normal[part as usize] += row.transpose() * row;
+    }
+    let mut issues = Vec::new();
+    for (part, n) in normal.iter().enumerate() {
+        let eigen = n.symmetric_eigen();
+        let largest = eigen.eigenvalues.max();
+        let mut free: Vec<usize> = (0..6).filter(|&i| eigen.eigenvalues[i] <= 1e-16_f64.max(1e-12 * largest)).collect();
+        free.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+        let Some(&mode) = free.first() else { continue };
+        let v = eigen.eigenvectors.column(mode);
+        let (t, w) = (Vec3::new(v[0], v[1], v[2]), Vec3::new(v[3], v[4], v[5]));
+        let how = if free.len() == 6 {
+            "has no support at all".to_string()
+        } else if w.norm() < 1e-6 {
+            let t = t.normalize();
+            format!("can slide along ({:.3}, {:.3}, {:.3})", t.x, t.y, t.z)
+        } else {
+            // The axis: the point where the motion vanishes across ω.
+            let p = mesh.positions[first[part]] + w.cross(&t) / w.norm_squared() * length;
+            let w = w.normalize();
+            format!(
+                "can turn about the axis through ({:.4}, {:.4}, {:.4}) along ({:.3}, {:.3}, {:.3})",
+                p.x, p.y, p.z, w.x, w.y, w.z
+            )
+        };
+        issues.push(Issue::new(
+            "conditions",
+            format!(
+                "free mechanism: the part of the mesh with node {} ({} nodes) {how} ({} free rigid motion(s))",
+                first[part],
+                size[part],
+                free.len()
+            ),
+            "add a support against this motion, or use a transient analysis",
+        ));
+    }
+    issues
+}
+
+/// Number of the connected part that each node belongs to.
+fn parts(mesh: &Mesh) -> Vec<u32> {
+    let mut root: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    fn find(root: &mut [u32], mut a: u32) -> u32 {
+        while root[a as usize] != a {
+            root[a as usize] = root[root[a as usize] as usize];
+            a = root[a as usize];
+        }
+        a
+    }
+    let mut used = vec![false; mesh.positions.len()];
+    for quad in &mesh.quads {
+        for &n in quad {
+            used[n as usize] = true;
+            let (a, b) = (find(&mut root, quad[0]), find(&mut root, n));
+            let (low, high) = (a.min(b), a.max(b));
+            root[high as usize] = low;
+        }
+    }
+    let mut number = BTreeMap::new();
+    (0..mesh.positions.len() as u32)
+        .map(|n| {
+            if !used[n as usize] {
+                return u32::MAX;
+            }
+            let next = number.len() as u32;
+            *number.entry(find(&mut root, n)).or_insert(next)
+        })
+        .collect()
+}
+
+/// Masses that an analysis needs and the model does not have.
+pub fn masses(model: &Model, system: &System) -> Vec<Issue> {
+    let mut c = Checker::default();
+    let needed = match &model.analysis {
+        Analysis::Modal(_) => Some("a modal analysis"),
+        Analysis::Transient(_) => Some("a transient analysis"),
+        Analysis::Static(_) => {
+            model.loads.iter().any(|l| matches!(l, Load::Gravity(_))).then_some("gravity")
+        }
+    };
+    if let Some(what) = needed {
+        for (i, s) in model.sections.iter().enumerate() {
+            if s.total_mass.is_none()
+                && let Some(Material::Isotropic(m)) = model.materials.get(&s.material)
+                && m.density == 0.0
+                && (!matches!(model.analysis, Analysis::Static(_)) || system.total_mass() == 0.0)
+            {
+                c.add(
+                    format!("materials.{}.density", s.material),
+                    format!("the density is 0, but {what} needs the mass of sections[{i}]"),
+                    "give the density, or `total_mass` in the section",
+                );
+            }
+        }
+    }
+    if let Analysis::Modal(m) = &model.analysis
+        && m.modes as usize > system.unknowns()
+    {
+        c.add(
+            "analysis.modes",
+            format!("{} modes wanted, but the model has only {} unknowns", m.modes, system.unknowns()),
+            "ask for fewer modes or refine the mesh",
+        );
+    }
+    c.issues
+}
+
+#[derive(Default)]
+struct Checker {
+    issues: Vec<Issue>,
+}
+
+impl Checker {
+    fn add(&mut self, place: impl Into<String>, message: impl Into<String>, help: impl Into<String>) {
+        self.issues.push(Issue::new(place, message, help));
+    }
+
+    fn positive(&mut self, key: &str, what: &str, value: f64) {
+        if !(value > 0.0 && value.is_finite()) {
+            self.add(key, format!("{what} is {value}; it must be above 0"), "give a positive number in the model's units");
+        }
+    }
+
+    fn not_negative(&mut self, key: &str, what: &str, value: f64) {
+        if !(value >= 0.0 && value.is_finite()) {
+            self.add(key, format!("{what} is {value}; it must not be negative"), "give 0 or a positive number");
+        }
+    }
+
+    fn finite(&mut self, key: &str, what: &str, values: &[f64]) {
+        if !values.iter().all(|v| v.is_finite()) {
+            self.add(key, format!("{what} is not a finite number"), "give finite numbers");
+        }
+    }
+
+    fn missing<'a>(&mut self, key: String, kind: &str, name: &str, known: impl Iterator<Item = &'a String>) {
+        let known: Vec<&str> = known.map(String::as_str).collect();
+        let help = if known.is_empty() {
+            format!("the model defines no {kind}; add one")
+        } else {
+            format!("known: {}", known.join(", "))
+        };
+        self.add(key, format!("there is no {kind} \"{name}\""), help);
+    }
+
+    fn amplitude(&mut self, model: &Model, key: &str, name: &Option<String>) {
+        if let Some(name) = name
+            && !model.amplitudes.contains_key(name)
+        {
+            self.missing(format!("{key}.amplitude"), "amplitude", name, model.amplitudes.keys());
+        }
+    }
+
+    /// Members of a set; an issue if it does not exist or is empty.
+    fn set<T>(
+        &mut self,
+        mesh: &Mesh,
+        key: String,
+        name: &str,
+        kind: &str,
+        get: impl Fn(&Mesh, &str) -> Option<Vec<T>>,
+    ) -> Vec<T> {
+        match get(mesh, name) {
+            Some(list) if !list.is_empty() => list,
+            Some(_) => {
+                self.add(key, format!("set \"{name}\" holds no {kind}: it would act on nothing"), "choose a set that has some");
+                Vec::new()
+            }
+            None => {
+                let help = match mesh.closest_name(name) {
+                    Some(close) => format!("did you mean \"{close}\"? The mesh has: {}", mesh.set_names().join(", ")),
+                    None => format!("the mesh has: {}", mesh.set_names().join(", ")),
+                };
+                self.add(key, format!("the mesh has no set \"{name}\" with {kind}"), help);
+                Vec::new()
+            }
+        }
+    }
+
+    fn hinge(&mut self, mesh: &Mesh, key: String, name: &str, nodes: &[u32]) {
+        let at = |n: u32| mesh.positions[n as usize];
+        let a = at(nodes[0]);
+        let far = nodes.iter().copied().max_by(|&p, &q| (at(p) - a).norm().total_cmp(&(at(q) - a).norm()));
+        let axis = far.map_or(Vec3::zeros(), |n| at(n) - a);
+        if axis.norm() <= 1e-9 * mesh.extent() {
+            self.add(key, format!("set \"{name}\" is a single point: a hinge needs an edge"), "use type = \"spherical\", or a set with more nodes");
+            return;
+        }
+        let axis = axis.normalize();
+        let off = nodes.iter().map(|&n| (at(n) - a).cross(&axis).norm()).fold(0.0, f64::max);
+        if off > 1e-3 * mesh.extent() {
+            self.add(key, format!("the nodes of \"{name}\" do not lie on a line: they would not turn like a hinge"), "use a straight edge, or type = \"clamp\"");
+        }
+    }
+
+    fn plane(&mut self, mesh: &Mesh, key: String, plane: &super::SymmetryPlane, nodes: &[u32]) {
+        let Some(n) = Vec3::from(plane.normal).try_normalize(0.0) else { return };
+        let distance = |i: u32| mesh.positions[i as usize].dot(&n);
+        let (low, high) =
+            nodes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &i| (l.min(distance(i)), h.max(distance(i))));
+        if high - low > 1e-3 * mesh.extent() {
+            self.add(key, format!("the nodes of \"{}\" do not lie in one plane with the normal {:?}", plane.on, plane.normal), "check the normal, or choose the edge that lies in the plane");
+        }
+    }
+
+    fn analysis(&mut self, model: &Model) {
+        match &model.analysis {
+            Analysis::Static(s) => {
+                for (key, value) in [("load_steps", s.load_steps), ("max_iterations", s.max_iterations)] {
+                    if value == 0 {
+                        self.add(format!("analysis.{key}"), format!("`{key}` is 0"), "give at least 1");
+                    }
+                }
+                if model.loads.is_empty() && !model.conditions.iter().any(|c| matches!(c, Condition::Prescribe(_))) {
+                    self.add("loads", "a static analysis without loads and prescribed motions has nothing to do", "add a [[loads]] entry");
+                }
+            }
+            Analysis::Modal(m) => {
+                if m.modes == 0 {
+                    self.add("analysis.modes", "no modes wanted", "give at least 1");
+                }
+            }
+            Analysis::Transient(t) => {
+                self.positive("analysis.end_time", "the end time", t.end_time);
+                self.positive("analysis.tolerance", "the tolerance", t.tolerance);
+                for (key, value) in [("time_step", t.time_step), ("initial_step", t.initial_step), ("max_step", t.max_step)] {
+                    if let Some(value) = value {
+                        self.positive(&format!("analysis.{key}"), "the step", value);
+                    }
+                }
+                if t.max_iterations == 0 {
+                    self.add("analysis.max_iterations", "`max_iterations` is 0", "give at least 1");
+                }
+                match t.scheme {
+                    Scheme::Newmark(n) => {
+                        self.positive("analysis.scheme.beta", "β", n.beta);
+                        if !(n.gamma >= 0.5 && n.gamma <= 1.0) {
+                            self.add("analysis.scheme.gamma", format!("γ is {}; it must lie in 0.5…1", n.gamma), "use 0.5 unless damping is wanted");
+                        }
+                    }
+                    Scheme::Hht(h) => {
+                        if !(-1.0 / 3.0..=0.0).contains(&h.alpha) {
+                            self.add("analysis.scheme.alpha", format!("α is {}; it must lie in -1/3…0", h.alpha), "use -0.05 for light damping");
+                        }
+                    }
+                    Scheme::EnergyMomentum(_) => {}
+                }
+            }
+        }
+        for (name, amplitude) in &model.amplitudes {
+            if let Amplitude::Expression(e) = amplitude
+                && e.expression.trim().is_empty()
+            {
+                self.add(format!("amplitudes.{name}.expression"), "the expression is empty", "write a formula in `t`");
+            }
+        }
+    }
+}

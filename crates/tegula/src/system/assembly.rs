@@ -1,0 +1,236 @@
+//! Buffers and routines that sum element contributions: internal forces, tangent, energies.
+
+use rayon::prelude::*;
+
+use super::System;
+use crate::Vec3;
+use crate::element::{Kinematics, Motion, Nodal, TangentRequest, TangentWeights};
+
+/// What a tangent is made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TangentParts {
+    /// Weights of the element parts.
+    pub weights: TangentWeights,
+    /// Factor of the mass matrix.
+    pub mass: f64,
+    /// Time at which follower loads act.
+    pub time: f64,
+}
+
+/// Buffers for one analysis; nothing is allocated after it is made.
+pub struct Assembly {
+    /// Element forces, all groups one after another.
+    element_forces: Vec<f64>,
+    /// Element tangent blocks, all groups, then follower loads.
+    blocks: Vec<f64>,
+    /// Extrapolated stress of the samples, all groups.
+    pub stress: Vec<f64>,
+    /// Values of the tangent's lower triangle.
+    pub values: Vec<f64>,
+    /// Energies per element, all groups.
+    energies: Vec<f64>,
+    /// For each nodal vector, where in `element_forces` (in units of nodal vectors) its parts are.
+    force_start: Vec<usize>,
+    force_sources: Vec<u32>,
+}
+
+impl Assembly {
+    /// Buffers for a system.
+    pub fn new(system: &System) -> Self {
+        let mut sources: Vec<(u32, u32)> = Vec::new();
+        let mut samples = 0;
+        let mut elements = 0;
+        let mut blocks = 0;
+        for group in &system.groups {
+            for e in 0..group.len() {
+                for &v in group.vectors(e) {
+                    sources.push((v, sources.len() as u32));
+                }
+            }
+            let m = group.vectors_per_element();
+            samples += group.len() * group.samples();
+            elements += group.len();
+            blocks += group.len() * m * (m + 1) / 2;
+        }
+        let element_forces = vec![0.0; 3 * sources.len()];
+        for f in &system.followers {
+            blocks += f.vectors().len() * (f.vectors().len() + 1) / 2;
+        }
+        sources.sort_unstable();
+        let mut force_start = vec![0; system.vectors() + 1];
+        for &(v, _) in &sources {
+            force_start[v as usize + 1] += 1;
+        }
+        for v in 0..system.vectors() {
+            force_start[v + 1] += force_start[v];
+        }
+        Self {
+            element_forces,
+            blocks: vec![0.0; 9 * blocks],
+            stress: vec![0.0; samples],
+            values: vec![0.0; system.pattern.values()],
+            energies: vec![0.0; elements],
+            force_start,
+            force_sources: sources.into_iter().map(|s| s.1).collect(),
+        }
+    }
+
+    /// Internal forces of a motion.
+    pub fn forces(&mut self, system: &System, k: &Kinematics, out: &mut [Nodal]) {
+        let mut forces = self.element_forces.as_mut_slice();
+        for group in &system.groups {
+            let (mine, rest) = forces.split_at_mut(3 * group.len() * group.vectors_per_element());
+            group.evaluate(k, mine, None);
+            forces = rest;
+        }
+        self.gather_forces(out);
+    }
+
+    /// Internal forces and the values of the tangent. With `extrapolated` the geometric part takes
+    /// [`stress`](Self::stress). A `prescribed` increment adds tangent times increment to the forces.
+    pub fn forces_and_tangent(
+        &mut self,
+        system: &System,
+        k: &Kinematics,
+        parts: &TangentParts,
+        extrapolated: bool,
+        prescribed: Option<&[Nodal]>,
+        out: &mut [Nodal],
+    ) {
+        self.element_blocks(system, k, parts, extrapolated, prescribed);
+        self.gather_forces(out);
+        system.pattern.gather(&self.blocks, parts.mass, &system.numbering, &mut self.values);
+    }
+
+    /// Only the element work of [`forces_and_tangent`](Self::forces_and_tangent): blocks in the buffer.
+    pub fn element_blocks(
+        &mut self,
+        system: &System,
+        k: &Kinematics,
+        parts: &TangentParts,
+        extrapolated: bool,
+        prescribed: Option<&[Nodal]>,
+    ) {
+        let mut forces = self.element_forces.as_mut_slice();
+        let mut blocks = self.blocks.as_mut_slice();
+        let mut stress = self.stress.as_slice();
+        for group in &system.groups {
+            let m = group.vectors_per_element();
+            let (f, forces_rest) = forces.split_at_mut(3 * group.len() * m);
+            let (b, blocks_rest) = blocks.split_at_mut(9 * group.len() * m * (m + 1) / 2);
+            let (s, stress_rest) = stress.split_at(group.len() * group.samples());
+            let request =
+                TangentRequest { weights: parts.weights, stress: extrapolated.then_some(s), prescribed, blocks: b };
+            group.evaluate(k, f, Some(request));
+            (forces, blocks, stress) = (forces_rest, blocks_rest, stress_rest);
+        }
+        for load in &system.followers {
+            let n = load.vectors().len();
+            let (b, rest) = blocks.split_at_mut(9 * n * (n + 1) / 2);
+            let mut x = [Vec3::zeros(); 4];
+            current(system, k, load.vectors(), &mut x);
+            load.stiffness(&x[..n], b);
+            let w = &parts.weights;
+            let direction = if k.linear { 0.0 } else { w.force * w.direction };
+            let factor = direction * system.amplitude(load.amplitude(), parts.time);
+            b.iter_mut().for_each(|v| *v *= factor);
+            blocks = rest;
+        }
+    }
+
+    /// Sums the element blocks into the values of the tangent.
+    pub fn scatter(&mut self, system: &System, mass: f64) {
+        system.pattern.gather(&self.blocks, mass, &system.numbering, &mut self.values);
+    }
+
+    fn gather_forces(&self, out: &mut [Nodal]) {
+        out.par_iter_mut().with_min_len(256).enumerate().for_each(|(v, f)| {
+            *f = [0.0; 3];
+            for &source in &self.force_sources[self.force_start[v]..self.force_start[v + 1]] {
+                let at = 3 * source as usize;
+                for i in 0..3 {
+                    f[i] += self.element_forces[at + i];
+                }
+            }
+        });
+    }
+
+    /// Values of the mass matrix of the free coordinates.
+    pub fn mass_values(&mut self, system: &System, values: &mut [f64]) {
+        self.blocks.fill(0.0);
+        system.pattern.gather(&self.blocks, 1.0, &system.numbering, values);
+    }
+
+    /// Sets the extrapolated stress to that of a motion.
+    pub fn reset_stress(&mut self, system: &System, k: &Kinematics) {
+        let mut stress = self.stress.as_mut_slice();
+        for group in &system.groups {
+            let (s, rest) = stress.split_at_mut(group.len() * group.samples());
+            group.stresses(k, s);
+            stress = rest;
+        }
+    }
+
+    /// Extrapolates the stress along an increment from a motion.
+    pub fn extrapolate(&mut self, system: &System, k: &Kinematics, increment: &[Nodal], weights: &TangentWeights) {
+        let mut stress = self.stress.as_mut_slice();
+        for group in &system.groups {
+            let (s, rest) = stress.split_at_mut(group.len() * group.samples());
+            group.extrapolate(k, increment, weights, s);
+            stress = rest;
+        }
+    }
+
+    /// Strain energy.
+    pub fn strain_energy(&mut self, system: &System, u: &[Nodal]) -> f64 {
+        let mut energies = self.energies.as_mut_slice();
+        for group in &system.groups {
+            let (e, rest) = energies.split_at_mut(group.len());
+            group.energies(&system.reference, u, system.linear, e);
+            energies = rest;
+        }
+        self.energies.iter().sum()
+    }
+
+    /// Power that rate damping dissipates.
+    pub fn dissipated_power(&mut self, system: &System, k: &Kinematics) -> f64 {
+        let mut power = self.energies.as_mut_slice();
+        for group in &system.groups {
+            let (p, rest) = power.split_at_mut(group.len());
+            group.dissipation(k, p);
+            power = rest;
+        }
+        self.energies.iter().sum()
+    }
+}
+
+/// Current nodal vectors (of the middle of a step).
+fn current(system: &System, k: &Kinematics, vectors: &[u32], x: &mut [Vec3; 4]) {
+    for (x, &v) in x.iter_mut().zip(vectors) {
+        let v = v as usize;
+        *x = Vec3::from(system.reference[v]);
+        if !k.linear {
+            match k.motion {
+                Motion::State { u, .. } => *x += Vec3::from(u[v]),
+                Motion::Step { old, new, .. } => *x += (Vec3::from(old[v]) + Vec3::from(new[v])) * 0.5,
+            }
+        }
+    }
+}
+
+/// Adds the follower loads at a time, times `factor`.
+pub fn add_follower_loads(system: &System, k: &Kinematics, time: f64, factor: f64, out: &mut [Nodal]) {
+    for load in &system.followers {
+        let mut x = [Vec3::zeros(); 4];
+        current(system, k, load.vectors(), &mut x);
+        let mut f = [[0.0; 3]; 4];
+        let n = load.vectors().len();
+        load.forces(&x[..n], &mut f[..n]);
+        let factor = factor * system.amplitude(load.amplitude(), time);
+        for (&v, f) in load.vectors().iter().zip(f) {
+            for i in 0..3 {
+                out[v as usize][i] += factor * f[i];
+            }
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! The compiled model: numbering, pattern, element groups, loads. Immutable during an analysis.
+
+pub mod assembly;
+pub mod index_map;
+pub mod numbering;
+pub mod pattern;
+
+use crate::Vec3;
+use crate::element::ems::{EmsShell, ShellGeometry};
+use crate::element::{ElementGroup, Nodal};
+use crate::load::{FollowerLoad, TimeFunction};
+use crate::section::SectionStiffness;
+pub use assembly::Assembly;
+pub use index_map::IndexMap;
+pub use numbering::{Numbering, VectorKind};
+pub use pattern::Pattern;
+
+/// A force on nodal vectors that does not depend on the motion.
+#[derive(Debug, Clone)]
+pub struct DeadLoad {
+    /// Force at amplitude 1.
+    pub force: Vec<Nodal>,
+    /// Amplitude; `None`: grows with the load factor in statics, constant in transients.
+    pub amplitude: Option<usize>,
+    /// Gravity: its potential is part of the energy.
+    pub gravity: bool,
+}
+
+/// A shell element, for the recovery of stresses.
+#[derive(Debug, Clone)]
+pub struct Shell {
+    /// Quad of the mesh.
+    pub quad: u32,
+    /// Element group and number in it.
+    pub member: (usize, usize),
+    /// Element type with its switches.
+    pub element: EmsShell,
+    /// Reference geometry.
+    pub geometry: ShellGeometry,
+    /// Section.
+    pub section: usize,
+}
+
+/// Section data for the recovery of stresses.
+#[derive(Debug, Clone)]
+pub struct ShellSection {
+    /// Stiffness per area.
+    pub stiffness: SectionStiffness,
+    /// Thickness.
+    pub thickness: f64,
+}
+
+/// The compiled model.
+pub struct System {
+    /// Nodal vectors of the reference configuration.
+    pub reference: Vec<Nodal>,
+    /// What each nodal vector is.
+    pub kinds: Vec<VectorKind>,
+    /// Node of each nodal vector.
+    pub nodes: Vec<u32>,
+    /// Nodal vector of the position of each node (`u32::MAX` for nodes without elements).
+    pub position_of: Vec<u32>,
+    /// Nodal vector of the (first) director of each node.
+    pub director_of: Vec<u32>,
+    /// Local to global numbers.
+    pub index_map: IndexMap,
+    /// Supports and free coordinates.
+    pub numbering: Numbering,
+    /// Elements.
+    pub groups: Vec<Box<dyn ElementGroup>>,
+    /// Shells, one per quad that has an element.
+    pub shells: Vec<Shell>,
+    /// Sections of the shells.
+    pub sections: Vec<ShellSection>,
+    /// Forces independent of the motion.
+    pub dead_loads: Vec<DeadLoad>,
+    /// Forces that follow the motion.
+    pub followers: Vec<FollowerLoad>,
+    /// Functions of time.
+    pub amplitudes: Vec<TimeFunction>,
+    /// Sparsity and mass.
+    pub pattern: Pattern,
+    /// Rayleigh factor of the mass.
+    pub mass_damping: f64,
+    /// Size of the model: largest side of its bounding box [length].
+    pub length: f64,
+    /// Small displacements.
+    pub linear: bool,
+    /// Loads without amplitude grow with time (statics) instead of being constant.
+    pub proportional: bool,
+    /// Velocities at the start.
+    pub initial_velocity: Vec<Nodal>,
+}
+
+impl System {
+    /// Number of nodal vectors.
+    pub fn vectors(&self) -> usize {
+        self.reference.len()
+    }
+
+    /// Number of free coordinates.
+    pub fn unknowns(&self) -> usize {
+        self.numbering.unknowns
+    }
+
+    /// Number of shell elements.
+    pub fn elements(&self) -> usize {
+        self.shells.len()
+    }
+
+    /// Factor of a load or prescribed motion at a time.
+    pub fn amplitude(&self, amplitude: Option<usize>, time: f64) -> f64 {
+        match amplitude {
+            Some(i) => self.amplitudes[i].value(time),
+            None if self.proportional => time,
+            None => 1.0,
+        }
+    }
+
+    /// Adds the dead loads at a time.
+    pub fn add_dead_loads(&self, time: f64, factor: f64, out: &mut [Nodal]) {
+        for load in &self.dead_loads {
+            let f = factor * self.amplitude(load.amplitude, time);
+            if f != 0.0 {
+                for (o, v) in out.iter_mut().zip(&load.force) {
+                    for i in 0..3 {
+                        o[i] += f * v[i];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Potential of gravity, −F·u, where its amplitude does not change with time.
+    pub fn gravity_potential(&self, time: f64, u: &[Nodal]) -> f64 {
+        self.dead_loads
+            .iter()
+            .filter(|l| l.gravity)
+            .map(|l| -self.amplitude(l.amplitude, time) * dot(&l.force, u))
+            .sum()
+    }
+
+    /// Writes the prescribed displacements at a time into the supported coordinates of `u`.
+    pub fn prescribe(&self, time: f64, u: &mut [Nodal]) {
+        self.write_prescribed(u, |value, amplitude| value * self.amplitude(amplitude, time));
+    }
+
+    /// Writes prescribed velocities at a time.
+    pub fn prescribe_velocity(&self, time: f64, v: &mut [Nodal]) {
+        self.write_prescribed(v, |value, a| a.map_or(0.0, |a| value * self.amplitudes[a].rate(time)));
+    }
+
+    /// Writes prescribed accelerations at a time.
+    pub fn prescribe_acceleration(&self, time: f64, a: &mut [Nodal]) {
+        self.write_prescribed(a, |value, a| a.map_or(0.0, |a| value * self.amplitudes[a].acceleration(time)));
+    }
+
+    fn write_prescribed(&self, field: &mut [Nodal], f: impl Fn(f64, Option<usize>) -> f64) {
+        for &(coordinate, value, amplitude) in &self.numbering.prescribed {
+            let (v, c) = (coordinate as usize / 3, coordinate as usize % 3);
+            let mut local = self.numbering.to_axes(v, field[v]);
+            local[c] = f(value, amplitude);
+            field[v] = self.numbering.from_axes(v, local);
+        }
+    }
+
+    /// Total mass, from the position vectors.
+    pub fn total_mass(&self) -> f64 {
+        let mut m = 0.0;
+        self.pattern.for_each_mass(|i, j, value| {
+            if self.kinds[i] == VectorKind::Position && self.kinds[j] == VectorKind::Position {
+                m += if i == j { value } else { 2.0 * value };
+            }
+        });
+        m
+    }
+
+    /// Kinetic energy ½ v·M v.
+    pub fn kinetic_energy(&self, v: &[Nodal]) -> f64 {
+        let mut t = 0.0;
+        self.pattern.for_each_mass(|i, j, m| {
+            let product = m * dot3(v[i], v[j]);
+            t += if i == j { 0.5 * product } else { product };
+        });
+        t
+    }
+
+    /// Linear and angular momentum (about the origin) at displacements `u` and velocities `v`.
+    pub fn momentum(&self, u: &[Nodal], v: &[Nodal]) -> (Vec3, Vec3) {
+        let (mut linear, mut angular) = (Vec3::zeros(), Vec3::zeros());
+        let current = |i: usize| Vec3::from(self.reference[i]) + Vec3::from(u[i]);
+        self.pattern.for_each_mass(|i, j, m| {
+            let pairs = if i == j { 1 } else { 2 };
+            for (a, b) in [(i, j), (j, i)].into_iter().take(pairs) {
+                let p = Vec3::from(v[b]) * m;
+                if self.kinds[a] == VectorKind::Position && self.kinds[b] == VectorKind::Position {
+                    linear += p;
+                }
+                angular += current(a).cross(&p);
+            }
+        });
+        (linear, angular)
+    }
+
+    /// Size of a change of all nodal vectors: root mean square over nodes of displacement over the
+    /// model's length and change of director.
+    pub fn norm(&self, field: &[Nodal]) -> f64 {
+        let mut sum = 0.0;
+        for (kind, v) in self.kinds.iter().zip(field) {
+            let s = dot3(*v, *v);
+            sum += if *kind == VectorKind::Position { s / (self.length * self.length) } else { s };
+        }
+        (sum / field.len().max(1) as f64).sqrt()
+    }
+
+    /// Root mean square of the positions' part of a field over the model's length.
+    pub fn position_rms(&self, field: impl Fn(usize) -> Nodal) -> f64 {
+        let (mut sum, mut count) = (0.0, 0);
+        for &p in self.position_of.iter().filter(|&&p| p != u32::MAX) {
+            let v = field(p as usize);
+            sum += dot3(v, v);
+            count += 3;
+        }
+        (sum / f64::from(count.max(1))).sqrt() / self.length
+    }
+}
+
+/// Scalar product of two nodal vectors.
+pub fn dot3(a: Nodal, b: Nodal) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Scalar product of two fields.
+pub fn dot(a: &[Nodal], b: &[Nodal]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| dot3(*a, *b)).sum()
+}

@@ -1,0 +1,175 @@
+//! Nodal vectors, their supports, and the numbers of the free coordinates.
+
+use crate::element::Nodal;
+use crate::{Mat3, Vec3};
+
+/// What a nodal vector is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VectorKind {
+    /// Position of a node.
+    Position,
+    /// Director of a node (one of them, where sheets meet at an angle).
+    Director,
+}
+
+/// A support: the component of a nodal vector's displacement along `direction` follows a value.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Support {
+    /// Nodal vector.
+    pub vector: u32,
+    /// Unit direction.
+    pub direction: Vec3,
+    /// Value times amplitude that the component follows; `None`: fixed.
+    pub motion: Option<(f64, Option<usize>)>,
+    /// Key of the model that says so.
+    pub key: String,
+}
+
+/// Marks a coordinate that is not free.
+pub const CONSTRAINED: u32 = u32::MAX;
+
+/// Supports and numbers of the coordinates.
+///
+/// Each nodal vector has three coordinates along its axes: the global ones, or its own frame where a
+/// support is inclined. Supported coordinates are eliminated; the free ones are numbered consecutively.
+#[derive(Debug, Clone)]
+pub struct Numbering {
+    /// Number of the free coordinate `3 v + c`, or [`CONSTRAINED`].
+    pub free: Vec<u32>,
+    /// Axes of the vectors (as columns) that have their own.
+    pub frames: Vec<Option<Mat3>>,
+    /// Prescribed coordinates: `3 v + c`, value, amplitude.
+    pub prescribed: Vec<(u32, f64, Option<usize>)>,
+    /// Number of free coordinates.
+    pub unknowns: usize,
+}
+
+impl Numbering {
+    /// Numbers the coordinates of `vectors` nodal vectors under the given supports.
+    ///
+    /// # Errors
+    /// Pairs of keys of supports that prescribe the same component differently.
+    pub fn new(vectors: usize, supports: &[Support]) -> Result<Self, Vec<(String, String)>> {
+        let mut by_vector: Vec<Vec<&Support>> = vec![Vec::new(); vectors];
+        for s in supports {
+            by_vector[s.vector as usize].push(s);
+        }
+        let mut free = vec![CONSTRAINED; 3 * vectors];
+        let mut frames = vec![None; vectors];
+        let mut prescribed = Vec::new();
+        let mut conflicts = Vec::new();
+        let mut unknowns = 0;
+        for (v, list) in by_vector.iter().enumerate() {
+            let mut axes: Vec<(Vec3, &Support)> = Vec::new();
+            for s in list {
+                let rest = axes.iter().fold(s.direction, |d, (a, _)| d - a * a.dot(&s.direction));
+                if rest.norm() > 1e-9 {
+                    if rest.norm() < 1.0 - 1e-9 && s.motion.is_some() {
+                        // The part along the earlier supports would have to be taken off its value.
+                        conflicts.push((axes[0].1.key.clone(), s.key.clone()));
+                    }
+                    axes.push((rest.normalize(), s));
+                } else if let Some((_, other)) = axes.iter().find(|(a, _)| a.dot(&s.direction).abs() > 0.5)
+                    && other.motion != s.motion
+                {
+                    conflicts.push((other.key.clone(), s.key.clone()));
+                }
+            }
+            let along_axis = |a: &Vec3| (0..3).find(|&c| a[c].abs() > 1.0 - 1e-12);
+            let mut supported: [Option<Option<(f64, Option<usize>)>>; 3] = [None; 3];
+            if axes.iter().all(|(a, _)| along_axis(a).is_some()) {
+                for (a, s) in &axes {
+                    if let Some(c) = along_axis(a) {
+                        supported[c] = Some(s.motion.map(|(value, amplitude)| (value * a[c].signum(), amplitude)));
+                    }
+                }
+            } else {
+                let mut columns: Vec<Vec3> = axes.iter().map(|(a, _)| *a).collect();
+                for e in [Vec3::x(), Vec3::y(), Vec3::z()] {
+                    let rest = columns.iter().fold(e, |d, a| d - a * a.dot(&e));
+                    if columns.len() < 3 && rest.norm() > 0.5 {
+                        columns.push(rest.normalize());
+                    }
+                }
+                frames[v] = Some(Mat3::from_columns(&columns));
+                for (c, (_, s)) in axes.iter().enumerate() {
+                    supported[c] = Some(s.motion);
+                }
+            }
+            for (c, support) in supported.into_iter().enumerate() {
+                match support {
+                    None => {
+                        free[3 * v + c] = unknowns;
+                        unknowns += 1;
+                    }
+                    Some(Some((value, amplitude))) => prescribed.push(((3 * v + c) as u32, value, amplitude)),
+                    Some(None) => {}
+                }
+            }
+        }
+        if conflicts.is_empty() {
+            Ok(Self { free, frames, prescribed, unknowns: unknowns as usize })
+        } else {
+            Err(conflicts)
+        }
+    }
+
+    /// Numbers of the three coordinates of a vector.
+    pub fn of(&self, vector: usize) -> [u32; 3] {
+        [self.free[3 * vector], self.free[3 * vector + 1], self.free[3 * vector + 2]]
+    }
+
+    /// Components of a field along the axes of a vector.
+    pub fn to_axes(&self, vector: usize, value: Nodal) -> Nodal {
+        match &self.frames[vector] {
+            None => value,
+            Some(q) => (q.transpose() * Vec3::from(value)).into(),
+        }
+    }
+
+    /// Global components from those along the axes of a vector.
+    pub fn from_axes(&self, vector: usize, value: Nodal) -> Nodal {
+        match &self.frames[vector] {
+            None => value,
+            Some(q) => (q * Vec3::from(value)).into(),
+        }
+    }
+
+    /// Free coordinates of a field.
+    pub fn reduce(&self, field: &[Nodal], free: &mut [f64]) {
+        for (v, value) in field.iter().enumerate() {
+            let local = self.to_axes(v, *value);
+            for (number, x) in self.of(v).into_iter().zip(local) {
+                if number != CONSTRAINED {
+                    free[number as usize] = x;
+                }
+            }
+        }
+    }
+
+    /// Field of free coordinates, zero where supported.
+    pub fn expand(&self, free: &[f64], field: &mut [Nodal]) {
+        for (v, value) in field.iter_mut().enumerate() {
+            let local = self.of(v).map(|n| if n == CONSTRAINED { 0.0 } else { free[n as usize] });
+            *value = self.from_axes(v, local);
+        }
+    }
+
+    /// The part of a field along supported coordinates (reactions of a residual).
+    pub fn supported_part(&self, field: &[Nodal], out: &mut [Nodal]) {
+        for (v, (value, out)) in field.iter().zip(out).enumerate() {
+            let mut local = self.to_axes(v, *value);
+            for (number, x) in self.of(v).into_iter().zip(&mut local) {
+                if number != CONSTRAINED {
+                    *x = 0.0;
+                }
+            }
+            *out = self.from_axes(v, local);
+        }
+    }
+
+    /// True if a vector has at least one free coordinate.
+    pub fn is_free(&self, vector: usize) -> bool {
+        self.of(vector).iter().any(|&n| n != CONSTRAINED)
+    }
+}
