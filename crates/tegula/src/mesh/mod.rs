@@ -7,6 +7,17 @@
 //! | director | unit normal of the *true* surface at a node; one a node on smooth surfaces, several where sheets meet at an angle |
 //! | set | a name for nodes, edges or quads, used by conditions, loads, sections and output |
 
+pub mod directors;
+mod facet;
+pub mod generators;
+mod grid;
+mod input;
+mod polyline;
+pub mod quality;
+pub mod sets;
+mod surfaces;
+mod topology;
+
 use std::collections::BTreeMap;
 
 use crate::Vec3;

@@ -1,0 +1,105 @@
+//! Which quads meet at which edge.
+
+/// One side of one quad, as a use of the edge between two nodes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct EdgeUse {
+    /// The edge's smaller node.
+    pub low: u32,
+    /// The edge's larger node.
+    pub high: u32,
+    /// The quad.
+    pub quad: u32,
+    /// The quad's side: from its corner `side` to the next.
+    pub side: u8,
+    /// Whether the quad runs from `low` to `high`.
+    pub forward: bool,
+}
+
+impl EdgeUse {
+    /// The edge in the direction in which the quad runs through it.
+    pub fn nodes(&self) -> [u32; 2] {
+        if self.forward { [self.low, self.high] } else { [self.high, self.low] }
+    }
+
+    /// The quad's corner at one of the edge's nodes.
+    pub fn corner_at(&self, node: u32) -> usize {
+        let side = usize::from(self.side);
+        if (node == self.low) == self.forward { side } else { (side + 1) % 4 }
+    }
+}
+
+/// All sides of all quads, those of one edge next to each other.
+pub(super) struct Edges(Vec<EdgeUse>);
+
+impl Edges {
+    /// The edges of `quads`, sorted by node and quad; sides of no length (a node
+    /// repeated in a quad) are left out.
+    pub fn of(quads: &[[u32; 4]]) -> Self {
+        let mut uses = Vec::with_capacity(4 * quads.len());
+        for (number, quad) in (0u32..).zip(quads) {
+            for side in 0..4u8 {
+                let (a, b) = (quad[usize::from(side)], quad[usize::from((side + 1) % 4)]);
+                if a != b {
+                    uses.push(EdgeUse { low: a.min(b), high: a.max(b), quad: number, side, forward: a < b });
+                }
+            }
+        }
+        uses.sort_unstable();
+        Self(uses)
+    }
+
+    /// The uses of each edge in turn: one on the boundary, two inside a sheet,
+    /// three or more where sheets join.
+    pub fn iter(&self) -> impl Iterator<Item = &[EdgeUse]> {
+        self.0.chunk_by(|a, b| a.low == b.low && a.high == b.high)
+    }
+
+    /// Pairs of neighbours that run through their common edge in the same
+    /// direction, so that one has its director on the other side: the pair's
+    /// uses of that edge. Junctions of three or more quads may be oriented
+    /// freely; a quad given twice is no neighbour of its own.
+    pub fn opposite_neighbours(&self, quads: &[[u32; 4]]) -> Vec<[EdgeUse; 2]> {
+        let sorted = |edge: &EdgeUse| {
+            quads.get(edge.quad as usize).map(|quad| {
+                let mut nodes = *quad;
+                nodes.sort_unstable();
+                nodes
+            })
+        };
+        self.iter()
+            .filter_map(|uses| match uses {
+                [a, b] if a.forward == b.forward && sorted(a) != sorted(b) => Some([*a, *b]),
+                _ => None,
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_quads_share_one_edge() {
+        //  3---4---5
+        //  | 0 | 1 |
+        //  0---1---2
+        let quads = [[0, 1, 4, 3], [1, 2, 5, 4]];
+        let edges = Edges::of(&quads);
+        let shared: Vec<_> = edges.iter().filter(|uses| uses.len() == 2).collect();
+        assert_eq!(shared.len(), 1);
+        assert_eq!(edges.iter().count(), 7);
+        let [a, b] = [shared[0][0], shared[0][1]];
+        assert_eq!((a.nodes(), b.nodes()), ([1, 4], [4, 1]));
+        for edge in [a, b] {
+            for node in [1, 4] {
+                assert_eq!(quads[edge.quad as usize][edge.corner_at(node)], node);
+            }
+        }
+        assert!(edges.opposite_neighbours(&quads).is_empty());
+        let flipped = [[0, 1, 4, 3], [1, 4, 5, 2]];
+        assert_eq!(Edges::of(&flipped).opposite_neighbours(&flipped).len(), 1);
+        let twice = [[0, 1, 4, 3], [0, 1, 4, 3]];
+        assert!(Edges::of(&twice).opposite_neighbours(&twice).is_empty());
+    }
+}
