@@ -1,14 +1,19 @@
 //! Flexible multibody dynamics with thin and moderately thick shells.
 
+pub mod analysis;
 pub mod element;
 pub mod error;
+pub mod linear;
+pub mod load;
 pub mod mesh;
 pub mod model;
 pub mod section;
+pub mod system;
 
 pub use error::{Error, Issue, Place, Result};
 pub use mesh::Mesh;
 pub use model::Model;
+pub use system::System;
 
 /// A vector of three-dimensional space.
 pub type Vec3 = nalgebra::Vector3<f64>;

@@ -14,7 +14,7 @@
 //! Int. J. Numer. Meth. Engng 109 (2017) 1237–1262).
 
 use crate::element::{Kinematics, Nodal};
-use crate::linear::{Factor, FactorError, SparseCholesky, SymmetricPattern};
+use crate::linear::{Factor as _, FactorError, SparseCholesky, SymmetricPattern};
 use crate::model::NewtonMethod;
 use crate::system::assembly::TangentParts;
 use crate::system::{Assembly, System, VectorKind, dot};
@@ -140,7 +140,14 @@ impl Newton {
                     self.assembly.forces(system, &k, &mut self.internal);
                 } else {
                     let prescribed = has_prescribed.then_some(self.increment.as_slice());
-                    self.assembly.forces_and_tangent(system, &k, &parts, mixed, prescribed, &mut self.internal);
+                    self.assembly.forces_and_tangent(
+                        system,
+                        &k,
+                        &parts,
+                        mixed,
+                        prescribed,
+                        &mut self.internal,
+                    );
                 }
             }
             equation.rest(system, &mut self.residual);
@@ -191,7 +198,8 @@ impl Newton {
             let size_scale = equation.displacement_scale(system);
             let relative = energy / energy_scale.max(f64::MIN_POSITIVE);
             observer.on_iteration(iteration, relative, size / size_scale.max(f64::MIN_POSITIVE));
-            let converged = energy <= tolerances.energy * energy_scale && size <= tolerances.increment * size_scale;
+            let converged =
+                energy <= tolerances.energy * energy_scale && size <= tolerances.increment * size_scale;
             if converged || (energy == 0.0 && size == 0.0) {
                 return Ok(Converged { iterations: iteration, negative_pivots, floor: false });
             }

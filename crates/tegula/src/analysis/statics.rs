@@ -3,6 +3,7 @@
 use super::newton::{Diverged, Equation, Newton, Tolerances};
 use super::{Balance, Observer, State, Statistics, Step};
 use crate::element::{Kinematics, Motion, Nodal, TangentWeights};
+use crate::linear::Factor as _;
 use crate::model::StaticAnalysis;
 use crate::system::assembly::{TangentParts, add_follower_loads};
 use crate::system::{Assembly, System, dot};
@@ -59,7 +60,11 @@ impl Equation for StaticEquation {
 
 /// A state without rates.
 pub fn state_kinematics<'a>(system: &'a System, u: &'a [Nodal]) -> Kinematics<'a> {
-    Kinematics { reference: &system.reference, motion: Motion::State { u, velocity: None }, linear: system.linear }
+    Kinematics {
+        reference: &system.reference,
+        motion: Motion::State { u, velocity: None },
+        linear: system.linear,
+    }
 }
 
 /// Adds an increment to a field.
@@ -134,7 +139,8 @@ pub fn run(
     let mut external = vec![[0.0; 3]; n];
     while state.time < 1.0 {
         // A last sliver of a step would only repeat the one before.
-        let target = if state.time + 1.0001 * state.next_step >= 1.0 { 1.0 } else { state.time + state.next_step };
+        let target =
+            if state.time + 1.0001 * state.next_step >= 1.0 { 1.0 } else { state.time + state.next_step };
         let mut equation = StaticEquation { u: state.u.clone(), time: target };
         let result = newton.solve(system, &mut equation, &tolerances, observer);
         statistics.factorizations = newton.solver.factorizations() as u64;

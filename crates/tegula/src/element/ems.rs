@@ -42,8 +42,8 @@
 use nalgebra::{DMatrix, Matrix2, SMatrix, SVector};
 
 use super::geometry::{
-    GAUSS, GAUSS_POINTS, area_measure, covariant_base, cross_section_frame, in_plane_transformation,
-    shape, shape_eta, shape_xi, strain_transformation,
+    GAUSS, GAUSS_POINTS, area_measure, covariant_base, cross_section_frame, in_plane_transformation, shape,
+    shape_eta, shape_xi, strain_transformation,
 };
 use super::strains::SampledStrains;
 use crate::section::{SectionInertia, SectionStiffness};

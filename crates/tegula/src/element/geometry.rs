@@ -11,8 +11,7 @@ pub const NODES: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 
 pub const GAUSS: f64 = 0.577_350_269_189_625_8;
 
 /// The 2×2 Gauss points (ξ, η), weights 1; ξ runs fastest.
-pub const GAUSS_POINTS: [[f64; 2]; 4] =
-    [[-GAUSS, -GAUSS], [GAUSS, -GAUSS], [-GAUSS, GAUSS], [GAUSS, GAUSS]];
+pub const GAUSS_POINTS: [[f64; 2]; 4] = [[-GAUSS, -GAUSS], [GAUSS, -GAUSS], [-GAUSS, GAUSS], [GAUSS, GAUSS]];
 
 /// Bilinear shape functions N_a.
 pub fn shape(xi: f64, eta: f64) -> [f64; 4] {

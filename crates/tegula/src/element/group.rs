@@ -87,7 +87,13 @@ pub trait ElementGroup: Send + Sync {
     /// Stress resultants of the samples.
     fn stresses(&self, k: &Kinematics, stresses: &mut [f64]);
     /// Stress extrapolated along an increment: `n ← n(motion) + weight · H S δ`.
-    fn extrapolate(&self, k: &Kinematics, increment: &[Nodal], weights: &TangentWeights, stresses: &mut [f64]);
+    fn extrapolate(
+        &self,
+        k: &Kinematics,
+        increment: &[Nodal],
+        weights: &TangentWeights,
+        stresses: &mut [f64],
+    );
     /// Strain energy ½ sᵀHs of each element at displacements `u`.
     fn energies(&self, reference: &[Nodal], u: &[Nodal], linear: bool, energies: &mut [f64]);
     /// Power τ ṡᵀHṡ dissipated in each element.
@@ -168,7 +174,13 @@ impl<const M: usize, const N: usize, const S: usize> QuadraticGroup<M, N, S> {
     }
 
     #[inline(always)]
-    fn strains_at(&self, e: usize, k: &Kinematics, p0: &Directions<f64>, u: &[Nodal]) -> (Directions<f64>, [f64; S]) {
+    fn strains_at(
+        &self,
+        e: usize,
+        k: &Kinematics,
+        p0: &Directions<f64>,
+        u: &[Nodal],
+    ) -> (Directions<f64>, [f64; S]) {
         let p = self.strains.directions(&self.gather(e, u));
         let s = self.strains.strains(p0, &p, !k.linear);
         (p, s)
@@ -346,7 +358,13 @@ impl<const M: usize, const N: usize, const S: usize> ElementGroup for QuadraticG
         });
     }
 
-    fn extrapolate(&self, k: &Kinematics, increment: &[Nodal], weights: &TangentWeights, stresses: &mut [f64]) {
+    fn extrapolate(
+        &self,
+        k: &Kinematics,
+        increment: &[Nodal],
+        weights: &TangentWeights,
+        stresses: &mut [f64],
+    ) {
         let factor = weights.stress + self.retardation_time * weights.rate;
         stresses.par_chunks_mut(S).with_min_len(CHUNK).enumerate().for_each(|(e, out)| {
             let (acting, n) = self.stress(e, k);

@@ -121,8 +121,7 @@ impl<const M: usize, const N: usize, const S: usize> SampledStrains<M, N, S> {
     pub fn rates<T: Scalar>(&self, x: &Directions<T>, v: &Directions<T>) -> [T; S] {
         let mut s = [T::from(0.0); S];
         for t in &self.terms {
-            s[t.sample] +=
-                T::from(t.weight) * (dot(x[t.left], v[t.right]) + dot(v[t.left], x[t.right]));
+            s[t.sample] += T::from(t.weight) * (dot(x[t.left], v[t.right]) + dot(v[t.left], x[t.right]));
         }
         s
     }

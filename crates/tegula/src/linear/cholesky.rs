@@ -6,8 +6,8 @@
 
 use dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, IntranodeLbltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky,
+    CholeskySymbolicParams, IntranodeLbltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw,
+    SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side};
@@ -86,7 +86,7 @@ impl SparseCholesky {
     /// The factor would be too large.
     pub fn new(pattern: SymmetricPattern) -> Result<Self, FactorError> {
         let symbolic = factorize_symbolic_cholesky(
-            pattern.symbolic.rb(),
+            pattern.symbolic.as_ref(),
             Side::Lower,
             SymmetricOrdering::Amd,
             CholeskySymbolicParams::default(),
@@ -176,7 +176,7 @@ impl Factor for SparseCholesky {
             return Err(FactorError::NotFinite);
         }
         self.factorizations += 1;
-        let matrix = SparseColMatRef::new(self.pattern.symbolic.rb(), values);
+        let matrix = SparseColMatRef::new(self.pattern.symbolic.as_ref(), values);
         let positive_definite = self
             .symbolic
             .factorize_numeric_llt(

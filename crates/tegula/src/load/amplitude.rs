@@ -36,7 +36,9 @@ impl TimeFunction {
                         "give one value per time, at least one".into(),
                     ));
                 }
-                if t.times.windows(2).any(|w| w[0] >= w[1]) || !t.times.iter().chain(&t.values).all(|x| x.is_finite()) {
+                if t.times.windows(2).any(|w| w[0] >= w[1])
+                    || !t.times.iter().chain(&t.values).all(|x| x.is_finite())
+                {
                     return Err((
                         "the times of the table do not ascend, or are not numbers".into(),
                         "sort the times and make each one once".into(),
@@ -135,8 +137,11 @@ mod tests {
 
     #[test]
     fn tables_are_constant_outside() {
-        let f = TimeFunction::new(&Amplitude::Table(TableAmplitude { times: vec![1.0, 2.0], values: vec![3.0, 5.0] }))
-            .unwrap();
+        let f = TimeFunction::new(&Amplitude::Table(TableAmplitude {
+            times: vec![1.0, 2.0],
+            values: vec![3.0, 5.0],
+        }))
+        .unwrap();
         assert_eq!([0.0, 1.5, 9.0].map(|t| f.value(t)), [3.0, 4.0, 5.0]);
         assert_eq!([0.0, 1.5, 9.0].map(|t| f.rate(t)), [0.0, 2.0, 0.0]);
     }

@@ -123,7 +123,10 @@ mod tests {
                 f
             };
             let (p, m) = (at(h), at(-h));
-            p.iter().zip(m).map(|(p, m)| std::array::from_fn(|i| -(p[i] - m[i]) / (2.0 * h))).collect::<Vec<[f64; 3]>>()
+            p.iter()
+                .zip(m)
+                .map(|(p, m)| std::array::from_fn(|i| -(p[i] - m[i]) / (2.0 * h)))
+                .collect::<Vec<[f64; 3]>>()
         };
         for a in 0..n {
             for b in 0..=a {

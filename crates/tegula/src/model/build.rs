@@ -186,14 +186,18 @@ impl Elements {
         issues: &mut Vec<Issue>,
     ) {
         for (index, section) in model.sections.iter().enumerate() {
-            let (Some(material), Some(quads)) = (model.materials.get(&section.material), mesh.quads_on(&section.on))
+            let (Some(material), Some(quads)) =
+                (model.materials.get(&section.material), mesh.quads_on(&section.on))
             else {
                 continue;
             };
             let stiffness = SectionStiffness::of(section, material);
             let super::Material::Isotropic(m) = material;
-            let element =
-                EmsShell { ans_shear: section.ans_shear, ans_thickness: section.ans_thickness, eas: section.eas };
+            let element = EmsShell {
+                ans_shear: section.ans_shear,
+                ans_thickness: section.ans_thickness,
+                eas: section.eas,
+            };
             let shells: Vec<(u32, [u32; 8], ShellGeometry)> = quads
                 .iter()
                 .map(|&q| {
@@ -256,10 +260,8 @@ impl Elements {
         let mut group = QuadraticGroup::<2, 6, 1>::new("fold-tie", fold_tie::strains(), 0.0);
         for pair in &directors.ties {
             let v = pair.map(|d| vectors.of_director[d as usize]);
-            let stiffness = v
-                .iter()
-                .filter_map(|v| self.director_stiffness.get(v))
-                .fold(f64::INFINITY, |a, &b| a.min(b));
+            let stiffness =
+                v.iter().filter_map(|v| self.director_stiffness.get(v)).fold(f64::INFINITY, |a, &b| a.min(b));
             if stiffness.is_finite() {
                 group.push(v, &[stiffness], &[0.0; 3]);
             }
@@ -293,7 +295,10 @@ impl Fill<'_> {
                     let c = geometry.positions.iter().sum::<Vec3>() / 4.0;
                     self.issues.push(Issue::new(
                         "mesh",
-                        format!("element {quad} at ({:.4}, {:.4}, {:.4}) is invalid: {reason}", c.x, c.y, c.z),
+                        format!(
+                            "element {quad} at ({:.4}, {:.4}, {:.4}) is invalid: {reason}",
+                            c.x, c.y, c.z
+                        ),
                         "repair the mesh there",
                     ));
                     continue;
@@ -303,7 +308,8 @@ impl Fill<'_> {
             let unit = self.element.mass(geometry, &SectionInertia { mass: 1.0, rotary: 0.0 });
             for a in 0..4 {
                 let area: f64 = (0..4).map(|b| unit[pair(a, b)]).sum();
-                *self.director_stiffness.entry(connectivity[a + 4]).or_default() += self.stiffness.thickness * area;
+                *self.director_stiffness.entry(connectivity[a + 4]).or_default() +=
+                    self.stiffness.thickness * area;
             }
             self.list.push(Shell {
                 quad: *quad,
@@ -339,7 +345,12 @@ fn time_functions(model: &Model, issues: &mut Vec<Issue>) -> (Vec<TimeFunction>,
     (functions, names)
 }
 
-fn supports(model: &Model, mesh: &Mesh, vectors: &Vectors, amplitudes: &BTreeMap<String, usize>) -> Vec<Support> {
+fn supports(
+    model: &Model,
+    mesh: &Mesh,
+    vectors: &Vectors,
+    amplitudes: &BTreeMap<String, usize>,
+) -> Vec<Support> {
     let directors = vectors.directors_by_node();
     let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
     let mut out = Vec::new();
@@ -433,7 +444,12 @@ fn follower_loads(
     out
 }
 
-fn dead_loads(model: &Model, mesh: &Mesh, system: &System, amplitudes: &BTreeMap<String, usize>) -> Vec<DeadLoad> {
+fn dead_loads(
+    model: &Model,
+    mesh: &Mesh,
+    system: &System,
+    amplitudes: &BTreeMap<String, usize>,
+) -> Vec<DeadLoad> {
     let n = system.vectors();
     let mut out = Vec::new();
     for load in &model.loads {
@@ -511,7 +527,10 @@ fn added_masses(model: &Model, mesh: &Mesh, vectors: &Vectors) -> Vec<(u32, u32,
                     let matrix = EmsShell::default().mass(&geometry, &inertia);
                     for a in 0..4 {
                         for b in 0..=a {
-                            let (va, vb) = (vectors.position_of[nodes[a] as usize], vectors.position_of[nodes[b] as usize]);
+                            let (va, vb) = (
+                                vectors.position_of[nodes[a] as usize],
+                                vectors.position_of[nodes[b] as usize],
+                            );
                             out.push((va, vb, matrix[pair(a, b)]));
                         }
                     }

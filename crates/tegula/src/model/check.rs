@@ -7,8 +7,8 @@ use nalgebra::SMatrix;
 use super::{AddedMass, Amplitude, Analysis, Condition, Load, Material, Model, Scheme};
 use crate::element::Nodal;
 use crate::mesh::Mesh;
-use crate::system::numbering::{Support, VectorKind};
 use crate::system::System;
+use crate::system::numbering::{Support, VectorKind};
 use crate::{Issue, Vec3};
 
 impl Condition {
@@ -40,7 +40,11 @@ pub fn keys(model: &Model) -> Vec<Issue> {
         c.not_negative(&format!("{key}.density"), "the density", m.density);
     }
     if model.sections.is_empty() {
-        c.add("sections", "no section: no part of the mesh has elements", "add a [[sections]] entry with material and thickness");
+        c.add(
+            "sections",
+            "no section: no part of the mesh has elements",
+            "add a [[sections]] entry with material and thickness",
+        );
     }
     for (i, s) in model.sections.iter().enumerate() {
         let key = format!("sections[{i}]");
@@ -63,12 +67,20 @@ pub fn keys(model: &Model) -> Vec<Issue> {
         match condition {
             Condition::Symmetry(s) => {
                 if !Vec3::from(s.normal).norm().is_normal() {
-                    c.add(format!("{key}.normal"), "the normal of the plane vanishes", "give a vector such as [1, 0, 0]");
+                    c.add(
+                        format!("{key}.normal"),
+                        "the normal of the plane vanishes",
+                        "give a vector such as [1, 0, 0]",
+                    );
                 }
             }
             Condition::Fix(f) => {
                 if f.position.is_empty() && f.director.is_empty() {
-                    c.add(key, "fixes nothing", "list components: position = [\"x\", \"y\", \"z\"], director = [...]");
+                    c.add(
+                        key,
+                        "fixes nothing",
+                        "list components: position = [\"x\", \"y\", \"z\"], director = [...]",
+                    );
                 }
             }
             Condition::Prescribe(p) => {
@@ -103,13 +115,25 @@ pub fn keys(model: &Model) -> Vec<Issue> {
     for (i, p) in model.output.points.iter().enumerate() {
         let key = format!("output.points[{i}]");
         if p.on.is_some() == p.at.is_some() {
-            c.add(key.as_str(), format!("point \"{}\" needs either `on` or `at`", p.name), "give the name of a set with one node, or a position");
+            c.add(
+                key.as_str(),
+                format!("point \"{}\" needs either `on` or `at`", p.name),
+                "give the name of a set with one node, or a position",
+            );
         }
         if p.name.is_empty() || !p.name.chars().all(|ch| ch.is_alphanumeric() || "_-. ".contains(ch)) {
-            c.add(format!("{key}.name"), format!("\"{}\" cannot name a point", p.name), "use letters, digits, blanks, '_', '-' and '.'");
+            c.add(
+                format!("{key}.name"),
+                format!("\"{}\" cannot name a point", p.name),
+                "use letters, digits, blanks, '_', '-' and '.'",
+            );
         }
         if model.output.points[..i].iter().any(|q| q.name == p.name) {
-            c.add(format!("{key}.name"), format!("two points are named \"{}\"", p.name), "give each point its own name");
+            c.add(
+                format!("{key}.name"),
+                format!("two points are named \"{}\"", p.name),
+                "give each point its own name",
+            );
         }
     }
     c.not_negative("output.interval", "the interval", model.output.interval);
@@ -139,7 +163,11 @@ pub fn sets(model: &Model, mesh: &Mesh) -> Vec<Issue> {
     {
         c.add(
             "sections",
-            format!("{} of {} elements have no section, the first is element {q}", mesh.quads.len() - section_of.len(), mesh.quads.len()),
+            format!(
+                "{} of {} elements have no section, the first is element {q}",
+                mesh.quads.len() - section_of.len(),
+                mesh.quads.len()
+            ),
             "add a section for them, or use on = \"all\"",
         );
     }
@@ -178,7 +206,11 @@ pub fn sets(model: &Model, mesh: &Mesh) -> Vec<Issue> {
             let key = format!("output.points[{i}].on");
             let nodes = c.set(mesh, key.clone(), on, "nodes", Mesh::nodes_on);
             if nodes.len() > 1 {
-                c.add(key, format!("set \"{on}\" has {} nodes, a point needs one", nodes.len()), "name a set with one node, or give a position with `at`");
+                c.add(
+                    key,
+                    format!("set \"{on}\" has {} nodes, a point needs one", nodes.len()),
+                    "name a set with one node, or give a position with `at`",
+                );
             }
         }
     }
@@ -227,7 +259,8 @@ pub fn mechanisms(
     for (part, n) in normal.iter().enumerate() {
         let eigen = n.symmetric_eigen();
         let largest = eigen.eigenvalues.max();
-        let mut free: Vec<usize> = (0..6).filter(|&i| eigen.eigenvalues[i] <= 1e-16_f64.max(1e-12 * largest)).collect();
+        let mut free: Vec<usize> =
+            (0..6).filter(|&i| eigen.eigenvalues[i] <= 1e-16_f64.max(1e-12 * largest)).collect();
         free.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
         let Some(&mode) = free.first() else { continue };
         let v = eigen.eigenvectors.column(mode);
@@ -297,9 +330,7 @@ pub fn masses(model: &Model, system: &System) -> Vec<Issue> {
     let needed = match &model.analysis {
         Analysis::Modal(_) => Some("a modal analysis"),
         Analysis::Transient(_) => Some("a transient analysis"),
-        Analysis::Static(_) => {
-            model.loads.iter().any(|l| matches!(l, Load::Gravity(_))).then_some("gravity")
-        }
+        Analysis::Static(_) => model.loads.iter().any(|l| matches!(l, Load::Gravity(_))).then_some("gravity"),
     };
     if let Some(what) = needed {
         for (i, s) in model.sections.iter().enumerate() {
@@ -340,13 +371,21 @@ impl Checker {
 
     fn positive(&mut self, key: &str, what: &str, value: f64) {
         if !(value > 0.0 && value.is_finite()) {
-            self.add(key, format!("{what} is {value}; it must be above 0"), "give a positive number in the model's units");
+            self.add(
+                key,
+                format!("{what} is {value}; it must be above 0"),
+                "give a positive number in the model's units",
+            );
         }
     }
 
     fn not_negative(&mut self, key: &str, what: &str, value: f64) {
         if !(value >= 0.0 && value.is_finite()) {
-            self.add(key, format!("{what} is {value}; it must not be negative"), "give 0 or a positive number");
+            self.add(
+                key,
+                format!("{what} is {value}; it must not be negative"),
+                "give 0 or a positive number",
+            );
         }
     }
 
@@ -386,12 +425,18 @@ impl Checker {
         match get(mesh, name) {
             Some(list) if !list.is_empty() => list,
             Some(_) => {
-                self.add(key, format!("set \"{name}\" holds no {kind}: it would act on nothing"), "choose a set that has some");
+                self.add(
+                    key,
+                    format!("set \"{name}\" holds no {kind}: it would act on nothing"),
+                    "choose a set that has some",
+                );
                 Vec::new()
             }
             None => {
                 let help = match mesh.closest_name(name) {
-                    Some(close) => format!("did you mean \"{close}\"? The mesh has: {}", mesh.set_names().join(", ")),
+                    Some(close) => {
+                        format!("did you mean \"{close}\"? The mesh has: {}", mesh.set_names().join(", "))
+                    }
                     None => format!("the mesh has: {}", mesh.set_names().join(", ")),
                 };
                 self.add(key, format!("the mesh has no set \"{name}\" with {kind}"), help);
@@ -406,23 +451,39 @@ impl Checker {
         let far = nodes.iter().copied().max_by(|&p, &q| (at(p) - a).norm().total_cmp(&(at(q) - a).norm()));
         let axis = far.map_or(Vec3::zeros(), |n| at(n) - a);
         if axis.norm() <= 1e-9 * mesh.extent() {
-            self.add(key, format!("set \"{name}\" is a single point: a hinge needs an edge"), "use type = \"spherical\", or a set with more nodes");
+            self.add(
+                key,
+                format!("set \"{name}\" is a single point: a hinge needs an edge"),
+                "use type = \"spherical\", or a set with more nodes",
+            );
             return;
         }
         let axis = axis.normalize();
         let off = nodes.iter().map(|&n| (at(n) - a).cross(&axis).norm()).fold(0.0, f64::max);
         if off > 1e-3 * mesh.extent() {
-            self.add(key, format!("the nodes of \"{name}\" do not lie on a line: they would not turn like a hinge"), "use a straight edge, or type = \"clamp\"");
+            self.add(
+                key,
+                format!("the nodes of \"{name}\" do not lie on a line: they would not turn like a hinge"),
+                "use a straight edge, or type = \"clamp\"",
+            );
         }
     }
 
     fn plane(&mut self, mesh: &Mesh, key: String, plane: &super::SymmetryPlane, nodes: &[u32]) {
         let Some(n) = Vec3::from(plane.normal).try_normalize(0.0) else { return };
         let distance = |i: u32| mesh.positions[i as usize].dot(&n);
-        let (low, high) =
-            nodes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &i| (l.min(distance(i)), h.max(distance(i))));
+        let (low, high) = nodes
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &i| (l.min(distance(i)), h.max(distance(i))));
         if high - low > 1e-3 * mesh.extent() {
-            self.add(key, format!("the nodes of \"{}\" do not lie in one plane with the normal {:?}", plane.on, plane.normal), "check the normal, or choose the edge that lies in the plane");
+            self.add(
+                key,
+                format!(
+                    "the nodes of \"{}\" do not lie in one plane with the normal {:?}",
+                    plane.on, plane.normal
+                ),
+                "check the normal, or choose the edge that lies in the plane",
+            );
         }
     }
 
@@ -434,8 +495,14 @@ impl Checker {
                         self.add(format!("analysis.{key}"), format!("`{key}` is 0"), "give at least 1");
                     }
                 }
-                if model.loads.is_empty() && !model.conditions.iter().any(|c| matches!(c, Condition::Prescribe(_))) {
-                    self.add("loads", "a static analysis without loads and prescribed motions has nothing to do", "add a [[loads]] entry");
+                if model.loads.is_empty()
+                    && !model.conditions.iter().any(|c| matches!(c, Condition::Prescribe(_)))
+                {
+                    self.add(
+                        "loads",
+                        "a static analysis without loads and prescribed motions has nothing to do",
+                        "add a [[loads]] entry",
+                    );
                 }
             }
             Analysis::Modal(m) => {
@@ -446,7 +513,9 @@ impl Checker {
             Analysis::Transient(t) => {
                 self.positive("analysis.end_time", "the end time", t.end_time);
                 self.positive("analysis.tolerance", "the tolerance", t.tolerance);
-                for (key, value) in [("time_step", t.time_step), ("initial_step", t.initial_step), ("max_step", t.max_step)] {
+                for (key, value) in
+                    [("time_step", t.time_step), ("initial_step", t.initial_step), ("max_step", t.max_step)]
+                {
                     if let Some(value) = value {
                         self.positive(&format!("analysis.{key}"), "the step", value);
                     }
@@ -458,12 +527,20 @@ impl Checker {
                     Scheme::Newmark(n) => {
                         self.positive("analysis.scheme.beta", "β", n.beta);
                         if !(n.gamma >= 0.5 && n.gamma <= 1.0) {
-                            self.add("analysis.scheme.gamma", format!("γ is {}; it must lie in 0.5…1", n.gamma), "use 0.5 unless damping is wanted");
+                            self.add(
+                                "analysis.scheme.gamma",
+                                format!("γ is {}; it must lie in 0.5…1", n.gamma),
+                                "use 0.5 unless damping is wanted",
+                            );
                         }
                     }
                     Scheme::Hht(h) => {
                         if !(-1.0 / 3.0..=0.0).contains(&h.alpha) {
-                            self.add("analysis.scheme.alpha", format!("α is {}; it must lie in -1/3…0", h.alpha), "use -0.05 for light damping");
+                            self.add(
+                                "analysis.scheme.alpha",
+                                format!("α is {}; it must lie in -1/3…0", h.alpha),
+                                "use -0.05 for light damping",
+                            );
                         }
                     }
                     Scheme::EnergyMomentum(_) => {}
@@ -474,7 +551,11 @@ impl Checker {
             if let Amplitude::Expression(e) = amplitude
                 && e.expression.trim().is_empty()
             {
-                self.add(format!("amplitudes.{name}.expression"), "the expression is empty", "write a formula in `t`");
+                self.add(
+                    format!("amplitudes.{name}.expression"),
+                    "the expression is empty",
+                    "write a formula in `t`",
+                );
             }
         }
     }

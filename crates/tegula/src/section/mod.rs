@@ -40,8 +40,8 @@ impl SectionStiffness {
     /// `A = h D_p`, `D = h³/12 D_p`, `S = h G diag(c_xz, c_yz)`, `Z = h E`.
     pub fn homogeneous(material: &Isotropic, thickness: f64, shear_correction: [f64; 2]) -> Self {
         let (e, nu, h) = (material.young, material.poisson, thickness);
-        let plane_stress = Matrix3::new(1.0, nu, 0.0, nu, 1.0, 0.0, 0.0, 0.0, 0.5 * (1.0 - nu))
-            * (e / (1.0 - nu * nu));
+        let plane_stress =
+            Matrix3::new(1.0, nu, 0.0, nu, 1.0, 0.0, 0.0, 0.0, 0.5 * (1.0 - nu)) * (e / (1.0 - nu * nu));
         let g = 0.5 * e / (1.0 + nu);
         Self {
             membrane: plane_stress * h,

@@ -119,8 +119,12 @@ impl Assembly {
             let (f, forces_rest) = forces.split_at_mut(3 * group.len() * m);
             let (b, blocks_rest) = blocks.split_at_mut(9 * group.len() * m * (m + 1) / 2);
             let (s, stress_rest) = stress.split_at(group.len() * group.samples());
-            let request =
-                TangentRequest { weights: parts.weights, stress: extrapolated.then_some(s), prescribed, blocks: b };
+            let request = TangentRequest {
+                weights: parts.weights,
+                stress: extrapolated.then_some(s),
+                prescribed,
+                blocks: b,
+            };
             group.evaluate(k, f, Some(request));
             (forces, blocks, stress) = (forces_rest, blocks_rest, stress_rest);
         }
@@ -172,7 +176,13 @@ impl Assembly {
     }
 
     /// Extrapolates the stress along an increment from a motion.
-    pub fn extrapolate(&mut self, system: &System, k: &Kinematics, increment: &[Nodal], weights: &TangentWeights) {
+    pub fn extrapolate(
+        &mut self,
+        system: &System,
+        k: &Kinematics,
+        increment: &[Nodal],
+        weights: &TangentWeights,
+    ) {
         let mut stress = self.stress.as_mut_slice();
         for group in &system.groups {
             let (s, rest) = stress.split_at_mut(group.len() * group.samples());

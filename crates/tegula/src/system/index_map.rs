@@ -54,7 +54,10 @@ mod tests {
     #[test]
     fn ghosts_follow_the_owned_vectors() {
         let map = IndexMap::new(10, 2, vec![3, 40]);
-        assert_eq!((0..5).map(|i| map.global(i)).collect::<Vec<_>>(), [Some(10), Some(11), Some(3), Some(40), None]);
+        assert_eq!(
+            (0..5).map(|i| map.global(i)).collect::<Vec<_>>(),
+            [Some(10), Some(11), Some(3), Some(40), None]
+        );
         assert_eq!(IndexMap::serial(3).global(2), Some(2));
     }
 }

@@ -80,7 +80,8 @@ impl Numbering {
             if axes.iter().all(|(a, _)| along_axis(a).is_some()) {
                 for (a, s) in &axes {
                     if let Some(c) = along_axis(a) {
-                        supported[c] = Some(s.motion.map(|(value, amplitude)| (value * a[c].signum(), amplitude)));
+                        supported[c] =
+                            Some(s.motion.map(|(value, amplitude)| (value * a[c].signum(), amplitude)));
                     }
                 }
             } else {

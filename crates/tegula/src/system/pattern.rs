@@ -151,7 +151,8 @@ impl Pattern {
     ) {
         if columns.len() > GRAIN {
             let middle = columns.start + columns.len() / 2;
-            let (left, right) = values.split_at_mut(self.value_start[middle] - self.value_start[columns.start]);
+            let (left, right) =
+                values.split_at_mut(self.value_start[middle] - self.value_start[columns.start]);
             rayon::join(
                 || self.gather_columns(columns.start..middle, buffer, mass_factor, numbering, left),
                 || self.gather_columns(middle..columns.end, buffer, mass_factor, numbering, right),
