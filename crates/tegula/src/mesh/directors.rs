@@ -253,4 +253,5 @@ impl Disjoint {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests;

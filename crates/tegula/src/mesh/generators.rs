@@ -153,4 +153,5 @@ fn graded(grid: &Grid, joined: bool, input: &Input) -> Option<Lines> {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests;

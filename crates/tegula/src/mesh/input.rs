@@ -92,7 +92,7 @@ impl Input {
             self.wrong(
                 "mesh.grid.elements",
                 format!("an element spans {span:.1} degrees of the {name}"),
-                format!("use at least {} elements along the {name}", (2.0 * lines.len() as f64).max(4.0)),
+                format!("use at least {} elements along the {name}", 2 * lines.len()),
             );
         }
     }

@@ -19,9 +19,9 @@ use crate::model::ExtrusionMesh;
 pub(super) fn extrusion(source: &ExtrusionMesh, input: &mut Input) -> Option<(Extrusion, Lines)> {
     let before = input.issues.len();
     input.grid(&source.grid);
+    let along = input.direction("mesh.sweep", "the sweep", source.sweep);
     let (vertices, closed) = vertices(source, input)?;
-    let sweep = input.point("mesh.sweep", "the sweep", source.sweep)?;
-    let normals = normals(&vertices, sweep, closed, input);
+    let normals = normals(&vertices, along?, closed, input);
     let lengths: Vec<f64> = vertices.windows(2).map(|ends| (ends[1] - ends[0]).norm()).collect();
     let segments = lengths.len();
     let total = (source.grid.elements[0] as usize).max(segments);
@@ -30,7 +30,7 @@ pub(super) fn extrusion(source: &ExtrusionMesh, input: &mut Input) -> Option<(Ex
         return None;
     }
     let lines = lines(&lengths, total, source, closed);
-    Some((Extrusion { vertices, sweep, normals }, lines))
+    Some((Extrusion { vertices, sweep: Vec3::from(source.sweep), normals }, lines))
 }
 
 /// The vertices, and whether the last one is the first again; nothing if there is no usable polyline.
@@ -75,7 +75,7 @@ fn vertices(source: &ExtrusionMesh, input: &mut Input) -> Option<(Vec<Vec3>, boo
     let mut seen = BTreeMap::new();
     let cell = TINY * length;
     for (i, vertex) in vertices.iter().enumerate().take(last + usize::from(!closed)) {
-        let place = [vertex.x, vertex.y, vertex.z].map(|x| (x / cell).round() as i64);
+        let place = [0, 1, 2].map(|k| ((vertex[k] - vertices[0][k]) / cell).round() as i64);
         if let Some(other) = seen.insert(place, i) {
             input.wrong(
                 &key(i),
@@ -87,13 +87,8 @@ fn vertices(source: &ExtrusionMesh, input: &mut Input) -> Option<(Vec<Vec3>, boo
     Some((vertices, closed))
 }
 
-/// Unit normals segment × sweep of the sheets.
-fn normals(vertices: &[Vec3], sweep: Vec3, closed: bool, input: &mut Input) -> Vec<Vec3> {
-    if sweep.norm() <= 0.0 {
-        input.wrong("mesh.sweep", "the sweep is zero", "give the vector along which the polyline is swept");
-        return Vec::new();
-    }
-    let along = sweep.normalize();
+/// Unit normals segment × sweep of the sheets, `along` being the sweep's direction.
+fn normals(vertices: &[Vec3], along: Vec3, closed: bool, input: &mut Input) -> Vec<Vec3> {
     let tangents: Vec<Vec3> = vertices.windows(2).map(|ends| (ends[1] - ends[0]).normalize()).collect();
     let mut normals = Vec::with_capacity(tangents.len());
     for (i, tangent) in tangents.iter().enumerate() {

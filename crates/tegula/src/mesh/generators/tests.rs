@@ -329,8 +329,13 @@ fn wrong_polylines_are_refused() {
     // a lollipop: its stick and its ring would not be joined
     assert_eq!(bad(&[[-1.0, 0.0, 0.0], L[0], L[1], L[2], L[0]]), ["mesh.vertices[4]"]);
     assert_eq!(bad(&[L[0], [0.0, 0.0, 1.0], L[1]]), ["mesh.sweep"]);
+    // whatever the offset, only vertices that coincide are refused
+    let far = L.map(|x| [x[0] + 1e12, x[1], x[2]]);
+    mesh(MeshSource::Extrusion(extrusion_source(&far, Grid::uniform(4, 2))));
     let still = ExtrusionMesh { sweep: [0.0; 3], ..extrusion_source(&L, Grid::uniform(1, 0)) };
     assert_eq!(keys(&MeshSource::Extrusion(still)), ["mesh.grid.elements", "mesh.sweep"]);
+    let all = ExtrusionMesh { sweep: [0.0; 3], ..extrusion_source(&[L[0], L[0]], Grid::uniform(1, 1)) };
+    assert_eq!(keys(&MeshSource::Extrusion(all)), ["mesh.sweep", "mesh.vertices[1]"]);
 }
 
 #[test]
