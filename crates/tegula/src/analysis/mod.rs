@@ -1,6 +1,6 @@
 //! Analyses: statics, natural frequencies, motion in time.
 
-//pub mod dynamics;
+pub mod dynamics;
 //pub mod modal;
 pub mod newton;
 pub mod statics;

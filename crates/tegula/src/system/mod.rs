@@ -131,12 +131,16 @@ impl System {
         }
     }
 
-    /// Potential of gravity, −F·u, where its amplitude does not change with time.
-    pub fn gravity_potential(&self, time: f64, u: &[Nodal]) -> f64 {
+    /// Potential −F·u of gravity that is constant in time; other gravity counts as a load that does work.
+    pub fn constant_gravity_potential(&self, u: &[Nodal]) -> f64 {
         self.dead_loads
             .iter()
             .filter(|l| l.gravity)
-            .map(|l| -self.amplitude(l.amplitude, time) * dot(&l.force, u))
+            .filter_map(|l| match l.amplitude.map(|a| &self.amplitudes[a]) {
+                None if !self.proportional => Some(-dot(&l.force, u)),
+                Some(TimeFunction::Constant(c)) => Some(-c * dot(&l.force, u)),
+                _ => None,
+            })
             .sum()
     }
 

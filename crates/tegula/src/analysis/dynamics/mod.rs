@@ -1,0 +1,293 @@
+//! Motion in time: consistent start, step control, energy balance; one file an integrator.
+
+pub mod energy_momentum;
+pub mod newmark;
+pub mod step_control;
+
+use super::newton::{Diverged, Equation, Newton, Tolerances};
+use super::statics::state_kinematics;
+use super::{Balance, Observer, State, Statistics, Step};
+use crate::element::{Kinematics, Motion, Nodal};
+use crate::linear::Factor as _;
+use crate::model::{NewtonMethod, Scheme, TransientAnalysis};
+use crate::system::assembly::add_follower_loads;
+use crate::system::numbering::CONSTRAINED;
+use crate::system::{Assembly, System, VectorKind, dot, dot3};
+use crate::{Error, Result};
+use energy_momentum::EnergyMomentum;
+use newmark::Newmark;
+use step_control::StepControl;
+
+/// A time integration scheme: the equation of a step and what it says about its error.
+///
+/// Adding one: a file beside this one that implements the trait, a variant of
+/// [`Scheme`] and a line in [`integrator`].
+pub trait Integrator: Equation {
+    /// Starts a step of length `dt` from a state, with a prediction of its end.
+    fn begin(&mut self, system: &System, assembly: &mut Assembly, state: &State, dt: f64);
+    /// Displacements, velocities and accelerations at the end of a converged step.
+    fn finish(&mut self, system: &System, state: &mut State);
+    /// Root mean square error of position of the step over the model's length.
+    fn local_error(&self, system: &System, state: &State) -> f64;
+    /// Work of the loads that constant gravity does not count, and dissipation, during the step.
+    fn exchange(&self, system: &System, assembly: &mut Assembly, state: &State) -> Exchange;
+    /// When its iteration is finished.
+    fn tolerances(&self, max_iterations: u32) -> Tolerances;
+}
+
+/// Energy that a step exchanges with the outside.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Exchange {
+    /// Work of loads other than constant gravity, and of prescribed motions.
+    pub work: f64,
+    /// Energy dissipated by damping.
+    pub dissipated: f64,
+}
+
+/// The integrator of a scheme.
+pub fn integrator(system: &System, scheme: Scheme) -> Box<dyn Integrator> {
+    match scheme {
+        Scheme::Newmark(s) => Box::new(Newmark::new(system, s.beta, s.gamma, 0.0)),
+        Scheme::Hht(s) => {
+            let a = s.alpha;
+            Box::new(Newmark::new(system, 0.25 * (1.0 - a) * (1.0 - a), 0.5 - a, -a))
+        }
+        Scheme::EnergyMomentum(_) => Box::new(EnergyMomentum::new(system)),
+    }
+}
+
+/// The end of a transient analysis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TransientOutcome {
+    /// Final state.
+    pub state: State,
+    /// Its energies and momenta.
+    pub balance: Balance,
+    /// Counts.
+    pub statistics: Statistics,
+}
+
+/// Steps shorter than this part of the end time give up.
+const SMALLEST_STEP: f64 = 1e-10;
+
+/// Integrates the motion from `start` (rest or the initial velocities where `None`).
+///
+/// # Errors
+/// A step did not converge even when cut to almost nothing, or the user interrupted.
+pub fn run(
+    system: &System,
+    options: &TransientAnalysis,
+    start: Option<State>,
+    observer: &mut dyn Observer,
+) -> Result<TransientOutcome> {
+    let mut newton = Newton::new(system, NewtonMethod::Mixed)?;
+    let mut statistics = Statistics::default();
+    let fresh = start.is_none();
+    let mut state = match start {
+        Some(s) => s,
+        None => initial_state(system, &mut newton)?,
+    };
+    statistics.steps = state.step;
+    newton.assembly.stress.copy_from_slice(&state.stress);
+    let control = StepControl::new(system, options);
+    if fresh {
+        state.next_step = control.first(system, &state);
+    }
+    let mut scheme = integrator(system, options.scheme);
+    let tolerances = scheme.tolerances(options.max_iterations);
+    let mut balance = balance(system, &mut newton.assembly, &state);
+    if fresh {
+        observer.on_step(&Step {
+            state: &state,
+            balance: &balance,
+            statistics: &statistics,
+            iterations: 0,
+            end: options.end_time,
+        })?;
+    }
+    while state.time < options.end_time {
+        let left = options.end_time - state.time;
+        // The last two steps share what is left, so that no sliver remains.
+        let dt = if left <= 1.000_001 * state.next_step {
+            left
+        } else if left < 2.0 * state.next_step && options.time_step.is_none() {
+            0.5 * left
+        } else {
+            state.next_step
+        };
+        scheme.begin(system, &mut newton.assembly, &state, dt);
+        let result = newton.solve(system, scheme.as_mut(), &tolerances, observer);
+        statistics.factorizations = newton.solver.factorizations() as u64;
+        let failure = match result {
+            Ok(c) => {
+                statistics.iterations += u64::from(c.iterations);
+                let error = scheme.local_error(system, &state);
+                if control.accepts(error) {
+                    let exchange = scheme.exchange(system, &mut newton.assembly, &state);
+                    state.work += exchange.work;
+                    state.dissipated += exchange.dissipated;
+                    scheme.finish(system, &mut state);
+                    state.time = if dt == left { options.end_time } else { state.time + dt };
+                    state.step += 1;
+                    state.next_step = control.next(dt, error, c.iterations);
+                    newton.assembly.reset_stress(system, &state_kinematics(system, &state.u));
+                    state.stress.copy_from_slice(&newton.assembly.stress);
+                    balance = self::balance(system, &mut newton.assembly, &state);
+                    state.energy_scale = state.energy_scale.max(balance.kinetic).max(balance.strain);
+                    statistics.steps = state.step;
+                    observer.on_step(&Step {
+                        state: &state,
+                        balance: &balance,
+                        statistics: &statistics,
+                        iterations: c.iterations,
+                        end: options.end_time,
+                    })?;
+                    if observer.interrupted() && state.time < options.end_time {
+                        return Err(Error::Interrupted);
+                    }
+                    continue;
+                }
+                state.next_step = control.next(dt, error, c.iterations).min(0.5 * dt);
+                format!("its error {error:.1e} is above the tolerance")
+            }
+            Err(Diverged { iterations, reason }) => {
+                statistics.iterations += u64::from(iterations);
+                if observer.interrupted() {
+                    return Err(Error::Interrupted);
+                }
+                state.next_step = 0.5 * dt;
+                reason
+            }
+        };
+        if state.next_step < SMALLEST_STEP * options.end_time {
+            return Err(Error::NotConverged {
+                at: format!("time {:.6e}", state.time + dt),
+                reason: failure,
+                help: format!(
+                    "The last finished step ended at time {:.6e}; results up to there are complete. \
+                     Try the energy-momentum scheme, some damping, or a look at loads and units.",
+                    state.time
+                ),
+            });
+        }
+        statistics.cutbacks += 1;
+        observer.on_event(&format!(
+            "time {:.6e}: a step of {dt:.3e} is repeated with {:.3e}: {failure}",
+            state.time, state.next_step
+        ));
+        newton.assembly.stress.copy_from_slice(&state.stress);
+    }
+    Ok(TransientOutcome { state, balance, statistics })
+}
+
+/// Rest or initial velocities, prescribed values at time 0, and accelerations that satisfy the
+/// equations of motion there: `M a = F − f_int − C v`.
+fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
+    let n = system.vectors();
+    let mut state = State {
+        u: vec![[0.0; 3]; n],
+        v: system.initial_velocity.clone(),
+        a: vec![[0.0; 3]; n],
+        stress: newton.assembly.stress.clone(),
+        ..State::default()
+    };
+    // Supports hold from the start: an initial velocity across them is not possible.
+    let mut supported = vec![[0.0; 3]; n];
+    system.numbering.supported_part(&state.v, &mut supported);
+    for (v, s) in state.v.iter_mut().zip(&supported) {
+        for i in 0..3 {
+            v[i] -= s[i];
+        }
+    }
+    system.prescribe(0.0, &mut state.u);
+    system.prescribe_velocity(0.0, &mut state.v);
+    system.prescribe_acceleration(0.0, &mut state.a);
+
+    let k = Kinematics {
+        reference: &system.reference,
+        motion: Motion::State { u: &state.u, velocity: Some(&state.v) },
+        linear: system.linear,
+    };
+    let (mut internal, mut rest) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
+    newton.assembly.forces(system, &k, &mut internal);
+    newton.assembly.reset_stress(system, &k);
+    system.add_dead_loads(0.0, 1.0, &mut rest);
+    add_follower_loads(system, &k, 0.0, 1.0, &mut rest);
+    system.pattern.add_mass_product(-1.0, &state.a, &mut rest);
+    system.pattern.add_mass_product(-system.mass_damping, &state.v, &mut rest);
+    for (r, f) in rest.iter_mut().zip(&internal) {
+        for i in 0..3 {
+            r[i] -= f[i];
+        }
+    }
+    let mut mass = vec![0.0; system.pattern.values()];
+    newton.assembly.mass_values(system, &mut mass);
+    let inertia = newton.solver.factor(&mass);
+    if !inertia.is_ok_and(|i| i.negative == 0) {
+        return Err(Error::Singular {
+            what: "The mass matrix is singular: some coordinates have no mass.".into(),
+            help: "Give every material a density, or the section a `total_mass`.".into(),
+        });
+    }
+    let mut right_side = vec![0.0; system.unknowns()];
+    system.numbering.reduce(&rest, &mut right_side);
+    newton.solver.solve(&mut right_side);
+    let mut a = vec![[0.0; 3]; n];
+    system.numbering.expand(&right_side, &mut a);
+    for (s, a) in state.a.iter_mut().zip(&a) {
+        for i in 0..3 {
+            s[i] += a[i];
+        }
+    }
+    state.stress.copy_from_slice(&newton.assembly.stress);
+    state.energy_scale = system.kinetic_energy(&state.v);
+    Ok(state)
+}
+
+/// Energies and momenta of a state.
+pub fn balance(system: &System, assembly: &mut Assembly, state: &State) -> Balance {
+    let kinetic = system.kinetic_energy(&state.v);
+    let strain = assembly.strain_energy(system, &state.u);
+    let potential = system.constant_gravity_potential(&state.u);
+    let (momentum, angular_momentum) = system.momentum(&state.u, &state.v);
+    Balance {
+        kinetic,
+        strain,
+        potential,
+        work: state.work,
+        dissipated: state.dissipated,
+        total: kinetic + strain + potential + state.dissipated - state.work,
+        momentum: momentum.into(),
+        angular_momentum: angular_momentum.into(),
+    }
+}
+
+/// Work of a force over a change of the nodal vectors.
+pub(super) fn work(force: &[Nodal], from: &[Nodal], to: &[Nodal]) -> f64 {
+    dot(force, to) - dot(force, from)
+}
+
+/// Size of the change of the nodal vectors in a step.
+pub(super) fn step_size(system: &System, from: &[Nodal], to: &[Nodal]) -> f64 {
+    let mut sum = 0.0;
+    for (v, kind) in system.kinds.iter().enumerate() {
+        let d: Nodal = std::array::from_fn(|i| to[v][i] - from[v][i]);
+        let s = dot3(d, d);
+        sum += if *kind == VectorKind::Position { s / (system.length * system.length) } else { s };
+    }
+    (sum / from.len().max(1) as f64).sqrt()
+}
+
+/// Copies the supported coordinates of a field: a prediction must not move them.
+pub(super) fn copy_supported(system: &System, from: &[Nodal], to: &mut [Nodal]) {
+    for (v, to) in to.iter_mut().enumerate() {
+        let old = system.numbering.to_axes(v, from[v]);
+        let mut local = system.numbering.to_axes(v, *to);
+        for (i, number) in system.numbering.of(v).into_iter().enumerate() {
+            if number == CONSTRAINED {
+                local[i] = old[i];
+            }
+        }
+        *to = system.numbering.from_axes(v, local);
+    }
+}

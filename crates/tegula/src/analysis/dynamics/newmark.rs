@@ -1,0 +1,255 @@
+//! Newmark-β and Hilber–Hughes–Taylor α.
+//!
+//! ```text
+//! u₁ = u₀ + Δt v₀ + Δt² ((½ − β) a₀ + β a₁)
+//! v₁ = v₀ + Δt ((1 − γ) a₀ + γ a₁)
+//! M a₁ + (1 − α_f)(C v₁ + f₁ − F₁) + α_f (C v₀ + f₀ − F₀) = 0
+//! ```
+//!
+//! α_f = 0 is Newmark; HHT has α_f = −α, γ = ½ − α, β = (1 − α)²/4.
+//! N. M. Newmark, *A method of computation for structural dynamics*, J. Eng. Mech. ASCE 85 (1959) 67–94;
+//! H. M. Hilber, T. J. R. Hughes, R. L. Taylor, *Improved numerical dissipation for time integration
+//! algorithms in structural dynamics*, Earthquake Eng. Struct. Dyn. 5 (1977) 283–292.
+//!
+//! Unconditionally stable for linear problems if 2β ≥ γ ≥ ½; not so for large rotations, where
+//! automatic steps or the energy–momentum scheme are needed.
+
+use super::{Exchange, Integrator, copy_supported, step_size, work};
+use crate::analysis::State;
+use crate::analysis::newton::{Equation, Tolerances};
+use crate::analysis::statics::{add, prescribed_increment};
+use crate::element::{Kinematics, Motion, Nodal, TangentWeights};
+use crate::system::assembly::{TangentParts, add_follower_loads};
+use crate::system::{Assembly, System};
+
+/// Newmark and HHT.
+pub struct Newmark {
+    beta: f64,
+    gamma: f64,
+    alpha_f: f64,
+    dt: f64,
+    time: f64,
+    u: Vec<Nodal>,
+    v: Vec<Nodal>,
+    a: Vec<Nodal>,
+    u_old: Vec<Nodal>,
+    v_old: Vec<Nodal>,
+    a_old: Vec<Nodal>,
+    /// Loads minus damping and internal force at the start of the step; only for α_f ≠ 0.
+    old_rest: Vec<Nodal>,
+    loads_old: Vec<Nodal>,
+    energy_scale: f64,
+    damped: bool,
+    mass_damping: f64,
+}
+
+impl Newmark {
+    /// With parameters β, γ and α_f.
+    pub fn new(system: &System, beta: f64, gamma: f64, alpha_f: f64) -> Self {
+        let zero = vec![[0.0; 3]; system.vectors()];
+        Self {
+            beta,
+            gamma,
+            alpha_f,
+            dt: 0.0,
+            time: 0.0,
+            u: zero.clone(),
+            v: zero.clone(),
+            a: zero.clone(),
+            u_old: zero.clone(),
+            v_old: zero.clone(),
+            a_old: zero.clone(),
+            old_rest: zero.clone(),
+            loads_old: zero,
+            energy_scale: 0.0,
+            damped: system.groups.iter().any(|g| g.retardation_time() != 0.0),
+            mass_damping: system.mass_damping,
+        }
+    }
+
+    /// Velocities and accelerations that belong to the displacements.
+    fn update_rates(&mut self, system: &System) {
+        let (dt, beta, gamma) = (self.dt, self.beta, self.gamma);
+        for n in 0..self.u.len() {
+            for i in 0..3 {
+                let (u0, v0, a0) = (self.u_old[n][i], self.v_old[n][i], self.a_old[n][i]);
+                let a = (self.u[n][i] - u0 - dt * v0 - dt * dt * (0.5 - beta) * a0) / (beta * dt * dt);
+                self.a[n][i] = a;
+                self.v[n][i] = v0 + dt * ((1.0 - gamma) * a0 + gamma * a);
+            }
+        }
+        // Prescribed motions are known exactly, with their rates.
+        system.prescribe_velocity(self.time, &mut self.v);
+        system.prescribe_acceleration(self.time, &mut self.a);
+    }
+
+    fn loads(&self, system: &System, time: f64, u: &[Nodal], out: &mut [Nodal]) {
+        system.add_dead_loads(time, 1.0, out);
+        let k = Kinematics {
+            reference: &system.reference,
+            motion: Motion::State { u, velocity: None },
+            linear: system.linear,
+        };
+        add_follower_loads(system, &k, time, 1.0, out);
+    }
+}
+
+impl Equation for Newmark {
+    fn kinematics<'a>(&'a self, system: &'a System) -> Kinematics<'a> {
+        let velocity = self.damped.then_some(self.v.as_slice());
+        Kinematics {
+            reference: &system.reference,
+            motion: Motion::State { u: &self.u, velocity },
+            linear: system.linear,
+        }
+    }
+
+    fn parts(&self) -> TangentParts {
+        let rate = self.gamma / (self.beta * self.dt);
+        let share = 1.0 - self.alpha_f;
+        TangentParts {
+            weights: TangentWeights { stress: 1.0, direction: 1.0, force: share, rate },
+            mass: 1.0 / (self.beta * self.dt * self.dt) + share * self.mass_damping * rate,
+            time: self.time,
+        }
+    }
+
+    fn rest(&self, system: &System, out: &mut [Nodal]) {
+        let share = 1.0 - self.alpha_f;
+        out.fill([0.0; 3]);
+        self.loads(system, self.time, &self.u, out);
+        for (o, old) in out.iter_mut().zip(&self.old_rest) {
+            for i in 0..3 {
+                o[i] = share * o[i] + self.alpha_f * old[i];
+            }
+        }
+        system.pattern.add_mass_product(-1.0, &self.a, out);
+        system.pattern.add_mass_product(-share * system.mass_damping, &self.v, out);
+    }
+
+    fn apply(&mut self, system: &System, increment: &[Nodal]) {
+        add(&mut self.u, increment);
+        self.update_rates(system);
+    }
+
+    fn prescribed(&self, system: &System, increment: &mut [Nodal]) -> bool {
+        prescribed_increment(system, self.time, &self.u, increment)
+    }
+
+    fn energy_scale(&self, system: &System, _assembly: &mut Assembly) -> f64 {
+        self.energy_scale.max(system.kinetic_energy(&self.v))
+    }
+
+    fn displacement_scale(&self, system: &System) -> f64 {
+        step_size(system, &self.u_old, &self.u)
+    }
+}
+
+impl Integrator for Newmark {
+    fn begin(&mut self, system: &System, assembly: &mut Assembly, state: &State, dt: f64) {
+        self.dt = dt;
+        self.time = state.time + dt;
+        self.u_old.copy_from_slice(&state.u);
+        self.v_old.copy_from_slice(&state.v);
+        self.a_old.copy_from_slice(&state.a);
+        self.energy_scale = state.energy_scale;
+        self.loads_old.fill([0.0; 3]);
+        let mut loads = std::mem::take(&mut self.loads_old);
+        self.loads(system, state.time, &state.u, &mut loads);
+        self.loads_old = loads;
+        if self.alpha_f != 0.0 {
+            let velocity = self.damped.then_some(state.v.as_slice());
+            let k = Kinematics {
+                reference: &system.reference,
+                motion: Motion::State { u: &state.u, velocity },
+                linear: system.linear,
+            };
+            assembly.forces(system, &k, &mut self.old_rest);
+            for (r, f) in self.old_rest.iter_mut().zip(&self.loads_old) {
+                for i in 0..3 {
+                    r[i] = f[i] - r[i];
+                }
+            }
+            system.pattern.add_mass_product(-system.mass_damping, &state.v, &mut self.old_rest);
+        }
+        // Free flight; the accelerations of stiff modes would only spoil the prediction.
+        for (n, u) in self.u.iter_mut().enumerate() {
+            for i in 0..3 {
+                u[i] = state.u[n][i] + dt * state.v[n][i];
+            }
+        }
+        copy_supported(system, &state.u, &mut self.u);
+        self.update_rates(system);
+    }
+
+    fn finish(&mut self, _system: &System, state: &mut State) {
+        state.u.copy_from_slice(&self.u);
+        state.v.copy_from_slice(&self.v);
+        state.a.copy_from_slice(&self.a);
+    }
+
+    /// `|(β − 1/6) Δt² (a₁ − a₀)|`, the leading term of the error of position.
+    fn local_error(&self, system: &System, _state: &State) -> f64 {
+        let factor = (self.beta - 1.0 / 6.0) * self.dt * self.dt;
+        system.position_rms(|v| std::array::from_fn(|i| factor * (self.a[v][i] - self.a_old[v][i])))
+    }
+
+    fn exchange(&self, system: &System, assembly: &mut Assembly, state: &State) -> Exchange {
+        let mut loads = vec![[0.0; 3]; self.u.len()];
+        self.loads(system, self.time, &self.u, &mut loads);
+        let trapezoid =
+            0.5 * (work(&self.loads_old, &self.u_old, &self.u) + work(&loads, &self.u_old, &self.u));
+        let gravity =
+            system.constant_gravity_potential(&self.u_old) - system.constant_gravity_potential(&self.u);
+        let mut power = 0.0;
+        for (u, v) in [(&state.u, &state.v), (&self.u, &self.v)] {
+            let k = Kinematics {
+                reference: &system.reference,
+                motion: Motion::State { u, velocity: Some(v) },
+                linear: system.linear,
+            };
+            power +=
+                assembly.dissipated_power(system, &k) + 2.0 * system.mass_damping * system.kinetic_energy(v);
+        }
+        let prescribed = self.work_of_supports(system, assembly, state);
+        Exchange { work: trapezoid - gravity + prescribed, dissipated: 0.5 * self.dt * power }
+    }
+
+    fn tolerances(&self, max_iterations: u32) -> Tolerances {
+        Tolerances { energy: 1e-12, increment: 1e-3, max_iterations }
+    }
+}
+
+impl Newmark {
+    /// Work of the reactions over prescribed motions, by the trapezoidal rule.
+    fn work_of_supports(&self, system: &System, assembly: &mut Assembly, state: &State) -> f64 {
+        if system.numbering.prescribed.is_empty() {
+            return 0.0;
+        }
+        let n = self.u.len();
+        let mut total = 0.0;
+        for (u, v, a, time) in
+            [(&state.u, &state.v, &state.a, state.time), (&self.u, &self.v, &self.a, self.time)]
+        {
+            let (mut reaction, mut loads) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
+            let k = Kinematics {
+                reference: &system.reference,
+                motion: Motion::State { u, velocity: Some(v) },
+                linear: system.linear,
+            };
+            assembly.forces(system, &k, &mut reaction);
+            self.loads(system, time, u, &mut loads);
+            system.pattern.add_mass_product(1.0, a, &mut reaction);
+            system.pattern.add_mass_product(system.mass_damping, v, &mut reaction);
+            for (r, f) in reaction.iter_mut().zip(&loads) {
+                for i in 0..3 {
+                    r[i] -= f[i];
+                }
+            }
+            let mut supported = vec![[0.0; 3]; n];
+            system.numbering.supported_part(&reaction, &mut supported);
+            total += 0.5 * work(&supported, &self.u_old, &self.u);
+        }
+        total
+    }
+}
