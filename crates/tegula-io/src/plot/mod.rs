@@ -17,3 +17,4 @@ pub mod surfaces;
 pub mod ticks;
 
 pub use lines::{LinePlot, Series, Style, lines};
+pub use surfaces::{Snapshot, SurfacePlot, View, surfaces};

@@ -51,9 +51,7 @@ impl Axis {
         } else {
             1.0
         };
-        let axis =
-            Self { low: (low - room).max(f64::MIN / 4.0), high: (high + room).min(f64::MAX / 4.0), log };
-        (axis.low < axis.high).then_some(axis)
+        Some(Self { low: low - room, high: high + room, log })
     }
 
     /// Place of a value, from 0 to 1 within the axis; `None` if it cannot be shown.
