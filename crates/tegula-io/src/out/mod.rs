@@ -10,6 +10,9 @@
 //! Every file but the growing histories is written whole or not at all ([`file::write_whole`]): a run that is
 //! stopped, or a disk that is full, leaves the last good version in place.
 
+// Tests may unwrap; the code they test may not.
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
 pub mod checkpoint;
 pub mod csv;
 pub mod file;

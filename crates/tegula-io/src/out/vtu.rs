@@ -217,8 +217,11 @@ mod tests {
     use crate::out::PvdSeries;
     use std::io::Read as _;
 
+    /// Points, cells, a vector on the points and a scalar on the cells.
+    type Strip = (Vec<[f64; 3]>, Vec<[u32; 4]>, Vec<f64>, Vec<f64>);
+
     /// A strip of `n` squares and a field on each kind.
-    fn strip(n: usize) -> (Vec<[f64; 3]>, Vec<[u32; 4]>, Vec<f64>, Vec<f64>) {
+    fn strip(n: usize) -> Strip {
         let points: Vec<[f64; 3]> =
             (0..=n).flat_map(|i| [[i as f64, 0.0, 0.1], [i as f64, 1.0, 0.1]]).collect();
         let quads = (0..n as u32).map(|i| [2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1]).collect();

@@ -252,9 +252,8 @@ mod tests {
     fn neighbours_leave_no_seam_and_no_overlap() {
         let mut canvas = Canvas::new(60, 60);
         let (a, b, c, d) = ([3.3, 4.1], [55.7, 9.9], [49.2, 57.3], [5.9, 50.8]);
-        for (i, triangle) in [[a, b, c], [c, d, a]].iter().enumerate() {
-            let _ = i;
-            canvas.fill_with(triangle, 0.5, |_| Rgb::BLACK);
+        for triangle in [[a, b, c], [c, d, a]] {
+            canvas.fill_with(&triangle, 0.5, |_| Rgb::BLACK);
         }
         let mut inside = 0;
         for (i, &sample) in canvas.samples.iter().enumerate() {

@@ -104,11 +104,13 @@ pub(super) fn paint(canvas: &mut Canvas, placement: &Placement, patches: &[Patch
     let mut owners = Owners { width, height, numbers: vec![0; width * height] };
     let half = (typical / 40.0).clamp(0.3, 0.5);
     let with_lines = typical >= SMALLEST_WITH_LINES;
+    // Fine meshes would turn dark under full lines.
+    let ink = 0.45 * ((typical - SMALLEST_WITH_LINES / 2.0) / 14.0).clamp(0.0, 1.0);
     for facet in &facets {
         let patch = &patches[facet.patch as usize];
         let sides: [Point; 4] = patch.corners.map(|c| placement.at(&c));
         let colour = lit(facet.colour, facet.light);
-        let line = lit(facet.colour.mix(Rgb::BLACK, 0.42), facet.light);
+        let line = lit(facet.colour.mix(Rgb::BLACK, ink), facet.light);
         let rim = lit(facet.colour.mix(Rgb::BLACK, 0.62), facet.light);
         let shade = |at: Point| {
             owners.set(at, patch.owner + 1);
@@ -168,7 +170,7 @@ fn light(normal: Vec3) -> f64 {
     let towards_light = Vec3::new(-0.45, 0.62, 0.64).normalize();
     // Half of the cosine's range is used below zero too, so that nothing is lost in the dark.
     let wrapped = 0.5 + 0.5 * normal.dot(&towards_light);
-    0.52 + 0.56 * wrapped.powf(1.2)
+    0.64 + 0.46 * wrapped.powf(1.3)
 }
 
 /// The colour under this light; light above one whitens.

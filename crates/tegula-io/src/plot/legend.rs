@@ -2,7 +2,8 @@
 
 use super::canvas::{Anchor, Canvas, Point, text_width};
 use super::colour::Rgb;
-use super::lines::{Style, draw_marker, draw_series_line};
+use super::lines::Style;
+use super::strokes;
 
 /// Em of the legend's letters, pixels.
 const SIZE: f64 = 14.0;
@@ -76,9 +77,9 @@ pub(super) fn draw(canvas: &mut Canvas, [x, y]: Point, entries: &[Entry]) {
     for (row, entry) in entries.iter().enumerate() {
         let middle = y + PADDING / 2.0 + ROW * (row as f64 + 0.5);
         let (start, end) = (x + PADDING, x + PADDING + SAMPLE);
-        draw_series_line(canvas, &[[start, middle], [end, middle]], entry.style, entry.colour);
+        strokes::line(canvas, &[[start, middle], [end, middle]], entry.style, entry.colour);
         if entry.style.has_markers() {
-            draw_marker(canvas, [(start + end) / 2.0, middle], entry.index, entry.colour);
+            strokes::marker(canvas, [(start + end) / 2.0, middle], entry.index, entry.colour);
         }
         canvas.text([end + 8.0, middle + 0.36 * SIZE], Anchor::Start, SIZE, Rgb::INK, &entry.name);
     }

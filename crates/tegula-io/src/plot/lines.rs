@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use super::canvas::{Anchor, Canvas, Point, fitted, regular, text_width};
+use super::canvas::{Anchor, Canvas, Point, fitted, text_width};
 use super::colour::{Rgb, palette};
 use super::legend::{self, Entry};
+use super::strokes;
 use super::ticks::{Axis, Ticks, shown};
 use crate::out::OutputError;
 
@@ -14,7 +15,6 @@ const TITLE: f64 = 20.0;
 const LABEL: f64 = 16.0;
 const TICK: f64 = 14.0;
 const NOTE: f64 = 13.0;
-const LINE: f64 = 1.9;
 
 /// How a series is drawn.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -171,7 +171,7 @@ fn draw(plot: &LinePlot) -> Canvas {
 
     draw_grid(&mut canvas, &frame, &x_ticks, &y_ticks);
     for (index, series) in plot.series.iter().enumerate() {
-        draw_series(&mut canvas, index, series, &frame.chains(plot, series));
+        strokes::series(&mut canvas, index, series, &frame.chains(plot, series));
     }
     draw_words(&mut canvas, &frame, plot, &remarks);
     if let Some(corner) = corner {
@@ -250,55 +250,6 @@ fn draw_words(canvas: &mut Canvas, frame: &Frame, plot: &LinePlot, remarks: &str
     canvas.upright_text([26.0, (top + bottom) / 2.0], Anchor::Middle, size, Rgb::INK, &label);
     let (note, size) = fitted(remarks, NOTE, width - left - 20.0);
     canvas.text([left, height - 14.0], Anchor::Start, size, Rgb::QUIET, &note);
-}
-
-fn draw_series(canvas: &mut Canvas, index: usize, series: &Series, chains: &[Vec<Point>]) {
-    let colour = palette(index);
-    for chain in chains {
-        // A point between two that cannot be shown has no line; it must not vanish.
-        if chain.len() == 1 && !series.style.has_markers() {
-            canvas.disc(chain[0], 3.0, colour);
-        }
-        draw_series_line(canvas, &thinned(chain), series.style, colour);
-    }
-    if series.style.has_markers() {
-        for &place in &thinned(&chains.concat()) {
-            draw_marker(canvas, place, index, colour);
-        }
-    }
-}
-
-/// The chain without the points that lie within a tenth of a pixel of the one before.
-fn thinned(chain: &[Point]) -> Vec<Point> {
-    let mut kept: Vec<Point> = Vec::with_capacity(chain.len());
-    for &point in chain {
-        if kept.last().is_none_or(|last| (point[0] - last[0]).hypot(point[1] - last[1]) > 0.1) {
-            kept.push(point);
-        }
-    }
-    kept
-}
-
-/// A chain in the style of its series; nothing for markers alone.
-pub(super) fn draw_series_line(canvas: &mut Canvas, chain: &[Point], style: Style, colour: Rgb) {
-    match style {
-        Style::Line | Style::Both => canvas.polyline(chain, LINE, None, colour),
-        Style::Dashed => canvas.polyline(chain, LINE, Some((7.0, 4.5)), colour),
-        Style::Markers => {}
-    }
-}
-
-/// The marker of the series number `index`, with a thin white rim.
-pub(super) fn draw_marker(canvas: &mut Canvas, place: Point, index: usize, colour: Rgb) {
-    let shape = |radius: f64| match index % 5 {
-        0 => regular(place, radius, 24, 0.0),
-        1 => regular(place, 1.2 * radius, 4, std::f64::consts::FRAC_PI_4),
-        2 => regular(place, 1.3 * radius, 3, 0.0),
-        3 => regular(place, 1.25 * radius, 4, 0.0),
-        _ => regular(place, 1.3 * radius, 3, std::f64::consts::PI),
-    };
-    canvas.fill(&shape(5.4), Rgb::WHITE);
-    canvas.fill(&shape(4.3), colour);
 }
 
 #[cfg(test)]

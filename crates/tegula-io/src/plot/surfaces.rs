@@ -17,7 +17,7 @@ const NOTE: f64 = 13.0;
 const MARGIN: f64 = 24.0;
 
 /// The shell at one instant.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Snapshot {
     /// Positions of the nodes.
     pub positions: Vec<[f64; 3]>,
@@ -27,6 +27,12 @@ pub struct Snapshot {
     pub label: String,
     /// From 0, invisible, to 1, solid.
     pub opacity: f64,
+}
+
+impl Default for Snapshot {
+    fn default() -> Self {
+        Self { positions: Vec::new(), values: None, label: String::new(), opacity: 1.0 }
+    }
 }
 
 /// A picture of one mesh at several instants.
@@ -93,7 +99,7 @@ fn draw(plot: &SurfacePlot) -> Result<Canvas, String> {
     let (low, high) = ([side, top + border], [width - bar - side, height - border - MARGIN]);
     let used = patches.iter().flat_map(|p| p.corners.iter());
     let placement = Placement::fit(used, low, high)
-        .ok_or("nothing can be drawn: no element has finite positions and a size")?;
+        .ok_or("nothing can be drawn: no visible element has finite positions and a size")?;
 
     let owners = facets::paint(&mut canvas, &placement, &patches);
 
@@ -161,6 +167,10 @@ fn patches(plot: &SurfacePlot, seen: &[Vec<Vec3>], axis: Option<&Axis>) -> (Vec<
     let mut patches = Vec::with_capacity(plot.quads.len() * plot.snapshots.len());
     let mut left_out = 0;
     for (number, (snapshot, nodes)) in plot.snapshots.iter().zip(seen).enumerate() {
+        let opacity = if snapshot.opacity.is_nan() { 1.0 } else { snapshot.opacity.clamp(0.0, 1.0) };
+        if opacity == 0.0 {
+            continue;
+        }
         let colours = colours(plot, number, snapshot, axis);
         for (index, quad) in plot.quads.iter().enumerate() {
             let corners = quad.map(|node| nodes[node as usize]);
@@ -168,7 +178,6 @@ fn patches(plot: &SurfacePlot, seen: &[Vec<Vec3>], axis: Option<&Axis>) -> (Vec<
                 left_out += 1;
                 continue;
             }
-            let opacity = if snapshot.opacity.is_nan() { 1.0 } else { snapshot.opacity.clamp(0.0, 1.0) };
             patches.push(Patch {
                 corners,
                 colours: colours[index],
@@ -184,10 +193,15 @@ fn patches(plot: &SurfacePlot, seen: &[Vec<Vec3>], axis: Option<&Axis>) -> (Vec<
 /// Colours at the corners of each element.
 fn colours(plot: &SurfacePlot, number: usize, snapshot: &Snapshot, axis: Option<&Axis>) -> Vec<[Rgb; 4]> {
     let (Some(values), Some(axis)) = (&snapshot.values, axis) else {
-        // Without values the order of the snapshots runs from slate to terracotta.
+        // Without values the snapshots run from sand to brick.
         let last = plot.snapshots.len().saturating_sub(1).max(1) as f64;
-        let share = if plot.snapshots.len() == 1 { 1.0 } else { number as f64 / last };
-        let colour = Rgb::hex(0x8fb3d1).mix(Rgb::hex(0xd98a63), share);
+        let share = if plot.snapshots.len() == 1 { 0.5 } else { number as f64 / last };
+        let (sand, terracotta, brick) = (Rgb::hex(0xf3e3cc), Rgb::hex(0xe0a06f), Rgb::hex(0xc0603a));
+        let colour = if share < 0.5 {
+            sand.mix(terracotta, 2.0 * share)
+        } else {
+            terracotta.mix(brick, 2.0 * share - 1.0)
+        };
         return vec![[colour; 4]; plot.quads.len()];
     };
     let colour = |value: f64| axis.place(value).map_or(Rgb::MISSING, viridis);
@@ -211,11 +225,12 @@ fn colours(plot: &SurfacePlot, number: usize, snapshot: &Snapshot, axis: Option<
 
 fn remarks(left_out: usize, odd_values: usize) -> String {
     let mut remarks = Vec::new();
+    let plural = |n: usize, what: &str| if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") };
     if left_out > 0 {
-        remarks.push(format!("{left_out} elements with positions that are not finite left out."));
+        remarks.push(format!("{} left out: positions not finite.", plural(left_out, "element")));
     }
     if odd_values > 0 {
-        remarks.push(format!("{odd_values} values that are not finite in grey."));
+        remarks.push(format!("{} not finite, in grey.", plural(odd_values, "value")));
     }
     remarks.join("  ")
 }
@@ -330,7 +345,7 @@ mod tests {
         let canvas = draw(&plot).unwrap();
         assert!(canvas.pixels().iter().any(|&b| b < 100));
         save("holes.png", &plot);
-        assert_eq!(remarks(4, 0), "4 elements with positions that are not finite left out.");
+        assert_eq!(remarks(4, 0), "4 elements left out: positions not finite.");
     }
 
     #[test]
