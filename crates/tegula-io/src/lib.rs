@@ -1,1 +1,4 @@
 //! tegula-io
+
+pub mod out;
+pub mod plot;

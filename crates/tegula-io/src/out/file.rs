@@ -1,0 +1,187 @@
+//! Files written whole or not at all.
+//!
+//! The contents go to a temporary file in the same folder, which is flushed to the disk and then renamed over
+//! the target. A rename within one folder is atomic, so a reader sees the old file or the new one and never a
+//! part of either.
+
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+/// Why a result could not be written or read back, with the path and what to do about it.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum OutputError {
+    /// The operating system refused to write.
+    #[error(
+        "cannot write `{}`: {cause}. Check that the folder exists, that you may write there and that the disk is not full",
+        path.display()
+    )]
+    Write {
+        /// File that should have been written.
+        path: PathBuf,
+        /// What the operating system said.
+        cause: io::Error,
+    },
+    /// The operating system refused to read.
+    #[error("cannot read `{}`: {cause}. Check the name and that you may read the file", path.display())]
+    Read {
+        /// File that should have been read.
+        path: PathBuf,
+        /// What the operating system said.
+        cause: io::Error,
+    },
+    /// The data handed over do not fit together; nothing was written.
+    #[error("`{}` was not written: {problem}", path.display())]
+    Refused {
+        /// File that should have been written.
+        path: PathBuf,
+        /// What does not fit, and what would.
+        problem: String,
+    },
+    /// The file was read but does not hold what it should.
+    #[error("`{}` cannot be used: {problem}. {remedy}", path.display())]
+    Damaged {
+        /// File that was read.
+        path: PathBuf,
+        /// What is wrong with it, and where.
+        problem: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// A checkpoint that belongs to another model.
+    #[error(
+        "`{}` belongs to another model (fingerprint {found:016x}, this model has {expected:016x}). \
+         Undo the changes to the model file, or start the analysis anew",
+        path.display()
+    )]
+    OtherModel {
+        /// Checkpoint that was read.
+        path: PathBuf,
+        /// Fingerprint in the checkpoint.
+        found: u64,
+        /// Fingerprint of the model that asked for it.
+        expected: u64,
+    },
+}
+
+impl OutputError {
+    /// A failed write of `path`.
+    pub(crate) fn write(path: &Path, cause: io::Error) -> Self {
+        Self::Write { path: path.to_path_buf(), cause }
+    }
+
+    /// A failed read of `path`.
+    pub(crate) fn read(path: &Path, cause: io::Error) -> Self {
+        Self::Read { path: path.to_path_buf(), cause }
+    }
+
+    /// Data that do not fit together.
+    pub(crate) fn refused(path: &Path, problem: impl Into<String>) -> Self {
+        Self::Refused { path: path.to_path_buf(), problem: problem.into() }
+    }
+
+    /// A file that does not hold what it should.
+    pub(crate) fn damaged(path: &Path, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self::Damaged { path: path.to_path_buf(), problem: problem.into(), remedy: remedy.into() }
+    }
+}
+
+/// Writes a file whole or not at all.
+///
+/// `write` receives a buffered writer. When it returns an error, an earlier file of that name stays untouched
+/// and nothing is left behind.
+pub fn write_whole(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), OutputError> {
+    let failed = |cause| OutputError::write(path, cause);
+    let folder = folder_of(path);
+    let mut temporary = temporary_in(folder).map_err(failed)?;
+    {
+        let mut buffered = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
+        write(&mut buffered).and_then(|()| buffered.flush()).map_err(failed)?;
+    }
+    temporary.as_file().sync_all().map_err(failed)?;
+    temporary.persist(path).map_err(|e| failed(e.error))?;
+    // The rename itself reaches the disk with the folder's entry; not every file system can promise that.
+    #[cfg(unix)]
+    if let Ok(folder) = std::fs::File::open(folder) {
+        let _ = folder.sync_all();
+    }
+    Ok(())
+}
+
+/// The folder that holds `path`, `.` for a bare name.
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// A temporary file with the rights that an ordinary new file would have.
+fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".tegula-").suffix(".part");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // Cut down by the user's umask.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+        builder.tempfile_in(folder)
+    }
+    #[cfg(not(unix))]
+    builder.tempfile_in(folder)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        write_whole(&path, |w| w.write_all(b"old")).unwrap();
+        let error = write_whole(&path, |w| {
+            w.write_all(b"half of the new")?;
+            Err(io::Error::other("stopped"))
+        })
+        .unwrap_err();
+        assert!(error.to_string().contains("a.txt") && error.to_string().contains("stopped"));
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        write_whole(&path, |w| w.write_all(b"new")).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_missing_folder_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("nowhere").join("a.txt");
+        let message = write_whole(&path, |_| Ok(())).unwrap_err().to_string();
+        assert!(message.contains("nowhere") && message.contains("folder exists"), "{message}");
+    }
+
+    #[test]
+    fn bare_names_go_to_the_working_folder() {
+        assert_eq!(folder_of(Path::new("a.txt")), Path::new("."));
+        assert_eq!(folder_of(Path::new("b/a.txt")), Path::new("b"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn others_may_read_what_the_umask_lets_them() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (whole, plain) = (folder.path().join("whole"), folder.path().join("plain"));
+        write_whole(&whole, |w| w.write_all(b"x")).unwrap();
+        fs::write(&plain, "x").unwrap();
+        let mode = |p: &Path| fs::metadata(p).unwrap().permissions().mode();
+        assert_eq!(mode(&whole), mode(&plain));
+    }
+}

@@ -1,0 +1,26 @@
+//! What a run leaves on disk: fields, histories and checkpoints.
+//!
+//! | file | written by | read by |
+//! |---|---|---|
+//! | `*.vtu` | [`vtu::write`] | ParaView, PyVista, meshio |
+//! | `*.pvd` | [`pvd::PvdSeries`] | ParaView, PyVista |
+//! | `*.csv` | [`csv::HistoryWriter`] | everything, and [`csv::read`] |
+//! | checkpoints | [`checkpoint::Checkpoint`] | this program |
+//!
+//! Every file but the growing histories is written whole or not at all ([`file::write_whole`]): a run that is
+//! stopped, or a disk that is full, leaves the last good version in place.
+
+// Tests may unwrap; the code they test may not.
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+pub mod checkpoint;
+pub mod csv;
+pub mod file;
+pub mod pvd;
+pub mod vtu;
+
+pub use checkpoint::{Checkpoint, fingerprint};
+pub use csv::HistoryWriter;
+pub use file::{OutputError, write_whole};
+pub use pvd::PvdSeries;
+pub use vtu::{DataArray, VtuGrid};

@@ -1,0 +1,158 @@
+//! ParaView's list of the files of a time series (`.pvd`).
+//!
+//! The list is small, so it is rewritten whole with each file added: it always names only files that are
+//! complete. Reading it back is lenient, because a run must be able to resume from whatever is there.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use super::file::{OutputError, write_whole};
+use super::vtu::escape;
+
+/// A time series of result files, kept on disk.
+#[derive(Debug, Clone)]
+pub struct PvdSeries {
+    path: PathBuf,
+    entries: Vec<(f64, String)>,
+}
+
+impl PvdSeries {
+    /// Starts a new series and writes the empty list over an earlier one.
+    pub fn create(path: &Path) -> Result<Self, OutputError> {
+        let series = Self { path: path.to_path_buf(), entries: Vec::new() };
+        series.write()?;
+        Ok(series)
+    }
+
+    /// Opens an earlier series to go on with it. Entries that cannot be read are left out.
+    pub fn open(path: &Path) -> Result<Self, OutputError> {
+        let bytes = std::fs::read(path).map_err(|cause| OutputError::read(path, cause))?;
+        let text = String::from_utf8_lossy(&bytes);
+        if !text.contains("<VTKFile") {
+            return Err(OutputError::damaged(
+                path,
+                "it is not a list of result files (no `<VTKFile` in it)",
+                "Remove the file to start a new list",
+            ));
+        }
+        let entries = text.split("<DataSet").skip(1).filter_map(entry).collect();
+        Ok(Self { path: path.to_path_buf(), entries })
+    }
+
+    /// Adds a file, named relative to the list's folder, and rewrites the list.
+    ///
+    /// A file that is in the list already gets the new time.
+    pub fn add(&mut self, time: f64, file: &str) -> Result<(), OutputError> {
+        if !time.is_finite() {
+            return Err(OutputError::refused(&self.path, format!("the time of `{file}` is {time}")));
+        }
+        self.entries.retain(|(_, name)| name != file);
+        self.entries.push((time, file.to_owned()));
+        self.write()
+    }
+
+    /// Drops the files later than `time` from the list (not from the disk) and rewrites it.
+    pub fn truncate_after(&mut self, time: f64) -> Result<(), OutputError> {
+        self.entries.retain(|&(t, _)| t <= time);
+        self.write()
+    }
+
+    /// Times and relative file names, in the order in which they were added.
+    pub fn entries(&self) -> &[(f64, String)] {
+        &self.entries
+    }
+
+    fn write(&self) -> Result<(), OutputError> {
+        let mut text = String::from(
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n\
+             <Collection>\n",
+        );
+        for (time, file) in &self.entries {
+            let file = escape(file);
+            let _ = writeln!(text, "<DataSet timestep=\"{time:?}\" group=\"\" part=\"0\" file=\"{file}\"/>");
+        }
+        text.push_str("</Collection>\n</VTKFile>\n");
+        write_whole(&self.path, |w| w.write_all(text.as_bytes()))
+    }
+}
+
+/// Time and file name from what follows `<DataSet`; `None` where either is missing.
+fn entry(rest: &str) -> Option<(f64, String)> {
+    let time: f64 = attribute(rest, "timestep")?.trim().parse().ok()?;
+    let file = attribute(rest, "file")?;
+    (time.is_finite() && !file.is_empty()).then_some((time, file))
+}
+
+/// Value of one attribute of the element that begins at `rest`.
+fn attribute(rest: &str, wanted: &str) -> Option<String> {
+    let mut rest = rest;
+    loop {
+        let (name, after) = rest.split_once('=')?;
+        if name.contains('>') {
+            return None;
+        }
+        let after = after.trim_start();
+        let quote = after.chars().next().filter(|c| matches!(c, '"' | '\''))?;
+        let (value, next) = after[1..].split_once(quote)?;
+        if name.trim() == wanted {
+            return Some(unescape(value));
+        }
+        rest = next;
+    }
+}
+
+/// Undoes `escape`, and reads the apostrophe that other writers may use.
+fn unescape(text: &str) -> String {
+    text.replace("&lt;", "<")
+        .replace("&gt;", ">")
+        .replace("&quot;", "\"")
+        .replace("&apos;", "'")
+        .replace("&amp;", "&")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_series_is_reopened_and_cut_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("fields.pvd");
+        let mut series = PvdSeries::create(&path).unwrap();
+        for i in 0..5 {
+            series.add(0.1 * f64::from(i), &format!("a & \"b\"={i}.vtu")).unwrap();
+        }
+        let mut again = PvdSeries::open(&path).unwrap();
+        assert_eq!(again.entries(), series.entries());
+        again.truncate_after(0.1 * 3.0).unwrap();
+        again.add(0.35, "later.vtu").unwrap();
+        let last = PvdSeries::open(&path).unwrap();
+        let times: Vec<f64> = last.entries().iter().map(|e| e.0).collect();
+        assert_eq!(times, [0.0, 0.1, 0.2, 0.1 * 3.0, 0.35]);
+    }
+
+    #[test]
+    fn the_same_file_is_listed_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut series = PvdSeries::create(&folder.path().join("a.pvd")).unwrap();
+        series.add(1.0, "a.vtu").unwrap();
+        series.add(2.0, "a.vtu").unwrap();
+        assert_eq!(series.entries(), [(2.0, "a.vtu".to_owned())]);
+        assert!(series.add(f64::NAN, "b.vtu").is_err());
+    }
+
+    #[test]
+    fn broken_lists_give_what_they_hold() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.pvd");
+        let text = "<VTKFile><Collection><DataSet part='0' file='a.vtu' timestep=\"1e-3\"></DataSet>\
+            <DataSet file=\"no-time.vtu\"/><DataSet timestep=\"x\" file=\"b\"/>\
+            <DataSet timestep=\"2\" file=\"c.vtu\"/><DataSet timestep=\"3\" fi";
+        std::fs::write(&path, text).unwrap();
+        let series = PvdSeries::open(&path).unwrap();
+        assert_eq!(series.entries(), [(1e-3, "a.vtu".to_owned()), (2.0, "c.vtu".to_owned())]);
+        std::fs::write(&path, "t,x\n").unwrap();
+        assert!(PvdSeries::open(&path).unwrap_err().to_string().contains("not a list"));
+        assert!(PvdSeries::open(&folder.path().join("none")).unwrap_err().to_string().contains("none"));
+    }
+}

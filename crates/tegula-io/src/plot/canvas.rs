@@ -1,0 +1,291 @@
+//! A white sheet to draw on.
+//!
+//! Coordinates are pixels of the finished picture, x to the right and y down, and need not be whole. The sheet
+//! holds several samples a pixel in each direction and is averaged at the end, which smooths everything.
+//!
+//! A sample belongs to a polygon if its centre is inside, with ties broken one way, and edges are evaluated the
+//! same way from both sides. Polygons that share an edge therefore leave no gap and never overlap, so that even
+//! transparent surfaces show no seams.
+
+use std::path::Path;
+
+use super::colour::Rgb;
+use super::{font, png};
+use crate::out::{OutputError, write_whole};
+
+/// A point on the sheet.
+pub type Point = [f64; 2];
+
+/// Which part of a text stands at the given position.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Anchor {
+    /// Its beginning.
+    Start,
+    /// Its middle.
+    Middle,
+    /// Its end.
+    End,
+}
+
+/// Samples that a sheet may have at most; larger pictures get fewer samples a pixel.
+const MOST_SAMPLES: u64 = 40_000_000;
+/// Pixels of the largest picture in either direction.
+const LARGEST: u32 = 8000;
+
+/// A picture in the making.
+#[derive(Debug)]
+pub struct Canvas {
+    width: u32,
+    height: u32,
+    /// Samples per pixel in each direction.
+    scale: u32,
+    samples: Vec<u8>,
+}
+
+impl Canvas {
+    /// A white sheet; sizes are brought between 16 and 8000 pixels.
+    pub fn new(width: u32, height: u32) -> Self {
+        let (width, height) = (width.clamp(16, LARGEST), height.clamp(16, LARGEST));
+        let pixels = u64::from(width) * u64::from(height);
+        let scale = (2..=4).rev().find(|&s| pixels * u64::from(s * s) <= MOST_SAMPLES).unwrap_or(1);
+        let samples = vec![255; (pixels * u64::from(scale * scale)) as usize * 3];
+        Self { width, height, scale, samples }
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> (f64, f64) {
+        (f64::from(self.width), f64::from(self.height))
+    }
+
+    /// Fills a convex polygon. `paint` gives the colour at each position; `opacity` goes from 0 to 1.
+    pub fn fill_with(&mut self, corners: &[Point], opacity: f64, mut paint: impl FnMut(Point) -> Rgb) {
+        if corners.len() < 3 || corners.iter().flatten().any(|x| !x.is_finite()) {
+            return;
+        }
+        let scale = f64::from(self.scale);
+        let (columns, rows) = (self.width * self.scale, self.height * self.scale);
+        let lowest = corners.iter().map(|p| p[1]).fold(f64::INFINITY, f64::min) * scale;
+        let highest = corners.iter().map(|p| p[1]).fold(f64::NEG_INFINITY, f64::max) * scale;
+        // Casts from floats saturate, which clips to the sheet.
+        let (first, last) =
+            ((lowest - 0.5).ceil().max(0.0) as u32, ((highest - 0.5).ceil().max(0.0) as u32).min(rows));
+        for row in first..last {
+            let y = f64::from(row) + 0.5;
+            let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
+            for (i, &corner) in corners.iter().enumerate() {
+                let next = corners[(i + 1) % corners.len()];
+                let (a, b) = if corner[1] <= next[1] { (corner, next) } else { (next, corner) };
+                let (ya, yb) = (a[1] * scale, b[1] * scale);
+                if ya <= y && y < yb {
+                    let x = (a[0] + (b[0] - a[0]) * ((y - ya) / (yb - ya))) * scale;
+                    left = left.min(x);
+                    right = right.max(x);
+                }
+            }
+            let (start, end) =
+                ((left - 0.5).ceil().max(0.0) as u32, ((right - 0.5).ceil().max(0.0) as u32).min(columns));
+            for column in start..end {
+                let colour = paint([(f64::from(column) + 0.5) / scale, y / scale]);
+                let index = (row as usize * columns as usize + column as usize) * 3;
+                for (sample, channel) in self.samples[index..index + 3].iter_mut().zip(colour.0) {
+                    let below = f64::from(*sample) / 255.0;
+                    *sample = ((below + (channel - below) * opacity) * 255.0 + 0.5) as u8;
+                }
+            }
+        }
+    }
+
+    /// Fills a convex polygon with one colour.
+    pub fn fill(&mut self, corners: &[Point], colour: Rgb) {
+        self.fill_with(corners, 1.0, |_| colour);
+    }
+
+    /// Fills the rectangle between two opposite corners.
+    pub fn rectangle(&mut self, [x0, y0]: Point, [x1, y1]: Point, colour: Rgb) {
+        self.fill(&[[x0, y0], [x1, y0], [x1, y1], [x0, y1]], colour);
+    }
+
+    /// Fills a circle.
+    pub fn disc(&mut self, centre: Point, radius: f64, colour: Rgb) {
+        self.fill(&regular(centre, radius, 20, 0.0), colour);
+    }
+
+    /// A straight line with flat ends.
+    pub fn line(&mut self, a: Point, b: Point, width: f64, colour: Rgb) {
+        let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+        let length = dx.hypot(dy);
+        if length > 0.0 {
+            let (nx, ny) = (-dy / length * width / 2.0, dx / length * width / 2.0);
+            let corners = [
+                [a[0] + nx, a[1] + ny],
+                [b[0] + nx, b[1] + ny],
+                [b[0] - nx, b[1] - ny],
+                [a[0] - nx, a[1] - ny],
+            ];
+            self.fill(&corners, colour);
+        }
+    }
+
+    /// A chain of lines with round corners; `dash` is the length of strokes and of the gaps between them.
+    pub fn polyline(&mut self, points: &[Point], width: f64, dash: Option<(f64, f64)>, colour: Rgb) {
+        let Some((stroke, gap)) = dash else {
+            for pair in points.windows(2) {
+                self.line(pair[0], pair[1], width, colour);
+            }
+            for &point in points {
+                self.fill(&regular(point, width / 2.0, 10, 0.0), colour);
+            }
+            return;
+        };
+        let period = stroke + gap;
+        let mut travelled = 0.0_f64;
+        for pair in points.windows(2) {
+            let (a, b) = (pair[0], pair[1]);
+            let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+            let at = |s: f64| [a[0] + (b[0] - a[0]) * s / length, a[1] + (b[1] - a[1]) * s / length];
+            let mut s = 0.0;
+            while s < length && period > 0.0 {
+                let phase = (travelled + s) % period;
+                let (drawn, rest) =
+                    if phase < stroke { (true, stroke - phase) } else { (false, period - phase) };
+                let end = (s + rest.max(1e-3)).min(length);
+                if drawn {
+                    self.line(at(s), at(end), width, colour);
+                }
+                s = end;
+            }
+            travelled += length;
+        }
+    }
+
+    /// A line of text; `y` is its baseline and `size` its em in pixels.
+    pub fn text(&mut self, [x, y]: Point, anchor: Anchor, size: f64, colour: Rgb, text: &str) {
+        let start = x - share(anchor) * text_width(text, size);
+        self.put_text([start, y], size, false, colour, text);
+    }
+
+    /// A line of text that runs upwards; `x` is its baseline.
+    pub fn upright_text(&mut self, [x, y]: Point, anchor: Anchor, size: f64, colour: Rgb, text: &str) {
+        let start = y + share(anchor) * text_width(text, size);
+        self.put_text([x, start], size, true, colour, text);
+    }
+
+    fn put_text(&mut self, [x, y]: Point, size: f64, upright: bool, colour: Rgb, text: &str) {
+        let scale = f64::from(self.scale);
+        let sheet = (self.width * self.scale, self.height * self.scale);
+        font::draw(&mut self.samples, sheet, text, size * scale, (x * scale, y * scale), upright, colour);
+    }
+
+    /// The finished picture: three bytes a pixel, row by row from the top.
+    pub fn pixels(&self) -> Vec<u8> {
+        let scale = self.scale as usize;
+        let columns = self.width as usize * scale;
+        let area = (scale * scale) as u32;
+        let mut pixels = Vec::with_capacity(self.width as usize * self.height as usize * 3);
+        for band in self.samples.chunks(columns * scale * 3) {
+            for column in 0..self.width as usize {
+                let mut sums = [area / 2; 3];
+                for row in 0..scale {
+                    let start = (row * columns + column * scale) * 3;
+                    for sample in band[start..start + 3 * scale].as_chunks::<3>().0 {
+                        for channel in 0..3 {
+                            sums[channel] += u32::from(sample[channel]);
+                        }
+                    }
+                }
+                pixels.extend(sums.map(|sum| (sum / area) as u8));
+            }
+        }
+        pixels
+    }
+
+    /// Writes the finished picture as PNG, whole or not at all.
+    pub fn save(&self, path: &Path) -> Result<(), OutputError> {
+        let pixels = self.pixels();
+        write_whole(path, |w| png::write(w, self.width, self.height, &pixels))
+    }
+}
+
+fn share(anchor: Anchor) -> f64 {
+    match anchor {
+        Anchor::Start => 0.0,
+        Anchor::Middle => 0.5,
+        Anchor::End => 1.0,
+    }
+}
+
+/// Width of a text in pixels at a size in pixels per em.
+pub fn text_width(text: &str, size: f64) -> f64 {
+    font::width(text) * size
+}
+
+/// The text and size that fit into `room` pixels: first smaller letters, then an ellipsis.
+pub fn fitted(text: &str, size: f64, room: f64) -> (String, f64) {
+    let width = text_width(text, size);
+    if width <= room {
+        return (text.to_owned(), size);
+    }
+    let smaller = (size * room / width).max(0.75 * size);
+    let mut kept: Vec<char> = text.chars().collect();
+    let mut shown = text.to_owned();
+    while text_width(&shown, smaller) > room && kept.pop().is_some() {
+        shown = kept.iter().chain(&['…']).collect();
+    }
+    (shown, smaller)
+}
+
+/// A regular polygon of `n` corners, the first at the top turned clockwise by `turn` radians.
+pub fn regular(centre: Point, radius: f64, n: usize, turn: f64) -> Vec<Point> {
+    (0..n)
+        .map(|i| {
+            let angle = turn + std::f64::consts::TAU * i as f64 / n as f64;
+            [centre[0] + radius * angle.sin(), centre[1] - radius * angle.cos()]
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_leave_no_seam_and_no_overlap() {
+        let mut canvas = Canvas::new(60, 60);
+        let (a, b, c, d) = ([3.3, 4.1], [55.7, 9.9], [49.2, 57.3], [5.9, 50.8]);
+        for triangle in [[a, b, c], [c, d, a]] {
+            canvas.fill_with(&triangle, 0.5, |_| Rgb::BLACK);
+        }
+        let mut inside = 0;
+        for (i, &sample) in canvas.samples.iter().enumerate() {
+            assert!(sample == 255 || sample == 128, "sample {i} is {sample}");
+            inside += usize::from(sample == 128);
+        }
+        // Area by the shoelace formula.
+        let corners = [a, b, c, d];
+        let area: f64 = (0..4)
+            .map(|i| corners[i][0] * corners[(i + 1) % 4][1] - corners[(i + 1) % 4][0] * corners[i][1])
+            .sum();
+        let drawn = inside as f64 / 3.0 / 16.0;
+        assert!((drawn / (area / 2.0) - 1.0).abs() < 0.005, "{drawn} {}", area / 2.0);
+    }
+
+    #[test]
+    fn what_lies_outside_or_is_not_a_number_is_clipped() {
+        let mut canvas = Canvas::new(20, 20);
+        canvas.rectangle([-1e9, -1e9], [1e9, 1e9], Rgb::BLACK);
+        assert!(canvas.pixels().iter().all(|&b| b == 0));
+        canvas.fill(&[[f64::NAN, 0.0], [1.0, 1.0], [0.0, 1.0]], Rgb::WHITE);
+        canvas.line([5.0, 5.0], [5.0, 5.0], 3.0, Rgb::WHITE);
+        canvas.disc([-50.0, 500.0], 5.0, Rgb::WHITE);
+        canvas.text([-500.0, 900.0], Anchor::End, 12.0, Rgb::WHITE, "far");
+        assert!(canvas.pixels().iter().all(|&b| b == 0));
+    }
+
+    #[test]
+    fn long_texts_are_cut() {
+        let (text, size) = fitted("short", 16.0, 500.0);
+        assert!(text == "short" && size == 16.0);
+        let (text, size) = fitted(&"long ".repeat(80), 16.0, 300.0);
+        assert!(text.ends_with('…') && text_width(&text, size) <= 300.0 && size >= 12.0);
+    }
+}

@@ -1,0 +1,235 @@
+//! Shells as facets: each quadrilateral is cut into small pieces of its bilinear surface, shaded by their
+//! normals and painted from the back to the front.
+//!
+//! Cutting makes warped elements look smooth and lets elements that overlap or cross be sorted piece by piece.
+//! Mesh lines are shaded into the facets instead of being drawn over them: each element carries half of the line,
+//! so a line is hidden exactly where its element is.
+
+use std::collections::HashMap;
+
+use super::canvas::{Canvas, Point};
+use super::colour::Rgb;
+use super::projection::{Placement, Vec3};
+
+/// Sides of a facet, pixels; smaller elements are not cut.
+const FACET: f64 = 7.0;
+/// Facets of a picture, about; many elements need no cutting anyway.
+const MOST: usize = 600_000;
+/// Elements smaller than this many pixels get no mesh lines.
+const SMALLEST_WITH_LINES: f64 = 6.0;
+
+/// One quadrilateral to be painted.
+pub(super) struct Patch {
+    /// Corners as seen: to the right, up, towards the viewer.
+    pub(super) corners: [Vec3; 4],
+    /// Colours of the corners before shading.
+    pub(super) colours: [Rgb; 4],
+    pub(super) opacity: f64,
+    /// Number of the snapshot it belongs to.
+    pub(super) owner: u16,
+    /// Whether each side, from corner i to corner i + 1, has no neighbour.
+    pub(super) free: [bool; 4],
+}
+
+/// Which snapshot is seen at each pixel: its number plus one, 0 for none.
+pub(super) struct Owners {
+    width: usize,
+    height: usize,
+    numbers: Vec<u16>,
+}
+
+impl Owners {
+    pub(super) fn at(&self, [x, y]: Point) -> u16 {
+        if x < 0.0 || y < 0.0 || x >= self.width as f64 || y >= self.height as f64 {
+            return 0;
+        }
+        self.numbers[y as usize * self.width + x as usize]
+    }
+
+    fn set(&mut self, [x, y]: Point, number: u16) {
+        if let Some(place) = self.numbers.get_mut(y as usize * self.width + x as usize) {
+            *place = number;
+        }
+    }
+}
+
+/// A piece of a patch.
+struct Facet {
+    patch: u32,
+    corners: [Point; 4],
+    depth: f64,
+    light: f64,
+    colour: Rgb,
+    /// Whether it touches a side of its patch.
+    outer: bool,
+}
+
+/// Which sides of which quadrilaterals belong to no other.
+pub(super) fn free_sides(quads: &[[u32; 4]]) -> Vec<[bool; 4]> {
+    let side = |quad: &[u32; 4], i: usize| {
+        let (a, b) = (quad[i], quad[(i + 1) % 4]);
+        (a.min(b), a.max(b))
+    };
+    let mut count: HashMap<(u32, u32), u32> = HashMap::with_capacity(2 * quads.len());
+    for quad in quads {
+        for i in 0..4 {
+            *count.entry(side(quad, i)).or_default() += 1;
+        }
+    }
+    quads.iter().map(|quad| std::array::from_fn(|i| count.get(&side(quad, i)) == Some(&1))).collect()
+}
+
+/// Paints all patches and says which snapshot is seen where.
+pub(super) fn paint(canvas: &mut Canvas, placement: &Placement, patches: &[Patch]) -> Owners {
+    let length = |p: &Patch, i: usize| {
+        let d = p.corners[(i + 1) % 4] - p.corners[i];
+        d.x.hypot(d.y) * placement.scale
+    };
+    let mut lengths: Vec<f64> = patches.iter().flat_map(|p| (0..4).map(|i| length(p, i))).collect();
+    lengths.sort_by(f64::total_cmp);
+    let typical = lengths.get(lengths.len() / 2).copied().unwrap_or(0.0);
+    let longest = lengths.last().copied().unwrap_or(0.0);
+    let affordable = (MOST / patches.len().max(1)).isqrt().clamp(1, 24);
+    let cuts = ((longest / FACET).ceil() as usize).clamp(1, affordable);
+
+    let mut facets: Vec<Facet> = Vec::with_capacity(patches.len() * cuts * cuts);
+    for (index, patch) in patches.iter().enumerate() {
+        cut(index as u32, patch, cuts, placement, &mut facets);
+    }
+    // The sort is stable and the order of the patches fixed: the same model gives the same picture.
+    facets.sort_by(|a, b| a.depth.total_cmp(&b.depth));
+
+    let (width, height) = canvas.size();
+    let (width, height) = (width as usize, height as usize);
+    let mut owners = Owners { width, height, numbers: vec![0; width * height] };
+    let half = (typical / 40.0).clamp(0.3, 0.5);
+    let with_lines = typical >= SMALLEST_WITH_LINES;
+    // Fine meshes would turn dark under full lines.
+    let ink = 0.45 * ((typical - SMALLEST_WITH_LINES / 2.0) / 14.0).clamp(0.0, 1.0);
+    for facet in &facets {
+        let patch = &patches[facet.patch as usize];
+        let sides: [Point; 4] = patch.corners.map(|c| placement.at(&c));
+        let colour = lit(facet.colour, facet.light);
+        let line = lit(facet.colour.mix(Rgb::BLACK, ink), facet.light);
+        let rim = lit(facet.colour.mix(Rgb::BLACK, 0.62), facet.light);
+        let shade = |at: Point| {
+            owners.set(at, patch.owner + 1);
+            if facet.outer {
+                for i in 0..4 {
+                    let distance = distance_to_segment(at, sides[i], sides[(i + 1) % 4]);
+                    if patch.free[i] && distance < 1.1 {
+                        return rim;
+                    }
+                    if with_lines && distance < half {
+                        return line;
+                    }
+                }
+            }
+            colour
+        };
+        fill_quad(canvas, &facet.corners, patch.opacity, shade);
+    }
+    owners
+}
+
+/// Cuts a patch into `n` times `n` facets.
+fn cut(index: u32, patch: &Patch, n: usize, placement: &Placement, facets: &mut Vec<Facet>) {
+    let [a, b, c, d] = patch.corners;
+    let weights = |s: f64, t: f64| [(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t];
+    let point = |i: usize, j: usize| {
+        let [wa, wb, wc, wd] = weights(i as f64 / n as f64, j as f64 / n as f64);
+        a * wa + b * wb + c * wc + d * wd
+    };
+    for j in 0..n {
+        for i in 0..n {
+            let (s, t) = ((i as f64 + 0.5) / n as f64, (j as f64 + 0.5) / n as f64);
+            let along_s = (b - a) * (1.0 - t) + (c - d) * t;
+            let along_t = (d - a) * (1.0 - s) + (c - b) * s;
+            let corners = [point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)];
+            let w = weights(s, t);
+            let channel = |k: usize| (0..4).map(|m| w[m] * patch.colours[m].0[k]).sum::<f64>();
+            facets.push(Facet {
+                patch: index,
+                depth: corners.iter().map(|x| x.z).sum::<f64>() / 4.0,
+                corners: corners.map(|x| placement.at(&x)),
+                light: light(along_s.cross(&along_t)),
+                colour: Rgb([channel(0), channel(1), channel(2)]),
+                outer: i == 0 || j == 0 || i == n - 1 || j == n - 1,
+            });
+        }
+    }
+}
+
+/// Brightness of a facet with this normal, the same on both sides. The light comes over the viewer's left shoulder.
+fn light(normal: Vec3) -> f64 {
+    let length = normal.norm();
+    if !(length > 0.0 && length.is_finite()) {
+        return 1.0;
+    }
+    let normal = normal * (normal.z.signum() / length);
+    let towards_light = Vec3::new(-0.45, 0.62, 0.64).normalize();
+    // Half of the cosine's range is used below zero too, so that nothing is lost in the dark.
+    let wrapped = 0.5 + 0.5 * normal.dot(&towards_light);
+    0.64 + 0.46 * wrapped.powf(1.3)
+}
+
+/// The colour under this light; light above one whitens.
+fn lit(colour: Rgb, light: f64) -> Rgb {
+    if light > 1.0 { colour.mix(Rgb::WHITE, 1.5 * (light - 1.0)) } else { colour.scaled(light) }
+}
+
+/// A quadrilateral of any shape as two triangles.
+fn fill_quad(canvas: &mut Canvas, q: &[Point; 4], opacity: f64, mut shade: impl FnMut(Point) -> Rgb) {
+    canvas.fill_with(&[q[0], q[1], q[2]], opacity, &mut shade);
+    canvas.fill_with(&[q[2], q[3], q[0]], opacity, &mut shade);
+}
+
+fn distance_to_segment(p: Point, a: Point, b: Point) -> f64 {
+    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+    let squared = dx * dx + dy * dy;
+    let along = if squared > 0.0 { ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / squared } else { 0.0 };
+    let along = along.clamp(0.0, 1.0);
+    (p[0] - a[0] - along * dx).hypot(p[1] - a[1] - along * dy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sides_of_a_strip() {
+        let free = free_sides(&[[0, 1, 4, 3], [1, 2, 5, 4]]);
+        assert_eq!(free, [[true, false, true, true], [true, true, true, false]]);
+    }
+
+    #[test]
+    fn light_is_two_sided_and_bounded() {
+        for normal in [Vec3::x(), Vec3::new(0.3, -0.8, 0.4), Vec3::zeros(), Vec3::new(f64::NAN, 0.0, 0.0)] {
+            let brightness = light(normal);
+            assert!((0.4..1.1).contains(&brightness), "{brightness}");
+            if normal.z != 0.0 {
+                assert_eq!(brightness, light(-normal));
+            }
+        }
+        assert!(light(Vec3::new(-0.5, 0.6, 0.6)) > light(Vec3::new(0.5, -0.6, 0.6)));
+    }
+
+    #[test]
+    fn the_nearer_patch_is_seen() {
+        let square = |z: f64, owner: u16| Patch {
+            corners: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| Vec3::new(x, y, z)),
+            colours: [Rgb::grey(0.5); 4],
+            opacity: 1.0,
+            owner,
+            free: [true; 4],
+        };
+        let patches = [square(1.0, 0), square(0.0, 1)];
+        let seen: Vec<Vec3> = patches[0].corners.to_vec();
+        let placement = Placement::fit(seen.iter(), [10.0, 10.0], [90.0, 90.0]).unwrap();
+        let mut canvas = Canvas::new(100, 100);
+        let owners = paint(&mut canvas, &placement, &patches);
+        assert_eq!(owners.at([50.0, 50.0]), 1);
+        assert_eq!(owners.at([5.0, 5.0]), 0);
+        assert_eq!(owners.at([-5.0, 500.0]), 0);
+    }
+}
