@@ -1,1 +1,4 @@
-//! tegula-io
+//! Model files and meshes in, results and plots out.
+
+pub mod deck;
+pub mod mesh;
