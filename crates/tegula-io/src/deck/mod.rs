@@ -36,6 +36,9 @@ pub use diagnostic::Diagnostic;
 pub use schema::schema;
 pub use template::{template, template_companions, template_kinds};
 
+/// Help of an error that the validator should have found first.
+const UNEXPECTED: &str = "compare it with the templates: tegula new static";
+
 /// A model file that has been read: the model and the text it came from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Deck {
@@ -105,8 +108,7 @@ impl Deck {
             Err(error) => {
                 let span = error.span().unwrap_or_default();
                 let key = locate::key_at(tree.get_ref(), span.start);
-                let help = "compare the key with the model file's reference";
-                Err(vec![Diagnostic::new(&path, &text, span, key, error.message(), help)])
+                Err(vec![Diagnostic::new(&path, &text, span, key, error.message(), UNEXPECTED)])
             }
         }
     }

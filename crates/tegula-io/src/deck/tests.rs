@@ -8,6 +8,7 @@ use std::path::Path;
 use proptest::prelude::*;
 use tegula::Issue;
 
+use super::schema::{Table, Wanted, wanted};
 use super::{Deck, Diagnostic, template, template_companions, template_kinds};
 
 const MODEL: &str = r#"title = "t"
@@ -219,6 +220,25 @@ fn what_is_written_is_read_back() {
     }
 }
 
+/// Every part of the model's schema is one that the validator knows.
+#[test]
+fn nothing_of_the_schema_is_left_to_the_typed_reader() {
+    fn walk(root: &serde_json::Value, schema: &serde_json::Value, path: &str) -> usize {
+        let inside = |table: &Table<'_>| {
+            table.keys().map(|key| walk(root, table.get(key).unwrap(), &format!("{path}.{key}"))).sum()
+        };
+        1 + match wanted(root, schema) {
+            Wanted::Table(table) => inside(&table),
+            Wanted::Tagged(branches) => branches.iter().map(|(_, table)| inside(table)).sum::<usize>(),
+            Wanted::Named(items) | Wanted::List(items, ..) => walk(root, items, path),
+            Wanted::Anything => panic!("{path}: {schema}"),
+            _ => 0,
+        }
+    }
+    let root = super::schema();
+    assert!(walk(&root, &root, "") > 100);
+}
+
 /// Diagnostics must lie in the text, whatever it is.
 fn check(text: &str) -> Result<(), TestCaseError> {
     match parse(text) {
@@ -230,6 +250,7 @@ fn check(text: &str) -> Result<(), TestCaseError> {
             for d in found {
                 prop_assert!(text.get(d.span.clone()).is_some(), "{d:?}");
                 prop_assert!(!d.message.is_empty());
+                prop_assert!(d.help != super::UNEXPECTED, "{d}");
             }
         }
     }

@@ -1,5 +1,8 @@
 // Plate 2 x 1 of two parts that share the middle line, 4 x 2 quadrilaterals.
 // plate-{2,4}-{ascii,binary}.msh: gmsh -2 plate.geo -format msh22|msh41 [-bin]
+// plate-4-second-order.msh: with -order 2.
+// plate-*-big-endian.msh: the binary files with the bytes of each number reversed.
+// plate-4-32-bit.msh: the binary file with 4 bytes for each size_t.
 Point(1) = {0, 0, 0};
 Point(2) = {1, 0, 0};
 Point(3) = {2, 0, 0};

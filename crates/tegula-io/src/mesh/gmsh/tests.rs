@@ -59,7 +59,7 @@ fn all_variants_give_the_same_plate() {
     assert_eq!(mesh.quad_sets["left"], [0, 1, 2, 3]);
     assert_eq!(mesh.quad_sets["right"], [4, 5, 6, 7]);
     assert_eq!(mesh.quad_sets["whole"], [0, 1, 2, 3, 4, 5, 6, 7]);
-    for variant in ["2-ascii", "2-binary", "2-big-endian", "4-binary", "4-big-endian"] {
+    for variant in ["2-ascii", "2-binary", "2-big-endian", "4-binary", "4-big-endian", "4-32-bit"] {
         assert_same(&mesh, &load(&format!("plate-{variant}.msh")));
     }
 }
@@ -323,12 +323,12 @@ proptest! {
 
     #[test]
     fn no_damage_to_a_valid_file_panics(
-        file in 0..6usize,
+        file in 0..7usize,
         changes in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..6),
         cut in any::<prop::sample::Index>(),
         removed in 0..5usize,
     ) {
-        let names = ["2-ascii", "2-binary", "2-big-endian", "4-ascii", "4-binary", "4-big-endian"];
+        let names = ["2-ascii", "2-binary", "2-big-endian", "4-ascii", "4-binary", "4-big-endian", "4-32-bit"];
         let mut bytes = std::fs::read(data(&format!("plate-{}.msh", names[file]))).unwrap();
         for (place, value) in changes {
             let i = place.index(bytes.len());
