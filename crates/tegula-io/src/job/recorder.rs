@@ -141,6 +141,7 @@ impl<'a> Recorder<'a> {
     /// Brings counts, energies, points and costs up to date.
     pub fn update_summary(&mut self) {
         let totals = self.memory.notes.total(&self.statistics);
+        let cpu_s = self.cpu();
         let s = &mut self.summary;
         s.steps = totals.steps.max(self.memory.state.step);
         (s.iterations, s.factorizations, s.cutbacks) =
@@ -156,7 +157,7 @@ impl<'a> Recorder<'a> {
             s.points = self.prepared.probes.iter().map(|p| (p.name.clone(), point(p))).collect();
         }
         s.wall_s = self.memory.notes.wall_s + self.started.elapsed().as_secs_f64();
-        s.cpu_s = self.cpu();
+        s.cpu_s = cpu_s;
         s.peak_memory_bytes = process::peak_memory_bytes();
     }
 
