@@ -1,7 +1,7 @@
 //! Analyses: statics, natural frequencies, motion in time.
 
 pub mod dynamics;
-//pub mod modal;
+pub mod modal;
 pub mod newton;
 pub mod statics;
 
