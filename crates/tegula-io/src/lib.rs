@@ -4,3 +4,4 @@ pub mod deck;
 pub mod mesh;
 pub mod out;
 pub mod plot;
+pub mod verify;
