@@ -7,5 +7,10 @@ fn main() {
     let t = std::time::Instant::now();
     println!("{}", Row::heading());
     let r = run(&cases, Some(std::path::Path::new("/tmp/pics")), &mut |row| println!("{}", row.line()));
-    println!("{} rows, {} missed, {:?}", r.rows().len(), r.rows().iter().filter(|r| !r.pass).count(), t.elapsed());
+    println!(
+        "{} rows, {} missed, {:?}",
+        r.rows().len(),
+        r.rows().iter().filter(|r| !r.pass).count(),
+        t.elapsed()
+    );
 }

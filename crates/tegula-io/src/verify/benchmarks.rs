@@ -66,9 +66,12 @@ impl Observer for Curve<'_> {
 /// S1–S4 of Sze, Liu and Lo along the whole load path.
 pub fn sze(report: &mut Report) -> Result<()> {
     let all = records(SZE);
-    for (problem, meshes) in
-        [("S1", ["8x1", "16x1", "32x2"]), ("S2", ["8x1", "16x1", "32x1"]), ("S3", ["6x30", "10x80", ""]), ("S4", ["8x8", "16x16", "32x32"])]
-    {
+    for (problem, meshes) in [
+        ("S1", ["8x1", "16x1", "32x2"]),
+        ("S2", ["8x1", "16x1", "32x1"]),
+        ("S3", ["6x30", "10x80", ""]),
+        ("S4", ["8x8", "16x16", "32x32"]),
+    ] {
         for mesh in meshes.into_iter().filter(|m| !m.is_empty()) {
             let rows: Vec<&Record> =
                 all.iter().filter(|r| r.text("problem") == problem && r.text("mesh") == mesh).collect();
@@ -113,7 +116,7 @@ fn setup(problem: &str, mesh: &str) -> Result<(Model, [Watched; 2])> {
             if let Analysis::Static(s) = &mut model.analysis {
                 s.load_steps = 20;
             }
-            [("u_max_v_min", 1, -1.0), ("u_min_v_min", 0, 1.0)]
+            [("u_min_v_min", 0, 1.0), ("u_max_v_min", 1, -1.0)]
         }
     };
     Ok((model, watched))
@@ -140,7 +143,14 @@ fn curve(report: &mut Report, problem: &str, mesh: &str, rows: &[&Record]) -> Re
             let reference = record.number(["value1", "value2"][k]);
             // The reference is printed to six decimals.
             let quantity = format!("{name} at {ratio}");
-            report.absolute(&format!("sze-{problem}"), &quantity, mesh, found.1[k], reference, 1e-6 * reference.abs() + 6e-7);
+            report.absolute(
+                &format!("sze-{problem}"),
+                &quantity,
+                mesh,
+                found.1[k],
+                reference,
+                1e-6 * reference.abs() + 6e-7,
+            );
         }
     }
     Ok(())

@@ -43,19 +43,79 @@ pub struct Case {
 
 /// All cases.
 pub const CASES: &[Case] = &[
-    Case { name: "plate", about: "Sect. 5.1: cantilevered plates, three slendernesses, n = 1…32", cost: Cost::Normal, run: plate::all },
+    Case {
+        name: "plate",
+        about: "Sect. 5.1: cantilevered plates, three slendernesses, n = 1…32",
+        cost: Cost::Normal,
+        run: plate::all,
+    },
     Case { name: "plate-fast", about: "Sect. 5.1 up to n = 8", cost: Cost::Fast, run: plate::fast },
-    Case { name: "quarter-cylinder", about: "Sect. 5.2: large deformation, set-ups S1-S4, convergence", cost: Cost::Normal, run: quarter_cylinder::all },
-    Case { name: "quarter-cylinder-fast", about: "Sect. 5.2 up to 16x16", cost: Cost::Fast, run: quarter_cylinder::fast },
-    Case { name: "frequencies", about: "Sect. 5.3: free plate, ten frequencies, L/H = 1000, 100, 10", cost: Cost::Normal, run: frequencies::all },
-    Case { name: "frequencies-fast", about: "Sect. 5.3 up to n = 8", cost: Cost::Fast, run: frequencies::fast },
-    Case { name: "pendulum", about: "Sect. 5.4: quarter cylinder pendulum at 16x16 and 32x32", cost: Cost::Normal, run: pendulum::all },
-    Case { name: "pendulum-64", about: "Sect. 5.4: the pendulum at 64x64", cost: Cost::Normal, run: pendulum::fine },
-    Case { name: "pendulum-fast", about: "Sect. 5.4: the start of the pendulum at 8x8, energy-momentum", cost: Cost::Fast, run: pendulum::fast },
-    Case { name: "linear-benchmarks", about: "Scordelis-Lo roof, pinched cylinder, pinched hemisphere", cost: Cost::Normal, run: benchmarks::linear },
-    Case { name: "sze", about: "Sze, Liu, Lo: strip under shear and moment, slit annulus, hemisphere", cost: Cost::Normal, run: benchmarks::sze },
-    Case { name: "hinged-plate", about: "T5: plate hinged along an edge, released horizontal", cost: Cost::Normal, run: transients::hinged_plate },
-    Case { name: "oscillating-plate", about: "T6: clamped plate under sudden pressure, linear", cost: Cost::Normal, run: transients::oscillating_plate },
+    Case {
+        name: "quarter-cylinder",
+        about: "Sect. 5.2: large deformation, set-ups S1-S4, convergence",
+        cost: Cost::Normal,
+        run: quarter_cylinder::all,
+    },
+    Case {
+        name: "quarter-cylinder-fast",
+        about: "Sect. 5.2 up to 16x16",
+        cost: Cost::Fast,
+        run: quarter_cylinder::fast,
+    },
+    Case {
+        name: "frequencies",
+        about: "Sect. 5.3: free plate, ten frequencies, L/H = 1000, 100, 10",
+        cost: Cost::Normal,
+        run: frequencies::all,
+    },
+    Case {
+        name: "frequencies-fast",
+        about: "Sect. 5.3 up to n = 8",
+        cost: Cost::Fast,
+        run: frequencies::fast,
+    },
+    Case {
+        name: "pendulum",
+        about: "Sect. 5.4: quarter cylinder pendulum at 16x16 and 32x32",
+        cost: Cost::Normal,
+        run: pendulum::all,
+    },
+    Case {
+        name: "pendulum-64",
+        about: "Sect. 5.4: the pendulum at 64x64",
+        cost: Cost::Normal,
+        run: pendulum::fine,
+    },
+    Case {
+        name: "pendulum-fast",
+        about: "Sect. 5.4: the start of the pendulum at 8x8, energy-momentum",
+        cost: Cost::Fast,
+        run: pendulum::fast,
+    },
+    Case {
+        name: "linear-benchmarks",
+        about: "Scordelis-Lo roof, pinched cylinder, pinched hemisphere",
+        cost: Cost::Normal,
+        run: benchmarks::linear,
+    },
+    Case {
+        name: "sze",
+        about: "Sze, Liu, Lo: strip under shear and moment, slit annulus, hemisphere",
+        cost: Cost::Normal,
+        run: benchmarks::sze,
+    },
+    Case {
+        name: "hinged-plate",
+        about: "T5: plate hinged along an edge, released horizontal",
+        cost: Cost::Normal,
+        run: transients::hinged_plate,
+    },
+    Case {
+        name: "oscillating-plate",
+        about: "T6: clamped plate under sudden pressure, linear",
+        cost: Cost::Normal,
+        run: transients::oscillating_plate,
+    },
 ];
 
 /// Runs cases into a report; a case that ends in an error becomes a failed row.

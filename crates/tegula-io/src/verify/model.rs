@@ -88,7 +88,11 @@ impl Compiled {
     }
 
     /// Runs the static analysis of the model with an observer.
-    pub fn statics_watched(&self, model: &Model, observer: &mut dyn Observer) -> Result<statics::StaticOutcome> {
+    pub fn statics_watched(
+        &self,
+        model: &Model,
+        observer: &mut dyn Observer,
+    ) -> Result<statics::StaticOutcome> {
         let Analysis::Static(options) = &model.analysis else {
             return Err(Error::Outside("the model is not static".into()));
         };

@@ -26,7 +26,6 @@ pub fn all(report: &mut Report) -> Result<()> {
     coarse.compare(report, COARSE, &[(0.5, 5e-3), (1.0, 15e-3)])?;
     report.at_most(CASE, "time steps to 1 s", "16x16", coarse.statistics.steps as f64, 600.0);
     let fine = run(32, Scheme::default(), 1.0)?;
-    // The two reference histories differ from one another by up to 5 mm to 0.4 s and 12 mm to 0.8 s.
     fine.compare(report, FINE, &[(0.4, 5e-3), (0.8, 12e-3)])?;
     figures(report, &[&coarse, &fine])?;
     let conserving = run(16, Scheme::EnergyMomentum(EnergyMomentumScheme {}), 1.5)?;
@@ -36,7 +35,9 @@ pub fn all(report: &mut Report) -> Result<()> {
 
 pub fn fine(report: &mut Report) -> Result<()> {
     let history = run(64, Scheme::default(), 1.0)?;
-    history.compare(report, FINE, &[(0.4, 5e-3), (0.8, 12e-3)])?;
+    // The reference is of another mesh: its effect (5 mm to 0.4 s, 12 mm to 0.8 s, as the reference
+    // program found between meshes) adds to that of the time steps (5 and 15 mm).
+    history.compare(report, FINE, &[(0.4, 10e-3), (0.8, 27e-3)])?;
     figures(report, &[&history])
 }
 
@@ -134,7 +135,9 @@ impl History {
                 let inside = |r: &&Record| r.number("t") > start - 1e-9 && r.number("t") < end + 1e-9;
                 let distances = records.iter().filter(inside).map(|r| {
                     let x = self.position(corner, r.number("t"));
-                    (0..3).map(|i| (x[i] - r.number(&format!("{column}_{}", ["x", "y", "z"][i]))).abs()).fold(0.0, f64::max)
+                    (0..3)
+                        .map(|i| (x[i] - r.number(&format!("{column}_{}", ["x", "y", "z"][i]))).abs())
+                        .fold(0.0, f64::max)
                 });
                 let worst = distances.fold(0.0, |a: f64, b| if b.is_nan() { b } else { a.max(b) });
                 let quantity = format!("{}: {name}, {start}-{end} s, distance", self.scheme);
@@ -147,9 +150,16 @@ impl History {
 
     fn energy(&self, report: &mut Report) {
         let largest = self.energies.iter().map(|e| e.kinetic).fold(0.0, f64::max);
-        let drift = self.energies.iter().map(|e| (e.total - self.energies[0].total).abs()).fold(0.0, f64::max);
+        let drift =
+            self.energies.iter().map(|e| (e.total - self.energies[0].total).abs()).fold(0.0, f64::max);
         let mesh = format!("{0}x{0}", self.n);
-        report.at_most(CASE, &format!("{}: energy drift / largest kinetic", self.scheme), &mesh, drift / largest, 1e-10);
+        report.at_most(
+            CASE,
+            &format!("{}: energy drift / largest kinetic", self.scheme),
+            &mesh,
+            drift / largest,
+            1e-10,
+        );
     }
 }
 
@@ -177,7 +187,10 @@ fn figures(report: &Report, histories: &[&History]) -> Result<()> {
             style: Style::Dashed,
         });
         let plot = LinePlot {
-            title: format!("Quarter cylinder pendulum: global {} of the opposite corner", axis.to_uppercase()),
+            title: format!(
+                "Quarter cylinder pendulum: global {} of the opposite corner",
+                axis.to_uppercase()
+            ),
             x_label: "time [s]".into(),
             y_label: format!("{axis} [m]"),
             series,

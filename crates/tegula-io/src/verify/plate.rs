@@ -44,16 +44,27 @@ fn compare(report: &mut Report, finest: u32) -> Result<()> {
         let deflection = |node: u32| outcome.state.u[compiled.system.position_of[node as usize] as usize][2];
         // Nodes of the edge from v = 0 to v = 1; the mean weighs them by their length.
         let mut edge = edge;
-        edge.sort_by(|a, b| compiled.mesh.positions[*a as usize].y.total_cmp(&compiled.mesh.positions[*b as usize].y));
+        edge.sort_by(|a, b| {
+            compiled.mesh.positions[*a as usize].y.total_cmp(&compiled.mesh.positions[*b as usize].y)
+        });
         let w: Vec<f64> = edge.iter().map(|&n| deflection(n)).collect();
         let mean = w.windows(2).map(|p| 0.5 * (p[0] + p[1])).sum::<f64>() / (w.len() - 1) as f64;
         let middle = if n == 1 { mean } else { w[w.len() / 2] };
         report.element(&variant.replace(" ks=5/6", ""));
         let mesh = format!("{n}x{n}");
-        for (name, value, column) in
-            [("corner deflection", w[0], "w_corner"), ("mid-edge deflection", middle, "w_mid"), ("mean deflection", mean, "w_mean")]
-        {
-            report.relative(CASE, &format!("{slenderness}: {name}"), &mesh, value, record.number(column), 1e-6);
+        for (name, value, column) in [
+            ("corner deflection", w[0], "w_corner"),
+            ("mid-edge deflection", middle, "w_mid"),
+            ("mean deflection", mean, "w_mean"),
+        ] {
+            report.relative(
+                CASE,
+                &format!("{slenderness}: {name}"),
+                &mesh,
+                value,
+                record.number(column),
+                1e-6,
+            );
         }
     }
     report.element("ems");

@@ -66,8 +66,20 @@ fn compare(report: &mut Report, finest: u32) -> Result<()> {
         }
         if variant == "EMS" {
             let (steps, iterations) = if name == "S1" { (1.0, 16.0) } else { (2.0, 32.0) };
-            report.at_most(CASE, &format!("{name}: load steps"), &mesh, outcome.statistics.steps as f64, steps);
-            report.at_most(CASE, &format!("{name}: iterations"), &mesh, outcome.statistics.iterations as f64, iterations);
+            report.at_most(
+                CASE,
+                &format!("{name}: load steps"),
+                &mesh,
+                outcome.statistics.steps as f64,
+                steps,
+            );
+            report.at_most(
+                CASE,
+                &format!("{name}: iterations"),
+                &mesh,
+                outcome.statistics.iterations as f64,
+                iterations,
+            );
         }
     }
     report.element("ems");
@@ -85,7 +97,14 @@ fn convergence(report: &mut Report) -> Result<()> {
         points.push((f64::from(n), ((u[2] - FINEST) / FINEST).abs()));
     }
     let order = |a: (f64, f64), b: (f64, f64)| (a.1 / b.1).ln() / (b.0 / a.0).ln();
-    report.absolute(CASE, "S1: observed order of u_z, 8x8 to 32x32", "", order(points[2], points[4]), 2.0, 0.2);
+    report.absolute(
+        CASE,
+        "S1: observed order of u_z, 8x8 to 32x32",
+        "",
+        order(points[2], points[4]),
+        2.0,
+        0.2,
+    );
     if let Some(path) = report.picture("quarter_cylinder_convergence.png") {
         let slope = points.iter().map(|p| (p.0, points[1].1 * (points[1].0 / p.0).powi(2))).collect();
         let plot = LinePlot {

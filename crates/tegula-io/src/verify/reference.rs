@@ -22,6 +22,8 @@ pub fn records(text: &str) -> Vec<Record> {
     let mut lines = text.lines().filter(|l| !l.starts_with('#'));
     let columns: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
     lines
-        .map(|line| Record(columns.iter().map(|c| c.to_string()).zip(line.split(',').map(str::to_string)).collect()))
+        .map(|line| {
+            Record(columns.iter().map(|c| c.to_string()).zip(line.split(',').map(str::to_string)).collect())
+        })
         .collect()
 }

@@ -113,13 +113,29 @@ impl Report {
     }
 
     /// A value equal to a reference within a relative tolerance.
-    pub fn relative(&mut self, case: &str, quantity: &str, mesh: &str, value: f64, reference: f64, tolerance: f64) {
+    pub fn relative(
+        &mut self,
+        case: &str,
+        quantity: &str,
+        mesh: &str,
+        value: f64,
+        reference: f64,
+        tolerance: f64,
+    ) {
         let pass = (value - reference).abs() <= tolerance * reference.abs();
         self.push(case, quantity, mesh, (value, reference, tolerance), Verdict::Relative, pass);
     }
 
     /// A value equal to a reference within an absolute tolerance.
-    pub fn absolute(&mut self, case: &str, quantity: &str, mesh: &str, value: f64, reference: f64, tolerance: f64) {
+    pub fn absolute(
+        &mut self,
+        case: &str,
+        quantity: &str,
+        mesh: &str,
+        value: f64,
+        reference: f64,
+        tolerance: f64,
+    ) {
         let pass = (value - reference).abs() <= tolerance;
         self.push(case, quantity, mesh, (value, reference, tolerance), Verdict::Absolute, pass);
     }

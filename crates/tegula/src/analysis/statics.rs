@@ -146,7 +146,7 @@ pub fn run(
         let result = newton.solve(system, &mut equation, &tolerances, observer);
         statistics.factorizations = newton.solver.factorizations() as u64;
         let failure = match result {
-            Ok(c) if c.negative_pivots > 0 && !options.allow_unstable => {
+            Ok(c) if c.negative_pivots > 0 && !options.allow_unstable && system.followers.is_empty() => {
                 statistics.iterations += u64::from(c.iterations);
                 format!(
                     "the equilibrium found is unstable ({} negative pivot(s) of the tangent): the structure would buckle",
@@ -155,6 +155,13 @@ pub fn run(
             }
             Ok(c) => {
                 statistics.iterations += u64::from(c.iterations);
+                if c.negative_pivots > 0 && !system.followers.is_empty() {
+                    // Moments and pressures need not have a potential: the symmetric part decides nothing.
+                    observer.on_event(&format!(
+                        "load factor {target}: {} negative pivot(s); with loads that follow the motion this need not mean instability",
+                        c.negative_pivots
+                    ));
+                }
                 if c.floor {
                     observer.on_event(&format!(
                         "load factor {target}: increments stopped shrinking at the rounding floor of the model; accepted"
