@@ -11,8 +11,8 @@ use tegula::element::TangentWeights;
 use tegula::linear::{Factor, SparseCholesky, SymmetricPattern};
 use tegula::mesh::generators::generate;
 use tegula::model::{
-    Analysis, Condition, CylinderMesh, Damping, ElementKind, Grid, Isotropic, Load, Material, MeshSource, Model,
-    OnSet, Output, Section, StaticAnalysis, VectorLoad, build,
+    Analysis, Condition, CylinderMesh, Damping, ElementKind, Grid, Isotropic, Load, Material, MeshSource,
+    Model, OnSet, Output, Section, StaticAnalysis, VectorLoad, build,
 };
 use tegula::system::assembly::TangentParts;
 use tegula::system::{Assembly, System};
@@ -47,7 +47,11 @@ fn quarter_cylinder(n: u32) -> System {
             retardation_time: 0.0,
         }],
         conditions: vec![Condition::Clamp(OnSet { on: "u_min".into() })],
-        loads: vec![Load::Force(VectorLoad { on: "u_max_v_max".into(), value: [0.0, 0.0, -20.0], amplitude: None })],
+        loads: vec![Load::Force(VectorLoad {
+            on: "u_max_v_max".into(),
+            value: [0.0, 0.0, -20.0],
+            amplitude: None,
+        })],
         masses: Vec::new(),
         initial_velocities: Vec::new(),
         damping: Damping::default(),
@@ -77,7 +81,8 @@ fn iteration(c: &mut Criterion) {
     let zero = vec![[0.0; 3]; system.vectors()];
     let k = state_kinematics(&system, &zero);
     assembly.forces_and_tangent(&system, &k, &parts, false, None, &mut forces);
-    let pattern = || SymmetricPattern::new(system.pattern.column_pointers.clone(), system.pattern.row_indices.clone());
+    let pattern =
+        || SymmetricPattern::new(system.pattern.column_pointers.clone(), system.pattern.row_indices.clone());
     let mut solver = SparseCholesky::new(pattern()).unwrap();
     group.bench_function("factorisation", |b| b.iter(|| solver.factor(black_box(&assembly.values)).unwrap()));
     let mut x = vec![1.0; system.unknowns()];
