@@ -11,6 +11,7 @@ mod progress;
 mod report;
 mod run;
 mod schema;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -45,6 +46,7 @@ enum Command {
     Schema,
     /// Print version, threads and instruction set, or the summary of a model or result
     Info(info::Arguments),
+    Verify(verify::Verify),
 }
 
 fn main() -> ExitCode {
@@ -62,6 +64,7 @@ fn main() -> ExitCode {
         Command::New(arguments) => new::run(&arguments),
         Command::Schema => schema::run(),
         Command::Info(arguments) => info::run(&arguments),
+        Command::Verify(verify) => return verify.run(),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

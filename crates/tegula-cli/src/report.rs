@@ -44,7 +44,8 @@ impl Failure {
             }
             Self::Model(diagnostics) => {
                 // A model file that cannot even be read is a wrong file, not a wrong model.
-                let code = if diagnostics.iter().all(|d| d.line == 0) && !readable(&diagnostics) { 1 } else { 2 };
+                let code =
+                    if diagnostics.iter().all(|d| d.line == 0) && !readable(&diagnostics) { 1 } else { 2 };
                 show(&diagnostics);
                 ExitCode::from(code)
             }

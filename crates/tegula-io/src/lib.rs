@@ -5,3 +5,4 @@ pub mod job;
 pub mod mesh;
 pub mod out;
 pub mod plot;
+pub mod verify;

@@ -88,7 +88,10 @@ pub(super) fn write(
     if has(Field::EnergyDensity) {
         cell_data.push(scalar("energy_density", |r| [r.energy_density]));
     }
-    vtu::write(path, &VtuGrid { points: &points, quads: &mesh.quads, point_data, cell_data, time: state.time })
+    vtu::write(
+        path,
+        &VtuGrid { points: &points, quads: &mesh.quads, point_data, cell_data, time: state.time },
+    )
 }
 
 /// The (first) director of each node.

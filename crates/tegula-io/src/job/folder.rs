@@ -154,7 +154,8 @@ fn is_empty(path: &Path) -> Result<bool, OutputError> {
     }
     let mut entries = fs::read_dir(path).map_err(|cause| OutputError::read(path, cause))?;
     // A run that was stopped before its first summary has left an empty log at most.
-    Ok(entries.all(|e| e.is_ok_and(|e| e.file_name() == "log.txt" && e.metadata().is_ok_and(|m| m.len() == 0))))
+    Ok(entries
+        .all(|e| e.is_ok_and(|e| e.file_name() == "log.txt" && e.metadata().is_ok_and(|m| m.len() == 0))))
 }
 
 fn remove(path: &Path) -> Result<(), OutputError> {

@@ -25,7 +25,6 @@ mod recorder;
 mod resume;
 mod run;
 mod snapshots;
-mod spectrum;
 mod summary;
 
 use std::path::PathBuf;

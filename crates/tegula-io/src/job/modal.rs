@@ -2,13 +2,13 @@
 
 use std::time::Instant;
 
+use tegula::analysis::modal::{self, ModalOutcome};
 use tegula::analysis::{Observer, State, Statistics, Step, statics};
 use tegula::model::{ModalAnalysis, StaticAnalysis};
 use tegula::{Error, System};
 
-use super::modes::{self, ModeRow};
+use super::modes;
 use super::run::{start, summary};
-use super::spectrum::{Spectrum, solve};
 use super::{
     JobError, JobObserver, JobOptions, Prepared, Progress, ResultFolder, Start, Status, Summary, process,
 };
@@ -77,14 +77,14 @@ fn spectrum(
     analysis: &ModalAnalysis,
     system: &System,
     forward: &mut Forward<'_>,
-) -> tegula::Result<Spectrum> {
+) -> tegula::Result<ModalOutcome> {
     let mut equilibrium: Option<State> = None;
     if analysis.prestressed {
         let outcome = statics::run(system, &StaticAnalysis::default(), None, forward)?;
         forward.before = outcome.statistics;
         equilibrium = Some(outcome.state);
     }
-    solve(system, analysis.modes as usize, equilibrium.as_ref(), forward)
+    modal::run(system, analysis.modes as usize, equilibrium.as_ref(), forward)
 }
 
 /// Writes what was found.
@@ -94,16 +94,16 @@ fn record(
     folder: &mut ResultFolder,
     summary: &mut Summary,
     before: &Statistics,
-    found: &Spectrum,
+    found: &ModalOutcome,
 ) -> Result<(), OutputError> {
-    let rows: Vec<ModeRow<'_>> = found.rows();
-    modes::write(folder, prepared, &deck.model.output.fields, &rows)?;
-    if let Err(problem) = modes::picture(folder, prepared, &deck.model.title, &rows) {
+    let rows = found.modes.as_slice();
+    modes::write(folder, prepared, &deck.model.output.fields, rows)?;
+    if let Err(problem) = modes::picture(folder, prepared, &deck.model.title, rows) {
         folder.log(&format!("a picture is missing: {problem}"))?;
     }
     summary.frequencies_hz = Some(rows.iter().map(|m| m.frequency_hz).collect());
-    summary.sturm_checked = Some(found.sturm_checked());
-    let s = found.statistics();
+    summary.sturm_checked = Some(found.sturm_checked);
+    let s = &found.statistics;
     summary.steps = before.steps;
     summary.iterations = before.iterations + s.iterations;
     summary.factorizations = before.factorizations + s.factorizations;

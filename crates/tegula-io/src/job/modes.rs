@@ -1,6 +1,7 @@
 //! Natural frequencies and mode shapes in the result folder.
 
 use tegula::analysis::State;
+use tegula::analysis::modal::Mode;
 use tegula::element::Nodal;
 use tegula::model::Field;
 use tegula::result::recover;
@@ -17,26 +18,12 @@ const COLUMNS: usize = 3;
 /// Largest displacement in the picture, as a part of the model.
 const AMPLITUDE: f64 = 0.12;
 
-/// A mode to be written.
-pub(super) struct ModeRow<'a> {
-    /// Natural frequency [1/time].
-    pub frequency_hz: f64,
-    /// Natural angular frequency [rad/time].
-    pub omega: f64,
-    /// Whether it is a rigid motion.
-    pub rigid: bool,
-    /// Residual of the eigenvalue equation.
-    pub residual: f64,
-    /// Shape.
-    pub shape: &'a [Nodal],
-}
-
 /// Writes `modes.csv`, `modes.pvd` and the shapes; the time value of a shape is its frequency.
 pub(super) fn write(
     folder: &ResultFolder,
     prepared: &Prepared,
     wanted: &[Field],
-    modes: &[ModeRow<'_>],
+    modes: &[Mode],
 ) -> Result<(), OutputError> {
     let Prepared { mesh, system, .. } = prepared;
     let names = ["mode", "frequency_hz", "omega", "rigid", "residual"];
@@ -47,7 +34,7 @@ pub(super) fn write(
     for (i, mode) in modes.iter().enumerate() {
         let rigid = f64::from(u8::from(mode.rigid));
         table.append(&[(i + 1) as f64, mode.frequency_hz, mode.omega, rigid, mode.residual])?;
-        let (u, v) = (mode.shape.to_vec(), zero.clone());
+        let (u, v) = (mode.shape.clone(), zero.clone());
         let state = State { time: mode.frequency_hz, u, v, ..State::default() };
         let results = recover(system, &state.u);
         let name = format!("modes/{:04}.vtu", i + 1);
@@ -63,10 +50,10 @@ pub(super) fn picture(
     folder: &ResultFolder,
     prepared: &Prepared,
     title: &str,
-    modes: &[ModeRow<'_>],
+    modes: &[Mode],
 ) -> Result<(), OutputError> {
     let Prepared { mesh, system, .. } = prepared;
-    let elastic: Vec<&ModeRow<'_>> = modes.iter().filter(|m| !m.rigid).take(PICTURED).collect();
+    let elastic: Vec<&Mode> = modes.iter().filter(|m| !m.rigid).take(PICTURED).collect();
     if elastic.is_empty() {
         return Ok(());
     }
@@ -82,15 +69,15 @@ pub(super) fn picture(
 }
 
 /// A mode in its place of the picture: columns to the right, rows downwards.
-fn tile(mesh: &Mesh, system: &System, mode: &ModeRow<'_>, index: usize) -> Snapshot {
-    let u = fields::nodal(system, mode.shape);
+fn tile(mesh: &Mesh, system: &System, mode: &Mode, index: usize) -> Snapshot {
+    let u = fields::nodal(system, &mode.shape);
     let size = |u: &Nodal| u.iter().map(|x| x * x).sum::<f64>().sqrt();
     let largest = u.iter().map(size).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
     let scale = AMPLITUDE * system.length / largest;
     let (azimuth, step) = ((-60.0_f64).to_radians(), 1.7 * system.length);
     let (column, row) = ((index % COLUMNS) as f64, (index / COLUMNS) as f64);
     let shift = [-azimuth.sin() * column * step, azimuth.cos() * column * step, -0.75 * row * step];
-    let mut positions = fields::positions(mesh, system, mode.shape, scale);
+    let mut positions = fields::positions(mesh, system, &mode.shape, scale);
     for x in &mut positions {
         *x = std::array::from_fn(|i| x[i] + shift[i]);
     }

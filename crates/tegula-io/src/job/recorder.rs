@@ -50,7 +50,9 @@ impl<'a> Recorder<'a> {
         folder.make_series("fields")?;
         let (csv, pvd) = (folder.file("history.csv"), folder.file("fields.pvd"));
         let (history, series) = match &memory {
-            None => (HistoryWriter::create(&csv, &history::names(&prepared.probes))?, PvdSeries::create(&pvd)?),
+            None => {
+                (HistoryWriter::create(&csv, &history::names(&prepared.probes))?, PvdSeries::create(&pvd)?)
+            }
             Some(memory) => {
                 let mut series = PvdSeries::open(&pvd)?;
                 series.truncate_after(memory.notes.last_frame)?;

@@ -7,8 +7,8 @@ use tegula::{Error, System};
 use super::recorder::Recorder;
 use super::resume::Memory;
 use super::{
-    Energy, JobError, JobObserver, JobOptions, Prepared, ResultFolder, Start, Status, Summary, modal, pictures,
-    prepare,
+    Energy, JobError, JobObserver, JobOptions, Prepared, ResultFolder, Start, Status, Summary, modal,
+    pictures, prepare,
 };
 use crate::deck::Deck;
 use crate::out::OutputError;

@@ -127,8 +127,10 @@ impl Summary {
     pub fn read(folder: &Path) -> Result<Self, OutputError> {
         let path = folder.join("summary.json");
         let text = std::fs::read_to_string(&path).map_err(|cause| OutputError::read(&path, cause))?;
-        let damaged = |problem: String| OutputError::damaged(&path, problem, "Choose a result folder of tegula");
-        let summary: Self = serde_json::from_str(&text).map_err(|e| damaged(format!("it is no summary: {e}")))?;
+        let damaged =
+            |problem: String| OutputError::damaged(&path, problem, "Choose a result folder of tegula");
+        let summary: Self =
+            serde_json::from_str(&text).map_err(|e| damaged(format!("it is no summary: {e}")))?;
         if summary.program == "tegula" {
             Ok(summary)
         } else {

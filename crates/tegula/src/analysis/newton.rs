@@ -205,7 +205,10 @@ impl Newton {
             }
             history.push(energy);
             if let Some(floor) = stagnation(&history) {
-                if relative <= 1e-9 && size <= 1e-5 * size_scale {
+                // Near a rigid motion there is next to no energy to compare with: increments that are
+                // nothing but rounding are enough then.
+                let rounding = size <= 1e-10 * size_scale;
+                if rounding || (relative <= 1e-9 && size <= 1e-5 * size_scale) {
                     return Ok(Converged { iterations: iteration, negative_pivots, floor: true });
                 }
                 if floor {

@@ -1,7 +1,7 @@
 //! Resultants, stresses and energy of shell elements.
 //!
-//! Each quantity is the mean of the four Gauss points, in the cross-section frame of each
-//! (z along the normal, y along r,η, x = y × z). Resultants are conjugate to the
+//! Each quantity is the mean of the four Gauss points, in the cross-section frame of the
+//! element's centre (z along the normal, y along r,η, x = y × z). Resultants are conjugate to the
 //! Green–Lagrange strains: forces and moments per *reference* length.
 //!
 //! The curvature of the element is κ = −d,ξ·r,ξ: with d·r,ξ = 0 it is d·r,ξξ, above 0 where
@@ -16,8 +16,10 @@
 
 use rayon::prelude::*;
 
+use crate::Mat3;
 use crate::element::Nodal;
 use crate::element::ems::point_resultants;
+use crate::element::geometry::{covariant_base, cross_section_frame};
 use crate::system::{Shell, System};
 
 /// Quantities of one shell element.
@@ -56,15 +58,21 @@ fn element(system: &System, shell: &Shell, u: &[Nodal]) -> ShellResult {
     let Ok((_, alpha)) = shell.element.stiffness(&shell.geometry, &section.stiffness) else {
         return out;
     };
+    let base = covariant_base(&shell.geometry.positions, &shell.geometry.directors, 0.0, 0.0);
+    let Some(centre) = cross_section_frame(&base) else { return out };
     for point in 0..4 {
         let Ok(strains) = shell.element.point_strains(&shell.geometry, point) else { continue };
         let (r, energy) = point_resultants(&strains, &alpha, &section.stiffness, &samples);
+        let turn = Turn::between(&strains.frame, &centre);
+        let membrane = turn.tensor([r[0], r[1], r[2]]);
+        let bending = turn.tensor([r[6], r[7], r[8]]);
+        let shear = turn.vector([r[4], r[5]]);
         for i in 0..3 {
-            out.membrane[i] += 0.25 * r[i];
-            out.bending[i] += 0.25 * r[6 + i];
+            out.membrane[i] += 0.25 * membrane[i];
+            out.bending[i] += 0.25 * bending[i];
         }
         for i in 0..2 {
-            out.shear[i] += 0.25 * r[4 + i];
+            out.shear[i] += 0.25 * shear[i];
         }
         out.energy_density += energy * strains.area;
         out.area += strains.area;
@@ -74,6 +82,37 @@ fn element(system: &System, shell: &Shell, u: &[Nodal]) -> ShellResult {
     }
     stresses(&mut out, section.thickness);
     out
+}
+
+/// In-plane turn from one frame to another. Frames of a warped element also tilt, which is left out:
+/// components are carried along with the surface.
+#[derive(Debug, Clone, Copy)]
+struct Turn {
+    cos: f64,
+    sin: f64,
+}
+
+impl Turn {
+    fn between(from: &Mat3, to: &Mat3) -> Self {
+        let x = from.column(0);
+        let (c, s) = (x.dot(&to.column(0)), x.dot(&to.column(1)));
+        let size = c.hypot(s);
+        if size > 0.0 { Self { cos: c / size, sin: s / size } } else { Self { cos: 1.0, sin: 0.0 } }
+    }
+
+    fn vector(self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [self.cos * x - self.sin * y, self.sin * x + self.cos * y]
+    }
+
+    /// Components xx, yy, xy of a symmetric tensor.
+    fn tensor(self, [x, y, xy]: [f64; 3]) -> [f64; 3] {
+        let Self { cos: c, sin: s } = self;
+        [
+            c * c * x + s * s * y - 2.0 * c * s * xy,
+            s * s * x + c * c * y + 2.0 * c * s * xy,
+            c * s * (x - y) + (c * c - s * s) * xy,
+        ]
+    }
 }
 
 /// Stresses from resultants.

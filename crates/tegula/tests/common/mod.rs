@@ -1,6 +1,19 @@
-#![allow(dead_code, missing_docs)]
+//! Models and measures that several tests share.
+#![allow(dead_code)]
+
 use std::collections::BTreeMap;
+
+use nalgebra::{Rotation3, Unit};
+use tegula::analysis::statics::{self, StaticOutcome};
+use tegula::analysis::{Observer, State, Step};
+use tegula::element::Nodal;
+use tegula::mesh::generators::generate;
+use tegula::model::build::build;
 use tegula::model::*;
+use tegula::system::VectorKind;
+use tegula::{Mesh, System, Vec3};
+
+/// A static model of one section on a mesh, clamped at `u_min`.
 pub fn model(mesh: MeshSource, young: f64, thickness: f64) -> Model {
     Model {
         title: String::new(),
@@ -31,6 +44,8 @@ pub fn model(mesh: MeshSource, young: f64, thickness: f64) -> Model {
         output: Output::default(),
     }
 }
+
+/// Sect. 5.2 of the paper: x = sin θ, z = 1 − cos θ, θ from 0 to 90°, h = 0.01, clamped at θ = 0.
 pub fn quarter_cylinder(n: u32, young: f64) -> Model {
     let mesh = MeshSource::Cylinder(CylinderMesh {
         center: [0.0, 0.0, 1.0],
@@ -42,4 +57,146 @@ pub fn quarter_cylinder(n: u32, young: f64) -> Model {
         grid: Grid::uniform(n, n),
     });
     model(mesh, young, 0.01)
+}
+
+/// A plate in the plane z = 0 from the origin.
+pub fn plate(size: [f64; 2], elements: [u32; 2], distortion: f64) -> MeshSource {
+    MeshSource::Plate(PlateMesh {
+        origin: [0.0; 3],
+        u_axis: [1.0, 0.0, 0.0],
+        v_axis: [0.0, 1.0, 0.0],
+        size,
+        grid: Grid { distortion, seed: 7, ..Grid::uniform(elements[0], elements[1]) },
+    })
+}
+
+/// The mesh and system of a model.
+pub fn compile(model: &Model) -> (Mesh, System) {
+    let mesh = generate(&model.mesh).unwrap();
+    let system = build(model, &mesh).unwrap();
+    (mesh, system)
+}
+
+/// The static options of a model.
+pub fn static_options(model: &Model) -> StaticAnalysis {
+    match &model.analysis {
+        Analysis::Static(s) => s.clone(),
+        _ => StaticAnalysis::default(),
+    }
+}
+
+/// Equilibrium of a static model.
+pub fn solve(model: &Model) -> (Mesh, System, StaticOutcome) {
+    let (mesh, system) = compile(model);
+    let outcome = statics::run(&system, &static_options(model), None, &mut Notes::default()).unwrap();
+    (mesh, system, outcome)
+}
+
+/// A load by its vector.
+pub fn vector_load(on: &str, value: [f64; 3]) -> VectorLoad {
+    VectorLoad { on: on.into(), value, amplitude: None }
+}
+
+/// Set by name.
+pub fn on(set: &str) -> OnSet {
+    OnSet { on: set.into() }
+}
+
+/// Displacement of the only node of a set.
+pub fn displacement(mesh: &Mesh, system: &System, u: &[Nodal], set: &str) -> Vec3 {
+    let nodes = mesh.nodes_on(set).unwrap();
+    assert_eq!(nodes.len(), 1, "{set}");
+    Vec3::from(u[system.position_of[nodes[0] as usize] as usize])
+}
+
+/// Resultant force and moment about the origin of generalised forces at displacements `u`;
+/// the force on a director contributes the moment d × f.
+pub fn resultant(system: &System, u: &[Nodal], force: &[Nodal]) -> (Vec3, Vec3) {
+    let (mut sum, mut moment) = (Vec3::zeros(), Vec3::zeros());
+    for (v, f) in force.iter().enumerate() {
+        let (f, x) = (Vec3::from(*f), Vec3::from(system.reference[v]) + Vec3::from(u[v]));
+        if system.kinds[v] == VectorKind::Position {
+            sum += f;
+        }
+        moment += x.cross(&f);
+    }
+    (sum, moment)
+}
+
+/// A rotation by its axis (any length) and angle.
+pub fn rotation(axis: [f64; 3], angle: f64) -> Rotation3<f64> {
+    Rotation3::from_axis_angle(&Unit::new_normalize(Vec3::from(axis)), angle)
+}
+
+/// Reproducible numbers in −1…1.
+pub struct Random(u64);
+
+impl Random {
+    /// Starts from a seed.
+    pub fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
+    }
+
+    /// The next number.
+    pub fn next(&mut self) -> f64 {
+        for shift in [13, -7, 17_i32] {
+            self.0 ^= if shift > 0 { self.0 << shift } else { self.0 >> -shift };
+        }
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    /// The next vector.
+    pub fn vector(&mut self) -> Vec3 {
+        Vec3::from_fn(|_, _| self.next())
+    }
+}
+
+/// An observer that keeps what it is told.
+#[derive(Default)]
+pub struct Notes {
+    /// Events in words.
+    pub events: Vec<String>,
+    /// Time and total energy after each step.
+    pub totals: Vec<(f64, f64)>,
+    /// Largest kinetic energy.
+    pub kinetic: f64,
+    /// Linear and angular momentum after each step.
+    pub momenta: Vec<(Vec3, Vec3)>,
+    /// States after each step, where wanted.
+    pub states: Vec<State>,
+    /// Keep the states.
+    pub keep: bool,
+    /// Iterations of all steps.
+    pub iterations: Vec<u32>,
+}
+
+impl Notes {
+    /// Notes that keep the states.
+    pub fn keeping() -> Self {
+        Self { keep: true, ..Self::default() }
+    }
+
+    /// Largest difference of the total energy from its first value.
+    pub fn drift(&self) -> f64 {
+        let first = self.totals.first().map_or(0.0, |t| t.1);
+        self.totals.iter().map(|t| (t.1 - first).abs()).fold(0.0, f64::max)
+    }
+}
+
+impl Observer for Notes {
+    fn on_step(&mut self, step: &Step) -> tegula::Result<()> {
+        let b = step.balance;
+        self.totals.push((step.state.time, b.total));
+        self.kinetic = self.kinetic.max(b.kinetic);
+        self.momenta.push((Vec3::from(b.momentum), Vec3::from(b.angular_momentum)));
+        self.iterations.push(step.iterations);
+        if self.keep {
+            self.states.push(step.state.clone());
+        }
+        Ok(())
+    }
+
+    fn on_event(&mut self, message: &str) {
+        self.events.push(message.to_string());
+    }
 }
