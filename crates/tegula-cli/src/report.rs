@@ -107,7 +107,7 @@ impl Snippet {
             message,
             help: d.help.clone(),
             source: NamedSource::new(d.file.display().to_string(), text),
-            label: LabeledSpan::new(Some("here".into()), start, length),
+            label: LabeledSpan::new(None, start, length),
         }
     }
 }

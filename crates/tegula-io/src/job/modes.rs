@@ -59,7 +59,7 @@ pub(super) fn picture(
     }
     let snapshots = elastic.iter().enumerate().map(|(i, m)| tile(mesh, system, m, i)).collect();
     let plot = SurfacePlot {
-        title: if title.is_empty() { "modes".into() } else { format!("{title}: modes") },
+        title: if title.is_empty() { "Modes".into() } else { title.to_owned() },
         snapshots,
         quads: mesh.quads.clone(),
         color_label: "displacement over its maximum".into(),
@@ -85,7 +85,7 @@ fn tile(mesh: &Mesh, system: &System, mode: &Mode, index: usize) -> Snapshot {
     Snapshot {
         positions,
         values: Some(mesh.quads.iter().map(mean).collect()),
-        label: format!("{:.4}", mode.frequency_hz),
+        label: format!("f = {:.4}", mode.frequency_hz),
         opacity: 1.0,
     }
 }

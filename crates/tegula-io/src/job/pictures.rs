@@ -170,7 +170,7 @@ fn snapshots(recorder: &Recorder<'_>) -> Result<(), OutputError> {
         positions: fields::positions(mesh, system, &k.displacements, scale),
         values: (!only_shape).then(|| k.values.clone()),
         label: format!("{letter} {}", short(k.time)),
-        opacity: if i + 1 == count || count < 3 { 1.0 } else { 0.85 },
+        opacity: opacity(i, count),
     });
     let what = if scale == 1.0 { "deformed shell".into() } else { format!("displacements × {scale}") };
     let plot = SurfacePlot {
@@ -181,6 +181,15 @@ fn snapshots(recorder: &Recorder<'_>) -> Result<(), OutputError> {
         ..SurfacePlot::default()
     };
     surfaces(&recorder.folder.file("snapshots.png"), &plot)
+}
+
+/// The last instant is solid; of two, the first is only a shadow of where the shell was.
+fn opacity(index: usize, count: usize) -> f64 {
+    match (index + 1 == count, count) {
+        (true, _) => 1.0,
+        (false, 2) => 0.25,
+        (false, _) => 0.85,
+    }
 }
 
 /// A time with few digits.

@@ -79,7 +79,7 @@ impl<'a> Recorder<'a> {
 
     /// Says in the log what is about to happen.
     pub fn announce(&mut self, start: &Start) -> std::result::Result<(), OutputError> {
-        let how = if start.time > 0.0 { format!("resumed at {:e}", start.time) } else { "started".into() };
+        let how = if start.time > 0.0 { format!("resumed at {}", start.time) } else { "started".into() };
         self.folder.log(&format!(
             "tegula {}: {} analysis of {} elements, {} unknowns, {how}",
             self.summary.version, start.analysis, start.elements, start.unknowns
@@ -90,7 +90,7 @@ impl<'a> Recorder<'a> {
     pub fn log_end(&mut self) -> std::result::Result<(), OutputError> {
         let s = &self.summary;
         let mut line = format!(
-            "{:?} at {:e} after {} steps, {} iterations, {} repeated steps, {:.2} s",
+            "{:?} at {} after {} steps, {} iterations, {} repeated steps, {:.2} s",
             s.status, s.time, s.steps, s.iterations, s.cutbacks, s.wall_s
         );
         if let Some(error) = &s.error {

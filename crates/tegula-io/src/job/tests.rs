@@ -163,13 +163,12 @@ fn a_folder_is_written_by_one_run_at_a_time() {
 
 #[test]
 fn a_failed_run_says_so_and_keeps_what_it_found() {
+    let few = "load_steps = 2\nmax_iterations = 3\nmax_cutbacks = 1\nmethod = \"displacement\"";
     let text = SWING
         .replace("type = \"transient\"", "type = \"static\"")
-        .replace("end_time = 0.2\ntolerance = 1e-4\nscheme = { type = \"SCHEME\" }", "load_steps = 4")
-        .replace("type = \"hinge\"", "type = \"clamp\"")
-        .replace("young = 1e6", "young = 1e3");
-    let text = text.replacen("value = [0.0, 0.0, -9.81]", "value = [-1e7, 0.0, 0.0]", 1);
-    let deck = Deck::parse("buckling.toml", text).unwrap();
+        .replace("end_time = 0.2\ntolerance = 1e-4\nscheme = { type = \"SCHEME\" }", few)
+        .replace("type = \"hinge\"", "type = \"clamp\"");
+    let deck = Deck::parse("hasty.toml", text).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let error = run(&deck, &options(folder.path(), false), &mut Unwatched).unwrap_err();
     assert!(matches!(error, JobError::Analysis { .. }), "{error}");
