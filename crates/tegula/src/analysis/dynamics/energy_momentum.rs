@@ -30,8 +30,6 @@ pub struct EnergyMomentum {
     v: Vec<Nodal>,
     u_old: Vec<Nodal>,
     v_old: Vec<Nodal>,
-    /// Mean acceleration of the last step and its length, for the error of the next.
-    last: Option<(Vec<Nodal>, f64)>,
     a_old: Vec<Nodal>,
     energy_scale: f64,
     mass_damping: f64,
@@ -48,7 +46,6 @@ impl EnergyMomentum {
             v: zero.clone(),
             u_old: zero.clone(),
             v_old: zero.clone(),
-            last: None,
             a_old: zero,
             energy_scale: 0.0,
             mass_damping: system.mass_damping,
@@ -144,20 +141,12 @@ impl Integrator for EnergyMomentum {
         }
         state.u.copy_from_slice(&self.u);
         state.v.copy_from_slice(&self.v);
-        match &mut self.last {
-            Some((a, dt)) => {
-                a.copy_from_slice(&state.a);
-                *dt = self.dt;
-            }
-            None => self.last = Some((state.a.clone(), self.dt)),
-        }
     }
 
     /// Error of the midpoint rule, Δt³/12 times the rate of the acceleration, from the mean
-    /// accelerations of two steps. After a restart the acceleration of the state stands for the step before.
-    fn local_error(&self, system: &System, _state: &State) -> f64 {
-        let before = self.last.as_ref().map_or(0.0, |l| l.1);
-        let factor = self.dt.powi(3) / 12.0 / (0.5 * (self.dt + before));
+    /// accelerations of two steps. In the first step the initial acceleration stands for the step before.
+    fn local_error(&self, system: &System, state: &State) -> f64 {
+        let factor = self.dt.powi(3) / 12.0 / (0.5 * (self.dt + state.last_step));
         system.position_rms(|n| {
             let a = self.mean_acceleration(n);
             std::array::from_fn(|i| factor * (a[i] - self.a_old[n][i]))

@@ -129,6 +129,7 @@ pub fn run(
                     scheme.finish(system, &mut state);
                     state.time = if dt == left { options.end_time } else { state.time + dt };
                     state.step += 1;
+                    state.last_step = dt;
                     state.next_step = control.next(dt, error, c.iterations);
                     newton.assembly.reset_stress(system, &state_kinematics(system, &state.u));
                     state.stress.copy_from_slice(&newton.assembly.stress);
