@@ -305,7 +305,11 @@ fn check_zero_modes<const S: usize>(element: EmsShell, sample: &Sample) {
     // Bending is softer than stretching by (h/L)², with a margin for bad shapes.
     let length = (sample.geometry.positions[2] - sample.geometry.positions[0]).norm();
     let soft = 1e-4 * (sample.thickness / length).powi(2);
-    assert!(values[6] >= soft.max(1e-11), "{element:?}: seventh eigenvalue {:e}, expected > {soft:e}", values[6]);
+    assert!(
+        values[6] >= soft.max(1e-11),
+        "{element:?}: seventh eigenvalue {:e}, expected > {soft:e}",
+        values[6]
+    );
 }
 
 /// `∫ G dA` in the covariant components of the centre, the enhanced stiffness, and the condition

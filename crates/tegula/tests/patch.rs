@@ -62,8 +62,10 @@ type Field<'a> = &'a dyn Fn(Vec3) -> (Vec3, Vec3);
 /// The model in which all boundary nodes follow `field`, positions and directors.
 fn prescribed(mesh: &mut Mesh, thickness: f64, analysis: StaticAnalysis, field: Field) -> Model {
     let mut m = model(plate([1.0; 2], [1, 1], 0.0), 1e6, thickness);
-    m.materials =
-        BTreeMap::from([("m".into(), Material::Isotropic(Isotropic { young: 1e6, poisson: 0.25, density: 1.0 }))]);
+    m.materials = BTreeMap::from([(
+        "m".into(),
+        Material::Isotropic(Isotropic { young: 1e6, poisson: 0.25, density: 1.0 }),
+    )]);
     m.conditions.clear();
     m.analysis = Analysis::Static(analysis);
     let boundary: BTreeSet<u32> = mesh.boundary_edges().into_iter().flatten().collect();
@@ -104,7 +106,12 @@ fn error(system: &System, u: &[[f64; 3]], field: Field) -> (f64, f64) {
     (errors[0] / size(0), errors[1] / size(1))
 }
 
-fn solve(mesh: &mut Mesh, thickness: f64, analysis: StaticAnalysis, field: Field) -> (System, statics::StaticOutcome) {
+fn solve(
+    mesh: &mut Mesh,
+    thickness: f64,
+    analysis: StaticAnalysis,
+    field: Field,
+) -> (System, statics::StaticOutcome) {
     let m = prescribed(mesh, thickness, analysis.clone(), field);
     let system = build(&m, mesh).unwrap();
     let outcome = statics::run(&system, &analysis, None, &mut Notes::default()).unwrap();
@@ -161,8 +168,7 @@ fn membrane_strain_is_constant() {
 #[test]
 fn large_membrane_stretch_is_constant() {
     // A gradient far from small: 30 % stretch, 20 % shear, within the plane.
-    let field =
-        |x: Vec3| (Vec3::new(0.3 * x.x + 0.2 * x.y, 0.05 * x.x - 0.1 * x.y, 0.0), Vec3::zeros());
+    let field = |x: Vec3| (Vec3::new(0.3 * x.x + 0.2 * x.y, 0.05 * x.x - 0.1 * x.y, 0.0), Vec3::zeros());
     for mut mesh in meshes() {
         let options = StaticAnalysis { allow_unstable: true, ..Default::default() };
         let (system, outcome) = solve(&mut mesh, 0.1, options, &field);

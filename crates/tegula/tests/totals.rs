@@ -52,7 +52,8 @@ fn middle(u: Vec3, v: Vec3) -> Vec3 {
 #[test]
 fn mass_is_density_times_volume() {
     let (mut m, ..) = inclined_plate();
-    m.materials.insert("m".into(), Material::Isotropic(Isotropic { young: 1e6, poisson: 0.3, density: 7850.0 }));
+    m.materials
+        .insert("m".into(), Material::Isotropic(Isotropic { young: 1e6, poisson: 0.3, density: 7850.0 }));
     let (_, system) = compile(&m);
     let exact = 7850.0 * 0.02 * 3.0;
     assert!((system.total_mass() - exact).abs() < 1e-12 * exact);
@@ -173,7 +174,8 @@ fn follower_pressure_on_a_deformed_surface() {
     let mut random = Random::new(5);
     let u: Vec<Nodal> = (0..system.vectors()).map(|_| (random.vector() * 0.3).into()).collect();
     let (force, _) = resultant(&system, &u, &loads(&system, &u));
-    let current = |n: u32| mesh.positions[n as usize] + Vec3::from(u[system.position_of[n as usize] as usize]);
+    let current =
+        |n: u32| mesh.positions[n as usize] + Vec3::from(u[system.position_of[n as usize] as usize]);
     let loop_area: Vec3 =
         mesh.boundary_edges().into_iter().map(|[a, b]| current(a).cross(&current(b)) * 0.5).sum();
     // The direction of the loop is that of the elements.
