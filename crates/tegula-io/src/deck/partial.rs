@@ -1,6 +1,6 @@
-//! What else is wrong with a model file whose keys are wrong already.
+//! What else is wrong with a model file that has unknown keys.
 //!
-//! The parts at fault are taken out; if the rest is a model, it is checked as one, so that the
+//! They are taken out; if the rest is a model, it is checked as one, so that the
 //! person who repairs the file sees all of its mistakes and not only the first kind.
 
 use std::path::Path;
