@@ -1,4 +1,7 @@
-//! tegula-io
+//! Model files and meshes in, results and plots out.
 
+pub mod deck;
+pub mod mesh;
 pub mod out;
 pub mod plot;
+pub mod verify;

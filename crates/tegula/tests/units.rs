@@ -1,6 +1,8 @@
 //! The program knows no units: the same model in other consistent units, or with stiffness, mass and
 //! loads scaled together, gives the same dimensionless results with the same iterations and steps.
 
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use common::{Notes, compile, on, quarter_cylinder, static_options, vector_load};

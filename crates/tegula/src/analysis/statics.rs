@@ -132,7 +132,8 @@ pub fn run(
         increment: INCREMENT_TOLERANCE,
         max_iterations: options.max_iterations,
     };
-    let smallest = 1.0 / f64::from(options.load_steps.max(1)) * 0.5_f64.powi(options.max_cutbacks as i32);
+    let largest = 1.0 / f64::from(options.load_steps.max(1));
+    let smallest = largest * 0.5_f64.powi(options.max_cutbacks as i32);
     let mut statistics = Statistics { steps: state.step, ..Statistics::default() };
     let mut balance = Balance::default();
     let mut negative_pivots = 0;
@@ -145,7 +146,7 @@ pub fn run(
         let result = newton.solve(system, &mut equation, &tolerances, observer);
         statistics.factorizations = newton.solver.factorizations() as u64;
         let failure = match result {
-            Ok(c) if c.negative_pivots > 0 && !options.allow_unstable => {
+            Ok(c) if c.negative_pivots > 0 && !options.allow_unstable && system.followers.is_empty() => {
                 statistics.iterations += u64::from(c.iterations);
                 format!(
                     "the equilibrium found is unstable ({} negative pivot(s) of the tangent): the structure would buckle",
@@ -154,6 +155,13 @@ pub fn run(
             }
             Ok(c) => {
                 statistics.iterations += u64::from(c.iterations);
+                if c.negative_pivots > 0 && !system.followers.is_empty() {
+                    // Moments and pressures need not have a potential: the symmetric part decides nothing.
+                    observer.on_event(&format!(
+                        "load factor {target}: {} negative pivot(s); with loads that follow the motion this need not mean instability",
+                        c.negative_pivots
+                    ));
+                }
                 if c.floor {
                     observer.on_event(&format!(
                         "load factor {target}: increments stopped shrinking at the rounding floor of the model; accepted"
@@ -172,9 +180,10 @@ pub fn run(
                     }
                 }
                 state.work += work;
-                state.next_step = (1.0 - target).min(grow(target - state.time, c.iterations));
+                state.next_step = largest.min(2.0 * (target - state.time));
                 state.u.copy_from_slice(&equation.u);
-                state.time = target;
+                // Twenty steps of 0.05 end at 1, and at round numbers on the way.
+                state.time = if target == 1.0 { 1.0 } else { round_multiple(target, largest) };
                 state.step += 1;
                 let k = state_kinematics(system, &state.u);
                 newton.assembly.reset_stress(system, &k);
@@ -221,11 +230,6 @@ pub fn run(
     Ok(StaticOutcome { state, balance, statistics, negative_pivots })
 }
 
-/// Steps that converge quickly grow.
-fn grow(step: f64, iterations: u32) -> f64 {
-    if iterations <= 12 { 2.0 * step } else { step }
-}
-
 fn energies(system: &System, assembly: &mut Assembly, state: &State) -> Balance {
     let strain = assembly.strain_energy(system, &state.u);
     let mut external = vec![[0.0; 3]; state.u.len()];
@@ -250,4 +254,10 @@ pub fn reactions(system: &System, assembly: &mut Assembly, state: &State) -> Vec
     let mut out = vec![[0.0; 3]; n];
     system.numbering.supported_part(&internal, &mut out);
     out
+}
+
+/// A load factor without the rounding that adding steps leaves: a multiple of a 2⁻²⁰th of the largest step.
+fn round_multiple(factor: f64, step: f64) -> f64 {
+    const PARTS: f64 = (1u32 << 20) as f64;
+    (factor / step * PARTS).round() / PARTS * step
 }

@@ -1,7 +1,7 @@
 //! Linear solvers for the symmetric tangent.
 
 mod cholesky;
-//pub mod lanczos;
+pub mod lanczos;
 
 pub use cholesky::{SparseCholesky, SymmetricPattern};
 

@@ -193,10 +193,19 @@ impl Assembly {
 
     /// Strain energy.
     pub fn strain_energy(&mut self, system: &System, u: &[Nodal]) -> f64 {
+        self.sum_energies(system, u, system.linear)
+    }
+
+    /// Strain energy of small displacements, ½ uᵀKu, summed from strains without cancellation.
+    pub fn small_strain_energy(&mut self, system: &System, u: &[Nodal]) -> f64 {
+        self.sum_energies(system, u, true)
+    }
+
+    fn sum_energies(&mut self, system: &System, u: &[Nodal], linear: bool) -> f64 {
         let mut energies = self.energies.as_mut_slice();
         for group in &system.groups {
             let (e, rest) = energies.split_at_mut(group.len());
-            group.energies(&system.reference, u, system.linear, e);
+            group.energies(&system.reference, u, linear, e);
             energies = rest;
         }
         self.energies.iter().sum()

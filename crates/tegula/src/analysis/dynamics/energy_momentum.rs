@@ -30,6 +30,10 @@ pub struct EnergyMomentum {
     v: Vec<Nodal>,
     u_old: Vec<Nodal>,
     v_old: Vec<Nodal>,
+    /// Length of the step before, whose mean acceleration is `a_old`.
+    last_step: f64,
+    /// Forces or velocities that only pass through.
+    buffer: Vec<Nodal>,
     a_old: Vec<Nodal>,
     energy_scale: f64,
     mass_damping: f64,
@@ -46,6 +50,8 @@ impl EnergyMomentum {
             v: zero.clone(),
             u_old: zero.clone(),
             v_old: zero.clone(),
+            last_step: 0.0,
+            buffer: zero.clone(),
             a_old: zero,
             energy_scale: 0.0,
             mass_damping: system.mass_damping,
@@ -126,6 +132,7 @@ impl Integrator for EnergyMomentum {
         self.v_old.copy_from_slice(&state.v);
         self.a_old.copy_from_slice(&state.a);
         self.energy_scale = state.energy_scale;
+        self.last_step = state.last_step;
         for (n, u) in self.u.iter_mut().enumerate() {
             for i in 0..3 {
                 u[i] = state.u[n][i] + dt * state.v[n][i];
@@ -144,26 +151,28 @@ impl Integrator for EnergyMomentum {
     }
 
     /// Error of the midpoint rule, Δt³/12 times the rate of the acceleration, from the mean
-    /// accelerations of two steps. In the first step the initial acceleration stands for the step before.
-    fn local_error(&self, system: &System, state: &State) -> f64 {
-        let factor = self.dt.powi(3) / 12.0 / (0.5 * (self.dt + state.last_step));
+    /// accelerations of two steps, which lie half of both steps apart.
+    fn local_error(&self, system: &System, _state: &State) -> f64 {
+        let factor = self.dt.powi(3) / 12.0 / (0.5 * (self.dt + self.last_step));
         system.position_rms(|n| {
             let a = self.mean_acceleration(n);
             std::array::from_fn(|i| factor * (a[i] - self.a_old[n][i]))
         })
     }
 
-    fn exchange(&self, system: &System, assembly: &mut Assembly, _state: &State) -> Exchange {
-        let mut loads = vec![[0.0; 3]; self.u.len()];
-        self.loads(system, &mut loads);
+    fn exchange(&mut self, system: &System, assembly: &mut Assembly, _state: &State) -> Exchange {
+        let mut buffer = std::mem::take(&mut self.buffer);
+        buffer.fill([0.0; 3]);
+        self.loads(system, &mut buffer);
+        let loads = work(&buffer, &self.u_old, &self.u);
         let gravity =
             system.constant_gravity_potential(&self.u_old) - system.constant_gravity_potential(&self.u);
+        for (n, mean) in buffer.iter_mut().enumerate() {
+            *mean = std::array::from_fn(|i| (self.u[n][i] - self.u_old[n][i]) / self.dt);
+        }
         let k = self.kinematics(system);
-        let mean: Vec<Nodal> = (0..self.u.len())
-            .map(|n| std::array::from_fn(|i| (self.u[n][i] - self.u_old[n][i]) / self.dt))
-            .collect();
-        let power =
-            assembly.dissipated_power(system, &k) + 2.0 * system.mass_damping * system.kinetic_energy(&mean);
+        let power = assembly.dissipated_power(system, &k)
+            + 2.0 * system.mass_damping * system.kinetic_energy(&buffer);
         let mut supports = 0.0;
         if !system.numbering.prescribed.is_empty() {
             // The reaction is what the equation of motion leaves over at the supported coordinates.
@@ -180,10 +189,8 @@ impl Integrator for EnergyMomentum {
             system.numbering.supported_part(&internal, &mut reaction);
             supports = work(&reaction, &self.u_old, &self.u);
         }
-        Exchange {
-            work: work(&loads, &self.u_old, &self.u) - gravity + supports,
-            dissipated: self.dt * power,
-        }
+        self.buffer = buffer;
+        Exchange { work: loads - gravity + supports, dissipated: self.dt * power }
     }
 
     fn tolerances(&self, max_iterations: u32) -> Tolerances {

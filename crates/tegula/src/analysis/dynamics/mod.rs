@@ -30,7 +30,7 @@ pub trait Integrator: Equation {
     /// Root mean square error of position of the step over the model's length.
     fn local_error(&self, system: &System, state: &State) -> f64;
     /// Work of the loads that constant gravity does not count, and dissipation, during the step.
-    fn exchange(&self, system: &System, assembly: &mut Assembly, state: &State) -> Exchange;
+    fn exchange(&mut self, system: &System, assembly: &mut Assembly, state: &State) -> Exchange;
     /// When its iteration is finished.
     fn tolerances(&self, max_iterations: u32) -> Tolerances;
 }
@@ -127,9 +127,9 @@ pub fn run(
                     state.work += exchange.work;
                     state.dissipated += exchange.dissipated;
                     scheme.finish(system, &mut state);
+                    state.last_step = dt;
                     state.time = if dt == left { options.end_time } else { state.time + dt };
                     state.step += 1;
-                    state.last_step = dt;
                     state.next_step = control.next(dt, error, c.iterations);
                     newton.assembly.reset_stress(system, &state_kinematics(system, &state.u));
                     state.stress.copy_from_slice(&newton.assembly.stress);

@@ -38,6 +38,8 @@ pub struct Newmark {
     /// Loads minus damping and internal force at the start of the step; only for α_f ≠ 0.
     old_rest: Vec<Nodal>,
     loads_old: Vec<Nodal>,
+    /// Forces that only pass through.
+    buffer: Vec<Nodal>,
     energy_scale: f64,
     damped: bool,
     mass_damping: f64,
@@ -60,7 +62,8 @@ impl Newmark {
             v_old: zero.clone(),
             a_old: zero.clone(),
             old_rest: zero.clone(),
-            loads_old: zero,
+            loads_old: zero.clone(),
+            buffer: zero,
             energy_scale: 0.0,
             damped: system.groups.iter().any(|g| g.retardation_time() != 0.0),
             mass_damping: system.mass_damping,
@@ -194,8 +197,9 @@ impl Integrator for Newmark {
         system.position_rms(|v| std::array::from_fn(|i| factor * (self.a[v][i] - self.a_old[v][i])))
     }
 
-    fn exchange(&self, system: &System, assembly: &mut Assembly, state: &State) -> Exchange {
-        let mut loads = vec![[0.0; 3]; self.u.len()];
+    fn exchange(&mut self, system: &System, assembly: &mut Assembly, state: &State) -> Exchange {
+        let mut loads = std::mem::take(&mut self.buffer);
+        loads.fill([0.0; 3]);
         self.loads(system, self.time, &self.u, &mut loads);
         let trapezoid =
             0.5 * (work(&self.loads_old, &self.u_old, &self.u) + work(&loads, &self.u_old, &self.u));
@@ -212,6 +216,7 @@ impl Integrator for Newmark {
                 assembly.dissipated_power(system, &k) + 2.0 * system.mass_damping * system.kinetic_energy(v);
         }
         let prescribed = self.work_of_supports(system, assembly, state);
+        self.buffer = loads;
         Exchange { work: trapezoid - gravity + prescribed, dissipated: 0.5 * self.dt * power }
     }
 

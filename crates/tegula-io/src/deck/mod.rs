@@ -1,0 +1,135 @@
+//! The model file: TOML text in, a [`Model`] out, or everything that is wrong with it at once.
+//!
+//! | file | is |
+//! |---|---|
+//! | `schema` | the JSON Schema of [`Model`], and what it expects of a value |
+//! | `validate` | the text's tree held against the schema |
+//! | `unknown` | what an unknown key was meant to be |
+//! | `syntax` | errors of the TOML parser in words for people |
+//! | `locate` | from the path of a key to its place in the text, and back |
+//! | `template` | model files to begin with |
+//!
+//! ```
+//! use tegula_io::deck::Deck;
+//!
+//! let text = tegula_io::deck::template("static").unwrap().replace("thickness", "tickness");
+//! let errors = Deck::parse("model.toml", text).unwrap_err();
+//! assert_eq!(errors[0].message, "unknown key \"tickness\"");
+//! assert_eq!(errors[0].help, "did you mean \"thickness\"?");
+//! ```
+
+mod diagnostic;
+mod locate;
+mod schema;
+mod syntax;
+mod template;
+mod unknown;
+mod validate;
+
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use tegula::{Issue, Model};
+use toml::de::DeTable;
+
+pub use diagnostic::Diagnostic;
+pub use schema::schema;
+pub use template::{template, template_companions, template_kinds};
+
+/// Help of an error that the validator should have found first.
+const UNEXPECTED: &str = "compare it with the templates: tegula new static";
+
+/// A model file that has been read: the model and the text it came from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Deck {
+    /// What the file says.
+    pub model: Model,
+    /// Path of the file.
+    pub path: PathBuf,
+    /// Its text.
+    pub text: String,
+}
+
+impl Deck {
+    /// Reads the model file at `path`; on failure everything that is wrong with it, in the order of the text.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, Vec<Diagnostic>> {
+        let path = path.as_ref();
+        let bytes = std::fs::read(path).map_err(|error| {
+            let (message, help) = match error.kind() {
+                ErrorKind::NotFound => (
+                    "there is no such file".to_owned(),
+                    "check the path, or begin with a new model: tegula new static",
+                ),
+                ErrorKind::IsADirectory => (
+                    "this is a directory, not a model file".to_owned(),
+                    "give the path of the model file in it, such as model.toml",
+                ),
+                _ => (format!("the file cannot be read: {error}"), "check the file and its permissions"),
+            };
+            vec![Diagnostic::whole(path, message, help)]
+        })?;
+        match String::from_utf8(bytes) {
+            Ok(text) => Self::parse(path, text),
+            Err(error) => {
+                let valid = error.utf8_error().valid_up_to();
+                let text = String::from_utf8_lossy(error.as_bytes());
+                Err(vec![Diagnostic::new(
+                    path,
+                    &text,
+                    valid..valid + 1,
+                    "",
+                    "the file is not UTF-8 text from here on",
+                    "save it with the encoding UTF-8",
+                )])
+            }
+        }
+    }
+
+    /// Reads a model from `text`; `path` appears in errors and is the place that mesh files are relative to.
+    pub fn parse(path: impl Into<PathBuf>, text: impl Into<String>) -> Result<Self, Vec<Diagnostic>> {
+        let (path, text) = (path.into(), text.into());
+        if text.trim_start_matches('\u{feff}').trim().is_empty() {
+            return Err(vec![Diagnostic::whole(
+                &path,
+                "the file is empty",
+                "begin with a new model: tegula new static",
+            )]);
+        }
+        let (tree, errors) = DeTable::parse_recoverable(&text);
+        if !errors.is_empty() {
+            return Err(syntax::diagnostics(&path, &text, &errors));
+        }
+        let found = validate::validate(&path, &text, tree.get_ref());
+        if !found.is_empty() {
+            return Err(found);
+        }
+        match toml::from_str(&text) {
+            Ok(model) => Ok(Self { model, path, text }),
+            Err(error) => {
+                let span = error.span().unwrap_or_default();
+                let key = locate::key_at(tree.get_ref(), span.start);
+                Err(vec![Diagnostic::new(&path, &text, span, key, error.message(), UNEXPECTED)])
+            }
+        }
+    }
+
+    /// The issues of the model at their places in the file. An issue of a key that the file leaves at
+    /// its default is placed at the table that would hold it.
+    pub fn locate(&self, issues: &[Issue]) -> Vec<Diagnostic> {
+        let (tree, _) = DeTable::parse_recoverable(&self.text);
+        let place = |issue: &Issue| {
+            let span = locate::span_of(tree.get_ref(), &issue.place.key);
+            let Issue { place, message, help } = issue;
+            Diagnostic::new(&self.path, &self.text, span, place.key.as_str(), message.as_str(), help.as_str())
+        };
+        issues.iter().map(place).collect()
+    }
+
+    /// Path of a file that the model names relative to the model file.
+    pub fn beside(&self, file: impl AsRef<Path>) -> PathBuf {
+        self.path.parent().unwrap_or(Path::new("")).join(file)
+    }
+}
+
+#[cfg(test)]
+mod tests;

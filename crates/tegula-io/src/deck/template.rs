@@ -1,0 +1,28 @@
+//! Model files to begin with: each computes as it stands.
+
+/// Kinds of templates, for `tegula new KIND`.
+pub fn template_kinds() -> &'static [&'static str] {
+    &["static", "modal", "transient", "gmsh"]
+}
+
+/// The commented model file of a kind, complete and ready to run.
+pub fn template(kind: &str) -> Option<&'static str> {
+    match kind {
+        "static" => Some(include_str!("../../templates/static.toml")),
+        "modal" => Some(include_str!("../../templates/modal.toml")),
+        "transient" => Some(include_str!("../../templates/transient.toml")),
+        "gmsh" => Some(include_str!("../../templates/gmsh.toml")),
+        _ => None,
+    }
+}
+
+/// Files that the template of a kind needs beside it: names and contents.
+pub fn template_companions(kind: &str) -> &'static [(&'static str, &'static str)] {
+    match kind {
+        "gmsh" => &[
+            ("plate.geo", include_str!("../../templates/plate.geo")),
+            ("plate.msh", include_str!("../../templates/plate.msh")),
+        ],
+        _ => &[],
+    }
+}

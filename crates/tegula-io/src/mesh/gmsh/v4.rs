@@ -1,0 +1,116 @@
+//! Sections of format 4.1: `$Entities`, `$Nodes` and `$Elements`, in blocks by geometric entity.
+
+use tegula::Vec3;
+
+use super::raw::{Corners, Raw, RawNode};
+use super::scanner::Scanner;
+use crate::mesh::MeshError;
+
+/// Points, curves, surfaces and volumes with the physical groups they belong to.
+pub(super) fn entities(scanner: &mut Scanner<'_>, raw: &mut Raw) -> Result<(), MeshError> {
+    let mut counts = [0; 4];
+    for count in &mut counts {
+        *count = scanner.size("the number of points, curves, surfaces or volumes")?;
+    }
+    for (dimension, count) in (0u8..).zip(counts) {
+        for _ in 0..count {
+            let tag = scanner.int("the number of a geometric entity")?;
+            // A point has its position, everything else its bounding box.
+            for _ in 0..if dimension == 0 { 3 } else { 6 } {
+                scanner.double("a coordinate of a geometric entity")?;
+            }
+            let mut groups = Vec::new();
+            for _ in 0..scanner.size("the number of physical groups of an entity")? {
+                groups.push(scanner.int("a physical group of an entity")?);
+            }
+            if dimension > 0 {
+                for _ in 0..scanner.size("the number of boundaries of an entity")? {
+                    scanner.int("a boundary of an entity")?;
+                }
+            }
+            if let Some(list) = raw.add_groups(groups) {
+                raw.entities.insert((dimension, tag), list);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Blocks of nodes: first all numbers, then all coordinates.
+pub(super) fn nodes(scanner: &mut Scanner<'_>, raw: &mut Raw) -> Result<(), MeshError> {
+    let blocks = block_count(scanner, "nodes")?;
+    for _ in 0..blocks {
+        let dimension = dimension(scanner)?;
+        scanner.int("the number of a geometric entity")?;
+        let parametric = scanner.int("the mark of parametric coordinates, 0 or 1")? != 0;
+        let count = scanner.size("the number of nodes in a block")?;
+        let mut tags = Vec::new();
+        for _ in 0..count {
+            tags.push((scanner.position(), scanner.size("the number of a node")?));
+        }
+        for (at, tag) in tags {
+            let mut position = Vec3::zeros();
+            for i in 0..3 {
+                position[i] = scanner.double("a coordinate of a node")?;
+            }
+            for _ in 0..if parametric { dimension } else { 0 } {
+                scanner.double("a parametric coordinate of a node")?;
+            }
+            raw.nodes.push(RawNode { tag, position, at });
+        }
+    }
+    Ok(())
+}
+
+/// Blocks of elements of one type on one entity.
+pub(super) fn elements(scanner: &mut Scanner<'_>, raw: &mut Raw) -> Result<(), MeshError> {
+    let blocks = block_count(scanner, "elements")?;
+    for _ in 0..blocks {
+        let dimension = dimension(scanner)?;
+        let entity = scanner.int("the number of a geometric entity")?;
+        let kind = scanner.int("the type of the elements in a block")?;
+        let count = scanner.size("the number of elements in a block")?;
+        let groups = raw.entities.get(&(dimension, entity)).copied();
+        let turned = groups
+            .and_then(|list| raw.groups.get(list))
+            .and_then(|list| list.first())
+            .is_some_and(|&group| group < 0);
+        let first = raw.elements.len();
+        for _ in 0..count {
+            let at = scanner.position();
+            let tag = scanner.size("the number of an element")?;
+            raw.read_element(scanner, (kind, tag, groups, at), |s| s.size("a node of an element"))?;
+        }
+        // Format 2.2 writes elements of negative groups turned around; here the reader has to.
+        if turned {
+            for element in raw.elements.iter_mut().skip(first) {
+                if let Corners::Quad(corners) = &mut element.corners {
+                    corners.swap(1, 3);
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// `blocks total min-number max-number`: all but the first is repeated by the blocks.
+fn block_count(scanner: &mut Scanner<'_>, what: &str) -> Result<u64, MeshError> {
+    let blocks = scanner.size(&format!("the number of blocks of {what}"))?;
+    scanner.size(&format!("the number of {what}"))?;
+    scanner.size(&format!("the smallest number of the {what}"))?;
+    scanner.size(&format!("the greatest number of the {what}"))?;
+    Ok(blocks)
+}
+
+fn dimension(scanner: &mut Scanner<'_>) -> Result<u8, MeshError> {
+    let at = scanner.position();
+    let value = scanner.int("the dimension of a block, 0 to 3")?;
+    match u8::try_from(value) {
+        Ok(dimension @ 0..=3) => Ok(dimension),
+        _ => Err(scanner.error(
+            at,
+            format!("expected the dimension of a block, 0 to 3, found \"{value}\""),
+            "the file is cut off or damaged: save the mesh again in Gmsh",
+        )),
+    }
+}

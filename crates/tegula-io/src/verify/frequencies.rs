@@ -1,0 +1,53 @@
+//! Sect. 5.3: frequencies of a free square plate.
+
+use std::f64::consts::PI;
+
+use tegula::Result;
+use tegula::analysis::{Silent, modal};
+
+use super::model::{Compiled, material, read, refine, section};
+use super::reference::records;
+use super::report::Report;
+
+const MODEL: &str = include_str!("../../../../verification/models/free_plate.toml");
+const REFERENCE: &str = include_str!("../../../../verification/reference/free_plate.csv");
+const CASE: &str = "frequencies";
+
+pub fn all(report: &mut Report) -> Result<()> {
+    compare(report, 64)
+}
+
+pub fn fast(report: &mut Report) -> Result<()> {
+    compare(report, 8)
+}
+
+fn compare(report: &mut Report, finest: u32) -> Result<()> {
+    for record in records(REFERENCE).iter().filter(|r| r.text("model").starts_with("EMS")) {
+        let n = record.number("n") as u32;
+        if n > finest {
+            continue;
+        }
+        let slenderness = record.number("L/H");
+        let mut model = read(MODEL)?;
+        refine(&mut model, [n, n]);
+        let h = 1.0 / slenderness;
+        section(&mut model)?.thickness = h;
+        let m = material(&model)?.clone();
+        let compiled = Compiled::new(&model)?;
+        let outcome = modal::run(&compiled.system, 16, None, &mut Silent)?;
+        let plate_stiffness = m.young * h.powi(3) / 12.0 / (1.0 - m.poisson * m.poisson);
+        let unit = PI * PI * (plate_stiffness / (m.density * h)).sqrt();
+        let mesh = format!("{n}x{n}");
+        let elastic: Vec<f64> = outcome.modes.iter().filter(|m| !m.rigid).map(|m| m.omega / unit).collect();
+        let rigid = outcome.modes.len() - elastic.len();
+        report.absolute(CASE, &format!("L/H = {slenderness}: rigid modes"), &mesh, rigid as f64, 6.0, 0.0);
+        for i in 1..=10 {
+            let value = elastic.get(i - 1).copied().unwrap_or(f64::NAN);
+            let reference = record.number(&format!("Omega{i}"));
+            report.relative(CASE, &format!("L/H = {slenderness}: Omega {i}"), &mesh, value, reference, 1e-6);
+        }
+        let unchecked = if outcome.sturm_checked { 0.0 } else { 1.0 };
+        report.absolute(CASE, &format!("L/H = {slenderness}: Sturm count wrong"), &mesh, unchecked, 0.0, 0.0);
+    }
+    Ok(())
+}

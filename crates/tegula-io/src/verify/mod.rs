@@ -1,0 +1,157 @@
+//! Verification: the paper's examples and benchmarks of the literature, computed and compared.
+//!
+//! A case is a function that adds rows to a [`Report`]. Reference numbers are tables in
+//! `verification/reference/`, models are model files in `verification/models/`.
+//! Adding a case: a function in a file of `verify/` and a line in [`CASES`].
+
+mod benchmarks;
+mod frequencies;
+mod model;
+mod pendulum;
+mod plate;
+mod quarter_cylinder;
+mod reference;
+mod report;
+mod transients;
+
+use std::path::Path;
+
+pub use report::{Report, Row, Verdict};
+
+/// How long a case takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Cost {
+    /// Seconds in all; runs with the tests.
+    Fast,
+    /// Up to minutes; runs with `tegula verify`.
+    Normal,
+    /// Longer; runs with `tegula verify --all`.
+    Long,
+}
+
+/// A verification case.
+#[derive(Debug, Clone, Copy)]
+pub struct Case {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// One line that says what is compared.
+    pub about: &'static str,
+    /// How long it takes.
+    pub cost: Cost,
+    run: fn(&mut Report) -> tegula::Result<()>,
+}
+
+/// All cases.
+pub const CASES: &[Case] = &[
+    Case {
+        name: "plate",
+        about: "Sect. 5.1: cantilevered plates, three slendernesses, n = 1…32",
+        cost: Cost::Normal,
+        run: plate::all,
+    },
+    Case { name: "plate-fast", about: "Sect. 5.1 up to n = 8", cost: Cost::Fast, run: plate::fast },
+    Case {
+        name: "quarter-cylinder",
+        about: "Sect. 5.2: large deformation, set-ups S1-S4, convergence",
+        cost: Cost::Normal,
+        run: quarter_cylinder::all,
+    },
+    Case {
+        name: "quarter-cylinder-fast",
+        about: "Sect. 5.2 up to 16x16",
+        cost: Cost::Fast,
+        run: quarter_cylinder::fast,
+    },
+    Case {
+        name: "frequencies",
+        about: "Sect. 5.3: free plate, ten frequencies, L/H = 1000, 100, 10",
+        cost: Cost::Normal,
+        run: frequencies::all,
+    },
+    Case {
+        name: "frequencies-fast",
+        about: "Sect. 5.3 up to n = 8",
+        cost: Cost::Fast,
+        run: frequencies::fast,
+    },
+    Case {
+        name: "pendulum",
+        about: "Sect. 5.4: quarter cylinder pendulum at 16x16 and 32x32",
+        cost: Cost::Normal,
+        run: pendulum::all,
+    },
+    Case {
+        name: "pendulum-64",
+        about: "Sect. 5.4: the pendulum at 64x64",
+        cost: Cost::Normal,
+        run: pendulum::fine,
+    },
+    Case {
+        name: "pendulum-fast",
+        about: "Sect. 5.4: the start of the pendulum at 8x8, energy-momentum",
+        cost: Cost::Fast,
+        run: pendulum::fast,
+    },
+    Case {
+        name: "linear-benchmarks",
+        about: "Scordelis-Lo roof, pinched cylinder, pinched hemisphere",
+        cost: Cost::Normal,
+        run: benchmarks::linear,
+    },
+    Case {
+        name: "sze",
+        about: "Sze, Liu, Lo: strip under shear and moment, slit annulus, hemisphere",
+        cost: Cost::Normal,
+        run: benchmarks::sze,
+    },
+    Case {
+        name: "hinged-plate",
+        about: "T5: plate hinged along an edge, released horizontal",
+        cost: Cost::Normal,
+        run: transients::hinged_plate,
+    },
+    Case {
+        name: "oscillating-plate",
+        about: "T6: clamped plate under sudden pressure, linear",
+        cost: Cost::Normal,
+        run: transients::oscillating_plate,
+    },
+];
+
+/// Runs cases into a report; a case that ends in an error becomes a failed row.
+///
+/// `pictures`: folder for the figures of the cases, none are drawn without it. `on_row` sees each row as it comes.
+pub fn run(cases: &[&Case], pictures: Option<&Path>, on_row: &mut dyn FnMut(&Row)) -> Report {
+    let mut report = Report::new(pictures);
+    for case in cases {
+        let before = report.rows().len();
+        if let Err(error) = (case.run)(&mut report) {
+            report.failed(case.name, &error.to_string());
+        }
+        report.rows()[before..].iter().for_each(&mut *on_row);
+    }
+    report
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn fast_cases_pass() {
+        let fast: Vec<&Case> = CASES.iter().filter(|c| c.cost == Cost::Fast).collect();
+        let report = run(&fast, None, &mut |_| {});
+        let missed: Vec<_> = report.rows().iter().filter(|r| !r.pass).collect();
+        assert!(report.rows().len() > 100, "only {} rows", report.rows().len());
+        assert!(missed.is_empty(), "{missed:#?}");
+    }
+
+    #[test]
+    fn a_wrong_value_is_a_miss() {
+        let mut report = Report::new(None);
+        report.relative("c", "q", "1x1", 1.001, 1.0, 1e-4);
+        report.at_most("c", "q", "1x1", f64::NAN, 1.0);
+        assert!(report.rows().iter().all(|r| !r.pass));
+    }
+}

@@ -1,0 +1,72 @@
+//! Sect. 5.1: cantilevered square plates under an edge load, linear.
+
+use tegula::Result;
+use tegula::model::Load;
+
+use super::model::{Compiled, read, refine, section, switch};
+use super::reference::records;
+use super::report::Report;
+
+const MODEL: &str = include_str!("../../../../verification/models/cantilever_plate.toml");
+const REFERENCE: &str = include_str!("../../../../verification/reference/cantilever_plate.csv");
+const CASE: &str = "plate";
+
+pub fn all(report: &mut Report) -> Result<()> {
+    compare(report, 32)
+}
+
+pub fn fast(report: &mut Report) -> Result<()> {
+    compare(report, 8)
+}
+
+fn compare(report: &mut Report, finest: u32) -> Result<()> {
+    for record in records(REFERENCE) {
+        let n = record.number("n") as u32;
+        if n > finest {
+            continue;
+        }
+        let (slenderness, h, q) = match record.text("case") {
+            "A_thin" => ("L/H = 1000", 1e-3, 5e-2),
+            "B_moderate" => ("L/H = 100", 1e-2, 5e1),
+            _ => ("L/H = 10", 1e-1, 5e4),
+        };
+        let variant = record.text("variant");
+        let mut model = read(MODEL)?;
+        refine(&mut model, [n, n]);
+        switch(&mut model, variant);
+        section(&mut model)?.thickness = h;
+        if let Some(Load::Edge(load)) = model.loads.first_mut() {
+            load.value = [0.0, 0.0, -q];
+        }
+        let compiled = Compiled::new(&model)?;
+        let outcome = compiled.statics(&model)?;
+        let edge = compiled.mesh.nodes_on("u_max").unwrap_or_default();
+        let deflection = |node: u32| outcome.state.u[compiled.system.position_of[node as usize] as usize][2];
+        // Nodes of the edge from v = 0 to v = 1; the mean weighs them by their length.
+        let mut edge = edge;
+        edge.sort_by(|a, b| {
+            compiled.mesh.positions[*a as usize].y.total_cmp(&compiled.mesh.positions[*b as usize].y)
+        });
+        let w: Vec<f64> = edge.iter().map(|&n| deflection(n)).collect();
+        let mean = w.windows(2).map(|p| 0.5 * (p[0] + p[1])).sum::<f64>() / (w.len() - 1) as f64;
+        let middle = if n == 1 { mean } else { w[w.len() / 2] };
+        report.element(&variant.replace(" ks=5/6", ""));
+        let mesh = format!("{n}x{n}");
+        for (name, value, column) in [
+            ("corner deflection", w[0], "w_corner"),
+            ("mid-edge deflection", middle, "w_mid"),
+            ("mean deflection", mean, "w_mean"),
+        ] {
+            report.relative(
+                CASE,
+                &format!("{slenderness}: {name}"),
+                &mesh,
+                value,
+                record.number(column),
+                1e-6,
+            );
+        }
+    }
+    report.element("ems");
+    Ok(())
+}

@@ -1,0 +1,211 @@
+//! Rows of a verification and how they are written.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+/// What a value is held against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// |value − reference| ≤ tolerance · |reference|.
+    Relative,
+    /// |value − reference| ≤ tolerance.
+    Absolute,
+    /// value ≤ reference.
+    AtMost,
+}
+
+/// One compared value.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// Case.
+    pub case: String,
+    /// What the value is.
+    pub quantity: String,
+    /// Element type and switches.
+    pub element: String,
+    /// Mesh.
+    pub mesh: String,
+    /// Computed value.
+    pub value: f64,
+    /// Value of the reference, or the limit.
+    pub reference: f64,
+    /// Tolerance.
+    pub tolerance: f64,
+    /// How the two are compared.
+    pub verdict: Verdict,
+    /// The value holds.
+    pub pass: bool,
+}
+
+impl Row {
+    /// Difference as the verdict counts it.
+    pub fn difference(&self) -> f64 {
+        match self.verdict {
+            Verdict::Relative => (self.value - self.reference).abs() / self.reference.abs(),
+            Verdict::Absolute | Verdict::AtMost => self.value - self.reference,
+        }
+    }
+
+    /// One line of a table.
+    pub fn line(&self) -> String {
+        let reference = match self.verdict {
+            Verdict::AtMost => format!("<= {:.6e}", self.reference),
+            _ => format!("{:.9e}", self.reference),
+        };
+        format!(
+            "{} {:<22} {:<44} {:<12} {:<8} {:>17} {:>17} {:>10} {:>8}",
+            if self.pass { "ok  " } else { "MISS" },
+            self.case,
+            self.quantity,
+            self.element,
+            self.mesh,
+            format!("{:.9e}", self.value),
+            reference,
+            format!("{:.1e}", self.difference()),
+            if self.verdict == Verdict::AtMost { String::new() } else { format!("{:.0e}", self.tolerance) },
+        )
+    }
+
+    /// Heading of the lines.
+    pub fn heading() -> String {
+        format!(
+            "     {:<22} {:<44} {:<12} {:<8} {:>17} {:>17} {:>10} {:>8}",
+            "case", "quantity", "element", "mesh", "value", "reference", "difference", "allowed"
+        )
+    }
+}
+
+/// Rows of all cases run.
+#[derive(Debug, Clone, Default)]
+pub struct Report {
+    rows: Vec<Row>,
+    pictures: Option<PathBuf>,
+    element: String,
+}
+
+impl Report {
+    /// An empty report; figures go to `pictures`.
+    pub fn new(pictures: Option<&Path>) -> Self {
+        Self { rows: Vec::new(), pictures: pictures.map(Path::to_path_buf), element: "ems".into() }
+    }
+
+    /// The rows.
+    pub fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
+    /// True if every value holds.
+    pub fn passed(&self) -> bool {
+        !self.rows.is_empty() && self.rows.iter().all(|r| r.pass)
+    }
+
+    /// Path of a figure, if figures are wanted.
+    pub fn picture(&self, name: &str) -> Option<PathBuf> {
+        self.pictures.as_ref().map(|p| p.join(name))
+    }
+
+    /// Element name of the rows that follow.
+    pub fn element(&mut self, name: &str) {
+        self.element = name.to_lowercase();
+    }
+
+    /// A value equal to a reference within a relative tolerance.
+    pub fn relative(
+        &mut self,
+        case: &str,
+        quantity: &str,
+        mesh: &str,
+        value: f64,
+        reference: f64,
+        tolerance: f64,
+    ) {
+        let pass = (value - reference).abs() <= tolerance * reference.abs();
+        self.push(case, quantity, mesh, (value, reference, tolerance), Verdict::Relative, pass);
+    }
+
+    /// A value equal to a reference within an absolute tolerance.
+    pub fn absolute(
+        &mut self,
+        case: &str,
+        quantity: &str,
+        mesh: &str,
+        value: f64,
+        reference: f64,
+        tolerance: f64,
+    ) {
+        let pass = (value - reference).abs() <= tolerance;
+        self.push(case, quantity, mesh, (value, reference, tolerance), Verdict::Absolute, pass);
+    }
+
+    /// A value that must not exceed a limit.
+    pub fn at_most(&mut self, case: &str, quantity: &str, mesh: &str, value: f64, limit: f64) {
+        self.push(case, quantity, mesh, (value, limit, 0.0), Verdict::AtMost, value <= limit);
+    }
+
+    /// A case that could not be computed.
+    pub fn failed(&mut self, case: &str, reason: &str) {
+        self.push(case, reason, "", (f64::NAN, 0.0, 0.0), Verdict::Absolute, false);
+    }
+
+    fn push(
+        &mut self,
+        case: &str,
+        quantity: &str,
+        mesh: &str,
+        (value, reference, tolerance): (f64, f64, f64),
+        verdict: Verdict,
+        pass: bool,
+    ) {
+        self.rows.push(Row {
+            case: case.into(),
+            quantity: quantity.into(),
+            element: self.element.clone(),
+            mesh: mesh.into(),
+            value,
+            reference,
+            tolerance,
+            verdict,
+            pass,
+        });
+    }
+
+    /// The rows as JSON.
+    pub fn json(&self) -> serde_json::Value {
+        serde_json::json!(self.rows)
+    }
+
+    /// The rows as Markdown tables, one a case.
+    pub fn markdown(&self) -> String {
+        let mut out = String::from("# Verification\n");
+        let mut case = "";
+        for row in &self.rows {
+            if row.case != case {
+                case = &row.case;
+                let _ = write!(
+                    out,
+                    "\n## {case}\n\n| quantity | element | mesh | value | reference | difference | allowed | |\n|---|---|---|---:|---:|---:|---:|---|\n"
+                );
+            }
+            let (reference, allowed) = match row.verdict {
+                Verdict::AtMost => (format!("≤ {:.3e}", row.reference), String::new()),
+                _ => (format!("{:.9e}", row.reference), format!("{:.0e}", row.tolerance)),
+            };
+            let _ = writeln!(
+                out,
+                "| {} | {} | {} | {:.9e} | {reference} | {:.1e} | {allowed} | {} |",
+                row.quantity,
+                row.element,
+                row.mesh,
+                row.value,
+                row.difference(),
+                if row.pass { "ok" } else { "**miss**" }
+            );
+        }
+        let missed = self.rows.iter().filter(|r| !r.pass).count();
+        let _ = writeln!(out, "\n{} values compared, {missed} missed.", self.rows.len());
+        out
+    }
+}

@@ -1,0 +1,128 @@
+//! Transient benchmarks: hinged plate pendulum (T5), oscillating clamped plate (T6).
+//!
+//! The published histories start from zero acceleration although the load acts at once, with
+//! steps of 10 ms (T5) and 1 s (T6): they lag by half a step. They are compared at the same
+//! steps with the load switched on just after the start, which does the same. The program's own
+//! start satisfies the equations of motion; that is held against the rigid pendulum.
+
+use tegula::analysis::{Observer, Step, dynamics};
+use tegula::model::{Amplitude, Analysis, Load, Model, RampAmplitude};
+use tegula::{Error, Result};
+
+use super::model::{Compiled, read, section};
+use super::reference::records;
+use super::report::Report;
+
+const HINGED: &str = include_str!("../../../../verification/models/hinged_plate.toml");
+const OSCILLATING: &str = include_str!("../../../../verification/models/oscillating_plate.toml");
+const REFERENCE: &str = include_str!("../../../../verification/reference/transients.csv");
+
+/// T5: the published history, and the rigid pendulum.
+pub fn hinged_plate(report: &mut Report) -> Result<()> {
+    let mut model = read(HINGED)?;
+    late_load(&mut model, 0.01);
+    published(report, "hinged-plate", &model, "T5")?;
+
+    let mut model = read(HINGED)?;
+    let h = section(&mut model)?.thickness;
+    let history = run(&model)?;
+    let rigid = rigid_pendulum(9.8, 1.0, h, 2.5);
+    let worst = rigid.iter().map(|(t, z)| (history.at(*t) - z).abs()).fold(0.0, largest);
+    report.at_most("hinged-plate", "automatic steps against the rigid pendulum / length", "8x8", worst, 0.01);
+    Ok(())
+}
+
+/// T6: the published history.
+pub fn oscillating_plate(report: &mut Report) -> Result<()> {
+    let mut model = read(OSCILLATING)?;
+    late_load(&mut model, 1.0);
+    published(report, "oscillating-plate", &model, "T6")
+}
+
+/// Constant steps, and loads that are not there at time 0 but from then on.
+fn late_load(model: &mut Model, step: f64) {
+    if let Analysis::Transient(t) = &mut model.analysis {
+        t.time_step = Some(step);
+    }
+    let ramp = RampAmplitude { start: 0.0, end: 1e-6 * step };
+    model.amplitudes.insert("late".into(), Amplitude::Ramp(ramp));
+    for load in &mut model.loads {
+        match load {
+            Load::Gravity(g) => g.amplitude = Some("late".into()),
+            Load::Pressure(p) => p.amplitude = Some("late".into()),
+            _ => {}
+        }
+    }
+}
+
+/// Tip of a rigid plate of length `l` and thickness `h` on a hinge, released horizontal: (t, −l sin θ) by
+/// the classical Runge–Kutta method, every 0.05.
+fn rigid_pendulum(g: f64, l: f64, h: f64, end: f64) -> Vec<(f64, f64)> {
+    let stiffness = g * 0.5 * l / (l * l / 3.0 + h * h / 12.0);
+    let rate = |y: [f64; 2]| [y[1], stiffness * y[0].cos()];
+    let dt = 1e-4;
+    let mut y = [0.0_f64, 0.0];
+    let mut out = Vec::new();
+    for step in 0..=(end / dt).round() as usize {
+        if step % 500 == 0 {
+            out.push((step as f64 * dt, -l * y[0].sin()));
+        }
+        let add = |k: [f64; 2], f: f64| [y[0] + f * k[0], y[1] + f * k[1]];
+        let k1 = rate(y);
+        let k2 = rate(add(k1, 0.5 * dt));
+        let k3 = rate(add(k2, 0.5 * dt));
+        let k4 = rate(add(k3, dt));
+        y = std::array::from_fn(|i| y[i] + dt / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+    }
+    out
+}
+
+fn largest(a: f64, b: f64) -> f64 {
+    if b.is_nan() { b } else { a.max(b) }
+}
+
+struct Deflection {
+    vector: usize,
+    rows: Vec<(f64, f64, f64)>,
+}
+
+impl Observer for Deflection {
+    fn on_step(&mut self, step: &Step) -> Result<()> {
+        self.rows.push((step.state.time, step.state.u[self.vector][2], step.state.v[self.vector][2]));
+        Ok(())
+    }
+}
+
+impl Deflection {
+    /// Deflection at a time, cubic in each step.
+    fn at(&self, t: f64) -> f64 {
+        let i = self.rows.partition_point(|r| r.0 < t).clamp(1, self.rows.len() - 1);
+        let ((t0, x0, v0), (t1, x1, v1)) = (self.rows[i - 1], self.rows[i]);
+        let (h, s) = (t1 - t0, (t - t0) / (t1 - t0));
+        let a = s * s * (3.0 - 2.0 * s);
+        (1.0 - a) * x0 + a * x1 + h * s * (1.0 - s) * ((1.0 - s) * v0 - s * v1)
+    }
+}
+
+fn run(model: &Model) -> Result<Deflection> {
+    let compiled = Compiled::new(model)?;
+    let Analysis::Transient(options) = &model.analysis else {
+        return Err(Error::Outside("the model is not transient".into()));
+    };
+    let mut observer = Deflection { vector: compiled.point("u_max_v_min")?, rows: Vec::new() };
+    dynamics::run(&compiled.system, options, None, &mut observer)?;
+    Ok(observer)
+}
+
+fn published(report: &mut Report, case: &str, model: &Model, prefix: &str) -> Result<()> {
+    let history = run(model)?;
+    let reference: Vec<(f64, f64)> = records(REFERENCE)
+        .iter()
+        .filter(|r| r.text("case").starts_with(prefix))
+        .map(|r| (r.number("time_s"), r.number("value")))
+        .collect();
+    let (low, high) = reference.iter().fold((0.0_f64, 0.0_f64), |(l, h), r| (l.min(r.1), h.max(r.1)));
+    let worst = reference.iter().map(|(t, x)| (history.at(*t) - x).abs() / (high - low)).fold(0.0, largest);
+    report.at_most(case, "corner deflection, largest difference / range", "", worst, 0.01);
+    Ok(())
+}

@@ -1,0 +1,10 @@
+// A square whose normals the physical group turns to -z.
+SetFactory("Built-in");
+Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Point(3) = {1, 1, 0}; Point(4) = {0, 1, 0};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
+Curve Loop(1) = {1, 2, 3, 4};
+Plane Surface(1) = {1};
+Transfinite Curve {1:4} = 2;
+Transfinite Surface {1};
+Recombine Surface {1};
+Physical Surface("turned") = {-1};
