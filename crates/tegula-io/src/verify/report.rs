@@ -49,6 +49,15 @@ impl Row {
         }
     }
 
+    /// Difference over what is allowed (value over limit), above 1 for a miss; 0 where nothing but equality is allowed and met.
+    pub fn use_of_tolerance(&self) -> f64 {
+        match self.verdict {
+            Verdict::AtMost => self.value / self.reference,
+            _ if self.pass && self.tolerance == 0.0 => 0.0,
+            _ => self.difference().abs() / self.tolerance,
+        }
+    }
+
     /// One line of a table.
     pub fn line(&self) -> String {
         let reference = match self.verdict {
@@ -177,9 +186,29 @@ impl Report {
         serde_json::json!(self.rows)
     }
 
+    /// A Markdown table with one line a case: values compared, missed, and how near the worst came to what is allowed.
+    pub fn summary(&self) -> String {
+        let mut out = String::from("| case | values | missed | worst use of the tolerance |\n|---|---:|---:|---:|\n");
+        let mut cases: Vec<&str> = Vec::new();
+        for row in &self.rows {
+            if !cases.contains(&row.case.as_str()) {
+                cases.push(&row.case);
+            }
+        }
+        for case in cases {
+            let rows = || self.rows.iter().filter(|r| r.case == case);
+            let missed = rows().filter(|r| !r.pass).count();
+            let worst = rows().map(Row::use_of_tolerance).fold(0.0, |a: f64, b| if b.is_nan() { b } else { a.max(b) });
+            let _ = writeln!(out, "| {case} | {} | {missed} | {:.0} % |", rows().count(), 100.0 * worst);
+        }
+        let missed = self.rows.iter().filter(|r| !r.pass).count();
+        let _ = writeln!(out, "\n{} values compared, {missed} missed.", self.rows.len());
+        out
+    }
+
     /// The rows as Markdown tables, one a case.
     pub fn markdown(&self) -> String {
-        let mut out = String::from("# Verification\n");
+        let mut out = format!("# Verification\n\n{}", self.summary());
         let mut case = "";
         for row in &self.rows {
             if row.case != case {
@@ -204,8 +233,6 @@ impl Report {
                 if row.pass { "ok" } else { "**miss**" }
             );
         }
-        let missed = self.rows.iter().filter(|r| !r.pass).count();
-        let _ = writeln!(out, "\n{} values compared, {missed} missed.", self.rows.len());
         out
     }
 }

@@ -1,0 +1,97 @@
+//! `tegula verify`: the paper's examples and benchmarks, computed and compared.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use tegula_io::out::write_whole;
+use tegula_io::verify::{CASES, Case, Cost, Row, run};
+
+/// Compute the verification cases and compare them with their references
+#[derive(Debug, Args)]
+pub struct Verify {
+    /// Cases to run (`--list` names them), or `paper` for the four examples of the paper; all but the long ones unless given
+    cases: Vec<String>,
+    /// Name the cases and stop
+    #[arg(long)]
+    list: bool,
+    /// Run the long cases too
+    #[arg(long)]
+    all: bool,
+    /// Write the rows as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write the rows as Markdown tables
+    #[arg(long, value_name = "FILE")]
+    markdown: Option<PathBuf>,
+    /// Draw the figures of the cases into a folder
+    #[arg(long, value_name = "DIR")]
+    pictures: Option<PathBuf>,
+}
+
+const PAPER: [&str; 5] = ["plate", "quarter-cylinder", "frequencies", "pendulum", "pendulum-64"];
+
+impl Verify {
+    /// Runs the subcommand.
+    pub fn run(&self) -> ExitCode {
+        if self.list {
+            for case in CASES {
+                println!("{:<24} {}", case.name, case.about);
+            }
+            return ExitCode::SUCCESS;
+        }
+        let cases = match self.chosen() {
+            Ok(cases) => cases,
+            Err(message) => {
+                eprintln!("error: {message}");
+                return ExitCode::from(1);
+            }
+        };
+        if let Some(folder) = &self.pictures
+            && let Err(e) = std::fs::create_dir_all(folder)
+        {
+            eprintln!("error: the folder {} cannot be made: {e}", folder.display());
+            return ExitCode::from(1);
+        }
+        println!("{}", Row::heading());
+        let report = run(&cases, self.pictures.as_deref(), &mut |row| println!("{}", row.line()));
+        print!("\n{}", report.summary());
+        let files = [
+            (&self.json, format!("{:#}\n", report.json())),
+            (&self.markdown, report.markdown()),
+        ];
+        for (path, text) in files {
+            if let Some(path) = path
+                && let Err(message) = write(path, &text)
+            {
+                eprintln!("error: {message}");
+                return ExitCode::from(1);
+            }
+        }
+        if report.passed() { ExitCode::SUCCESS } else { ExitCode::from(4) }
+    }
+
+    fn chosen(&self) -> Result<Vec<&'static Case>, String> {
+        if self.cases.is_empty() {
+            // The fast cases are parts of the others.
+            let wanted = |c: &&Case| c.cost == Cost::Normal || (self.all && c.cost == Cost::Long);
+            return Ok(CASES.iter().filter(wanted).collect());
+        }
+        let mut out = Vec::new();
+        for name in &self.cases {
+            if name == "paper" {
+                out.extend(CASES.iter().filter(|c| PAPER.contains(&c.name)));
+            } else if let Some(case) = CASES.iter().find(|c| c.name == name) {
+                out.push(case);
+            } else {
+                let known: Vec<&str> = CASES.iter().map(|c| c.name).collect();
+                return Err(format!("there is no case \"{name}\"; the cases are: paper, {}", known.join(", ")));
+            }
+        }
+        Ok(out)
+    }
+}
+
+fn write(path: &Path, text: &str) -> Result<(), String> {
+    write_whole(path, |w| w.write_all(text.as_bytes())).map_err(|e| e.to_string())
+}
