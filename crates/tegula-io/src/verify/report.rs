@@ -188,7 +188,8 @@ impl Report {
 
     /// A Markdown table with one line a case: values compared, missed, and how near the worst came to what is allowed.
     pub fn summary(&self) -> String {
-        let mut out = String::from("| case | values | missed | worst use of the tolerance |\n|---|---:|---:|---:|\n");
+        let mut out =
+            String::from("| case | values | missed | worst use of the tolerance |\n|---|---:|---:|---:|\n");
         let mut cases: Vec<&str> = Vec::new();
         for row in &self.rows {
             if !cases.contains(&row.case.as_str()) {
@@ -198,7 +199,9 @@ impl Report {
         for case in cases {
             let rows = || self.rows.iter().filter(|r| r.case == case);
             let missed = rows().filter(|r| !r.pass).count();
-            let worst = rows().map(Row::use_of_tolerance).fold(0.0, |a: f64, b| if b.is_nan() { b } else { a.max(b) });
+            let worst = rows()
+                .map(Row::use_of_tolerance)
+                .fold(0.0, |a: f64, b| if b.is_nan() { b } else { a.max(b) });
             let _ = writeln!(out, "| {case} | {} | {missed} | {:.0} % |", rows().count(), 100.0 * worst);
         }
         let missed = self.rows.iter().filter(|r| !r.pass).count();
