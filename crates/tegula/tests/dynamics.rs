@@ -1,5 +1,7 @@
 //! Time integration: order of accuracy, conservation, energy balance, restart.
 
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use common::{Notes, compile, model, on, plate, quarter_cylinder, vector_load};

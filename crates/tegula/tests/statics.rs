@@ -4,6 +4,8 @@
 //! MITC4 shell confirms to all digits in Sect. 5.1, and which converges with three other codes to the
 //! same values in Sect. 5.2.
 
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use common::{

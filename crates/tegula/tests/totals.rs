@@ -1,5 +1,7 @@
 //! Totals: masses, resultants of loads and their moments, reactions.
 
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use common::{Random, compile, model, on, plate, quarter_cylinder, resultant, solve, vector_load};
