@@ -25,11 +25,7 @@ pub struct State {
     pub stress: Vec<f64>,
     /// Length of the next time step (load step).
     pub next_step: f64,
-<<<<<<< HEAD
     /// Length of the last finished time step; 0 at the start.
-=======
-    /// Length of the last time step; 0 at the start.
->>>>>>> props
     pub last_step: f64,
     /// Work of loads other than constant gravity since the start.
     pub work: f64,

@@ -30,11 +30,6 @@ pub struct EnergyMomentum {
     v: Vec<Nodal>,
     u_old: Vec<Nodal>,
     v_old: Vec<Nodal>,
-<<<<<<< HEAD
-=======
-    /// Length of the step before, whose mean acceleration is `a_old`.
-    last_step: f64,
->>>>>>> props
     /// Forces or velocities that only pass through.
     buffer: Vec<Nodal>,
     a_old: Vec<Nodal>,
@@ -53,10 +48,6 @@ impl EnergyMomentum {
             v: zero.clone(),
             u_old: zero.clone(),
             v_old: zero.clone(),
-<<<<<<< HEAD
-=======
-            last_step: 0.0,
->>>>>>> props
             buffer: zero.clone(),
             a_old: zero,
             energy_scale: 0.0,
@@ -156,15 +147,9 @@ impl Integrator for EnergyMomentum {
     }
 
     /// Error of the midpoint rule, Δt³/12 times the rate of the acceleration, from the mean
-<<<<<<< HEAD
     /// accelerations of two steps. In the first step the initial acceleration stands for the step before.
     fn local_error(&self, system: &System, state: &State) -> f64 {
         let factor = self.dt.powi(3) / 12.0 / (0.5 * (self.dt + state.last_step));
-=======
-    /// accelerations of two steps, which lie half of both steps apart.
-    fn local_error(&self, system: &System, _state: &State) -> f64 {
-        let factor = self.dt.powi(3) / 12.0 / (0.5 * (self.dt + self.last_step));
->>>>>>> props
         system.position_rms(|n| {
             let a = self.mean_acceleration(n);
             std::array::from_fn(|i| factor * (a[i] - self.a_old[n][i]))
