@@ -1,2 +1,73 @@
-//! tegula
-fn main() {}
+//! `tegula`, the command line program.
+//!
+//! Exit codes: 0 done; 1 wrong command line or files; 2 errors in the model; 3 the analysis failed;
+//! 130 interrupted (the results up to the last finished step are complete, `--resume` goes on).
+
+mod check;
+mod info;
+mod interrupt;
+mod new;
+mod progress;
+mod report;
+mod run;
+mod schema;
+mod verify;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Flexible multibody dynamics with thin and moderately thick shells.
+#[derive(Debug, Parser)]
+#[command(name = "tegula", version, after_help = EXIT_CODES, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXIT_CODES: &str = "Exit codes:
+  0    done
+  1    wrong command line or files
+  2    errors in the model
+  3    the analysis failed (not converged, singular)
+  130  interrupted; results up to the last step are complete, --resume goes on
+
+Begin with:  tegula new transient flag.toml  &&  tegula run flag.toml";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run a model and write its results into a folder
+    Run(run::Arguments),
+    /// Check a model without running it: all its errors at once, or a summary
+    Check(check::Arguments),
+    /// Write a commented model file to begin with
+    New(new::Arguments),
+    /// Print the JSON Schema of the model file, for editors
+    Schema,
+    /// Print version, threads and instruction set, or the summary of a model or result
+    Info(info::Arguments),
+    Verify(verify::Verify),
+}
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version are no errors; nothing can be done if even printing fails.
+            let _ = error.print();
+            return ExitCode::from(u8::from(error.use_stderr()));
+        }
+    };
+    let outcome = match cli.command {
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::New(arguments) => new::run(&arguments),
+        Command::Schema => schema::run(),
+        Command::Info(arguments) => info::run(&arguments),
+        Command::Verify(verify) => return verify.run(),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

@@ -56,10 +56,7 @@ impl Verify {
         println!("{}", Row::heading());
         let report = run(&cases, self.pictures.as_deref(), &mut |row| println!("{}", row.line()));
         print!("\n{}", report.summary());
-        let files = [
-            (&self.json, format!("{:#}\n", report.json())),
-            (&self.markdown, report.markdown()),
-        ];
+        let files = [(&self.json, format!("{:#}\n", report.json())), (&self.markdown, report.markdown())];
         for (path, text) in files {
             if let Some(path) = path
                 && let Err(message) = write(path, &text)
@@ -85,7 +82,10 @@ impl Verify {
                 out.push(case);
             } else {
                 let known: Vec<&str> = CASES.iter().map(|c| c.name).collect();
-                return Err(format!("there is no case \"{name}\"; the cases are: paper, {}", known.join(", ")));
+                return Err(format!(
+                    "there is no case \"{name}\"; the cases are: paper, {}",
+                    known.join(", ")
+                ));
             }
         }
         Ok(out)

@@ -1,6 +1,7 @@
 //! Model files and meshes in, results and plots out.
 
 pub mod deck;
+pub mod job;
 pub mod mesh;
 pub mod out;
 pub mod plot;

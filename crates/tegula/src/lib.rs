@@ -7,6 +7,7 @@ pub mod linear;
 pub mod load;
 pub mod mesh;
 pub mod model;
+pub mod result;
 pub mod section;
 pub mod system;
 

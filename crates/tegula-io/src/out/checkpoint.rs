@@ -38,9 +38,9 @@ pub struct Checkpoint {
     pub notes: serde_json::Value,
 }
 
-/// FNV-1a hash of a text, 64 bits; the same on every machine and in every version.
-pub fn fingerprint(text: &str) -> u64 {
-    fnv1a(text.as_bytes())
+/// FNV-1a hash of a text or of the bytes of a file, 64 bits; the same on every machine and in every version.
+pub fn fingerprint(data: impl AsRef<[u8]>) -> u64 {
+    fnv1a(data.as_ref())
 }
 
 /// Fowler–Noll–Vo hash 1a with the standard 64-bit basis and prime.

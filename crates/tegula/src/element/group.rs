@@ -96,6 +96,8 @@ pub trait ElementGroup: Send + Sync {
     );
     /// Strain energy ½ sᵀHs of each element at displacements `u`.
     fn energies(&self, reference: &[Nodal], u: &[Nodal], linear: bool, energies: &mut [f64]);
+    /// Sampled strains of one element at displacements `u`.
+    fn sampled_strains(&self, element: usize, reference: &[Nodal], u: &[Nodal], linear: bool) -> Vec<f64>;
     /// Power τ ṡᵀHṡ dissipated in each element.
     fn dissipation(&self, k: &Kinematics, power: &mut [f64]);
 }
@@ -387,6 +389,12 @@ impl<const M: usize, const N: usize, const S: usize> ElementGroup for QuadraticG
             let n = self.multiply(e, &s);
             *out = 0.5 * s.iter().zip(&n).map(|(a, b)| a * b).sum::<f64>();
         });
+    }
+
+    fn sampled_strains(&self, element: usize, reference: &[Nodal], u: &[Nodal], linear: bool) -> Vec<f64> {
+        let k = Kinematics { reference, motion: Motion::State { u, velocity: None }, linear };
+        let p0 = self.strains.directions(&self.gather(element, reference));
+        self.strains_at(element, &k, &p0, u).1.to_vec()
     }
 
     fn dissipation(&self, k: &Kinematics, power: &mut [f64]) {

@@ -1,0 +1,58 @@
+//! `tegula new`
+
+use std::fs::OpenOptions;
+use std::io::{ErrorKind, Write as _};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use tegula_io::deck;
+
+use crate::report::Failure;
+
+/// Arguments of `tegula new`.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Kind of model
+    #[arg(value_parser = PossibleValuesParser::new(deck::template_kinds()))]
+    kind: String,
+    /// File to write [default: <KIND>.toml]
+    file: Option<PathBuf>,
+}
+
+/// Writes the template and the files it needs; never over a file.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let kind = arguments.kind.as_str();
+    let file = arguments.file.clone().unwrap_or_else(|| PathBuf::from(format!("{kind}.toml")));
+    let Some(text) = deck::template(kind) else {
+        return Err(Failure::Usage(format!("there is no template `{kind}`")));
+    };
+    let mut files = vec![(file.clone(), text)];
+    let beside = |name: &str| file.parent().unwrap_or(Path::new("")).join(name);
+    files.extend(deck::template_companions(kind).iter().map(|&(name, text)| (beside(name), text)));
+    if let Some((taken, _)) = files.iter().find(|(path, _)| path.exists()) {
+        return Err(exists(taken));
+    }
+    for (path, text) in &files {
+        write(path, text)?;
+        println!("{}", path.display());
+    }
+    println!("next: tegula run {}", file.display());
+    Ok(())
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    let written = OpenOptions::new()
+        .write(true)
+        .create_new(true)
+        .open(path)
+        .and_then(|mut f| f.write_all(text.as_bytes()));
+    written.map_err(|e| match e.kind() {
+        ErrorKind::AlreadyExists => exists(path),
+        _ => Failure::Usage(format!("cannot write `{}`: {e}", path.display())),
+    })
+}
+
+fn exists(path: &Path) -> Failure {
+    Failure::Usage(format!("`{}` exists already and is not overwritten; give another name", path.display()))
+}

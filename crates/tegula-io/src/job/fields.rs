@@ -1,0 +1,104 @@
+//! Fields on the mesh, as VTU files.
+
+use std::path::Path;
+
+use tegula::analysis::State;
+use tegula::element::Nodal;
+use tegula::model::Field;
+use tegula::result::ShellResult;
+use tegula::{Mesh, System};
+
+use crate::out::{DataArray, OutputError, VtuGrid, vtu};
+
+const PLANE: [&str; 3] = ["xx", "yy", "xy"];
+const SHEAR: [&str; 2] = ["xz", "yz"];
+
+/// A nodal field of positions, node by node; zero where a node has no element.
+pub(super) fn nodal(system: &System, field: &[Nodal]) -> Vec<Nodal> {
+    let value = |&v: &u32| field.get(v as usize).copied().unwrap_or_default();
+    system.position_of.iter().map(value).collect()
+}
+
+/// Positions of all nodes of the mesh at displacements `u` times `scale`.
+pub(super) fn positions(mesh: &Mesh, system: &System, u: &[Nodal], scale: f64) -> Vec<[f64; 3]> {
+    let moved = nodal(system, u);
+    mesh.positions.iter().zip(moved).map(|(x, u)| std::array::from_fn(|i| x[i] + scale * u[i])).collect()
+}
+
+/// A quantity of the shells, quad by quad; NaN where a quad has no shell.
+pub(super) fn by_quad<const N: usize>(
+    mesh: &Mesh,
+    system: &System,
+    results: &[ShellResult],
+    value: impl Fn(&ShellResult) -> [f64; N],
+) -> Vec<f64> {
+    let mut out = vec![f64::NAN; N * mesh.quads.len()];
+    for (shell, result) in system.shells.iter().zip(results) {
+        let first = N * shell.quad as usize;
+        out[first..first + N].copy_from_slice(&value(result));
+    }
+    out
+}
+
+/// Writes the wanted fields of a state.
+pub(super) fn write(
+    path: &Path,
+    mesh: &Mesh,
+    system: &System,
+    wanted: &[Field],
+    state: &State,
+    results: &[ShellResult],
+) -> Result<(), OutputError> {
+    let points = positions(mesh, system, &state.u, 1.0);
+    let mut point_data: Vec<DataArray<'_>> = Vec::new();
+    let mut cell_data: Vec<DataArray<'_>> = Vec::new();
+    let plane = |name: &'static str, value: fn(&ShellResult) -> [f64; 3]| {
+        DataArray::new(name, 3, by_quad(mesh, system, results, value)).with_component_names(&PLANE)
+    };
+    let scalar = |name: &'static str, value: fn(&ShellResult) -> [f64; 1]| {
+        DataArray::new(name, 1, by_quad(mesh, system, results, value))
+    };
+    let has = |field: Field| wanted.contains(&field);
+    if has(Field::Displacement) {
+        point_data.push(DataArray::new("displacement", 3, nodal(system, &state.u).concat()));
+    }
+    if has(Field::Director) {
+        point_data.push(DataArray::new("director", 3, directors(system, state).concat()));
+    }
+    if has(Field::Velocity) {
+        point_data.push(DataArray::new("velocity", 3, nodal(system, &state.v).concat()));
+    }
+    if has(Field::Membrane) {
+        cell_data.push(plane("membrane", |r| r.membrane));
+    }
+    if has(Field::Bending) {
+        cell_data.push(plane("bending", |r| r.bending));
+    }
+    if has(Field::Shear) {
+        let values = by_quad(mesh, system, results, |r| r.shear);
+        cell_data.push(DataArray::new("shear", 2, values).with_component_names(&SHEAR));
+    }
+    if has(Field::SurfaceStress) {
+        cell_data.push(plane("stress_top", |r| r.stress_top));
+        cell_data.push(plane("stress_bottom", |r| r.stress_bottom));
+    }
+    if has(Field::VonMises) {
+        cell_data.push(scalar("von_mises", |r| [r.von_mises]));
+    }
+    if has(Field::EnergyDensity) {
+        cell_data.push(scalar("energy_density", |r| [r.energy_density]));
+    }
+    vtu::write(
+        path,
+        &VtuGrid { points: &points, quads: &mesh.quads, point_data, cell_data, time: state.time },
+    )
+}
+
+/// The (first) director of each node.
+fn directors(system: &System, state: &State) -> Vec<Nodal> {
+    let value = |&v: &u32| match (system.reference.get(v as usize), state.u.get(v as usize)) {
+        (Some(d), Some(u)) => std::array::from_fn(|i| d[i] + u[i]),
+        _ => [0.0; 3],
+    };
+    system.director_of.iter().map(value).collect()
+}

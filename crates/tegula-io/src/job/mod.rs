@@ -1,0 +1,140 @@
+//! Running a model file: mesh, system, analysis, and everything that is left in the result folder.
+//!
+//! | in the folder | is |
+//! |---|---|
+//! | `summary.json` | how the run ended, what it found, what it cost |
+//! | `fields.pvd`, `fields/NNNN.vtu` | displacements, resultants, stresses |
+//! | `history.csv` | motion of the points, energies, momenta: a row a step |
+//! | `modes.csv`, `modes.pvd`, `modes/NNNN.vtu` | natural frequencies and mode shapes |
+//! | `*.png` | pictures of all that |
+//! | `checkpoint.bin` | what `resume` goes on from |
+//! | `log.txt` | events |
+//!
+//! A run says `running` in its summary until it has ended, so nothing half done looks complete.
+//! Nothing is printed: a [`JobObserver`] is told.
+
+mod fields;
+mod folder;
+mod history;
+mod modal;
+mod modes;
+mod pictures;
+mod prepare;
+mod process;
+mod recorder;
+mod resume;
+mod run;
+mod snapshots;
+mod summary;
+
+use std::path::PathBuf;
+
+use crate::deck::Diagnostic;
+use crate::out::OutputError;
+
+pub use folder::ResultFolder;
+pub use prepare::{Prepared, prepare};
+pub use run::run;
+pub use summary::{Energy, PointResult, Status, Summary};
+
+/// How to run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct JobOptions {
+    /// The result folder; made where it does not exist.
+    pub folder: PathBuf,
+    /// Go on from the folder's checkpoint instead of starting anew.
+    pub resume: bool,
+}
+
+/// What a run is about to do.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Start {
+    /// Title of the model.
+    pub title: String,
+    /// `static`, `modal` or `transient`.
+    pub analysis: &'static str,
+    /// Shell elements.
+    pub elements: usize,
+    /// Unknowns.
+    pub unknowns: usize,
+    /// Time (load factor) from which it starts; above 0 where an earlier run is resumed.
+    pub time: f64,
+    /// Time (load factor) at which it ends.
+    pub end: f64,
+}
+
+/// A finished step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// Its number.
+    pub step: u64,
+    /// Time (load factor) at its end.
+    pub time: f64,
+    /// Its length.
+    pub step_size: f64,
+    /// Its iterations.
+    pub iterations: u32,
+    /// Time at which the analysis ends.
+    pub end: f64,
+}
+
+/// Watches a job: a progress line, a window, a test.
+pub trait JobObserver {
+    /// The model is compiled, the folder is ready, the analysis starts.
+    fn on_start(&mut self, _start: &Start) {}
+    /// A step is finished and recorded.
+    fn on_step(&mut self, _progress: &Progress) {}
+    /// Something the user may want to know; it also goes to `log.txt`.
+    fn on_event(&mut self, _message: &str) {}
+    /// Asked between iterations; true ends the run after the last finished step, resumable.
+    fn interrupted(&self) -> bool {
+        false
+    }
+}
+
+/// A job observer that watches nothing.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Unwatched;
+
+impl JobObserver for Unwatched {}
+
+/// Why a job did not end with complete results.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum JobError {
+    /// The model file or its mesh is wrong; nothing was run.
+    #[error("the model has {} problem(s):\n{}", .0.len(), list(.0))]
+    Model(Vec<Diagnostic>),
+    /// A result could not be written, or a checkpoint not read.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The result folder cannot be used.
+    #[error("`{}` cannot be used as the result folder: {reason}", folder.display())]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// Why not, and what to do.
+        reason: String,
+    },
+    /// The analysis failed; what it had found up to there is in the folder.
+    #[error("{error}")]
+    Analysis {
+        /// What happened.
+        error: tegula::Error,
+        /// The result folder.
+        folder: PathBuf,
+    },
+    /// The observer asked to stop; the results up to the last finished step are in the folder.
+    #[error("interrupted")]
+    Interrupted {
+        /// The result folder.
+        folder: PathBuf,
+    },
+}
+
+fn list(diagnostics: &[Diagnostic]) -> String {
+    diagnostics.iter().map(|d| format!("  {d}")).collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests;

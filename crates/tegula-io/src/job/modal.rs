@@ -1,0 +1,145 @@
+//! Natural frequencies: one solve, no history, nothing to resume.
+
+use std::time::Instant;
+
+use tegula::analysis::modal::{self, ModalOutcome};
+use tegula::analysis::{Observer, State, Statistics, Step, statics};
+use tegula::model::{ModalAnalysis, StaticAnalysis};
+use tegula::{Error, System};
+
+use super::modes;
+use super::run::{start, summary};
+use super::{
+    JobError, JobObserver, JobOptions, Prepared, Progress, ResultFolder, Start, Status, Summary, process,
+};
+use crate::deck::Deck;
+use crate::out::OutputError;
+
+/// Runs a modal analysis.
+pub(super) fn run(
+    deck: &Deck,
+    analysis: &ModalAnalysis,
+    prepared: &Prepared,
+    options: &JobOptions,
+    watch: &mut dyn JobObserver,
+) -> Result<Summary, JobError> {
+    if options.resume {
+        return Err(JobError::Folder {
+            folder: options.folder.clone(),
+            reason: "a modal analysis is one solve and cannot be resumed. Run without `--resume`".into(),
+        });
+    }
+    let (clock, cpu) = (Instant::now(), process::cpu_seconds());
+    let mut folder = ResultFolder::start(&options.folder)?;
+    let start = start(deck, prepared, None);
+    watch.on_start(&start);
+    let mut summary = summary(deck, prepared, &start);
+    summary.write(folder.path())?;
+    folder.log(&opening(&summary, &start))?;
+
+    let mut forward = Forward { folder: &mut folder, watch, failed: None, before: Statistics::default() };
+    let outcome = spectrum(analysis, &prepared.system, &mut forward);
+    let (before, failed) = (forward.before, forward.failed);
+    let result = match outcome {
+        Ok(found) => {
+            (summary.status, summary.time) = (Status::Complete, start.end);
+            record(deck, prepared, &mut folder, &mut summary, &before, &found)?;
+            Ok(())
+        }
+        Err(Error::Interrupted) => {
+            summary.status = Status::Interrupted;
+            Err(JobError::Interrupted { folder: options.folder.clone() })
+        }
+        Err(error) => {
+            (summary.status, summary.error) = (Status::Failed, Some(error.to_string()));
+            Err(JobError::Analysis { error, folder: options.folder.clone() })
+        }
+    };
+    summary.wall_s = clock.elapsed().as_secs_f64();
+    summary.cpu_s = process::cpu_seconds().zip(cpu).map(|(now, then)| now - then);
+    summary.peak_memory_bytes = process::peak_memory_bytes();
+    summary.write(folder.path())?;
+    if let Some(error) = failed {
+        return Err(error.into());
+    }
+    result.map(|()| summary)
+}
+
+fn opening(summary: &Summary, start: &Start) -> String {
+    format!(
+        "tegula {}: modal analysis of {} elements, {} unknowns, started",
+        summary.version, start.elements, start.unknowns
+    )
+}
+
+/// The modes, about the equilibrium under the loads where that is wanted.
+fn spectrum(
+    analysis: &ModalAnalysis,
+    system: &System,
+    forward: &mut Forward<'_>,
+) -> tegula::Result<ModalOutcome> {
+    let mut equilibrium: Option<State> = None;
+    if analysis.prestressed {
+        let outcome = statics::run(system, &StaticAnalysis::default(), None, forward)?;
+        forward.before = outcome.statistics;
+        equilibrium = Some(outcome.state);
+    }
+    modal::run(system, analysis.modes as usize, equilibrium.as_ref(), forward)
+}
+
+/// Writes what was found.
+fn record(
+    deck: &Deck,
+    prepared: &Prepared,
+    folder: &mut ResultFolder,
+    summary: &mut Summary,
+    before: &Statistics,
+    found: &ModalOutcome,
+) -> Result<(), OutputError> {
+    let rows = found.modes.as_slice();
+    modes::write(folder, prepared, &deck.model.output.fields, rows)?;
+    if let Err(problem) = modes::picture(folder, prepared, &deck.model.title, rows) {
+        folder.log(&format!("a picture is missing: {problem}"))?;
+    }
+    summary.frequencies_hz = Some(rows.iter().map(|m| m.frequency_hz).collect());
+    summary.sturm_checked = Some(found.sturm_checked);
+    let s = &found.statistics;
+    summary.steps = before.steps;
+    summary.iterations = before.iterations + s.iterations;
+    summary.factorizations = before.factorizations + s.factorizations;
+    summary.cutbacks = before.cutbacks;
+    folder.log(&format!("Complete: {} modes", rows.len()))
+}
+
+/// Hands events on to the log and to the job's observer.
+struct Forward<'a> {
+    folder: &'a mut ResultFolder,
+    watch: &'a mut dyn JobObserver,
+    failed: Option<OutputError>,
+    /// Counts of the equilibrium about which the model vibrates.
+    before: Statistics,
+}
+
+impl Observer for Forward<'_> {
+    fn on_step(&mut self, step: &Step) -> tegula::Result<()> {
+        self.watch.on_step(&Progress {
+            step: step.state.step,
+            time: step.state.time,
+            step_size: step.state.last_step,
+            iterations: step.iterations,
+            end: step.end,
+        });
+        Ok(())
+    }
+
+    fn on_event(&mut self, message: &str) {
+        if let Err(error) = self.folder.log(message) {
+            self.failed.get_or_insert(error);
+        }
+        self.watch.on_event(message);
+    }
+
+    fn interrupted(&self) -> bool {
+        self.watch.interrupted()
+    }
+}

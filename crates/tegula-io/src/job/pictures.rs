@@ -1,0 +1,230 @@
+//! Pictures of a run, drawn from its history and the instants it kept.
+
+use tegula::{Mesh, System};
+
+use super::history::{BEHIND, PER_POINT};
+use super::recorder::Recorder;
+use super::snapshots::{INSTANTS, Kept};
+use super::{Prepared, fields, history};
+use crate::out::{OutputError, csv};
+use crate::plot::{LinePlot, Series, Snapshot, Style, SurfacePlot, lines, surfaces};
+
+/// Displacements smaller than this part of the model are drawn larger.
+const VISIBLE: f64 = 0.02;
+/// Part of the model that enlarged displacements reach, at most.
+const ENLARGED: f64 = 0.1;
+
+/// Draws all pictures. One that cannot be drawn is an event in the log: the results do not depend on it.
+pub(super) fn draw(recorder: &mut Recorder<'_>) {
+    let mut problems: Vec<OutputError> = Vec::new();
+    let mut check = |result: Result<(), OutputError>| problems.extend(result.err());
+    match csv::read(&recorder.folder.file("history.csv")) {
+        Ok((_, rows)) if rows.len() > 1 => {
+            if recorder.summary.analysis == "static" {
+                check(load_displacement(recorder, &rows));
+            } else {
+                points(recorder, &rows).into_iter().for_each(&mut check);
+                check(step_size(recorder, &rows));
+            }
+            check(energy(recorder, &rows));
+        }
+        Ok(_) => {}
+        Err(error) => check(Err(error)),
+    }
+    check(snapshots(recorder));
+    for problem in problems {
+        tegula::analysis::Observer::on_event(recorder, &format!("a picture is missing: {problem}"));
+    }
+}
+
+/// Column of a quantity behind the points.
+fn column(recorder: &Recorder<'_>, name: &str) -> usize {
+    let offset = BEHIND.iter().position(|&n| n == name).unwrap_or(0);
+    1 + PER_POINT * recorder.prepared.probes.len() + offset
+}
+
+fn curve(rows: &[Vec<f64>], x: usize, y: usize) -> Vec<(f64, f64)> {
+    rows.iter().filter_map(|row| Some((*row.get(x)?, *row.get(y)?))).collect()
+}
+
+/// Title of the model, and what the picture shows.
+fn title(recorder: &Recorder<'_>, what: &str) -> String {
+    let title = &recorder.model.title;
+    if title.is_empty() { what.to_owned() } else { format!("{title}: {what}") }
+}
+
+/// Position of each point over time.
+fn points(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Vec<Result<(), OutputError>> {
+    let one = |(i, probe): (usize, &tegula::result::Probe)| {
+        let first = 1 + PER_POINT * i;
+        let series = ["x", "y", "z"].into_iter().enumerate().map(|(c, name)| Series {
+            name: name.into(),
+            points: curve(rows, 0, first + c),
+            style: Style::Line,
+        });
+        let plot = LinePlot {
+            title: title(recorder, &format!("position of {}", probe.name)),
+            x_label: "time".into(),
+            y_label: "position".into(),
+            series: series.collect(),
+            ..LinePlot::default()
+        };
+        lines(&recorder.folder.file(&format!("point_{}.png", probe.name)), &plot)
+    };
+    recorder.prepared.probes.iter().enumerate().map(one).collect()
+}
+
+/// Load factor over the displacements of the points that move.
+fn load_displacement(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Result<(), OutputError> {
+    let names = history::names(&recorder.prepared.probes);
+    let size = |column: usize| rows.iter().filter_map(|r| r.get(column)).fold(0.0_f64, |m, x| m.max(x.abs()));
+    let columns: Vec<usize> = (0..recorder.prepared.probes.len())
+        .flat_map(|i| (0..3).map(move |c| 1 + PER_POINT * i + 3 + c))
+        .collect();
+    let largest = columns.iter().map(|&c| size(c)).fold(0.0, f64::max);
+    let series: Vec<Series> = columns
+        .into_iter()
+        .filter(|&c| size(c) > 1e-6 * largest)
+        .map(|c| Series {
+            name: names[c].replace('.', " "),
+            points: curve(rows, c, 0),
+            style: if rows.len() < 40 { Style::Both } else { Style::Line },
+        })
+        .collect();
+    if series.is_empty() {
+        return Ok(());
+    }
+    let plot = LinePlot {
+        title: title(recorder, "displacement under the load"),
+        x_label: "displacement".into(),
+        y_label: "load factor".into(),
+        series,
+        ..LinePlot::default()
+    };
+    lines(&recorder.folder.file("load_displacement.png"), &plot)
+}
+
+/// Energies that are not zero throughout.
+fn energy(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Result<(), OutputError> {
+    let names = ["kinetic", "strain", "potential", "work", "dissipated", "total"];
+    let series: Vec<Series> = names
+        .into_iter()
+        .map(|name| Series {
+            name: name.into(),
+            points: curve(rows, 0, column(recorder, name)),
+            style: if name == "total" { Style::Dashed } else { Style::Line },
+        })
+        .filter(|s| s.points.iter().any(|p| p.1 != 0.0))
+        .collect();
+    if series.is_empty() {
+        return Ok(());
+    }
+    let plot = LinePlot {
+        title: title(recorder, "energy"),
+        x_label: time_label(recorder).into(),
+        y_label: "energy".into(),
+        series,
+        ..LinePlot::default()
+    };
+    lines(&recorder.folder.file("energy.png"), &plot)
+}
+
+fn time_label(recorder: &Recorder<'_>) -> &'static str {
+    if recorder.summary.analysis == "static" { "load factor" } else { "time" }
+}
+
+/// Length of the time steps.
+fn step_size(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Result<(), OutputError> {
+    // The first row is the start and has no step.
+    let points = curve(rows, 0, column(recorder, "step_size")).split_off(1);
+    let s = &recorder.summary;
+    let plot = LinePlot {
+        title: title(recorder, "time steps"),
+        x_label: "time".into(),
+        y_label: "step size".into(),
+        series: vec![Series { name: String::new(), points, style: Style::Line }],
+        y_log: true,
+        note: format!("{} steps, {} iterations, {} repeated steps", s.steps, s.iterations, s.cutbacks),
+        ..LinePlot::default()
+    };
+    lines(&recorder.folder.file("step_size.png"), &plot)
+}
+
+/// The shell at the instants that were kept.
+fn snapshots(recorder: &Recorder<'_>) -> Result<(), OutputError> {
+    let Prepared { mesh, system, .. } = recorder.prepared;
+    let mut kept: Vec<&Kept> = recorder.memory.kept.iter().collect();
+    // The last state is worth more than one close before it.
+    if kept.len() > INSTANTS {
+        kept.remove(INSTANTS - 1);
+    }
+    if kept.is_empty() {
+        return Ok(());
+    }
+    let largest = kept.iter().map(|k| largest_displacement(mesh, system, k)).fold(0.0, f64::max);
+    let scale = magnification(largest / system.length);
+    let letter = if recorder.summary.analysis == "static" { "load" } else { "t =" };
+    let only_shape = kept.len() == 1;
+    let count = kept.len();
+    let shots = kept.into_iter().enumerate().map(|(i, k)| Snapshot {
+        positions: fields::positions(mesh, system, &k.displacements, scale),
+        values: (!only_shape).then(|| k.values.clone()),
+        label: format!("{letter} {}", short(k.time)),
+        opacity: if i + 1 == count || count < 3 { 1.0 } else { 0.85 },
+    });
+    let what = if scale == 1.0 { "deformed shell".into() } else { format!("displacements × {scale}") };
+    let plot = SurfacePlot {
+        title: title(recorder, &what),
+        snapshots: shots.collect(),
+        quads: mesh.quads.clone(),
+        color_label: "von Mises stress".into(),
+        ..SurfacePlot::default()
+    };
+    surfaces(&recorder.folder.file("snapshots.png"), &plot)
+}
+
+/// A time with few digits.
+pub(super) fn short(time: f64) -> String {
+    let text = format!("{time:.3}");
+    if time != 0.0 && time.abs() < 1e-2 {
+        return format!("{time:.2e}");
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+fn largest_displacement(mesh: &Mesh, system: &System, kept: &Kept) -> f64 {
+    let field = fields::nodal(system, &kept.displacements);
+    debug_assert_eq!(field.len(), mesh.positions.len());
+    field.iter().map(|u| u.iter().map(|x| x * x).sum::<f64>().sqrt()).fold(0.0, f64::max)
+}
+
+/// 1 where displacements (relative to the model) can be seen, else the 1, 2 or 5 times a power of ten
+/// that makes them so.
+fn magnification(relative: f64) -> f64 {
+    if !relative.is_normal() || relative >= VISIBLE {
+        return 1.0;
+    }
+    let wanted = ENLARGED / relative;
+    let power = 10.0_f64.powf(wanted.log10().floor());
+    [5.0, 2.0].into_iter().find(|m| m * power <= wanted).unwrap_or(1.0) * power
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{magnification, short};
+
+    #[test]
+    fn small_displacements_are_enlarged_by_round_numbers() {
+        assert_eq!(magnification(0.5), 1.0);
+        assert_eq!(magnification(0.0), 1.0);
+        assert_eq!(magnification(f64::NAN), 1.0);
+        assert_eq!(magnification(1e-3), 100.0);
+        assert_eq!(magnification(9e-4), 100.0);
+        assert_eq!(magnification(4e-4), 200.0);
+    }
+
+    #[test]
+    fn times_are_short() {
+        assert_eq!([0.0, 1.0, 0.3001, 0.25, 2e-4].map(short), ["0", "1", "0.3", "0.25", "2.00e-4"]);
+    }
+}

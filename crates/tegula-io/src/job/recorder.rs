@@ -1,0 +1,270 @@
+//! Watches the analysis and writes what it finds.
+
+use std::time::Instant;
+
+use tegula::analysis::{Balance, Observer, State, Statistics, Step};
+use tegula::model::Model;
+use tegula::result::recover;
+use tegula::{Error, Result};
+
+use super::resume::{Memory, Notes};
+use super::summary::{PointResult, Status, Summary};
+use super::{JobObserver, Prepared, Progress, ResultFolder, Start, fields, history, process, snapshots};
+use crate::out::{HistoryWriter, OutputError, PvdSeries};
+
+/// Longest time on the clock between two checkpoints [s].
+const CHECKPOINT_SECONDS: f64 = 30.0;
+/// Shortest one where every step writes a field file [s].
+const SMALLEST_CHECKPOINT_SECONDS: f64 = 1.0;
+
+/// Writes fields, history, checkpoints and the summary of one run.
+pub(super) struct Recorder<'a> {
+    pub model: &'a Model,
+    pub prepared: &'a Prepared,
+    pub folder: ResultFolder,
+    pub summary: Summary,
+    /// What the next checkpoint holds; its notes count the parts of the run before this one.
+    pub memory: Memory,
+    watch: &'a mut dyn JobObserver,
+    history: HistoryWriter,
+    series: PvdSeries,
+    statistics: Statistics,
+    started: Instant,
+    cpu_at_start: Option<f64>,
+    last_checkpoint: Instant,
+    /// The first output that failed; the analysis was ended by it.
+    failed: Option<OutputError>,
+}
+
+impl<'a> Recorder<'a> {
+    /// Starts anew, or goes on from `memory`.
+    pub fn new(
+        model: &'a Model,
+        prepared: &'a Prepared,
+        folder: ResultFolder,
+        summary: Summary,
+        memory: Option<Memory>,
+        watch: &'a mut dyn JobObserver,
+    ) -> std::result::Result<Self, OutputError> {
+        summary.write(folder.path())?;
+        folder.make_series("fields")?;
+        let (csv, pvd) = (folder.file("history.csv"), folder.file("fields.pvd"));
+        let (history, series) = match &memory {
+            None => {
+                (HistoryWriter::create(&csv, &history::names(&prepared.probes))?, PvdSeries::create(&pvd)?)
+            }
+            Some(memory) => {
+                let mut series = PvdSeries::open(&pvd)?;
+                series.truncate_after(memory.notes.last_frame)?;
+                folder.remove_numbered("fields", memory.notes.frames)?;
+                (HistoryWriter::resume(&csv, memory.notes.rows)?, series)
+            }
+        };
+        Ok(Self {
+            model,
+            prepared,
+            folder,
+            summary,
+            memory: memory.unwrap_or_default(),
+            watch,
+            history,
+            series,
+            statistics: Statistics::default(),
+            started: Instant::now(),
+            cpu_at_start: process::cpu_seconds(),
+            last_checkpoint: Instant::now(),
+            failed: None,
+        })
+    }
+
+    /// Says in the log what is about to happen.
+    pub fn announce(&mut self, start: &Start) -> std::result::Result<(), OutputError> {
+        let how = if start.time > 0.0 { format!("resumed at {:e}", start.time) } else { "started".into() };
+        self.folder.log(&format!(
+            "tegula {}: {} analysis of {} elements, {} unknowns, {how}",
+            self.summary.version, start.analysis, start.elements, start.unknowns
+        ))
+    }
+
+    /// Says in the log how it ended.
+    pub fn log_end(&mut self) -> std::result::Result<(), OutputError> {
+        let s = &self.summary;
+        let mut line = format!(
+            "{:?} at {:e} after {} steps, {} iterations, {} repeated steps, {:.2} s",
+            s.status, s.time, s.steps, s.iterations, s.cutbacks, s.wall_s
+        );
+        if let Some(error) = &s.error {
+            line.push_str(&format!(": {error}"));
+        }
+        self.folder.log(&line)
+    }
+
+    /// Records the first state of an analysis that does not report it itself.
+    pub fn record_start(&mut self, state: &State, end: f64) -> Result<()> {
+        let (balance, statistics) = (Balance::default(), Statistics::default());
+        self.on_step(&Step { state, balance: &balance, statistics: &statistics, iterations: 0, end })
+    }
+
+    /// The output error that ended the analysis, if one did.
+    pub fn take_failure(&mut self) -> Option<OutputError> {
+        self.failed.take()
+    }
+
+    /// Writes the last state, the checkpoint and the summary.
+    pub fn finish(&mut self, status: Status, error: Option<String>) -> std::result::Result<(), OutputError> {
+        let regular = self.memory.notes;
+        let pictures = self.memory.kept.len();
+        let any = !self.memory.state.u.is_empty();
+        if any && (regular.frames == 0 || self.memory.state.time > regular.last_frame) {
+            self.frame()?;
+        }
+        // A run that goes on from here writes the last field file again only when it is due.
+        let mut extra = Vec::new();
+        if status != Status::Complete {
+            (self.memory.notes.frames, self.memory.notes.last_frame) = (regular.frames, regular.last_frame);
+            extra = self.memory.kept.split_off(pictures);
+        }
+        self.history.sync()?;
+        if any {
+            self.checkpoint()?;
+        }
+        self.memory.kept.extend(extra);
+        self.update_summary();
+        self.summary.status = status;
+        self.summary.error = error;
+        Ok(())
+    }
+
+    /// Replaces the summary in the folder by the present one.
+    pub fn write_summary(&self) -> std::result::Result<(), OutputError> {
+        self.summary.write(self.folder.path())
+    }
+
+    /// Brings counts, energies, points and costs up to date.
+    pub fn update_summary(&mut self) {
+        let totals = self.memory.notes.total(&self.statistics);
+        let cpu_s = self.cpu();
+        let s = &mut self.summary;
+        s.steps = totals.steps.max(self.memory.state.step);
+        (s.iterations, s.factorizations, s.cutbacks) =
+            (totals.iterations, totals.factorizations, totals.cutbacks);
+        s.time = self.memory.state.time;
+        s.energy = (&self.memory.balance).into();
+        if !self.memory.state.u.is_empty() {
+            let (system, state) = (&self.prepared.system, &self.memory.state);
+            let point = |p: &tegula::result::Probe| PointResult {
+                position: p.position(system, state),
+                displacement: p.displacement(state),
+            };
+            s.points = self.prepared.probes.iter().map(|p| (p.name.clone(), point(p))).collect();
+        }
+        s.wall_s = self.memory.notes.wall_s + self.started.elapsed().as_secs_f64();
+        s.cpu_s = cpu_s;
+        s.peak_memory_bytes = process::peak_memory_bytes();
+    }
+
+    fn cpu(&self) -> Option<f64> {
+        let spent = process::cpu_seconds()? - self.cpu_at_start?;
+        Some(spent + self.memory.notes.cpu_s.unwrap_or(0.0))
+    }
+
+    fn record(&mut self, step: &Step) -> std::result::Result<(), OutputError> {
+        let before = self.memory.state.time;
+        let first = self.memory.state.u.is_empty();
+        let step_size = if first { 0.0 } else { step.state.time - before };
+        self.memory.state.clone_from(step.state);
+        self.memory.balance = *step.balance;
+        self.statistics = *step.statistics;
+        let row = history::row(
+            &self.prepared.system,
+            &self.prepared.probes,
+            step.state,
+            step.balance,
+            step.iterations,
+            step_size,
+        );
+        self.history.append(&row)?;
+        let interval = self.model.output.interval;
+        let number = |t: f64| (t / interval * (1.0 + 1e-9)).floor();
+        let due = first
+            || interval == 0.0
+            || step.state.time >= step.end
+            || number(step.state.time) > number(self.memory.notes.last_frame);
+        if due {
+            self.frame()?;
+        }
+        let since = self.last_checkpoint.elapsed().as_secs_f64();
+        if (due && (interval > 0.0 || since > SMALLEST_CHECKPOINT_SECONDS)) || since > CHECKPOINT_SECONDS {
+            self.history.sync()?;
+            self.checkpoint()?;
+        } else {
+            self.history.flush()?;
+        }
+        let progress = Progress {
+            step: step.state.step,
+            time: step.state.time,
+            step_size,
+            iterations: step.iterations,
+            end: step.end,
+        };
+        self.watch.on_step(&progress);
+        Ok(())
+    }
+
+    /// Writes the fields of the present state.
+    fn frame(&mut self) -> std::result::Result<(), OutputError> {
+        let Prepared { mesh, system, .. } = self.prepared;
+        let state = &self.memory.state;
+        let results = recover(system, &state.u);
+        let name = format!("fields/{:04}.vtu", self.memory.notes.frames);
+        fields::write(&self.folder.file(&name), mesh, system, &self.model.output.fields, state, &results)?;
+        self.series.add(state.time, &name)?;
+        if snapshots::wanted(&self.memory.kept, state.time, self.summary.end) {
+            let values = fields::by_quad(mesh, system, &results, |r| [r.von_mises]);
+            snapshots::keep(&mut self.memory.kept, state, values);
+        }
+        self.memory.notes.frames += 1;
+        self.memory.notes.last_frame = state.time;
+        Ok(())
+    }
+
+    fn checkpoint(&mut self) -> std::result::Result<(), OutputError> {
+        let totals = self.memory.notes.total(&self.statistics);
+        // The parts before stay in the memory; the file holds everything up to now.
+        let before = self.memory.notes;
+        self.memory.notes = Notes {
+            rows: self.history.rows(),
+            iterations: totals.iterations,
+            factorizations: totals.factorizations,
+            cutbacks: totals.cutbacks,
+            wall_s: before.wall_s + self.started.elapsed().as_secs_f64(),
+            cpu_s: self.cpu(),
+            ..before
+        };
+        let saved = self.memory.save(&self.folder.file("checkpoint.bin"), self.prepared.fingerprint);
+        self.memory.notes = before;
+        self.last_checkpoint = Instant::now();
+        saved
+    }
+}
+
+impl Observer for Recorder<'_> {
+    fn on_step(&mut self, step: &Step) -> Result<()> {
+        self.record(step).map_err(|error| {
+            let message = error.to_string();
+            self.failed.get_or_insert(error);
+            Error::Outside(message)
+        })
+    }
+
+    fn on_event(&mut self, message: &str) {
+        if let Err(error) = self.folder.log(message) {
+            self.failed.get_or_insert(error);
+        }
+        self.watch.on_event(message);
+    }
+
+    fn interrupted(&self) -> bool {
+        self.watch.interrupted()
+    }
+}

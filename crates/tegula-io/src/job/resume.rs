@@ -1,0 +1,143 @@
+//! The state of a run as arrays of a checkpoint, and back.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use tegula::System;
+use tegula::analysis::{Balance, State, Statistics};
+use tegula::element::Nodal;
+
+use super::snapshots::Kept;
+use crate::out::{Checkpoint, OutputError};
+
+const REMEDY: &str = "Start the analysis anew";
+
+/// Everything that a run goes on from.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Memory {
+    /// The state at the end of the last step.
+    pub state: State,
+    /// Its energies and momenta.
+    pub balance: Balance,
+    /// Pictures kept so far.
+    pub kept: Vec<Kept>,
+    /// Counts and places.
+    pub notes: Notes,
+}
+
+/// Counts and places in the files.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Notes {
+    /// Rows of the history.
+    pub rows: u64,
+    /// Field files.
+    pub frames: usize,
+    /// Iterations so far.
+    pub iterations: u64,
+    /// Factorisations so far.
+    pub factorizations: u64,
+    /// Repeated steps so far.
+    pub cutbacks: u64,
+    /// Time on the clock so far [s].
+    pub wall_s: f64,
+    /// Processor time so far [s].
+    pub cpu_s: Option<f64>,
+    /// Time of the last regular field file.
+    pub last_frame: f64,
+}
+
+impl Notes {
+    /// The counts of this part added to those of earlier parts.
+    pub fn total(&self, part: &Statistics) -> Statistics {
+        Statistics {
+            steps: part.steps,
+            iterations: self.iterations + part.iterations,
+            factorizations: self.factorizations + part.factorizations,
+            cutbacks: self.cutbacks + part.cutbacks,
+        }
+    }
+}
+
+impl Memory {
+    /// Saves it for the model with this fingerprint.
+    pub fn save(&self, path: &Path, model_fingerprint: u64) -> Result<(), OutputError> {
+        let (s, b) = (&self.state, &self.balance);
+        let mut arrays: std::collections::BTreeMap<String, Vec<f64>> = [
+            ("u", s.u.concat()),
+            ("v", s.v.concat()),
+            ("a", s.a.concat()),
+            ("stress", s.stress.clone()),
+            ("scalars", vec![s.time, s.next_step, s.last_step, s.work, s.dissipated, s.energy_scale]),
+            ("energies", vec![b.kinetic, b.strain, b.potential, b.work, b.dissipated, b.total]),
+            ("momenta", [b.momentum, b.angular_momentum].concat()),
+        ]
+        .into_iter()
+        .map(|(name, values)| (name.to_owned(), values))
+        .collect();
+        for (i, kept) in self.kept.iter().enumerate() {
+            arrays.insert(format!("picture {i} time"), vec![kept.time]);
+            arrays.insert(format!("picture {i} displacements"), kept.displacements.concat());
+            arrays.insert(format!("picture {i} values"), kept.values.clone());
+        }
+        let notes = serde_json::to_value(self.notes)
+            .map_err(|e| OutputError::refused(path, format!("its notes cannot be written: {e}")))?;
+        Checkpoint { model_fingerprint, step: s.step, time: s.time, arrays, notes }.save(path)
+    }
+
+    /// Loads what [`save`](Self::save) saved for the same model.
+    pub fn load(path: &Path, model_fingerprint: u64, system: &System) -> Result<Self, OutputError> {
+        let checkpoint = Checkpoint::load_for(path, model_fingerprint)?;
+        let wrong = |what: &str| {
+            OutputError::damaged(path, format!("its array `{what}` does not fit the model"), REMEDY)
+        };
+        let array = |name: &str, length: Option<usize>| {
+            let found = checkpoint.arrays.get(name).ok_or_else(|| wrong(name))?;
+            if length.is_some_and(|n| n != found.len()) { Err(wrong(name)) } else { Ok(found.clone()) }
+        };
+        let n = system.vectors();
+        let samples = system.groups.iter().map(|g| g.len() * g.samples()).sum();
+        let fixed = |name: &str, length: usize| array(name, Some(length));
+        let scalars = fixed("scalars", 6)?;
+        let energies = fixed("energies", 6)?;
+        let momenta = fixed("momenta", 6)?;
+        let state = State {
+            time: scalars[0],
+            step: checkpoint.step,
+            u: vectors(&fixed("u", 3 * n)?),
+            v: vectors(&fixed("v", 3 * n)?),
+            a: vectors(&fixed("a", 3 * n)?),
+            stress: fixed("stress", samples)?,
+            next_step: scalars[1],
+            last_step: scalars[2],
+            work: scalars[3],
+            dissipated: scalars[4],
+            energy_scale: scalars[5],
+        };
+        let balance = Balance {
+            kinetic: energies[0],
+            strain: energies[1],
+            potential: energies[2],
+            work: energies[3],
+            dissipated: energies[4],
+            total: energies[5],
+            momentum: [momenta[0], momenta[1], momenta[2]],
+            angular_momentum: [momenta[3], momenta[4], momenta[5]],
+        };
+        let mut kept = Vec::new();
+        while checkpoint.arrays.contains_key(&format!("picture {} time", kept.len())) {
+            let i = kept.len();
+            kept.push(Kept {
+                time: fixed(&format!("picture {i} time"), 1)?[0],
+                displacements: vectors(&fixed(&format!("picture {i} displacements"), 3 * n)?),
+                values: array(&format!("picture {i} values"), None)?,
+            });
+        }
+        let notes = serde_json::from_value(checkpoint.notes.clone())
+            .map_err(|e| OutputError::damaged(path, format!("its notes cannot be read: {e}"), REMEDY))?;
+        Ok(Self { state, balance, kept, notes })
+    }
+}
+
+fn vectors(values: &[f64]) -> Vec<Nodal> {
+    values.as_chunks::<3>().0.to_vec()
+}

@@ -1,0 +1,146 @@
+//! One run from the model file to the summary.
+
+use tegula::analysis::{State, dynamics, statics};
+use tegula::model::Analysis;
+use tegula::{Error, System};
+
+use super::recorder::Recorder;
+use super::resume::Memory;
+use super::{
+    Energy, JobError, JobObserver, JobOptions, Prepared, ResultFolder, Start, Status, Summary, modal,
+    pictures, prepare,
+};
+use crate::deck::Deck;
+use crate::out::OutputError;
+
+/// Runs a model file and leaves the results in a folder.
+///
+/// # Errors
+/// The model is wrong, the folder cannot be used, the analysis failed or was interrupted. In the last
+/// two cases the folder holds everything up to the last finished step.
+pub fn run(deck: &Deck, options: &JobOptions, watch: &mut dyn JobObserver) -> Result<Summary, JobError> {
+    let prepared = prepare(deck)?;
+    if let Analysis::Modal(analysis) = &deck.model.analysis {
+        return modal::run(deck, analysis, &prepared, options, watch);
+    }
+    let folder = if options.resume {
+        ResultFolder::resume(&options.folder)?
+    } else {
+        ResultFolder::start(&options.folder)?
+    };
+    let memory = if options.resume {
+        let path = folder.file("checkpoint.bin");
+        Some(Memory::load(&path, prepared.fingerprint, &prepared.system)?)
+    } else {
+        None
+    };
+    let start = start(deck, &prepared, memory.as_ref());
+    watch.on_start(&start);
+    let summary = summary(deck, &prepared, &start);
+    let mut recorder = Recorder::new(&deck.model, &prepared, folder, summary, memory, watch)?;
+    recorder.announce(&start)?;
+    let state = (!recorder.memory.state.u.is_empty()).then(|| recorder.memory.state.clone());
+    let outcome = analyse(deck, &prepared.system, state, &start, &mut recorder);
+    conclude(recorder, outcome)
+}
+
+/// The analysis itself.
+fn analyse(
+    deck: &Deck,
+    system: &System,
+    state: Option<State>,
+    start: &Start,
+    recorder: &mut Recorder<'_>,
+) -> tegula::Result<()> {
+    match &deck.model.analysis {
+        Analysis::Static(options) => {
+            if state.is_none() {
+                let rest = vec![[0.0; 3]; system.vectors()];
+                let stress = vec![0.0; system.groups.iter().map(|g| g.len() * g.samples()).sum()];
+                let next_step = 1.0 / f64::from(options.load_steps.max(1));
+                let (v, a) = (rest.clone(), rest.clone());
+                let state = State { u: rest, v, a, stress, next_step, ..State::default() };
+                recorder.record_start(&state, start.end)?;
+            }
+            statics::run(system, options, state, recorder).map(drop)
+        }
+        Analysis::Transient(options) => dynamics::run(system, options, state, recorder).map(drop),
+        Analysis::Modal(_) => Ok(()),
+    }
+}
+
+/// Pictures, checkpoint and, last of all, the summary.
+fn conclude(mut recorder: Recorder<'_>, outcome: tegula::Result<()>) -> Result<Summary, JobError> {
+    let failure: Option<OutputError> = recorder.take_failure();
+    let (status, message) = match (&failure, &outcome) {
+        (Some(error), _) => (Status::Failed, Some(error.to_string())),
+        (None, Ok(())) => (Status::Complete, None),
+        (None, Err(Error::Interrupted)) => (Status::Interrupted, None),
+        (None, Err(error)) => (Status::Failed, Some(error.to_string())),
+    };
+    let finished = recorder.finish(status, message);
+    if let Some(error) = failure {
+        // The disk may be full: what can still be written is written, the first error is what counts.
+        let _ = recorder.write_summary();
+        return Err(error.into());
+    }
+    finished?;
+    pictures::draw(&mut recorder);
+    recorder.log_end()?;
+    recorder.update_summary();
+    recorder.write_summary()?;
+    let folder = recorder.folder.path().to_owned();
+    match outcome {
+        Ok(()) => Ok(recorder.summary),
+        Err(Error::Interrupted) => Err(JobError::Interrupted { folder }),
+        Err(error) => Err(JobError::Analysis { error, folder }),
+    }
+}
+
+/// What is about to happen.
+pub(super) fn start(deck: &Deck, prepared: &Prepared, memory: Option<&Memory>) -> Start {
+    let (analysis, end) = match &deck.model.analysis {
+        Analysis::Static(_) => ("static", 1.0),
+        Analysis::Modal(_) => ("modal", 1.0),
+        Analysis::Transient(t) => ("transient", t.end_time),
+    };
+    Start {
+        title: deck.model.title.clone(),
+        analysis,
+        elements: prepared.system.elements(),
+        unknowns: prepared.system.unknowns(),
+        time: memory.map_or(0.0, |m| m.state.time),
+        end,
+    }
+}
+
+/// The summary of a run that has just begun.
+pub(super) fn summary(deck: &Deck, prepared: &Prepared, start: &Start) -> Summary {
+    Summary {
+        program: "tegula".into(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        status: Status::Running,
+        error: None,
+        analysis: start.analysis.into(),
+        title: start.title.clone(),
+        model: deck.path.display().to_string(),
+        fingerprint: format!("{:016x}", prepared.fingerprint),
+        elements: start.elements,
+        unknowns: start.unknowns,
+        mass: prepared.system.total_mass(),
+        time: start.time,
+        end: start.end,
+        steps: 0,
+        iterations: 0,
+        factorizations: 0,
+        cutbacks: 0,
+        energy: Energy::default(),
+        points: Default::default(),
+        frequencies_hz: None,
+        sturm_checked: None,
+        wall_s: 0.0,
+        cpu_s: None,
+        peak_memory_bytes: None,
+        threads: rayon::current_num_threads(),
+    }
+}

@@ -1,0 +1,148 @@
+//! `summary.json`: how a run ended, what it found and what it cost.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use tegula::analysis::Balance;
+
+use crate::out::{OutputError, write_whole};
+
+/// How a run stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// It has not ended, or the machine stopped it.
+    Running,
+    /// It reached its end.
+    Complete,
+    /// The user stopped it; it can be resumed.
+    Interrupted,
+    /// The analysis failed; the key `error` says why.
+    Failed,
+}
+
+/// Energies at the end of the run [energy].
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Energy {
+    /// Kinetic energy.
+    pub kinetic: f64,
+    /// Strain energy.
+    pub strain: f64,
+    /// Potential of gravity (in statics: of all dead loads).
+    pub potential: f64,
+    /// Work of the other loads.
+    pub work: f64,
+    /// Dissipated energy.
+    pub dissipated: f64,
+    /// Sum that an exact integration keeps constant.
+    pub total: f64,
+}
+
+impl From<&Balance> for Energy {
+    fn from(b: &Balance) -> Self {
+        Self {
+            kinetic: b.kinetic,
+            strain: b.strain,
+            potential: b.potential,
+            work: b.work,
+            dissipated: b.dissipated,
+            total: b.total,
+        }
+    }
+}
+
+/// A recorded point at the end of the run.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct PointResult {
+    /// Position [length].
+    pub position: [f64; 3],
+    /// Displacement [length].
+    pub displacement: [f64; 3],
+}
+
+/// The contents of `summary.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Always `tegula`: by this a folder is known as a result.
+    pub program: String,
+    /// Version of the program.
+    pub version: String,
+    /// How the run stands.
+    pub status: Status,
+    /// What went wrong, where it failed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<String>,
+    /// `static`, `modal` or `transient`.
+    pub analysis: String,
+    /// Title of the model.
+    pub title: String,
+    /// Path of the model file as it was given.
+    pub model: String,
+    /// Fingerprint of the model file and its mesh file, hexadecimal.
+    pub fingerprint: String,
+    /// Shell elements.
+    pub elements: usize,
+    /// Unknowns.
+    pub unknowns: usize,
+    /// Total mass [mass].
+    pub mass: f64,
+    /// Time (load factor) reached.
+    pub time: f64,
+    /// Time (load factor) at which the analysis ends.
+    pub end: f64,
+    /// Finished steps.
+    pub steps: u64,
+    /// Iterations, those of repeated steps included.
+    pub iterations: u64,
+    /// Numerical factorisations.
+    pub factorizations: u64,
+    /// Steps repeated smaller.
+    pub cutbacks: u64,
+    /// Energies at the end.
+    pub energy: Energy,
+    /// Recorded points at the end.
+    pub points: BTreeMap<String, PointResult>,
+    /// Natural frequencies [1/time] of a modal analysis, rigid modes included.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frequencies_hz: Option<Vec<f64>>,
+    /// Whether a Sturm sequence has proved that no mode is missing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sturm_checked: Option<bool>,
+    /// Time on the clock, those of resumed parts added [s].
+    pub wall_s: f64,
+    /// Processor time of all threads, user and system [s]; null where it is not known.
+    pub cpu_s: Option<f64>,
+    /// Largest memory of the process [bytes]; null where it is not known.
+    pub peak_memory_bytes: Option<u64>,
+    /// Threads.
+    pub threads: usize,
+}
+
+impl Summary {
+    /// Reads the summary of a result folder.
+    ///
+    /// # Errors
+    /// There is none, or it is not one of this program.
+    pub fn read(folder: &Path) -> Result<Self, OutputError> {
+        let path = folder.join("summary.json");
+        let text = std::fs::read_to_string(&path).map_err(|cause| OutputError::read(&path, cause))?;
+        let damaged =
+            |problem: String| OutputError::damaged(&path, problem, "Choose a result folder of tegula");
+        let summary: Self =
+            serde_json::from_str(&text).map_err(|e| damaged(format!("it is no summary: {e}")))?;
+        if summary.program == "tegula" {
+            Ok(summary)
+        } else {
+            Err(damaged(format!("it was written by `{}`", summary.program)))
+        }
+    }
+
+    /// Writes it, whole or not at all.
+    pub(super) fn write(&self, folder: &Path) -> Result<(), OutputError> {
+        let path = folder.join("summary.json");
+        let text = serde_json::to_string_pretty(self)
+            .map_err(|e| OutputError::refused(&path, format!("it cannot be written as JSON: {e}")))?;
+        write_whole(&path, |w| writeln!(w, "{text}"))
+    }
+}

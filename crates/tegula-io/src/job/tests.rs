@@ -1,0 +1,194 @@
+//! Whole runs in temporary folders.
+
+use std::cell::Cell;
+use std::fs;
+use std::path::Path;
+
+use super::*;
+use crate::deck::Deck;
+use crate::out::{PvdSeries, csv};
+
+const SWING: &str = r#"
+title = "Swinging strip"
+[analysis]
+type = "transient"
+end_time = 0.2
+tolerance = 1e-4
+scheme = { type = "SCHEME" }
+[mesh]
+type = "plate"
+size = [1.0, 0.5]
+grid = { elements = [4, 2] }
+[materials.rubber]
+type = "isotropic"
+young = 1e6
+poisson = 0.3
+density = 1000.0
+[[sections]]
+material = "rubber"
+thickness = 0.02
+retardation_time = 0.001
+[[conditions]]
+type = "hinge"
+on = "u_min"
+[[loads]]
+type = "gravity"
+value = [0.0, 0.0, -9.81]
+[[loads]]
+type = "force"
+on = "u_max_v_max"
+value = [0.0, 1.0, 0.0]
+amplitude = "pull"
+[amplitudes.pull]
+type = "ramp"
+end = 0.1
+[output]
+points = [{ name = "corner", on = "u_max_v_max" }]
+interval = 0.02
+"#;
+
+fn deck(scheme: &str) -> Deck {
+    Deck::parse("swing.toml", SWING.replace("SCHEME", scheme)).unwrap()
+}
+
+fn options(folder: &Path, resume: bool) -> JobOptions {
+    JobOptions { folder: folder.to_owned(), resume }
+}
+
+/// Asks to stop after a number of steps.
+struct StopAfter(u64, Cell<bool>);
+
+impl JobObserver for StopAfter {
+    fn on_step(&mut self, progress: &Progress) {
+        self.1.set(progress.step >= self.0);
+    }
+    fn interrupted(&self) -> bool {
+        self.1.get()
+    }
+}
+
+fn stop_after(steps: u64) -> StopAfter {
+    StopAfter(steps, Cell::new(false))
+}
+
+#[test]
+fn a_resumed_run_repeats_the_straight_one_to_the_bit() {
+    for scheme in ["newmark", "energy-momentum", "hht"] {
+        let (deck, folder) = (deck(scheme), tempfile::tempdir().unwrap());
+        let (straight, parts) = (folder.path().join("straight"), folder.path().join("parts"));
+        let whole = run(&deck, &options(&straight, false), &mut Unwatched).unwrap();
+        assert!(whole.steps > 12, "{} steps", whole.steps);
+        for (resume, stop) in [(false, 5), (true, 6), (true, 11)] {
+            let error = run(&deck, &options(&parts, resume), &mut stop_after(stop)).unwrap_err();
+            assert!(matches!(error, JobError::Interrupted { .. }), "{error}");
+            let summary = Summary::read(&parts).unwrap();
+            assert_eq!((summary.status, summary.steps), (Status::Interrupted, stop));
+        }
+        let resumed = run(&deck, &options(&parts, true), &mut Unwatched).unwrap();
+        let read = |folder: &Path, name: &str| fs::read(folder.join(name)).unwrap();
+        for name in ["history.csv", "fields.pvd", "energy.png", "step_size.png", "snapshots.png"] {
+            assert!(read(&straight, name) == read(&parts, name), "{scheme}: {name} differs");
+        }
+        let series = PvdSeries::open(&parts.join("fields.pvd")).unwrap();
+        for (_, name) in series.entries() {
+            assert!(read(&straight, name) == read(&parts, name), "{scheme}: {name} differs");
+        }
+        assert_eq!(fs::read_dir(parts.join("fields")).unwrap().count(), series.entries().len());
+        assert_eq!(
+            (whole.steps, whole.iterations, whole.points, whole.energy),
+            (resumed.steps, resumed.iterations, resumed.points, resumed.energy)
+        );
+    }
+}
+
+#[test]
+fn a_killed_run_resumes_from_its_last_checkpoint() {
+    let (deck, folder) = (deck("newmark"), tempfile::tempdir().unwrap());
+    let (straight, killed) = (folder.path().join("straight"), folder.path().join("killed"));
+    run(&deck, &options(&straight, false), &mut Unwatched).unwrap();
+    // What a killed run leaves: an old checkpoint, later rows (the last one half written), later fields.
+    run(&deck, &options(&killed, false), &mut stop_after(7)).unwrap_err();
+    let checkpoint = fs::read(killed.join("checkpoint.bin")).unwrap();
+    run(&deck, &options(&killed, true), &mut stop_after(12)).unwrap_err();
+    fs::write(killed.join("checkpoint.bin"), checkpoint).unwrap();
+    let mut history = fs::read_to_string(killed.join("history.csv")).unwrap();
+    history.push_str("0.12,3.4");
+    fs::write(killed.join("history.csv"), history).unwrap();
+    run(&deck, &options(&killed, true), &mut Unwatched).unwrap();
+    for name in ["history.csv", "fields.pvd", "fields/0003.vtu"] {
+        assert!(fs::read(straight.join(name)).unwrap() == fs::read(killed.join(name)).unwrap(), "{name}");
+    }
+}
+
+#[test]
+fn a_checkpoint_serves_its_own_model_only() {
+    let folder = tempfile::tempdir().unwrap();
+    run(&deck("newmark"), &options(folder.path(), false), &mut stop_after(3)).unwrap_err();
+    let error = run(&deck("hht"), &options(folder.path(), true), &mut Unwatched).unwrap_err();
+    assert!(error.to_string().contains("another model"), "{error}");
+    // Refused before anything was touched.
+    assert_eq!(Summary::read(folder.path()).unwrap().status, Status::Interrupted);
+}
+
+#[test]
+fn a_folder_with_foreign_files_is_refused_and_an_earlier_result_cleared() {
+    let (deck, folder) = (deck("newmark"), tempfile::tempdir().unwrap());
+    let path = folder.path();
+    fs::write(path.join("thesis.tex"), "my only copy").unwrap();
+    let error = run(&deck, &options(path, false), &mut Unwatched).unwrap_err();
+    assert!(error.to_string().contains("not a result"), "{error}");
+    assert_eq!(fs::read_dir(path).unwrap().count(), 1);
+    let error = run(&deck, &options(path, true), &mut Unwatched).unwrap_err();
+    assert!(error.to_string().contains("no interrupted run"), "{error}");
+
+    let results = path.join("results");
+    run(&deck, &options(&results, false), &mut Unwatched).unwrap();
+    fs::write(results.join("notes.md"), "kept").unwrap();
+    fs::write(results.join("fields/0999.vtu"), "of an earlier run").unwrap();
+    run(&deck, &options(&results, false), &mut stop_after(2)).unwrap_err();
+    assert!(results.join("notes.md").exists() && !results.join("fields/0999.vtu").exists());
+    let error = run(&deck, &options(&path.join("thesis.tex"), false), &mut Unwatched).unwrap_err();
+    assert!(error.to_string().contains("is a file"), "{error}");
+}
+
+#[test]
+fn a_folder_is_written_by_one_run_at_a_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let first = ResultFolder::start(folder.path()).unwrap();
+    let error = ResultFolder::start(folder.path()).unwrap_err();
+    assert!(error.to_string().contains("another run"), "{error}");
+    drop(first);
+    ResultFolder::start(folder.path()).unwrap();
+}
+
+#[test]
+fn a_failed_run_says_so_and_keeps_what_it_found() {
+    let text = SWING
+        .replace("type = \"transient\"", "type = \"static\"")
+        .replace("end_time = 0.2\ntolerance = 1e-4\nscheme = { type = \"SCHEME\" }", "load_steps = 4")
+        .replace("type = \"hinge\"", "type = \"clamp\"")
+        .replace("young = 1e6", "young = 1e3");
+    let text = text.replacen("value = [0.0, 0.0, -9.81]", "value = [-1e7, 0.0, 0.0]", 1);
+    let deck = Deck::parse("buckling.toml", text).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let error = run(&deck, &options(folder.path(), false), &mut Unwatched).unwrap_err();
+    assert!(matches!(error, JobError::Analysis { .. }), "{error}");
+    let summary = Summary::read(folder.path()).unwrap();
+    assert_eq!(summary.status, Status::Failed);
+    assert!(summary.error.is_some_and(|e| e.contains("no equilibrium")));
+    let (_, rows) = csv::read(&folder.path().join("history.csv")).unwrap();
+    assert_eq!(rows.len() as u64, summary.steps + 1);
+}
+
+#[test]
+fn a_model_with_errors_touches_nothing() {
+    let text = SWING.replace("SCHEME", "newmark").replace("on = \"u_min\"", "on = \"left\"");
+    let deck = Deck::parse("swing.toml", text).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("results");
+    let JobError::Model(found) = run(&deck, &options(&path, false), &mut Unwatched).unwrap_err() else {
+        panic!("not a model error")
+    };
+    assert!(found[0].key == "conditions[0].on" && found[0].line > 0, "{}", found[0]);
+    assert!(!path.exists());
+}

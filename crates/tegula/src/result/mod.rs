@@ -1,0 +1,7 @@
+//! From a state back to engineering quantities: resultants and stresses of shells, motion of points.
+
+pub mod probe;
+pub mod recovery;
+
+pub use probe::Probe;
+pub use recovery::{ShellResult, recover};
