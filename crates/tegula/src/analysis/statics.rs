@@ -168,18 +168,8 @@ pub fn run(
                     ));
                 }
                 negative_pivots = c.negative_pivots;
-                // Work by the trapezoidal rule over the load step.
-                let mut before = vec![[0.0; 3]; n];
-                system.add_dead_loads(state.time, 1.0, &mut before);
-                add_follower_loads(system, &state_kinematics(system, &state.u), state.time, 1.0, &mut before);
-                equation.rest(system, &mut external);
-                let mut work = 0.0;
-                for v in 0..n {
-                    for i in 0..3 {
-                        work += 0.5 * (before[v][i] + external[v][i]) * (equation.u[v][i] - state.u[v][i]);
-                    }
-                }
-                state.work += work;
+                state.work +=
+                    follower_work(system, (&state.u, state.time), (&equation.u, target), &mut external);
                 state.next_step = largest.min(2.0 * (target - state.time));
                 state.u.copy_from_slice(&equation.u);
                 // Twenty steps of 0.05 end at 1, and at round numbers on the way.
@@ -235,7 +225,29 @@ fn energies(system: &System, assembly: &mut Assembly, state: &State) -> Balance 
     let mut external = vec![[0.0; 3]; state.u.len()];
     system.add_dead_loads(state.time, 1.0, &mut external);
     let potential = -dot(&external, &state.u);
-    Balance { strain, potential, work: state.work, total: strain + potential, ..Balance::default() }
+    Balance {
+        strain,
+        potential,
+        work: state.work,
+        total: strain + potential - state.work,
+        ..Balance::default()
+    }
+}
+
+/// Work of the loads that follow the motion over a load step, by the trapezoidal rule.
+fn follower_work(
+    system: &System,
+    (from, start): (&[Nodal], f64),
+    (to, end): (&[Nodal], f64),
+    force: &mut [Nodal],
+) -> f64 {
+    if system.followers.is_empty() {
+        return 0.0;
+    }
+    force.fill([0.0; 3]);
+    add_follower_loads(system, &state_kinematics(system, from), start, 0.5, force);
+    add_follower_loads(system, &state_kinematics(system, to), end, 0.5, force);
+    dot(force, to) - dot(force, from)
 }
 
 /// Reactions of the supports: force that they exert on the supported coordinates.
