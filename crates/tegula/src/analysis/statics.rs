@@ -6,7 +6,7 @@ use crate::element::{Kinematics, Motion, Nodal, TangentWeights};
 use crate::linear::Factor as _;
 use crate::model::StaticAnalysis;
 use crate::system::assembly::{TangentParts, add_follower_loads};
-use crate::system::{Assembly, System, dot};
+use crate::system::{Assembly, System, dot, inside_out};
 use crate::{Error, Result};
 
 /// Energy of the last increment over the strain energy; convergence is quadratic, so the error is far below.
@@ -145,7 +145,12 @@ pub fn run(
         let mut equation = StaticEquation { u: state.u.clone(), time: target };
         let result = newton.solve(system, &mut equation, &tolerances, observer);
         statistics.factorizations = newton.solver.factorizations() as u64;
+        let inverted = result.is_ok().then(|| inside_out(system, &equation.u)).flatten();
         let failure = match result {
+            Ok(c) if inverted.is_some() => {
+                statistics.iterations += u64::from(c.iterations);
+                format!("the equilibrium found is not a real one: {}", inverted.unwrap_or_default())
+            }
             Ok(c) if c.negative_pivots > 0 && !options.allow_unstable && system.followers.is_empty() => {
                 statistics.iterations += u64::from(c.iterations);
                 format!(

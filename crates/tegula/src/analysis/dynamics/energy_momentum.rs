@@ -138,6 +138,10 @@ impl Integrator for EnergyMomentum {
         self.update_rates();
     }
 
+    fn displacements(&self) -> &[Nodal] {
+        &self.u
+    }
+
     fn finish(&mut self, _system: &System, state: &mut State) {
         for n in 0..self.u.len() {
             state.a[n] = self.mean_acceleration(n);
