@@ -4,6 +4,8 @@
 //! motions are free of energy, the numbering of the nodes does not matter, and the enhanced
 //! strains satisfy their condition (eq. 36 of the paper).
 
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use common::rotation;

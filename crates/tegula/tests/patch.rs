@@ -14,6 +14,8 @@
 //!     +--------------------+
 //! ```
 
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -4,11 +4,14 @@
 //! MITC4 shell confirms to all digits in Sect. 5.1, and which converges with three other codes to the
 //! same values in Sect. 5.2.
 
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use common::{
     Notes, compile, displacement, model, on, plate, quarter_cylinder, solve, static_options, vector_load,
 };
+use tegula::analysis::Silent;
 use tegula::analysis::statics::{self, StaticOutcome};
 use tegula::mesh::generators::generate;
 use tegula::model::build::build;
@@ -364,4 +367,23 @@ fn inclined_symmetry_planes_stand_for_the_whole() {
         assert!((a - b).norm() < 1e-9 * a.norm(), "{whole}: {a:?} and {b:?}");
         assert!(a.norm() > 1e-2);
     }
+}
+
+/// A strip clamped at one end and pushed far beyond collapse towards it: on the other side of the clamp, turned
+/// inside out and pulled, it would be in equilibrium again. No real strip gets there.
+#[test]
+fn an_equilibrium_turned_inside_out_is_refused() {
+    let mesh = MeshSource::Plate(PlateMesh {
+        origin: [0.0; 3],
+        u_axis: [1.0, 0.0, 0.0],
+        v_axis: [0.0, 1.0, 0.0],
+        size: [1.0, 0.5],
+        grid: Grid::uniform(3, 2),
+    });
+    let mut m = common::model(mesh, 1e3, 0.02);
+    m.loads = vec![Load::Edge(VectorLoad { on: "u_max".into(), value: [-1e8, 0.0, 0.0], amplitude: None })];
+    let mesh = generate(&m.mesh).unwrap();
+    let system = build(&m, &mesh).unwrap();
+    let error = statics::run(&system, &StaticAnalysis::default(), None, &mut Silent).unwrap_err();
+    assert!(error.to_string().contains("inside out"), "{error}");
 }

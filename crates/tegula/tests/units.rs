@@ -1,10 +1,12 @@
 //! The program knows no units: the same model in other consistent units, or with stiffness, mass and
 //! loads scaled together, gives the same dimensionless results with the same iterations and steps.
 
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use common::{Notes, compile, on, quarter_cylinder, static_options, vector_load};
-use tegula::analysis::{Statistics, dynamics, statics};
+use tegula::analysis::{Silent, Statistics, dynamics, modal, statics};
 use tegula::model::*;
 use tegula::system::VectorKind;
 
@@ -159,4 +161,23 @@ fn hht_does_not_know_units() {
 #[test]
 fn energy_momentum_does_not_know_units() {
     pendulum(Scheme::EnergyMomentum(EnergyMomentumScheme {}));
+}
+
+#[test]
+fn modes_do_not_know_units() {
+    let frequencies = |units: Units| {
+        let mut m = cylinder(6, 2.1e7, 318.3, units);
+        m.conditions.clear();
+        m.analysis = Analysis::Modal(ModalAnalysis { modes: 12, prestressed: false });
+        let outcome = modal::run(&compile(&m).1, 12, None, &mut Silent).unwrap();
+        assert!(outcome.sturm_checked);
+        outcome.modes.iter().map(|m| (m.rigid, m.omega / units.time)).collect::<Vec<_>>()
+    };
+    let first = frequencies(SYSTEMS[0]);
+    assert_eq!(first.iter().filter(|m| m.0).count(), 6);
+    for units in &SYSTEMS[1..] {
+        for (a, b) in first.iter().zip(&frequencies(*units)) {
+            assert!(a.0 == b.0 && (a.1 - b.1).abs() < 1e-9 * first[11].1, "{units:?}: {a:?} became {b:?}");
+        }
+    }
 }

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `schema` | the JSON Schema of [`Model`], and what it expects of a value |
 //! | `validate` | the text's tree held against the schema |
+//! | `partial` | what else is wrong when keys are wrong already |
 //! | `unknown` | what an unknown key was meant to be |
 //! | `syntax` | errors of the TOML parser in words for people |
 //! | `locate` | from the path of a key to its place in the text, and back |
@@ -20,6 +21,7 @@
 
 mod diagnostic;
 mod locate;
+mod partial;
 mod schema;
 mod syntax;
 mod template;
@@ -99,8 +101,14 @@ impl Deck {
         if !errors.is_empty() {
             return Err(syntax::diagnostics(&path, &text, &errors));
         }
-        let found = validate::validate(&path, &text, tree.get_ref());
+        let mut found = validate::validate(&path, &text, tree.get_ref());
         if !found.is_empty() {
+            // Without its unknown keys the file may be a whole model; without a wrong value it is not.
+            if found.iter().all(|d| d.message.starts_with(validate::UNKNOWN_KEY)) {
+                let issues = partial::issues(&path, &text, &found);
+                found.extend(locate_all(&path, &text, &issues));
+                found.sort_by_key(|d| d.span.start);
+            }
             return Err(found);
         }
         match toml::from_str(&text) {
@@ -116,19 +124,23 @@ impl Deck {
     /// The issues of the model at their places in the file. An issue of a key that the file leaves at
     /// its default is placed at the table that would hold it.
     pub fn locate(&self, issues: &[Issue]) -> Vec<Diagnostic> {
-        let (tree, _) = DeTable::parse_recoverable(&self.text);
-        let place = |issue: &Issue| {
-            let span = locate::span_of(tree.get_ref(), &issue.place.key);
-            let Issue { place, message, help } = issue;
-            Diagnostic::new(&self.path, &self.text, span, place.key.as_str(), message.as_str(), help.as_str())
-        };
-        issues.iter().map(place).collect()
+        locate_all(&self.path, &self.text, issues)
     }
 
     /// Path of a file that the model names relative to the model file.
     pub fn beside(&self, file: impl AsRef<Path>) -> PathBuf {
         self.path.parent().unwrap_or(Path::new("")).join(file)
     }
+}
+
+fn locate_all(path: &Path, text: &str, issues: &[Issue]) -> Vec<Diagnostic> {
+    let (tree, _) = DeTable::parse_recoverable(text);
+    let place = |issue: &Issue| {
+        let span = locate::span_of(tree.get_ref(), &issue.place.key);
+        let Issue { place, message, help } = issue;
+        Diagnostic::new(path, text, span, place.key.as_str(), message.as_str(), help.as_str())
+    };
+    issues.iter().map(place).collect()
 }
 
 #[cfg(test)]

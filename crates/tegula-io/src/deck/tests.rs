@@ -279,3 +279,13 @@ proptest! {
         check(&text)?;
     }
 }
+
+#[test]
+fn wrong_keys_do_not_hide_wrong_values() {
+    let text = template("static").unwrap().replace("thickness", "thickness = 0.01\ntickness");
+    let text = text.replace("on = \"u_min\"", "on = \"no-such-set\"");
+    let found = Deck::parse("model.toml", text).unwrap_err();
+    let all: Vec<String> = found.iter().map(|d| format!("{}: {}", d.key, d.message)).collect();
+    assert!(all.iter().any(|m| m.contains("unknown key \"tickness\"")), "{all:#?}");
+    assert!(all.iter().any(|m| m.contains("no-such-set")), "{all:#?}");
+}

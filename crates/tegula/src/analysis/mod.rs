@@ -25,7 +25,7 @@ pub struct State {
     pub stress: Vec<f64>,
     /// Length of the next time step (load step).
     pub next_step: f64,
-    /// Length of the last time step; 0 at the start.
+    /// Length of the last finished time step; 0 at the start.
     pub last_step: f64,
     /// Work of loads other than constant gravity since the start.
     pub work: f64,
@@ -42,13 +42,14 @@ pub struct Balance {
     pub kinetic: f64,
     /// Strain energy.
     pub strain: f64,
-    /// Potential of gravity, 0 at the start.
+    /// Potential of gravity, 0 at the start; in statics that of all loads of constant direction, −F·u.
     pub potential: f64,
-    /// Work of all other loads and of prescribed motions since the start.
+    /// Work of all other loads and of prescribed motions since the start; in statics of loads that follow the motion.
     pub work: f64,
     /// Energy dissipated since the start.
     pub dissipated: f64,
-    /// kinetic + strain + potential + dissipated − work: constant for an exact integration.
+    /// kinetic + strain + potential + dissipated − work: constant in time for an exact integration; in statics
+    /// the potential that equilibrium makes stationary.
     pub total: f64,
     /// Linear momentum.
     pub momentum: [f64; 3],

@@ -6,7 +6,7 @@ use crate::element::{Kinematics, Motion, Nodal, TangentWeights};
 use crate::linear::Factor as _;
 use crate::model::StaticAnalysis;
 use crate::system::assembly::{TangentParts, add_follower_loads};
-use crate::system::{Assembly, System, dot};
+use crate::system::{Assembly, System, dot, inside_out};
 use crate::{Error, Result};
 
 /// Energy of the last increment over the strain energy; convergence is quadratic, so the error is far below.
@@ -145,7 +145,12 @@ pub fn run(
         let mut equation = StaticEquation { u: state.u.clone(), time: target };
         let result = newton.solve(system, &mut equation, &tolerances, observer);
         statistics.factorizations = newton.solver.factorizations() as u64;
+        let inverted = result.is_ok().then(|| inside_out(system, &equation.u)).flatten();
         let failure = match result {
+            Ok(c) if inverted.is_some() => {
+                statistics.iterations += u64::from(c.iterations);
+                format!("the equilibrium found is not a real one: {}", inverted.unwrap_or_default())
+            }
             Ok(c) if c.negative_pivots > 0 && !options.allow_unstable && system.followers.is_empty() => {
                 statistics.iterations += u64::from(c.iterations);
                 format!(
@@ -168,18 +173,8 @@ pub fn run(
                     ));
                 }
                 negative_pivots = c.negative_pivots;
-                // Work by the trapezoidal rule over the load step.
-                let mut before = vec![[0.0; 3]; n];
-                system.add_dead_loads(state.time, 1.0, &mut before);
-                add_follower_loads(system, &state_kinematics(system, &state.u), state.time, 1.0, &mut before);
-                equation.rest(system, &mut external);
-                let mut work = 0.0;
-                for v in 0..n {
-                    for i in 0..3 {
-                        work += 0.5 * (before[v][i] + external[v][i]) * (equation.u[v][i] - state.u[v][i]);
-                    }
-                }
-                state.work += work;
+                state.work +=
+                    follower_work(system, (&state.u, state.time), (&equation.u, target), &mut external);
                 state.next_step = largest.min(2.0 * (target - state.time));
                 state.u.copy_from_slice(&equation.u);
                 // Twenty steps of 0.05 end at 1, and at round numbers on the way.
@@ -235,7 +230,29 @@ fn energies(system: &System, assembly: &mut Assembly, state: &State) -> Balance 
     let mut external = vec![[0.0; 3]; state.u.len()];
     system.add_dead_loads(state.time, 1.0, &mut external);
     let potential = -dot(&external, &state.u);
-    Balance { strain, potential, work: state.work, total: strain + potential, ..Balance::default() }
+    Balance {
+        strain,
+        potential,
+        work: state.work,
+        total: strain + potential - state.work,
+        ..Balance::default()
+    }
+}
+
+/// Work of the loads that follow the motion over a load step, by the trapezoidal rule.
+fn follower_work(
+    system: &System,
+    (from, start): (&[Nodal], f64),
+    (to, end): (&[Nodal], f64),
+    force: &mut [Nodal],
+) -> f64 {
+    if system.followers.is_empty() {
+        return 0.0;
+    }
+    force.fill([0.0; 3]);
+    add_follower_loads(system, &state_kinematics(system, from), start, 0.5, force);
+    add_follower_loads(system, &state_kinematics(system, to), end, 0.5, force);
+    dot(force, to) - dot(force, from)
 }
 
 /// Reactions of the supports: force that they exert on the supported coordinates.

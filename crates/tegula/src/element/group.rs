@@ -227,19 +227,13 @@ impl<const M: usize, const N: usize, const S: usize> QuadraticGroup<M, N, S> {
     }
 
     #[inline(always)]
-    fn evaluate_one(
-        &self,
-        e: usize,
-        k: &Kinematics,
-        force: &mut [f64],
-        tangent: Option<(&TangentWeights, Option<&[f64]>, Option<&[Nodal]>, &mut [f64])>,
-    ) {
+    fn evaluate_one(&self, e: usize, k: &Kinematics, force: &mut [f64], tangent: Option<OneTangent>) {
         let (acting, n) = self.stress(e, k);
         let f = self.strains.force(&acting, &n);
         for (out, value) in force.iter_mut().zip(f.as_flattened()) {
             *out = *value;
         }
-        let Some((w, stress, prescribed, blocks)) = tangent else { return };
+        let Some(OneTangent { weights: w, stress, prescribed, blocks }) = tangent else { return };
         let mut geometric_stress = n;
         if let Some(stored) = stress {
             geometric_stress.copy_from_slice(&stored[e * S..(e + 1) * S]);
@@ -256,6 +250,14 @@ impl<const M: usize, const N: usize, const S: usize> QuadraticGroup<M, N, S> {
             }
         }
     }
+}
+
+/// A [`TangentRequest`] with the blocks of one element.
+struct OneTangent<'a> {
+    weights: &'a TangentWeights,
+    stress: Option<&'a [f64]>,
+    prescribed: Option<&'a [Nodal]>,
+    blocks: &'a mut [f64],
 }
 
 /// Adds `scale · K d` for the lower blocks of a symmetric element matrix.
@@ -344,7 +346,8 @@ impl<const M: usize, const N: usize, const S: usize> ElementGroup for QuadraticG
                                 for (i, (force, blocks)) in
                                     forces.chunks_exact_mut(N).zip(blocks.chunks_exact_mut(size)).enumerate()
                                 {
-                                    let tangent = Some((&weights, stress, prescribed, blocks));
+                                    let tangent =
+                                        Some(OneTangent { weights: &weights, stress, prescribed, blocks });
                                     self.evaluate_one(chunk * CHUNK + i, k, force, tangent);
                                 }
                             },

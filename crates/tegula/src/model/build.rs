@@ -128,6 +128,7 @@ pub fn build(model: &Model, mesh: &Mesh) -> Result<System> {
     for load in &followers {
         builder.element(load.vectors(), &[]);
     }
+    issues.extend(lost_moments(&followers, &vectors));
     let added = added_masses(model, mesh, &vectors);
     for &(a, b, m) in &added {
         builder.mass(a, b, m);
@@ -442,6 +443,28 @@ fn follower_loads(
         }
     }
     out
+}
+
+/// Moments along a director: nothing of the shell resists there, so that part would be lost.
+fn lost_moments(loads: &[FollowerLoad], vectors: &Vectors) -> Vec<Issue> {
+    let lost = |load: &FollowerLoad| match load {
+        FollowerLoad::Moment { vector, moment, .. } => {
+            let d = Vec3::from(vectors.reference[*vector as usize]);
+            let along = moment.dot(&d).abs();
+            (along > 1e-3 * moment.norm()).then(|| (vectors.nodes[*vector as usize], along, moment.norm()))
+        }
+        FollowerLoad::Pressure { .. } => None,
+    };
+    let all: Vec<_> = loads.iter().filter_map(lost).collect();
+    let Some((node, along, whole)) = all.first() else { return Vec::new() };
+    vec![Issue::new(
+        "loads",
+        format!(
+            "{} moment(s) have a part along the director, the first at node {node}: {along:.3e} of {whole:.3e} would be lost",
+            all.len()
+        ),
+        "a shell node does not resist turning about its director; use a pair of forces for that part",
+    )]
 }
 
 fn dead_loads(

@@ -2,6 +2,7 @@
 
 pub mod assembly;
 pub mod index_map;
+mod inversion;
 pub mod numbering;
 pub mod pattern;
 
@@ -12,6 +13,7 @@ use crate::load::{FollowerLoad, TimeFunction};
 use crate::section::SectionStiffness;
 pub use assembly::Assembly;
 pub use index_map::IndexMap;
+pub use inversion::inside_out;
 pub use numbering::{Numbering, VectorKind};
 pub use pattern::Pattern;
 

@@ -12,6 +12,9 @@ pub enum VectorKind {
     Director,
 }
 
+/// A prescribed displacement: a value and the amplitude it is multiplied with.
+pub type Motion = (f64, Option<usize>);
+
 /// A support: the component of a nodal vector's displacement along `direction` follows a value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Support {
@@ -20,7 +23,7 @@ pub struct Support {
     /// Unit direction.
     pub direction: Vec3,
     /// Value times amplitude that the component follows; `None`: fixed.
-    pub motion: Option<(f64, Option<usize>)>,
+    pub motion: Option<Motion>,
     /// Key of the model that says so.
     pub key: String,
 }
@@ -76,7 +79,7 @@ impl Numbering {
                 }
             }
             let along_axis = |a: &Vec3| (0..3).find(|&c| a[c].abs() > 1.0 - 1e-12);
-            let mut supported: [Option<Option<(f64, Option<usize>)>>; 3] = [None; 3];
+            let mut supported: [Option<Option<Motion>>; 3] = [None; 3];
             if axes.iter().all(|(a, _)| along_axis(a).is_some()) {
                 for (a, s) in &axes {
                     if let Some(c) = along_axis(a) {

@@ -30,8 +30,6 @@ pub struct EnergyMomentum {
     v: Vec<Nodal>,
     u_old: Vec<Nodal>,
     v_old: Vec<Nodal>,
-    /// Length of the step before, whose mean acceleration is `a_old`.
-    last_step: f64,
     /// Forces or velocities that only pass through.
     buffer: Vec<Nodal>,
     a_old: Vec<Nodal>,
@@ -50,7 +48,6 @@ impl EnergyMomentum {
             v: zero.clone(),
             u_old: zero.clone(),
             v_old: zero.clone(),
-            last_step: 0.0,
             buffer: zero.clone(),
             a_old: zero,
             energy_scale: 0.0,
@@ -132,7 +129,6 @@ impl Integrator for EnergyMomentum {
         self.v_old.copy_from_slice(&state.v);
         self.a_old.copy_from_slice(&state.a);
         self.energy_scale = state.energy_scale;
-        self.last_step = state.last_step;
         for (n, u) in self.u.iter_mut().enumerate() {
             for i in 0..3 {
                 u[i] = state.u[n][i] + dt * state.v[n][i];
@@ -140,6 +136,10 @@ impl Integrator for EnergyMomentum {
         }
         copy_supported(system, &state.u, &mut self.u);
         self.update_rates();
+    }
+
+    fn displacements(&self) -> &[Nodal] {
+        &self.u
     }
 
     fn finish(&mut self, _system: &System, state: &mut State) {
@@ -151,9 +151,9 @@ impl Integrator for EnergyMomentum {
     }
 
     /// Error of the midpoint rule, Δt³/12 times the rate of the acceleration, from the mean
-    /// accelerations of two steps, which lie half of both steps apart.
-    fn local_error(&self, system: &System, _state: &State) -> f64 {
-        let factor = self.dt.powi(3) / 12.0 / (0.5 * (self.dt + self.last_step));
+    /// accelerations of two steps. In the first step the initial acceleration stands for the step before.
+    fn local_error(&self, system: &System, state: &State) -> f64 {
+        let factor = self.dt.powi(3) / 12.0 / (0.5 * (self.dt + state.last_step));
         system.position_rms(|n| {
             let a = self.mean_acceleration(n);
             std::array::from_fn(|i| factor * (a[i] - self.a_old[n][i]))

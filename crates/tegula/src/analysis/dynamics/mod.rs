@@ -12,7 +12,7 @@ use crate::linear::Factor as _;
 use crate::model::{NewtonMethod, Scheme, TransientAnalysis};
 use crate::system::assembly::add_follower_loads;
 use crate::system::numbering::CONSTRAINED;
-use crate::system::{Assembly, System, VectorKind, dot, dot3};
+use crate::system::{Assembly, System, VectorKind, dot, dot3, inside_out};
 use crate::{Error, Result};
 use energy_momentum::EnergyMomentum;
 use newmark::Newmark;
@@ -25,6 +25,8 @@ use step_control::StepControl;
 pub trait Integrator: Equation {
     /// Starts a step of length `dt` from a state, with a prediction of its end.
     fn begin(&mut self, system: &System, assembly: &mut Assembly, state: &State, dt: f64);
+    /// Displacements at the present iterate of the end of the step.
+    fn displacements(&self) -> &[Nodal];
     /// Displacements, velocities and accelerations at the end of a converged step.
     fn finish(&mut self, system: &System, state: &mut State);
     /// Root mean square error of position of the step over the model's length.
@@ -118,7 +120,13 @@ pub fn run(
         scheme.begin(system, &mut newton.assembly, &state, dt);
         let result = newton.solve(system, scheme.as_mut(), &tolerances, observer);
         statistics.factorizations = newton.solver.factorizations() as u64;
+        let inverted = result.is_ok().then(|| inside_out(system, scheme.displacements())).flatten();
         let failure = match result {
+            Ok(c) if inverted.is_some() => {
+                statistics.iterations += u64::from(c.iterations);
+                state.next_step = 0.5 * dt;
+                inverted.unwrap_or_default()
+            }
             Ok(c) => {
                 statistics.iterations += u64::from(c.iterations);
                 let error = scheme.local_error(system, &state);

@@ -185,6 +185,10 @@ impl Integrator for Newmark {
         self.update_rates(system);
     }
 
+    fn displacements(&self) -> &[Nodal] {
+        &self.u
+    }
+
     fn finish(&mut self, _system: &System, state: &mut State) {
         state.u.copy_from_slice(&self.u);
         state.v.copy_from_slice(&self.v);

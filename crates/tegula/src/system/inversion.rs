@@ -1,0 +1,39 @@
+//! Finds elements that a motion has turned inside out.
+//!
+//! Strains are quadratic, so an element that has passed through itself has small strains again and Newton's
+//! method can settle there. No real shell gets there: such a state is not an answer.
+
+use rayon::prelude::*;
+
+use super::System;
+use crate::Vec3;
+use crate::element::Nodal;
+use crate::element::geometry::{GAUSS_POINTS, covariant_base};
+
+/// Elements that one task looks at.
+const CHUNK: usize = 256;
+
+/// The first shell whose volume measure `det[r,ξ r,η d]` has changed its sign at an integration point, for people.
+pub fn inside_out(system: &System, u: &[Nodal]) -> Option<String> {
+    if system.linear {
+        return None;
+    }
+    let turned = |shell: &super::Shell| {
+        let (group, member) = shell.member;
+        let vectors = system.groups[group].vectors(member);
+        let current = |a: usize| {
+            let v = vectors[a] as usize;
+            Vec3::from(system.reference[v]) + Vec3::from(u[v])
+        };
+        let (positions, directors) = (std::array::from_fn(current), std::array::from_fn(|a| current(4 + a)));
+        GAUSS_POINTS.iter().any(|&[xi, eta]| {
+            let now = covariant_base(&positions, &directors, xi, eta).determinant();
+            let reference =
+                covariant_base(&shell.geometry.positions, &shell.geometry.directors, xi, eta).determinant();
+            now * reference <= 0.0
+        })
+    };
+    let shell = system.shells.par_iter().with_min_len(CHUNK).find_first(|s| turned(s))?;
+    let c = shell.geometry.positions.iter().sum::<Vec3>() / 4.0;
+    Some(format!("element {} at ({:.4}, {:.4}, {:.4}) is turned inside out", shell.quad, c.x, c.y, c.z))
+}
