@@ -1,5 +1,5 @@
 //! The program from outside: results of the examples, exit codes, messages, interruption.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::unwrap_used)]
 
 use std::fs;
 use std::path::{Path, PathBuf};
