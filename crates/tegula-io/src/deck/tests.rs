@@ -89,7 +89,7 @@ fn all_errors_come_at_once_in_the_order_of_the_text() {
     m.toml:13:11: materials.steel.poisson: expected a number, found the string "0.3"
       help: write it without quotes: 0.3
     m.toml:14:1: sections[0]: missing key "thickness"
-      help: add "thickness", a number: Thickness h [length], above 0.
+      help: add "thickness", a number: Thickness h (length), above 0.
     m.toml:21:8: loads[0].type: unknown type "egde"
       help: did you mean "edge"? (one of "force", "moment", "edge", "edge-moment", "traction", "pressure", "gravity")
     "#);

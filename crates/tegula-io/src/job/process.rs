@@ -1,6 +1,6 @@
 //! What the process has cost so far, as the operating system counts it.
 
-/// Processor time of all threads, user and system [s]; `None` where it is not known.
+/// Processor time of all threads, user and system (s); `None` where it is not known.
 pub(super) fn cpu_seconds() -> Option<f64> {
     // Linux counts these in USER_HZ, which is 100 on every architecture that Rust runs on.
     const TICKS: f64 = 100.0;
@@ -11,7 +11,7 @@ pub(super) fn cpu_seconds() -> Option<f64> {
     Some((next()? + next()?) / TICKS)
 }
 
-/// Largest resident memory so far [bytes]; `None` where it is not known.
+/// Largest resident memory so far (bytes); `None` where it is not known.
 pub(super) fn peak_memory_bytes() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

@@ -12,9 +12,9 @@ use super::summary::{PointResult, Status, Summary};
 use super::{JobObserver, Prepared, Progress, ResultFolder, Start, fields, history, process, snapshots};
 use crate::out::{HistoryWriter, OutputError, PvdSeries};
 
-/// Longest time on the clock between two checkpoints [s].
+/// Longest time on the clock between two checkpoints (s).
 const CHECKPOINT_SECONDS: f64 = 30.0;
-/// Shortest one where every step writes a field file [s].
+/// Shortest one where every step writes a field file (s).
 const SMALLEST_CHECKPOINT_SECONDS: f64 = 1.0;
 
 /// Writes fields, history, checkpoints and the summary of one run.

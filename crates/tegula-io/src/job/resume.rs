@@ -38,9 +38,9 @@ pub(super) struct Notes {
     pub factorizations: u64,
     /// Repeated steps so far.
     pub cutbacks: u64,
-    /// Time on the clock so far [s].
+    /// Time on the clock so far (s).
     pub wall_s: f64,
-    /// Processor time so far [s].
+    /// Processor time so far (s).
     pub cpu_s: Option<f64>,
     /// Time of the last regular field file.
     pub last_frame: f64,

@@ -22,7 +22,7 @@ pub enum Status {
     Failed,
 }
 
-/// Energies at the end of the run [energy].
+/// Energies at the end of the run (energy).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energy {
     /// Kinetic energy.
@@ -55,9 +55,9 @@ impl From<&Balance> for Energy {
 /// A recorded point at the end of the run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct PointResult {
-    /// Position [length].
+    /// Position (length).
     pub position: [f64; 3],
-    /// Displacement [length].
+    /// Displacement (length).
     pub displacement: [f64; 3],
 }
 
@@ -85,7 +85,7 @@ pub struct Summary {
     pub elements: usize,
     /// Unknowns.
     pub unknowns: usize,
-    /// Total mass [mass].
+    /// Total mass (mass).
     pub mass: f64,
     /// Time (load factor) reached.
     pub time: f64,
@@ -109,11 +109,11 @@ pub struct Summary {
     /// Whether a Sturm sequence has proved that no mode is missing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sturm_checked: Option<bool>,
-    /// Time on the clock, those of resumed parts added [s].
+    /// Time on the clock, those of resumed parts added (s).
     pub wall_s: f64,
-    /// Processor time of all threads, user and system [s]; null where it is not known.
+    /// Processor time of all threads, user and system (s); null where it is not known.
     pub cpu_s: Option<f64>,
-    /// Largest memory of the process [bytes]; null where it is not known.
+    /// Largest memory of the process (bytes); null where it is not known.
     pub peak_memory_bytes: Option<u64>,
     /// Threads.
     pub threads: usize,

@@ -188,8 +188,9 @@ impl Report {
 
     /// A Markdown table with one line a case: values compared, missed, and how near the worst came to what is allowed.
     pub fn summary(&self) -> String {
-        let mut out =
-            String::from("| case | values | missed | worst use of a tolerance or limit |\n|---|---:|---:|---:|\n");
+        let mut out = String::from(
+            "| case | values | missed | worst use of a tolerance or limit |\n|---|---:|---:|---:|\n",
+        );
         let mut cases: Vec<&str> = Vec::new();
         for row in &self.rows {
             if !cases.contains(&row.case.as_str()) {

@@ -13,7 +13,7 @@ use super::quality::{check_structure, report};
 use super::topology::Edges;
 use crate::{Error, Issue, Result, Vec3};
 
-/// Neighbouring facets that meet at a larger angle [degrees] form a fold.
+/// Neighbouring facets that meet at a larger angle (degrees) form a fold.
 pub const FOLD_ANGLE_DEGREES: f64 = 20.0;
 
 /// The directors of a mesh.

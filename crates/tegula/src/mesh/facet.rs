@@ -6,7 +6,7 @@ use crate::Vec3;
 /// The four corners of a quad.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Facet {
-    /// Positions of the corners in the order of the quad's nodes [length].
+    /// Positions of the corners in the order of the quad's nodes (length).
     pub x: [Vec3; 4],
 }
 
@@ -20,27 +20,27 @@ impl Facet {
         Some(Self { x })
     }
 
-    /// Mean of the corners [length].
+    /// Mean of the corners (length).
     pub fn center(&self) -> Vec3 {
         (self.x[0] + self.x[1] + self.x[2] + self.x[3]) * 0.25
     }
 
-    /// Integral of the normal over the facet, ½ d₀₂ × d₁₃ with the diagonals d [length²].
+    /// Integral of the normal over the facet, ½ d₀₂ × d₁₃ with the diagonals d (length²).
     pub fn area_vector(&self) -> Vec3 {
         (self.x[2] - self.x[0]).cross(&(self.x[3] - self.x[1])) * 0.5
     }
 
-    /// Length of the longer diagonal [length].
+    /// Length of the longer diagonal (length).
     pub fn diagonal(&self) -> f64 {
         (self.x[2] - self.x[0]).norm().max((self.x[3] - self.x[1]).norm())
     }
 
-    /// Length of the side from `corner` to the next [length].
+    /// Length of the side from `corner` to the next (length).
     pub fn side(&self, corner: usize) -> f64 {
         (self.x[(corner + 1) % 4] - self.x[corner]).norm()
     }
 
-    /// r,ξ × r,η at a corner, times 4 [length²]; its length is 4 times the Jacobian.
+    /// r,ξ × r,η at a corner, times 4 (length²); its length is 4 times the Jacobian.
     pub fn corner_normal(&self, corner: usize) -> Vec3 {
         let (next, previous) = self.arms(corner);
         next.cross(&previous)

@@ -57,7 +57,7 @@ impl Input {
         unit
     }
 
-    /// First and last angle [degrees]: different, at most a turn apart. Returns whether they are a full turn.
+    /// First and last angle (degrees): different, at most a turn apart. Returns whether they are a full turn.
     pub fn angles(&mut self, key: &str, name: &str, [first, last]: [f64; 2]) -> bool {
         let span = (last - first).abs();
         if !(first.abs() < HUGE && last.abs() < HUGE) {

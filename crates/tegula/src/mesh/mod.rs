@@ -25,7 +25,7 @@ use crate::Vec3;
 /// A mesh of four-node quadrilaterals with named sets.
 #[derive(Debug, Clone, Default)]
 pub struct Mesh {
-    /// Position of each node [length].
+    /// Position of each node (length).
     pub positions: Vec<Vec3>,
     /// Nodes of each quad, counter-clockwise about the director.
     pub quads: Vec<[u32; 4]>,

@@ -198,15 +198,15 @@ fn repeated_node(quad: &[u32; 4]) -> Option<u32> {
 /// How well shaped the elements are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quality {
-    /// Area of the smallest element, projected on its mean plane [length²].
+    /// Area of the smallest element, projected on its mean plane (length²).
     pub min_area: f64,
     /// Largest ratio of longest to shortest side of an element; 1 for squares.
     pub max_aspect: f64,
     /// Largest distance of an element's corners from its mean plane, relative to the square root of its area.
     pub max_warp: f64,
-    /// Smallest inner angle [degrees]; 90 for rectangles.
+    /// Smallest inner angle (degrees); 90 for rectangles.
     pub min_angle_deg: f64,
-    /// Largest inner angle [degrees]; 90 for rectangles.
+    /// Largest inner angle (degrees); 90 for rectangles.
     pub max_angle_deg: f64,
 }
 

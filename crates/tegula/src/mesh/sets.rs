@@ -97,7 +97,7 @@ impl Mesh {
         self.nearest_of(&self.used_nodes(), position)
     }
 
-    /// Least and largest coordinates of the quads' nodes [length]; zero without quads.
+    /// Least and largest coordinates of the quads' nodes (length); zero without quads.
     pub fn bounding_box(&self) -> (Vec3, Vec3) {
         let nodes = self.used_nodes();
         let mut positions = nodes.iter().filter_map(|&node| self.positions.get(node as usize));
@@ -105,7 +105,7 @@ impl Mesh {
         positions.fold((*first, *first), |(low, high), x| (low.inf(x), high.sup(x)))
     }
 
-    /// Largest side of the bounding box [length].
+    /// Largest side of the bounding box (length).
     pub fn extent(&self) -> f64 {
         let (low, high) = self.bounding_box();
         (high - low).max()

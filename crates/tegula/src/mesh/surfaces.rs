@@ -8,7 +8,7 @@ use crate::Vec3;
 
 /// A surface with its exact normal.
 pub(super) trait Surface {
-    /// Position at the parameters (u, v) [length].
+    /// Position at the parameters (u, v) (length).
     fn position(&self, u: f64, v: f64) -> Vec3;
 
     /// Unit normal r,u × r,v at the parameters (u, v); `side` is a u within the
@@ -18,11 +18,11 @@ pub(super) trait Surface {
 
 /// A parallelogram; u, v in 0…1.
 pub(super) struct Plate {
-    /// Corner u = v = 0 [length].
+    /// Corner u = v = 0 (length).
     pub origin: Vec3,
-    /// Side along u [length].
+    /// Side along u (length).
     pub u_side: Vec3,
-    /// Side along v [length].
+    /// Side along v (length).
     pub v_side: Vec3,
     /// Unit normal.
     pub normal: Vec3,
@@ -40,17 +40,17 @@ impl Surface for Plate {
 
 /// A cylinder; u in 0…1 runs over the angles, v in 0…1 along the axis.
 pub(super) struct Cylinder {
-    /// Point on the axis at v = 0 [length].
+    /// Point on the axis at v = 0 (length).
     pub center: Vec3,
     /// Radial unit vector of the angle 0.
     pub radial: Vec3,
     /// Unit vector of the axis.
     pub axis: Vec3,
-    /// Radius [length].
+    /// Radius (length).
     pub radius: f64,
-    /// First and last angle [degrees].
+    /// First and last angle (degrees).
     pub angles: [f64; 2],
-    /// Length [length].
+    /// Length (length).
     pub length: f64,
 }
 
@@ -74,11 +74,11 @@ impl Surface for Cylinder {
 
 /// A flat ring normal to z; u in 0…1 runs over the radii, v in 0…1 over the angles.
 pub(super) struct Annulus {
-    /// Centre [length].
+    /// Centre (length).
     pub center: Vec3,
-    /// Inner and outer radius [length].
+    /// Inner and outer radius (length).
     pub radii: [f64; 2],
-    /// First and last angle [degrees].
+    /// First and last angle (degrees).
     pub angles: [f64; 2],
 }
 
@@ -95,13 +95,13 @@ impl Surface for Annulus {
 
 /// A sphere about the z axis; u in 0…1 runs over the longitudes, v in 0…1 over the latitudes.
 pub(super) struct Sphere {
-    /// Centre [length].
+    /// Centre (length).
     pub center: Vec3,
-    /// Radius [length].
+    /// Radius (length).
     pub radius: f64,
-    /// First and last longitude [degrees].
+    /// First and last longitude (degrees).
     pub longitudes: [f64; 2],
-    /// First and last latitude [degrees].
+    /// First and last latitude (degrees).
     pub latitudes: [f64; 2],
 }
 
@@ -126,9 +126,9 @@ impl Surface for Sphere {
 
 /// A swept polyline; u in 0…number of segments (whole numbers are vertices), v in 0…1 along the sweep.
 pub(super) struct Extrusion {
-    /// Vertices [length], at least two.
+    /// Vertices (length), at least two.
     pub vertices: Vec<Vec3>,
-    /// Sweep [length].
+    /// Sweep (length).
     pub sweep: Vec3,
     /// Unit normal of each segment's sheet.
     pub normals: Vec<Vec3>,

@@ -78,7 +78,7 @@ pub struct ModalAnalysis {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TransientAnalysis {
-    /// Time at which the analysis ends [time]; it starts at 0.
+    /// Time at which the analysis ends (time); it starts at 0.
     pub end_time: f64,
     /// Time integration scheme.
     #[serde(default)]
@@ -86,13 +86,13 @@ pub struct TransientAnalysis {
     /// Tolerance of automatic steps: RMS error of position per step over the size of the model.
     #[serde(default = "paper_tolerance")]
     pub tolerance: f64,
-    /// Constant time step [time]; given, steps are not chosen automatically.
+    /// Constant time step (time); given, steps are not chosen automatically.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_step: Option<f64>,
-    /// First automatic step [time]; chosen from the initial acceleration unless given.
+    /// First automatic step (time); chosen from the initial acceleration unless given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub initial_step: Option<f64>,
-    /// Largest automatic step [time].
+    /// Largest automatic step (time).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_step: Option<f64>,
     /// Iterations after which a time step is repeated smaller.

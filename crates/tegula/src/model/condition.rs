@@ -163,7 +163,7 @@ pub struct GravityLoad {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "kebab-case")]
 pub enum AddedMass {
-    /// A mass at every node of a set [mass].
+    /// A mass at every node of a set (mass).
     Point(MassOn),
     /// A mass per length of an edge [mass/length].
     Edge(MassOn),
@@ -194,7 +194,7 @@ pub struct InitialVelocity {
     /// Rotation [1/time].
     #[serde(default)]
     pub angular_velocity: [f64; 3],
-    /// Point about which it turns [length].
+    /// Point about which it turns (length).
     #[serde(default)]
     pub center: [f64; 3],
 }

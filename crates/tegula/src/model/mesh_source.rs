@@ -58,7 +58,7 @@ impl Grid {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlateMesh {
-    /// Corner u = v = 0 [length].
+    /// Corner u = v = 0 (length).
     #[serde(default)]
     pub origin: [f64; 3],
     /// Direction of u.
@@ -67,7 +67,7 @@ pub struct PlateMesh {
     /// Direction of v, not parallel to u; the director is u × v.
     #[serde(default = "y_axis")]
     pub v_axis: [f64; 3],
-    /// Lengths along u and v [length].
+    /// Lengths along u and v (length).
     pub size: [f64; 2],
     /// Elements, grading, distortion, points.
     pub grid: Grid,
@@ -77,7 +77,7 @@ pub struct PlateMesh {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderMesh {
-    /// Point on the axis from which v is counted [length].
+    /// Point on the axis from which v is counted (length).
     #[serde(default)]
     pub center: [f64; 3],
     /// Direction of the axis and of v.
@@ -86,11 +86,11 @@ pub struct CylinderMesh {
     /// Radial direction of the angle 0; the part along the axis is ignored.
     #[serde(default = "z_axis")]
     pub start: [f64; 3],
-    /// Radius [length].
+    /// Radius (length).
     pub radius: f64,
-    /// First and last angle [degrees], right-handed about the axis.
+    /// First and last angle (degrees), right-handed about the axis.
     pub angles: [f64; 2],
-    /// Length along the axis [length].
+    /// Length along the axis (length).
     pub length: f64,
     /// Elements, grading, distortion, points.
     pub grid: Grid,
@@ -100,12 +100,12 @@ pub struct CylinderMesh {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AnnulusMesh {
-    /// Centre [length].
+    /// Centre (length).
     #[serde(default)]
     pub center: [f64; 3],
-    /// Inner and outer radius [length].
+    /// Inner and outer radius (length).
     pub radii: [f64; 2],
-    /// First and last angle [degrees]; a full turn leaves a slit.
+    /// First and last angle (degrees); a full turn leaves a slit.
     #[serde(default = "full_turn")]
     pub angles: [f64; 2],
     /// Elements, grading, distortion, points.
@@ -116,15 +116,15 @@ pub struct AnnulusMesh {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SphereMesh {
-    /// Centre [length].
+    /// Centre (length).
     #[serde(default)]
     pub center: [f64; 3],
-    /// Radius [length].
+    /// Radius (length).
     pub radius: f64,
-    /// First and last longitude [degrees].
+    /// First and last longitude (degrees).
     #[serde(default = "quarter_turn")]
     pub longitudes: [f64; 2],
-    /// First and last latitude [degrees], within −90…90 but not at a pole.
+    /// First and last latitude (degrees), within −90…90 but not at a pole.
     pub latitudes: [f64; 2],
     /// Elements, grading, distortion, points.
     pub grid: Grid,
@@ -134,9 +134,9 @@ pub struct SphereMesh {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExtrusionMesh {
-    /// Vertices of the polyline [length], at least two; neighbours differ.
+    /// Vertices of the polyline (length), at least two; neighbours differ.
     pub vertices: Vec<[f64; 3]>,
-    /// Sweep [length].
+    /// Sweep (length).
     pub sweep: [f64; 3],
     /// Elements along the whole polyline (shared out by length, at least one a segment) and along the sweep; grading and distortion.
     pub grid: Grid,

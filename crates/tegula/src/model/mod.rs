@@ -91,7 +91,7 @@ pub struct Section {
     pub element: ElementKind,
     /// Name of a material.
     pub material: String,
-    /// Thickness h [length], above 0.
+    /// Thickness h (length), above 0.
     pub thickness: f64,
     /// Transverse shear correction factors c_xz, c_yz (5/6 each unless given).
     #[serde(default = "five_sixths")]
@@ -105,10 +105,10 @@ pub struct Section {
     /// Enhanced assumed strain in the plane (4 parameters); off: in-plane bending is too stiff.
     #[serde(default = "yes")]
     pub eas: bool,
-    /// Total mass of the section [mass]; given, the density is scaled to meet it on the mesh.
+    /// Total mass of the section (mass); given, the density is scaled to meet it on the mesh.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub total_mass: Option<f64>,
-    /// Retardation time τ of Kelvin–Voigt damping [time]: the stress is that of the strain `ε + τ dε/dt`.
+    /// Retardation time τ of Kelvin–Voigt damping (time): the stress is that of the strain `ε + τ dε/dt`.
     #[serde(default)]
     pub retardation_time: f64,
 }
@@ -131,7 +131,7 @@ pub struct Damping {
     /// Rayleigh factor of the mass matrix [1/time]: force −α M v.
     #[serde(default)]
     pub mass: f64,
-    /// Rayleigh factor of the stiffness [time]. It acts on strain rates, so rigid motion is
+    /// Rayleigh factor of the stiffness (time). It acts on strain rates, so rigid motion is
     /// not damped; for small motions it is −β K v. Added to `retardation_time` of each section.
     #[serde(default)]
     pub stiffness: f64,
@@ -218,7 +218,7 @@ pub struct OutputPoint {
     /// Name of a node set with exactly one node.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub on: Option<String>,
-    /// Position in the reference configuration [length]; the nearest node is taken.
+    /// Position in the reference configuration (length); the nearest node is taken.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at: Option<[f64; 3]>,
 }
@@ -227,7 +227,7 @@ pub struct OutputPoint {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Field {
-    /// Displacement of the nodes [length].
+    /// Displacement of the nodes (length).
     Displacement,
     /// Director at the nodes.
     Director,
@@ -235,7 +235,7 @@ pub enum Field {
     Velocity,
     /// Membrane resultants n_xx, n_yy, n_xy in the element's cross-section frame [force/length].
     Membrane,
-    /// Bending resultants m_xx, m_yy, m_xy in the element's cross-section frame [force].
+    /// Bending resultants m_xx, m_yy, m_xy in the element's cross-section frame (force).
     Bending,
     /// Transverse shear resultants q_xz, q_yz in the element's cross-section frame [force/length].
     Shear,

@@ -46,13 +46,13 @@ impl Probe {
         if issues.is_empty() { Ok(probes) } else { Err(Error::Model(issues)) }
     }
 
-    /// Position [length].
+    /// Position (length).
     pub fn position(&self, system: &System, state: &State) -> [f64; 3] {
         let (x, u) = (system.reference[self.vector], self.displacement(state));
         std::array::from_fn(|i| x[i] + u[i])
     }
 
-    /// Displacement [length].
+    /// Displacement (length).
     pub fn displacement(&self, state: &State) -> [f64; 3] {
         state.u[self.vector]
     }

@@ -27,7 +27,7 @@ use crate::system::{Shell, System};
 pub struct ShellResult {
     /// Membrane resultants n_xx, n_yy, n_xy [force/length].
     pub membrane: [f64; 3],
-    /// Bending resultants m_xx, m_yy, m_xy [force]; above 0 the bottom surface is pulled.
+    /// Bending resultants m_xx, m_yy, m_xy (force); above 0 the bottom surface is pulled.
     pub bending: [f64; 3],
     /// Transverse shear resultants q_xz, q_yz [force/length].
     pub shear: [f64; 2],
@@ -39,7 +39,7 @@ pub struct ShellResult {
     pub von_mises: f64,
     /// Strain energy per reference area [energy/area].
     pub energy_density: f64,
-    /// Reference area [area].
+    /// Reference area (area).
     pub area: f64,
 }
 

@@ -8,7 +8,7 @@ use crate::model::{Isotropic, Material, Section};
 ///
 /// ```text
 /// n = A ε + B κ      membrane [force/length]
-/// m = Bᵀ ε + D κ     bending  [force]
+/// m = Bᵀ ε + D κ     bending  (force)
 /// q = S γ            transverse shear [force/length]
 /// n_zz = Z ε_zz      thickness [force/length]
 /// ```
@@ -31,7 +31,7 @@ pub struct SectionStiffness {
 pub struct SectionInertia {
     /// ∫ρ dz [mass/area].
     pub mass: f64,
-    /// ∫ρ z² dz [mass]; the director is dimensionless.
+    /// ∫ρ z² dz (mass); the director is dimensionless.
     pub rotary: f64,
 }
 

@@ -84,7 +84,7 @@ pub struct System {
     pub pattern: Pattern,
     /// Rayleigh factor of the mass.
     pub mass_damping: f64,
-    /// Size of the model: largest side of its bounding box [length].
+    /// Size of the model: largest side of its bounding box (length).
     pub length: f64,
     /// Small displacements.
     pub linear: bool,

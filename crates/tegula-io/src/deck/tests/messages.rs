@@ -76,7 +76,7 @@ fn unknown_keys_come_with_the_one_that_was_meant() {
 fn missing_keys_are_named_with_what_they_are() {
     insta::assert_snapshot!(with("thickness = 0.1\n", ""), @r#"
     m.toml:14:1: sections[0]: missing key "thickness"
-      help: add "thickness", a number: Thickness h [length], above 0.
+      help: add "thickness", a number: Thickness h (length), above 0.
     "#);
     insta::assert_snapshot!(with("type = \"static\"\n", ""), @r#"
     m.toml:2:1: analysis: missing key "type"
@@ -84,7 +84,7 @@ fn missing_keys_are_named_with_what_they_are() {
     "#);
     insta::assert_snapshot!(with("interval = 0.1", "points = [{ name = \"a\" , at = [1,2]}, {on = \"b\"}]"), @r#"
     m.toml:26:31: output.points[0].at: expected 3 numbers, found 2
-      help: Position in the reference configuration [length]; the nearest node is taken.
+      help: Position in the reference configuration (length); the nearest node is taken.
     m.toml:26:39: output.points[1]: missing key "name"
       help: add "name", a string: Name of the point in histories, plots and `summary.json`.
     "#);
@@ -158,11 +158,11 @@ fn numbers_have_to_be_in_range_and_finite() {
 fn tables_and_lists_are_told_apart() {
     insta::assert_snapshot!(with("size = [10, 1.0]", "size = [10, 1.0, 3]"), @r#"
     m.toml:7:8: mesh.size: expected 2 numbers, found 3
-      help: Lengths along u and v [length].
+      help: Lengths along u and v (length).
     "#);
     insta::assert_snapshot!(with("size = [10, 1.0]", "size = 10"), @r#"
     m.toml:7:8: mesh.size: expected a list of 2 numbers, found the integer 10
-      help: Lengths along u and v [length].
+      help: Lengths along u and v (length).
     "#);
     insta::assert_snapshot!(with("[materials.steel]", "[materials]"), @r#"
     m.toml:11:1: materials: expected a table for each name, found the key "type"
@@ -238,6 +238,6 @@ fn values_have_to_be_of_the_right_kind() {
     "#);
     insta::assert_snapshot!(with("size = [10, 1.0]", "size = [10, [1]]"), @r#"
     m.toml:7:13: mesh.size[1]: expected a number, found a list
-      help: Lengths along u and v [length].
+      help: Lengths along u and v (length).
     "#);
 }
