@@ -337,3 +337,18 @@ fn pendulum_statistics() {
     automatic Statistics { steps: 17, iterations: 127, factorizations: 128, cutbacks: 1 }
     ");
 }
+
+/// A linear model is factored once for the masses and once for each length of the step.
+#[test]
+fn linear_models_keep_their_factor() {
+    for scheme in [NEWMARK, HHT, ENERGY_MOMENTUM] {
+        let fixed = TransientAnalysis { linear: true, ..options(scheme, 0.4, Some(0.01)) };
+        let (_, outcome) = run(&soft_plate(), &fixed, &mut Notes::default());
+        assert_eq!((outcome.statistics.steps, outcome.statistics.factorizations), (40, 2));
+        let automatic = TransientAnalysis { linear: true, ..options(scheme, 4.0, None) };
+        let (_, outcome) = run(&soft_plate(), &automatic, &mut Notes::default());
+        let s = outcome.statistics;
+        println!("{scheme:?}: {s:?}");
+        assert!(s.factorizations * 2 < s.steps, "{s:?}");
+    }
+}

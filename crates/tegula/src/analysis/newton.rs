@@ -133,7 +133,8 @@ impl Newton {
             }
             let has_prescribed = equation.prescribed(system, &mut self.increment);
             let parts = equation.parts();
-            let reuse = system.linear && self.factored == Some(parts) && !has_prescribed;
+            let same = |p: &TangentParts| (p.weights, p.mass) == (parts.weights, parts.mass);
+            let reuse = system.linear && self.factored.as_ref().is_some_and(same) && !has_prescribed;
             {
                 let k = equation.kinematics(system);
                 if reuse {

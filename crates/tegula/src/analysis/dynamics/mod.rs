@@ -109,10 +109,14 @@ pub fn run(
     }
     while state.time < options.end_time {
         let left = options.end_time - state.time;
-        // The last two steps share what is left, so that no sliver remains.
-        let dt = if left <= 1.000_001 * state.next_step {
+        let last = left <= 1.000_001 * state.next_step;
+        let dt = if last && left >= 0.999_999_999 * state.next_step {
+            // Only rounding apart: the length, and with it the factor of a linear model, stays.
+            state.next_step
+        } else if last {
             left
         } else if left < 2.0 * state.next_step && options.time_step.is_none() {
+            // The last two steps share what is left, so that no sliver remains.
             0.5 * left
         } else {
             state.next_step
@@ -136,7 +140,7 @@ pub fn run(
                     state.dissipated += exchange.dissipated;
                     scheme.finish(system, &mut state);
                     state.last_step = dt;
-                    state.time = if dt == left { options.end_time } else { state.time + dt };
+                    state.time = if last { options.end_time } else { state.time + dt };
                     state.step += 1;
                     state.next_step = control.next(dt, error, c.iterations);
                     newton.assembly.reset_stress(system, &state_kinematics(system, &state.u));

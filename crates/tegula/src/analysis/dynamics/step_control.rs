@@ -12,6 +12,8 @@ const SAFETY: f64 = 0.9;
 const GROWTH: f64 = 1.5;
 /// Largest reduction from one step to the next.
 const REDUCTION: f64 = 0.3;
+/// A linear model keeps its step, and with it its factor, while the error would change it no more than this.
+const KEEP: std::ops::Range<f64> = 0.9..1.4;
 /// Iterations above which the step does not grow.
 const MANY_ITERATIONS: u32 = 10;
 
@@ -24,17 +26,19 @@ pub struct StepControl {
     initial: Option<f64>,
     largest: f64,
     end: f64,
+    linear: bool,
 }
 
 impl StepControl {
     /// From the options of an analysis.
-    pub fn new(_system: &System, options: &TransientAnalysis) -> Self {
+    pub fn new(system: &System, options: &TransientAnalysis) -> Self {
         Self {
             tolerance: options.tolerance,
             fixed: options.time_step,
             initial: options.initial_step,
             largest: options.max_step.unwrap_or(options.end_time),
             end: options.end_time,
+            linear: system.linear,
         }
     }
 
@@ -64,6 +68,9 @@ impl StepControl {
             return fixed.min(2.0 * dt);
         }
         let factor = if error > 0.0 { SAFETY * (self.tolerance / error).cbrt() } else { GROWTH };
+        if self.linear && KEEP.contains(&factor) {
+            return dt;
+        }
         let growth = if iterations > MANY_ITERATIONS { 1.0 } else { GROWTH };
         (dt * factor.clamp(REDUCTION, growth)).min(self.largest)
     }
