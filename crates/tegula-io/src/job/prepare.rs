@@ -5,7 +5,7 @@ use tegula::model::{MeshSource, build, check};
 use tegula::result::Probe;
 use tegula::{Error, Issue, Mesh, System};
 
-use super::JobError;
+use super::{JobError, process};
 use crate::deck::Deck;
 use crate::mesh::{MeshError, gmsh};
 use crate::out::fingerprint;
@@ -28,6 +28,9 @@ pub struct Prepared {
 /// Everything that is wrong with the model, at its places in the file.
 pub fn prepare(deck: &Deck) -> Result<Prepared, JobError> {
     let located = |issues: Vec<Issue>| JobError::Model(deck.locate(&issues));
+    if let Some(issue) = too_large(&deck.model.mesh, process::machine_memory_bytes()) {
+        return Err(located(vec![issue]));
+    }
     let (mesh, fingerprint) = mesh(deck).map_err(|mut issues| {
         // Without a mesh the sets cannot be checked, but everything else can.
         issues.extend(check::keys(&deck.model));
@@ -64,9 +67,64 @@ fn mesh(deck: &Deck) -> Result<(Mesh, u64), Vec<Issue>> {
     Ok((mesh, fingerprint(both)))
 }
 
+/// Elements that the machine cannot hold: said before the attempt, which would end without a word.
+fn too_large(mesh: &MeshSource, memory: Option<u64>) -> Option<Issue> {
+    /// Least memory of an element: its matrices, its share of the pattern and of the factor (bytes).
+    const PER_ELEMENT: u64 = 20_000;
+    let grid = match mesh {
+        MeshSource::Plate(m) => &m.grid,
+        MeshSource::Cylinder(m) => &m.grid,
+        MeshSource::Annulus(m) => &m.grid,
+        MeshSource::Sphere(m) => &m.grid,
+        MeshSource::Extrusion(m) => &m.grid,
+        MeshSource::Gmsh(_) => return None,
+    };
+    let [u, v] = grid.elements.map(u64::from);
+    let (needed, there) = (u.saturating_mul(v).saturating_mul(PER_ELEMENT), memory?);
+    let gibibytes = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    (needed > there).then(|| {
+        Issue::new(
+            "mesh.grid.elements",
+            format!(
+                "{u} x {v} elements need more than {:.0} GiB of memory, this machine has {:.0} GiB",
+                gibibytes(needed),
+                gibibytes(there)
+            ),
+            "use fewer elements",
+        )
+    })
+}
+
 fn issues_of(error: Error) -> Vec<Issue> {
     match error {
         Error::Model(issues) => issues,
         other => vec![Issue::new("", other.to_string(), "")],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tegula::model::{Grid, PlateMesh};
+
+    #[test]
+    fn meshes_that_do_not_fit_are_refused() {
+        let plate = |n| {
+            MeshSource::Plate(PlateMesh {
+                origin: [0.0; 3],
+                u_axis: [1.0, 0.0, 0.0],
+                v_axis: [0.0, 1.0, 0.0],
+                size: [1.0, 1.0],
+                grid: Grid::uniform(n, n),
+            })
+        };
+        let memory = Some(24 << 30);
+        assert!(too_large(&plate(1000), memory).is_none());
+        let issue = too_large(&plate(4000), memory).unwrap();
+        assert_eq!(
+            issue.message,
+            "4000 x 4000 elements need more than 298 GiB of memory, this machine has 24 GiB"
+        );
+        assert!(too_large(&plate(4000), None).is_none());
     }
 }
