@@ -291,3 +291,22 @@ fn reactions_of_a_linear_model_balance_in_the_reference() {
     close(-r_force, force, force.norm());
     close(-r_moment, moment, moment.norm());
 }
+
+#[test]
+fn loads_and_supports_of_nodes_without_elements_are_refused() {
+    let mut m = model(plate([1.0, 1.0], [2, 2], 0.0), 1e5, 0.1);
+    let mut mesh = tegula::mesh::generators::generate(&m.mesh).unwrap();
+    let loose = mesh.positions.len() as u32;
+    mesh.positions.push(Vec3::new(5.0, 5.0, 5.0));
+    mesh.node_sets.insert("loose".into(), vec![0, loose]);
+    m.loads = vec![
+        Load::Moment(vector_load("loose", [1.0, 0.0, 0.0])),
+        Load::Force(vector_load("loose", [1.0; 3])),
+    ];
+    m.conditions.push(Condition::Clamp(OnSet { on: "loose".into() }));
+    let Err(tegula::Error::Model(issues)) = tegula::model::build::build(&m, &mesh) else {
+        panic!("not refused")
+    };
+    let named = issues.iter().filter(|i| i.message.contains("belongs to no element")).count();
+    assert_eq!(named, 3, "{issues:?}");
+}

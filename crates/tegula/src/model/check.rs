@@ -214,7 +214,49 @@ pub fn sets(model: &Model, mesh: &Mesh) -> Vec<Issue> {
             }
         }
     }
+    c.issues.extend(loose_nodes(model, mesh));
     c.issues
+}
+
+/// Sets in use that hold nodes without elements: such nodes have no coordinates to support, load or record.
+fn loose_nodes(model: &Model, mesh: &Mesh) -> Vec<Issue> {
+    let part_of = parts(mesh);
+    let mut names: Vec<(String, &str)> = Vec::new();
+    for (i, c) in model.conditions.iter().enumerate() {
+        names.push((format!("conditions[{i}].on"), c.on()));
+    }
+    for (i, load) in model.loads.iter().enumerate() {
+        if let Load::Force(l) | Load::Moment(l) | Load::Edge(l) | Load::EdgeMoment(l) = load {
+            names.push((format!("loads[{i}].on"), &l.on));
+        }
+    }
+    for (i, mass) in model.masses.iter().enumerate() {
+        if let AddedMass::Point(m) | AddedMass::Edge(m) = mass {
+            names.push((format!("masses[{i}].on"), &m.on));
+        }
+    }
+    for (i, v) in model.initial_velocities.iter().enumerate() {
+        names.push((format!("initial_velocities[{i}].on"), &v.on));
+    }
+    for (i, p) in model.output.points.iter().enumerate() {
+        if let Some(on) = &p.on {
+            names.push((format!("output.points[{i}].on"), on));
+        }
+    }
+    let loose = |name: &str| {
+        mesh.nodes_on(name).unwrap_or_default().into_iter().find(|&n| part_of[n as usize] == u32::MAX)
+    };
+    names
+        .into_iter()
+        .filter_map(|(key, name)| {
+            let node = loose(name)?;
+            Some(Issue::new(
+                key,
+                format!("set \"{name}\" holds node {node}, which belongs to no element"),
+                "take the node out of the set, or out of the mesh",
+            ))
+        })
+        .collect()
 }
 
 /// Rigid-body motions that the supports leave free, sheet by sheet.
