@@ -4,10 +4,12 @@
 //! keys of the TOML file are the field names, the JSON Schema is derived from
 //! the same types, and the documentation of a key is its doc comment.
 
+mod actions;
 mod analysis;
 pub mod build;
 pub mod check;
 mod condition;
+mod mechanism;
 mod mesh_source;
 
 use std::collections::BTreeMap;

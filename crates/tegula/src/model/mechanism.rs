@@ -1,0 +1,117 @@
+//! Rigid motions that the supports leave free.
+
+use std::collections::BTreeMap;
+
+use nalgebra::SMatrix;
+
+use crate::element::Nodal;
+use crate::mesh::Mesh;
+use crate::system::numbering::{Support, VectorKind};
+use crate::{Issue, Vec3};
+
+/// Rigid-body motions that the supports leave free, sheet by sheet.
+///
+/// Each part of the mesh that hangs together has six rigid motions. A support forbids a combination of
+/// them; a motion that no support forbids is a free mechanism.
+pub fn mechanisms(
+    mesh: &Mesh,
+    reference: &[Nodal],
+    kinds: &[VectorKind],
+    nodes: &[u32],
+    supports: &[Support],
+) -> Vec<Issue> {
+    let part_of = parts(mesh);
+    let length = mesh.extent();
+    let count = part_of.iter().filter(|&&p| p != u32::MAX).max().map_or(0, |&p| p as usize + 1);
+    let mut normal = vec![SMatrix::<f64, 6, 6>::zeros(); count];
+    let mut first = vec![usize::MAX; count];
+    let mut size = vec![0; count];
+    for (node, &p) in part_of.iter().enumerate().filter(|(_, p)| **p != u32::MAX) {
+        first[p as usize] = first[p as usize].min(node);
+        size[p as usize] += 1;
+    }
+    for s in supports {
+        let v = s.vector as usize;
+        let part = part_of[nodes[v] as usize];
+        if part == u32::MAX {
+            continue;
+        }
+        let origin = mesh.positions[first[part as usize]];
+        // Motion t L + ω × (x − origin) of a position, ω × d of a director.
+        let arm = match kinds[v] {
+            VectorKind::Position => (Vec3::from(reference[v]) - origin) / length,
+            VectorKind::Director => Vec3::from(reference[v]),
+        };
+        let translation = if kinds[v] == VectorKind::Position { s.direction } else { Vec3::zeros() };
+        let rotation = arm.cross(&s.direction);
+        let row = SMatrix::<f64, 1, 6>::from_fn(|_, c| if c < 3 { translation[c] } else { rotation[c - 3] });
+        normal[part as usize] += row.transpose() * row;
+    }
+    let mut issues = Vec::new();
+    for (part, n) in normal.iter().enumerate() {
+        let eigen = n.symmetric_eigen();
+        let largest = eigen.eigenvalues.max();
+        let mut free: Vec<usize> =
+            (0..6).filter(|&i| eigen.eigenvalues[i] <= 1e-16_f64.max(1e-12 * largest)).collect();
+        free.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+        let Some(&mode) = free.first() else { continue };
+        let v = eigen.eigenvectors.column(mode);
+        let (t, w) = (Vec3::new(v[0], v[1], v[2]), Vec3::new(v[3], v[4], v[5]));
+        let how = if free.len() == 6 {
+            "has no support at all".to_string()
+        } else if w.norm() < 1e-6 {
+            let t = t.normalize();
+            format!("can slide along ({:.3}, {:.3}, {:.3})", t.x, t.y, t.z)
+        } else {
+            // The axis: the point where the motion vanishes across ω.
+            let p = mesh.positions[first[part]] + w.cross(&t) / w.norm_squared() * length;
+            let w = w.normalize();
+            format!(
+                "can turn about the axis through ({:.4}, {:.4}, {:.4}) along ({:.3}, {:.3}, {:.3})",
+                p.x, p.y, p.z, w.x, w.y, w.z
+            )
+        };
+        issues.push(Issue::new(
+            "conditions",
+            format!(
+                "free mechanism: the part of the mesh with node {} ({} nodes) {how} ({} free rigid motion(s))",
+                first[part],
+                size[part],
+                free.len()
+            ),
+            "add a support against this motion, or use a transient analysis",
+        ));
+    }
+    issues
+}
+
+/// Number of the connected part that each node belongs to.
+pub(super) fn parts(mesh: &Mesh) -> Vec<u32> {
+    let mut root: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    fn find(root: &mut [u32], mut a: u32) -> u32 {
+        while root[a as usize] != a {
+            root[a as usize] = root[root[a as usize] as usize];
+            a = root[a as usize];
+        }
+        a
+    }
+    let mut used = vec![false; mesh.positions.len()];
+    for quad in &mesh.quads {
+        for &n in quad {
+            used[n as usize] = true;
+            let (a, b) = (find(&mut root, quad[0]), find(&mut root, n));
+            let (low, high) = (a.min(b), a.max(b));
+            root[high as usize] = low;
+        }
+    }
+    let mut number = BTreeMap::new();
+    (0..mesh.positions.len() as u32)
+        .map(|n| {
+            if !used[n as usize] {
+                return u32::MAX;
+            }
+            let next = number.len() as u32;
+            *number.entry(find(&mut root, n)).or_insert(next)
+        })
+        .collect()
+}
