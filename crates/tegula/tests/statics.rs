@@ -127,8 +127,8 @@ fn quarter_cylinder_of_section_5_2() {
         4,
         4,
         13,
-        4,
-        4,
+        5,
+        5,
     ]
     ");
 }

@@ -249,10 +249,9 @@ fn check_balance(m: &Model) {
     let reaction = reactions(&system, &mut assembly, state);
     let (force, moment) = resultant(&system, &state.u, &loads(&system, &state.u));
     let (r_force, r_moment) = resultant(&system, &state.u, &reaction);
-    // What is left is the residual of the iteration, 1e-16 of the stiff terms E h.
     let scale = force.norm().max(moment.norm());
-    assert!((force + r_force).norm() < 1e-10 * scale, "{:e} of {scale}", (force + r_force).norm());
-    assert!((moment + r_moment).norm() < 1e-10 * scale, "{:e} of {scale}", (moment + r_moment).norm());
+    assert!((force + r_force).norm() < 1e-12 * scale, "{:e} of {scale}", (force + r_force).norm());
+    assert!((moment + r_moment).norm() < 1e-12 * scale, "{:e} of {scale}", (moment + r_moment).norm());
 }
 
 #[test]
