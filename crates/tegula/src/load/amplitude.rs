@@ -46,7 +46,7 @@ impl TimeFunction {
                 }
                 Ok(Self::Table(t.times.iter().copied().zip(t.values.iter().copied()).collect()))
             }
-            Amplitude::Expression(e) => formula(&e.expression),
+            Amplitude::Expression(e) => on_a_large_stack(&e.expression),
         }
     }
 
@@ -77,9 +77,34 @@ impl TimeFunction {
     }
 }
 
+/// Longest formula. Its second derivative is formed as a formula too, which grows without bounds with its length.
+const LONGEST_FORMULA: usize = 160;
+
+/// Differentiation recurses deeper than the stack of an ordinary thread allows.
+fn on_a_large_stack(text: &str) -> Result<TimeFunction, (String, String)> {
+    const STACK: usize = 256 << 20;
+    let own = text.to_owned();
+    let thread = std::thread::Builder::new().stack_size(STACK).spawn(move || formula(&own));
+    thread.ok().and_then(|t| t.join().ok()).unwrap_or_else(|| {
+        Err((
+            format!("the expression \"{text}\" cannot be differentiated"),
+            "write it shorter, or give a table".into(),
+        ))
+    })
+}
+
 fn formula(text: &str) -> Result<TimeFunction, (String, String)> {
     let remedy = || "write a formula in `t`, such as \"1 - cos(2*PI*t)\"".to_string();
     let wrong = |e: exmex::ExError| (format!("the expression \"{text}\" cannot be read: {e}"), remedy());
+    if text.chars().count() > LONGEST_FORMULA {
+        return Err((
+            format!(
+                "the expression has {} characters; at most {LONGEST_FORMULA} are taken",
+                text.chars().count()
+            ),
+            "give a table of times and values instead, or split the load into several".into(),
+        ));
+    }
     let value = exmex::parse::<f64>(text).map_err(wrong)?;
     let names = value.var_names();
     if let Some(other) = names.iter().find(|n| *n != "t") {
@@ -150,6 +175,10 @@ mod tests {
     fn nonsense_is_named() {
         assert!(expression("sin(x)").unwrap_err().0.contains("\"x\""));
         assert!(expression("2*(t").is_err());
+        let long = (1..=100).map(|i| format!("{i}*sin({i}*t)")).collect::<Vec<_>>().join("+");
+        assert!(expression(&long).unwrap_err().0.contains("characters"));
+        let product = ["sin(t)"; 23].join("*");
+        assert!(expression(&product).is_ok() && product.len() <= LONGEST_FORMULA);
         assert!(expression("1/t").unwrap_err().0.contains("t = 0"));
     }
 }
