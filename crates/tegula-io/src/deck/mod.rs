@@ -103,12 +103,9 @@ impl Deck {
         }
         let mut found = validate::validate(&path, &text, tree.get_ref());
         if !found.is_empty() {
-            // Without its unknown keys the file may be a whole model; without a wrong value it is not.
-            if found.iter().all(|d| d.message.starts_with(validate::UNKNOWN_KEY)) {
-                let issues = partial::issues(&path, &text, &found);
-                found.extend(locate_all(&path, &text, &issues));
-                found.sort_by_key(|d| d.span.start);
-            }
+            let issues = partial::issues(&path, &text, &found);
+            found.extend(locate_all(&path, &text, &issues));
+            found.sort_by_key(|d| d.span.start);
             return Err(found);
         }
         match toml::from_str(&text) {

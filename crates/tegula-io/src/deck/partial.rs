@@ -1,4 +1,4 @@
-//! What else is wrong with a model file that has unknown keys.
+//! What else is wrong with a model file whose keys or values are wrong already.
 //!
 //! They are taken out; if the rest is a model, it is checked as one, so that the
 //! person who repairs the file sees all of its mistakes and not only the first kind.
@@ -40,9 +40,17 @@ pub(super) fn issues(path: &Path, text: &str, found: &[Diagnostic]) -> Vec<Issue
         Ok(mesh) => issues.extend(check::sets(&model, &mesh)),
         Err(list) => issues.extend(list),
     }
-    // What lies in a table that was changed may only follow from the change.
+    // What lies in a table that was changed, or names something in one, may only follow from the change.
     let changed: Vec<&str> = keys.iter().map(|k| table_of(k)).collect();
-    issues.retain(|i| !changed.contains(&table_of(&i.place.key)));
+    let follows = |key: &str| {
+        let names = |list: &str, last: &str| key.ends_with(last) && keys.iter().any(|k| k.starts_with(list));
+        changed.contains(&key)
+            || changed.contains(&table_of(key))
+            || keys.iter().any(|k| key.starts_with(k) || k.split(['.', '[']).next() == Some(key))
+            || names("materials", ".material")
+            || names("amplitudes", ".amplitude")
+    };
+    issues.retain(|i| !follows(&i.place.key));
     issues
 }
 

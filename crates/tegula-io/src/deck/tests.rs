@@ -289,3 +289,13 @@ fn wrong_keys_do_not_hide_wrong_values() {
     assert!(all.iter().any(|m| m.contains("unknown key \"tickness\"")), "{all:#?}");
     assert!(all.iter().any(|m| m.contains("no-such-set")), "{all:#?}");
 }
+
+#[test]
+fn wrong_values_do_not_hide_others() {
+    let text = template("static").unwrap().replace("load_steps = 4", "load_steps = \"four\"");
+    let text =
+        text.replace("poisson = 0.3", "poisson = 0.7").replace("on = \"u_min\"", "on = \"no-such-set\"");
+    let found = Deck::parse("model.toml", text).unwrap_err();
+    let keys: Vec<&str> = found.iter().map(|d| d.key.as_str()).collect();
+    assert_eq!(keys, ["analysis.load_steps", "materials.steel.poisson", "conditions[0].on"]);
+}

@@ -12,9 +12,6 @@ use super::schema::{Table, Wanted, doc, schema, wanted};
 use super::syntax::shorten;
 use super::unknown::{Surroundings, list, similar};
 
-/// How the messages of unknown keys begin.
-pub(super) const UNKNOWN_KEY: &str = "unknown key";
-
 /// Everything in the tree `root` of `text` that is not as the schema of the model wants it.
 pub(super) fn validate(path: &Path, text: &str, root: &DeTable<'_>) -> Vec<Diagnostic> {
     let schema = schema();
@@ -190,7 +187,7 @@ impl<'s> Validator<'_, 's> {
                 });
                 if let Some((key, _)) = slip {
                     let place = Place { key: child(&place.key, key.get_ref()), span: key.span(), doc: "" };
-                    let message = format!("{UNKNOWN_KEY} \"{}\"", shorten(key.get_ref()));
+                    let message = format!("unknown key \"{}\"", shorten(key.get_ref()));
                     self.report(&place, message, "did you mean \"type\"?");
                     return;
                 }
@@ -226,7 +223,7 @@ impl<'s> Validator<'_, 's> {
                 let surroundings = Surroundings { root: self.schema, path: &place.key, table, branches };
                 let (guess, help) = surroundings.advise(name);
                 meant.extend(guess);
-                let message = format!("{UNKNOWN_KEY} \"{}\"", shorten(name));
+                let message = format!("unknown key \"{}\"", shorten(name));
                 self.report(&Place { key: path, span: key.span(), doc: "" }, message, help);
             }
         }
