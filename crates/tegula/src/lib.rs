@@ -5,6 +5,7 @@ pub mod element;
 pub mod error;
 pub mod linear;
 pub mod load;
+pub mod material;
 pub mod mesh;
 pub mod model;
 pub mod result;

@@ -30,13 +30,11 @@ pub(super) fn write(
     let mut table = HistoryWriter::create(&folder.file("modes.csv"), &names)?;
     folder.make_series("modes")?;
     let mut series = PvdSeries::create(&folder.file("modes.pvd"))?;
-    let zero = vec![[0.0; 3]; system.vectors()];
     for (i, mode) in modes.iter().enumerate() {
         let rigid = f64::from(u8::from(mode.rigid));
         table.append(&[(i + 1) as f64, mode.frequency_hz, mode.omega, rigid, mode.residual])?;
-        let (u, v) = (mode.shape.clone(), zero.clone());
-        let state = State { time: mode.frequency_hz, u, v, ..State::default() };
-        let results = recover(system, &state.u);
+        let state = State { time: mode.frequency_hz, u: mode.shape.clone(), ..State::at_rest(system) };
+        let results = recover(system, &state);
         let name = format!("modes/{:04}.vtu", i + 1);
         let wanted: Vec<Field> = wanted.iter().copied().filter(|&f| f != Field::Velocity).collect();
         fields::write(&folder.file(&name), mesh, system, &wanted, &state, &results)?;

@@ -215,7 +215,7 @@ impl<'a> Recorder<'a> {
     fn frame(&mut self) -> std::result::Result<(), OutputError> {
         let Prepared { mesh, system, .. } = self.prepared;
         let state = &self.memory.state;
-        let results = recover(system, &state.u);
+        let results = recover(system, state);
         let name = format!("fields/{:04}.vtu", self.memory.notes.frames);
         fields::write(&self.folder.file(&name), mesh, system, &self.model.output.fields, state, &results)?;
         self.series.add(state.time, &name)?;

@@ -67,6 +67,7 @@ impl Memory {
             ("v", s.v.concat()),
             ("a", s.a.concat()),
             ("stress", s.stress.clone()),
+            ("history", s.history.clone()),
             ("scalars", vec![s.time, s.next_step, s.last_step, s.work, s.dissipated, s.energy_scale]),
             ("energies", vec![b.kinetic, b.strain, b.potential, b.work, b.dissipated, b.total]),
             ("momenta", [b.momentum, b.angular_momentum].concat()),
@@ -96,6 +97,7 @@ impl Memory {
         };
         let n = system.vectors();
         let samples = system.groups.iter().map(|g| g.len() * g.samples()).sum();
+        let history = system.groups.iter().map(|g| g.len() * g.history_per_element()).sum();
         let fixed = |name: &str, length: usize| array(name, Some(length));
         let scalars = fixed("scalars", 6)?;
         let energies = fixed("energies", 6)?;
@@ -107,6 +109,7 @@ impl Memory {
             v: vectors(&fixed("v", 3 * n)?),
             a: vectors(&fixed("a", 3 * n)?),
             stress: fixed("stress", samples)?,
+            history: fixed("history", history)?,
             next_step: scalars[1],
             last_step: scalars[2],
             work: scalars[3],

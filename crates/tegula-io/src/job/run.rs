@@ -55,11 +55,8 @@ fn analyse(
     match &deck.model.analysis {
         Analysis::Static(options) => {
             if state.is_none() {
-                let rest = vec![[0.0; 3]; system.vectors()];
-                let stress = vec![0.0; system.groups.iter().map(|g| g.len() * g.samples()).sum()];
                 let next_step = 1.0 / f64::from(options.load_steps.max(1));
-                let (v, a) = (rest.clone(), rest.clone());
-                let state = State { u: rest, v, a, stress, next_step, ..State::default() };
+                let state = State { next_step, ..State::at_rest(system) };
                 recorder.record_start(&state, start.end)?;
             }
             statics::run(system, options, state, recorder).map(drop)

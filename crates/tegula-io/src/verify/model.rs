@@ -5,7 +5,7 @@ use std::path::Path;
 use tegula::analysis::{Observer, Silent, statics};
 use tegula::mesh::generators::generate;
 use tegula::model::build::build;
-use tegula::model::{Analysis, Grid, Isotropic, Material, MeshSource, Model, Section, StaticAnalysis};
+use tegula::model::{Analysis, ElementKind, Grid, Isotropic, Material, MeshSource, Model, Section, StaticAnalysis};
 use tegula::{Error, Mesh, Result, System};
 
 use crate::deck::Deck;
@@ -35,13 +35,44 @@ fn grid(mesh: &mut MeshSource) -> Option<&mut Grid> {
     }
 }
 
-/// Switches the remedies of all sections as a reference variant is named: `EMS no ANS shear` and so on.
+/// Sets element type and remedies of all sections as a reference variant is named: `EMS no ANS shear`,
+/// `CM eas4+3 ks=5/6`, `indep solid-shell EAS5 ks=1`, `inextensible EMS no EAS (MITC4)`.
 pub fn switch(model: &mut Model, variant: &str) {
+    let has = |text: &str| variant.contains(text);
+    let none = has("no remedies");
     for s in &mut model.sections {
-        let none = variant.ends_with("no remedies");
-        s.ans_shear = !(none || variant.ends_with("no ANS shear"));
-        s.ans_thickness = !(none || variant.ends_with("no ANS thick"));
-        s.eas = !(none || variant.ends_with("no EAS"));
+        s.element = if has("MITC4") || has("mitc4") || has("indep plate") {
+            ElementKind::Mitc4
+        } else if has("solid-shell") {
+            ElementKind::SolidShell
+        } else if has("ancf-full") {
+            ElementKind::AncfFull
+        } else if variant.to_lowercase().starts_with("cm") {
+            ElementKind::Cm
+        } else {
+            ElementKind::Ems
+        };
+        s.ans_shear = !(none || has("no ANS shear") || has("plate no ANS"));
+        s.ans_thickness = !(none || has("no ANS thick"));
+        s.eas = !(none || has("no EAS") || has("no in-plane EAS"));
+        s.thickness_eas = if none || has("no thickness EAS") {
+            0
+        } else if has("4+3") || has("EAS7") {
+            3
+        } else if has("4+4") || has("EAS8") {
+            4
+        } else if has("4+1") || has("EAS5") || s.element == ElementKind::Cm && has("no ") {
+            1
+        } else {
+            4
+        };
+        s.shear_correction = if has("ks=5/6") {
+            Some([5.0 / 6.0; 2])
+        } else if has("ks=1") {
+            Some([1.0; 2])
+        } else {
+            None
+        };
     }
 }
 

@@ -7,6 +7,7 @@ pub mod statics;
 
 use crate::Result;
 use crate::element::Nodal;
+use crate::system::System;
 
 /// State of a model at a time: plain data, a checkpoint is its dump.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -23,6 +24,8 @@ pub struct State {
     pub a: Vec<Nodal>,
     /// Extrapolated stress of the samples.
     pub stress: Vec<f64>,
+    /// Enhanced parameters and internal variables of the materials.
+    pub history: Vec<f64>,
     /// Length of the next time step (load step).
     pub next_step: f64,
     /// Length of the last finished time step; 0 at the start.
@@ -33,6 +36,23 @@ pub struct State {
     pub dissipated: f64,
     /// Largest energy met so far: scale of the convergence test.
     pub energy_scale: f64,
+}
+
+impl State {
+    /// The reference configuration at rest.
+    pub fn at_rest(system: &System) -> Self {
+        let zero = vec![[0.0; 3]; system.vectors()];
+        let samples = system.groups.iter().map(|g| g.len() * g.samples()).sum();
+        let history = system.groups.iter().map(|g| g.len() * g.history_per_element()).sum();
+        Self {
+            u: zero.clone(),
+            v: zero.clone(),
+            a: zero,
+            stress: vec![0.0; samples],
+            history: vec![0.0; history],
+            ..Self::default()
+        }
+    }
 }
 
 /// Energies and momenta at the end of a step.

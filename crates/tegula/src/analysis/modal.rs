@@ -14,7 +14,7 @@ use crate::element::{Nodal, TangentWeights};
 use crate::linear::lanczos::{BlockLanczos, SymmetricOperator};
 use crate::linear::{Factor as _, SparseCholesky};
 use crate::model::NewtonMethod;
-use crate::system::assembly::TangentParts;
+use crate::system::assembly::{TangentParts, add_follower_loads};
 use crate::system::{System, VectorKind};
 use crate::{Error, Result, Vec3};
 
@@ -91,14 +91,19 @@ pub fn run(
         time,
     };
     let mut internal = zero.clone();
-    newton.assembly.forces_and_tangent(
-        system,
-        &state_kinematics(system, u),
-        &parts,
-        false,
-        None,
-        &mut internal,
-    );
+    if let Some(state) = equilibrium {
+        newton.assembly.history.copy_from_slice(&state.history);
+    }
+    let k = state_kinematics(system, u, time);
+    newton.assembly.follow(system, &k);
+    newton.assembly.element_blocks(system, &k, &parts, false, None, &mut internal);
+    if equilibrium.is_some() {
+        let mut loads = zero.clone();
+        system.add_dead_loads(time, 1.0, &mut loads);
+        add_follower_loads(system, &k, time, 1.0, &mut loads);
+        newton.assembly.add_curvature(system, &k, &parts.weights, &loads);
+    }
+    newton.assembly.scatter(system, parts.mass);
     let stiffness = newton.assembly.values.clone();
     let mut mass = vec![0.0; stiffness.len()];
     newton.assembly.mass_values(system, &mut mass);
@@ -214,7 +219,7 @@ pub fn run(
         .into_iter()
         .map(|p| {
             let mut shape = vec![[0.0; 3]; system.vectors()];
-            system.numbering.expand(&p.vector, &mut shape);
+            newton.assembly.numbering.expand(&p.vector, &mut shape);
             // About the stress-free reference the strain energy gives the quotient without cancellation.
             let lambda = if equilibrium.is_none() {
                 newton.assembly.small_strain_energy(system, &shape) / system.kinetic_energy(&shape)

@@ -13,12 +13,12 @@
 //! format in geometrically nonlinear analysis of beams and shells using solid finite elements*,
 //! Int. J. Numer. Meth. Engng 109 (2017) 1237–1262).
 
-use crate::element::{Kinematics, Nodal};
+use crate::element::{Kinematics, Motion, Nodal};
 use crate::linear::{Factor as _, FactorError, SparseCholesky, SymmetricPattern};
 use crate::model::NewtonMethod;
 use crate::system::assembly::TangentParts;
-use crate::system::{Assembly, System, VectorKind, dot};
-use crate::{Error, Result};
+use crate::system::{Assembly, Numbering, System, VectorKind, dot};
+use crate::{Error, Result, Vec3};
 
 use super::Observer;
 
@@ -137,11 +137,12 @@ impl Newton {
             let reuse = system.linear && self.factored.as_ref().is_some_and(same) && !has_prescribed;
             {
                 let k = equation.kinematics(system);
+                self.assembly.follow(system, &k);
                 if reuse {
                     self.assembly.forces(system, &k, &mut self.internal);
                 } else {
                     let prescribed = has_prescribed.then_some(self.increment.as_slice());
-                    self.assembly.forces_and_tangent(
+                    self.assembly.element_blocks(
                         system,
                         &k,
                         &parts,
@@ -152,6 +153,11 @@ impl Newton {
                 }
             }
             equation.rest(system, &mut self.residual);
+            if !reuse {
+                let k = equation.kinematics(system);
+                self.assembly.add_curvature(system, &k, &parts.weights, &self.residual);
+                self.assembly.scatter(system, parts.mass);
+            }
             if has_prescribed && parts.mass != 0.0 {
                 system.pattern.add_mass_product(-parts.mass, &self.increment, &mut self.residual);
             }
@@ -160,7 +166,7 @@ impl Newton {
                     r[i] -= parts.weights.force * f[i];
                 }
             }
-            system.numbering.reduce(&self.residual, &mut self.right_side);
+            self.assembly.numbering.reduce(&self.residual, &mut self.right_side);
             if !self.right_side.iter().all(|r| r.is_finite()) {
                 return Err(diverged("the forces grew beyond all bounds".into()));
             }
@@ -179,7 +185,7 @@ impl Newton {
             self.solution.copy_from_slice(&self.right_side);
             self.solver.solve(&mut self.solution);
             let energy = self.solution.iter().zip(&self.right_side).map(|(a, b)| a * b).sum::<f64>().abs();
-            expand_free(system, &self.solution, has_prescribed, &mut self.increment);
+            expand_free(&self.assembly.numbering, &self.solution, has_prescribed, &mut self.increment);
             if !energy.is_finite() {
                 return Err(diverged("the increment is not a number".into()));
             }
@@ -187,12 +193,15 @@ impl Newton {
                 let k = equation.kinematics(system);
                 self.assembly.extrapolate(system, &k, &self.increment, &parts.weights);
             }
+            if !system.linear {
+                retract(system, &self.assembly.numbering, &equation.kinematics(system), &mut self.increment);
+            }
             equation.apply(system, &self.increment);
             let size = system.norm(&self.increment);
             if size > 1e4 {
                 return Err(diverged(format!(
                     "an increment moved the model by {size:.1e} times its own size; {}",
-                    largest(system, &self.residual)
+                    largest(system, &self.assembly.numbering, &self.residual)
                 )));
             }
             let energy_scale = equation.energy_scale(system, &mut self.assembly);
@@ -215,7 +224,7 @@ impl Newton {
                 if floor {
                     return Err(diverged(format!(
                         "the iteration runs in a circle (energy of the increment {relative:.1e} of the model's); {}",
-                        largest(system, &self.residual)
+                        largest(system, &self.assembly.numbering, &self.residual)
                     )));
                 }
             }
@@ -225,7 +234,7 @@ impl Newton {
             reason: format!(
                 "not converged after {} iterations; {}",
                 tolerances.max_iterations,
-                largest(system, &self.residual)
+                largest(system, &self.assembly.numbering, &self.residual)
             ),
         })
     }
@@ -241,26 +250,45 @@ fn stagnation(history: &[f64]) -> Option<bool> {
 }
 
 /// Free coordinates of the increment; the prescribed ones stay where there are some.
-fn expand_free(system: &System, free: &[f64], keep: bool, field: &mut [Nodal]) {
+fn expand_free(numbering: &Numbering, free: &[f64], keep: bool, field: &mut [Nodal]) {
     if !keep {
-        system.numbering.expand(free, field);
+        numbering.expand(free, field);
         return;
     }
     for (v, value) in field.iter_mut().enumerate() {
-        let mut local = system.numbering.to_axes(v, *value);
-        for (number, x) in system.numbering.of(v).into_iter().zip(&mut local) {
+        let mut local = numbering.to_axes(v, *value);
+        for (number, x) in numbering.of(v).into_iter().zip(&mut local) {
             if let Some(y) = free.get(number as usize) {
                 *x = *y;
             }
         }
-        *value = system.numbering.from_axes(v, local);
+        *value = numbering.from_axes(v, local);
+    }
+}
+
+/// Bends increments of vectors that keep their length back to their sphere, along the great circle.
+fn retract(system: &System, numbering: &Numbering, k: &Kinematics, increment: &mut [Nodal]) {
+    let (Motion::State { u, .. } | Motion::Step { new: u, .. }) = k.motion;
+    for unit in &numbering.unit {
+        let v = unit.vector as usize;
+        let reference = Vec3::from(system.reference[v]);
+        let d = reference + Vec3::from(u[v]);
+        let step = Vec3::from(increment[v]);
+        let across = step - d * d.dot(&step);
+        let angle = across.norm();
+        let target = if unit.fixed.is_none() && angle > 0.0 {
+            d * angle.cos() + across * (angle.sin() / angle)
+        } else {
+            d + across
+        };
+        increment[v] = (unit.project(target, &reference) - d).into();
     }
 }
 
 /// Where the residual is largest, for people.
-pub fn largest(system: &System, residual: &[Nodal]) -> String {
+pub fn largest(system: &System, numbering: &Numbering, residual: &[Nodal]) -> String {
     let mut free = vec![[0.0; 3]; residual.len()];
-    system.numbering.supported_part(residual, &mut free);
+    numbering.supported_part(residual, &mut free);
     let size = |v: usize| {
         let r: Nodal = std::array::from_fn(|i| residual[v][i] - free[v][i]);
         dot(&[r], &[r])
@@ -272,7 +300,7 @@ pub fn largest(system: &System, residual: &[Nodal]) -> String {
     let p = system.reference[system.position_of[node as usize] as usize];
     let what = match system.kinds[v] {
         VectorKind::Position => "force",
-        VectorKind::Director => "moment",
+        VectorKind::Director | VectorKind::Gradient => "moment",
     };
     format!("the largest out-of-balance {what} is at node {node}, at ({:.4}, {:.4}, {:.4})", p[0], p[1], p[2])
 }

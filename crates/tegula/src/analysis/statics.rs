@@ -25,7 +25,7 @@ pub struct StaticEquation {
 
 impl Equation for StaticEquation {
     fn kinematics<'a>(&'a self, system: &'a System) -> Kinematics<'a> {
-        state_kinematics(system, &self.u)
+        state_kinematics(system, &self.u, self.time)
     }
 
     fn parts(&self) -> TangentParts {
@@ -51,7 +51,7 @@ impl Equation for StaticEquation {
     }
 
     fn energy_scale(&self, system: &System, assembly: &mut Assembly) -> f64 {
-        assembly.strain_energy(system, &self.u)
+        assembly.strain_energy(system, &self.u, self.time)
     }
 
     fn displacement_scale(&self, system: &System) -> f64 {
@@ -60,12 +60,8 @@ impl Equation for StaticEquation {
 }
 
 /// A state without rates.
-pub fn state_kinematics<'a>(system: &'a System, u: &'a [Nodal]) -> Kinematics<'a> {
-    Kinematics {
-        reference: &system.reference,
-        motion: Motion::State { u, velocity: None },
-        linear: system.linear,
-    }
+pub fn state_kinematics<'a>(system: &'a System, u: &'a [Nodal], time: f64) -> Kinematics<'a> {
+    Kinematics::new(&system.reference, Motion::State { u, velocity: None }, system.linear, time)
 }
 
 /// Adds an increment to a field.
@@ -120,14 +116,11 @@ pub fn run(
     let mut newton = Newton::new(system, options.method)?;
     let n = system.vectors();
     let mut state = start.unwrap_or_else(|| State {
-        u: vec![[0.0; 3]; n],
-        v: vec![[0.0; 3]; n],
-        a: vec![[0.0; 3]; n],
-        stress: newton.assembly.stress.clone(),
         next_step: 1.0 / f64::from(options.load_steps.max(1)),
-        ..State::default()
+        ..State::at_rest(system)
     });
     newton.assembly.stress.copy_from_slice(&state.stress);
+    newton.assembly.history.copy_from_slice(&state.history);
     let tolerances = Tolerances {
         energy: ENERGY_TOLERANCE,
         increment: INCREMENT_TOLERANCE,
@@ -181,7 +174,9 @@ pub fn run(
                 // Twenty steps of 0.05 end at 1, and at round numbers on the way.
                 state.time = if target == 1.0 { 1.0 } else { round_multiple(target, largest) };
                 state.step += 1;
-                let k = state_kinematics(system, &state.u);
+                let k = state_kinematics(system, &state.u, state.time);
+                state.dissipated += newton.assembly.commit(system, &k);
+                state.history.copy_from_slice(&newton.assembly.history);
                 newton.assembly.reset_stress(system, &k);
                 state.stress.copy_from_slice(&newton.assembly.stress);
                 statistics.steps = state.step;
@@ -227,7 +222,7 @@ pub fn run(
 }
 
 fn energies(system: &System, assembly: &mut Assembly, state: &State) -> Balance {
-    let strain = assembly.strain_energy(system, &state.u);
+    let strain = assembly.strain_energy(system, &state.u, state.time);
     let mut external = vec![[0.0; 3]; state.u.len()];
     system.add_dead_loads(state.time, 1.0, &mut external);
     let potential = -dot(&external, &state.u);
@@ -235,7 +230,8 @@ fn energies(system: &System, assembly: &mut Assembly, state: &State) -> Balance 
         strain,
         potential,
         work: state.work,
-        total: strain + potential - state.work,
+        dissipated: state.dissipated,
+        total: strain + potential + state.dissipated - state.work,
         ..Balance::default()
     }
 }
@@ -251,8 +247,8 @@ fn follower_work(
         return 0.0;
     }
     force.fill([0.0; 3]);
-    add_follower_loads(system, &state_kinematics(system, from), start, 0.5, force);
-    add_follower_loads(system, &state_kinematics(system, to), end, 0.5, force);
+    add_follower_loads(system, &state_kinematics(system, from, start), start, 0.5, force);
+    add_follower_loads(system, &state_kinematics(system, to, end), end, 0.5, force);
     dot(force, to) - dot(force, from)
 }
 
@@ -260,7 +256,8 @@ fn follower_work(
 pub fn reactions(system: &System, assembly: &mut Assembly, state: &State) -> Vec<Nodal> {
     let n = system.vectors();
     let (mut internal, mut external) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
-    let k = state_kinematics(system, &state.u);
+    let k = state_kinematics(system, &state.u, state.time);
+    assembly.follow(system, &k);
     assembly.forces(system, &k, &mut internal);
     system.add_dead_loads(state.time, 1.0, &mut external);
     add_follower_loads(system, &k, state.time, 1.0, &mut external);
@@ -270,7 +267,7 @@ pub fn reactions(system: &System, assembly: &mut Assembly, state: &State) -> Vec
         }
     }
     let mut out = vec![[0.0; 3]; n];
-    system.numbering.supported_part(&internal, &mut out);
+    assembly.numbering.supported_part(&internal, &mut out);
     out
 }
 

@@ -39,15 +39,16 @@
 //!   full 6×6 transformation is used.
 //! * The thickness strain has modulus E and no Poisson coupling (eq. 24).
 
-use nalgebra::{DMatrix, Matrix2, SMatrix, SVector};
+use nalgebra::{DMatrix, Matrix2, SMatrix};
 
 use super::geometry::{
-    GAUSS, GAUSS_POINTS, area_measure, covariant_base, cross_section_frame, in_plane_transformation, shape,
-    shape_eta, shape_xi, strain_transformation,
+    GAUSS, GAUSS_POINTS, ShellGeometry, area_measure, covariant_base, cross_section_frame,
+    in_plane_transformation, shape, shape_eta, shape_xi, shell_mass, strain_transformation,
 };
+use super::shell::{GroupBuilder, GroupSetup, QuadraticBuilder, ShellElement, StrainOperator};
 use super::strains::SampledStrains;
-use crate::section::{SectionInertia, SectionStiffness};
-use crate::{Mat3, Vec3};
+use crate::Mat3;
+use crate::section::SectionInertia;
 
 /// Nodal vectors: positions of nodes 1–4, then their directors.
 pub const VECTORS: usize = 8;
@@ -58,11 +59,13 @@ pub const SAMPLES: usize = 24;
 /// Samples without it: transverse shear is taken at the Gauss points.
 pub const SAMPLES_WITHOUT_ANS_SHEAR: usize = 28;
 
-const ZZ: usize = 8;
-const KXX: usize = 12;
-const KYY: usize = 14;
-const KXY: usize = 16;
-const SHEAR: usize = 20;
+/// Room for directions.
+const DIRECTIONS: usize = 20;
+
+const KXX: usize = 8;
+const KYY: usize = 10;
+const KXY: usize = 12;
+const SHEAR: usize = 16;
 
 /// The element with its locking remedies, each of which can be switched off to show
 /// the locking that it cures.
@@ -82,15 +85,6 @@ impl Default for EmsShell {
     }
 }
 
-/// Reference geometry of an element: nodal positions and directors.
-#[derive(Debug, Clone, Copy)]
-pub struct ShellGeometry {
-    /// Positions of the nodes.
-    pub positions: [Vec3; 4],
-    /// Directors of the nodes.
-    pub directors: [Vec3; 4],
-}
-
 /// Strains per sample at a Gauss point.
 #[derive(Debug, Clone)]
 pub struct PointStrains {
@@ -106,13 +100,13 @@ pub struct PointStrains {
 }
 
 impl EmsShell {
-    /// Number of samples.
-    pub fn samples(&self) -> usize {
-        if self.ans_shear { SAMPLES } else { SAMPLES_WITHOUT_ANS_SHEAR }
+    /// First thickness sample; they come last.
+    fn zz(&self) -> usize {
+        if self.ans_shear { SHEAR + 4 } else { SHEAR + 8 }
     }
 
-    /// The sampled strains; `S` is [`samples`](Self::samples).
-    pub fn strains<const S: usize>(&self) -> SampledStrains<VECTORS, COORDINATES, S> {
+    /// The sampled strains; `S` is the number of samples, or [`zz`](Self::zz) to leave out those of the thickness.
+    pub(super) fn strains<const S: usize>(&self) -> SampledStrains<VECTORS, COORDINATES, S, DIRECTIONS> {
         let mut t = SampledStrains::new();
         let position = |n: [f64; 4]| std::array::from_fn(|a| if a < 4 { n[a] } else { 0.0 });
         let director = |n: [f64; 4]| std::array::from_fn(|a| if a < 4 { 0.0 } else { n[a - 4] });
@@ -142,8 +136,10 @@ impl EmsShell {
         } else {
             at_gauss
         };
-        for a in 0..4 {
-            t.product(ZZ + a, 0.5, thickness[a], thickness[a]);
+        if S > self.zz() {
+            for (a, d) in thickness.into_iter().enumerate() {
+                t.product(self.zz() + a, 0.5, d, d);
+            }
         }
         if self.ans_shear {
             for (i, side) in [-1.0, 1.0].into_iter().enumerate() {
@@ -188,10 +184,10 @@ impl EmsShell {
         covariant[(2, 4 + point)] = 1.0;
         if self.ans_thickness {
             for (a, n) in shape(xi, eta).into_iter().enumerate() {
-                covariant[(3, ZZ + a)] = n;
+                covariant[(3, self.zz() + a)] = n;
             }
         } else {
-            covariant[(3, ZZ + point)] = 1.0;
+            covariant[(3, self.zz() + point)] = 1.0;
         }
         if self.ans_shear {
             for (i, side) in [-1.0, 1.0].into_iter().enumerate() {
@@ -227,94 +223,53 @@ impl EmsShell {
         let enhanced = in_plane_transformation(&c0_inverse) * polynomials * (area_measure(&centre) / area);
         Ok(PointStrains { matrix, enhanced, frame, area })
     }
-
-    /// `H` of the energy `½ sᵀ H s` by rows, α eliminated, and the matrix `−K_αα⁻¹ K_αs`
-    /// that gives α from the samples.
-    ///
-    /// # Errors
-    /// The geometry is invalid; the text says how.
-    pub fn stiffness(
-        &self,
-        g: &ShellGeometry,
-        section: &SectionStiffness,
-    ) -> Result<(Vec<f64>, SMatrix<f64, 4, SAMPLES_WITHOUT_ANS_SHEAR>), String> {
-        const S: usize = SAMPLES_WITHOUT_ANS_SHEAR;
-        let mut h = SMatrix::<f64, S, S>::zeros();
-        let mut k_aa = SMatrix::<f64, 4, 4>::zeros();
-        let mut k_as = SMatrix::<f64, 4, S>::zeros();
-        for point in 0..4 {
-            let p = self.point_strains(g, point)?;
-            let d = resultants(section);
-            h += p.matrix.transpose() * (d * p.matrix) * p.area;
-            if self.eas {
-                let membrane: SMatrix<f64, 3, 9> = d.fixed_view::<3, 9>(0, 0).into();
-                k_aa += p.enhanced.transpose() * (section.membrane * p.enhanced) * p.area;
-                k_as += p.enhanced.transpose() * (membrane * p.matrix) * p.area;
-            }
-        }
-        let mut alpha = SMatrix::<f64, 4, S>::zeros();
-        if self.eas {
-            let inverse = k_aa.cholesky().ok_or("its enhanced strains are not independent")?;
-            alpha = -inverse.solve(&k_as);
-            h += k_as.transpose() * alpha;
-        }
-        // Rounding leaves H unsymmetric in the last digit; the tangent must be symmetric.
-        let h = (h + h.transpose()) * 0.5;
-        let n = self.samples();
-        let h = DMatrix::from_fn(n, n, |i, j| h[(i, j)]);
-        Ok((h.transpose().as_slice().to_vec(), alpha))
-    }
-
-    /// ∫N_aN_b dA₀ times the inertia: scalar mass of the lower triangle of nodal vector pairs.
-    pub fn mass(&self, g: &ShellGeometry, inertia: &SectionInertia) -> [f64; VECTORS * (VECTORS + 1) / 2] {
-        let mut nn = [[0.0; 4]; 4];
-        for [xi, eta] in GAUSS_POINTS {
-            let area = area_measure(&covariant_base(&g.positions, &g.directors, xi, eta));
-            let n = shape(xi, eta);
-            for a in 0..4 {
-                for b in 0..4 {
-                    nn[a][b] += n[a] * n[b] * area;
-                }
-            }
-        }
-        let mut out = [0.0; VECTORS * (VECTORS + 1) / 2];
-        for a in 0..4 {
-            for b in 0..=a {
-                out[a * (a + 1) / 2 + b] = inertia.mass * nn[a][b];
-                let (c, d) = (a + 4, b + 4);
-                out[c * (c + 1) / 2 + d] = inertia.rotary * nn[a][b];
-            }
-        }
-        out
-    }
 }
 
-/// Matrix of resultants (n, n_zz, q, m) from (ε, ε_zz, γ, κ) in the order of [`PointStrains::matrix`].
-fn resultants(section: &SectionStiffness) -> SMatrix<f64, 9, 9> {
-    let mut d = SMatrix::<f64, 9, 9>::zeros();
-    d.fixed_view_mut::<3, 3>(0, 0).copy_from(&section.membrane);
-    d.fixed_view_mut::<3, 3>(0, 6).copy_from(&section.coupling);
-    d.fixed_view_mut::<3, 3>(6, 0).copy_from(&section.coupling.transpose());
-    d.fixed_view_mut::<3, 3>(6, 6).copy_from(&section.bending);
-    d.fixed_view_mut::<2, 2>(4, 4).copy_from(&section.shear);
-    d[(3, 3)] = section.thickness;
-    d
-}
-
-/// Resultants (n_xx, n_yy, n_xy, n_zz, q_xz, q_yz, m_xx, m_yy, m_xy) at a Gauss point from the
-/// samples `s`, and the strain energy per area there.
-pub fn point_resultants(
-    point: &PointStrains,
-    alpha: &SMatrix<f64, 4, SAMPLES_WITHOUT_ANS_SHEAR>,
-    section: &SectionStiffness,
-    s: &[f64],
-) -> (SVector<f64, 9>, f64) {
-    let samples = SVector::<f64, SAMPLES_WITHOUT_ANS_SHEAR>::from_fn(|i, _| s.get(i).copied().unwrap_or(0.0));
-    let mut strain = point.matrix * samples;
-    let enhanced = point.enhanced * (alpha * samples);
-    for i in 0..3 {
-        strain[i] += enhanced[i];
+impl ShellElement for EmsShell {
+    fn name(&self) -> &'static str {
+        "ems"
     }
-    let n = resultants(section) * strain;
-    (n, 0.5 * n.dot(&strain))
+
+    fn samples(&self) -> usize {
+        if self.ans_shear { SAMPLES } else { SAMPLES_WITHOUT_ANS_SHEAR }
+    }
+
+    fn parameters(&self) -> usize {
+        if self.eas { 4 } else { 0 }
+    }
+
+    fn is_solid(&self) -> bool {
+        false
+    }
+
+    /// A fibre at the height z stretches by ε − z κ; transverse strains are those of the mid-surface.
+    fn operator(&self, g: &ShellGeometry, point: usize, z: f64) -> Result<StrainOperator, String> {
+        let p = self.point_strains(g, point)?;
+        let mut samples = DMatrix::zeros(6, self.samples());
+        for j in 0..self.samples() {
+            for i in 0..6 {
+                samples[(i, j)] = p.matrix[(i, j)] - if i < 3 { z * p.matrix[(6 + i, j)] } else { 0.0 };
+            }
+        }
+        let mut enhanced = DMatrix::zeros(6, self.parameters());
+        for j in 0..self.parameters() {
+            for i in 0..3 {
+                enhanced[(i, j)] = p.enhanced[(i, j)];
+            }
+        }
+        Ok(StrainOperator { samples, enhanced, frame: p.frame, measure: p.area })
+    }
+
+    fn mass(&self, g: &ShellGeometry, inertia: &SectionInertia) -> Vec<f64> {
+        shell_mass(g, inertia)
+    }
+
+    fn builder(&self, setup: GroupSetup) -> Box<dyn GroupBuilder> {
+        let a = self.parameters();
+        if self.ans_shear {
+            Box::new(QuadraticBuilder::new("ems", self.strains::<SAMPLES>(), a, setup))
+        } else {
+            Box::new(QuadraticBuilder::new("ems", self.strains::<SAMPLES_WITHOUT_ANS_SHEAR>(), a, setup))
+        }
+    }
 }

@@ -17,7 +17,7 @@ use super::strains::SampledStrains;
 pub const VECTORS: usize = 2;
 
 /// The strain of a tie.
-pub fn strains() -> SampledStrains<2, 6, 1> {
+pub fn strains() -> SampledStrains<2, 6, 1, 2> {
     let mut t = SampledStrains::new();
     let first = t.direction([1.0, 0.0]);
     let second = t.direction([0.0, 1.0]);

@@ -2,7 +2,57 @@
 
 use nalgebra::{Matrix2, Matrix3, SMatrix};
 
+use crate::section::SectionInertia;
 use crate::{Mat3, Vec3};
+
+/// Reference geometry of an element: nodal positions and directors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShellGeometry {
+    /// Positions of the nodes.
+    pub positions: [Vec3; 4],
+    /// Directors of the nodes.
+    pub directors: [Vec3; 4],
+    /// Unit tangents of the surface at the nodes, for elements whose nodes have them.
+    pub tangents: [[Vec3; 2]; 4],
+}
+
+impl ShellGeometry {
+    /// From positions and directors; tangents come from the directors.
+    pub fn new(positions: [Vec3; 4], directors: [Vec3; 4]) -> Self {
+        Self { positions, directors, tangents: directors.map(|d| tangents(&d)) }
+    }
+
+    /// Mean of the nodes.
+    pub fn centre(&self) -> Vec3 {
+        self.positions.iter().sum::<Vec3>() / 4.0
+    }
+
+    /// Covariant base at the height z: ∂(r + z d)/∂(ξ, η, z).
+    pub fn base(&self, xi: f64, eta: f64, z: f64) -> Mat3 {
+        let mut base = covariant_base(&self.positions, &self.directors, xi, eta);
+        if z != 0.0 {
+            let d_xi = combine(shape_xi(eta), &self.directors) * z;
+            let d_eta = combine(shape_eta(xi), &self.directors) * z;
+            base.set_column(0, &(base.column(0) + d_xi));
+            base.set_column(1, &(base.column(1) + d_eta));
+        }
+        base
+    }
+}
+
+/// Two unit tangents of a surface with the director `d`: the projection of the axis that is most across `d`
+/// (x before y before z), and `d × t₁`.
+pub fn tangents(d: &Vec3) -> [Vec3; 2] {
+    let mut axis = Vec3::x();
+    for e in [Vec3::y(), Vec3::z()] {
+        // A margin, so that rounding does not decide between equals.
+        if d.dot(&e).abs() < d.dot(&axis).abs() - 1e-6 * d.norm() {
+            axis = e;
+        }
+    }
+    let t = (axis - d * (d.dot(&axis) / d.norm_squared())).normalize();
+    [t, d.cross(&t).normalize()]
+}
 
 /// Natural coordinates of the four nodes.
 pub const NODES: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
@@ -83,4 +133,44 @@ fn entry(inverse: impl Fn(usize, usize) -> f64, (i, j): (usize, usize), (k, l): 
         0.5 * (inverse(k, i) * inverse(l, j) + inverse(l, i) * inverse(k, j))
     };
     if i == j { tensor } else { 2.0 * tensor }
+}
+
+/// ∫N_aN_b dA₀ times the inertia of the section: scalar mass of the lower triangle of the pairs of
+/// positions 1–4 and directors 1–4.
+pub fn shell_mass(g: &ShellGeometry, inertia: &SectionInertia) -> Vec<f64> {
+    let mut nn = [[0.0; 4]; 4];
+    for [xi, eta] in GAUSS_POINTS {
+        let area = area_measure(&g.base(xi, eta, 0.0));
+        let n = shape(xi, eta);
+        for a in 0..4 {
+            for b in 0..4 {
+                nn[a][b] += n[a] * n[b] * area;
+            }
+        }
+    }
+    let mut out = Vec::with_capacity(36);
+    for a in 0..8 {
+        for b in 0..=a {
+            let m = match (a < 4, b < 4) {
+                (true, true) => inertia.mass,
+                (false, false) => inertia.rotary,
+                _ => inertia.coupling,
+            };
+            out.push(m * nn[a % 4][b % 4]);
+        }
+    }
+    out
+}
+
+/// Integral ∫N_a dA₀ of each node's shape function.
+pub fn nodal_areas(positions: &[Vec3; 4]) -> [f64; 4] {
+    let mut out = [0.0; 4];
+    let directors = [Vec3::z(); 4];
+    for [xi, eta] in GAUSS_POINTS {
+        let area = area_measure(&covariant_base(positions, &directors, xi, eta));
+        for (out, n) in out.iter_mut().zip(shape(xi, eta)) {
+            *out += n * area;
+        }
+    }
+    out
 }

@@ -1,10 +1,25 @@
 //! Elements: sampled strains that are quadratic forms of nodal vectors.
 
+pub mod ancf_full;
+pub mod cm;
+pub mod constitution;
 pub mod ems;
 pub mod fold_tie;
 pub mod geometry;
 pub mod group;
+pub mod mitc4;
+pub mod points;
+pub mod quadratic;
+pub mod registry;
 pub mod scalar;
+pub mod shell;
+pub mod solid_shell;
 pub mod strains;
+pub mod transform;
 
-pub use group::{ElementGroup, Kinematics, Motion, Nodal, QuadraticGroup, TangentRequest, TangentWeights};
+pub use geometry::ShellGeometry;
+pub use group::{
+    ElementGroup, Interior, Kinematics, Motion, Nodal, TangentRequest, TangentWeights,
+};
+pub use quadratic::QuadraticGroup;
+pub use shell::ShellElement;

@@ -22,11 +22,8 @@
 
 use super::scalar::{Scalar, Triple, dot};
 
-/// Largest number of directions of an element type.
-pub const MAX_DIRECTIONS: usize = 32;
-
-/// Values of all directions of one element.
-pub type Directions<T> = [Triple<T>; MAX_DIRECTIONS];
+/// Values of the `D` directions of one element.
+pub type Directions<T, const D: usize> = [Triple<T>; D];
 
 /// A product `weight · (left · right)` that contributes to a sample.
 #[derive(Debug, Clone, Copy)]
@@ -38,22 +35,22 @@ struct Term {
 }
 
 /// The sampled strains of an element type: `M` nodal vectors, `N = 3 M`
-/// coordinates, `S` samples.
+/// coordinates, `S` samples, room for `D` directions.
 #[derive(Debug, Clone)]
-pub struct SampledStrains<const M: usize, const N: usize, const S: usize> {
+pub struct SampledStrains<const M: usize, const N: usize, const S: usize, const D: usize> {
     directions: Vec<[f64; M]>,
     terms: Vec<Term>,
     /// `2 A_k`, lower triangle by rows, for the geometric part of the tangent.
     geometric: Vec<Vec<f64>>,
 }
 
-impl<const M: usize, const N: usize, const S: usize> Default for SampledStrains<M, N, S> {
+impl<const M: usize, const N: usize, const S: usize, const D: usize> Default for SampledStrains<M, N, S, D> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<const M: usize, const N: usize, const S: usize> SampledStrains<M, N, S> {
+impl<const M: usize, const N: usize, const S: usize, const D: usize> SampledStrains<M, N, S, D> {
     /// Blocks in the lower triangle of the element matrix.
     pub const BLOCKS: usize = M * (M + 1) / 2;
 
@@ -65,7 +62,7 @@ impl<const M: usize, const N: usize, const S: usize> SampledStrains<M, N, S> {
 
     /// Adds a direction `Σ_a coefficients[a] v_a` and returns its number.
     pub fn direction(&mut self, coefficients: [f64; M]) -> usize {
-        debug_assert!(self.directions.len() < MAX_DIRECTIONS);
+        debug_assert!(self.directions.len() < D);
         self.directions.push(coefficients);
         self.directions.len() - 1
     }
@@ -85,8 +82,8 @@ impl<const M: usize, const N: usize, const S: usize> SampledStrains<M, N, S> {
 
     /// Values of the directions for the nodal vectors `v`.
     #[inline(always)]
-    pub fn directions<T: Scalar>(&self, v: &[Triple<T>; M]) -> Directions<T> {
-        let mut out = [[T::from(0.0); 3]; MAX_DIRECTIONS];
+    pub fn directions<T: Scalar>(&self, v: &[Triple<T>; M]) -> Directions<T, D> {
+        let mut out = [[T::from(0.0); 3]; D];
         for (value, coefficients) in out.iter_mut().zip(&self.directions) {
             for a in 0..M {
                 let c = coefficients[a];
@@ -104,7 +101,7 @@ impl<const M: usize, const N: usize, const S: usize> SampledStrains<M, N, S> {
     /// Strains of the displacement directions `p` from the reference directions `p0`;
     /// `quadratic = false` leaves out the products of displacements (small displacements).
     #[inline(always)]
-    pub fn strains<T: Scalar>(&self, p0: &Directions<T>, p: &Directions<T>, quadratic: bool) -> [T; S] {
+    pub fn strains<T: Scalar>(&self, p0: &Directions<T, D>, p: &Directions<T, D>, quadratic: bool) -> [T; S] {
         let mut s = [T::from(0.0); S];
         for t in &self.terms {
             let mut value = dot(p0[t.left], p[t.right]) + dot(p[t.left], p0[t.right]);
@@ -118,7 +115,7 @@ impl<const M: usize, const N: usize, const S: usize> SampledStrains<M, N, S> {
 
     /// `S(x) v`: change of the strains at the directions `x` with the directions `v` of a velocity or increment.
     #[inline(always)]
-    pub fn rates<T: Scalar>(&self, x: &Directions<T>, v: &Directions<T>) -> [T; S] {
+    pub fn rates<T: Scalar>(&self, x: &Directions<T, D>, v: &Directions<T, D>) -> [T; S] {
         let mut s = [T::from(0.0); S];
         for t in &self.terms {
             s[t.sample] += T::from(t.weight) * (dot(x[t.left], v[t.right]) + dot(v[t.left], x[t.right]));
@@ -128,8 +125,8 @@ impl<const M: usize, const N: usize, const S: usize> SampledStrains<M, N, S> {
 
     /// `Sᵀ(x) n`: nodal forces of the stress resultants `n` at the directions `x`.
     #[inline(always)]
-    pub fn force<T: Scalar>(&self, x: &Directions<T>, n: &[T; S]) -> [Triple<T>; M] {
-        let mut on_direction = [[T::from(0.0); 3]; MAX_DIRECTIONS];
+    pub fn force<T: Scalar>(&self, x: &Directions<T, D>, n: &[T; S]) -> [Triple<T>; M] {
+        let mut on_direction = [[T::from(0.0); 3]; D];
         for t in &self.terms {
             let w = T::from(t.weight) * n[t.sample];
             for i in 0..3 {
@@ -154,7 +151,7 @@ impl<const M: usize, const N: usize, const S: usize> SampledStrains<M, N, S> {
 
     /// `S(x)`: derivatives of the samples with respect to the coordinates.
     #[inline(always)]
-    pub fn gradient(&self, x: &Directions<f64>) -> [[f64; N]; S] {
+    pub fn gradient(&self, x: &Directions<f64, D>) -> [[f64; N]; S] {
         let mut s = [[0.0; N]; S];
         for t in &self.terms {
             let (p, q) = (&self.directions[t.left], &self.directions[t.right]);

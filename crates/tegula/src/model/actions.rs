@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::build::{Vectors, pair};
 use super::{AddedMass, Condition, Load, Model, NodalVector};
 use crate::element::Nodal;
-use crate::element::ems::{EmsShell, ShellGeometry};
+use crate::element::geometry::{ShellGeometry, nodal_areas, shell_mass, tangents};
 use crate::load::FollowerLoad;
 use crate::mesh::Mesh;
 use crate::section::SectionInertia;
@@ -18,51 +18,77 @@ pub(super) fn supports(
     mesh: &Mesh,
     vectors: &Vectors,
     amplitudes: &BTreeMap<String, usize>,
+    issues: &mut Vec<Issue>,
 ) -> Vec<Support> {
-    let directors = vectors.directors_by_node();
+    let directors = vectors.by_node(VectorKind::Director);
+    let gradients = vectors.by_node(VectorKind::Gradient);
     let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
     let mut out = Vec::new();
     for (i, condition) in model.conditions.iter().enumerate() {
         let key = format!("conditions[{i}]");
-        let mut add = |node: u32, of: NodalVector, direction: Vec3, motion| {
-            let position = [vectors.position_of[node as usize]];
-            let list: &[u32] = match of {
-                NodalVector::Position => &position,
-                NodalVector::Director => directors.get(&node).map_or(&[], Vec::as_slice),
-            };
-            for &vector in list.iter().filter(|&&v| v != u32::MAX) {
+        let mut oblique = None;
+        let mut on = |vectors: &[u32], direction: Vec3, motion| {
+            for &vector in vectors.iter().filter(|&&v| v != u32::MAX) {
                 out.push(Support { vector, direction, motion, key: key.clone() });
             }
         };
+        let position = |node: u32| [vectors.position_of[node as usize]];
+        let of_node = |list: &'_ BTreeMap<u32, Vec<u32>>, node: u32| list.get(&node).cloned().unwrap_or_default();
         for node in mesh.nodes_on(condition.on()).unwrap_or_default() {
             match condition {
                 Condition::Clamp(_) => {
                     for a in axes {
-                        add(node, NodalVector::Position, a, None);
-                        add(node, NodalVector::Director, a, None);
+                        on(&position(node), a, None);
+                        on(&of_node(&directors, node), a, None);
+                        on(&of_node(&gradients, node), a, None);
                     }
                 }
                 Condition::Hinge(_) | Condition::Spherical(_) => {
-                    axes.into_iter().for_each(|a| add(node, NodalVector::Position, a, None));
+                    axes.into_iter().for_each(|a| on(&position(node), a, None));
                 }
                 Condition::Symmetry(plane) => {
                     let normal = Vec3::from(plane.normal).normalize();
-                    add(node, NodalVector::Position, normal, None);
-                    add(node, NodalVector::Director, normal, None);
+                    on(&position(node), normal, None);
+                    on(&of_node(&directors, node), normal, None);
+                    for vector in of_node(&gradients, node) {
+                        let g = Vec3::from(vectors.reference[vector as usize]);
+                        let along = g.dot(&normal).abs();
+                        // The mirror image of the derivative across the plane is its opposite.
+                        let fixed: Vec<Vec3> = if along < 1e-6 {
+                            vec![normal]
+                        } else if along > 1.0 - 1e-6 {
+                            tangents(&normal).into()
+                        } else {
+                            oblique.get_or_insert(node);
+                            continue;
+                        };
+                        fixed.into_iter().for_each(|direction| on(&[vector], direction, None));
+                    }
                 }
                 Condition::Fix(fix) => {
                     for a in &fix.position {
-                        add(node, NodalVector::Position, axes[a.index()], None);
+                        on(&position(node), axes[a.index()], None);
                     }
                     for a in &fix.director {
-                        add(node, NodalVector::Director, axes[a.index()], None);
+                        on(&of_node(&directors, node), axes[a.index()], None);
                     }
                 }
                 Condition::Prescribe(p) => {
                     let amplitude = p.amplitude.as_ref().and_then(|a| amplitudes.get(a).copied());
-                    add(node, p.of, axes[p.component.index()], Some((p.value, amplitude)));
+                    let motion = Some((p.value, amplitude));
+                    match p.of {
+                        NodalVector::Position => on(&position(node), axes[p.component.index()], motion),
+                        NodalVector::Director => on(&of_node(&directors, node), axes[p.component.index()], motion),
+                    }
                 }
             }
+        }
+        if let Some(node) = oblique {
+            issues.push(Issue::new(
+                format!("{key}.normal"),
+                format!("the plane of symmetry lies obliquely to the gradients of ancf-full at node {node}"),
+                "use a plane along the coordinate axes, or another element",
+            ));
         }
     }
     out
@@ -209,12 +235,10 @@ pub(super) fn added_masses(model: &Model, mesh: &Mesh, vectors: &Vectors) -> Vec
             AddedMass::Area(m) => {
                 for q in mesh.quads_on(&m.on).unwrap_or_default() {
                     let nodes = mesh.quads[q as usize];
-                    let geometry = ShellGeometry {
-                        positions: nodes.map(|n| mesh.positions[n as usize]),
-                        directors: [Vec3::z(); 4],
-                    };
-                    let inertia = SectionInertia { mass: m.value, rotary: 0.0 };
-                    let matrix = EmsShell::default().mass(&geometry, &inertia);
+                    let geometry =
+                        ShellGeometry::new(nodes.map(|n| mesh.positions[n as usize]), [Vec3::z(); 4]);
+                    let inertia = SectionInertia { mass: m.value, rotary: 0.0, coupling: 0.0 };
+                    let matrix = shell_mass(&geometry, &inertia);
                     for a in 0..4 {
                         for b in 0..=a {
                             let (va, vb) = (
@@ -233,7 +257,8 @@ pub(super) fn added_masses(model: &Model, mesh: &Mesh, vectors: &Vectors) -> Vec
 
 pub(super) fn initial_velocity(model: &Model, mesh: &Mesh, vectors: &Vectors) -> Vec<Nodal> {
     let mut out = vec![[0.0; 3]; vectors.reference.len()];
-    let directors = vectors.directors_by_node();
+    let directors = vectors.by_node(VectorKind::Director);
+    let gradients = vectors.by_node(VectorKind::Gradient);
     for initial in &model.initial_velocities {
         let (v, omega) = (Vec3::from(initial.velocity), Vec3::from(initial.angular_velocity));
         let center = Vec3::from(initial.center);
@@ -243,7 +268,7 @@ pub(super) fn initial_velocity(model: &Model, mesh: &Mesh, vectors: &Vectors) ->
                 let x = mesh.positions[node as usize];
                 out[p as usize] = (v + omega.cross(&(x - center))).into();
             }
-            for &d in directors.get(&node).map_or(&[][..], Vec::as_slice) {
+            for &d in [&directors, &gradients].into_iter().filter_map(|l| l.get(&node)).flatten() {
                 out[d as usize] = omega.cross(&Vec3::from(vectors.reference[d as usize])).into();
             }
         }
@@ -267,11 +292,8 @@ fn tributary_areas(mesh: &Mesh, on: &str) -> BTreeMap<u32, f64> {
     let mut out = BTreeMap::new();
     for q in mesh.quads_on(on).unwrap_or_default() {
         let nodes = mesh.quads[q as usize];
-        let geometry =
-            ShellGeometry { positions: nodes.map(|n| mesh.positions[n as usize]), directors: [Vec3::z(); 4] };
-        let matrix = EmsShell::default().mass(&geometry, &SectionInertia { mass: 1.0, rotary: 0.0 });
-        for a in 0..4 {
-            *out.entry(nodes[a]).or_default() += (0..4).map(|b| matrix[pair(a, b)]).sum::<f64>();
+        for (node, area) in nodes.into_iter().zip(nodal_areas(&nodes.map(|n| mesh.positions[n as usize]))) {
+            *out.entry(node).or_default() += area;
         }
     }
     out

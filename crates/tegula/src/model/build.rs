@@ -5,15 +5,15 @@ use std::collections::BTreeMap;
 use super::actions::{added_masses, dead_loads, follower_loads, initial_velocity, lost_moments, supports};
 use super::{Analysis, Model};
 use super::{check, mechanism};
-use crate::element::ems::{self, EmsShell, ShellGeometry};
-use crate::element::{ElementGroup, Nodal, QuadraticGroup, fold_tie};
+use super::sections::Elements;
+use crate::element::Nodal;
+use crate::element::geometry::tangents;
 use crate::load::TimeFunction;
 use crate::mesh::directors::{Directors, FOLD_ANGLE_DEGREES};
 use crate::mesh::{Mesh, quality};
-use crate::section::{SectionInertia, SectionStiffness};
 use crate::system::numbering::{Numbering, VectorKind};
 use crate::system::pattern::PatternBuilder;
-use crate::system::{IndexMap, Shell, ShellSection, System};
+use crate::system::{IndexMap, PrescribedField, System};
 use crate::{Error, Issue, Result, Vec3};
 
 /// Nodal vectors of a mesh: position of each node, then its directors, node by node.
@@ -25,10 +25,12 @@ pub(super) struct Vectors {
     pub(super) director_of: Vec<u32>,
     /// Nodal vector of each director.
     pub(super) of_director: Vec<u32>,
+    /// First of the two gradient vectors beside each director, where an element has them.
+    pub(super) gradient_of: Vec<u32>,
 }
 
 impl Vectors {
-    fn new(mesh: &Mesh, directors: &Directors) -> Self {
+    fn new(mesh: &Mesh, directors: &Directors, with_gradients: &[bool]) -> Self {
         let nodes = mesh.positions.len();
         let mut of_node: Vec<Vec<u32>> = vec![Vec::new(); nodes];
         for (d, &node) in directors.node.iter().enumerate() {
@@ -41,12 +43,18 @@ impl Vectors {
             position_of: vec![u32::MAX; nodes],
             director_of: vec![u32::MAX; nodes],
             of_director: vec![u32::MAX; directors.values.len()],
+            gradient_of: vec![u32::MAX; directors.values.len()],
         };
         for (node, list) in of_node.iter().enumerate().filter(|(_, l)| !l.is_empty()) {
             out.position_of[node] = out.push(mesh.positions[node], VectorKind::Position, node);
             for (i, &d) in list.iter().enumerate() {
                 let v = out.push(directors.values[d as usize], VectorKind::Director, node);
                 out.of_director[d as usize] = v;
+                if with_gradients[d as usize] {
+                    let [t1, t2] = tangents(&directors.values[d as usize]);
+                    out.gradient_of[d as usize] = out.push(t1, VectorKind::Gradient, node);
+                    out.push(t2, VectorKind::Gradient, node);
+                }
                 if i == 0 {
                     out.director_of[node] = v;
                 }
@@ -62,11 +70,11 @@ impl Vectors {
         (self.reference.len() - 1) as u32
     }
 
-    /// Directors of each node.
-    pub(super) fn directors_by_node(&self) -> BTreeMap<u32, Vec<u32>> {
+    /// Vectors of a kind of each node.
+    pub(super) fn by_node(&self, wanted: VectorKind) -> BTreeMap<u32, Vec<u32>> {
         let mut out: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
         for (v, (kind, node)) in self.kinds.iter().zip(&self.nodes).enumerate() {
-            if *kind == VectorKind::Director {
+            if *kind == wanted {
                 out.entry(*node).or_default().push(v as u32);
             }
         }
@@ -86,13 +94,13 @@ pub fn build(model: &Model, mesh: &Mesh) -> Result<System> {
         return Err(Error::Model(issues));
     }
     let directors = Directors::of(mesh, FOLD_ANGLE_DEGREES)?;
-    let vectors = Vectors::new(mesh, &directors);
+    let vectors = Vectors::new(mesh, &directors, &Elements::gradients(model, mesh, &directors));
     let mut elements = Elements::default();
     elements.shells(model, mesh, &directors, &vectors, &mut issues);
     elements.ties(&directors, &vectors);
     let (amplitudes, names) = time_functions(model, &mut issues);
-    let supports = supports(model, mesh, &vectors, &names);
-    let numbering = match Numbering::new(vectors.reference.len(), &supports) {
+    let supports = supports(model, mesh, &vectors, &names, &mut issues);
+    let numbering = match Numbering::new(vectors.reference.len(), &supports, &elements.unit, &vectors.reference) {
         Ok(n) => Some(n),
         Err(pairs) => {
             let mut pairs = pairs;
@@ -149,12 +157,26 @@ pub fn build(model: &Model, mesh: &Mesh) -> Result<System> {
     };
     let proportional = matches!(model.analysis, Analysis::Static(_) | Analysis::Modal(_));
     let initial_velocity = initial_velocity(model, mesh, &vectors);
+    let unit = if elements.unit.is_empty() {
+        Vec::new()
+    } else {
+        (0..vectors.reference.len() as u32).map(|v| elements.unit.contains(&v)).collect()
+    };
     let mut system = System {
+        unit,
         index_map: IndexMap::serial(vectors.reference.len()),
         numbering,
         groups: elements.groups,
         shells: elements.list,
         sections: elements.sections,
+        prescribed_strains: model
+            .prescribed_strains
+            .iter()
+            .map(|p| PrescribedField {
+                strain: p.clone(),
+                amplitude: p.amplitude().and_then(|a| names.get(a).copied()),
+            })
+            .collect(),
         dead_loads: Vec::new(),
         followers,
         amplitudes,
@@ -173,163 +195,6 @@ pub fn build(model: &Model, mesh: &Mesh) -> Result<System> {
     issues.extend(check::masses(model, &system));
     system.dead_loads = dead_loads(model, mesh, &system, &names);
     if issues.is_empty() { Ok(system) } else { Err(Error::Model(issues)) }
-}
-
-#[derive(Default)]
-struct Elements {
-    groups: Vec<Box<dyn ElementGroup>>,
-    list: Vec<Shell>,
-    sections: Vec<ShellSection>,
-    /// h E A at the directors, for ties.
-    director_stiffness: BTreeMap<u32, f64>,
-}
-
-impl Elements {
-    fn shells(
-        &mut self,
-        model: &Model,
-        mesh: &Mesh,
-        directors: &Directors,
-        vectors: &Vectors,
-        issues: &mut Vec<Issue>,
-    ) {
-        for (index, section) in model.sections.iter().enumerate() {
-            let (Some(material), Some(quads)) =
-                (model.materials.get(&section.material), mesh.quads_on(&section.on))
-            else {
-                continue;
-            };
-            let stiffness = SectionStiffness::of(section, material);
-            let super::Material::Isotropic(m) = material;
-            let element = EmsShell {
-                ans_shear: section.ans_shear,
-                ans_thickness: section.ans_thickness,
-                eas: section.eas,
-            };
-            let shells: Vec<(u32, [u32; 8], ShellGeometry)> = quads
-                .iter()
-                .map(|&q| {
-                    let nodes = mesh.quads[q as usize];
-                    let corners = directors.corners[q as usize];
-                    let connectivity = std::array::from_fn(|a| {
-                        if a < 4 {
-                            vectors.position_of[nodes[a] as usize]
-                        } else {
-                            vectors.of_director[corners[a - 4] as usize]
-                        }
-                    });
-                    let geometry = ShellGeometry {
-                        positions: nodes.map(|n| mesh.positions[n as usize]),
-                        directors: corners.map(|d| directors.values[d as usize]),
-                    };
-                    (q, connectivity, geometry)
-                })
-                .collect();
-            let unit = SectionInertia::homogeneous(1.0, section.thickness);
-            let density = match section.total_mass {
-                None => m.density,
-                Some(total) => {
-                    let volume: f64 = shells
-                        .iter()
-                        .map(|(_, _, g)| {
-                            let mass = element.mass(g, &unit);
-                            (0..4).map(|a| (0..4).map(|b| mass[pair(a, b)]).sum::<f64>()).sum::<f64>()
-                        })
-                        .sum();
-                    total / volume
-                }
-            };
-            let inertia = SectionInertia::homogeneous(density, section.thickness);
-            let tau = section.retardation_time + model.damping.stiffness;
-            let mut fill = Fill {
-                section: index,
-                element,
-                stiffness: &stiffness,
-                inertia: &inertia,
-                group: self.groups.len(),
-                list: &mut self.list,
-                director_stiffness: &mut self.director_stiffness,
-                issues,
-            };
-            let group: Box<dyn ElementGroup> = if element.ans_shear {
-                Box::new(fill.group::<{ ems::SAMPLES }>(&shells, tau))
-            } else {
-                Box::new(fill.group::<{ ems::SAMPLES_WITHOUT_ANS_SHEAR }>(&shells, tau))
-            };
-            self.groups.push(group);
-            self.sections.push(ShellSection { stiffness, thickness: section.thickness });
-        }
-    }
-
-    fn ties(&mut self, directors: &Directors, vectors: &Vectors) {
-        if directors.ties.is_empty() {
-            return;
-        }
-        let mut group = QuadraticGroup::<2, 6, 1>::new("fold-tie", fold_tie::strains(), 0.0);
-        for pair in &directors.ties {
-            let v = pair.map(|d| vectors.of_director[d as usize]);
-            let stiffness =
-                v.iter().filter_map(|v| self.director_stiffness.get(v)).fold(f64::INFINITY, |a, &b| a.min(b));
-            if stiffness.is_finite() {
-                group.push(v, &[stiffness], &[0.0; 3]);
-            }
-        }
-        self.groups.push(Box::new(group));
-    }
-}
-
-struct Fill<'a> {
-    section: usize,
-    element: EmsShell,
-    stiffness: &'a SectionStiffness,
-    inertia: &'a SectionInertia,
-    group: usize,
-    list: &'a mut Vec<Shell>,
-    director_stiffness: &'a mut BTreeMap<u32, f64>,
-    issues: &'a mut Vec<Issue>,
-}
-
-impl Fill<'_> {
-    fn group<const S: usize>(
-        &mut self,
-        shells: &[(u32, [u32; 8], ShellGeometry)],
-        tau: f64,
-    ) -> QuadraticGroup<{ ems::VECTORS }, { ems::COORDINATES }, S> {
-        let mut group = QuadraticGroup::new("ems", self.element.strains::<S>(), tau);
-        for (quad, connectivity, geometry) in shells {
-            let (h, _) = match self.element.stiffness(geometry, self.stiffness) {
-                Ok(h) => h,
-                Err(reason) => {
-                    let c = geometry.positions.iter().sum::<Vec3>() / 4.0;
-                    self.issues.push(Issue::new(
-                        "mesh",
-                        format!(
-                            "element {quad} at ({:.4}, {:.4}, {:.4}) is invalid: {reason}",
-                            c.x, c.y, c.z
-                        ),
-                        "repair the mesh there",
-                    ));
-                    continue;
-                }
-            };
-            let mass = self.element.mass(geometry, self.inertia);
-            let unit = self.element.mass(geometry, &SectionInertia { mass: 1.0, rotary: 0.0 });
-            for a in 0..4 {
-                let area: f64 = (0..4).map(|b| unit[pair(a, b)]).sum();
-                *self.director_stiffness.entry(connectivity[a + 4]).or_default() +=
-                    self.stiffness.thickness * area;
-            }
-            self.list.push(Shell {
-                quad: *quad,
-                member: (self.group, group.len()),
-                element: self.element,
-                geometry: *geometry,
-                section: self.section,
-            });
-            group.push(*connectivity, &h, &mass);
-        }
-        group
-    }
 }
 
 /// Place of a pair in a lower triangle.

@@ -46,7 +46,7 @@ pub fn keys(model: &Model) -> Vec<Issue> {
     for (i, s) in model.sections.iter().enumerate() {
         let key = format!("sections[{i}]");
         c.positive(&format!("{key}.thickness"), "the thickness", s.thickness);
-        for (j, k) in s.shear_correction.iter().enumerate() {
+        for (j, k) in s.shear_correction.iter().flatten().enumerate() {
             c.positive(&format!("{key}.shear_correction[{j}]"), "the shear correction factor", *k);
         }
         if let Some(m) = s.total_mass {

@@ -40,7 +40,7 @@ pub fn mechanisms(
         // Motion t L + ω × (x − origin) of a position, ω × d of a director.
         let arm = match kinds[v] {
             VectorKind::Position => (Vec3::from(reference[v]) - origin) / length,
-            VectorKind::Director => Vec3::from(reference[v]),
+            VectorKind::Director | VectorKind::Gradient => Vec3::from(reference[v]),
         };
         let translation = if kinds[v] == VectorKind::Position { s.direction } else { Vec3::zeros() };
         let rotation = arm.cross(&s.direction);

@@ -11,6 +11,8 @@ pub mod check;
 mod condition;
 mod mechanism;
 mod mesh_source;
+mod prescribed_strain;
+mod sections;
 
 use std::collections::BTreeMap;
 
@@ -20,6 +22,7 @@ use serde::{Deserialize, Serialize};
 pub use analysis::*;
 pub use condition::*;
 pub use mesh_source::*;
+pub use prescribed_strain::*;
 
 /// A whole model: mesh, materials, sections, conditions, loads, analysis, output.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -52,6 +55,9 @@ pub struct Model {
     /// Damping of the whole model.
     #[serde(default)]
     pub damping: Damping,
+    /// Strains without stress (heat, growth), and stresses without strain.
+    #[serde(default)]
+    pub prescribed_strains: Vec<PrescribedStrain>,
     /// Functions of time by name, used by loads and prescribed motions.
     #[serde(default)]
     pub amplitudes: BTreeMap<String, Amplitude>,
@@ -81,6 +87,31 @@ pub struct Isotropic {
     pub density: f64,
 }
 
+// TEMPORARY-BEGIN
+impl Material {
+    pub fn density(&self) -> f64 { let Self::Isotropic(m) = self; m.density }
+    pub fn is_isotropic(&self) -> bool { true }
+    pub fn is_linear(&self) -> bool { true }
+    pub fn expansion(&self) -> [f64; 3] { [0.0; 3] }
+    pub fn plane_stress(&self) -> Option<(nalgebra::Matrix3<f64>, nalgebra::Matrix2<f64>, f64)> {
+        let Self::Isotropic(m) = self;
+        let (e, nu) = (m.young, m.poisson);
+        let q = nalgebra::Matrix3::new(1.0, nu, 0.0, nu, 1.0, 0.0, 0.0, 0.0, 0.5 * (1.0 - nu)) * (e / (1.0 - nu * nu));
+        Some((q, nalgebra::Matrix2::identity() * (0.5 * e / (1.0 + nu)), e))
+    }
+    pub fn law_3d(&self) -> crate::material::Law {
+        let Self::Isotropic(m) = self;
+        let (e, nu) = (m.young, m.poisson);
+        let l = e * nu / (1.0 + nu) / (1.0 - 2.0 * nu);
+        let g = 0.5 * e / (1.0 + nu);
+        let mut c = nalgebra::Matrix6::zeros();
+        for i in [0, 1, 3] { for j in [0, 1, 3] { c[(i, j)] = l + if i == j { 2.0 * g } else { 0.0 }; } }
+        for i in [2, 4, 5] { c[(i, i)] = g; }
+        crate::material::Law::Linear(c)
+    }
+}
+// TEMPORARY-END
+
 /// Element type, material and thickness of a part of the mesh.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -91,13 +122,16 @@ pub struct Section {
     /// Element type.
     #[serde(default)]
     pub element: ElementKind,
-    /// Name of a material.
+    /// Name of a material; needed unless there is a `layup`.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub material: String,
-    /// Thickness h (length), above 0.
+    /// Thickness h (length), above 0; needed unless there is a `layup`.
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub thickness: f64,
-    /// Transverse shear correction factors c_xz, c_yz (5/6 each unless given).
-    #[serde(default = "five_sixths")]
-    pub shear_correction: [f64; 2],
+    /// Transverse shear correction factors c_xz, c_yz. Unless given: 5/6 each for one layer, the layup's own for a
+    /// laminate, 1 for the elements with three-dimensional stresses (`cm`, `solid-shell`, `ancf-full`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shear_correction: Option<[f64; 2]>,
     /// Assumed natural strain for transverse shear; off: the element locks when thin.
     #[serde(default = "yes")]
     pub ans_shear: bool,
@@ -107,6 +141,13 @@ pub struct Section {
     /// Enhanced assumed strain in the plane (4 parameters); off: in-plane bending is too stiff.
     #[serde(default = "yes")]
     pub eas: bool,
+    /// Enhanced parameters of the thickness strain of `cm` and `solid-shell`: 0, 1, 3 or 4; with 0 bending locks, with
+    /// 1 distorted meshes fail the bending patch test.
+    #[serde(default = "four")]
+    pub thickness_eas: u8,
+    /// Integration points over the thickness (of each layer): by default 2, and 5 for plastic materials.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub thickness_points: Option<u8>,
     /// Total mass of the section (mass); given, the density is scaled to meet it on the mesh.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub total_mass: Option<f64>,
@@ -124,6 +165,14 @@ pub enum ElementKind {
     /// Shear-deformable bilinear shell of the absolute nodal coordinate formulation, elastic middle surface.
     #[default]
     Ems,
+    /// The same nodes with three-dimensional stresses integrated over the thickness.
+    Cm,
+    /// Bilinear shell with directors of unit length (MITC4 with enhanced membrane strains).
+    Mitc4,
+    /// Eight-node solid shell: positions at the bottom and the top of the thickened mid-surface.
+    SolidShell,
+    /// Fully parameterized plate with 48 coordinates; it locks and serves for comparison.
+    AncfFull,
 }
 
 /// Damping of the whole model.
@@ -259,6 +308,9 @@ fn all() -> String {
 fn yes() -> bool {
     true
 }
-fn five_sixths() -> [f64; 2] {
-    [5.0 / 6.0; 2]
+fn four() -> u8 {
+    4
+}
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }

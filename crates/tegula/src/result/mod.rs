@@ -1,5 +1,6 @@
 //! From a state back to engineering quantities: resultants and stresses of shells, motion of points.
 
+pub mod inside;
 pub mod probe;
 pub mod recovery;
 

@@ -14,12 +14,15 @@
 //! middle             σ = n/h,  τ = 1.5 q/h   (parabola over the thickness)
 //! ```
 
+use nalgebra::{DVector, Vector6};
 use rayon::prelude::*;
 
+use super::inside::{Inside, Snapshot};
 use crate::Mat3;
-use crate::element::Nodal;
-use crate::element::ems::point_resultants;
-use crate::element::geometry::{covariant_base, cross_section_frame};
+use crate::analysis::State;
+use crate::element::geometry::{cross_section_frame, nodal_areas};
+use crate::section::CompiledSection;
+use crate::section::compiled::Layer;
 use crate::system::{Shell, System};
 
 /// Quantities of one shell element.
@@ -43,45 +46,108 @@ pub struct ShellResult {
     pub area: f64,
 }
 
-/// The quantities of all shells at displacements `u`, in the order of [`System::shells`].
-pub fn recover(system: &System, u: &[Nodal]) -> Vec<ShellResult> {
-    system.shells.par_iter().map(|shell| element(system, shell, u)).collect()
+/// The quantities of all shells at a state, in the order of [`System::shells`].
+pub fn recover(system: &System, state: &State) -> Vec<ShellResult> {
+    let snapshot = Snapshot::new(system, state);
+    let energies = snapshot.energies();
+    let energy = |shell: &Shell| shell.groups.clone().map(|g| energies[g][shell.member]).sum::<f64>();
+    system.shells.par_iter().map(|shell| element(&snapshot, shell, energy(shell)).unwrap_or_default()).collect()
 }
 
-/// One element. Its geometry was valid when the system was built, so nothing fails here;
-/// if it did, the element would be all zero.
-fn element(system: &System, shell: &Shell, u: &[Nodal]) -> ShellResult {
-    let section = &system.sections[shell.section];
-    let (group, member) = shell.member;
-    let samples = system.groups[group].sampled_strains(member, &system.reference, u, system.linear);
+/// One element. Its geometry was valid when the system was built, so nothing fails here.
+fn element(snapshot: &Snapshot, shell: &Shell, energy: f64) -> Option<ShellResult> {
+    let of = &snapshot.system.sections[shell.section];
+    let (section, shell_element) = (&of.section, of.element.as_ref());
+    let inside = Inside::new(snapshot, shell)?;
+    let centre = cross_section_frame(&shell.geometry.base(0.0, 0.0, 0.0))?;
     let mut out = ShellResult::default();
-    let Ok((_, alpha)) = shell.element.stiffness(&shell.geometry, &section.stiffness) else {
-        return out;
-    };
-    let base = covariant_base(&shell.geometry.positions, &shell.geometry.directors, 0.0, 0.0);
-    let Some(centre) = cross_section_frame(&base) else { return out };
-    for point in 0..4 {
-        let Ok(strains) = shell.element.point_strains(&shell.geometry, point) else { continue };
-        let (r, energy) = point_resultants(&strains, &alpha, &section.stiffness, &samples);
-        let turn = Turn::between(&strains.frame, &centre);
+    let points = shell_element.surface_points();
+    let stresses = inside.station_stresses();
+    let per_point = stresses.len() / points;
+    let share = 1.0 / points as f64;
+    for point in 0..points {
+        let operator = shell_element.operator(&shell.geometry, point, 0.0).ok()?;
+        let turn = Turn::between(&operator.frame, &centre);
+        let r = resultants(section, shell_element.is_solid(), &stresses[point * per_point..(point + 1) * per_point]);
         let membrane = turn.tensor([r[0], r[1], r[2]]);
         let bending = turn.tensor([r[6], r[7], r[8]]);
         let shear = turn.vector([r[4], r[5]]);
         for i in 0..3 {
-            out.membrane[i] += 0.25 * membrane[i];
-            out.bending[i] += 0.25 * bending[i];
+            out.membrane[i] += share * membrane[i];
+            out.bending[i] += share * bending[i];
         }
         for i in 0..2 {
-            out.shear[i] += 0.25 * shear[i];
+            out.shear[i] += share * shear[i];
         }
-        out.energy_density += energy * strains.area;
-        out.area += strains.area;
     }
+    out.area = nodal_areas(&shell.geometry.positions).iter().sum();
     if out.area > 0.0 {
-        out.energy_density /= out.area;
+        out.energy_density = energy / out.area;
     }
-    stresses(&mut out, section.thickness);
+    surface_stresses(&mut out, &inside, section, &centre, points);
+    Some(out)
+}
+
+/// Resultants n, n_zz, q, m of a point of the mid-surface from the stresses of its stations.
+fn resultants(section: &CompiledSection, solid: bool, stresses: &[DVector<f64>]) -> [f64; 9] {
+    let mut out = [0.0; 9];
+    let mut stations = stresses.iter();
+    if !solid && let Some(n) = stations.next() {
+        for (out, n) in out.iter_mut().zip(n.iter()) {
+            *out += n;
+        }
+    }
+    let heights = section.layers.iter().flat_map(|l| l.points.iter().copied());
+    for (s, (z, weight)) in stations.zip(heights) {
+        for i in 0..6 {
+            out[i] += weight * s[i];
+        }
+        for i in 0..3 {
+            out[6 + i] -= weight * z * s[i];
+        }
+    }
     out
+}
+
+/// Stresses at the two surfaces and the greatest equivalent stress.
+fn surface_stresses(out: &mut ShellResult, inside: &Inside, section: &CompiledSection, centre: &Mat3, points: usize) {
+    if section.layers.len() == 1 && section.is_linear() && section.isotropic {
+        stresses(out, section.thickness);
+        return;
+    }
+    let at_stations = inside.station_stresses();
+    let mean = |layer: &Layer, z: f64| -> Option<Vector6<f64>> {
+        let mut sum = Vector6::zeros();
+        for point in 0..points {
+            let (stress, frame) = match inside.stress(point, z, layer) {
+                Some((s, at)) => (s, at.frame),
+                None => inside.stress_of_nearest_station(point, z, points, &at_stations)?,
+            };
+            let turn = Turn::between(&frame, centre);
+            let [xx, yy, xy] = turn.tensor([stress[0], stress[1], stress[2]]);
+            let [xz, yz] = turn.vector([stress[4], stress[5]]);
+            sum += Vector6::new(xx, yy, xy, stress[3], xz, yz) / points as f64;
+        }
+        Some(sum)
+    };
+    let plane = |s: &Vector6<f64>| [s[0], s[1], s[2]];
+    if let (Some(bottom), Some(top)) = (section.layers.first(), section.layers.last()) {
+        out.stress_bottom = mean(bottom, bottom.bottom).as_ref().map_or([0.0; 3], plane);
+        out.stress_top = mean(top, top.top).as_ref().map_or([0.0; 3], plane);
+    }
+    for layer in &section.layers {
+        for z in [layer.bottom, 0.5 * (layer.bottom + layer.top), layer.top] {
+            if let Some(s) = mean(layer, z) {
+                out.von_mises = out.von_mises.max(equivalent(&s));
+            }
+        }
+    }
+}
+
+/// Von Mises stress of xx, yy, xy, zz, xz, yz.
+fn equivalent(s: &Vector6<f64>) -> f64 {
+    let normal = (s[0] - s[1]).powi(2) + (s[1] - s[3]).powi(2) + (s[3] - s[0]).powi(2);
+    (0.5 * normal + 3.0 * (s[2] * s[2] + s[4] * s[4] + s[5] * s[5])).sqrt()
 }
 
 /// In-plane turn from one frame to another. Frames of a warped element also tilt, which is left out:

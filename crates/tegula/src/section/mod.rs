@@ -1,8 +1,12 @@
 //! Through the thickness: stiffness and inertia of a section per area.
 
+pub mod compiled;
+pub mod quadrature;
+
 use nalgebra::{Matrix2, Matrix3};
 
-use crate::model::{Isotropic, Material, Section};
+use crate::model::Isotropic;
+pub use compiled::CompiledSection;
 
 /// Stiffness of a section per reference area: resultants from strains and curvatures,
 ///
@@ -33,6 +37,8 @@ pub struct SectionInertia {
     pub mass: f64,
     /// ∫ρ z² dz (mass); the director is dimensionless.
     pub rotary: f64,
+    /// ∫ρ z dz [mass/length]; 0 for sections symmetric about the mid-surface.
+    pub coupling: f64,
 }
 
 impl SectionStiffness {
@@ -51,18 +57,16 @@ impl SectionStiffness {
             thickness: e * h,
         }
     }
-
-    /// The stiffness of a section of the model.
-    pub fn of(section: &Section, material: &Material) -> Self {
-        match material {
-            Material::Isotropic(m) => Self::homogeneous(m, section.thickness, section.shear_correction),
-        }
-    }
 }
 
 impl SectionInertia {
+    /// The inertia times a factor.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self { mass: factor * self.mass, rotary: factor * self.rotary, coupling: factor * self.coupling }
+    }
+
     /// A homogeneous section: ρh and ρh³/12.
     pub fn homogeneous(density: f64, thickness: f64) -> Self {
-        Self { mass: density * thickness, rotary: density * thickness.powi(3) / 12.0 }
+        Self { mass: density * thickness, rotary: density * thickness.powi(3) / 12.0, coupling: 0.0 }
     }
 }

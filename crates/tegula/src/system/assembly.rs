@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::System;
+use super::{Numbering, System};
 use crate::Vec3;
-use crate::element::{Kinematics, Motion, Nodal, TangentRequest, TangentWeights};
+use crate::element::{ElementGroup, Interior, Kinematics, Motion, Nodal, TangentRequest, TangentWeights};
 
 /// What a tangent is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,6 +29,16 @@ pub struct Assembly {
     pub values: Vec<f64>,
     /// Energies per element, all groups.
     energies: Vec<f64>,
+    /// Enhanced parameters and internal variables at the end of the last step, all groups.
+    pub history: Vec<f64>,
+    /// The same at the end of the present step.
+    new_history: Vec<f64>,
+    /// Factors of the fields of prescribed strain.
+    factors: Vec<f64>,
+    /// Supports, and axes of the vectors that keep their length at their present values.
+    pub numbering: Numbering,
+    /// Part of the curvature of unit vectors that belongs to nodes: what acts on them from outside.
+    shift: Vec<f64>,
     /// For each nodal vector, where in `element_forces` (in units of nodal vectors) its parts are.
     force_start: Vec<usize>,
     force_sources: Vec<u32>,
@@ -41,7 +51,9 @@ impl Assembly {
         let mut samples = 0;
         let mut elements = 0;
         let mut blocks = 0;
+        let mut history = 0;
         for group in &system.groups {
+            history += group.len() * group.history_per_element();
             for e in 0..group.len() {
                 for &v in group.vectors(e) {
                     sources.push((v, sources.len() as u32));
@@ -70,17 +82,39 @@ impl Assembly {
             stress: vec![0.0; samples],
             values: vec![0.0; system.pattern.values()],
             energies: vec![0.0; elements],
+            history: vec![0.0; history],
+            new_history: vec![0.0; history],
+            factors: vec![0.0; system.prescribed_strains.len()],
+            numbering: system.numbering.clone(),
+            shift: if system.unit.is_empty() { Vec::new() } else { vec![0.0; system.vectors()] },
             force_start,
             force_sources: sources.into_iter().map(|s| s.1).collect(),
         }
     }
 
+    /// Sets the factors of the prescribed strains.
+    fn set_time(&mut self, system: &System, time: f64) {
+        for (factor, field) in self.factors.iter_mut().zip(&system.prescribed_strains) {
+            *factor = system.amplitude(field.amplitude, time);
+        }
+    }
+
+    /// Turns the axes of vectors that keep their length to the directions on which the forces of a motion act.
+    pub fn follow(&mut self, system: &System, k: &Kinematics) {
+        if !self.numbering.unit.is_empty() && !k.linear {
+            self.numbering.follow(|v| current_vector(system, k, v));
+        }
+    }
+
     /// Internal forces of a motion.
     pub fn forces(&mut self, system: &System, k: &Kinematics, out: &mut [Nodal]) {
+        self.set_time(system, k.time);
         let mut forces = self.element_forces.as_mut_slice();
+        let mut history = self.history.as_slice();
         for group in &system.groups {
             let (mine, rest) = forces.split_at_mut(3 * group.len() * group.vectors_per_element());
-            group.evaluate(k, mine, None);
+            let k = inside(system, k, &mut history, group.as_ref(), &self.factors);
+            group.evaluate(&k, mine, None);
             forces = rest;
         }
         self.gather_forces(out);
@@ -97,12 +131,12 @@ impl Assembly {
         prescribed: Option<&[Nodal]>,
         out: &mut [Nodal],
     ) {
-        self.element_blocks(system, k, parts, extrapolated, prescribed);
-        self.gather_forces(out);
-        system.pattern.gather(&self.blocks, parts.mass, &system.numbering, &mut self.values);
+        self.element_blocks(system, k, parts, extrapolated, prescribed, out);
+        self.scatter(system, parts.mass);
     }
 
-    /// Only the element work of [`forces_and_tangent`](Self::forces_and_tangent): blocks in the buffer.
+    /// Only the element work of [`forces_and_tangent`](Self::forces_and_tangent): internal forces, and blocks in the
+    /// buffer.
     pub fn element_blocks(
         &mut self,
         system: &System,
@@ -110,10 +144,13 @@ impl Assembly {
         parts: &TangentParts,
         extrapolated: bool,
         prescribed: Option<&[Nodal]>,
+        out: &mut [Nodal],
     ) {
+        self.set_time(system, k.time);
         let mut forces = self.element_forces.as_mut_slice();
         let mut blocks = self.blocks.as_mut_slice();
         let mut stress = self.stress.as_slice();
+        let mut history = self.history.as_slice();
         for group in &system.groups {
             let m = group.vectors_per_element();
             let (f, forces_rest) = forces.split_at_mut(3 * group.len() * m);
@@ -125,7 +162,8 @@ impl Assembly {
                 prescribed,
                 blocks: b,
             };
-            group.evaluate(k, f, Some(request));
+            let k = inside(system, k, &mut history, group.as_ref(), &self.factors);
+            group.evaluate(&k, f, Some(request));
             (forces, blocks, stress) = (forces_rest, blocks_rest, stress_rest);
         }
         for load in &system.followers {
@@ -140,11 +178,24 @@ impl Assembly {
             b.iter_mut().for_each(|v| *v *= factor);
             blocks = rest;
         }
+        self.gather_forces(out);
+        self.shift.fill(0.0);
+    }
+
+    /// Curvature of the sphere of unit vectors under the forces `rest` that act on them from outside.
+    pub fn add_curvature(&mut self, system: &System, k: &Kinematics, weights: &TangentWeights, rest: &[Nodal]) {
+        if k.linear {
+            return;
+        }
+        for unit in &self.numbering.unit {
+            let v = unit.vector as usize;
+            self.shift[v] = weights.direction * current_vector(system, k, v).dot(&Vec3::from(rest[v]));
+        }
     }
 
     /// Sums the element blocks into the values of the tangent.
     pub fn scatter(&mut self, system: &System, mass: f64) {
-        system.pattern.gather(&self.blocks, mass, &system.numbering, &mut self.values);
+        system.pattern.gather(&self.blocks, mass, &self.shift, &self.numbering, &mut self.values);
     }
 
     fn gather_forces(&self, out: &mut [Nodal]) {
@@ -162,15 +213,17 @@ impl Assembly {
     /// Values of the mass matrix of the free coordinates.
     pub fn mass_values(&mut self, system: &System, values: &mut [f64]) {
         self.blocks.fill(0.0);
-        system.pattern.gather(&self.blocks, 1.0, &system.numbering, values);
+        system.pattern.gather(&self.blocks, 1.0, &[], &self.numbering, values);
     }
 
     /// Sets the extrapolated stress to that of a motion.
     pub fn reset_stress(&mut self, system: &System, k: &Kinematics) {
+        self.set_time(system, k.time);
         let mut stress = self.stress.as_mut_slice();
+        let mut history = self.history.as_slice();
         for group in &system.groups {
             let (s, rest) = stress.split_at_mut(group.len() * group.samples());
-            group.stresses(k, s);
+            group.stresses(&inside(system, k, &mut history, group.as_ref(), &self.factors), s);
             stress = rest;
         }
     }
@@ -184,28 +237,52 @@ impl Assembly {
         weights: &TangentWeights,
     ) {
         let mut stress = self.stress.as_mut_slice();
+        let mut history = self.history.as_slice();
         for group in &system.groups {
             let (s, rest) = stress.split_at_mut(group.len() * group.samples());
-            group.extrapolate(k, increment, weights, s);
+            let k = inside(system, k, &mut history, group.as_ref(), &self.factors);
+            group.extrapolate(&k, increment, weights, s);
             stress = rest;
         }
     }
 
+    /// Takes over what the materials remember at the end of a converged step; returns the energy they dissipated in it.
+    pub fn commit(&mut self, system: &System, k: &Kinematics) -> f64 {
+        if self.history.is_empty() {
+            return 0.0;
+        }
+        self.set_time(system, k.time);
+        let mut new = self.new_history.as_mut_slice();
+        let mut history = self.history.as_slice();
+        let mut dissipated = 0.0;
+        for group in &system.groups {
+            let (mine, rest) = new.split_at_mut(group.len() * group.history_per_element());
+            let k = inside(system, k, &mut history, group.as_ref(), &self.factors);
+            dissipated += group.update_history(&k, mine);
+            new = rest;
+        }
+        std::mem::swap(&mut self.history, &mut self.new_history);
+        dissipated
+    }
+
     /// Strain energy.
-    pub fn strain_energy(&mut self, system: &System, u: &[Nodal]) -> f64 {
-        self.sum_energies(system, u, system.linear)
+    pub fn strain_energy(&mut self, system: &System, u: &[Nodal], time: f64) -> f64 {
+        self.sum_energies(system, u, system.linear, time)
     }
 
     /// Strain energy of small displacements, ½ uᵀKu, summed from strains without cancellation.
     pub fn small_strain_energy(&mut self, system: &System, u: &[Nodal]) -> f64 {
-        self.sum_energies(system, u, true)
+        self.sum_energies(system, u, true, 0.0)
     }
 
-    fn sum_energies(&mut self, system: &System, u: &[Nodal], linear: bool) -> f64 {
+    fn sum_energies(&mut self, system: &System, u: &[Nodal], linear: bool, time: f64) -> f64 {
+        self.set_time(system, time);
+        let k = Kinematics::new(&system.reference, Motion::State { u, velocity: None }, linear, time);
         let mut energies = self.energies.as_mut_slice();
+        let mut history = self.history.as_slice();
         for group in &system.groups {
             let (e, rest) = energies.split_at_mut(group.len());
-            group.energies(&system.reference, u, linear, e);
+            group.energies(&inside(system, &k, &mut history, group.as_ref(), &self.factors), e);
             energies = rest;
         }
         self.energies.iter().sum()
@@ -214,26 +291,45 @@ impl Assembly {
     /// Power that rate damping dissipates.
     pub fn dissipated_power(&mut self, system: &System, k: &Kinematics) -> f64 {
         let mut power = self.energies.as_mut_slice();
+        let mut history = self.history.as_slice();
         for group in &system.groups {
             let (p, rest) = power.split_at_mut(group.len());
-            group.dissipation(k, p);
+            group.dissipation(&inside(system, k, &mut history, group.as_ref(), &self.factors), p);
             power = rest;
         }
         self.energies.iter().sum()
     }
 }
 
-/// Current nodal vectors (of the middle of a step).
+/// The motion with what is inside of a group's elements; takes the group's part off the front of `history`.
+fn inside<'a>(
+    system: &'a System,
+    k: &Kinematics<'a>,
+    history: &mut &'a [f64],
+    group: &dyn ElementGroup,
+    factors: &'a [f64],
+) -> Kinematics<'a> {
+    let (mine, rest) = history.split_at(group.len() * group.history_per_element());
+    *history = rest;
+    Kinematics { interior: Interior { history: mine, factors }, unit: &system.unit, ..*k }
+}
+
+/// A nodal vector on which the forces of a motion act.
+fn current_vector(system: &System, k: &Kinematics, v: usize) -> Vec3 {
+    let mut x = Vec3::from(system.reference[v]);
+    if !k.linear {
+        match k.motion {
+            Motion::State { u, .. } => x += Vec3::from(u[v]),
+            Motion::Step { old, new, .. } => x += (Vec3::from(old[v]) + Vec3::from(new[v])) * 0.5,
+        }
+    }
+    x
+}
+
+/// Nodal vectors on which the forces of a motion act.
 fn current(system: &System, k: &Kinematics, vectors: &[u32], x: &mut [Vec3; 4]) {
     for (x, &v) in x.iter_mut().zip(vectors) {
-        let v = v as usize;
-        *x = Vec3::from(system.reference[v]);
-        if !k.linear {
-            match k.motion {
-                Motion::State { u, .. } => *x += Vec3::from(u[v]),
-                Motion::Step { old, new, .. } => *x += (Vec3::from(old[v]) + Vec3::from(new[v])) * 0.5,
-            }
-        }
+        *x = current_vector(system, k, v as usize);
     }
 }
 

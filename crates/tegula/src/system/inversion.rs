@@ -19,8 +19,7 @@ pub fn inside_out(system: &System, u: &[Nodal]) -> Option<String> {
         return None;
     }
     let turned = |shell: &super::Shell| {
-        let (group, member) = shell.member;
-        let vectors = system.groups[group].vectors(member);
+        let vectors = system.groups[shell.groups.start].vectors(shell.member);
         let current = |a: usize| {
             let v = vectors[a] as usize;
             Vec3::from(system.reference[v]) + Vec3::from(u[v])
@@ -34,6 +33,6 @@ pub fn inside_out(system: &System, u: &[Nodal]) -> Option<String> {
         })
     };
     let shell = system.shells.par_iter().with_min_len(CHUNK).find_first(|s| turned(s))?;
-    let c = shell.geometry.positions.iter().sum::<Vec3>() / 4.0;
+    let c = shell.geometry.centre();
     Some(format!("element {} at ({:.4}, {:.4}, {:.4}) is turned inside out", shell.quad, c.x, c.y, c.z))
 }

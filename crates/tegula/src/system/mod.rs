@@ -6,11 +6,14 @@ mod inversion;
 pub mod numbering;
 pub mod pattern;
 
+use std::ops::Range;
+
 use crate::Vec3;
-use crate::element::ems::{EmsShell, ShellGeometry};
-use crate::element::{ElementGroup, Nodal};
+use crate::element::shell::ShellElement;
+use crate::element::{ElementGroup, Nodal, ShellGeometry};
 use crate::load::{FollowerLoad, TimeFunction};
-use crate::section::SectionStiffness;
+use crate::model::PrescribedStrain;
+use crate::section::CompiledSection;
 pub use assembly::Assembly;
 pub use index_map::IndexMap;
 pub use inversion::inside_out;
@@ -33,23 +36,34 @@ pub struct DeadLoad {
 pub struct Shell {
     /// Quad of the mesh.
     pub quad: u32,
-    /// Element group and number in it.
-    pub member: (usize, usize),
-    /// Element type with its switches.
-    pub element: EmsShell,
+    /// Its element groups.
+    pub groups: Range<usize>,
+    /// Its number in each of them.
+    pub member: usize,
     /// Reference geometry.
     pub geometry: ShellGeometry,
     /// Section.
     pub section: usize,
+    /// Which fields of prescribed strain act on it; empty: none.
+    pub prescribed: Vec<bool>,
 }
 
-/// Section data for the recovery of stresses.
-#[derive(Debug, Clone)]
+/// A section with its element type.
+#[derive(Debug)]
 pub struct ShellSection {
-    /// Stiffness per area.
-    pub stiffness: SectionStiffness,
-    /// Thickness.
-    pub thickness: f64,
+    /// Layers and stiffness.
+    pub section: CompiledSection,
+    /// Element type with its remedies.
+    pub element: Box<dyn ShellElement>,
+}
+
+/// A field of prescribed strain.
+#[derive(Debug, Clone)]
+pub struct PrescribedField {
+    /// The strain at factor 1.
+    pub strain: PrescribedStrain,
+    /// Amplitude; `None`: grows with the load factor in statics, constant in transients.
+    pub amplitude: Option<usize>,
 }
 
 /// The compiled model.
@@ -74,6 +88,10 @@ pub struct System {
     pub shells: Vec<Shell>,
     /// Sections of the shells.
     pub sections: Vec<ShellSection>,
+    /// Fields of prescribed strain.
+    pub prescribed_strains: Vec<PrescribedField>,
+    /// Which nodal vectors keep their length; empty: none.
+    pub unit: Vec<bool>,
     /// Forces independent of the motion.
     pub dead_loads: Vec<DeadLoad>,
     /// Forces that follow the motion.
@@ -199,7 +217,7 @@ impl System {
             let pairs = if i == j { 1 } else { 2 };
             for (a, b) in [(i, j), (j, i)].into_iter().take(pairs) {
                 let p = Vec3::from(v[b]) * m;
-                if self.kinds[a] == VectorKind::Position && self.kinds[b] == VectorKind::Position {
+                if self.kinds[a] == VectorKind::Position {
                     linear += p;
                 }
                 angular += current(a).cross(&p);

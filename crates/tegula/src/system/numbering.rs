@@ -1,5 +1,7 @@
 //! Nodal vectors, their supports, and the numbers of the free coordinates.
 
+use std::collections::BTreeSet;
+
 use crate::element::Nodal;
 use crate::{Mat3, Vec3};
 
@@ -10,6 +12,8 @@ pub enum VectorKind {
     Position,
     /// Director of a node (one of them, where sheets meet at an angle).
     Director,
+    /// Gradient of the position along a tangent of the mid-surface.
+    Gradient,
 }
 
 /// A prescribed displacement: a value and the amplitude it is multiplied with.
@@ -45,14 +49,56 @@ pub struct Numbering {
     pub prescribed: Vec<(u32, f64, Option<usize>)>,
     /// Number of free coordinates.
     pub unknowns: usize,
+    /// Vectors that keep their length: their axes turn with them, the last one along the vector.
+    pub unit: Vec<UnitVector>,
+}
+
+/// A nodal vector that keeps its length.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UnitVector {
+    /// Nodal vector.
+    pub vector: u32,
+    /// A direction along which it is supported.
+    pub fixed: Option<Vec3>,
+}
+
+impl UnitVector {
+    /// Axes of the vector at its present value `d`: two along which it may change (one, if it is supported), and the rest.
+    fn axes(&self, d: &Vec3) -> Mat3 {
+        let d = d.normalize();
+        match self.fixed {
+            None => {
+                let [a, b] = crate::element::geometry::tangents(&d);
+                Mat3::from_columns(&[a, b, d])
+            }
+            Some(fixed) => {
+                let free = fixed.cross(&d).normalize();
+                Mat3::from_columns(&[free, fixed, free.cross(&fixed)])
+            }
+        }
+    }
+
+    /// The value of length 1 (and with the supported component of `reference`) that is nearest to `d`.
+    pub fn project(&self, d: Vec3, reference: &Vec3) -> Vec3 {
+        let Some(a) = self.fixed else { return d.normalize() };
+        let along = a.dot(reference);
+        let across = d - a * a.dot(&d);
+        a * along + across.normalize() * (1.0 - along * along).max(0.0).sqrt()
+    }
 }
 
 impl Numbering {
-    /// Numbers the coordinates of `vectors` nodal vectors under the given supports.
+    /// Numbers the coordinates of `vectors` nodal vectors under the given supports; those of `unit` keep their length
+    /// unless they are wholly supported.
     ///
     /// # Errors
     /// Pairs of keys of supports that prescribe the same component differently.
-    pub fn new(vectors: usize, supports: &[Support]) -> Result<Self, Vec<(String, String)>> {
+    pub fn new(
+        vectors: usize,
+        supports: &[Support],
+        unit: &BTreeSet<u32>,
+        reference: &[Nodal],
+    ) -> Result<Self, Vec<(String, String)>> {
         let mut by_vector: Vec<Vec<&Support>> = vec![Vec::new(); vectors];
         for s in supports {
             by_vector[s.vector as usize].push(s);
@@ -62,6 +108,7 @@ impl Numbering {
         let mut prescribed = Vec::new();
         let mut conflicts = Vec::new();
         let mut unknowns = 0;
+        let mut units = Vec::new();
         for (v, list) in by_vector.iter().enumerate() {
             let mut axes: Vec<(Vec3, &Support)> = Vec::new();
             for s in list {
@@ -77,6 +124,24 @@ impl Numbering {
                 {
                     conflicts.push((other.key.clone(), s.key.clone()));
                 }
+            }
+            if unit.contains(&(v as u32)) && axes.len() < 3 {
+                let d = Vec3::from(reference[v]).normalize();
+                if let Some((_, s)) = axes.iter().find(|(_, s)| s.motion.is_some()) {
+                    conflicts.push((s.key.clone(), s.key.clone()));
+                }
+                // A support along the vector says nothing: its length is kept anyway.
+                axes.retain(|(a, _)| a.dot(&d).abs() < 1.0 - 1e-9);
+                if axes.len() < 2 {
+                    let director = UnitVector { vector: v as u32, fixed: axes.first().map(|(a, _)| *a) };
+                    frames[v] = Some(director.axes(&d));
+                    for c in 0..2 - axes.len() {
+                        free[3 * v + c] = unknowns;
+                        unknowns += 1;
+                    }
+                    units.push(director);
+                }
+                continue;
             }
             let along_axis = |a: &Vec3| (0..3).find(|&c| a[c].abs() > 1.0 - 1e-12);
             let mut supported: [Option<Option<Motion>>; 3] = [None; 3];
@@ -112,9 +177,16 @@ impl Numbering {
             }
         }
         if conflicts.is_empty() {
-            Ok(Self { free, frames, prescribed, unknowns: unknowns as usize })
+            Ok(Self { free, frames, prescribed, unknowns: unknowns as usize, unit: units })
         } else {
             Err(conflicts)
+        }
+    }
+
+    /// Turns the axes of vectors that keep their length to their present values.
+    pub fn follow(&mut self, value: impl Fn(usize) -> Vec3) {
+        for unit in &self.unit {
+            self.frames[unit.vector as usize] = Some(unit.axes(&value(unit.vector as usize)));
         }
     }
 

@@ -136,26 +136,34 @@ impl Pattern {
         self.column_start.len() - 1
     }
 
-    /// Sums the blocks of the element buffer and `mass_factor · M` into the values of the free coordinates.
-    pub fn gather(&self, buffer: &[f64], mass_factor: f64, numbering: &Numbering, values: &mut [f64]) {
-        self.gather_columns(0..self.vectors(), buffer, mass_factor, numbering, values);
+    /// Sums the blocks of the element buffer and `mass_factor · M` into the values of the free coordinates;
+    /// `shift` (empty, or a number per nodal vector) is added to the diagonal.
+    pub fn gather(
+        &self,
+        buffer: &[f64],
+        mass_factor: f64,
+        shift: &[f64],
+        numbering: &Numbering,
+        values: &mut [f64],
+    ) {
+        self.gather_columns(0..self.vectors(), (buffer, mass_factor, shift), numbering, values);
     }
 
     fn gather_columns(
         &self,
         columns: Range<usize>,
-        buffer: &[f64],
-        mass_factor: f64,
+        parts: (&[f64], f64, &[f64]),
         numbering: &Numbering,
         values: &mut [f64],
     ) {
+        let (buffer, mass_factor, shift) = parts;
         if columns.len() > GRAIN {
             let middle = columns.start + columns.len() / 2;
             let (left, right) =
                 values.split_at_mut(self.value_start[middle] - self.value_start[columns.start]);
             rayon::join(
-                || self.gather_columns(columns.start..middle, buffer, mass_factor, numbering, left),
-                || self.gather_columns(middle..columns.end, buffer, mass_factor, numbering, right),
+                || self.gather_columns(columns.start..middle, parts, numbering, left),
+                || self.gather_columns(middle..columns.end, parts, numbering, right),
             );
             return;
         }
@@ -181,7 +189,10 @@ impl Pattern {
                 let i = self.row[block] as usize;
                 let rows = numbering.of(i);
                 let mut k = self.sum(block, buffer);
-                let m = mass_factor * self.mass[block];
+                let mut m = mass_factor * self.mass[block];
+                if i == j {
+                    m += shift.get(j).copied().unwrap_or(0.0);
+                }
                 k[0] += m;
                 k[4] += m;
                 k[8] += m;

@@ -77,11 +77,8 @@ impl EnergyMomentum {
 
 impl Equation for EnergyMomentum {
     fn kinematics<'a>(&'a self, system: &'a System) -> Kinematics<'a> {
-        Kinematics {
-            reference: &system.reference,
-            motion: Motion::Step { old: &self.u_old, new: &self.u, dt: self.dt },
-            linear: system.linear,
-        }
+        let motion = Motion::Step { old: &self.u_old, new: &self.u, dt: self.dt };
+        Kinematics::new(&system.reference, motion, system.linear, self.time - 0.5 * self.dt)
     }
 
     fn parts(&self) -> TangentParts {

@@ -13,7 +13,7 @@ use crate::model::{NewtonMethod, Scheme, TransientAnalysis};
 use crate::system::assembly::add_follower_loads;
 use crate::system::numbering::CONSTRAINED;
 use crate::system::{Assembly, System, VectorKind, dot, dot3, inside_out};
-use crate::{Error, Result};
+use crate::{Error, Result, Vec3};
 use energy_momentum::EnergyMomentum;
 use newmark::Newmark;
 use step_control::StepControl;
@@ -91,6 +91,7 @@ pub fn run(
     };
     statistics.steps = state.step;
     newton.assembly.stress.copy_from_slice(&state.stress);
+    newton.assembly.history.copy_from_slice(&state.history);
     let control = StepControl::new(system, options);
     if fresh {
         state.next_step = control.first(system, &state);
@@ -143,7 +144,10 @@ pub fn run(
                     state.time = if last { options.end_time } else { state.time + dt };
                     state.step += 1;
                     state.next_step = control.next(dt, error, c.iterations);
-                    newton.assembly.reset_stress(system, &state_kinematics(system, &state.u));
+                    let k = state_kinematics(system, &state.u, state.time);
+                    state.dissipated += newton.assembly.commit(system, &k);
+                    state.history.copy_from_slice(&newton.assembly.history);
+                    newton.assembly.reset_stress(system, &k);
                     state.stress.copy_from_slice(&newton.assembly.stress);
                     balance = self::balance(system, &mut newton.assembly, &state);
                     state.energy_scale = state.energy_scale.max(balance.kinetic).max(balance.strain);
@@ -197,13 +201,7 @@ pub fn run(
 /// equations of motion there: `M a = F − f_int − C v`.
 fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
     let n = system.vectors();
-    let mut state = State {
-        u: vec![[0.0; 3]; n],
-        v: system.initial_velocity.clone(),
-        a: vec![[0.0; 3]; n],
-        stress: newton.assembly.stress.clone(),
-        ..State::default()
-    };
+    let mut state = State { v: system.initial_velocity.clone(), ..State::at_rest(system) };
     // Supports hold from the start: an initial velocity across them is not possible.
     let mut supported = vec![[0.0; 3]; n];
     system.numbering.supported_part(&state.v, &mut supported);
@@ -216,11 +214,10 @@ fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
     system.prescribe_velocity(0.0, &mut state.v);
     system.prescribe_acceleration(0.0, &mut state.a);
 
-    let k = Kinematics {
-        reference: &system.reference,
-        motion: Motion::State { u: &state.u, velocity: Some(&state.v) },
-        linear: system.linear,
-    };
+    curve_unit_vectors(system, &state.u, &mut state.v, &mut state.a);
+    let motion = Motion::State { u: &state.u, velocity: Some(&state.v) };
+    let k = Kinematics::new(&system.reference, motion, system.linear, 0.0);
+    newton.assembly.follow(system, &k);
     let (mut internal, mut rest) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
     newton.assembly.forces(system, &k, &mut internal);
     newton.assembly.reset_stress(system, &k);
@@ -243,10 +240,10 @@ fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
         });
     }
     let mut right_side = vec![0.0; system.unknowns()];
-    system.numbering.reduce(&rest, &mut right_side);
+    newton.assembly.numbering.reduce(&rest, &mut right_side);
     newton.solver.solve(&mut right_side);
     let mut a = vec![[0.0; 3]; n];
-    system.numbering.expand(&right_side, &mut a);
+    newton.assembly.numbering.expand(&right_side, &mut a);
     for (s, a) in state.a.iter_mut().zip(&a) {
         for i in 0..3 {
             s[i] += a[i];
@@ -260,7 +257,7 @@ fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
 /// Energies and momenta of a state.
 pub fn balance(system: &System, assembly: &mut Assembly, state: &State) -> Balance {
     let kinetic = system.kinetic_energy(&state.v);
-    let strain = assembly.strain_energy(system, &state.u);
+    let strain = assembly.strain_energy(system, &state.u, state.time);
     let potential = system.constant_gravity_potential(&state.u);
     let (momentum, angular_momentum) = system.momentum(&state.u, &state.v);
     Balance {
@@ -294,6 +291,9 @@ pub(super) fn step_size(system: &System, from: &[Nodal], to: &[Nodal]) -> f64 {
 /// Copies the supported coordinates of a field: a prediction must not move them.
 pub(super) fn copy_supported(system: &System, from: &[Nodal], to: &mut [Nodal]) {
     for (v, to) in to.iter_mut().enumerate() {
+        if !system.linear && system.unit.get(v) == Some(&true) && system.numbering.is_free(v) {
+            continue;
+        }
         let old = system.numbering.to_axes(v, from[v]);
         let mut local = system.numbering.to_axes(v, *to);
         for (i, number) in system.numbering.of(v).into_iter().enumerate() {
@@ -302,5 +302,36 @@ pub(super) fn copy_supported(system: &System, from: &[Nodal], to: &mut [Nodal]) 
             }
         }
         *to = system.numbering.from_axes(v, local);
+    }
+    project_unit_vectors(system, to);
+}
+
+/// Brings vectors that keep their length back to it.
+pub(super) fn project_unit_vectors(system: &System, u: &mut [Nodal]) {
+    if system.linear {
+        return;
+    }
+    for unit in &system.numbering.unit {
+        let v = unit.vector as usize;
+        let reference = Vec3::from(system.reference[v]);
+        u[v] = (unit.project(reference + Vec3::from(u[v]), &reference) - reference).into();
+    }
+}
+
+/// Velocities of vectors d that keep their length are across them, v·d = 0, and their accelerations point inwards by
+/// a·d = −v·v; what the integration of the free vectors leaves over would grow from step to step.
+pub(super) fn curve_unit_vectors(system: &System, u: &[Nodal], v: &mut [Nodal], a: &mut [Nodal]) {
+    for unit in &system.numbering.unit {
+        let i = unit.vector as usize;
+        let mut d = Vec3::from(system.reference[i]);
+        if !system.linear {
+            d += Vec3::from(u[i]);
+        }
+        let (mut rate, mut second) = (Vec3::from(v[i]), Vec3::from(a[i]));
+        rate -= d * d.dot(&rate);
+        let inwards = if system.linear { 0.0 } else { rate.norm_squared() };
+        second -= d * (d.dot(&second) + inwards);
+        v[i] = rate.into();
+        a[i] = second.into();
     }
 }

@@ -14,7 +14,7 @@
 //! Unconditionally stable for linear problems if 2β ≥ γ ≥ ½; not so for large rotations, where
 //! automatic steps or the energy–momentum scheme are needed.
 
-use super::{Exchange, Integrator, copy_supported, step_size, work};
+use super::{Exchange, Integrator, copy_supported, curve_unit_vectors, step_size, work};
 use crate::analysis::State;
 use crate::analysis::newton::{Equation, Tolerances};
 use crate::analysis::statics::{add, prescribed_increment};
@@ -88,11 +88,8 @@ impl Newmark {
 
     fn loads(&self, system: &System, time: f64, u: &[Nodal], out: &mut [Nodal]) {
         system.add_dead_loads(time, 1.0, out);
-        let k = Kinematics {
-            reference: &system.reference,
-            motion: Motion::State { u, velocity: None },
-            linear: system.linear,
-        };
+        let motion = Motion::State { u, velocity: None };
+        let k = Kinematics::new(&system.reference, motion, system.linear, time);
         add_follower_loads(system, &k, time, 1.0, out);
     }
 }
@@ -100,11 +97,8 @@ impl Newmark {
 impl Equation for Newmark {
     fn kinematics<'a>(&'a self, system: &'a System) -> Kinematics<'a> {
         let velocity = self.damped.then_some(self.v.as_slice());
-        Kinematics {
-            reference: &system.reference,
-            motion: Motion::State { u: &self.u, velocity },
-            linear: system.linear,
-        }
+        let motion = Motion::State { u: &self.u, velocity };
+        Kinematics::new(&system.reference, motion, system.linear, self.time)
     }
 
     fn parts(&self) -> TangentParts {
@@ -162,11 +156,8 @@ impl Integrator for Newmark {
         self.loads_old = loads;
         if self.alpha_f != 0.0 {
             let velocity = self.damped.then_some(state.v.as_slice());
-            let k = Kinematics {
-                reference: &system.reference,
-                motion: Motion::State { u: &state.u, velocity },
-                linear: system.linear,
-            };
+            let motion = Motion::State { u: &state.u, velocity };
+            let k = Kinematics::new(&system.reference, motion, system.linear, state.time);
             assembly.forces(system, &k, &mut self.old_rest);
             for (r, f) in self.old_rest.iter_mut().zip(&self.loads_old) {
                 for i in 0..3 {
@@ -189,7 +180,8 @@ impl Integrator for Newmark {
         &self.u
     }
 
-    fn finish(&mut self, _system: &System, state: &mut State) {
+    fn finish(&mut self, system: &System, state: &mut State) {
+        curve_unit_vectors(system, &self.u, &mut self.v, &mut self.a);
         state.u.copy_from_slice(&self.u);
         state.v.copy_from_slice(&self.v);
         state.a.copy_from_slice(&self.a);
@@ -214,11 +206,8 @@ impl Integrator for Newmark {
         for (n, mean) in loads.iter_mut().enumerate() {
             *mean = std::array::from_fn(|i| (self.u[n][i] - self.u_old[n][i]) / self.dt);
         }
-        let k = Kinematics {
-            reference: &system.reference,
-            motion: Motion::Step { old: &self.u_old, new: &self.u, dt: self.dt },
-            linear: system.linear,
-        };
+        let motion = Motion::Step { old: &self.u_old, new: &self.u, dt: self.dt };
+        let k = Kinematics::new(&system.reference, motion, system.linear, self.time);
         let power =
             assembly.dissipated_power(system, &k) + 2.0 * system.mass_damping * system.kinetic_energy(&loads);
         let prescribed = self.work_of_supports(system, assembly, state);
@@ -243,11 +232,8 @@ impl Newmark {
             [(&state.u, &state.v, &state.a, state.time), (&self.u, &self.v, &self.a, self.time)]
         {
             let (mut reaction, mut loads) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
-            let k = Kinematics {
-                reference: &system.reference,
-                motion: Motion::State { u, velocity: Some(v) },
-                linear: system.linear,
-            };
+            let motion = Motion::State { u, velocity: Some(v) };
+            let k = Kinematics::new(&system.reference, motion, system.linear, time);
             assembly.forces(system, &k, &mut reaction);
             self.loads(system, time, u, &mut loads);
             system.pattern.add_mass_product(1.0, a, &mut reaction);

@@ -1,0 +1,216 @@
+//! The bilinear shell of the absolute nodal coordinate formulation by continuum mechanics ("ANCF CM shell").
+//!
+//! H. Yamashita, A. I. Valkeapää, P. Jayakumar, H. Sugiyama, *Continuum mechanics based bilinear shear
+//! deformable shell element using absolute nodal coordinate formulation*, J. Comput. Nonlinear Dyn. 10
+//! (2015) 051012. Nodes and interpolation are those of the elastic-middle-surface element, but strains
+//! and stresses are three-dimensional at 2×2 points over the surface and at heights z over the thickness:
+//!
+//! ```text
+//! x = r + z d,   g_ξ = r,ξ + z d,ξ,   g_η = r,η + z d,η,   g_z = d
+//! 2 ε̃ = (gᵢ·gⱼ) − (Gᵢ·Gⱼ)
+//! ```
+//!
+//! The coefficients of 1, z and z² are sampled one by one. Assumed natural strains for transverse shear (points A–D)
+//! and thickness (nodes) are those of the EMS element. Three-dimensional stresses lock in bending, because ε_zz
+//! cannot grow linearly with z as Poisson's effect asks: enhanced strains `ζ·{1, ξ, η, ξη}` of ε_zz cure this.
+//! One of them fails the bending patch test on distorted meshes, three and four pass.
+//!
+//! | strain | sampled at | count |
+//! |---|---|---|
+//! | ε̃xx, ε̃yy: 1, z, z² | η = ±g, ξ = ±g | 6 + 6 |
+//! | 2ε̃xy: 1, z, z² | Gauss points | 12 |
+//! | 2ε̃xz, 2ε̃yz | C, D and A, B on the mid-surface (ANS) | 2 + 2 |
+//! | ε̃zz | nodes (ANS) | 4 |
+
+use nalgebra::{DMatrix, Matrix6, SMatrix};
+
+use super::geometry::{
+    GAUSS, GAUSS_POINTS, NODES, ShellGeometry, cross_section_frame, shape, shape_eta, shape_xi, shell_mass,
+    strain_transformation,
+};
+use super::shell::{GroupBuilder, GroupSetup, QuadraticBuilder, ShellElement, StrainOperator};
+use super::strains::SampledStrains;
+use crate::section::SectionInertia;
+
+/// Samples with assumed natural shear strain.
+pub const SAMPLES: usize = 32;
+/// Samples without it.
+pub const SAMPLES_WITHOUT_ANS_SHEAR: usize = 44;
+const DIRECTIONS: usize = 24;
+const VECTORS: usize = 8;
+
+const XX: usize = 0;
+const YY: usize = 6;
+const XY: usize = 12;
+const ZZ: usize = 24;
+const SHEAR: usize = 28;
+
+/// The element with its locking remedies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CmShell {
+    /// Assumed natural strain for transverse shear.
+    pub ans_shear: bool,
+    /// Assumed natural strain for the thickness.
+    pub ans_thickness: bool,
+    /// Enhanced assumed strain in the plane, 4 parameters.
+    pub eas: bool,
+    /// Number of enhanced parameters of the thickness strain: 0, 1, 3 or 4.
+    pub thickness_parameters: usize,
+    /// Thickness h (length).
+    pub thickness: f64,
+}
+
+impl CmShell {
+    pub(super) fn strains<const S: usize>(&self) -> SampledStrains<VECTORS, 24, S, DIRECTIONS> {
+        let mut t = SampledStrains::new();
+        let position = |n: [f64; 4]| std::array::from_fn(|a| if a < 4 { n[a] } else { 0.0 });
+        let director = |n: [f64; 4]| std::array::from_fn(|a| if a < 4 { 0.0 } else { n[a - 4] });
+        let r_xi = [-GAUSS, GAUSS].map(|eta| t.direction(position(shape_xi(eta))));
+        let r_eta = [-GAUSS, GAUSS].map(|xi| t.direction(position(shape_eta(xi))));
+        let d_xi = [-GAUSS, GAUSS].map(|eta| t.direction(director(shape_xi(eta))));
+        let d_eta = [-GAUSS, GAUSS].map(|xi| t.direction(director(shape_eta(xi))));
+        for i in 0..2 {
+            for (first, r, d) in [(XX, r_xi[i], d_xi[i]), (YY, r_eta[i], d_eta[i])] {
+                t.product(first + i, 0.5, r, r);
+                t.product(first + 2 + i, 1.0, r, d);
+                t.product(first + 4 + i, 0.5, d, d);
+            }
+        }
+        for p in 0..4 {
+            let (xi, eta) = (p % 2, p / 2);
+            t.product(XY + p, 1.0, r_xi[eta], r_eta[xi]);
+            t.product(XY + 4 + p, 1.0, d_xi[eta], r_eta[xi]);
+            t.product(XY + 4 + p, 1.0, r_xi[eta], d_eta[xi]);
+            t.product(XY + 8 + p, 1.0, d_xi[eta], d_eta[xi]);
+        }
+        let needed = !(self.ans_shear && self.ans_thickness);
+        let at_gauss: [usize; 4] =
+            if needed { GAUSS_POINTS.map(|[xi, eta]| t.direction(director(shape(xi, eta)))) } else { [0; 4] };
+        let thickness = if self.ans_thickness {
+            NODES.map(|[xi, eta]| t.direction(director(shape(xi, eta))))
+        } else {
+            at_gauss
+        };
+        for (a, d) in thickness.into_iter().enumerate() {
+            t.product(ZZ + a, 0.5, d, d);
+        }
+        if self.ans_shear {
+            for (i, side) in [-1.0, 1.0].into_iter().enumerate() {
+                for (first, slope, at) in
+                    [(SHEAR, shape_xi(side), shape(0.0, side)), (SHEAR + 2, shape_eta(side), shape(side, 0.0))]
+                {
+                    let (r, d) = (t.direction(position(slope)), t.direction(director(at)));
+                    t.product(first + i, 1.0, r, d);
+                }
+            }
+        } else {
+            for p in 0..4 {
+                let (xi, eta) = (p % 2, p / 2);
+                t.product(SHEAR + p, 1.0, r_xi[eta], at_gauss[p]);
+                t.product(SHEAR + 4 + p, 1.0, d_xi[eta], at_gauss[p]);
+                t.product(SHEAR + 8 + p, 1.0, r_eta[xi], at_gauss[p]);
+                t.product(SHEAR + 12 + p, 1.0, d_eta[xi], at_gauss[p]);
+            }
+        }
+        t
+    }
+
+    /// Covariant strains of a Gauss point at the height z from the samples.
+    fn covariant(&self, point: usize, z: f64) -> DMatrix<f64> {
+        let [xi, eta] = GAUSS_POINTS[point];
+        let (i_xi, i_eta) = (point % 2, point / 2);
+        let mut c = DMatrix::zeros(6, self.samples());
+        for (power, factor) in [1.0, z, z * z].into_iter().enumerate() {
+            c[(0, XX + 2 * power + i_eta)] = factor;
+            c[(1, YY + 2 * power + i_xi)] = factor;
+            c[(2, XY + 4 * power + point)] = factor;
+        }
+        if self.ans_thickness {
+            for (a, n) in shape(xi, eta).into_iter().enumerate() {
+                c[(3, ZZ + a)] = n;
+            }
+        } else {
+            c[(3, ZZ + point)] = 1.0;
+        }
+        if self.ans_shear {
+            for (i, side) in [-1.0, 1.0].into_iter().enumerate() {
+                c[(4, SHEAR + i)] = 0.5 * (1.0 + side * eta);
+                c[(5, SHEAR + 2 + i)] = 0.5 * (1.0 + side * xi);
+            }
+        } else {
+            for (power, factor) in [1.0, z].into_iter().enumerate() {
+                c[(4, SHEAR + 4 * power + point)] = factor;
+                c[(5, SHEAR + 8 + 4 * power + point)] = factor;
+            }
+        }
+        c
+    }
+}
+
+impl ShellElement for CmShell {
+    fn name(&self) -> &'static str {
+        "cm"
+    }
+
+    fn samples(&self) -> usize {
+        if self.ans_shear { SAMPLES } else { SAMPLES_WITHOUT_ANS_SHEAR }
+    }
+
+    fn parameters(&self) -> usize {
+        self.thickness_parameters + if self.eas { 4 } else { 0 }
+    }
+
+    fn is_solid(&self) -> bool {
+        true
+    }
+
+    /// The enhanced strains are those of eqs. 29–31 of the EMS paper with three-dimensional measures and with the
+    /// base of the centre in the frame of the point.
+    fn operator(&self, g: &ShellGeometry, point: usize, z: f64) -> Result<StrainOperator, String> {
+        let [xi, eta] = GAUSS_POINTS[point];
+        let base = g.base(xi, eta, z);
+        let frame = cross_section_frame(&base)
+            .ok_or("its director lies in the surface or vanishes: no cross-section frame")?;
+        // A director may point to either side of the element.
+        let measure = base.determinant().abs();
+        let centre = g.base(0.0, 0.0, 0.0);
+        let inverse = |m: nalgebra::Matrix3<f64>| m.try_inverse().filter(|b| b.iter().all(|x| x.is_finite()));
+        let (b, b0) = inverse(frame.transpose() * base)
+            .zip(inverse(frame.transpose() * centre))
+            .filter(|_| measure > 0.0)
+            .ok_or("it is collapsed: its volume vanishes at an integration point")?;
+        let transformation = strain_transformation(&b);
+        let transformation = DMatrix::from_column_slice(6, 6, transformation.as_slice());
+        let samples = transformation * self.covariant(point, z);
+        let zeta = 2.0 * z / self.thickness;
+        let mut polynomials = SMatrix::<f64, 6, 8>::zeros();
+        let mut column = 0;
+        if self.eas {
+            for (row, value) in [(0, xi), (1, eta), (2, xi), (2, eta)] {
+                polynomials[(row, column)] = value;
+                column += 1;
+            }
+        }
+        for value in [zeta, zeta * xi, zeta * eta, zeta * xi * eta].into_iter().take(self.thickness_parameters) {
+            polynomials[(3, column)] = value;
+            column += 1;
+        }
+        let t0: Matrix6<f64> = strain_transformation(&b0) * (centre.determinant().abs() / measure);
+        let enhanced = (t0 * polynomials).columns(0, column).into_owned();
+        let enhanced = DMatrix::from_column_slice(6, column, enhanced.as_slice());
+        Ok(StrainOperator { samples, enhanced, frame, measure })
+    }
+
+    fn mass(&self, g: &ShellGeometry, inertia: &SectionInertia) -> Vec<f64> {
+        shell_mass(g, inertia)
+    }
+
+    fn builder(&self, setup: GroupSetup) -> Box<dyn GroupBuilder> {
+        let a = self.parameters();
+        if self.ans_shear {
+            Box::new(QuadraticBuilder::new("cm", self.strains::<SAMPLES>(), a, setup))
+        } else {
+            Box::new(QuadraticBuilder::new("cm", self.strains::<SAMPLES_WITHOUT_ANS_SHEAR>(), a, setup))
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! The bilinear shell with assumed transverse shear and directors of unit length (MITC4), the element of
+//! most shell programs.
+//!
+//! E. N. Dvorkin, K.-J. Bathe, *A continuum mechanics based four-node shell element for general
+//! non-linear analysis*, Eng. Comput. 1 (1984) 77–88. Its strains are those of the elastic-middle-surface
+//! element ([`super::ems`]) without the stretch of the director; `d·d = 1` is met exactly at the nodes,
+//! where a director has two unknowns and is updated along the great circle. In-plane enhanced strains
+//! (J. C. Simo, M. S. Rifai, Int. J. Numer. Meth. Engng 29 (1990) 1595–1638) are optional.
+
+use nalgebra::DMatrix;
+
+use super::ems::EmsShell;
+use super::geometry::{ShellGeometry, shell_mass};
+use super::shell::{GroupBuilder, GroupSetup, QuadraticBuilder, ShellElement, StrainOperator};
+use crate::section::SectionInertia;
+
+/// Samples with assumed natural shear strain.
+const SAMPLES: usize = 20;
+/// Samples without it.
+const SAMPLES_WITHOUT_ANS_SHEAR: usize = 24;
+
+/// The element with its locking remedies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Mitc4 {
+    /// Assumed natural strain for transverse shear.
+    pub ans_shear: bool,
+    /// Enhanced assumed strain in the plane, 4 parameters.
+    pub eas: bool,
+}
+
+impl Mitc4 {
+    /// The element whose directors may stretch; its thickness samples come last.
+    fn extensible(&self) -> EmsShell {
+        EmsShell { ans_shear: self.ans_shear, ans_thickness: true, eas: self.eas }
+    }
+}
+
+impl ShellElement for Mitc4 {
+    fn name(&self) -> &'static str {
+        "mitc4"
+    }
+
+    fn samples(&self) -> usize {
+        if self.ans_shear { SAMPLES } else { SAMPLES_WITHOUT_ANS_SHEAR }
+    }
+
+    fn parameters(&self) -> usize {
+        if self.eas { 4 } else { 0 }
+    }
+
+    fn is_solid(&self) -> bool {
+        false
+    }
+
+    fn unit_directors(&self) -> bool {
+        true
+    }
+
+    fn operator(&self, g: &ShellGeometry, point: usize, z: f64) -> Result<StrainOperator, String> {
+        let mut operator = self.extensible().operator(g, point, z)?;
+        let samples: DMatrix<f64> = operator.samples.columns(0, self.samples()).into_owned();
+        operator.samples = samples;
+        Ok(operator)
+    }
+
+    fn mass(&self, g: &ShellGeometry, inertia: &SectionInertia) -> Vec<f64> {
+        shell_mass(g, inertia)
+    }
+
+    fn builder(&self, setup: GroupSetup) -> Box<dyn GroupBuilder> {
+        let a = self.parameters();
+        let element = self.extensible();
+        if self.ans_shear {
+            Box::new(QuadraticBuilder::new("mitc4", element.strains::<SAMPLES>(), a, setup))
+        } else {
+            Box::new(QuadraticBuilder::new(
+                "mitc4",
+                element.strains::<SAMPLES_WITHOUT_ANS_SHEAR>(),
+                a,
+                setup,
+            ))
+        }
+    }
+}

@@ -1,0 +1,404 @@
+//! Elements whose strains are quadratic forms of their nodal vectors, as a structure of arrays.
+//!
+//! Static dispatch inside the loop, one dynamic call per group. Elements write their
+//! forces and tangent blocks to their own place in a buffer; the assembly sums them in
+//! a fixed order, so results do not depend on the number of threads.
+
+use pulp::Arch;
+use rayon::prelude::*;
+
+use super::constitution::Constitution;
+use super::group::{ElementGroup, Interior, Kinematics, Motion, Nodal, TangentRequest, TangentWeights};
+use super::strains::{Directions, SampledStrains};
+use super::transform::NodalTransform;
+
+/// Elements that one task works on.
+const CHUNK: usize = 64;
+
+/// What a group of elements is made of, besides its constitution.
+#[derive(Debug, Clone)]
+pub struct Members<const M: usize> {
+    /// Nodal vectors per element.
+    pub vectors: Vec<[u32; M]>,
+    /// Scalar mass of the pairs of nodal vectors, lower triangle per element.
+    pub mass: Vec<f64>,
+    /// From the nodal vectors of the model to those of the element type, where they are not the same.
+    pub transforms: Vec<NodalTransform<M>>,
+}
+
+impl<const M: usize> Default for Members<M> {
+    fn default() -> Self {
+        Self { vectors: Vec::new(), mass: Vec::new(), transforms: Vec::new() }
+    }
+}
+
+/// Elements of `M` nodal vectors, `N = 3 M` coordinates, `S` samples, `D` directions.
+pub struct QuadraticGroup<const M: usize, const N: usize, const S: usize, const D: usize, C> {
+    name: &'static str,
+    strains: SampledStrains<M, N, S, D>,
+    members: Members<M>,
+    constitution: C,
+    retardation_time: f64,
+    arch: Arch,
+}
+
+/// Directions and strains of a motion.
+struct Strained<const S: usize, const D: usize> {
+    /// Directions on which the stress acts.
+    acting: Directions<f64, D>,
+    /// Stress resultants.
+    stress: [f64; S],
+    /// Strain at which the tangent is taken.
+    strain: [f64; S],
+}
+
+impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitution<S>>
+    QuadraticGroup<M, N, S, D, C>
+{
+    /// A group of elements.
+    pub fn new(
+        name: &'static str,
+        strains: SampledStrains<M, N, S, D>,
+        members: Members<M>,
+        constitution: C,
+        retardation_time: f64,
+    ) -> Self {
+        debug_assert_eq!(members.mass.len(), members.vectors.len() * M * (M + 1) / 2);
+        Self { name, strains, members, constitution, retardation_time, arch: Arch::new() }
+    }
+
+    #[inline(always)]
+    fn gather(&self, element: usize, field: &[Nodal]) -> [Nodal; M] {
+        let v = self.members.vectors[element].map(|v| field[v as usize]);
+        match self.members.transforms.get(element) {
+            None => v,
+            Some(t) => t.apply(&v),
+        }
+    }
+
+    /// The element's share of what is inside of the group.
+    #[inline(always)]
+    fn interior<'a>(&self, element: usize, k: &Kinematics<'a>) -> Interior<'a> {
+        let n = self.constitution.history();
+        let history =
+            if n == 0 { &[][..] } else { k.interior.history.get(element * n..(element + 1) * n).unwrap_or(&[]) };
+        Interior { history, factors: k.interior.factors }
+    }
+
+    #[inline(always)]
+    fn strains_at(
+        &self,
+        e: usize,
+        k: &Kinematics,
+        p0: &Directions<f64, D>,
+        u: &[Nodal],
+    ) -> (Directions<f64, D>, [f64; S]) {
+        let p = self.strains.directions(&self.gather(e, u));
+        let s = self.strains.strains(p0, &p, !k.linear);
+        (p, s)
+    }
+
+    /// Strain at the end of the motion.
+    #[inline(always)]
+    fn strain(&self, e: usize, k: &Kinematics) -> [f64; S] {
+        let (Motion::State { u, .. } | Motion::Step { new: u, .. }) = k.motion;
+        let p0 = self.strains.directions(&self.gather(e, k.reference));
+        self.strains_at(e, k, &p0, u).1
+    }
+
+    /// Stress of the motion and the directions on which it acts.
+    #[inline(always)]
+    fn stress(&self, e: usize, k: &Kinematics) -> Strained<S, D> {
+        let p0 = self.strains.directions(&self.gather(e, k.reference));
+        let interior = self.interior(e, k);
+        let mut acting = p0;
+        let tau = self.retardation_time;
+        match k.motion {
+            Motion::State { u, velocity } => {
+                let (p, strain) = self.strains_at(e, k, &p0, u);
+                if !k.linear {
+                    add(&mut acting, &p, 1.0);
+                }
+                let mut stress = self.constitution.stress(e, &strain, &interior);
+                if let (Some(v), true) = (velocity, tau != 0.0) {
+                    let v = self.strains.directions(&self.gather(e, v));
+                    let rate = self.strains.rates(&acting, &v);
+                    add_scaled(&mut stress, &self.constitution.viscous(e, &rate), tau);
+                }
+                Strained { acting, stress, strain }
+            }
+            Motion::Step { old, new, dt } => {
+                let (p_old, s_old) = self.strains_at(e, k, &p0, old);
+                let (p_new, s_new) = self.strains_at(e, k, &p0, new);
+                if !k.linear {
+                    add(&mut acting, &p_old, 0.5);
+                    add(&mut acting, &p_new, 0.5);
+                }
+                let mut stress = self.constitution.mean_stress(e, &s_old, &s_new, &interior);
+                if tau != 0.0 {
+                    let rate = std::array::from_fn(|i| (s_new[i] - s_old[i]) / dt);
+                    add_scaled(&mut stress, &self.constitution.viscous(e, &rate), tau);
+                }
+                let strain = std::array::from_fn(|i| 0.5 * (s_old[i] + s_new[i]));
+                Strained { acting, stress, strain }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate_one(&self, e: usize, k: &Kinematics, force: &mut [f64], tangent: Option<OneTangent>) {
+        let Strained { acting, stress: n, strain } = self.stress(e, k);
+        let mut f = self.strains.force(&acting, &n);
+        if let Some(t) = self.members.transforms.get(e) {
+            f = t.apply_transposed(&f);
+        }
+        for (out, value) in force.iter_mut().zip(f.as_flattened()) {
+            *out = *value;
+        }
+        let Some(OneTangent { weights: w, stress, prescribed, blocks }) = tangent else { return };
+        let mut geometric_stress = n;
+        if let Some(stored) = stress {
+            geometric_stress.copy_from_slice(&stored[e * S..(e + 1) * S]);
+        }
+        let gradient = self.strains.gradient(&acting);
+        let material = w.force * (w.stress + self.retardation_time * w.rate);
+        let geometric = if k.linear { 0.0 } else { w.force * w.direction };
+        self.constitution.with_tangent(e, &strain, &self.interior(e, k), |h| {
+            self.strains.tangent(h, &gradient, &geometric_stress, material, geometric, blocks);
+        });
+        if let Some(t) = self.members.transforms.get(e) {
+            t.apply_to_blocks(blocks);
+        }
+        if !k.linear && !k.unit.is_empty() {
+            self.add_curvature(e, k, &self.strains.force(&acting, &geometric_stress), geometric, blocks);
+        }
+        if let Some(increment) = prescribed {
+            let d = self.members.vectors[e].map(|v| increment[v as usize]);
+            if d.iter().any(|v| *v != [0.0; 3]) {
+                multiply_blocks(blocks, &d, 1.0 / w.force, force);
+            }
+        }
+    }
+
+    /// A vector d of constant length moves on a sphere: its second variation −d |δ|² adds −(f·d) I
+    /// for the force f on it.
+    fn add_curvature(&self, e: usize, k: &Kinematics, f: &[Nodal; M], factor: f64, blocks: &mut [f64]) {
+        for a in (0..M).filter(|&a| k.unit[self.members.vectors[e][a] as usize]) {
+            let v = self.members.vectors[e][a] as usize;
+            let u: Nodal = match k.motion {
+                Motion::State { u, .. } => u[v],
+                Motion::Step { old, new, .. } => std::array::from_fn(|i| 0.5 * (old[v][i] + new[v][i])),
+            };
+            let fd: f64 = (0..3).map(|i| f[a][i] * (k.reference[v][i] + u[i])).sum();
+            let at = 9 * (a * (a + 1) / 2 + a);
+            for i in [0, 4, 8] {
+                blocks[at + i] -= factor * fd;
+            }
+        }
+    }
+}
+
+/// A [`TangentRequest`] with the blocks of one element.
+struct OneTangent<'a> {
+    weights: &'a TangentWeights,
+    stress: Option<&'a [f64]>,
+    prescribed: Option<&'a [Nodal]>,
+    blocks: &'a mut [f64],
+}
+
+/// Adds `scale · K d` for the lower blocks of a symmetric element matrix.
+fn multiply_blocks(blocks: &[f64], d: &[Nodal], scale: f64, out: &mut [f64]) {
+    let mut block = blocks.chunks_exact(9);
+    for a in 0..d.len() {
+        for b in 0..=a {
+            let Some(k) = block.next() else { return };
+            for i in 0..3 {
+                for j in 0..3 {
+                    out[3 * a + i] += scale * k[3 * i + j] * d[b][j];
+                    if a != b {
+                        out[3 * b + j] += scale * k[3 * i + j] * d[a][i];
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn add<const D: usize>(to: &mut Directions<f64, D>, from: &Directions<f64, D>, factor: f64) {
+    for (t, f) in to.iter_mut().zip(from) {
+        for i in 0..3 {
+            t[i] += factor * f[i];
+        }
+    }
+}
+
+#[inline(always)]
+fn add_scaled<const S: usize>(to: &mut [f64; S], from: &[f64; S], factor: f64) {
+    for (t, f) in to.iter_mut().zip(from) {
+        *t += factor * f;
+    }
+}
+
+impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitution<S>> ElementGroup
+    for QuadraticGroup<M, N, S, D, C>
+{
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn len(&self) -> usize {
+        self.members.vectors.len()
+    }
+
+    fn vectors(&self, element: usize) -> &[u32] {
+        &self.members.vectors[element]
+    }
+
+    fn vectors_per_element(&self) -> usize {
+        M
+    }
+
+    fn samples(&self) -> usize {
+        S
+    }
+
+    fn mass(&self, element: usize) -> &[f64] {
+        let n = M * (M + 1) / 2;
+        &self.members.mass[element * n..(element + 1) * n]
+    }
+
+    fn retardation_time(&self) -> f64 {
+        self.retardation_time
+    }
+
+    fn evaluate(&self, k: &Kinematics, forces: &mut [f64], tangent: Option<TangentRequest>) {
+        let arch = self.arch;
+        match tangent {
+            None => {
+                forces.par_chunks_mut(CHUNK * N).enumerate().for_each(|(chunk, forces)| {
+                    arch.dispatch(
+                        #[inline(always)]
+                        || {
+                            for (i, force) in forces.chunks_exact_mut(N).enumerate() {
+                                self.evaluate_one(chunk * CHUNK + i, k, force, None);
+                            }
+                        },
+                    );
+                });
+            }
+            Some(request) => {
+                let size = 9 * SampledStrains::<M, N, S, D>::BLOCKS;
+                let TangentRequest { weights, stress, prescribed, blocks } = request;
+                forces
+                    .par_chunks_mut(CHUNK * N)
+                    .zip(blocks.par_chunks_mut(CHUNK * size))
+                    .enumerate()
+                    .for_each(|(chunk, (forces, blocks))| {
+                        arch.dispatch(
+                            #[inline(always)]
+                            || {
+                                for (i, (force, blocks)) in
+                                    forces.chunks_exact_mut(N).zip(blocks.chunks_exact_mut(size)).enumerate()
+                                {
+                                    let tangent =
+                                        Some(OneTangent { weights: &weights, stress, prescribed, blocks });
+                                    self.evaluate_one(chunk * CHUNK + i, k, force, tangent);
+                                }
+                            },
+                        );
+                    });
+            }
+        }
+    }
+
+    fn stresses(&self, k: &Kinematics, stresses: &mut [f64]) {
+        stresses.par_chunks_mut(S).with_min_len(CHUNK).enumerate().for_each(|(e, n)| {
+            n.copy_from_slice(&self.stress(e, k).stress);
+        });
+    }
+
+    fn extrapolate(
+        &self,
+        k: &Kinematics,
+        increment: &[Nodal],
+        weights: &TangentWeights,
+        stresses: &mut [f64],
+    ) {
+        let tau = self.retardation_time;
+        stresses.par_chunks_mut(S).with_min_len(CHUNK).enumerate().for_each(|(e, out)| {
+            let Strained { acting, stress, strain } = self.stress(e, k);
+            let delta = self.strains.directions(&self.gather(e, increment));
+            let change = self.strains.rates(&acting, &delta);
+            let product = self.constitution.tangent_product(e, &strain, &change, &self.interior(e, k));
+            for i in 0..S {
+                out[i] = stress[i] + weights.stress * product[i];
+            }
+            if tau != 0.0 {
+                let product = self.constitution.viscous(e, &change);
+                for i in 0..S {
+                    out[i] += tau * weights.rate * product[i];
+                }
+            }
+        });
+    }
+
+    fn energies(&self, k: &Kinematics, energies: &mut [f64]) {
+        energies.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(e, out)| {
+            *out = self.constitution.energy(e, &self.strain(e, k), &self.interior(e, k));
+        });
+    }
+
+    fn sampled_strains(&self, element: usize, k: &Kinematics) -> Vec<f64> {
+        self.strain(element, k).to_vec()
+    }
+
+    fn history_per_element(&self) -> usize {
+        self.constitution.history()
+    }
+
+    fn update_history(&self, k: &Kinematics, history: &mut [f64]) -> f64 {
+        let n = self.constitution.history();
+        if n == 0 {
+            return 0.0;
+        }
+        // Summed element by element, so that the result does not depend on the number of threads.
+        let mut dissipated = 0.0;
+        for (e, out) in history.chunks_exact_mut(n).enumerate() {
+            dissipated += self.constitution.update(e, &self.strain(e, k), &self.interior(e, k), out);
+        }
+        dissipated
+    }
+
+    fn dissipation(&self, k: &Kinematics, power: &mut [f64]) {
+        let tau = self.retardation_time;
+        if tau == 0.0 {
+            power.fill(0.0);
+            return;
+        }
+        power.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(e, out)| {
+            let p0 = self.strains.directions(&self.gather(e, k.reference));
+            let rate = match k.motion {
+                Motion::State { u, velocity } => {
+                    let Some(v) = velocity else {
+                        *out = 0.0;
+                        return;
+                    };
+                    let (p, _) = self.strains_at(e, k, &p0, u);
+                    let mut acting = p0;
+                    if !k.linear {
+                        add(&mut acting, &p, 1.0);
+                    }
+                    self.strains.rates(&acting, &self.strains.directions(&self.gather(e, v)))
+                }
+                Motion::Step { old, new, dt } => {
+                    let (_, s_old) = self.strains_at(e, k, &p0, old);
+                    let (_, s_new) = self.strains_at(e, k, &p0, new);
+                    std::array::from_fn(|i| (s_new[i] - s_old[i]) / dt)
+                }
+            };
+            let n = self.constitution.viscous(e, &rate);
+            *out = tau * rate.iter().zip(&n).map(|(a, b)| a * b).sum::<f64>();
+        });
+    }
+}

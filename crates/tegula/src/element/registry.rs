@@ -1,0 +1,33 @@
+//! The shell element types by the names that model files use.
+
+use super::ancf_full::AncfFull;
+use super::cm::CmShell;
+use super::ems::EmsShell;
+use super::mitc4::Mitc4;
+use super::shell::ShellElement;
+use super::solid_shell::SolidShell;
+use crate::model::{ElementKind, Section};
+
+impl ElementKind {
+    /// Every element type; a new one is a file beside the others, a variant and a line here and in [`shell`].
+    pub const ALL: [Self; 5] = [Self::Ems, Self::Cm, Self::Mitc4, Self::SolidShell, Self::AncfFull];
+}
+
+/// The element type of a section with its remedies.
+pub fn shell(section: &Section, thickness: f64) -> Box<dyn ShellElement> {
+    let Section { ans_shear, ans_thickness, eas, .. } = *section;
+    let continuum = CmShell {
+        ans_shear,
+        ans_thickness,
+        eas,
+        thickness_parameters: usize::from(section.thickness_eas),
+        thickness,
+    };
+    match section.element {
+        ElementKind::Ems => Box::new(EmsShell { ans_shear, ans_thickness, eas }),
+        ElementKind::Cm => Box::new(continuum),
+        ElementKind::Mitc4 => Box::new(Mitc4 { ans_shear, eas }),
+        ElementKind::SolidShell => Box::new(SolidShell(continuum)),
+        ElementKind::AncfFull => Box::new(AncfFull { thickness }),
+    }
+}

@@ -1,0 +1,103 @@
+//! Strains that act without stress, and stresses that act without strain.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A strain that the material takes on without stress, or a stress that acts at the reference.
+///
+/// Prescribed strains grow with the load factor in statics and are constant in transients unless they have an
+/// amplitude.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "kebab-case")]
+pub enum PrescribedStrain {
+    /// Thermal strain `α (T + z T′)` of the materials' `expansion`.
+    Thermal(ThermalStrain),
+    /// Natural strain and curvature of the mid-surface: the shape that the sheet wants to have.
+    Natural(NaturalStrain),
+    /// Resultants that act at the reference configuration.
+    Prestress(Prestress),
+}
+
+/// Change of temperature.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ThermalStrain {
+    /// Name of a quad set, or `"all"`.
+    #[serde(default = "super::all")]
+    pub on: String,
+    /// Change T of the temperature of the mid-surface (temperature).
+    #[serde(default)]
+    pub temperature: f64,
+    /// Gradient T′ along the director [temperature/length].
+    #[serde(default)]
+    pub gradient: f64,
+    /// Name of an amplitude.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub amplitude: Option<String>,
+}
+
+/// Natural strain and curvature.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NaturalStrain {
+    /// Name of a quad set, or `"all"`.
+    #[serde(default = "super::all")]
+    pub on: String,
+    /// Strains ε_xx, ε_yy, 2ε_xy of the mid-surface.
+    #[serde(default)]
+    pub strain: [f64; 3],
+    /// Curvatures κ_xx, κ_yy, 2κ_xy [1/length], above 0 where the surface bends towards its director.
+    #[serde(default)]
+    pub curvature: [f64; 3],
+    /// Direction of the components' x axis; its projection on the surface is taken.
+    #[serde(default = "x_axis")]
+    pub direction: [f64; 3],
+    /// Name of an amplitude.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub amplitude: Option<String>,
+}
+
+/// Resultants that act at the reference configuration.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Prestress {
+    /// Name of a quad set, or `"all"`.
+    #[serde(default = "super::all")]
+    pub on: String,
+    /// Membrane resultants n_xx, n_yy, n_xy [force/length].
+    #[serde(default)]
+    pub membrane: [f64; 3],
+    /// Bending resultants m_xx, m_yy, m_xy (force); above 0 the bottom surface is pulled.
+    #[serde(default)]
+    pub bending: [f64; 3],
+    /// Direction of the components' x axis; its projection on the surface is taken.
+    #[serde(default = "x_axis")]
+    pub direction: [f64; 3],
+    /// Name of an amplitude.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub amplitude: Option<String>,
+}
+
+impl PrescribedStrain {
+    /// Name of the set it acts on.
+    pub fn on(&self) -> &str {
+        match self {
+            Self::Thermal(s) => &s.on,
+            Self::Natural(s) => &s.on,
+            Self::Prestress(s) => &s.on,
+        }
+    }
+
+    /// Name of its amplitude.
+    pub fn amplitude(&self) -> Option<&String> {
+        match self {
+            Self::Thermal(s) => s.amplitude.as_ref(),
+            Self::Natural(s) => s.amplitude.as_ref(),
+            Self::Prestress(s) => s.amplitude.as_ref(),
+        }
+    }
+}
+
+pub(super) fn x_axis() -> [f64; 3] {
+    [1.0, 0.0, 0.0]
+}

@@ -1,0 +1,450 @@
+//! A section of the model, ready to give its elements their energy.
+
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
+
+use super::quadrature::{gauss, lobatto};
+use super::{SectionInertia, SectionStiffness};
+use crate::element::geometry::ShellGeometry;
+use crate::element::shell::{ShellElement, Station, StationResponse};
+use crate::material::Law;
+use crate::model::{Material, PrescribedStrain};
+use crate::{Mat3, Vec3};
+
+/// A layer of one material.
+#[derive(Debug, Clone)]
+pub struct Layer {
+    /// Height of its lower side (length).
+    pub bottom: f64,
+    /// Height of its upper side (length).
+    pub top: f64,
+    /// Angle from the section's direction to the material's first axis, about the director (rad).
+    pub angle: f64,
+    /// Name of its material.
+    pub name: String,
+    /// Material.
+    pub material: Material,
+    /// Number of its law in [`CompiledSection::laws`] where it is not linear.
+    pub law: Option<usize>,
+    /// Heights and weights of its integration points.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl Layer {
+    /// A layer with its integration points.
+    pub fn new(name: &str, material: &Material, [bottom, top]: [f64; 2], angle: f64, points: usize, ends: bool) -> Self {
+        let (middle, half) = (0.5 * (bottom + top), 0.5 * (top - bottom));
+        let rule = if ends { lobatto(points) } else { gauss(points) };
+        let points = rule.into_iter().map(|(x, w)| (middle + half * x, half * w)).collect();
+        Self { bottom, top, angle, name: name.into(), material: material.clone(), law: None, points }
+    }
+
+    /// ∫1 dz, ∫z dz, ∫z² dz.
+    pub fn moments(&self) -> [f64; 3] {
+        let (a, b) = (self.bottom, self.top);
+        [b - a, 0.5 * (b * b - a * a), (b * b * b - a * a * a) / 3.0]
+    }
+}
+
+/// A section of the model with its materials.
+#[derive(Debug, Clone)]
+pub struct CompiledSection {
+    /// Whole thickness (length).
+    pub thickness: f64,
+    /// Layers from the bottom to the top.
+    pub layers: Vec<Layer>,
+    /// Laws that are not linear; empty if all are.
+    pub laws: Vec<Law>,
+    /// Inertia per area.
+    pub inertia: SectionInertia,
+    /// Direction that layer angles are measured from; its projection on the surface is taken.
+    pub direction: Vec3,
+    /// Stiffness of the whole section in the axes of `direction`.
+    pub resultant: Resultant,
+    /// Factors of the transverse shear stiffness of three-dimensional materials.
+    pub shear_factors: [f64; 2],
+    /// True if every layer is the same in all directions of the surface.
+    pub isotropic: bool,
+}
+
+/// Stiffness per area of a section.
+#[derive(Debug, Clone)]
+pub enum Resultant {
+    /// The same in all directions.
+    Isotropic(SectionStiffness),
+}
+
+impl Resultant {
+    /// Stiffness in axes from which the section's direction is at an angle.
+    pub fn at(&self, _turn: f64) -> SectionStiffness {
+        match self {
+            Self::Isotropic(s) => s.clone(),
+        }
+    }
+}
+
+impl CompiledSection {
+    /// True if all materials are linear.
+    pub fn is_linear(&self) -> bool {
+        self.laws.is_empty()
+    }
+
+    /// Angle from the x axis of a cross-section frame to a direction's projection on the surface.
+    ///
+    /// # Errors
+    /// The direction is normal to the surface there.
+    pub fn angle(frame: &Mat3, direction: &Vec3) -> Result<f64, String> {
+        let (x, y) = (frame.column(0).dot(direction), frame.column(1).dot(direction));
+        if x.hypot(y) <= 1e-6 * direction.norm() {
+            return Err(format!(
+                "the direction ({}, {}, {}) is normal to it and gives no angle",
+                direction.x, direction.y, direction.z
+            ));
+        }
+        Ok(y.atan2(x))
+    }
+
+    /// Angle from the x axis of a cross-section frame to a layer's first axis.
+    ///
+    /// # Errors
+    /// The section's direction is normal to the surface there.
+    pub fn layer_turn(&self, layer: &Layer, frame: &Mat3) -> Result<f64, String> {
+        Ok(self.turn(frame)? + layer.angle)
+    }
+
+    /// Stiffness of a layer in plane stress, with E in zz and its shear moduli.
+    pub fn stiffness_plane(&self, layer: &Layer, turn: f64) -> Matrix6<f64> {
+        plane_stress_3d(&layer.material, turn)
+    }
+
+    /// Prescribed strain at a height, where it is a strain; nothing for prescribed stresses.
+    ///
+    /// # Errors
+    /// A direction is normal to the surface there.
+    pub fn prescribed_strain(
+        &self,
+        prescribed: &PrescribedStrain,
+        layer: &Layer,
+        frame: &Mat3,
+        z: f64,
+    ) -> Result<Vector6<f64>, String> {
+        let turn = self.layer_turn(layer, frame)?;
+        let e = self.strain_3d(prescribed, layer, frame, turn, z, &self.stiffness_3d(layer, turn))?;
+        Ok(Vector6::from_column_slice(e.as_slice()))
+    }
+
+    fn turn(&self, frame: &Mat3) -> Result<f64, String> {
+        if self.isotropic { Ok(0.0) } else { Self::angle(frame, &self.direction) }
+    }
+
+    /// The terms of an element's energy; `prescribed` holds the fields of prescribed strain that act on it.
+    ///
+    /// # Errors
+    /// The geometry is invalid; the text says how.
+    pub fn stations(
+        &self,
+        element: &dyn ShellElement,
+        g: &ShellGeometry,
+        prescribed: &[Option<&PrescribedStrain>],
+    ) -> Result<Vec<Station>, String> {
+        let mut out = Vec::new();
+        for point in 0..element.surface_points() {
+            if element.is_solid() {
+                self.over_thickness(element, g, point, prescribed, &mut out)?;
+            } else {
+                self.with_resultants(element, g, point, prescribed, &mut out)?;
+            }
+        }
+        Ok(out)
+    }
+
+    /// Three-dimensional stresses at the integration points over the thickness.
+    fn over_thickness(
+        &self,
+        element: &dyn ShellElement,
+        g: &ShellGeometry,
+        point: usize,
+        prescribed: &[Option<&PrescribedStrain>],
+        out: &mut Vec<Station>,
+    ) -> Result<(), String> {
+        for layer in &self.layers {
+            for &(z, weight) in &layer.points {
+                let operator = element.operator(g, point, z)?;
+                let turn = self.turn(&operator.frame)? + layer.angle;
+                let stiffness = self.stiffness_3d(layer, turn);
+                let fields = prescribed
+                    .iter()
+                    .map(|p| match p {
+                        None => Ok(DVector::zeros(6)),
+                        Some(p) => self.strain_3d(p, layer, &operator.frame, turn, z, &stiffness),
+                    })
+                    .collect::<Result<_, String>>()?;
+                out.push(Station {
+                    samples: operator.samples,
+                    enhanced: operator.enhanced,
+                    response: match layer.law {
+                        Some(law) => StationResponse::Law(law),
+                        None => StationResponse::Linear(dynamic(&stiffness)),
+                    },
+                    weight: operator.measure * weight,
+                    prescribed: fields,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Resultants of the section; layers that are not linear are integrated in plane stress.
+    fn with_resultants(
+        &self,
+        element: &dyn ShellElement,
+        g: &ShellGeometry,
+        point: usize,
+        prescribed: &[Option<&PrescribedStrain>],
+        out: &mut Vec<Station>,
+    ) -> Result<(), String> {
+        let middle = element.operator(g, point, 0.0)?;
+        // Strains are ε − z κ.
+        let above = element.operator(g, point, 1.0)?;
+        let turn = self.turn(&middle.frame)?;
+        let mut stiffness = resultants(&self.resultant.at(turn));
+        let linear = self.is_linear();
+        if !linear {
+            for i in [0, 1, 2, 6, 7, 8] {
+                for j in 0..9 {
+                    stiffness[(i, j)] = 0.0;
+                    stiffness[(j, i)] = 0.0;
+                }
+            }
+        }
+        let (s, a) = (element.samples(), element.parameters());
+        let samples = DMatrix::from_fn(9, s, |i, j| {
+            if i < 6 { middle.samples[(i, j)] } else { middle.samples[(i - 6, j)] - above.samples[(i - 6, j)] }
+        });
+        let enhanced = DMatrix::from_fn(9, a, |i, j| if i < 6 { middle.enhanced[(i, j)] } else { 0.0 });
+        let fields = prescribed
+            .iter()
+            .map(|p| match p {
+                None => Ok(DVector::zeros(9)),
+                Some(p) => self.resultant_strain(p, &middle.frame, turn, &stiffness, linear),
+            })
+            .collect::<Result<_, String>>()?;
+        out.push(Station {
+            samples,
+            enhanced,
+            response: StationResponse::Linear(dynamic(&stiffness)),
+            weight: middle.measure,
+            prescribed: fields,
+        });
+        if linear {
+            return Ok(());
+        }
+        for layer in &self.layers {
+            for &(z, weight) in &layer.points {
+                let mut operator = element.operator(g, point, z)?;
+                let turn = turn + layer.angle;
+                let stiffness = plane_stress_3d(&layer.material, turn);
+                for row in 3..6 {
+                    operator.samples.row_mut(row).fill(0.0);
+                    operator.enhanced.row_mut(row).fill(0.0);
+                }
+                let fields = prescribed
+                    .iter()
+                    .map(|p| match p {
+                        None => Ok(DVector::zeros(6)),
+                        Some(p) => {
+                            let mut e = self.strain_3d(p, layer, &operator.frame, turn, z, &stiffness)?;
+                            e.rows_mut(3, 3).fill(0.0);
+                            Ok(e)
+                        }
+                    })
+                    .collect::<Result<_, String>>()?;
+                out.push(Station {
+                    samples: operator.samples,
+                    enhanced: operator.enhanced,
+                    response: match layer.law {
+                        Some(law) => StationResponse::Law(law),
+                        None => StationResponse::Linear(dynamic(&stiffness)),
+                    },
+                    weight: operator.measure * weight,
+                    prescribed: fields,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Stiffness of a layer (at the reference) in axes that its first axis is turned from.
+    pub fn stiffness_3d(&self, layer: &Layer, turn: f64) -> Matrix6<f64> {
+        let law = layer.material.law_3d();
+        let mut zero = [0.0; 16];
+        let zero = &mut zero[..law.history()];
+        let committed = zero.to_vec();
+        let mut c = law.respond(&Vector6::zeros(), &committed, zero).map_or(Matrix6::zeros(), |r| r.tangent);
+        if !layer.material.is_isotropic() {
+            let t = strain_turn(turn);
+            c = t.transpose() * c * t;
+        }
+        for (i, factor) in self.shear_factors.into_iter().enumerate() {
+            let root = factor.sqrt();
+            for j in 0..6 {
+                c[(4 + i, j)] *= root;
+                c[(j, 4 + i)] *= root;
+            }
+        }
+        c
+    }
+
+    /// Prescribed strain at a height.
+    fn strain_3d(
+        &self,
+        prescribed: &PrescribedStrain,
+        layer: &Layer,
+        frame: &Mat3,
+        turn: f64,
+        z: f64,
+        stiffness: &Matrix6<f64>,
+    ) -> Result<DVector<f64>, String> {
+        let h = self.thickness;
+        let strain = match prescribed {
+            PrescribedStrain::Thermal(t) => expansion(&layer.material, turn) * (t.temperature + t.gradient * z),
+            PrescribedStrain::Natural(n) => {
+                let angle = Self::angle(frame, &n.direction.into())?;
+                let at = Vector3::from(n.strain) - Vector3::from(n.curvature) * z;
+                in_plane(&turned_strain(at, angle))
+            }
+            PrescribedStrain::Prestress(p) => {
+                let angle = Self::angle(frame, &p.direction.into())?;
+                let at = Vector3::from(p.membrane) / h - Vector3::from(p.bending) * (12.0 * z / h.powi(3));
+                let stress = in_plane(&turned_stress(at, angle));
+                -stiffness.lu().solve(&stress).ok_or("its stiffness is singular")?
+            }
+        };
+        Ok(DVector::from_column_slice(strain.as_slice()))
+    }
+
+    /// Prescribed strain of the resultants ε, ε_zz, γ, κ.
+    fn resultant_strain(
+        &self,
+        prescribed: &PrescribedStrain,
+        frame: &Mat3,
+        turn: f64,
+        stiffness: &SMatrix<f64, 9, 9>,
+        linear: bool,
+    ) -> Result<DVector<f64>, String> {
+        let mut strain = SVector::<f64, 9>::zeros();
+        match prescribed {
+            PrescribedStrain::Thermal(t) => {
+                let mut held_back = SVector::<f64, 9>::zeros();
+                for layer in &self.layers {
+                    let [z0, z1, z2] = layer.moments();
+                    let alpha = expansion(&layer.material, turn + layer.angle);
+                    let stress = plane_stress_3d(&layer.material, turn + layer.angle) * alpha;
+                    let (t0, t1) = (t.temperature * z0 + t.gradient * z1, t.temperature * z1 + t.gradient * z2);
+                    for i in 0..3 {
+                        held_back[i] += stress[i] * t0;
+                        held_back[6 + i] -= stress[i] * t1;
+                    }
+                    held_back[3] += stress[3] * t0;
+                }
+                if linear {
+                    strain = stiffness.lu().solve(&held_back).ok_or("the section's stiffness is singular")?;
+                } else {
+                    strain[3] = held_back[3] / stiffness[(3, 3)];
+                }
+            }
+            PrescribedStrain::Natural(n) => {
+                let angle = Self::angle(frame, &n.direction.into())?;
+                strain.fixed_rows_mut::<3>(0).copy_from(&turned_strain(n.strain.into(), angle));
+                strain.fixed_rows_mut::<3>(6).copy_from(&turned_strain(n.curvature.into(), angle));
+            }
+            PrescribedStrain::Prestress(p) if linear => {
+                let angle = Self::angle(frame, &p.direction.into())?;
+                let mut stress = SVector::<f64, 9>::zeros();
+                stress.fixed_rows_mut::<3>(0).copy_from(&turned_stress(p.membrane.into(), angle));
+                stress.fixed_rows_mut::<3>(6).copy_from(&turned_stress(p.bending.into(), angle));
+                strain = -stiffness.lu().solve(&stress).ok_or("the section's stiffness is singular")?;
+            }
+            PrescribedStrain::Prestress(_) => {}
+        }
+        Ok(DVector::from_column_slice(strain.as_slice()))
+    }
+}
+
+/// Matrix of resultants (n, n_zz, q, m) from (ε, ε_zz, γ, κ).
+pub fn resultants(section: &SectionStiffness) -> SMatrix<f64, 9, 9> {
+    let mut d = SMatrix::<f64, 9, 9>::zeros();
+    d.fixed_view_mut::<3, 3>(0, 0).copy_from(&section.membrane);
+    d.fixed_view_mut::<3, 3>(0, 6).copy_from(&section.coupling);
+    d.fixed_view_mut::<3, 3>(6, 0).copy_from(&section.coupling.transpose());
+    d.fixed_view_mut::<3, 3>(6, 6).copy_from(&section.bending);
+    d.fixed_view_mut::<2, 2>(4, 4).copy_from(&section.shear);
+    d[(3, 3)] = section.thickness;
+    d
+}
+
+fn dynamic<const N: usize>(m: &SMatrix<f64, N, N>) -> DMatrix<f64> {
+    DMatrix::from_column_slice(N, N, m.as_slice())
+}
+
+/// Plane stress in xx, yy, xy; E in zz, no coupling; shear moduli.
+fn plane_stress_3d(material: &Material, turn: f64) -> Matrix6<f64> {
+    let mut out = Matrix6::zeros();
+    let Some((plane, shear, thickness)) = material.plane_stress() else { return out };
+    let plane = if material.is_isotropic() {
+        plane
+    } else {
+        let t = plane_turn(turn);
+        t.transpose() * plane * t
+    };
+    out.fixed_view_mut::<3, 3>(0, 0).copy_from(&plane);
+    out.fixed_view_mut::<2, 2>(4, 4).copy_from(&shear);
+    out[(3, 3)] = thickness;
+    out
+}
+
+/// Thermal expansion in axes that the material's first axis is turned from.
+fn expansion(material: &Material, turn: f64) -> Vector6<f64> {
+    let [a1, a2, a3] = material.expansion();
+    let plane = turned_strain(Vector3::new(a1, a2, 0.0), turn);
+    let mut out = in_plane(&plane);
+    out[3] = a3;
+    out
+}
+
+fn in_plane(v: &Vector3<f64>) -> Vector6<f64> {
+    Vector6::new(v[0], v[1], v[2], 0.0, 0.0, 0.0)
+}
+
+/// Strains xx, yy, 2xy in axes at −`angle` from those of `e`.
+pub fn turned_strain(e: Vector3<f64>, angle: f64) -> Vector3<f64> {
+    let s = turned_stress(Vector3::new(e[0], e[1], 0.5 * e[2]), angle);
+    Vector3::new(s[0], s[1], 2.0 * s[2])
+}
+
+/// Stresses xx, yy, xy in axes at −`angle` from those of `s`.
+pub fn turned_stress(s: Vector3<f64>, angle: f64) -> Vector3<f64> {
+    let (sin, cos) = angle.sin_cos();
+    Vector3::new(
+        cos * cos * s[0] + sin * sin * s[1] - 2.0 * sin * cos * s[2],
+        sin * sin * s[0] + cos * cos * s[1] + 2.0 * sin * cos * s[2],
+        sin * cos * (s[0] - s[1]) + (cos * cos - sin * sin) * s[2],
+    )
+}
+
+/// Strains xx, yy, 2xy along axes at `angle` from strains in the axes that the angle is counted from.
+pub fn plane_turn(angle: f64) -> Matrix3<f64> {
+    let columns = [Vector3::x(), Vector3::y(), Vector3::z()].map(|e| turned_strain(e, -angle));
+    Matrix3::from_columns(&columns)
+}
+
+/// The same for xx, yy, 2xy, zz, 2xz, 2yz.
+pub fn strain_turn(angle: f64) -> Matrix6<f64> {
+    let mut t = Matrix6::identity();
+    t.fixed_view_mut::<3, 3>(0, 0).copy_from(&plane_turn(angle));
+    let (sin, cos) = angle.sin_cos();
+    t[(4, 4)] = cos;
+    t[(4, 5)] = sin;
+    t[(5, 4)] = -sin;
+    t[(5, 5)] = cos;
+    t
+}
