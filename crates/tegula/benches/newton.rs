@@ -2,7 +2,6 @@
 //! element work, scatter, factorisation, solve.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-use std::collections::BTreeMap;
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -27,38 +26,11 @@ fn quarter_cylinder(n: u32) -> System {
         length: 1.0,
         grid: Grid::uniform(n, n),
     });
-    let model = Model {
-        title: String::new(),
-        analysis: Analysis::Static(StaticAnalysis::default()),
-        materials: BTreeMap::from([(
-            "m".into(),
-            Material::Isotropic(Isotropic { young: 2.1e8, poisson: 0.3, density: 1.0 }),
-        )]),
-        sections: vec![Section {
-            on: "all".into(),
-            element: ElementKind::Ems,
-            material: "m".into(),
-            thickness: 0.01,
-            shear_correction: [5.0 / 6.0; 2],
-            ans_shear: true,
-            ans_thickness: true,
-            eas: true,
-            total_mass: None,
-            retardation_time: 0.0,
-        }],
-        conditions: vec![Condition::Clamp(OnSet { on: "u_min".into() })],
-        loads: vec![Load::Force(VectorLoad {
-            on: "u_max_v_max".into(),
-            value: [0.0, 0.0, -20.0],
-            amplitude: None,
-        })],
-        masses: Vec::new(),
-        initial_velocities: Vec::new(),
-        damping: Damping::default(),
-        amplitudes: BTreeMap::new(),
-        output: Output::default(),
-        mesh,
-    };
+    let analysis = Analysis::Static(StaticAnalysis::default());
+    let mut model = Model::new(mesh, analysis, Isotropic::new(2.1e8, 0.3, 1.0), 0.01);
+    model.conditions = vec![Condition::Clamp(OnSet { on: "u_min".into() })];
+    let value = [0.0, 0.0, -20.0];
+    model.loads = vec![Load::Force(VectorLoad { on: "u_max_v_max".into(), value, amplitude: None })];
     build::build(&model, &generate(&model.mesh).unwrap()).unwrap()
 }
 
@@ -70,16 +42,16 @@ fn iteration(c: &mut Criterion) {
     let mut forces = vec![[0.0; 3]; system.vectors()];
     let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
     let parts = TangentParts { weights, mass: 0.0, time: 1.0 };
-    let k = state_kinematics(&system, &u);
+    let k = state_kinematics(&system, &u, 1.0);
     let mut group = c.benchmark_group(format!("newton-{n}x{n}"));
     group.sample_size(20);
     group.bench_function("force", |b| b.iter(|| assembly.forces(&system, black_box(&k), &mut forces)));
     group.bench_function("force-and-tangent", |b| {
-        b.iter(|| assembly.element_blocks(&system, black_box(&k), &parts, true, None));
+        b.iter(|| assembly.element_blocks(&system, black_box(&k), &parts, true, None, &mut forces));
     });
     group.bench_function("scatter", |b| b.iter(|| assembly.scatter(&system, 0.0)));
     let zero = vec![[0.0; 3]; system.vectors()];
-    let k = state_kinematics(&system, &zero);
+    let k = state_kinematics(&system, &zero, 1.0);
     assembly.forces_and_tangent(&system, &k, &parts, false, None, &mut forces);
     let pattern =
         || SymmetricPattern::new(system.pattern.column_pointers.clone(), system.pattern.row_indices.clone());

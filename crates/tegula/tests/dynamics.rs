@@ -133,7 +133,7 @@ fn the_start_satisfies_the_equations_of_motion() {
     let mut force = vec![[0.0; 3]; n];
     let mut internal = vec![[0.0; 3]; n];
     system.add_dead_loads(0.0, 1.0, &mut force);
-    let rest = state_kinematics(&system, &state.u);
+    let rest = state_kinematics(&system, &state.u, state.time);
     tegula::system::assembly::add_follower_loads(&system, &rest, 0.0, 1.0, &mut force);
     let k = Kinematics { motion: Motion::State { u: &state.u, velocity: Some(&state.v) }, ..rest };
     Assembly::new(&system).forces(&system, &k, &mut internal);

@@ -21,11 +21,11 @@ mod common;
 use std::collections::{BTreeMap, BTreeSet};
 
 use common::{Notes, model, plate, rotation};
-use tegula::analysis::statics;
-use tegula::element::ems::point_resultants;
+use tegula::analysis::{State, statics};
 use tegula::mesh::generators::generate;
 use tegula::model::build::build;
 use tegula::model::*;
+use tegula::result::inside::{Inside, Snapshot};
 use tegula::system::VectorKind;
 use tegula::{Mesh, System, Vec3};
 
@@ -64,10 +64,7 @@ type Field<'a> = &'a dyn Fn(Vec3) -> (Vec3, Vec3);
 /// The model in which all boundary nodes follow `field`, positions and directors.
 fn prescribed(mesh: &mut Mesh, thickness: f64, analysis: StaticAnalysis, field: Field) -> Model {
     let mut m = model(plate([1.0; 2], [1, 1], 0.0), 1e6, thickness);
-    m.materials = BTreeMap::from([(
-        "m".into(),
-        Material::Isotropic(Isotropic { young: 1e6, poisson: 0.25, density: 1.0 }),
-    )]);
+    m.materials = BTreeMap::from([("m".into(), Material::Isotropic(Isotropic::new(1e6, 0.25, 1.0)))]);
     m.conditions.clear();
     m.analysis = Analysis::Static(analysis);
     let boundary: BTreeSet<u32> = mesh.boundary_edges().into_iter().flatten().collect();
@@ -99,7 +96,7 @@ fn error(system: &System, u: &[[f64; 3]], field: Field) -> (f64, f64) {
         let (position, director) = field(x);
         let (i, exact) = match kind {
             VectorKind::Position => (0, position),
-            VectorKind::Director => (1, director),
+            VectorKind::Director | VectorKind::Gradient => (1, director),
         };
         errors[i] = errors[i].max((Vec3::from(u[v]) - exact).norm());
         sizes[i] = sizes[i].max(exact.norm());
@@ -124,18 +121,13 @@ fn solve(
 /// turned to the global x and y axes) of a system at displacements `u`.
 fn resultants(system: &System, u: &[[f64; 3]]) -> Vec<([f64; 3], f64, [f64; 3])> {
     let mut out = Vec::new();
+    let state = State { u: u.to_vec(), ..State::at_rest(system) };
+    let snapshot = Snapshot::new(system, &state);
     for shell in &system.shells {
-        let group = &system.groups[shell.member.0];
-        let vectors = group.vectors(shell.member.1);
-        let gather = |f: &[[f64; 3]]| std::array::from_fn(|a| f[vectors[a] as usize]);
-        let kernel = shell.element.strains::<24>();
-        let (p0, p) = (kernel.directions(&gather(&system.reference)), kernel.directions(&gather(u)));
-        let s = kernel.strains(&p0, &p, !system.linear);
-        let section = &system.sections[shell.section].stiffness;
-        let (_, alpha) = shell.element.stiffness(&shell.geometry, section).unwrap();
-        for i in 0..4 {
-            let point = shell.element.point_strains(&shell.geometry, i).unwrap();
-            let (n, _) = point_resultants(&point, &alpha, section, &s);
+        let inside = Inside::new(&snapshot, shell).unwrap();
+        for (i, n) in inside.station_stresses().into_iter().enumerate() {
+            let element = &system.sections[shell.section].element;
+            let point = element.operator(&shell.geometry, i, 0.0).unwrap();
             let global = |xx: f64, yy: f64, xy: f64| {
                 let a = point.frame.fixed_view::<2, 2>(0, 0);
                 let t = a * nalgebra::Matrix2::new(xx, xy, xy, yy) * a.transpose();

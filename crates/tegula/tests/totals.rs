@@ -18,7 +18,7 @@ use tegula::{Mesh, System, Vec3};
 fn loads(system: &System, u: &[Nodal]) -> Vec<Nodal> {
     let mut f = vec![[0.0; 3]; system.vectors()];
     system.add_dead_loads(1.0, 1.0, &mut f);
-    add_follower_loads(system, &state_kinematics(system, u), 1.0, 1.0, &mut f);
+    add_follower_loads(system, &state_kinematics(system, u, 1.0), 1.0, 1.0, &mut f);
     f
 }
 

@@ -105,6 +105,12 @@ pub const CASES: &[Case] = &[
         run: benchmarks::sze,
     },
     Case {
+        name: "sze-literature",
+        about: "the same for EMS, CM and MITC4 against elastica, exact arc and literature",
+        cost: Cost::Normal,
+        run: benchmarks::sze_literature,
+    },
+    Case {
         name: "hinged-plate",
         about: "T5: plate hinged along an edge, released horizontal",
         cost: Cost::Normal,

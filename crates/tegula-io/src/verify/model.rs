@@ -5,7 +5,9 @@ use std::path::Path;
 use tegula::analysis::{Observer, Silent, statics};
 use tegula::mesh::generators::generate;
 use tegula::model::build::build;
-use tegula::model::{Analysis, ElementKind, Grid, Isotropic, Material, MeshSource, Model, Section, StaticAnalysis};
+use tegula::model::{
+    Analysis, ElementKind, Grid, Isotropic, Material, MeshSource, Model, Section, StaticAnalysis,
+};
 use tegula::{Error, Mesh, Result, System};
 
 use crate::deck::Deck;

@@ -142,14 +142,7 @@ impl Newton {
                     self.assembly.forces(system, &k, &mut self.internal);
                 } else {
                     let prescribed = has_prescribed.then_some(self.increment.as_slice());
-                    self.assembly.element_blocks(
-                        system,
-                        &k,
-                        &parts,
-                        mixed,
-                        prescribed,
-                        &mut self.internal,
-                    );
+                    self.assembly.element_blocks(system, &k, &parts, mixed, prescribed, &mut self.internal);
                 }
             }
             equation.rest(system, &mut self.residual);

@@ -62,8 +62,8 @@ impl Bicubic {
             let (p, q) = (x * xi, y * eta);
             let (p1, q1) = (1.0 + p, 1.0 + q);
             let bulge = 2.0 + p + q - xi * xi - eta * eta;
-            out.value[a] =
-                [p1 * q1 * bulge, x * p1 * p1 * (p - 1.0) * q1, y * q1 * q1 * (q - 1.0) * p1].map(|v| 0.125 * v);
+            out.value[a] = [p1 * q1 * bulge, x * p1 * p1 * (p - 1.0) * q1, y * q1 * q1 * (q - 1.0) * p1]
+                .map(|v| 0.125 * v);
             out.xi[a] = [
                 x * q1 * bulge + p1 * q1 * (x - 2.0 * xi),
                 p1 * (3.0 * p - 1.0) * q1,
@@ -138,7 +138,12 @@ impl AncfFull {
             t[v][v] = 1.0;
         }
         let edge = |a: usize, b: usize| (g.positions[b] - g.positions[a]) * 0.5;
-        let along = [[edge(0, 1), edge(0, 3)], [edge(0, 1), edge(1, 2)], [edge(3, 2), edge(1, 2)], [edge(3, 2), edge(0, 3)]];
+        let along = [
+            [edge(0, 1), edge(0, 3)],
+            [edge(0, 1), edge(1, 2)],
+            [edge(3, 2), edge(1, 2)],
+            [edge(3, 2), edge(0, 3)],
+        ];
         for (a, [xi, eta]) in along.into_iter().enumerate() {
             for (row, tangent) in [(8 + a, xi), (12 + a, eta)] {
                 let parts = g.tangents[a].map(|t| t.dot(&tangent));
@@ -168,9 +173,8 @@ impl AncfFull {
 
     fn base(g: &ShellGeometry, natural: [f64; 2], z: f64) -> Mat3 {
         let v = Self::reference(g);
-        let columns = Self::directions(natural, z).map(|c| {
-            c.iter().zip(&v).map(|(c, v)| Vec3::from(*v) * *c).sum::<Vec3>()
-        });
+        let columns = Self::directions(natural, z)
+            .map(|c| c.iter().zip(&v).map(|(c, v)| Vec3::from(*v) * *c).sum::<Vec3>());
         Mat3::from_columns(&columns)
     }
 }

@@ -36,7 +36,7 @@ use crate::section::SectionInertia;
 pub const SAMPLES: usize = 32;
 /// Samples without it.
 pub const SAMPLES_WITHOUT_ANS_SHEAR: usize = 44;
-const DIRECTIONS: usize = 24;
+const DIRECTIONS: usize = 20;
 const VECTORS: usize = 8;
 
 const XX: usize = 0;
@@ -96,9 +96,10 @@ impl CmShell {
         }
         if self.ans_shear {
             for (i, side) in [-1.0, 1.0].into_iter().enumerate() {
-                for (first, slope, at) in
-                    [(SHEAR, shape_xi(side), shape(0.0, side)), (SHEAR + 2, shape_eta(side), shape(side, 0.0))]
-                {
+                for (first, slope, at) in [
+                    (SHEAR, shape_xi(side), shape(0.0, side)),
+                    (SHEAR + 2, shape_eta(side), shape(side, 0.0)),
+                ] {
                     let (r, d) = (t.direction(position(slope)), t.direction(director(at)));
                     t.product(first + i, 1.0, r, d);
                 }
@@ -191,7 +192,9 @@ impl ShellElement for CmShell {
                 column += 1;
             }
         }
-        for value in [zeta, zeta * xi, zeta * eta, zeta * xi * eta].into_iter().take(self.thickness_parameters) {
+        for value in
+            [zeta, zeta * xi, zeta * eta, zeta * xi * eta].into_iter().take(self.thickness_parameters)
+        {
             polynomials[(3, column)] = value;
             column += 1;
         }

@@ -24,8 +24,13 @@ pub trait Constitution<const S: usize>: Send + Sync {
     ) -> R;
 
     /// ∂²ψ/∂s² at `s` times a change of the strains.
-    fn tangent_product(&self, element: usize, s: &[f64; S], change: &[f64; S], interior: &Interior)
-    -> [f64; S];
+    fn tangent_product(
+        &self,
+        element: usize,
+        s: &[f64; S],
+        change: &[f64; S],
+        interior: &Interior,
+    ) -> [f64; S];
 
     /// Stiffness of the reference times a strain rate: what rate damping acts with.
     fn viscous(&self, element: usize, rate: &[f64; S]) -> [f64; S];
@@ -80,7 +85,11 @@ impl<const S: usize> LinearConstitution<S> {
         interior: &'a Interior,
     ) -> impl Iterator<Item = (f64, &'a [f64])> {
         let f = self.fields;
-        interior.factors.iter().copied().zip(self.prescribed[element * f * S..(element + 1) * f * S].chunks(S))
+        interior
+            .factors
+            .iter()
+            .copied()
+            .zip(self.prescribed[element * f * S..(element + 1) * f * S].chunks(S))
     }
 }
 

@@ -60,7 +60,7 @@ pub const SAMPLES: usize = 24;
 pub const SAMPLES_WITHOUT_ANS_SHEAR: usize = 28;
 
 /// Room for directions.
-const DIRECTIONS: usize = 20;
+pub const DIRECTIONS: usize = 20;
 
 const KXX: usize = 8;
 const KYY: usize = 10;
@@ -105,8 +105,8 @@ impl EmsShell {
         if self.ans_shear { SHEAR + 4 } else { SHEAR + 8 }
     }
 
-    /// The sampled strains; `S` is the number of samples, or [`zz`](Self::zz) to leave out those of the thickness.
-    pub(super) fn strains<const S: usize>(&self) -> SampledStrains<VECTORS, COORDINATES, S, DIRECTIONS> {
+    /// The sampled strains; `S` is the number of samples, or 4 less to leave out those of the thickness.
+    pub fn strains<const S: usize>(&self) -> SampledStrains<VECTORS, COORDINATES, S, DIRECTIONS> {
         let mut t = SampledStrains::new();
         let position = |n: [f64; 4]| std::array::from_fn(|a| if a < 4 { n[a] } else { 0.0 });
         let director = |n: [f64; 4]| std::array::from_fn(|a| if a < 4 { 0.0 } else { n[a - 4] });

@@ -73,12 +73,7 @@ impl ShellElement for Mitc4 {
         if self.ans_shear {
             Box::new(QuadraticBuilder::new("mitc4", element.strains::<SAMPLES>(), a, setup))
         } else {
-            Box::new(QuadraticBuilder::new(
-                "mitc4",
-                element.strains::<SAMPLES_WITHOUT_ANS_SHEAR>(),
-                a,
-                setup,
-            ))
+            Box::new(QuadraticBuilder::new("mitc4", element.strains::<SAMPLES_WITHOUT_ANS_SHEAR>(), a, setup))
         }
     }
 }

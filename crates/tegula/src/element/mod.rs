@@ -18,8 +18,6 @@ pub mod strains;
 pub mod transform;
 
 pub use geometry::ShellGeometry;
-pub use group::{
-    ElementGroup, Interior, Kinematics, Motion, Nodal, TangentRequest, TangentWeights,
-};
+pub use group::{ElementGroup, Interior, Kinematics, Motion, Nodal, TangentRequest, TangentWeights};
 pub use quadratic::QuadraticGroup;
 pub use shell::ShellElement;

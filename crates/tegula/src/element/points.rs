@@ -184,7 +184,14 @@ impl<const S: usize> PointConstitution<S> {
     }
 
     /// Row `i` of K x − Σ f σ₀ of the linear stations.
-    fn linear_row(&self, element: usize, i: usize, s: &[f64; S], alpha: &Parameters, interior: &Interior) -> f64 {
+    fn linear_row(
+        &self,
+        element: usize,
+        i: usize,
+        s: &[f64; S],
+        alpha: &Parameters,
+        interior: &Interior,
+    ) -> f64 {
         if self.linear.is_empty() {
             return 0.0;
         }
@@ -207,7 +214,12 @@ impl<const S: usize> PointConstitution<S> {
     }
 
     /// Parameters that make the energy stationary, and K_αα there, factored.
-    fn parameters(&self, element: usize, s: &[f64; S], interior: &Interior) -> Option<(Parameters, ParameterMatrix)> {
+    fn parameters(
+        &self,
+        element: usize,
+        s: &[f64; S],
+        interior: &Interior,
+    ) -> Option<(Parameters, ParameterMatrix)> {
         let a = self.parameters;
         let mut alpha = [0.0; MAX_PARAMETERS];
         for (x, h) in alpha.iter_mut().zip(interior.history.iter().take(a)) {
@@ -327,7 +339,13 @@ impl<const S: usize> PointConstitution<S> {
         Some(out)
     }
 
-    fn stress_and_tangent(&self, element: usize, s: &[f64; S], interior: &Interior, h: &mut [[f64; S]; S]) -> Option<()> {
+    fn stress_and_tangent(
+        &self,
+        element: usize,
+        s: &[f64; S],
+        interior: &Interior,
+        h: &mut [[f64; S]; S],
+    ) -> Option<()> {
         let a = self.parameters;
         let (alpha, k_aa) = self.parameters(element, s, interior)?;
         let mut k_sa = [[0.0; MAX_PARAMETERS]; S];
@@ -475,7 +493,13 @@ impl<const S: usize> Constitution<S> for PointConstitution<S> {
         f(h.as_flattened())
     }
 
-    fn tangent_product(&self, element: usize, s: &[f64; S], change: &[f64; S], interior: &Interior) -> [f64; S] {
+    fn tangent_product(
+        &self,
+        element: usize,
+        s: &[f64; S],
+        change: &[f64; S],
+        interior: &Interior,
+    ) -> [f64; S] {
         self.with_tangent(element, s, interior, |h| {
             std::array::from_fn(|i| h[i * S..(i + 1) * S].iter().zip(change).map(|(a, b)| a * b).sum())
         })

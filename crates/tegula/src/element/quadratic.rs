@@ -80,8 +80,11 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitu
     #[inline(always)]
     fn interior<'a>(&self, element: usize, k: &Kinematics<'a>) -> Interior<'a> {
         let n = self.constitution.history();
-        let history =
-            if n == 0 { &[][..] } else { k.interior.history.get(element * n..(element + 1) * n).unwrap_or(&[]) };
+        let history = if n == 0 {
+            &[][..]
+        } else {
+            k.interior.history.get(element * n..(element + 1) * n).unwrap_or(&[])
+        };
         Interior { history, factors: k.interior.factors }
     }
 

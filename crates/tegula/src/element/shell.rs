@@ -145,7 +145,12 @@ pub struct Condensed {
 ///
 /// # Errors
 /// K_αα is not positive definite.
-pub fn condense(stations: &[Station], samples: usize, parameters: usize, fields: usize) -> Result<Condensed, String> {
+pub fn condense(
+    stations: &[Station],
+    samples: usize,
+    parameters: usize,
+    fields: usize,
+) -> Result<Condensed, String> {
     let mut h = DMatrix::zeros(samples, samples);
     let mut k_aa = DMatrix::zeros(parameters, parameters);
     let mut k_as = DMatrix::zeros(parameters, samples);
@@ -219,7 +224,9 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> QuadraticBu
     }
 }
 
-impl<const M: usize, const N: usize, const S: usize, const D: usize> GroupBuilder for QuadraticBuilder<M, N, S, D> {
+impl<const M: usize, const N: usize, const S: usize, const D: usize> GroupBuilder
+    for QuadraticBuilder<M, N, S, D>
+{
     fn push(&mut self, member: Member) -> Result<(), String> {
         if self.setup.laws.is_empty() {
             let c = condense(&member.stations, S, self.parameters, self.setup.fields)?;
@@ -247,4 +254,3 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> GroupBuilde
         }
     }
 }
-

@@ -33,7 +33,8 @@ pub(super) fn supports(
             }
         };
         let position = |node: u32| [vectors.position_of[node as usize]];
-        let of_node = |list: &'_ BTreeMap<u32, Vec<u32>>, node: u32| list.get(&node).cloned().unwrap_or_default();
+        let of_node =
+            |list: &'_ BTreeMap<u32, Vec<u32>>, node: u32| list.get(&node).cloned().unwrap_or_default();
         for node in mesh.nodes_on(condition.on()).unwrap_or_default() {
             match condition {
                 Condition::Clamp(_) => {
@@ -78,7 +79,9 @@ pub(super) fn supports(
                     let motion = Some((p.value, amplitude));
                     match p.of {
                         NodalVector::Position => on(&position(node), axes[p.component.index()], motion),
-                        NodalVector::Director => on(&of_node(&directors, node), axes[p.component.index()], motion),
+                        NodalVector::Director => {
+                            on(&of_node(&directors, node), axes[p.component.index()], motion)
+                        }
                     }
                 }
             }

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::actions::{added_masses, dead_loads, follower_loads, initial_velocity, lost_moments, supports};
+use super::sections::Elements;
 use super::{Analysis, Model};
 use super::{check, mechanism};
-use super::sections::Elements;
 use crate::element::Nodal;
 use crate::element::geometry::tangents;
 use crate::load::TimeFunction;
@@ -100,21 +100,22 @@ pub fn build(model: &Model, mesh: &Mesh) -> Result<System> {
     elements.ties(&directors, &vectors);
     let (amplitudes, names) = time_functions(model, &mut issues);
     let supports = supports(model, mesh, &vectors, &names, &mut issues);
-    let numbering = match Numbering::new(vectors.reference.len(), &supports, &elements.unit, &vectors.reference) {
-        Ok(n) => Some(n),
-        Err(pairs) => {
-            let mut pairs = pairs;
-            pairs.dedup();
-            issues.extend(pairs.into_iter().map(|(first, second)| {
-                Issue::new(
-                    second,
-                    format!("prescribes a component that {first} supports differently"),
-                    "take the shared nodes out of one of the two sets, or drop one condition",
-                )
-            }));
-            None
-        }
-    };
+    let numbering =
+        match Numbering::new(vectors.reference.len(), &supports, &elements.unit, &vectors.reference) {
+            Ok(n) => Some(n),
+            Err(pairs) => {
+                let mut pairs = pairs;
+                pairs.dedup();
+                issues.extend(pairs.into_iter().map(|(first, second)| {
+                    Issue::new(
+                        second,
+                        format!("prescribes a component that {first} supports differently"),
+                        "take the shared nodes out of one of the two sets, or drop one condition",
+                    )
+                }));
+                None
+            }
+        };
     let Some(numbering) = numbering.filter(|_| issues.is_empty()) else { return Err(Error::Model(issues)) };
     if numbering.unknowns == 0 {
         issues.push(Issue::new(

@@ -88,15 +88,30 @@ pub struct Isotropic {
 }
 
 // TEMPORARY-BEGIN
+impl Isotropic {
+    pub fn new(young: f64, poisson: f64, density: f64) -> Self {
+        Self { young, poisson, density }
+    }
+}
 impl Material {
-    pub fn density(&self) -> f64 { let Self::Isotropic(m) = self; m.density }
-    pub fn is_isotropic(&self) -> bool { true }
-    pub fn is_linear(&self) -> bool { true }
-    pub fn expansion(&self) -> [f64; 3] { [0.0; 3] }
+    pub fn density(&self) -> f64 {
+        let Self::Isotropic(m) = self;
+        m.density
+    }
+    pub fn is_isotropic(&self) -> bool {
+        true
+    }
+    pub fn is_linear(&self) -> bool {
+        true
+    }
+    pub fn expansion(&self) -> [f64; 3] {
+        [0.0; 3]
+    }
     pub fn plane_stress(&self) -> Option<(nalgebra::Matrix3<f64>, nalgebra::Matrix2<f64>, f64)> {
         let Self::Isotropic(m) = self;
         let (e, nu) = (m.young, m.poisson);
-        let q = nalgebra::Matrix3::new(1.0, nu, 0.0, nu, 1.0, 0.0, 0.0, 0.0, 0.5 * (1.0 - nu)) * (e / (1.0 - nu * nu));
+        let q = nalgebra::Matrix3::new(1.0, nu, 0.0, nu, 1.0, 0.0, 0.0, 0.0, 0.5 * (1.0 - nu))
+            * (e / (1.0 - nu * nu));
         Some((q, nalgebra::Matrix2::identity() * (0.5 * e / (1.0 + nu)), e))
     }
     pub fn law_3d(&self) -> crate::material::Law {
@@ -105,8 +120,14 @@ impl Material {
         let l = e * nu / (1.0 + nu) / (1.0 - 2.0 * nu);
         let g = 0.5 * e / (1.0 + nu);
         let mut c = nalgebra::Matrix6::zeros();
-        for i in [0, 1, 3] { for j in [0, 1, 3] { c[(i, j)] = l + if i == j { 2.0 * g } else { 0.0 }; } }
-        for i in [2, 4, 5] { c[(i, i)] = g; }
+        for i in [0, 1, 3] {
+            for j in [0, 1, 3] {
+                c[(i, j)] = l + if i == j { 2.0 * g } else { 0.0 };
+            }
+        }
+        for i in [2, 4, 5] {
+            c[(i, i)] = g;
+        }
         crate::material::Law::Linear(c)
     }
 }
@@ -154,6 +175,47 @@ pub struct Section {
     /// Retardation time τ of Kelvin–Voigt damping (time): the stress is that of the strain `ε + τ dε/dt`.
     #[serde(default)]
     pub retardation_time: f64,
+}
+
+impl Section {
+    /// One layer of a material on the whole mesh, with the default element and all remedies.
+    pub fn new(material: &str, thickness: f64) -> Self {
+        Self {
+            on: all(),
+            element: ElementKind::default(),
+            material: material.into(),
+            thickness,
+            shear_correction: None,
+            ans_shear: true,
+            ans_thickness: true,
+            eas: true,
+            thickness_eas: four(),
+            thickness_points: None,
+            total_mass: None,
+            retardation_time: 0.0,
+        }
+    }
+}
+
+impl Model {
+    /// A model of one isotropic material and section on a mesh, without supports and loads.
+    pub fn new(mesh: MeshSource, analysis: Analysis, material: Isotropic, thickness: f64) -> Self {
+        Self {
+            title: String::new(),
+            analysis,
+            mesh,
+            materials: BTreeMap::from([("m".to_string(), Material::Isotropic(material))]),
+            sections: vec![Section::new("m", thickness)],
+            conditions: Vec::new(),
+            loads: Vec::new(),
+            masses: Vec::new(),
+            initial_velocities: Vec::new(),
+            damping: Damping::default(),
+            prescribed_strains: Vec::new(),
+            amplitudes: BTreeMap::new(),
+            output: Output::default(),
+        }
+    }
 }
 
 /// Element types.

@@ -24,7 +24,14 @@ impl Section {
         let material = materials.get(&self.material)?;
         let h = self.thickness;
         let points = usize::from(self.thickness_points.unwrap_or(if material.is_linear() { 2 } else { 5 }));
-        let layers = vec![Layer::new(&self.material, material, [-0.5 * h, 0.5 * h], 0.0, points, !material.is_linear())];
+        let layers = vec![Layer::new(
+            &self.material,
+            material,
+            [-0.5 * h, 0.5 * h],
+            0.0,
+            points,
+            !material.is_linear(),
+        )];
         let Material::Isotropic(m) = material;
         let shear = self.shear_correction.unwrap_or([5.0 / 6.0; 2]);
         Some(CompiledSection {
@@ -78,7 +85,9 @@ impl Elements {
         issues: &mut Vec<Issue>,
     ) {
         for section in &model.sections {
-            let (Some(compiled), Some(quads)) = (section.compile(&model.materials), mesh.quads_on(&section.on)) else {
+            let (Some(compiled), Some(quads)) =
+                (section.compile(&model.materials), mesh.quads_on(&section.on))
+            else {
                 continue;
             };
             let element = registry::shell(section, compiled.thickness);
@@ -103,7 +112,8 @@ impl Elements {
                 directors.corners[q as usize].map(|d| directors.values[d as usize]),
             )
         };
-        let area = |g: &ShellGeometry| crate::element::geometry::nodal_areas(&g.positions).iter().sum::<f64>();
+        let area =
+            |g: &ShellGeometry| crate::element::geometry::nodal_areas(&g.positions).iter().sum::<f64>();
         if let Some(total) = section.total_mass {
             let whole: f64 = quads.iter().map(|&q| area(&geometry(q))).sum();
             if compiled.inertia.mass == 0.0 {
@@ -137,7 +147,12 @@ impl Elements {
                 }
             }
             let prescribed: Vec<_> = if acts {
-                model.prescribed_strains.iter().zip(&fields).map(|(p, f)| f.contains(&q).then_some(p)).collect()
+                model
+                    .prescribed_strains
+                    .iter()
+                    .zip(&fields)
+                    .map(|(p, f)| f.contains(&q).then_some(p))
+                    .collect()
             } else {
                 Vec::new()
             };

@@ -149,7 +149,10 @@ impl<'a> Inside<'a> {
                         at += n;
                         let mut updated = committed.to_vec();
                         law.respond(&Vector6::from_column_slice(strain.as_slice()), committed, &mut updated)
-                            .map_or_else(|| DVector::zeros(6), |r| DVector::from_column_slice(r.stress.as_slice()))
+                            .map_or_else(
+                                || DVector::zeros(6),
+                                |r| DVector::from_column_slice(r.stress.as_slice()),
+                            )
                     }
                 }
             })
@@ -222,7 +225,8 @@ impl<'a> Inside<'a> {
             self.section.layers.iter().flat_map(|l| l.points.iter().map(|p| p.0)).collect();
         let per_point = stresses.len() / points;
         let first = point * per_point + usize::from(!self.element.is_solid());
-        let nearest = (0..heights.len()).min_by(|&a, &b| (heights[a] - z).abs().total_cmp(&(heights[b] - z).abs()))?;
+        let nearest =
+            (0..heights.len()).min_by(|&a, &b| (heights[a] - z).abs().total_cmp(&(heights[b] - z).abs()))?;
         let stress = stresses.get(first + nearest)?;
         let frame = self.element.operator(&self.shell.geometry, point, heights[nearest]).ok()?.frame;
         Some((Vector6::from_column_slice(stress.as_slice()), frame))

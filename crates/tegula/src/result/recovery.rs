@@ -51,7 +51,11 @@ pub fn recover(system: &System, state: &State) -> Vec<ShellResult> {
     let snapshot = Snapshot::new(system, state);
     let energies = snapshot.energies();
     let energy = |shell: &Shell| shell.groups.clone().map(|g| energies[g][shell.member]).sum::<f64>();
-    system.shells.par_iter().map(|shell| element(&snapshot, shell, energy(shell)).unwrap_or_default()).collect()
+    system
+        .shells
+        .par_iter()
+        .map(|shell| element(&snapshot, shell, energy(shell)).unwrap_or_default())
+        .collect()
 }
 
 /// One element. Its geometry was valid when the system was built, so nothing fails here.
@@ -68,7 +72,11 @@ fn element(snapshot: &Snapshot, shell: &Shell, energy: f64) -> Option<ShellResul
     for point in 0..points {
         let operator = shell_element.operator(&shell.geometry, point, 0.0).ok()?;
         let turn = Turn::between(&operator.frame, &centre);
-        let r = resultants(section, shell_element.is_solid(), &stresses[point * per_point..(point + 1) * per_point]);
+        let r = resultants(
+            section,
+            shell_element.is_solid(),
+            &stresses[point * per_point..(point + 1) * per_point],
+        );
         let membrane = turn.tensor([r[0], r[1], r[2]]);
         let bending = turn.tensor([r[6], r[7], r[8]]);
         let shear = turn.vector([r[4], r[5]]);
@@ -110,7 +118,13 @@ fn resultants(section: &CompiledSection, solid: bool, stresses: &[DVector<f64>])
 }
 
 /// Stresses at the two surfaces and the greatest equivalent stress.
-fn surface_stresses(out: &mut ShellResult, inside: &Inside, section: &CompiledSection, centre: &Mat3, points: usize) {
+fn surface_stresses(
+    out: &mut ShellResult,
+    inside: &Inside,
+    section: &CompiledSection,
+    centre: &Mat3,
+    points: usize,
+) {
     if section.layers.len() == 1 && section.is_linear() && section.isotropic {
         stresses(out, section.thickness);
         return;

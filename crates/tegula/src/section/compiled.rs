@@ -31,7 +31,14 @@ pub struct Layer {
 
 impl Layer {
     /// A layer with its integration points.
-    pub fn new(name: &str, material: &Material, [bottom, top]: [f64; 2], angle: f64, points: usize, ends: bool) -> Self {
+    pub fn new(
+        name: &str,
+        material: &Material,
+        [bottom, top]: [f64; 2],
+        angle: f64,
+        points: usize,
+        ends: bool,
+    ) -> Self {
         let (middle, half) = (0.5 * (bottom + top), 0.5 * (top - bottom));
         let rule = if ends { lobatto(points) } else { gauss(points) };
         let points = rule.into_iter().map(|(x, w)| (middle + half * x, half * w)).collect();
@@ -218,7 +225,11 @@ impl CompiledSection {
         }
         let (s, a) = (element.samples(), element.parameters());
         let samples = DMatrix::from_fn(9, s, |i, j| {
-            if i < 6 { middle.samples[(i, j)] } else { middle.samples[(i - 6, j)] - above.samples[(i - 6, j)] }
+            if i < 6 {
+                middle.samples[(i, j)]
+            } else {
+                middle.samples[(i - 6, j)] - above.samples[(i - 6, j)]
+            }
         });
         let enhanced = DMatrix::from_fn(9, a, |i, j| if i < 6 { middle.enhanced[(i, j)] } else { 0.0 });
         let fields = prescribed
@@ -306,7 +317,9 @@ impl CompiledSection {
     ) -> Result<DVector<f64>, String> {
         let h = self.thickness;
         let strain = match prescribed {
-            PrescribedStrain::Thermal(t) => expansion(&layer.material, turn) * (t.temperature + t.gradient * z),
+            PrescribedStrain::Thermal(t) => {
+                expansion(&layer.material, turn) * (t.temperature + t.gradient * z)
+            }
             PrescribedStrain::Natural(n) => {
                 let angle = Self::angle(frame, &n.direction.into())?;
                 let at = Vector3::from(n.strain) - Vector3::from(n.curvature) * z;
@@ -339,7 +352,8 @@ impl CompiledSection {
                     let [z0, z1, z2] = layer.moments();
                     let alpha = expansion(&layer.material, turn + layer.angle);
                     let stress = plane_stress_3d(&layer.material, turn + layer.angle) * alpha;
-                    let (t0, t1) = (t.temperature * z0 + t.gradient * z1, t.temperature * z1 + t.gradient * z2);
+                    let (t0, t1) =
+                        (t.temperature * z0 + t.gradient * z1, t.temperature * z1 + t.gradient * z2);
                     for i in 0..3 {
                         held_back[i] += stress[i] * t0;
                         held_back[6 + i] -= stress[i] * t1;

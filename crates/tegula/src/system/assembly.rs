@@ -183,7 +183,13 @@ impl Assembly {
     }
 
     /// Curvature of the sphere of unit vectors under the forces `rest` that act on them from outside.
-    pub fn add_curvature(&mut self, system: &System, k: &Kinematics, weights: &TangentWeights, rest: &[Nodal]) {
+    pub fn add_curvature(
+        &mut self,
+        system: &System,
+        k: &Kinematics,
+        weights: &TangentWeights,
+        rest: &[Nodal],
+    ) {
         if k.linear {
             return;
         }

@@ -1,8 +1,6 @@
 //! Models and measures that several tests share.
 #![allow(dead_code, clippy::unwrap_used)]
 
-use std::collections::BTreeMap;
-
 use nalgebra::{Rotation3, Unit};
 use tegula::analysis::statics::{self, StaticOutcome};
 use tegula::analysis::{Observer, State, Step};
@@ -15,34 +13,10 @@ use tegula::{Mesh, System, Vec3};
 
 /// A static model of one section on a mesh, clamped at `u_min`.
 pub fn model(mesh: MeshSource, young: f64, thickness: f64) -> Model {
-    Model {
-        title: String::new(),
-        analysis: Analysis::Static(StaticAnalysis::default()),
-        mesh,
-        materials: BTreeMap::from([(
-            "m".to_string(),
-            Material::Isotropic(Isotropic { young, poisson: 0.3, density: 1.0 }),
-        )]),
-        sections: vec![Section {
-            on: "all".into(),
-            element: ElementKind::Ems,
-            material: "m".into(),
-            thickness,
-            shear_correction: [5.0 / 6.0; 2],
-            ans_shear: true,
-            ans_thickness: true,
-            eas: true,
-            total_mass: None,
-            retardation_time: 0.0,
-        }],
-        conditions: vec![Condition::Clamp(OnSet { on: "u_min".into() })],
-        loads: vec![],
-        masses: vec![],
-        initial_velocities: vec![],
-        damping: Damping::default(),
-        amplitudes: BTreeMap::new(),
-        output: Output::default(),
-    }
+    let material = Isotropic::new(young, 0.3, 1.0);
+    let mut model = Model::new(mesh, Analysis::Static(StaticAnalysis::default()), material, thickness);
+    model.conditions = vec![Condition::Clamp(OnSet { on: "u_min".into() })];
+    model
 }
 
 /// Sect. 5.2 of the paper: x = sin θ, z = 1 − cos θ, θ from 0 to 90°, h = 0.01, clamped at θ = 0.

@@ -1,7 +1,5 @@
 //! Plates whose resultants are known in closed form.
 
-use std::collections::BTreeMap;
-
 use super::*;
 use crate::analysis::{Silent, statics};
 use crate::mesh::Mesh;
@@ -22,33 +20,10 @@ fn plate(poisson: f64, conditions: Vec<Condition>, loads: Vec<Load>) -> (Mesh, M
         grid,
     });
     let mesh = generate(&source).unwrap();
-    let material = Material::Isotropic(Isotropic { young: 2e6, poisson, density: 1.0 });
-    let section = Section {
-        on: "all".into(),
-        element: ElementKind::Ems,
-        material: "m".into(),
-        thickness: H,
-        shear_correction: [5.0 / 6.0; 2],
-        ans_shear: true,
-        ans_thickness: true,
-        eas: true,
-        total_mass: None,
-        retardation_time: 0.0,
-    };
-    let model = Model {
-        title: String::new(),
-        analysis: Analysis::Static(StaticAnalysis { linear: true, ..Default::default() }),
-        mesh: source,
-        materials: BTreeMap::from([("m".to_string(), material)]),
-        sections: vec![section],
-        conditions,
-        loads,
-        masses: vec![],
-        initial_velocities: vec![],
-        damping: Damping::default(),
-        amplitudes: BTreeMap::new(),
-        output: Output::default(),
-    };
+    let analysis = Analysis::Static(StaticAnalysis { linear: true, ..Default::default() });
+    let mut model = Model::new(source, analysis, Isotropic::new(2e6, poisson, 1.0), H);
+    model.conditions = conditions;
+    model.loads = loads;
     (mesh, model)
 }
 
@@ -97,7 +72,7 @@ fn uniform_tension_gives_its_load() {
     }
     let mesh = generate(&model.mesh).unwrap_or(mesh);
     let (system, outcome) = solve(&mesh, &model);
-    for r in recover(&system, &outcome.state.u) {
+    for r in recover(&system, &outcome.state) {
         near(r.membrane[0], 50.0, 50.0, "n_xx");
         near(r.membrane[1], 0.0, 50.0, "n_yy");
         near(r.membrane[2], 0.0, 50.0, "n_xy");
@@ -117,7 +92,7 @@ fn distorted_elements_keep_the_tension() {
     ];
     let (mesh, model) = plate(0.3, supports, vec![Load::Edge(edge("u_max", [50.0, 0.0, 0.0]))]);
     let (system, outcome) = solve(&mesh, &model);
-    let results = recover(&system, &outcome.state.u);
+    let results = recover(&system, &outcome.state);
     for (i, r) in results.iter().enumerate() {
         let n = along_x(&system, i, r.membrane);
         near(n[0], 50.0, 50.0, "n_xx");
@@ -142,7 +117,7 @@ fn pure_bending_gives_the_moment_and_pulls_one_side() {
     let (system, outcome) = solve(&mesh, &model);
     let tip = system.position_of[mesh.nodes_on("u_max_v_max").unwrap()[0] as usize] as usize;
     assert!(outcome.state.u[tip][2] < 0.0, "the strip bends downwards");
-    for r in recover(&system, &outcome.state.u) {
+    for r in recover(&system, &outcome.state) {
         near(r.bending[0], -3.0, 3.0, "m_xx");
         near(r.bending[1], 0.0, 3.0, "m_yy");
         near(r.membrane[0], 0.0, 3.0 / H, "n_xx");
@@ -158,7 +133,7 @@ fn a_cantilever_under_a_weight_is_pulled_on_top() {
     let clamp = vec![Condition::Clamp(OnSet { on: "u_min".into() })];
     let (mesh, model) = plate(0.3, clamp, vec![Load::Edge(edge("u_max", [0.0, 0.0, -1.0]))]);
     let (system, outcome) = solve(&mesh, &model);
-    let results = recover(&system, &outcome.state.u);
+    let results = recover(&system, &outcome.state);
     let root = &results[0];
     assert!(root.stress_top[0] > 0.0 && root.stress_bottom[0] < 0.0, "{root:?}");
     // The moment at the middle of the first row of elements: load times arm, shared by both sides.
@@ -174,7 +149,7 @@ fn the_energy_density_integrates_to_the_strain_energy() {
     let (mesh, mut model) = plate(0.3, clamp, vec![Load::Edge(edge("u_max", [1.0, 2.0, -3.0]))]);
     model.analysis = Analysis::Static(StaticAnalysis::default());
     let (system, outcome) = solve(&mesh, &model);
-    let results = recover(&system, &outcome.state.u);
+    let results = recover(&system, &outcome.state);
     let sum: f64 = results.iter().map(|r| r.energy_density * r.area).sum();
     near(sum, outcome.balance.strain, outcome.balance.strain, "strain energy");
     near(results.iter().map(|r| r.area).sum(), 2.0, 2.0, "area");
