@@ -191,3 +191,28 @@ fn a_model_with_errors_touches_nothing() {
     assert!(found[0].key == "conditions[0].on" && found[0].line > 0, "{}", found[0]);
     assert!(!path.exists());
 }
+
+/// An element that lies upside down on another, in a file whose numbers have gaps.
+#[test]
+fn errors_of_a_mesh_file_name_the_file_and_its_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n10 0 0 0\n20 1 0 0\n30 1 1 0\n40 0 1 0\n\
+        50 0 0 0\n60 0 1 0\n$EndNodes\n$Elements\n2\n7 3 2 0 1 10 20 30 40\n9 3 2 0 1 30 20 50 60\n$EndElements\n";
+    fs::write(folder.path().join("fold.msh"), mesh).unwrap();
+    let text = SWING
+        .replace("SCHEME", "newmark")
+        .replace("type = \"hinge\"\non = \"u_min\"", "type = \"clamp\"\non = \"all\"");
+    let (before, after) = text.split_once("[mesh]").unwrap();
+    let (_, after) = after.split_once("[materials").unwrap();
+    let text = format!("{before}[mesh]\ntype = \"gmsh\"\nfile = \"fold.msh\"\n[materials{after}")
+        .replace("u_max_v_max", "all");
+    let deck = Deck::parse(folder.path().join("fold.toml"), text).unwrap();
+    let Err(JobError::Model(found)) = prepare(&deck) else { panic!("no model error") };
+    let fold = found.iter().find(|d| d.key == "mesh.file").unwrap();
+    assert_eq!(
+        fold.message,
+        "fold.msh: elements 7 at (0.5, 0.5, 0.0) and 9 at (0.5, 0.5, 0.0) share the edge of nodes 20 and 30 and lie \
+         on one another: the surface is folded back there"
+    );
+    assert!(fold.line > 0);
+}

@@ -169,9 +169,10 @@ impl Mesh {
                 Some((node, distance)) => issues.push(Issue::new(
                     key,
                     format!(
-                        "the point `{name}` at {} is {distance:.3e} away from the nearest node {node} at {}, \
+                        "the point `{name}` at {} is {distance:.3e} away from the nearest node {} at {}, \
                          farther than the largest element is wide",
                         show(position),
+                        self.node_label(node),
                         self.positions.get(node as usize).copied().map(show).unwrap_or_default()
                     ),
                     "give a position on the mesh",

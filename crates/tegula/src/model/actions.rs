@@ -113,7 +113,7 @@ pub(super) fn follower_loads(
 }
 
 /// Moments along a director: nothing of the shell resists there, so that part would be lost.
-pub(super) fn lost_moments(loads: &[FollowerLoad], vectors: &Vectors) -> Vec<Issue> {
+pub(super) fn lost_moments(loads: &[FollowerLoad], vectors: &Vectors, mesh: &Mesh) -> Vec<Issue> {
     let lost = |load: &FollowerLoad| match load {
         FollowerLoad::Moment { vector, moment, .. } => {
             let d = Vec3::from(vectors.reference[*vector as usize]);
@@ -127,8 +127,9 @@ pub(super) fn lost_moments(loads: &[FollowerLoad], vectors: &Vectors) -> Vec<Iss
     vec![Issue::new(
         "loads",
         format!(
-            "{} moment(s) have a part along the director, the first at node {node}: {along:.3e} of {whole:.3e} would be lost",
-            all.len()
+            "{} moment(s) have a part along the director, the first at node {}: {along:.3e} of {whole:.3e} would be lost",
+            all.len(),
+            mesh.node_label(*node)
         ),
         "a shell node does not resist turning about its director; use a pair of forces for that part",
     )]

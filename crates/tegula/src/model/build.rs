@@ -79,6 +79,16 @@ impl Vectors {
 /// # Errors
 /// Everything that is wrong with the model, at once, each with the key or element and a remedy.
 pub fn build(model: &Model, mesh: &Mesh) -> Result<System> {
+    compile(model, mesh).map_err(|error| match error {
+        Error::Model(mut issues) => {
+            mesh.name_file(&mut issues);
+            Error::Model(issues)
+        }
+        other => other,
+    })
+}
+
+fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
     let mut issues = check::keys(model);
     issues.extend(quality::check(mesh));
     issues.extend(check::sets(model, mesh));
@@ -135,7 +145,7 @@ pub fn build(model: &Model, mesh: &Mesh) -> Result<System> {
     for load in &followers {
         builder.element(load.vectors(), &[]);
     }
-    issues.extend(lost_moments(&followers, &vectors));
+    issues.extend(lost_moments(&followers, &vectors, mesh));
     let added = added_masses(model, mesh, &vectors);
     for &(a, b, m) in &added {
         builder.mass(a, b, m);
@@ -169,6 +179,7 @@ pub fn build(model: &Model, mesh: &Mesh) -> Result<System> {
         nodes: vectors.nodes,
         position_of: vectors.position_of,
         director_of: vectors.director_of,
+        labels: mesh.labels.clone(),
     };
     issues.extend(check::masses(model, &system));
     system.dead_loads = dead_loads(model, mesh, &system, &names);
@@ -242,6 +253,7 @@ impl Elements {
             let inertia = SectionInertia::homogeneous(density, section.thickness);
             let tau = section.retardation_time + model.damping.stiffness;
             let mut fill = Fill {
+                mesh,
                 section: index,
                 element,
                 stiffness: &stiffness,
@@ -279,6 +291,7 @@ impl Elements {
 }
 
 struct Fill<'a> {
+    mesh: &'a Mesh,
     section: usize,
     element: EmsShell,
     stiffness: &'a SectionStiffness,
@@ -304,8 +317,11 @@ impl Fill<'_> {
                     self.issues.push(Issue::new(
                         "mesh",
                         format!(
-                            "element {quad} at ({:.4}, {:.4}, {:.4}) is invalid: {reason}",
-                            c.x, c.y, c.z
+                            "element {} at ({:.4}, {:.4}, {:.4}) is invalid: {reason}",
+                            self.mesh.quad_label(*quad as usize),
+                            c.x,
+                            c.y,
+                            c.z
                         ),
                         "repair the mesh there",
                     ));

@@ -147,7 +147,10 @@ pub fn sets(model: &Model, mesh: &Mesh) -> Vec<Issue> {
             if let Some(other) = section_of.insert(q, i) {
                 c.add(
                     key.as_str(),
-                    format!("element {q} belongs to sections[{other}] and sections[{i}]"),
+                    format!(
+                        "element {} belongs to sections[{other}] and sections[{i}]",
+                        mesh.quad_label(q as usize)
+                    ),
                     "let the sets of the sections be disjoint",
                 );
                 break;
@@ -161,9 +164,10 @@ pub fn sets(model: &Model, mesh: &Mesh) -> Vec<Issue> {
         c.add(
             "sections",
             format!(
-                "{} of {} elements have no section, the first is element {q}",
+                "{} of {} elements have no section, the first is element {}",
                 mesh.quads.len() - section_of.len(),
-                mesh.quads.len()
+                mesh.quads.len(),
+                mesh.quad_label(q as usize)
             ),
             "add a section for them, or use on = \"all\"",
         );
@@ -249,7 +253,7 @@ fn loose_nodes(model: &Model, mesh: &Mesh) -> Vec<Issue> {
             let node = loose(name)?;
             Some(Issue::new(
                 key,
-                format!("set \"{name}\" holds node {node}, which belongs to no element"),
+                format!("set \"{name}\" holds node {}, which belongs to no element", mesh.node_label(node)),
                 "take the node out of the set, or out of the mesh",
             ))
         })

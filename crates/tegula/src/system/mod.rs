@@ -10,6 +10,7 @@ use crate::Vec3;
 use crate::element::ems::{EmsShell, ShellGeometry};
 use crate::element::{ElementGroup, Nodal};
 use crate::load::{FollowerLoad, TimeFunction};
+use crate::mesh::Labels;
 use crate::section::SectionStiffness;
 pub use assembly::Assembly;
 pub use index_map::IndexMap;
@@ -92,6 +93,8 @@ pub struct System {
     pub proportional: bool,
     /// Velocities at the start.
     pub initial_velocity: Vec<Nodal>,
+    /// Numbers of nodes and quads in the mesh file, for messages.
+    pub labels: Option<Labels>,
 }
 
 impl System {
@@ -103,6 +106,16 @@ impl System {
     /// Number of free coordinates.
     pub fn unknowns(&self) -> usize {
         self.numbering.unknowns
+    }
+
+    /// Number of a node for people: that of the mesh file, or the internal one, counted from 0.
+    pub fn node_label(&self, node: u32) -> u64 {
+        self.labels.as_ref().map_or(u64::from(node), |labels| labels.node(node as usize))
+    }
+
+    /// Number of a quad for people: that of the mesh file, or the internal one, counted from 0.
+    pub fn quad_label(&self, quad: u32) -> u64 {
+        self.labels.as_ref().map_or(u64::from(quad), |labels| labels.quad(quad as usize))
     }
 
     /// Number of shell elements.

@@ -8,7 +8,7 @@
 //! | physical point | a node set |
 //!
 //! A group without a name is called by its number. Nodes are ordered by their Gmsh number, quads as
-//! in the file; nodes of no quad are dropped. Everything that cannot be computed (triangles, elements
+//! in the file; nodes of no quad are dropped. The mesh keeps the numbers of the file as labels. Everything that cannot be computed (triangles, elements
 //! of higher order, solids) is refused with the command that repairs it. Format:
 //! <https://gmsh.info/doc/texinfo/gmsh.html#Gmsh-file-formats>.
 

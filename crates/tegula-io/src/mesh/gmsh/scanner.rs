@@ -29,6 +29,11 @@ impl<'a> Scanner<'a> {
         Self { file, bytes, position: 0, encoding: Encoding::Ascii }
     }
 
+    /// The name of the file without its folder.
+    pub fn file_name(&self) -> String {
+        self.file.file_name().unwrap_or(self.file.as_os_str()).to_string_lossy().into_owned()
+    }
+
     /// The place from which the next item is read.
     pub fn position(&self) -> usize {
         self.position

@@ -225,6 +225,36 @@ fn nodes_and_groups_that_do_not_fit() {
 }
 
 #[test]
+fn an_element_given_twice_is_refused_with_its_numbers() {
+    const HELP: &str = "help: remove one of them; one thickness has to count for both";
+    let twice = |element: &str| error(&square(&[element]));
+    // The same group, another entity, rotated, reversed.
+    for element in
+        ["7 3 2 0 1 10 20 30 40", "7 3 2 3 2 10 20 30 40", "7 3 2 3 1 20 30 40 10", "7 3 2 3 1 40 30 20 10"]
+    {
+        assert_eq!(
+            twice(element),
+            format!("m.msh:21: elements 1 and 7 have the same four nodes\n  {HELP}"),
+            "{element}"
+        );
+    }
+    // Once more for another physical group: that is how format 2.2 writes it.
+    assert!(parse(Path::new("m.msh"), square(&["7 3 2 3 1 10 20 30 40"]).as_bytes(), 1.0).is_ok());
+    let four = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 1 0\n1 0 0 0 1 1 0 1 5 0\n$EndEntities\n\
+        $Nodes\n1 4 1 4\n2 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n$EndNodes\n\
+        $Elements\n1 2 8 9\n2 1 3 2\n8 1 2 3 4\n9 1 2 3 4\n$EndElements\n";
+    assert_eq!(error(four), format!("m.msh:24: elements 8 and 9 have the same four nodes\n  {HELP}"));
+}
+
+#[test]
+fn the_mesh_knows_the_numbers_of_the_file() {
+    let mesh = parse(Path::new("a/m.msh"), square(&[]).as_bytes(), 1.0).unwrap();
+    let labels = mesh.labels.clone().unwrap();
+    assert_eq!((labels.file.as_str(), labels.nodes, labels.quads), ("m.msh", vec![10, 20, 30, 40], vec![1]));
+    assert_eq!((mesh.node_label(2), mesh.quad_label(0)), (30, 1));
+}
+
+#[test]
 fn damaged_files() {
     const DAMAGED: &str = "the file is cut off or damaged: save the mesh again in Gmsh";
     let whole = square(&[]);

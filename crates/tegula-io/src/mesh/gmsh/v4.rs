@@ -2,7 +2,7 @@
 
 use tegula::Vec3;
 
-use super::raw::{Corners, Raw, RawNode};
+use super::raw::{Corners, Head, Raw, RawNode};
 use super::scanner::Scanner;
 use crate::mesh::MeshError;
 
@@ -79,7 +79,8 @@ pub(super) fn elements(scanner: &mut Scanner<'_>, raw: &mut Raw) -> Result<(), M
         for _ in 0..count {
             let at = scanner.position();
             let tag = scanner.size("the number of an element")?;
-            raw.read_element(scanner, (kind, tag, groups, at), |s| s.size("a node of an element"))?;
+            let head = Head { kind, tag, groups, entity, at };
+            raw.read_element(scanner, head, |s| s.size("a node of an element"))?;
         }
         // Format 2.2 writes elements of negative groups turned around; here the reader has to.
         if turned {
