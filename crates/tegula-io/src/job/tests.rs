@@ -216,3 +216,200 @@ fn errors_of_a_mesh_file_name_the_file_and_its_numbers() {
     );
     assert!(fold.line > 0);
 }
+
+/// Collects warnings.
+#[derive(Default)]
+struct Warnings(Vec<String>);
+
+impl JobObserver for Warnings {
+    fn on_warning(&mut self, message: &str) {
+        self.0.push(message.to_owned());
+    }
+}
+
+#[test]
+fn a_run_goes_on_without_the_files_that_are_gone_and_says_so() {
+    let (deck, folder) = (deck("newmark"), tempfile::tempdir().unwrap());
+    let path = folder.path();
+    run(&deck, &options(path, false), &mut stop_after(7)).unwrap_err();
+    fs::remove_dir_all(path.join("fields")).unwrap();
+    fs::write(path.join(".tegula-abc.part"), "half").unwrap();
+    let mut warnings = Warnings::default();
+    run(&deck, &options(path, true), &mut warnings).unwrap();
+    assert!(
+        warnings.0.iter().any(|w| w.contains("field file(s) of the earlier part are no longer there")),
+        "{:?}",
+        warnings.0
+    );
+    assert!(!path.join(".tegula-abc.part").exists());
+    for (_, name) in PvdSeries::open(&path.join("fields.pvd")).unwrap().entries() {
+        assert!(path.join(name).exists(), "{name}");
+    }
+}
+
+#[test]
+fn half_written_files_of_a_killed_run_do_not_make_a_folder_foreign() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join(".tegula-abc.part"), "half").unwrap();
+    let started = ResultFolder::start(folder.path()).unwrap();
+    assert!(!folder.path().join(".tegula-abc.part").exists());
+    drop(started);
+}
+
+/// Reads the summary in the middle of a run.
+struct Reader<'a>(&'a Path, Vec<Summary>);
+
+impl JobObserver for Reader<'_> {
+    fn on_step(&mut self, _progress: &Progress) {
+        self.1.push(Summary::read(self.0).unwrap());
+    }
+}
+
+#[test]
+fn the_summary_keeps_up_with_the_checkpoint() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut reader = Reader(folder.path(), Vec::new());
+    run(&deck("newmark"), &options(folder.path(), false), &mut reader).unwrap();
+    let late = reader.1.iter().rev().nth(1).unwrap();
+    assert!(late.status == Status::Running && late.time > 0.1 && late.iterations > 10, "{late:?}");
+}
+
+#[test]
+fn repeated_steps_count_also_where_none_succeeds() {
+    let few = "load_steps = 1\nmax_iterations = 2\nmax_cutbacks = 3\nmethod = \"displacement\"";
+    let text = SWING
+        .replace("type = \"transient\"", "type = \"static\"")
+        .replace("end_time = 0.2\ntolerance = 1e-4\nscheme = { type = \"SCHEME\" }", few)
+        .replace("type = \"hinge\"", "type = \"clamp\"");
+    let deck = Deck::parse("hasty.toml", text).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    run(&deck, &options(folder.path(), false), &mut Unwatched).unwrap_err();
+    let summary = Summary::read(folder.path()).unwrap();
+    assert_eq!((summary.steps, summary.cutbacks, summary.iterations), (0, 3, 8));
+}
+
+#[test]
+fn amplitudes_without_value_are_named() {
+    let with = |expression: &str, prescribed: bool| {
+        let mut text = SWING.replace("SCHEME", "newmark").replace(
+            "type = \"ramp\"\nend = 0.1",
+            &format!("type = \"expression\"\nexpression = \"{expression}\""),
+        );
+        if prescribed {
+            text.push_str("\n[[conditions]]\ntype = \"prescribe\"\non = \"u_max\"\ncomponent = \"z\"\nvalue = 0.01\namplitude = \"pull\"\n");
+        }
+        match prepare(&Deck::parse("swing.toml", text).unwrap()) {
+            Err(JobError::Model(found)) => {
+                format!("{}:{}: {}", found[0].line, found[0].key, found[0].message)
+            }
+            Err(other) => panic!("{other}"),
+            Ok(_) => String::new(),
+        }
+    };
+    assert_eq!(with("sqrt(t)", false), "");
+    assert_eq!(
+        with("sqrt(t)", true),
+        "34:amplitudes.pull.expression: the velocity at t = 0 is inf, but a prescribed motion follows this amplitude"
+    );
+    assert_eq!(with("ln(1-10*t)", false), "34:amplitudes.pull.expression: the value at t = 0.1 is -inf");
+    assert_eq!(with("t^2", true), "");
+}
+
+#[test]
+fn a_gap_that_the_check_does_not_meet_is_named_in_the_run() {
+    // Without value in a window shorter than the instants that the check tries.
+    let expression = "sqrt((t-0.1001)^2 - 0.00008^2)";
+    let text =
+        SWING.replace("SCHEME", "newmark").replace("tolerance = 1e-4", "time_step = 0.002002").replace(
+            "type = \"ramp\"\nend = 0.1",
+            &format!("type = \"expression\"\nexpression = \"{expression}\""),
+        );
+    let folder = tempfile::tempdir().unwrap();
+    let error = run(&Deck::parse("gap.toml", text).unwrap(), &options(folder.path(), false), &mut Unwatched)
+        .unwrap_err();
+    let message = error.to_string();
+    assert!(message.contains("the value of the amplitude \"pull\" is NaN at 1.0"), "{message}");
+}
+
+#[test]
+fn what_is_most_likely_not_meant_is_said() {
+    let warnings = |changes: &[(&str, &str)]| {
+        let mut text = SWING.replace("SCHEME", "newmark");
+        for (from, to) in changes {
+            assert!(text.contains(from), "{from}");
+            text = text.replace(from, to);
+        }
+        let prepared = prepare(&Deck::parse("swing.toml", text).unwrap()).unwrap_or_else(|e| panic!("{e}"));
+        prepared.warnings.iter().map(|w| format!("{}: {}", w.key, w.message)).collect::<Vec<_>>().join("\n")
+    };
+    const MODAL: (&str, &str) = (
+        "type = \"transient\"\nend_time = 0.2\ntolerance = 1e-4\nscheme = { type = \"newmark\" }",
+        "type = \"modal\"\nmodes = 4",
+    );
+    assert_eq!(warnings(&[]), "");
+    assert_eq!(
+        warnings(&[("value = [0.0, 1.0, 0.0]", "value = [0, 0, 0]")]),
+        "loads[1].value: the load is zero, whatever its amplitude"
+    );
+    assert!(warnings(&[MODAL]).starts_with("loads: loads and prescribed values have no effect"));
+    assert_eq!(warnings(&[MODAL, ("modes = 4", "modes = 4\nprestressed = true")]), "");
+    assert!(
+        warnings(&[("thickness = 0.02", "thickness = 20.0")])
+            .contains("the thickness 20 is 57 times the size 3.536e-1")
+    );
+    let bent = [
+        (
+            "type = \"plate\"\nsize = [1.0, 0.5]",
+            "type = \"cylinder\"\nradius = 0.1\nangles = [0, 90]\nlength = 1.0",
+        ),
+        ("thickness = 0.02", "thickness = 0.2"),
+    ];
+    assert!(
+        warnings(&bent).contains("the thickness 0.2 is larger than the radius of curvature 1.0"),
+        "{}",
+        warnings(&bent)
+    );
+}
+
+/// Asks to stop from the start, and counts how often it is asked.
+struct Impatient(Cell<u64>);
+
+impl JobObserver for Impatient {
+    fn interrupted(&self) -> bool {
+        self.0.set(self.0.get() + 1);
+        self.0.get() > 40
+    }
+}
+
+#[test]
+fn a_modal_analysis_stops_between_two_applications_of_the_inverse() {
+    let text = SWING.replace(
+        "type = \"transient\"\nend_time = 0.2\ntolerance = 1e-4\nscheme = { type = \"SCHEME\" }",
+        "type = \"modal\"\nmodes = 30",
+    );
+    let deck = Deck::parse("modes.toml", text).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let mut watch = Impatient(Cell::new(0));
+    let error = run(&deck, &options(folder.path(), false), &mut watch).unwrap_err();
+    assert!(matches!(error, JobError::Interrupted { resumable: false, .. }), "{error}");
+    assert_eq!(Summary::read(folder.path()).unwrap().status, Status::Interrupted);
+    // Once noticed, nothing more is computed.
+    assert!(watch.0.get() < 46, "{}", watch.0.get());
+}
+
+#[test]
+fn large_strains_are_reported() {
+    let text = SWING
+        .replace("type = \"transient\"", "type = \"static\"")
+        .replace("end_time = 0.2\ntolerance = 1e-4\nscheme = { type = \"SCHEME\" }", "load_steps = 4")
+        .replace("type = \"hinge\"", "type = \"clamp\"")
+        .replace("type = \"force\"\non = \"u_max_v_max\"", "type = \"edge\"\non = \"u_max\"")
+        .replace("value = [0.0, 1.0, 0.0]", "value = [8e3, 0, 0]")
+        .replace("type = \"gravity\"\nvalue = [0.0, 0.0, -9.81]", "type = \"pressure\"\nvalue = 1e-3");
+    let deck = Deck::parse("stretch.toml", text).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let mut warnings = Warnings::default();
+    run(&deck, &options(folder.path(), false), &mut warnings).unwrap();
+    let [warning] = warnings.0.as_slice() else { panic!("{:?}", warnings.0) };
+    assert!(warning.starts_with("element ") && warning.contains("is strained by"), "{warning}");
+}

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::actions::{added_masses, dead_loads, follower_loads, initial_velocity, lost_moments, supports};
 use super::{Analysis, Model};
-use super::{check, mechanism};
+use super::{check, course, mechanism};
 use crate::element::ems::{self, EmsShell, ShellGeometry};
 use crate::element::{ElementGroup, Nodal, QuadraticGroup, fold_tie};
 use crate::load::TimeFunction;
@@ -180,6 +180,7 @@ fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
         position_of: vectors.position_of,
         director_of: vectors.director_of,
         labels: mesh.labels.clone(),
+        amplitude_names: names.keys().cloned().collect(),
     };
     issues.extend(check::masses(model, &system));
     system.dead_loads = dead_loads(model, mesh, &system, &names);
@@ -363,7 +364,7 @@ fn time_functions(model: &Model, issues: &mut Vec<Issue>) -> (Vec<TimeFunction>,
                 names.insert(name.clone(), functions.len());
                 functions.push(f);
             }
-            Err((message, help)) => issues.push(Issue::new(format!("amplitudes.{name}"), message, help)),
+            Err((message, help)) => issues.push(Issue::new(course::key(name, amplitude), message, help)),
         }
     }
     (functions, names)

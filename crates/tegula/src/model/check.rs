@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use super::course;
 use super::mechanism::parts;
-use super::{AddedMass, Amplitude, Analysis, Condition, Load, Material, Model, Scheme};
+use super::{AddedMass, Analysis, Condition, Load, Material, Model, Scheme};
 use crate::mesh::Mesh;
 use crate::system::System;
 use crate::{Issue, Vec3};
@@ -109,6 +110,7 @@ pub fn keys(model: &Model) -> Vec<Issue> {
         c.finite(&format!("{key}.angular_velocity"), "the angular velocity", &v.angular_velocity);
     }
     c.analysis(model);
+    c.issues.extend(course::amplitudes(model));
     for (i, p) in model.output.points.iter().enumerate() {
         let key = format!("output.points[{i}]");
         if p.on.is_some() == p.at.is_some() {
@@ -456,6 +458,15 @@ impl Checker {
                         self.positive(&format!("analysis.{key}"), "the step", value);
                     }
                 }
+                for (key, value) in [("time_step", t.time_step), ("initial_step", t.initial_step)] {
+                    if let Some(value) = value.filter(|&value| value > t.end_time && t.end_time > 0.0) {
+                        self.add(
+                            format!("analysis.{key}"),
+                            format!("the step {value} is longer than the whole analysis of {}", t.end_time),
+                            "give a step below the end time",
+                        );
+                    }
+                }
                 if t.max_iterations == 0 {
                     self.add("analysis.max_iterations", "`max_iterations` is 0", "give at least 1");
                 }
@@ -481,17 +492,6 @@ impl Checker {
                     }
                     Scheme::EnergyMomentum(_) => {}
                 }
-            }
-        }
-        for (name, amplitude) in &model.amplitudes {
-            if let Amplitude::Expression(e) = amplitude
-                && e.expression.trim().is_empty()
-            {
-                self.add(
-                    format!("amplitudes.{name}.expression"),
-                    "the expression is empty",
-                    "write a formula in `t`",
-                );
             }
         }
     }

@@ -9,8 +9,10 @@ mod analysis;
 pub mod build;
 pub mod check;
 mod condition;
+mod course;
 mod mechanism;
 mod mesh_source;
+mod warnings;
 
 use std::collections::BTreeMap;
 
@@ -20,6 +22,7 @@ use serde::{Deserialize, Serialize};
 pub use analysis::*;
 pub use condition::*;
 pub use mesh_source::*;
+pub use warnings::warnings;
 
 /// A whole model: mesh, materials, sections, conditions, loads, analysis, output.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

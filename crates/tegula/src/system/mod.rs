@@ -81,6 +81,8 @@ pub struct System {
     pub followers: Vec<FollowerLoad>,
     /// Functions of time.
     pub amplitudes: Vec<TimeFunction>,
+    /// Their names.
+    pub amplitude_names: Vec<String>,
     /// Sparsity and mass.
     pub pattern: Pattern,
     /// Rayleigh factor of the mass.
@@ -130,6 +132,21 @@ impl System {
             None if self.proportional => time,
             None => 1.0,
         }
+    }
+
+    /// The first amplitude in use that has no finite value at a time, or no finite velocity or acceleration where
+    /// a prescribed motion of a transient analysis follows it; for people.
+    pub fn undefined_amplitude(&self, time: f64) -> Option<String> {
+        let loads = self.dead_loads.iter().map(|load| load.amplitude);
+        let followers = self.followers.iter().map(FollowerLoad::amplitude);
+        let motions =
+            self.numbering.prescribed.iter().map(|&(_, _, amplitude)| (amplitude, !self.proportional));
+        let used = loads.chain(followers).map(|amplitude| (amplitude, false)).chain(motions);
+        used.filter_map(|(amplitude, motion)| Some((amplitude?, motion))).find_map(|(i, motion)| {
+            let (what, value) = self.amplitudes.get(i)?.undefined(time, motion)?;
+            let name = self.amplitude_names.get(i).map_or("?", String::as_str);
+            Some(format!("the {what} of the amplitude \"{name}\" is {value} at {time:.6e}"))
+        })
     }
 
     /// Adds the dead loads at a time.
