@@ -119,6 +119,14 @@ fn wrong_command_lines_and_files_exit_with_1() {
     assert!(again.status.code() == Some(1) && errors(&again).contains("not overwritten"));
     assert!(tegula(&["check", text(&template)]).status.success());
 
+    // Templates with a mesh beside each other.
+    for name in ["first.toml", "second.toml"] {
+        let model = folder.path().join(name);
+        assert!(tegula(&["new", "gmsh", text(&model)]).status.success());
+        assert!(model.with_extension("geo").exists() && model.with_extension("msh").exists());
+        assert!(tegula(&["check", text(&model)]).status.success());
+    }
+
     let taken = folder.path().join("taken");
     fs::create_dir(&taken).unwrap();
     fs::write(taken.join("thesis.tex"), "my only copy").unwrap();
@@ -140,6 +148,11 @@ fn model_errors_exit_with_2_and_show_the_line() {
     assert!(wrong_key.contains("did you mean \"thickness\"?") && wrong_key.contains("tickness = 0.01"));
     let both = message(&[("\"u_min\"", "\"u_mim\""), ("young = 2.1e11", "young = -1")]);
     assert!(both.contains("did you mean \"u_min\"?") && both.contains("Young's modulus is -1"), "{both}");
+    let long = message(&[
+        ("thickness", "tickness"),
+        ("[[sections]]", &format!("[[sections]] # {}", "x".repeat(900))),
+    ]);
+    assert!(long.contains("did you mean \"thickness\"?") && !long.contains("xxx"), "{long}");
     let free = message(&[("type = \"clamp\"", "type = \"hinge\"")]);
     assert!(free.contains("free mechanism") && free.contains("can turn about"), "{free}");
 }

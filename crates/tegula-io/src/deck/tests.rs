@@ -168,6 +168,10 @@ fn files_that_cannot_be_read() {
     FILE:2:3: the file is not UTF-8 text from here on
       help: save it with the encoding UTF-8
     ");
+    insta::assert_snapshot!(message("zero.toml", Some(b"title = \"t\0\"")), @r"
+    FILE:1:11: the file holds a zero byte here: it is damaged, or no text
+      help: remove the byte, or save the file as plain UTF-8 text
+    ");
     std::fs::write(path("good.toml"), MODEL).unwrap();
     assert_eq!(Deck::read(path("good.toml")).unwrap().model, parse(MODEL).unwrap().model);
 }

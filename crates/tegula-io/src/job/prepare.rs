@@ -59,11 +59,8 @@ fn mesh(deck: &Deck) -> Result<(Mesh, u64), Vec<Issue>> {
     };
     let path = deck.beside(&source.file);
     let issue = |error: MeshError| vec![error.issue()];
-    let (mut mesh, bytes) = match std::fs::read(&path) {
-        Ok(bytes) => (gmsh::parse(&path, &bytes, source.scale).map_err(issue)?, bytes),
-        // The reader knows what to say about a file that is not there.
-        Err(_) => (gmsh::read(&path, source.scale).map_err(issue)?, Vec::new()),
-    };
+    let bytes = gmsh::load(&path).map_err(issue)?;
+    let mut mesh = gmsh::parse(&path, &bytes, source.scale).map_err(issue)?;
     let issues = mesh.name_points(&source.points);
     if !issues.is_empty() {
         return Err(issues);

@@ -9,7 +9,7 @@ use crate::element::ems::{EmsShell, ShellGeometry};
 use crate::load::FollowerLoad;
 use crate::mesh::Mesh;
 use crate::section::SectionInertia;
-use crate::system::numbering::{Support, VectorKind};
+use crate::system::numbering::{Conflict, Support, VectorKind};
 use crate::system::{DeadLoad, System};
 use crate::{Issue, Vec3};
 
@@ -66,6 +66,36 @@ pub(super) fn supports(
         }
     }
     out
+}
+
+/// Supports that contradict one another: an issue for each pair of conditions, with the first component and node.
+pub(super) fn contradictions(conflicts: &[Conflict], vectors: &Vectors, mesh: &Mesh) -> Vec<Issue> {
+    let mut pairs: BTreeMap<[String; 2], Vec<&Conflict>> = BTreeMap::new();
+    for conflict in conflicts {
+        pairs.entry(conflict.keys.clone()).or_default().push(conflict);
+    }
+    let issue = |([first, second], list): ([String; 2], Vec<&Conflict>)| {
+        let here = list.first()?;
+        let axis = ["x", "y", "z"].into_iter().zip(here.direction.iter()).find(|(_, c)| c.abs() > 1.0 - 1e-9);
+        let component = axis.map_or_else(|| "inclined".into(), |(name, _)| name.to_owned());
+        let (kind, node) = match vectors.kinds[here.vector as usize] {
+            VectorKind::Position => ("position", vectors.nodes[here.vector as usize]),
+            VectorKind::Director => ("director", vectors.nodes[here.vector as usize]),
+        };
+        let more = match list.len() {
+            1 => String::new(),
+            n => format!(", and {} more component(s)", n - 1),
+        };
+        Some(Issue::new(
+            second,
+            format!(
+                "it prescribes the {component} component of the {kind} of node {}, which {first} supports differently{more}",
+                mesh.node_label(node)
+            ),
+            "take the shared nodes out of one of the two sets, or drop one condition",
+        ))
+    };
+    pairs.into_iter().filter_map(issue).collect()
 }
 
 pub(super) fn follower_loads(

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::actions::{added_masses, dead_loads, follower_loads, initial_velocity, lost_moments, supports};
+use super::actions::{
+    added_masses, contradictions, dead_loads, follower_loads, initial_velocity, lost_moments, supports,
+};
 use super::{Analysis, Model};
 use super::{check, course, mechanism};
 use crate::element::ems::{self, EmsShell, ShellGeometry};
@@ -104,16 +106,8 @@ fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
     let supports = supports(model, mesh, &vectors, &names);
     let numbering = match Numbering::new(vectors.reference.len(), &supports) {
         Ok(n) => Some(n),
-        Err(pairs) => {
-            let mut pairs = pairs;
-            pairs.dedup();
-            issues.extend(pairs.into_iter().map(|(first, second)| {
-                Issue::new(
-                    second,
-                    format!("prescribes a component that {first} supports differently"),
-                    "take the shared nodes out of one of the two sets, or drop one condition",
-                )
-            }));
+        Err(conflicts) => {
+            issues.extend(contradictions(&conflicts, &vectors, mesh));
             None
         }
     };

@@ -9,6 +9,9 @@ use crate::mesh::Mesh;
 use crate::system::System;
 use crate::{Issue, Vec3};
 
+/// Longest name of a point (characters). It becomes part of file names, which most systems limit to 255 bytes.
+const LONGEST_NAME: usize = 60;
+
 impl Condition {
     /// Name of the set it acts on.
     pub fn on(&self) -> &str {
@@ -116,11 +119,21 @@ pub fn keys(model: &Model) -> Vec<Issue> {
         if p.on.is_some() == p.at.is_some() {
             c.add(
                 key.as_str(),
-                format!("point \"{}\" needs either `on` or `at`", p.name),
+                format!(
+                    "point \"{}\" needs either `on` or `at`",
+                    p.name.chars().take(LONGEST_NAME).collect::<String>()
+                ),
                 "give the name of a set with one node, or a position",
             );
         }
-        if p.name.is_empty() || !p.name.chars().all(|ch| ch.is_alphanumeric() || "_-. ".contains(ch)) {
+        let letters = p.name.chars().count();
+        if letters > LONGEST_NAME {
+            c.add(
+                format!("{key}.name"),
+                format!("the name of the point has {letters} characters; at most {LONGEST_NAME} are taken"),
+                "give a shorter name: it becomes part of file names",
+            );
+        } else if p.name.is_empty() || !p.name.chars().all(|ch| ch.is_alphanumeric() || "_-. ".contains(ch)) {
             c.add(
                 format!("{key}.name"),
                 format!("\"{}\" cannot name a point", p.name),
@@ -205,6 +218,11 @@ pub fn sets(model: &Model, mesh: &Mesh) -> Vec<Issue> {
         drop(c.set(mesh, format!("initial_velocities[{i}].on"), &v.on, "nodes", Mesh::nodes_on));
     }
     for (i, p) in model.output.points.iter().enumerate() {
+        if let (None, Some(at)) = (&p.on, p.at)
+            && let Err((message, help)) = mesh.node_near(&p.name, Vec3::from(at))
+        {
+            c.add(format!("output.points[{i}].at"), message, help);
+        }
         if let Some(on) = &p.on {
             let key = format!("output.points[{i}].on");
             let nodes = c.set(mesh, key.clone(), on, "nodes", Mesh::nodes_on);

@@ -28,6 +28,17 @@ pub struct Support {
     pub key: String,
 }
 
+/// Two supports that want different values of one component.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Conflict {
+    /// Nodal vector.
+    pub vector: u32,
+    /// Direction of the second support.
+    pub direction: Vec3,
+    /// Keys of both supports.
+    pub keys: [String; 2],
+}
+
 /// Marks a coordinate that is not free.
 pub const CONSTRAINED: u32 = u32::MAX;
 
@@ -51,8 +62,8 @@ impl Numbering {
     /// Numbers the coordinates of `vectors` nodal vectors under the given supports.
     ///
     /// # Errors
-    /// Pairs of keys of supports that prescribe the same component differently.
-    pub fn new(vectors: usize, supports: &[Support]) -> Result<Self, Vec<(String, String)>> {
+    /// Supports that prescribe the same component differently.
+    pub fn new(vectors: usize, supports: &[Support]) -> Result<Self, Vec<Conflict>> {
         let mut by_vector: Vec<Vec<&Support>> = vec![Vec::new(); vectors];
         for s in supports {
             by_vector[s.vector as usize].push(s);
@@ -64,18 +75,22 @@ impl Numbering {
         let mut unknowns = 0;
         for (v, list) in by_vector.iter().enumerate() {
             let mut axes: Vec<(Vec3, &Support)> = Vec::new();
+            let mut clash = |first: &Support, second: &Support| {
+                let keys = [first.key.clone(), second.key.clone()];
+                conflicts.push(Conflict { vector: v as u32, direction: second.direction, keys });
+            };
             for s in list {
                 let rest = axes.iter().fold(s.direction, |d, (a, _)| d - a * a.dot(&s.direction));
                 if rest.norm() > 1e-9 {
                     if rest.norm() < 1.0 - 1e-9 && s.motion.is_some() {
                         // The part along the earlier supports would have to be taken off its value.
-                        conflicts.push((axes[0].1.key.clone(), s.key.clone()));
+                        clash(axes[0].1, s);
                     }
                     axes.push((rest.normalize(), s));
                 } else if let Some((_, other)) = axes.iter().find(|(a, _)| a.dot(&s.direction).abs() > 0.5)
                     && other.motion != s.motion
                 {
-                    conflicts.push((other.key.clone(), s.key.clone()));
+                    clash(other, s);
                 }
             }
             let along_axis = |a: &Vec3| (0..3).find(|&c| a[c].abs() > 1.0 - 1e-12);

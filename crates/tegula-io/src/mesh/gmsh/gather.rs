@@ -166,7 +166,7 @@ fn listed_nodes(scanner: &Scanner<'_>, raw: &Raw, scale: f64) -> Result<HashMap<
     for (i, node) in raw.nodes.iter().enumerate() {
         if !node.position.iter().all(|x| (x * scale).is_finite()) {
             return Err(scanner.error(
-                node.at,
+                node.coordinates,
                 format!("node {} has a coordinate that is not a finite number", node.tag),
                 "repair the geometry, or the scale of the mesh, and mesh it again",
             ));

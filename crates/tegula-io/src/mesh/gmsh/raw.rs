@@ -31,8 +31,10 @@ pub(super) struct Raw {
 pub(super) struct RawNode {
     pub tag: u64,
     pub position: Vec3,
-    /// Place in the file.
+    /// Place of its number in the file.
     pub at: usize,
+    /// Place of its coordinates.
+    pub coordinates: usize,
 }
 
 /// A point, line or quadrilateral: one, two or four nodes.

@@ -143,6 +143,18 @@ impl<'a> Scanner<'a> {
         line.parse().map_err(|_| self.unexpected(start, what, line))
     }
 
+    /// Compares the number of things that the head of a section at `start` promises with the number found.
+    pub fn total(&self, start: usize, what: &str, (promised, found): (u64, u64)) -> Result<(), MeshError> {
+        if promised == found {
+            return Ok(());
+        }
+        Err(self.error(
+            start,
+            format!("the section begins with {promised} {what} but holds {found}"),
+            DAMAGED,
+        ))
+    }
+
     fn unexpected(&self, start: usize, what: &str, found: &str) -> MeshError {
         self.error(start, format!("expected {what}, found \"{}\"", excerpt(found)), DAMAGED)
     }

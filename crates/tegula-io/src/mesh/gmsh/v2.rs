@@ -14,11 +14,12 @@ pub(super) fn nodes(scanner: &mut Scanner<'_>, raw: &mut Raw) -> Result<(), Mesh
     for _ in 0..count {
         let at = scanner.position();
         let tag = scanner.natural("the number of a node")?;
+        let coordinates = scanner.position();
         let mut position = Vec3::zeros();
         for i in 0..3 {
             position[i] = scanner.double("a coordinate of a node")?;
         }
-        raw.nodes.push(RawNode { tag, position, at });
+        raw.nodes.push(RawNode { tag, position, at, coordinates });
     }
     Ok(())
 }
@@ -26,6 +27,7 @@ pub(super) fn nodes(scanner: &mut Scanner<'_>, raw: &mut Raw) -> Result<(), Mesh
 /// `count`, then `number type tag-count tags… nodes…` for each element. In binary
 /// files type and tag count stand in front of a batch of elements that share them.
 pub(super) fn elements(scanner: &mut Scanner<'_>, raw: &mut Raw) -> Result<(), MeshError> {
+    let start = scanner.position();
     let count = scanner.text_count("the number of elements")?;
     raw.copies = true;
     let mut lists = BTreeMap::new();
@@ -50,7 +52,7 @@ pub(super) fn elements(scanner: &mut Scanner<'_>, raw: &mut Raw) -> Result<(), M
         }
         done = done.saturating_add(batch);
     }
-    Ok(())
+    scanner.total(start, "elements", (count, done))
 }
 
 /// Tags and nodes of one element; the first tag is the physical group, 0 for none, the second the entity.
