@@ -120,6 +120,25 @@ mod tests {
     use super::*;
 
     #[test]
+    fn every_function_and_constant_that_is_offered_can_be_used() {
+        for function in FUNCTIONS {
+            // Within the domain of each.
+            let (t, shift) = if function == "acosh" { (1.5, 1.2) } else { (0.5, 0.1) };
+            let f = read(&format!("{function}(t + {shift})"));
+            let f = f.unwrap_or_else(|(message, _)| panic!("{message}"));
+            assert_eq!(f.undefined(t, true), None, "{function}");
+            let slope = (f.value(t + 1e-5) - f.value(t - 1e-5)) / 2e-5;
+            approx::assert_relative_eq!(f.rate(t), slope, max_relative = 1e-6);
+        }
+        for constant in CONSTANTS {
+            assert!(read(&format!("{constant}*t")).is_ok(), "{constant}");
+        }
+        for rough in ROUGH {
+            assert!(read(&format!("{rough}(t)")).is_err(), "{rough}");
+        }
+    }
+
+    #[test]
     fn what_is_wrong_is_said_in_words() {
         for (text, part) in [
             ("2*(t", "leaves a bracket open"),

@@ -165,8 +165,10 @@ fn gather(mesh: &Mesh, normals: &[Vec3], joined: &mut Disjoint, fold_angle: f64)
             if group.sum.norm() <= 1e-6 * group.weight {
                 cancelled.push(node);
             }
-            if loose.last() != Some(&node) && untied(group, &groups) {
-                loose.push(node);
+            if let Some(other) = untied(group, &groups)
+                && loose.last().is_none_or(|&(last, _)| last != node)
+            {
+                loose.push((node, [group.root / 4, other.root / 4]));
             }
             directors.values.push(group.sum.normalize());
             directors.node.push(node as u32);
@@ -195,25 +197,28 @@ fn gather(mesh: &Mesh, normals: &[Vec3], joined: &mut Disjoint, fold_angle: f64)
             "orient the elements around the node alike, or refine the mesh there",
         )
     });
-    report(&mut issues, "nodes at which sheets lie on one another", &loose, |&node| {
-        let (label, place) = (mesh.node_label(node as u32), show(mesh.positions[node]));
-        let message =
-            format!("at node {label} at {place} the surface is folded back: sheets lie on one another");
+    report(&mut issues, "nodes at which sheets lie on one another", &loose, |(node, quads)| {
+        let [a, b] = quads.map(|quad| mesh.quad_label(quad));
+        let message = format!(
+            "at node {} at {} the surface is folded back: the sheets of elements {a} and {b} lie on one another",
+            mesh.node_label(*node as u32),
+            show(mesh.positions[*node])
+        );
         Issue::new("mesh", message, "open the fold by more than a degree, or remove one of the elements")
     });
     if issues.is_empty() { Ok(directors) } else { Err(Error::Model(issues)) }
 }
 
-/// True if a group has an edge in common with others but is parallel to all of them within a degree: d₁·d₂ does
+/// A group that has an edge in common with this one, if all others are parallel to it within a degree: d₁·d₂ does
 /// not change to first order there, so that no tie would hold it.
-fn untied(group: &Group, groups: &[Group]) -> bool {
+fn untied<'a>(group: &Group, groups: &'a [Group]) -> Option<&'a Group> {
     let parallel = |other: &Group| {
         let (a, b) = (group.sum.normalize(), other.sum.normalize());
         a.cross(&b).norm() < UNTIED_DEGREES.to_radians().sin()
     };
-    let shares = |other: &Group| group.neighbours.iter().any(|node| other.neighbours.contains(node));
-    let others = || groups.iter().filter(|other| other.root != group.root);
-    others().any(shares) && others().all(parallel)
+    let shares = |other: &&Group| group.neighbours.iter().any(|node| other.neighbours.contains(node));
+    let mut others = groups.iter().filter(|other| other.root != group.root);
+    others.clone().all(parallel).then(|| others.find(shares)).flatten()
 }
 
 /// Joins groups that touch at the node only, without a common edge, and have the same
