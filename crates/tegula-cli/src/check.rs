@@ -7,7 +7,7 @@ use tegula::mesh::quality::quality;
 use tegula_io::deck::Deck;
 use tegula_io::job;
 
-use crate::report::Failure;
+use crate::report::{Failure, warn};
 
 /// Arguments of `tegula check`.
 #[derive(Debug, Args)]
@@ -31,6 +31,9 @@ pub fn print(deck: &Deck) -> Result<(), Failure> {
     if !deck.model.title.is_empty() {
         println!("{}", deck.model.title);
     }
+    if let Some(labels) = &mesh.labels {
+        println!("mesh file  {}", labels.file);
+    }
     println!("elements   {}", system.elements());
     println!("nodes      {}", mesh.positions.len());
     println!("unknowns   {}", system.unknowns());
@@ -42,6 +45,13 @@ pub fn print(deck: &Deck) -> Result<(), Failure> {
         q.max_aspect, q.min_angle_deg, q.max_angle_deg, q.max_warp
     );
     println!("sets       {}", mesh.set_names().join(", "));
-    println!("no errors");
+    for warning in &prepared.warnings {
+        warn(&warning.to_string());
+    }
+    match prepared.warnings.len() {
+        0 => println!("no errors"),
+        1 => println!("no errors, 1 warning"),
+        n => println!("no errors, {n} warnings"),
+    }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Ctrl-C: the first asks the run to stop after the step, the second ends the program at once.
+//! Ctrl-C: the first asks the run to stop with its last finished step, the second ends the program at once.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -10,7 +10,7 @@ pub fn listen() {
         if INTERRUPTED.swap(true, Ordering::SeqCst) {
             std::process::exit(130);
         }
-        eprintln!("\nstopping after this step (once more to stop at once)");
+        eprintln!("\nstopping (once more to end the program at once)");
     });
 }
 

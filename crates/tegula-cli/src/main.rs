@@ -1,7 +1,8 @@
 //! `tegula`, the command line program.
 //!
-//! Exit codes: 0 done; 1 wrong command line or files; 2 errors in the model; 3 the analysis failed;
-//! 130 interrupted (the results up to the last finished step are complete, `--resume` goes on).
+//! Exit codes: 0 done; 1 wrong command line or files; 2 errors in the model; 3 the analysis failed; 4 a comparison
+//! of `verify` missed its tolerance; 130 interrupted (the results up to the last finished step are complete,
+//! `--resume` goes on, but for a modal analysis).
 
 mod check;
 mod info;
@@ -30,7 +31,8 @@ const EXIT_CODES: &str = "Exit codes:
   1    wrong command line or files
   2    errors in the model
   3    the analysis failed (not converged, singular)
-  130  interrupted; results up to the last step are complete, --resume goes on
+  4    verify: a comparison missed its tolerance
+  130  interrupted; results up to the last step are complete, --resume goes on (not modal)
 
 Begin with:  tegula new transient flag.toml  &&  tegula run flag.toml";
 

@@ -24,12 +24,25 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let kind = arguments.kind.as_str();
     let file = arguments.file.clone().unwrap_or_else(|| PathBuf::from(format!("{kind}.toml")));
-    let Some(text) = deck::template(kind) else {
+    let stem = file.file_stem().unwrap_or(file.as_os_str()).to_string_lossy();
+    if stem.contains(['"', '\\']) || stem.chars().any(char::is_control) {
+        return Err(Failure::Usage(format!(
+            "`{}` cannot stand in a model file; use a name without quotes and backslashes",
+            file.display()
+        )));
+    }
+    let Some((text, companions)) = deck::template_named(kind, &stem) else {
         return Err(Failure::Usage(format!("there is no template `{kind}`")));
     };
     let mut files = vec![(file.clone(), text)];
     let beside = |name: &str| file.parent().unwrap_or(Path::new("")).join(name);
-    files.extend(deck::template_companions(kind).iter().map(|&(name, text)| (beside(name), text)));
+    files.extend(companions.into_iter().map(|(name, text)| (beside(&name), text)));
+    if files.iter().skip(1).any(|(path, _)| *path == file) {
+        return Err(Failure::Usage(format!(
+            "`{}` is the name of a mesh file; call the model .toml",
+            file.display()
+        )));
+    }
     if let Some((taken, _)) = files.iter().find(|(path, _)| path.exists()) {
         return Err(exists(taken));
     }

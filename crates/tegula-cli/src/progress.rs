@@ -95,6 +95,10 @@ impl JobObserver for ProgressLine {
         }
     }
 
+    fn on_warning(&mut self, message: &str) {
+        self.say(&format!("warning: {message}"));
+    }
+
     fn interrupted(&self) -> bool {
         interrupt::requested()
     }

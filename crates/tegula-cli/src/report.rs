@@ -16,15 +16,15 @@ pub enum Failure {
     Model(Vec<Diagnostic>),
     /// The analysis failed.
     Analysis(String),
-    /// The user stopped it; the folder holds the results so far.
-    Interrupted(PathBuf),
+    /// The user stopped it; the folder holds the results so far, from which it can go on or not.
+    Interrupted(PathBuf, bool),
 }
 
 impl From<JobError> for Failure {
     fn from(error: JobError) -> Self {
         match error {
             JobError::Model(diagnostics) => Self::Model(diagnostics),
-            JobError::Interrupted { folder } => Self::Interrupted(folder),
+            JobError::Interrupted { folder, resumable } => Self::Interrupted(folder, resumable),
             JobError::Analysis { error, folder } => Self::Analysis(format!(
                 "{error}\n  The results up to the last finished step are in {}",
                 folder.display()
@@ -53,11 +53,17 @@ impl Failure {
                 eprintln!("error: {message}");
                 ExitCode::from(3)
             }
-            Self::Interrupted(folder) => {
-                eprintln!(
-                    "interrupted: the results up to the last finished step are in {}; --resume goes on from there",
-                    folder.display()
-                );
+            Self::Interrupted(folder, resumable) => {
+                if resumable {
+                    eprintln!(
+                        "interrupted: the results up to the last finished step are in {}; --resume goes on from there",
+                        folder.display()
+                    );
+                } else {
+                    eprintln!(
+                        "interrupted: a modal analysis is one solve, so there are no modes; start it anew"
+                    );
+                }
                 ExitCode::from(130)
             }
         }
@@ -68,15 +74,31 @@ fn readable(diagnostics: &[Diagnostic]) -> bool {
     diagnostics.iter().all(|d| std::fs::read(&d.file).is_ok())
 }
 
+/// Longest line of a model file that is shown (characters).
+const LONGEST_LINE: usize = 200;
+
+/// Prints what is doubtful about a model that can be computed.
+pub fn warn(message: &str) {
+    eprintln!("warning: {message}");
+}
+
 /// Prints diagnostics with the lines they speak of.
 fn show(diagnostics: &[Diagnostic]) {
     let handler = GraphicalReportHandler::new();
     for diagnostic in diagnostics {
         let bytes = std::fs::read(&diagnostic.file).unwrap_or_default();
         let text = String::from_utf8_lossy(&bytes).into_owned();
+        // Control characters would reach the terminal; blanks of the same length keep the place.
+        let visible = |c: char| if c.is_control() && !"\n\r\t".contains(c) { ' ' } else { c };
+        let text: String = text
+            .chars()
+            .flat_map(|c| std::iter::repeat_n(visible(c), if visible(c) == c { 1 } else { c.len_utf8() }))
+            .collect();
         let snippet = Snippet::new(diagnostic, text);
         let mut out = String::new();
-        if diagnostic.line == 0 || handler.render_report(&mut out, &snippet).is_err() {
+        // A line that fills the screen hides the message; the place stands in front of it anyway.
+        let long = snippet.surroundings().any(|line| line.chars().count() > LONGEST_LINE);
+        if diagnostic.line == 0 || long || handler.render_report(&mut out, &snippet).is_err() {
             eprintln!("error: {diagnostic}\n");
         } else {
             eprintln!("{}", out.trim_start_matches('\n'));
@@ -91,6 +113,7 @@ fn show(diagnostics: &[Diagnostic]) {
 #[derive(Debug)]
 struct Snippet {
     message: String,
+    line: usize,
     help: String,
     source: NamedSource<String>,
     label: LabeledSpan,
@@ -105,10 +128,16 @@ impl Snippet {
         let message = if d.key.is_empty() { d.message.clone() } else { format!("{}: {}", d.key, d.message) };
         Self {
             message,
+            line: d.line,
             help: d.help.clone(),
             source: NamedSource::new(d.file.display().to_string(), text),
             label: LabeledSpan::new(None, start, length),
         }
+    }
+
+    /// The line meant and those before and behind it, which are shown with it.
+    fn surroundings(&self) -> impl Iterator<Item = &str> {
+        self.source.inner().lines().skip(self.line.saturating_sub(2)).take(3)
     }
 }
 

@@ -112,12 +112,27 @@ fn wrong_command_lines_and_files_exit_with_1() {
     {
         assert_eq!(tegula(&arguments).status.code(), Some(1), "{arguments:?}");
     }
-    assert_eq!(tegula(&["--help"]).status.code(), Some(0));
+    let help = tegula(&["--help"]);
+    assert_eq!(help.status.code(), Some(0));
+    let help = String::from_utf8(help.stdout).unwrap();
+    for code in
+        ["0    done", "1    wrong", "2    errors", "3    the analysis", "4    verify", "130  interrupted"]
+    {
+        assert!(help.contains(code), "{code}: {help}");
+    }
     let template = folder.path().join("flag.toml");
     assert!(tegula(&["new", "transient", text(&template)]).status.success());
     let again = tegula(&["new", "transient", text(&template)]);
     assert!(again.status.code() == Some(1) && errors(&again).contains("not overwritten"));
     assert!(tegula(&["check", text(&template)]).status.success());
+
+    // Templates with a mesh beside each other.
+    for name in ["first.toml", "second.toml"] {
+        let model = folder.path().join(name);
+        assert!(tegula(&["new", "gmsh", text(&model)]).status.success());
+        assert!(model.with_extension("geo").exists() && model.with_extension("msh").exists());
+        assert!(tegula(&["check", text(&model)]).status.success());
+    }
 
     let taken = folder.path().join("taken");
     fs::create_dir(&taken).unwrap();
@@ -140,8 +155,68 @@ fn model_errors_exit_with_2_and_show_the_line() {
     assert!(wrong_key.contains("did you mean \"thickness\"?") && wrong_key.contains("tickness = 0.01"));
     let both = message(&[("\"u_min\"", "\"u_mim\""), ("young = 2.1e11", "young = -1")]);
     assert!(both.contains("did you mean \"u_min\"?") && both.contains("Young's modulus is -1"), "{both}");
+    let long = message(&[
+        ("thickness", "tickness"),
+        ("[[sections]]", &format!("[[sections]] # {}", "x".repeat(900))),
+    ]);
+    assert!(long.contains("did you mean \"thickness\"?") && !long.contains("xxx"), "{long}");
     let free = message(&[("type = \"clamp\"", "type = \"hinge\"")]);
     assert!(free.contains("free mechanism") && free.contains("can turn about"), "{free}");
+}
+
+#[test]
+fn warnings_fail_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = changed(
+        folder.path(),
+        "free_plate_modes.toml",
+        &[("[analysis]", "[[loads]]\ntype = \"gravity\"\nvalue = [0, 0, 0]\n[analysis]")],
+    );
+    let output = tegula(&["check", text(&model)]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(String::from_utf8(output.stdout.clone()).unwrap().ends_with("no errors, 2 warnings\n"));
+    let warnings = errors(&output);
+    assert!(
+        warnings.contains("warning: ") && warnings.contains("no effect on this modal analysis"),
+        "{warnings}"
+    );
+    let out = folder.path().join("out");
+    let run = tegula(&["run", text(&model), "--out", text(&out)]);
+    assert!(run.status.success() && errors(&run).contains("the load is zero"));
+    let printed = String::from_utf8(run.stdout.clone()).unwrap();
+    assert!(
+        printed.contains("complete: 16 modes, ") && printed.contains("cycles per unit of time"),
+        "{printed}"
+    );
+    assert!(fs::read_to_string(out.join("log.txt")).unwrap().contains("warning: "));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_modal_analysis_stops_soon_and_promises_nothing() {
+    use std::time::{Duration, Instant};
+    let folder = tempfile::tempdir().unwrap();
+    let model = changed(
+        folder.path(),
+        "free_plate_modes.toml",
+        &[("elements = [", "elements = [70, 70] # ["), ("modes = 16", "modes = 90")],
+    );
+    let out = folder.path().join("out");
+    let child = Command::new(env!("CARGO_BIN_EXE_tegula"))
+        .args(["run", text(&model), "--out", text(&out)])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let begun = Instant::now();
+    while !out.join("summary.json").exists() && begun.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    std::thread::sleep(Duration::from_millis(200));
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    let said = errors(&output);
+    assert!(said.contains("start it anew") && !said.contains("--resume"), "{said}");
 }
 
 #[test]

@@ -352,3 +352,29 @@ fn linear_models_keep_their_factor() {
         assert!(s.factorizations * 2 < s.steps, "{s:?}");
     }
 }
+
+/// Advice on a motion whose steps shrink to nothing leaves out what is in use already.
+#[test]
+fn advice_leaves_out_what_is_in_use() {
+    let help = |scheme: Scheme, tau: f64| {
+        let mut m = soft_plate();
+        m.sections[0].retardation_time = tau;
+        let hasty = TransientAnalysis { max_iterations: 1, ..options(scheme, 1.0, None) };
+        let m = Model { analysis: Analysis::Transient(hasty.clone()), ..m };
+        let (_, system) = compile(&m);
+        match dynamics::run(&system, &hasty, None, &mut Notes::default()) {
+            Err(tegula::Error::NotConverged { help, .. }) => help,
+            other => panic!("{other:?}"),
+        }
+    };
+    let plain = help(NEWMARK, 0.0);
+    assert!(
+        plain.contains("energy-momentum") && plain.contains("damping") && plain.contains("`tolerance`"),
+        "{plain}"
+    );
+    let all = help(ENERGY_MOMENTUM, 0.01);
+    assert!(
+        !all.contains("energy-momentum") && !all.contains("damping") && all.contains("`tolerance`"),
+        "{all}"
+    );
+}

@@ -36,7 +36,7 @@ use toml::de::DeTable;
 
 pub use diagnostic::Diagnostic;
 pub use schema::schema;
-pub use template::{template, template_companions, template_kinds};
+pub use template::{template, template_companions, template_kinds, template_named};
 
 /// Help of an error that the validator should have found first.
 const UNEXPECTED: &str = "compare it with the templates: tegula new static";
@@ -95,6 +95,16 @@ impl Deck {
                 &path,
                 "the file is empty",
                 "begin with a new model: tegula new static",
+            )]);
+        }
+        if let Some(place) = text.find('\0') {
+            return Err(vec![Diagnostic::new(
+                &path,
+                &text,
+                place..place + 1,
+                "",
+                "the file holds a zero byte here: it is damaged, or no text",
+                "remove the byte, or save the file as plain UTF-8 text",
             )]);
         }
         let (tree, errors) = DeTable::parse_recoverable(&text);

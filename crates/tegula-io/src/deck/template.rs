@@ -26,3 +26,17 @@ pub fn template_companions(kind: &str) -> &'static [(&'static str, &'static str)
         _ => &[],
     }
 }
+
+/// The template of a kind for a model called `stem`, and its companions by names made from it, so that several
+/// templates can lie in one folder: text of the model; names and contents of the other files.
+pub fn template_named(kind: &str, stem: &str) -> Option<(String, Vec<(String, String)>)> {
+    let companions = template_companions(kind);
+    let renamed = |text: &str| {
+        companions.iter().fold(text.to_owned(), |text, (name, _)| {
+            let (_, ending) = name.rsplit_once('.').unwrap_or((name, ""));
+            text.replace(name, &format!("{stem}.{ending}"))
+        })
+    };
+    let files = companions.iter().map(|(name, content)| (renamed(name), renamed(content)));
+    Some((renamed(template(kind)?), files.collect()))
+}

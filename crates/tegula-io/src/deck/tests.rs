@@ -168,6 +168,10 @@ fn files_that_cannot_be_read() {
     FILE:2:3: the file is not UTF-8 text from here on
       help: save it with the encoding UTF-8
     ");
+    insta::assert_snapshot!(message("zero.toml", Some(b"title = \"t\0\"")), @r"
+    FILE:1:11: the file holds a zero byte here: it is damaged, or no text
+      help: remove the byte, or save the file as plain UTF-8 text
+    ");
     std::fs::write(path("good.toml"), MODEL).unwrap();
     assert_eq!(Deck::read(path("good.toml")).unwrap().model, parse(MODEL).unwrap().model);
 }
@@ -298,4 +302,36 @@ fn wrong_values_do_not_hide_others() {
     let found = Deck::parse("model.toml", text).unwrap_err();
     let keys: Vec<&str> = found.iter().map(|d| d.key.as_str()).collect();
     assert_eq!(keys, ["analysis.load_steps", "materials.steel.poisson", "conditions[0].on"]);
+}
+
+/// Wrong and missing keys that a model cannot do without are filled in for the checks behind.
+#[test]
+fn required_keys_that_are_wrong_do_not_hide_others() {
+    let keys = |changes: &[(&str, &str)]| {
+        let mut text =
+            MODEL.replace("poisson = 0.3", "poisson = 0.7").replace("on = \"u_min\"", "on = \"no-such-set\"");
+        for (from, to) in changes {
+            assert!(text.contains(from), "{from}");
+            text = text.replacen(from, to, 1);
+        }
+        let found = parse(&text).unwrap_err();
+        found.iter().map(|d| d.key.clone()).collect::<Vec<_>>().join(" ")
+    };
+    const BEHIND: &str = "materials.steel.poisson conditions[0].on";
+    let both = |first: &str| format!("{first} {BEHIND}");
+    assert_eq!(keys(&[("size = [10, 1.0]", "size = [10, \"1\"]")]), both("mesh.size[1]"));
+    assert_eq!(keys(&[("size = [10, 1.0]", "")]), both("mesh"));
+    assert_eq!(keys(&[("elements = [16, 2]", "")]), both("mesh.grid"));
+    assert_eq!(keys(&[("thickness = 0.1\n", "")]), "materials.steel.poisson sections[0] conditions[0].on");
+    assert_eq!(
+        keys(&[("thickness = 0.1", "thickness = \"x\"")]),
+        "materials.steel.poisson sections[0].thickness conditions[0].on"
+    );
+    assert_eq!(keys(&[("material = \"steel\"", "")]), "materials.steel.poisson sections[0] conditions[0].on");
+    assert_eq!(keys(&[("value = [0, 0, 4e4]", "value = [0, 0]")]), format!("{BEHIND} loads[0].value"));
+    assert_eq!(keys(&[("\"edge\"", "\"egde\"")]), format!("{BEHIND} loads[0].type"));
+    assert_eq!(keys(&[("\"static\"", "\"statik\"")]), both("analysis.type"));
+    assert_eq!(keys(&[("\"plate\"", "\"plane\"")]), "mesh.type materials.steel.poisson");
+    // What lies in the changed table itself may follow from the change.
+    assert_eq!(keys(&[("young = 210e9\n", "")]), "materials.steel conditions[0].on");
 }

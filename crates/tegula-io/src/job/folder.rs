@@ -46,6 +46,7 @@ impl ResultFolder {
             ));
         }
         let folder = Self::open(path)?;
+        folder.remove_temporaries()?;
         if known {
             folder.clear()?;
         }
@@ -60,7 +61,21 @@ impl ResultFolder {
         if !known(path)? || !path.join("checkpoint.bin").exists() {
             return Err(refuse(path, "there is no interrupted run in it to resume. Run without `--resume`"));
         }
-        Self::open(path)
+        let folder = Self::open(path)?;
+        folder.remove_temporaries()?;
+        Ok(folder)
+    }
+
+    /// Removes half-written files that a killed run has left.
+    fn remove_temporaries(&self) -> Result<(), OutputError> {
+        for place in ["", "fields", "modes"] {
+            for entry in fs::read_dir(self.path.join(place)).into_iter().flatten().flatten() {
+                if is_temporary(&entry) {
+                    remove(&entry.path())?;
+                }
+            }
+        }
+        Ok(())
     }
 
     fn open(path: &Path) -> Result<Self, JobError> {
@@ -89,8 +104,7 @@ impl ResultFolder {
         for entry in fs::read_dir(&self.path).into_iter().flatten().flatten() {
             let name = entry.file_name();
             let name = name.to_string_lossy();
-            let temporary = name.starts_with(".tegula-") && name.ends_with(".part");
-            if (name.starts_with("point_") && name.ends_with(".png")) || temporary {
+            if name.starts_with("point_") && name.ends_with(".png") {
                 remove(&entry.path())?;
             }
         }
@@ -153,9 +167,18 @@ fn is_empty(path: &Path) -> Result<bool, OutputError> {
         return Ok(true);
     }
     let mut entries = fs::read_dir(path).map_err(|cause| OutputError::read(path, cause))?;
-    // A run that was stopped before its first summary has left an empty log at most.
-    Ok(entries
-        .all(|e| e.is_ok_and(|e| e.file_name() == "log.txt" && e.metadata().is_ok_and(|m| m.len() == 0))))
+    // A run that was stopped before its first summary has left an empty log and a half-written file at most.
+    let left = |e: &fs::DirEntry| {
+        is_temporary(e) || (e.file_name() == "log.txt" && e.metadata().is_ok_and(|m| m.len() == 0))
+    };
+    Ok(entries.all(|e| e.is_ok_and(|e| left(&e))))
+}
+
+/// True for a file that was being written when its run was killed.
+fn is_temporary(entry: &fs::DirEntry) -> bool {
+    let name = entry.file_name();
+    let name = name.to_string_lossy();
+    name.starts_with(".tegula-") && name.ends_with(".part") && entry.file_type().is_ok_and(|t| t.is_file())
 }
 
 fn remove(path: &Path) -> Result<(), OutputError> {

@@ -86,7 +86,9 @@ pub trait JobObserver {
     fn on_step(&mut self, _progress: &Progress) {}
     /// Something the user may want to know; it also goes to `log.txt`.
     fn on_event(&mut self, _message: &str) {}
-    /// Asked between iterations; true ends the run after the last finished step, resumable.
+    /// Something that is most likely not meant, or makes results doubtful; it also goes to `log.txt`.
+    fn on_warning(&mut self, _message: &str) {}
+    /// Asked between iterations; true ends the run after the last finished step, resumable but for a modal analysis.
     fn interrupted(&self) -> bool {
         false
     }
@@ -129,6 +131,8 @@ pub enum JobError {
     Interrupted {
         /// The result folder.
         folder: PathBuf,
+        /// Whether the run can go on from there; a modal analysis cannot.
+        resumable: bool,
     },
 }
 

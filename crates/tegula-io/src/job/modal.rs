@@ -37,6 +37,10 @@ pub(super) fn run(
     summary.write(folder.path())?;
     folder.log(&opening(&summary, &start))?;
 
+    for warning in &prepared.warnings {
+        folder.log(&format!("warning: {warning}"))?;
+        watch.on_warning(&warning.to_string());
+    }
     let mut forward = Forward { folder: &mut folder, watch, failed: None, before: Statistics::default() };
     let outcome = spectrum(analysis, &prepared.system, &mut forward);
     let (before, failed) = (forward.before, forward.failed);
@@ -48,10 +52,12 @@ pub(super) fn run(
         }
         Err(Error::Interrupted) => {
             summary.status = Status::Interrupted;
-            Err(JobError::Interrupted { folder: options.folder.clone() })
+            Err(JobError::Interrupted { folder: options.folder.clone(), resumable: false })
         }
         Err(error) => {
             (summary.status, summary.error) = (Status::Failed, Some(error.to_string()));
+            (summary.steps, summary.iterations) = (before.steps, before.iterations);
+            (summary.factorizations, summary.cutbacks) = (before.factorizations, before.cutbacks);
             Err(JobError::Analysis { error, folder: options.folder.clone() })
         }
     };
@@ -130,6 +136,10 @@ impl Observer for Forward<'_> {
             end: step.end,
         });
         Ok(())
+    }
+
+    fn on_repeat(&mut self, statistics: &Statistics) {
+        self.before = *statistics;
     }
 
     fn on_event(&mut self, message: &str) {

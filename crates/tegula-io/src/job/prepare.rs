@@ -1,12 +1,12 @@
 //! From the model file to the mesh and the compiled system.
 
 use tegula::mesh::generators;
-use tegula::model::{MeshSource, build, check};
+use tegula::model::{MeshSource, build, check, warnings};
 use tegula::result::Probe;
 use tegula::{Error, Issue, Mesh, System};
 
 use super::{JobError, process};
-use crate::deck::Deck;
+use crate::deck::{Deck, Diagnostic};
 use crate::mesh::{MeshError, gmsh};
 use crate::out::fingerprint;
 
@@ -18,6 +18,8 @@ pub struct Prepared {
     pub system: System,
     /// The recorded points.
     pub probes: Vec<Probe>,
+    /// What is most likely not meant, though it can be computed.
+    pub warnings: Vec<Diagnostic>,
     /// Fingerprint of the model file and of its mesh file.
     pub fingerprint: u64,
 }
@@ -41,7 +43,10 @@ pub fn prepare(deck: &Deck) -> Result<Prepared, JobError> {
         Ok((system, probes))
     });
     match compiled {
-        Ok((system, probes)) => Ok(Prepared { mesh, system, probes, fingerprint }),
+        Ok((system, probes)) => {
+            let warnings = deck.locate(&warnings(&deck.model, &mesh, &system));
+            Ok(Prepared { mesh, system, probes, warnings, fingerprint })
+        }
         Err(error) => Err(located(issues_of(error))),
     }
 }
@@ -54,11 +59,8 @@ fn mesh(deck: &Deck) -> Result<(Mesh, u64), Vec<Issue>> {
     };
     let path = deck.beside(&source.file);
     let issue = |error: MeshError| vec![error.issue()];
-    let (mut mesh, bytes) = match std::fs::read(&path) {
-        Ok(bytes) => (gmsh::parse(&path, &bytes, source.scale).map_err(issue)?, bytes),
-        // The reader knows what to say about a file that is not there.
-        Err(_) => (gmsh::read(&path, source.scale).map_err(issue)?, Vec::new()),
-    };
+    let bytes = gmsh::load(&path).map_err(issue)?;
+    let mut mesh = gmsh::parse(&path, &bytes, source.scale).map_err(issue)?;
     let issues = mesh.name_points(&source.points);
     if !issues.is_empty() {
         return Err(issues);

@@ -4,18 +4,22 @@ use std::time::Instant;
 
 use tegula::analysis::{Balance, Observer, State, Statistics, Step};
 use tegula::model::Model;
-use tegula::result::recover;
-use tegula::{Error, Result};
+use tegula::result::{ShellResult, recover};
+use tegula::system::Shell;
+use tegula::{Error, Result, System};
 
 use super::resume::{Memory, Notes};
 use super::summary::{PointResult, Status, Summary};
 use super::{JobObserver, Prepared, Progress, ResultFolder, Start, fields, history, process, snapshots};
+use crate::deck::Diagnostic;
 use crate::out::{HistoryWriter, OutputError, PvdSeries};
 
 /// Longest time on the clock between two checkpoints (s).
 const CHECKPOINT_SECONDS: f64 = 30.0;
 /// Shortest one where every step writes a field file (s).
 const SMALLEST_CHECKPOINT_SECONDS: f64 = 1.0;
+/// Strain beyond which a law that is linear in the Green–Lagrange strain says little about a real material.
+const LARGE_STRAIN: f64 = 0.2;
 
 /// Writes fields, history, checkpoints and the summary of one run.
 pub(super) struct Recorder<'a> {
@@ -32,6 +36,8 @@ pub(super) struct Recorder<'a> {
     started: Instant,
     cpu_at_start: Option<f64>,
     last_checkpoint: Instant,
+    /// Large strains have been reported.
+    strained: bool,
     /// The first output that failed; the analysis was ended by it.
     failed: Option<OutputError>,
 }
@@ -49,6 +55,7 @@ impl<'a> Recorder<'a> {
         summary.write(folder.path())?;
         folder.make_series("fields")?;
         let (csv, pvd) = (folder.file("history.csv"), folder.file("fields.pvd"));
+        let mut missing = 0;
         let (history, series) = match &memory {
             None => {
                 (HistoryWriter::create(&csv, &history::names(&prepared.probes))?, PvdSeries::create(&pvd)?)
@@ -56,11 +63,12 @@ impl<'a> Recorder<'a> {
             Some(memory) => {
                 let mut series = PvdSeries::open(&pvd)?;
                 series.truncate_after(memory.notes.last_frame)?;
+                missing = series.drop_missing()?;
                 folder.remove_numbered("fields", memory.notes.frames)?;
                 (HistoryWriter::resume(&csv, memory.notes.rows)?, series)
             }
         };
-        Ok(Self {
+        let mut recorder = Self {
             model,
             prepared,
             folder,
@@ -73,8 +81,15 @@ impl<'a> Recorder<'a> {
             started: Instant::now(),
             cpu_at_start: process::cpu_seconds(),
             last_checkpoint: Instant::now(),
+            strained: false,
             failed: None,
-        })
+        };
+        if missing > 0 {
+            recorder.warning(&format!(
+                "{missing} field file(s) of the earlier part are no longer there; `fields.pvd` lists the others only"
+            ))?;
+        }
+        Ok(recorder)
     }
 
     /// Says in the log what is about to happen.
@@ -84,6 +99,16 @@ impl<'a> Recorder<'a> {
             "tegula {}: {} analysis of {} elements, {} unknowns, {how}",
             self.summary.version, start.analysis, start.elements, start.unknowns
         ))
+    }
+
+    /// Hands on what the check of the model found doubtful.
+    pub fn warn(&mut self, warnings: &[Diagnostic]) -> std::result::Result<(), OutputError> {
+        warnings.iter().try_for_each(|warning| self.warning(&warning.to_string()))
+    }
+
+    fn warning(&mut self, message: &str) -> std::result::Result<(), OutputError> {
+        self.watch.on_warning(message);
+        self.folder.log(&format!("warning: {message}"))
     }
 
     /// Says in the log how it ended.
@@ -216,6 +241,7 @@ impl<'a> Recorder<'a> {
         let Prepared { mesh, system, .. } = self.prepared;
         let state = &self.memory.state;
         let results = recover(system, state);
+        let strain = if self.strained { None } else { largest_strain(system, &results) };
         let name = format!("fields/{:04}.vtu", self.memory.notes.frames);
         fields::write(&self.folder.file(&name), mesh, system, &self.model.output.fields, state, &results)?;
         self.series.add(state.time, &name)?;
@@ -225,6 +251,15 @@ impl<'a> Recorder<'a> {
         }
         self.memory.notes.frames += 1;
         self.memory.notes.last_frame = state.time;
+        if let Some((strain, quad)) = strain.filter(|(strain, _)| *strain > LARGE_STRAIN) {
+            self.strained = true;
+            let (label, time) = (system.quad_label(quad), self.memory.state.time);
+            self.warning(&format!(
+                "element {label} is strained by {:.0} % at {time:.6e}: the material law holds for small strains only; \
+                 check units, loads and thickness",
+                100.0 * strain
+            ))?;
+        }
         Ok(())
     }
 
@@ -244,8 +279,21 @@ impl<'a> Recorder<'a> {
         let saved = self.memory.save(&self.folder.file("checkpoint.bin"), self.prepared.fingerprint);
         self.memory.notes = before;
         self.last_checkpoint = Instant::now();
-        saved
+        saved?;
+        // A run that is killed leaves a summary of what it can be resumed from.
+        self.update_summary();
+        self.write_summary()
     }
+}
+
+/// Largest strain and its quad: root mean square over the thickness, from the energy per area w = Z ε²/2 with the
+/// stiffness Z = E h of stretching.
+fn largest_strain(system: &System, results: &[ShellResult]) -> Option<(f64, u32)> {
+    let strain = |(shell, result): (&Shell, &ShellResult)| {
+        let stretching = system.sections.get(shell.section)?.section.resultant.at(0.0).thickness;
+        Some(((2.0 * result.energy_density / stretching).max(0.0).sqrt(), shell.quad))
+    };
+    system.shells.iter().zip(results).filter_map(strain).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 impl Observer for Recorder<'_> {
@@ -255,6 +303,10 @@ impl Observer for Recorder<'_> {
             self.failed.get_or_insert(error);
             Error::Outside(message)
         })
+    }
+
+    fn on_repeat(&mut self, statistics: &Statistics) {
+        self.statistics = *statistics;
     }
 
     fn on_event(&mut self, message: &str) {

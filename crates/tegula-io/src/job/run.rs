@@ -39,6 +39,7 @@ pub fn run(deck: &Deck, options: &JobOptions, watch: &mut dyn JobObserver) -> Re
     let summary = summary(deck, &prepared, &start);
     let mut recorder = Recorder::new(&deck.model, &prepared, folder, summary, memory, watch)?;
     recorder.announce(&start)?;
+    recorder.warn(&prepared.warnings)?;
     let state = (!recorder.memory.state.u.is_empty()).then(|| recorder.memory.state.clone());
     let outcome = analyse(deck, &prepared.system, state, &start, &mut recorder);
     conclude(recorder, outcome)
@@ -89,7 +90,7 @@ fn conclude(mut recorder: Recorder<'_>, outcome: tegula::Result<()>) -> Result<S
     let folder = recorder.folder.path().to_owned();
     match outcome {
         Ok(()) => Ok(recorder.summary),
-        Err(Error::Interrupted) => Err(JobError::Interrupted { folder }),
+        Err(Error::Interrupted) => Err(JobError::Interrupted { folder, resumable: true }),
         Err(error) => Err(JobError::Analysis { error, folder }),
     }
 }

@@ -1,5 +1,7 @@
 //! Whole runs in temporary folders.
 
+mod inputs;
+
 use std::cell::Cell;
 use std::fs;
 use std::path::Path;
@@ -190,4 +192,102 @@ fn a_model_with_errors_touches_nothing() {
     };
     assert!(found[0].key == "conditions[0].on" && found[0].line > 0, "{}", found[0]);
     assert!(!path.exists());
+}
+
+/// An element that lies upside down on another, in a file whose numbers have gaps.
+/// Collects warnings.
+#[derive(Default)]
+struct Warnings(Vec<String>);
+
+impl JobObserver for Warnings {
+    fn on_warning(&mut self, message: &str) {
+        self.0.push(message.to_owned());
+    }
+}
+
+#[test]
+fn a_run_goes_on_without_the_files_that_are_gone_and_says_so() {
+    let (deck, folder) = (deck("newmark"), tempfile::tempdir().unwrap());
+    let path = folder.path();
+    run(&deck, &options(path, false), &mut stop_after(7)).unwrap_err();
+    fs::remove_dir_all(path.join("fields")).unwrap();
+    fs::write(path.join(".tegula-abc.part"), "half").unwrap();
+    let mut warnings = Warnings::default();
+    run(&deck, &options(path, true), &mut warnings).unwrap();
+    assert!(
+        warnings.0.iter().any(|w| w.contains("field file(s) of the earlier part are no longer there")),
+        "{:?}",
+        warnings.0
+    );
+    assert!(!path.join(".tegula-abc.part").exists());
+    for (_, name) in PvdSeries::open(&path.join("fields.pvd")).unwrap().entries() {
+        assert!(path.join(name).exists(), "{name}");
+    }
+}
+
+#[test]
+fn half_written_files_of_a_killed_run_do_not_make_a_folder_foreign() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join(".tegula-abc.part"), "half").unwrap();
+    let started = ResultFolder::start(folder.path()).unwrap();
+    assert!(!folder.path().join(".tegula-abc.part").exists());
+    drop(started);
+}
+
+/// Reads the summary in the middle of a run.
+struct Reader<'a>(&'a Path, Vec<Summary>);
+
+impl JobObserver for Reader<'_> {
+    fn on_step(&mut self, _progress: &Progress) {
+        self.1.push(Summary::read(self.0).unwrap());
+    }
+}
+
+#[test]
+fn the_summary_keeps_up_with_the_checkpoint() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut reader = Reader(folder.path(), Vec::new());
+    run(&deck("newmark"), &options(folder.path(), false), &mut reader).unwrap();
+    let late = reader.1.iter().rev().nth(1).unwrap();
+    assert!(late.status == Status::Running && late.time > 0.1 && late.iterations > 10, "{late:?}");
+}
+
+#[test]
+fn repeated_steps_count_also_where_none_succeeds() {
+    let few = "load_steps = 1\nmax_iterations = 2\nmax_cutbacks = 3\nmethod = \"displacement\"";
+    let text = SWING
+        .replace("type = \"transient\"", "type = \"static\"")
+        .replace("end_time = 0.2\ntolerance = 1e-4\nscheme = { type = \"SCHEME\" }", few)
+        .replace("type = \"hinge\"", "type = \"clamp\"");
+    let deck = Deck::parse("hasty.toml", text).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    run(&deck, &options(folder.path(), false), &mut Unwatched).unwrap_err();
+    let summary = Summary::read(folder.path()).unwrap();
+    assert_eq!((summary.steps, summary.cutbacks, summary.iterations), (0, 3, 8));
+}
+
+/// Asks to stop from the start, and counts how often it is asked.
+struct Impatient(Cell<u64>);
+
+impl JobObserver for Impatient {
+    fn interrupted(&self) -> bool {
+        self.0.set(self.0.get() + 1);
+        self.0.get() > 40
+    }
+}
+
+#[test]
+fn a_modal_analysis_stops_between_two_applications_of_the_inverse() {
+    let text = SWING.replace(
+        "type = \"transient\"\nend_time = 0.2\ntolerance = 1e-4\nscheme = { type = \"SCHEME\" }",
+        "type = \"modal\"\nmodes = 30",
+    );
+    let deck = Deck::parse("modes.toml", text).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let mut watch = Impatient(Cell::new(0));
+    let error = run(&deck, &options(folder.path(), false), &mut watch).unwrap_err();
+    assert!(matches!(error, JobError::Interrupted { resumable: false, .. }), "{error}");
+    assert_eq!(Summary::read(folder.path()).unwrap().status, Status::Interrupted);
+    // Once noticed, nothing more is computed.
+    assert!(watch.0.get() < 46, "{}", watch.0.get());
 }

@@ -57,6 +57,18 @@ impl PvdSeries {
         self.write()
     }
 
+    /// Drops the files that are no longer on the disk, and rewrites the list. Returns how many.
+    pub fn drop_missing(&mut self) -> Result<usize, OutputError> {
+        let folder = self.path.parent().unwrap_or(Path::new("")).to_path_buf();
+        let before = self.entries.len();
+        self.entries.retain(|(_, name)| folder.join(name).is_file());
+        let missing = before - self.entries.len();
+        if missing > 0 {
+            self.write()?;
+        }
+        Ok(missing)
+    }
+
     /// Times and relative file names, in the order in which they were added.
     pub fn entries(&self) -> &[(f64, String)] {
         &self.entries

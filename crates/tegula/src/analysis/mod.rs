@@ -114,6 +114,8 @@ pub trait Observer {
     fn on_step(&mut self, step: &Step) -> Result<()>;
     /// An iteration is finished: its number, energy of the increment over the energy scale, size of the increment.
     fn on_iteration(&mut self, _iteration: u32, _energy: f64, _increment: f64) {}
+    /// A step has failed and is repeated smaller or given up: counts so far, this attempt among them.
+    fn on_repeat(&mut self, _statistics: &Statistics) {}
     /// Something the user may want to know (a step cut back, a rounding floor).
     fn on_event(&mut self, _message: &str) {}
     /// Asked between iterations; true ends the analysis after the last finished step.

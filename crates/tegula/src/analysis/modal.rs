@@ -52,6 +52,7 @@ pub struct ModalOutcome {
 struct ShiftInvert<'a> {
     solver: &'a mut SparseCholesky,
     mass: &'a [f64],
+    watch: &'a dyn Observer,
     applications: u64,
 }
 
@@ -70,12 +71,22 @@ impl SymmetricOperator for ShiftInvert<'_> {
         out.fill(0.0);
         self.solver.pattern().add_product(self.mass, x, out);
     }
+
+    fn stopped(&self) -> bool {
+        self.watch.interrupted()
+    }
+}
+
+/// Ends the analysis if the user has asked for it.
+fn go_on(watch: &dyn Observer) -> Result<()> {
+    if watch.interrupted() { Err(Error::Interrupted) } else { Ok(()) }
 }
 
 /// Finds the `wanted` lowest modes.
 ///
 /// # Errors
-/// The mass is not positive definite, the iteration does not find the modes, or the Sturm count disagrees.
+/// The mass is not positive definite, the iteration does not find the modes, the Sturm count disagrees, or the
+/// observer has asked to stop, which is noticed between two applications of the inverse.
 pub fn run(
     system: &System,
     wanted: usize,
@@ -119,7 +130,9 @@ pub fn run(
     let extra = (wanted + 4).min(system.unknowns());
     let mut shift = first_shift(&newton.solver, &stiffness, &mass)?;
     let mut attempts = 0;
+    go_on(observer)?;
     while !shifted(&mut newton.solver, shift).is_ok_and(|i| i.negative == 0) {
+        go_on(observer)?;
         shift *= 100.0;
         attempts += 1;
         if attempts > 12 {
@@ -134,9 +147,11 @@ pub fn run(
     let block = wanted.clamp(2, 8);
     let mut applications;
     {
-        let mut operator = ShiftInvert { solver: &mut newton.solver, mass: &mass, applications: 0 };
+        let mut operator =
+            ShiftInvert { solver: &mut newton.solver, mass: &mass, watch: &*observer, applications: 0 };
         let mut lanczos = BlockLanczos::new(&mut operator, block);
         while lanczos.len() < (2 * wanted + 8).min(system.unknowns()) && lanczos.expand(&mut operator) > 0 {}
+        go_on(observer)?;
         let estimate = lanczos.ritz_values().get(wanted - 1).map_or(0.0, |v| shift + 1.0 / v.0);
         applications = operator.applications;
         if estimate > 0.0 {
@@ -153,35 +168,33 @@ pub fn run(
     let mut lanczos;
     let mut sturm_rounds = 0;
     {
-        let mut operator = ShiftInvert { solver: &mut newton.solver, mass: &mass, applications: 0 };
+        let mut operator =
+            ShiftInvert { solver: &mut newton.solver, mass: &mass, watch: &*observer, applications: 0 };
         lanczos = BlockLanczos::new(&mut operator, block);
         applications += operator.applications;
     }
+    go_on(observer)?;
     let limit = (BASIS_PER_MODE * extra + 200).min(system.unknowns());
     let (pairs, sturm_checked) = loop {
-        {
-            let mut operator = ShiftInvert { solver: &mut newton.solver, mass: &mass, applications: 0 };
-            loop {
-                let added = lanczos.expand(&mut operator);
-                let values = lanczos.ritz_values();
-                let found = values.iter().take(extra).filter(|v| v.1 <= TOLERANCE).count();
-                observer.on_iteration(lanczos.len() as u32, values.get(wanted - 1).map_or(1.0, |v| v.1), 0.0);
-                if found >= extra.min(values.len()) && values.len() >= extra || added == 0 {
-                    break;
-                }
-                if lanczos.len() >= limit {
-                    return Err(Error::NotConverged {
-                        at: format!("mode {} of {wanted}", found + 1),
-                        reason: format!("{found} modes found in a space of {} vectors", lanczos.len()),
-                        help: "Ask for fewer modes, or check that all parts of the model are connected."
-                            .into(),
-                    });
-                }
-                if observer.interrupted() {
-                    return Err(Error::Interrupted);
-                }
-            }
+        loop {
+            let mut operator =
+                ShiftInvert { solver: &mut newton.solver, mass: &mass, watch: &*observer, applications: 0 };
+            let added = lanczos.expand(&mut operator);
             applications += operator.applications;
+            go_on(observer)?;
+            let values = lanczos.ritz_values();
+            let found = values.iter().take(extra).filter(|v| v.1 <= TOLERANCE).count();
+            observer.on_iteration(lanczos.len() as u32, values.get(wanted - 1).map_or(1.0, |v| v.1), 0.0);
+            if found >= extra.min(values.len()) && values.len() >= extra || added == 0 {
+                break;
+            }
+            if lanczos.len() >= limit {
+                return Err(Error::NotConverged {
+                    at: format!("mode {} of {wanted}", found + 1),
+                    reason: format!("{found} modes found in a space of {} vectors", lanczos.len()),
+                    help: "Ask for fewer modes, or check that all parts of the model are connected.".into(),
+                });
+            }
         }
         let pairs = lanczos.ritz_pairs(extra);
         let eigenvalues: Vec<f64> = pairs.iter().map(|p| shift + 1.0 / p.value).collect();
@@ -190,6 +203,7 @@ pub fn run(
             .find(|&i| eigenvalues[i] - eigenvalues[i - 1] > 1e-4 * eigenvalues[i].abs());
         let Some(gap) = gap else { break (pairs, extra == system.unknowns()) };
         let point = 0.5 * (eigenvalues[gap] + eigenvalues[gap - 1]);
+        go_on(observer)?;
         let below = shifted(&mut newton.solver, point).map_or(usize::MAX, |i| i.negative);
         if below == gap {
             break (pairs, true);
@@ -209,9 +223,11 @@ pub fn run(
         if !shifted(&mut newton.solver, shift).is_ok_and(|i| i.negative == 0) {
             return Err(Error::Outside("the shifted matrix changed between two factorisations".into()));
         }
-        let mut operator = ShiftInvert { solver: &mut newton.solver, mass: &mass, applications: 0 };
+        let mut operator =
+            ShiftInvert { solver: &mut newton.solver, mass: &mass, watch: &*observer, applications: 0 };
         lanczos.add_random(&mut operator);
         applications += operator.applications;
+        go_on(observer)?;
     };
 
     let rigid_motions = RigidMotions::new(system, u);

@@ -291,6 +291,7 @@ pub fn largest(system: &System, numbering: &Numbering, residual: &[Nodal]) -> St
     };
     let node = system.nodes[v];
     let p = system.reference[system.position_of[node as usize] as usize];
+    let node = system.node_label(node);
     let what = match system.kinds[v] {
         VectorKind::Position => "force",
         VectorKind::Director | VectorKind::Gradient => "moment",

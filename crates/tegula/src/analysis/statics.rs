@@ -136,6 +136,9 @@ pub fn run(
         // A last sliver of a step would only repeat the one before.
         let target =
             if state.time + 1.0001 * state.next_step >= 1.0 { 1.0 } else { state.time + state.next_step };
+        if let Some(reason) = system.undefined_amplitude(target) {
+            return Err(undefined("load factor", (state.time, target), reason));
+        }
         let mut equation = StaticEquation { u: state.u.clone(), time: target };
         let result = newton.solve(system, &mut equation, &tolerances, observer);
         statistics.factorizations = newton.solver.factorizations() as u64;
@@ -203,6 +206,7 @@ pub fn run(
         };
         let step = 0.5 * (target - state.time);
         if step < smallest {
+            observer.on_repeat(&statistics);
             return Err(Error::NotConverged {
                 at: format!("load factor {target:.6}"),
                 reason: failure,
@@ -214,11 +218,24 @@ pub fn run(
             });
         }
         statistics.cutbacks += 1;
+        observer.on_repeat(&statistics);
         observer.on_event(&format!("load factor {target:.6} not reached: {failure}; the step is halved"));
         newton.assembly.stress.copy_from_slice(&state.stress);
         state.next_step = step;
     }
     Ok(StaticOutcome { state, balance, statistics, negative_pivots })
+}
+
+/// No step can be taken to a time at which an amplitude has no value.
+pub(super) fn undefined(what: &str, (reached, wanted): (f64, f64), reason: String) -> Error {
+    Error::NotConverged {
+        at: format!("{what} {wanted:.6e}"),
+        reason,
+        help: format!(
+            "Give the amplitude a formula or table that has finite values there. The last finished step ended at \
+             {what} {reached:.6e}; results up to there are complete."
+        ),
+    }
 }
 
 fn energies(system: &System, assembly: &mut Assembly, state: &State) -> Balance {

@@ -16,6 +16,10 @@ pub trait SymmetricOperator {
     fn apply(&mut self, m_x: &[f64], out: &mut [f64]);
     /// `M x`.
     fn inner(&self, x: &[f64], out: &mut [f64]);
+    /// Asked between applications; true makes the space return at once. It cannot be used any more then.
+    fn stopped(&self) -> bool {
+        false
+    }
 }
 
 /// A Ritz pair.
@@ -74,6 +78,9 @@ impl BlockLanczos {
         let n = operator.size();
         let mut added = 0;
         for _ in 0..self.block {
+            if operator.stopped() {
+                return 0;
+            }
             let x: Vec<f64> = (0..n).map(|_| self.random()).collect();
             let mut m_x = vec![0.0; n];
             let mut y = vec![0.0; n];
@@ -91,17 +98,22 @@ impl BlockLanczos {
     pub fn expand(&mut self, operator: &mut dyn SymmetricOperator) -> usize {
         let n = operator.size();
         let first = self.basis.len() - self.newest;
-        let images: Vec<Vec<f64>> = (first..self.basis.len())
-            .map(|j| {
-                let mut w = vec![0.0; n];
-                operator.apply(&self.m_basis[j], &mut w);
-                w
-            })
-            .collect();
+        let mut images = Vec::with_capacity(self.newest);
+        for j in first..self.basis.len() {
+            if operator.stopped() {
+                return 0;
+            }
+            let mut w = vec![0.0; n];
+            operator.apply(&self.m_basis[j], &mut w);
+            images.push(w);
+        }
         let before = self.basis.len();
         self.coupling.clear();
         let mut rest = Vec::with_capacity(images.len());
         for mut w in images {
+            if operator.stopped() {
+                return 0;
+            }
             let mut column = vec![0.0; before];
             for _ in 0..2 {
                 for i in 0..before {
@@ -116,6 +128,9 @@ impl BlockLanczos {
         let mut added = 0;
         let copies = rest.clone();
         for w in rest {
+            if operator.stopped() {
+                return 0;
+            }
             if self.append(operator, w).is_some() {
                 added += 1;
             }

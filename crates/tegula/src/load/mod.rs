@@ -2,6 +2,7 @@
 
 pub mod amplitude;
 pub mod follower;
+mod formula;
 
 pub use amplitude::TimeFunction;
 pub use follower::FollowerLoad;

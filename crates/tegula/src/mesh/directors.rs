@@ -16,6 +16,9 @@ use crate::{Error, Issue, Result, Vec3};
 /// Neighbouring facets that meet at a larger angle (degrees) form a fold.
 pub const FOLD_ANGLE_DEGREES: f64 = 20.0;
 
+/// Directors nearer to parallel than this (degrees) cannot be tied by their angle.
+const UNTIED_DEGREES: f64 = 1.0;
+
 /// The directors of a mesh.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Directors {
@@ -87,7 +90,8 @@ fn corner_normals(mesh: &Mesh) -> Result<Vec<Vec3>> {
     }
     let mut issues = Vec::new();
     report(&mut issues, "corners without normal", &missing, |(e, node)| {
-        let message = format!("element {e} has no normal at node {node}");
+        let message =
+            format!("element {} has no normal at node {}", mesh.quad_label(*e), mesh.node_label(*node));
         Issue::new("mesh", message, "move its nodes apart so that it has an area")
     });
     if issues.is_empty() { Ok(normals) } else { Err(Error::Model(issues)) }
@@ -132,7 +136,7 @@ struct Group {
 fn gather(mesh: &Mesh, normals: &[Vec3], joined: &mut Disjoint, fold_angle: f64) -> Result<Directors> {
     let (start, corners) = corners_of_nodes(mesh);
     let mut directors = Directors { corners: vec![[0; 4]; mesh.quads.len()], ..Directors::default() };
-    let mut cancelled = Vec::new();
+    let (mut cancelled, mut loose) = (Vec::new(), Vec::new());
     let mut groups: Vec<Group> = Vec::new();
     for node in 0..mesh.positions.len() {
         let here = &corners[start[node]..start[node + 1]];
@@ -161,6 +165,11 @@ fn gather(mesh: &Mesh, normals: &[Vec3], joined: &mut Disjoint, fold_angle: f64)
             if group.sum.norm() <= 1e-6 * group.weight {
                 cancelled.push(node);
             }
+            if let Some(other) = untied(group, &groups)
+                && loose.last().is_none_or(|&(last, _)| last != node)
+            {
+                loose.push((node, [group.root / 4, other.root / 4]));
+            }
             directors.values.push(group.sum.normalize());
             directors.node.push(node as u32);
         }
@@ -180,11 +189,36 @@ fn gather(mesh: &Mesh, normals: &[Vec3], joined: &mut Disjoint, fold_angle: f64)
     report(&mut issues, "nodes where the normals cancel", &cancelled, |&node| {
         Issue::new(
             "mesh",
-            format!("the normals of the elements at node {node} at {} cancel", show(mesh.positions[node])),
+            format!(
+                "the normals of the elements at node {} at {} cancel",
+                mesh.node_label(node as u32),
+                show(mesh.positions[node])
+            ),
             "orient the elements around the node alike, or refine the mesh there",
         )
     });
+    report(&mut issues, "nodes at which sheets lie on one another", &loose, |(node, quads)| {
+        let [a, b] = quads.map(|quad| mesh.quad_label(quad));
+        let message = format!(
+            "at node {} at {} the surface is folded back: the sheets of elements {a} and {b} lie on one another",
+            mesh.node_label(*node as u32),
+            show(mesh.positions[*node])
+        );
+        Issue::new("mesh", message, "open the fold by more than a degree, or remove one of the elements")
+    });
     if issues.is_empty() { Ok(directors) } else { Err(Error::Model(issues)) }
+}
+
+/// A group that has an edge in common with this one, if all others are parallel to it within a degree: d₁·d₂ does
+/// not change to first order there, so that no tie would hold it.
+fn untied<'a>(group: &Group, groups: &'a [Group]) -> Option<&'a Group> {
+    let parallel = |other: &Group| {
+        let (a, b) = (group.sum.normalize(), other.sum.normalize());
+        a.cross(&b).norm() < UNTIED_DEGREES.to_radians().sin()
+    };
+    let shares = |other: &&Group| group.neighbours.iter().any(|node| other.neighbours.contains(node));
+    let mut others = groups.iter().filter(|other| other.root != group.root);
+    others.clone().all(parallel).then(|| others.find(shares)).flatten()
 }
 
 /// Joins groups that touch at the node only, without a common edge, and have the same

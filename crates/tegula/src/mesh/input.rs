@@ -27,9 +27,15 @@ impl Input {
 
     /// A size that has to be positive.
     pub fn size(&mut self, key: &str, name: &str, value: f64) {
-        if !(value > 1.0 / HUGE && value < HUGE) {
-            self.wrong(key, format!("{name} is {value:?}"), "give a positive number");
+        if value > 1.0 / HUGE && value < HUGE {
+            return;
         }
+        let help = if value > 0.0 && value.is_finite() {
+            "give a number between 1e-100 and 1e100: beyond it areas and volumes cannot be computed; change the unit of length"
+        } else {
+            "give a positive number"
+        };
+        self.wrong(key, format!("{name} is {value:?}"), help);
     }
 
     /// A position.
@@ -37,7 +43,12 @@ impl Input {
         if value.iter().all(|x| x.abs() < HUGE) {
             return Some(Vec3::from(value));
         }
-        self.wrong(key, format!("{name} is {value:?}"), "give three finite numbers");
+        let help = if value.iter().all(|x| x.is_finite()) {
+            "give coordinates below 1e100 in size, or change the unit of length"
+        } else {
+            "give three finite numbers"
+        };
+        self.wrong(key, format!("{name} is {value:?}"), help);
         None
     }
 

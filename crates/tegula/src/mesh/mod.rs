@@ -12,6 +12,7 @@ mod facet;
 pub mod generators;
 mod grid;
 mod input;
+mod labels;
 mod polyline;
 pub mod quality;
 pub mod sets;
@@ -19,6 +20,8 @@ mod surfaces;
 mod topology;
 
 use std::collections::BTreeMap;
+
+pub use labels::Labels;
 
 use crate::Vec3;
 
@@ -38,4 +41,6 @@ pub struct Mesh {
     pub edge_sets: BTreeMap<String, Vec<[u32; 2]>>,
     /// Named sets of quads.
     pub quad_sets: BTreeMap<String, Vec<u32>>,
+    /// Numbers of nodes and quads in the file that the mesh was read from; a generated mesh has none.
+    pub labels: Option<Labels>,
 }

@@ -1,13 +1,13 @@
 //! Is this a mesh one can compute with, and how well shaped are its elements?
 //!
-//! Thresholds are relative to each element's own size. Elements and nodes are
-//! counted from 0, as in result files.
+//! Thresholds are relative to each element's own size. Messages number elements and
+//! nodes as the mesh file does; those of a generated mesh are counted from 0.
 
 use std::collections::HashMap;
 
 use super::Mesh;
-use super::facet::{Facet, show};
-use super::topology::Edges;
+use super::facet::{Facet, angle_between, show};
+use super::topology::{EdgeUse, Edges};
 use crate::Issue;
 
 /// Issues of one kind that are written out.
@@ -16,12 +16,18 @@ const SHOWN: usize = 20;
 /// Areas and Jacobians below this part of the squared diagonal are zero.
 const FLAT: f64 = 1e-10;
 
+/// Neighbours whose normals differ by more (degrees) lie on one another. The angle between their directors
+/// could not tie them: its derivative, the sine, is below 2 % there.
+const FOLDED_BACK_DEGREES: f64 = 179.0;
+
 /// Everything that makes a mesh unusable, in the order: no elements, coordinates,
 /// elements, neighbours, sets. Empty for a good mesh.
 pub fn check(mesh: &Mesh) -> Vec<Issue> {
-    let mut issues = check_structure(mesh, &Edges::of(&mesh.quads));
+    let edges = Edges::of(&mesh.quads);
+    let mut issues = check_structure(mesh, &edges);
     check_shapes(mesh, &mut issues);
     check_duplicates(mesh, &mut issues);
+    check_folds(mesh, &edges, &mut issues);
     check_sets(mesh, &mut issues);
     issues
 }
@@ -47,31 +53,33 @@ pub(super) fn check_structure(mesh: &Mesh, edges: &Edges) -> Vec<Issue> {
     let places: Vec<usize> =
         (0..mesh.positions.len()).filter(|&n| !mesh.positions[n].iter().all(|x| x.is_finite())).collect();
     report(&mut issues, "nodes without finite coordinates", &places, |&n| {
-        Issue::new("mesh", format!("node {n} is at {}", show(mesh.positions[n])), "give finite coordinates")
+        let message = format!("node {} is at {}", mesh.node_label(n as u32), show(mesh.positions[n]));
+        Issue::new("mesh", message, "give finite coordinates")
     });
     let elements = || (0usize..).zip(&mesh.quads);
     let outside: Vec<_> = elements().filter(|(_, quad)| Facet::of(mesh, quad).is_none()).collect();
     report(&mut issues, "elements with unknown nodes", &outside, |(e, quad)| {
         let node = quad.iter().max().copied().unwrap_or_default();
-        let message =
-            format!("element {e} has a node {node}, but the mesh has {} nodes", mesh.positions.len());
+        let message = format!(
+            "element {} has a node {node}, but the mesh has {} nodes",
+            mesh.quad_label(*e),
+            mesh.positions.len()
+        );
         Issue::new("mesh", message, "use nodes of the mesh")
     });
     let repeated: Vec<_> = elements().filter_map(|(e, quad)| Some((e, repeated_node(quad)?))).collect();
     report(&mut issues, "elements with a repeated node", &repeated, |(e, node)| {
-        let message = format!("element {e}{} has the node {node} twice", around(mesh, *e));
+        let message = format!("{} has the node {} twice", element(mesh, *e), mesh.node_label(*node));
         Issue::new("mesh", message, "triangles are not supported: recombine the mesh into quadrilaterals")
     });
     let opposite = edges.opposite_neighbours(&mesh.quads);
     report(&mut issues, "pairs of neighbours of opposite orientation", &opposite, |[a, b]| {
         let message = format!(
-            "elements {}{} and {}{} share the edge of nodes {} and {} but have their directors on opposite sides",
-            a.quad,
-            around(mesh, a.quad as usize),
-            b.quad,
-            around(mesh, b.quad as usize),
-            a.low,
-            a.high
+            "elements {} and {} share the edge of nodes {} and {} but have their directors on opposite sides",
+            named(mesh, a.quad as usize),
+            named(mesh, b.quad as usize),
+            mesh.node_label(a.low),
+            mesh.node_label(a.high)
         );
         Issue::new(
             "mesh",
@@ -106,14 +114,18 @@ fn check_shapes(mesh: &Mesh, issues: &mut Vec<Issue>) {
     report(issues, "collapsed elements", &collapsed, |&e| {
         Issue::new(
             "mesh",
-            format!("element {e}{} has no area", around(mesh, e)),
+            format!("{} has no area", element(mesh, e)),
             "move its nodes apart, and let them run round the element, or remove it",
         )
     });
     report(issues, "inside-out or concave elements", &concave, |&(e, node)| {
         Issue::new(
             "mesh",
-            format!("element {e}{} has an inner angle of 180° or more at node {node}", around(mesh, e)),
+            format!(
+                "{} has an inner angle of 180° or more at node {}",
+                element(mesh, e),
+                mesh.node_label(node)
+            ),
             "move its nodes so that it is convex, and let them run round the element",
         )
     });
@@ -124,9 +136,7 @@ fn check_duplicates(mesh: &Mesh, issues: &mut Vec<Issue>) {
     let mut first = HashMap::with_capacity(mesh.quads.len());
     let mut duplicates = Vec::new();
     for (e, quad) in mesh.quads.iter().enumerate() {
-        let mut nodes = *quad;
-        nodes.sort_unstable();
-        let original = *first.entry(nodes).or_insert(e);
+        let original = *first.entry(sorted(quad)).or_insert(e);
         if original != e {
             duplicates.push((original, e));
         }
@@ -134,9 +144,42 @@ fn check_duplicates(mesh: &Mesh, issues: &mut Vec<Issue>) {
     report(issues, "elements given twice", &duplicates, |&(original, e)| {
         Issue::new(
             "mesh",
-            format!("elements {original} and {e}{} have the same four nodes", around(mesh, e)),
+            format!("elements {} and {} have the same four nodes", mesh.quad_label(original), named(mesh, e)),
             "remove one of them; give one thickness that counts for both",
         )
+    });
+}
+
+/// Neighbours that lie on one another: the surface is folded back along their common edge.
+fn check_folds(mesh: &Mesh, edges: &Edges, issues: &mut Vec<Issue>) {
+    let flattest = FOLDED_BACK_DEGREES.to_radians();
+    let normal = |edge: &EdgeUse, node| {
+        let quad = mesh.quads.get(edge.quad as usize)?;
+        Some(Facet::of(mesh, quad)?.corner_normal(edge.corner_at(node)))
+    };
+    let mut folded = Vec::new();
+    for uses in edges.iter() {
+        // Neighbours of opposite orientation and elements given twice have issues of their own; where three or
+        // more meet, the others hold the angle.
+        let [a, b] = uses else { continue };
+        let back = |node| match (normal(a, node), normal(b, node)) {
+            (Some(n), Some(m)) => angle_between(&n, &m) >= flattest,
+            _ => false,
+        };
+        let alike = |edge: &EdgeUse| mesh.quads.get(edge.quad as usize).map(sorted);
+        if a.forward != b.forward && alike(a) != alike(b) && (back(a.low) || back(a.high)) {
+            folded.push((*a, *b));
+        }
+    }
+    report(issues, "pairs of elements that lie on one another", &folded, |(a, b)| {
+        let message = format!(
+            "elements {} and {} share the edge of nodes {} and {} and lie on one another: the surface is folded back there",
+            named(mesh, a.quad as usize),
+            named(mesh, b.quad as usize),
+            mesh.node_label(a.low),
+            mesh.node_label(a.high)
+        );
+        Issue::new("mesh", message, "remove one of them, or open the fold by more than a degree")
     });
 }
 
@@ -185,10 +228,22 @@ pub(super) fn report<T>(issues: &mut Vec<Issue>, kind: &str, found: &[T], write:
     }
 }
 
-/// " at (x, y, z)", the centre of an element.
-fn around(mesh: &Mesh, element: usize) -> String {
+/// "17 at (x, y, z)", the number and the centre of an element.
+fn named(mesh: &Mesh, element: usize) -> String {
     let facet = mesh.quads.get(element).and_then(|quad| Facet::of(mesh, quad));
-    facet.map(|facet| format!(" at {}", show(facet.center()))).unwrap_or_default()
+    let place = facet.map(|facet| format!(" at {}", show(facet.center()))).unwrap_or_default();
+    format!("{}{place}", mesh.quad_label(element))
+}
+
+/// "element 17 at (x, y, z)".
+fn element(mesh: &Mesh, element: usize) -> String {
+    format!("element {}", named(mesh, element))
+}
+
+fn sorted(quad: &[u32; 4]) -> [u32; 4] {
+    let mut nodes = *quad;
+    nodes.sort_unstable();
+    nodes
 }
 
 fn repeated_node(quad: &[u32; 4]) -> Option<u32> {
@@ -311,6 +366,18 @@ mod tests {
         let mut mesh = squares(2);
         mesh.quads.push([4, 3, 0, 1]);
         only(&mesh, "elements 0 and 4 at (0.5, 0.5, 0.0) have the same four nodes");
+
+        // Element 1 lies on element 0 and shares its edge of nodes 1 and 2 only.
+        let mut mesh = squares(1);
+        mesh.positions.extend([mesh.positions[0], mesh.positions[2]]);
+        mesh.quads.push([3, 1, 4, 5]);
+        only(
+            &mesh,
+            "elements 0 at (0.5, 0.5, 0.0) and 1 at (0.5, 0.5, 0.0) share the edge of nodes 1 and 3 and lie on one another",
+        );
+        mesh.positions[4].z = 0.1;
+        mesh.positions[5].z = 0.1;
+        assert!(check(&mesh).is_empty());
 
         let mut mesh = squares(2);
         mesh.normals = Some(Vec::new());

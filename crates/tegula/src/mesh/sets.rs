@@ -139,13 +139,7 @@ impl Mesh {
 
     /// [`Self::name_points`] for the points at a given key of the model.
     pub(super) fn name_points_of(&mut self, key: &str, points: &BTreeMap<String, [f64; 3]>) -> Vec<Issue> {
-        if points.is_empty() {
-            return Vec::new();
-        }
         let names = self.set_names();
-        let used = self.used_nodes();
-        let facets = self.quads.iter().filter_map(|quad| Facet::of(self, quad));
-        let reach = facets.map(|facet| facet.diagonal()).fold(0.0, f64::max);
         let mut issues = Vec::new();
         for (name, &position) in points {
             let key = format!("{key}.{name}");
@@ -158,32 +152,43 @@ impl Mesh {
                 ));
                 continue;
             }
-            let nearest = self.nearest_of(&used, position).and_then(|node| {
-                let distance = (self.positions.get(node as usize)? - position).norm();
-                Some((node, distance))
-            });
-            match nearest {
-                Some((node, distance)) if distance <= reach => {
-                    self.node_sets.insert(name.clone(), vec![node]);
-                }
-                Some((node, distance)) => issues.push(Issue::new(
-                    key,
-                    format!(
-                        "the point `{name}` at {} is {distance:.3e} away from the nearest node {node} at {}, \
-                         farther than the largest element is wide",
-                        show(position),
-                        self.positions.get(node as usize).copied().map(show).unwrap_or_default()
-                    ),
-                    "give a position on the mesh",
-                )),
-                None => issues.push(Issue::new(
-                    key,
-                    format!("the point `{name}` at {} has no nearest node", show(position)),
-                    "give three finite coordinates on a mesh with elements",
-                )),
+            match self.node_near(name, position) {
+                Ok(node) => drop(self.node_sets.insert(name.clone(), vec![node])),
+                Err((message, help)) => issues.push(Issue::new(key, message, help)),
             }
         }
         issues
+    }
+
+    /// The node nearest to the point `name` at `position`.
+    ///
+    /// # Errors
+    /// What is wrong and what to do: it is farther away than the longest diagonal of an element, or there is none.
+    pub fn node_near(&self, name: &str, position: Vec3) -> Result<u32, (String, String)> {
+        let facets = self.quads.iter().filter_map(|quad| Facet::of(self, quad));
+        let reach = facets.map(|facet| facet.diagonal()).fold(0.0, f64::max);
+        let nearest = self.nearest_node(position);
+        let Some((node, x)) = nearest.and_then(|node| Some((node, *self.positions.get(node as usize)?)))
+        else {
+            return Err((
+                format!("the point `{name}` at {} has no nearest node", show(position)),
+                "give three finite coordinates on a mesh with elements".into(),
+            ));
+        };
+        let distance = (x - position).norm();
+        if distance <= reach {
+            return Ok(node);
+        }
+        Err((
+            format!(
+                "the point `{name}` at {} is {distance:.3e} away from the nearest node {} at {}, \
+                 farther than the largest element is wide",
+                show(position),
+                self.node_label(node),
+                show(x)
+            ),
+            "give a position on the mesh".into(),
+        ))
     }
 
     /// Nodes of all quads, sorted; indices out of range left out.

@@ -9,7 +9,7 @@ use crate::element::geometry::{ShellGeometry, nodal_areas, shell_mass, tangents}
 use crate::load::FollowerLoad;
 use crate::mesh::Mesh;
 use crate::section::SectionInertia;
-use crate::system::numbering::{Support, VectorKind};
+use crate::system::numbering::{Conflict, Support, VectorKind};
 use crate::system::{DeadLoad, System};
 use crate::{Issue, Vec3};
 
@@ -97,6 +97,47 @@ pub(super) fn supports(
     out
 }
 
+/// Supports that contradict one another: an issue for each pair of conditions, with the first component and node.
+pub(super) fn contradictions(conflicts: &[Conflict], vectors: &Vectors, mesh: &Mesh) -> Vec<Issue> {
+    let mut pairs: BTreeMap<[String; 2], Vec<&Conflict>> = BTreeMap::new();
+    for conflict in conflicts {
+        pairs.entry(conflict.keys.clone()).or_default().push(conflict);
+    }
+    let issue = |([first, second], list): ([String; 2], Vec<&Conflict>)| {
+        let here = list.first()?;
+        let axis = ["x", "y", "z"].into_iter().zip(here.direction.iter()).find(|(_, c)| c.abs() > 1.0 - 1e-9);
+        let component = axis.map_or_else(|| "inclined".into(), |(name, _)| name.to_owned());
+        let (kind, node) = match vectors.kinds[here.vector as usize] {
+            VectorKind::Position => ("position", vectors.nodes[here.vector as usize]),
+            VectorKind::Director => ("director", vectors.nodes[here.vector as usize]),
+            VectorKind::Gradient => ("gradient", vectors.nodes[here.vector as usize]),
+        };
+        if first == second {
+            return Some(Issue::new(
+                second,
+                format!(
+                    "it prescribes only a part of the director of node {}, which keeps its length (`mitc4`)",
+                    mesh.node_label(node)
+                ),
+                "prescribe all three components of the director, or use another element",
+            ));
+        }
+        let more = match list.len() {
+            1 => String::new(),
+            n => format!(", and {} more component(s)", n - 1),
+        };
+        Some(Issue::new(
+            second,
+            format!(
+                "it prescribes the {component} component of the {kind} of node {}, which {first} supports differently{more}",
+                mesh.node_label(node)
+            ),
+            "take the shared nodes out of one of the two sets, or drop one condition",
+        ))
+    };
+    pairs.into_iter().filter_map(issue).collect()
+}
+
 pub(super) fn follower_loads(
     model: &Model,
     mesh: &Mesh,
@@ -142,7 +183,7 @@ pub(super) fn follower_loads(
 }
 
 /// Moments along a director: nothing of the shell resists there, so that part would be lost.
-pub(super) fn lost_moments(loads: &[FollowerLoad], vectors: &Vectors) -> Vec<Issue> {
+pub(super) fn lost_moments(loads: &[FollowerLoad], vectors: &Vectors, mesh: &Mesh) -> Vec<Issue> {
     let lost = |load: &FollowerLoad| match load {
         FollowerLoad::Moment { vector, moment, .. } => {
             let d = Vec3::from(vectors.reference[*vector as usize]);
@@ -156,8 +197,9 @@ pub(super) fn lost_moments(loads: &[FollowerLoad], vectors: &Vectors) -> Vec<Iss
     vec![Issue::new(
         "loads",
         format!(
-            "{} moment(s) have a part along the director, the first at node {node}: {along:.3e} of {whole:.3e} would be lost",
-            all.len()
+            "{} moment(s) have a part along the director, the first at node {}: {along:.3e} of {whole:.3e} would be lost",
+            all.len(),
+            mesh.node_label(*node)
         ),
         "a shell node does not resist turning about its director; use a pair of forces for that part",
     )]

@@ -26,9 +26,11 @@ pub struct StaticAnalysis {
     #[serde(default)]
     pub method: NewtonMethod,
     /// Load steps to begin with; a step that does not converge is cut back by itself.
+    #[schemars(range(min = 1))]
     #[serde(default = "one")]
     pub load_steps: u32,
     /// Iterations after which a load step is cut back.
+    #[schemars(range(min = 1))]
     #[serde(default = "thirty")]
     pub max_iterations: u32,
     /// Cut-backs after which the analysis gives up.
@@ -68,6 +70,7 @@ pub enum NewtonMethod {
 #[serde(deny_unknown_fields)]
 pub struct ModalAnalysis {
     /// Number of modes wanted, rigid ones counted.
+    #[schemars(range(min = 1))]
     pub modes: u32,
     /// Vibrate about the equilibrium under the loads instead of the reference configuration.
     #[serde(default)]
@@ -96,6 +99,7 @@ pub struct TransientAnalysis {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_step: Option<f64>,
     /// Iterations after which a time step is repeated smaller.
+    #[schemars(range(min = 1))]
     #[serde(default = "twenty")]
     pub max_iterations: u32,
     /// Small displacements: the tangent of the reference configuration throughout.

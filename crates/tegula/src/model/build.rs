@@ -2,10 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use super::actions::{added_masses, dead_loads, follower_loads, initial_velocity, lost_moments, supports};
+use super::actions::{
+    added_masses, contradictions, dead_loads, follower_loads, initial_velocity, lost_moments, supports,
+};
 use super::sections::Elements;
 use super::{Analysis, Model};
-use super::{check, mechanism};
+use super::{check, course, mechanism};
 use crate::element::Nodal;
 use crate::element::geometry::tangents;
 use crate::load::TimeFunction;
@@ -87,6 +89,16 @@ impl Vectors {
 /// # Errors
 /// Everything that is wrong with the model, at once, each with the key or element and a remedy.
 pub fn build(model: &Model, mesh: &Mesh) -> Result<System> {
+    compile(model, mesh).map_err(|error| match error {
+        Error::Model(mut issues) => {
+            mesh.name_file(&mut issues);
+            Error::Model(issues)
+        }
+        other => other,
+    })
+}
+
+fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
     let mut issues = check::keys(model);
     issues.extend(quality::check(mesh));
     issues.extend(check::sets(model, mesh));
@@ -103,16 +115,8 @@ pub fn build(model: &Model, mesh: &Mesh) -> Result<System> {
     let numbering =
         match Numbering::new(vectors.reference.len(), &supports, &elements.unit, &vectors.reference) {
             Ok(n) => Some(n),
-            Err(pairs) => {
-                let mut pairs = pairs;
-                pairs.dedup();
-                issues.extend(pairs.into_iter().map(|(first, second)| {
-                    Issue::new(
-                        second,
-                        format!("prescribes a component that {first} supports differently"),
-                        "take the shared nodes out of one of the two sets, or drop one condition",
-                    )
-                }));
+            Err(conflicts) => {
+                issues.extend(contradictions(&conflicts, &vectors, mesh));
                 None
             }
         };
@@ -144,7 +148,7 @@ pub fn build(model: &Model, mesh: &Mesh) -> Result<System> {
     for load in &followers {
         builder.element(load.vectors(), &[]);
     }
-    issues.extend(lost_moments(&followers, &vectors));
+    issues.extend(lost_moments(&followers, &vectors, mesh));
     let added = added_masses(model, mesh, &vectors);
     for &(a, b, m) in &added {
         builder.mass(a, b, m);
@@ -192,6 +196,8 @@ pub fn build(model: &Model, mesh: &Mesh) -> Result<System> {
         nodes: vectors.nodes,
         position_of: vectors.position_of,
         director_of: vectors.director_of,
+        labels: mesh.labels.clone(),
+        amplitude_names: names.keys().cloned().collect(),
     };
     issues.extend(check::masses(model, &system));
     system.dead_loads = dead_loads(model, mesh, &system, &names);
@@ -213,7 +219,7 @@ fn time_functions(model: &Model, issues: &mut Vec<Issue>) -> (Vec<TimeFunction>,
                 names.insert(name.clone(), functions.len());
                 functions.push(f);
             }
-            Err((message, help)) => issues.push(Issue::new(format!("amplitudes.{name}"), message, help)),
+            Err((message, help)) => issues.push(Issue::new(course::key(name, amplitude), message, help)),
         }
     }
     (functions, names)

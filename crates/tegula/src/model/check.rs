@@ -2,11 +2,15 @@
 
 use std::collections::BTreeMap;
 
+use super::course;
 use super::mechanism::parts;
-use super::{AddedMass, Amplitude, Analysis, Condition, Load, Material, Model, Scheme};
+use super::{AddedMass, Analysis, Condition, Load, Material, Model, Scheme};
 use crate::mesh::Mesh;
 use crate::system::System;
 use crate::{Issue, Vec3};
+
+/// Longest name of a point (characters). It becomes part of file names, which most systems limit to 255 bytes.
+const LONGEST_NAME: usize = 60;
 
 impl Condition {
     /// Name of the set it acts on.
@@ -109,16 +113,27 @@ pub fn keys(model: &Model) -> Vec<Issue> {
         c.finite(&format!("{key}.angular_velocity"), "the angular velocity", &v.angular_velocity);
     }
     c.analysis(model);
+    c.issues.extend(course::amplitudes(model));
     for (i, p) in model.output.points.iter().enumerate() {
         let key = format!("output.points[{i}]");
         if p.on.is_some() == p.at.is_some() {
             c.add(
                 key.as_str(),
-                format!("point \"{}\" needs either `on` or `at`", p.name),
+                format!(
+                    "point \"{}\" needs either `on` or `at`",
+                    p.name.chars().take(LONGEST_NAME).collect::<String>()
+                ),
                 "give the name of a set with one node, or a position",
             );
         }
-        if p.name.is_empty() || !p.name.chars().all(|ch| ch.is_alphanumeric() || "_-. ".contains(ch)) {
+        let letters = p.name.chars().count();
+        if letters > LONGEST_NAME {
+            c.add(
+                format!("{key}.name"),
+                format!("the name of the point has {letters} characters; at most {LONGEST_NAME} are taken"),
+                "give a shorter name: it becomes part of file names",
+            );
+        } else if p.name.is_empty() || !p.name.chars().all(|ch| ch.is_alphanumeric() || "_-. ".contains(ch)) {
             c.add(
                 format!("{key}.name"),
                 format!("\"{}\" cannot name a point", p.name),
@@ -147,7 +162,10 @@ pub fn sets(model: &Model, mesh: &Mesh) -> Vec<Issue> {
             if let Some(other) = section_of.insert(q, i) {
                 c.add(
                     key.as_str(),
-                    format!("element {q} belongs to sections[{other}] and sections[{i}]"),
+                    format!(
+                        "element {} belongs to sections[{other}] and sections[{i}]",
+                        mesh.quad_label(q as usize)
+                    ),
                     "let the sets of the sections be disjoint",
                 );
                 break;
@@ -161,9 +179,10 @@ pub fn sets(model: &Model, mesh: &Mesh) -> Vec<Issue> {
         c.add(
             "sections",
             format!(
-                "{} of {} elements have no section, the first is element {q}",
+                "{} of {} elements have no section, the first is element {}",
                 mesh.quads.len() - section_of.len(),
-                mesh.quads.len()
+                mesh.quads.len(),
+                mesh.quad_label(q as usize)
             ),
             "add a section for them, or use on = \"all\"",
         );
@@ -199,6 +218,11 @@ pub fn sets(model: &Model, mesh: &Mesh) -> Vec<Issue> {
         drop(c.set(mesh, format!("initial_velocities[{i}].on"), &v.on, "nodes", Mesh::nodes_on));
     }
     for (i, p) in model.output.points.iter().enumerate() {
+        if let (None, Some(at)) = (&p.on, p.at)
+            && let Err((message, help)) = mesh.node_near(&p.name, Vec3::from(at))
+        {
+            c.add(format!("output.points[{i}].at"), message, help);
+        }
         if let Some(on) = &p.on {
             let key = format!("output.points[{i}].on");
             let nodes = c.set(mesh, key.clone(), on, "nodes", Mesh::nodes_on);
@@ -249,7 +273,7 @@ fn loose_nodes(model: &Model, mesh: &Mesh) -> Vec<Issue> {
             let node = loose(name)?;
             Some(Issue::new(
                 key,
-                format!("set \"{name}\" holds node {node}, which belongs to no element"),
+                format!("set \"{name}\" holds node {}, which belongs to no element", mesh.node_label(node)),
                 "take the node out of the set, or out of the mesh",
             ))
         })
@@ -452,6 +476,15 @@ impl Checker {
                         self.positive(&format!("analysis.{key}"), "the step", value);
                     }
                 }
+                for (key, value) in [("time_step", t.time_step), ("initial_step", t.initial_step)] {
+                    if let Some(value) = value.filter(|&value| value > t.end_time && t.end_time > 0.0) {
+                        self.add(
+                            format!("analysis.{key}"),
+                            format!("the step {value} is longer than the whole analysis of {}", t.end_time),
+                            "give a step below the end time",
+                        );
+                    }
+                }
                 if t.max_iterations == 0 {
                     self.add("analysis.max_iterations", "`max_iterations` is 0", "give at least 1");
                 }
@@ -477,17 +510,6 @@ impl Checker {
                     }
                     Scheme::EnergyMomentum(_) => {}
                 }
-            }
-        }
-        for (name, amplitude) in &model.amplitudes {
-            if let Amplitude::Expression(e) = amplitude
-                && e.expression.trim().is_empty()
-            {
-                self.add(
-                    format!("amplitudes.{name}.expression"),
-                    "the expression is empty",
-                    "write a formula in `t`",
-                );
             }
         }
     }

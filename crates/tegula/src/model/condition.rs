@@ -127,7 +127,7 @@ pub enum Load {
 pub struct VectorLoad {
     /// Name of the set: nodes for force and moment, edges for edge loads, quads (or `"all"`) for traction.
     pub on: String,
-    /// The vector.
+    /// The load as a vector `[x, y, z]` in global axes: force, moment, or either per length or area.
     pub value: [f64; 3],
     /// Name of an amplitude; without one the load grows with the load factor in statics and is constant in transients.
     #[serde(default, skip_serializing_if = "Option::is_none")]

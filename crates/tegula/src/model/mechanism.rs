@@ -75,7 +75,7 @@ pub fn mechanisms(
             "conditions",
             format!(
                 "free mechanism: the part of the mesh with node {} ({} nodes) {how} ({} free rigid motion(s))",
-                first[part],
+                mesh.node_label(first[part] as u32),
                 size[part],
                 free.len()
             ),

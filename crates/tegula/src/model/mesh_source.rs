@@ -32,6 +32,7 @@ pub enum MeshSource {
 #[serde(deny_unknown_fields)]
 pub struct Grid {
     /// Number of elements along u and v, at least 1 each.
+    #[schemars(inner(range(min = 1)))]
     pub elements: [u32; 2],
     /// Ratio of the last to the first element's length along u and v (1: all equal).
     #[serde(default = "ones")]

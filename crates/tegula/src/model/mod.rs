@@ -9,10 +9,12 @@ mod analysis;
 pub mod build;
 pub mod check;
 mod condition;
+mod course;
 mod mechanism;
 mod mesh_source;
 mod prescribed_strain;
 mod sections;
+mod warnings;
 
 use std::collections::BTreeMap;
 
@@ -23,6 +25,7 @@ pub use analysis::*;
 pub use condition::*;
 pub use mesh_source::*;
 pub use prescribed_strain::*;
+pub use warnings::warnings;
 
 /// A whole model: mesh, materials, sections, conditions, loads, analysis, output.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

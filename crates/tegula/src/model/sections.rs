@@ -164,7 +164,13 @@ impl Elements {
                 let c = g.centre();
                 issues.push(Issue::new(
                     "mesh",
-                    format!("element {q} at ({:.4}, {:.4}, {:.4}) is invalid: {reason}", c.x, c.y, c.z),
+                    format!(
+                        "element {} at ({:.4}, {:.4}, {:.4}) is invalid: {reason}",
+                        mesh.quad_label(q as usize),
+                        c.x,
+                        c.y,
+                        c.z
+                    ),
                     "repair the mesh there",
                 ));
                 continue;

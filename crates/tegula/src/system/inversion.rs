@@ -34,5 +34,6 @@ pub fn inside_out(system: &System, u: &[Nodal]) -> Option<String> {
     };
     let shell = system.shells.par_iter().with_min_len(CHUNK).find_first(|s| turned(s))?;
     let c = shell.geometry.centre();
-    Some(format!("element {} at ({:.4}, {:.4}, {:.4}) is turned inside out", shell.quad, c.x, c.y, c.z))
+    let label = system.quad_label(shell.quad);
+    Some(format!("element {label} at ({:.4}, {:.4}, {:.4}) is turned inside out", c.x, c.y, c.z))
 }

@@ -12,6 +12,7 @@ use crate::Vec3;
 use crate::element::shell::ShellElement;
 use crate::element::{ElementGroup, Nodal, ShellGeometry};
 use crate::load::{FollowerLoad, TimeFunction};
+use crate::mesh::Labels;
 use crate::model::PrescribedStrain;
 use crate::section::CompiledSection;
 pub use assembly::Assembly;
@@ -98,6 +99,8 @@ pub struct System {
     pub followers: Vec<FollowerLoad>,
     /// Functions of time.
     pub amplitudes: Vec<TimeFunction>,
+    /// Their names.
+    pub amplitude_names: Vec<String>,
     /// Sparsity and mass.
     pub pattern: Pattern,
     /// Rayleigh factor of the mass.
@@ -110,6 +113,8 @@ pub struct System {
     pub proportional: bool,
     /// Velocities at the start.
     pub initial_velocity: Vec<Nodal>,
+    /// Numbers of nodes and quads in the mesh file, for messages.
+    pub labels: Option<Labels>,
 }
 
 impl System {
@@ -121,6 +126,16 @@ impl System {
     /// Number of free coordinates.
     pub fn unknowns(&self) -> usize {
         self.numbering.unknowns
+    }
+
+    /// Number of a node for people: that of the mesh file, or the internal one, counted from 0.
+    pub fn node_label(&self, node: u32) -> u64 {
+        self.labels.as_ref().map_or(u64::from(node), |labels| labels.node(node as usize))
+    }
+
+    /// Number of a quad for people: that of the mesh file, or the internal one, counted from 0.
+    pub fn quad_label(&self, quad: u32) -> u64 {
+        self.labels.as_ref().map_or(u64::from(quad), |labels| labels.quad(quad as usize))
     }
 
     /// Number of shell elements.
@@ -135,6 +150,21 @@ impl System {
             None if self.proportional => time,
             None => 1.0,
         }
+    }
+
+    /// The first amplitude in use that has no finite value at a time, or no finite velocity or acceleration where
+    /// a prescribed motion of a transient analysis follows it; for people.
+    pub fn undefined_amplitude(&self, time: f64) -> Option<String> {
+        let loads = self.dead_loads.iter().map(|load| load.amplitude);
+        let followers = self.followers.iter().map(FollowerLoad::amplitude);
+        let motions =
+            self.numbering.prescribed.iter().map(|&(_, _, amplitude)| (amplitude, !self.proportional));
+        let used = loads.chain(followers).map(|amplitude| (amplitude, false)).chain(motions);
+        used.filter_map(|(amplitude, motion)| Some((amplitude?, motion))).find_map(|(i, motion)| {
+            let (what, value) = self.amplitudes.get(i)?.undefined(time, motion)?;
+            let name = self.amplitude_names.get(i).map_or("?", String::as_str);
+            Some(format!("the {what} of the amplitude \"{name}\" is {value} at {time:.6e}"))
+        })
     }
 
     /// Adds the dead loads at a time.

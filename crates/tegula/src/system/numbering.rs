@@ -32,6 +32,17 @@ pub struct Support {
     pub key: String,
 }
 
+/// Two supports that want different values of one component.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Conflict {
+    /// Nodal vector.
+    pub vector: u32,
+    /// Direction of the second support.
+    pub direction: Vec3,
+    /// Keys of both supports.
+    pub keys: [String; 2],
+}
+
 /// Marks a coordinate that is not free.
 pub const CONSTRAINED: u32 = u32::MAX;
 
@@ -92,13 +103,13 @@ impl Numbering {
     /// unless they are wholly supported.
     ///
     /// # Errors
-    /// Pairs of keys of supports that prescribe the same component differently.
+    /// Supports that prescribe the same component differently.
     pub fn new(
         vectors: usize,
         supports: &[Support],
         unit: &BTreeSet<u32>,
         reference: &[Nodal],
-    ) -> Result<Self, Vec<(String, String)>> {
+    ) -> Result<Self, Vec<Conflict>> {
         let mut by_vector: Vec<Vec<&Support>> = vec![Vec::new(); vectors];
         for s in supports {
             by_vector[s.vector as usize].push(s);
@@ -111,24 +122,28 @@ impl Numbering {
         let mut units = Vec::new();
         for (v, list) in by_vector.iter().enumerate() {
             let mut axes: Vec<(Vec3, &Support)> = Vec::new();
+            let mut clash = |first: &Support, second: &Support| {
+                let keys = [first.key.clone(), second.key.clone()];
+                conflicts.push(Conflict { vector: v as u32, direction: second.direction, keys });
+            };
             for s in list {
                 let rest = axes.iter().fold(s.direction, |d, (a, _)| d - a * a.dot(&s.direction));
                 if rest.norm() > 1e-9 {
                     if rest.norm() < 1.0 - 1e-9 && s.motion.is_some() {
                         // The part along the earlier supports would have to be taken off its value.
-                        conflicts.push((axes[0].1.key.clone(), s.key.clone()));
+                        clash(axes[0].1, s);
                     }
                     axes.push((rest.normalize(), s));
                 } else if let Some((_, other)) = axes.iter().find(|(a, _)| a.dot(&s.direction).abs() > 0.5)
                     && other.motion != s.motion
                 {
-                    conflicts.push((other.key.clone(), s.key.clone()));
+                    clash(other, s);
                 }
             }
             if unit.contains(&(v as u32)) && axes.len() < 3 {
                 let d = Vec3::from(reference[v]).normalize();
                 if let Some((_, s)) = axes.iter().find(|(_, s)| s.motion.is_some()) {
-                    conflicts.push((s.key.clone(), s.key.clone()));
+                    clash(s, s);
                 }
                 // A support along the vector says nothing: its length is kept anyway.
                 axes.retain(|(a, _)| a.dot(&d).abs() < 1.0 - 1e-9);

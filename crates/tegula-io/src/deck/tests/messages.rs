@@ -126,11 +126,11 @@ fn unknown_words_come_with_the_allowed_ones() {
 fn numbers_have_to_be_in_range_and_finite() {
     insta::assert_snapshot!(with("load_steps = 4", "load_steps = -4"), @r#"
     m.toml:4:14: analysis.load_steps: -4 is out of range
-      help: give an integer from 0 to 4294967295
+      help: give an integer from 1 to 4294967295
     "#);
     insta::assert_snapshot!(with("load_steps = 4", "load_steps = 99999999999999999999999999999999999999999999999999"), @r#"
     m.toml:4:14: analysis.load_steps: 9999999999999999999999999999999999999999… is out of range
-      help: give an integer from 0 to 4294967295
+      help: give an integer from 1 to 4294967295
     "#);
     insta::assert_snapshot!(with("young = 210e9", "young = inf"), @r#"
     m.toml:12:9: materials.steel.young: inf is not a finite number
@@ -150,7 +150,7 @@ fn numbers_have_to_be_in_range_and_finite() {
     "#);
     insta::assert_snapshot!(with("elements = [16, 2]", "elements = [16, -2]"), @r#"
     m.toml:9:17: mesh.grid.elements[1]: -2 is out of range
-      help: give an integer from 0 to 4294967295
+      help: give an integer from 1 to 4294967295
     "#);
 }
 

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use tegula::Mesh;
+use tegula::mesh::Labels;
 
 use super::raw::{Corners, Raw, RawElement, Refused, Shape};
 use super::scanner::Scanner;
@@ -28,7 +29,12 @@ pub(super) fn mesh(scanner: &Scanner<'_>, raw: Raw, scale: f64) -> Result<Mesh, 
     let index: HashMap<u64, u32> = used.iter().copied().zip(0..).collect();
     let local = |tag: &u64| index.get(tag).copied();
 
-    let mut mesh = Mesh::default();
+    let labels = Labels {
+        file: scanner.file_name(),
+        nodes: used.iter().copied().collect(),
+        quads: quads.tags.clone(),
+    };
+    let mut mesh = Mesh { labels: Some(labels), ..Mesh::default() };
     for tag in &used {
         if let Some(&node) = listed.get(tag) {
             mesh.positions.push(raw.nodes[node].position * scale);
@@ -81,13 +87,16 @@ pub(super) fn mesh(scanner: &Scanner<'_>, raw: Raw, scale: f64) -> Result<Mesh, 
 #[derive(Default)]
 struct Quads {
     corners: Vec<[u64; 4]>,
+    /// Number of each in the file.
+    tags: Vec<u64>,
     sets: BTreeMap<String, Vec<u32>>,
 }
 
 impl Quads {
     fn collect(scanner: &Scanner<'_>, raw: &Raw, listed: &HashMap<u64, usize>) -> Result<Self, MeshError> {
         let mut quads = Self::default();
-        let mut known: HashMap<[u64; 4], u32> = HashMap::new();
+        // The quad on four nodes, and the elements of the file that are this quad.
+        let mut known: HashMap<[u64; 4], (u32, Vec<&RawElement>)> = HashMap::new();
         for element in &raw.elements {
             let tags: &[u64] = match &element.corners {
                 Corners::Point(tag) => std::slice::from_ref(tag),
@@ -111,12 +120,16 @@ impl Quads {
                     "remove collapsed quadrilaterals, such as those at the pole of a sphere: mesh that part unstructured",
                 ));
             }
-            // Format 2.2 writes a quadrilateral once for each of its physical groups.
             let next = quads.corners.len() as u32;
-            let quad = *known.entry(key).or_insert(next);
+            let (quad, copies) = known.entry(key).or_insert((next, Vec::new()));
+            let quad = *quad;
             if quad == next {
                 quads.corners.push(corners);
+                quads.tags.push(element.tag);
+            } else if let Some(first) = copies.iter().find(|first| !raw.is_copy(first, element)) {
+                return Err(twice(scanner, first, element));
             }
+            copies.push(element);
             for name in raw.set_names(element, 2) {
                 quads.sets.entry(name).or_default().push(quad);
             }
@@ -126,6 +139,16 @@ impl Quads {
 }
 
 impl Raw {
+    /// True if `second` is `first` once more because it belongs to another physical group too: format 2.2 writes
+    /// it again for each of its groups, on the same entity and with its nodes in the same order.
+    fn is_copy(&self, first: &RawElement, second: &RawElement) -> bool {
+        let alike = match (&first.corners, &second.corners) {
+            (Corners::Quad(a), Corners::Quad(b)) => a == b,
+            _ => false,
+        };
+        self.copies && alike && first.entity == second.entity && first.groups != second.groups
+    }
+
     /// Names of the sets an element belongs to: those of its physical groups, or their numbers.
     fn set_names(&self, element: &RawElement, dimension: u8) -> Vec<String> {
         let groups = element.groups.and_then(|list| self.groups.get(list)).map_or(&[][..], Vec::as_slice);
@@ -143,7 +166,7 @@ fn listed_nodes(scanner: &Scanner<'_>, raw: &Raw, scale: f64) -> Result<HashMap<
     for (i, node) in raw.nodes.iter().enumerate() {
         if !node.position.iter().all(|x| (x * scale).is_finite()) {
             return Err(scanner.error(
-                node.at,
+                node.coordinates,
                 format!("node {} has a coordinate that is not a finite number", node.tag),
                 "repair the geometry, or the scale of the mesh, and mesh it again",
             ));
@@ -207,6 +230,14 @@ fn describe(refused: &Refused) -> String {
         1 => format!("1 {shape} of {nodes} nodes (element {first})"),
         _ => format!("{count} {shape}s of {nodes} nodes (the first is element {first})"),
     }
+}
+
+fn twice(scanner: &Scanner<'_>, first: &RawElement, second: &RawElement) -> MeshError {
+    scanner.error(
+        second.at,
+        format!("elements {} and {} have the same four nodes", first.tag, second.tag),
+        "remove one of them; one thickness has to count for both",
+    )
 }
 
 fn lost_node(scanner: &Scanner<'_>, element: &RawElement, name: &str, node: u64) -> MeshError {

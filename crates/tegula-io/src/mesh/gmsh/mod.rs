@@ -8,7 +8,7 @@
 //! | physical point | a node set |
 //!
 //! A group without a name is called by its number. Nodes are ordered by their Gmsh number, quads as
-//! in the file; nodes of no quad are dropped. Everything that cannot be computed (triangles, elements
+//! in the file; nodes of no quad are dropped. The mesh keeps the numbers of the file as labels. Everything that cannot be computed (triangles, elements
 //! of higher order, solids) is refused with the command that repairs it. Format:
 //! <https://gmsh.info/doc/texinfo/gmsh.html#Gmsh-file-formats>.
 
@@ -29,22 +29,32 @@ use super::{At, MeshError};
 
 /// Reads the Gmsh file at `path`; all coordinates are multiplied by `scale`.
 pub fn read(path: &Path, scale: f64) -> Result<Mesh, MeshError> {
-    match std::fs::read(path) {
-        Ok(bytes) => parse(path, &bytes, scale),
-        Err(error) => {
-            let (message, help) = match error.kind() {
-                ErrorKind::NotFound => (
-                    "there is no such mesh file".to_owned(),
-                    "check the path; it is relative to the model file",
-                ),
-                ErrorKind::IsADirectory => {
-                    ("this is a directory, not a mesh file".to_owned(), "give the path of a .msh file")
-                }
-                _ => (format!("the mesh file cannot be read: {error}"), "check the file and its permissions"),
-            };
-            Err(MeshError { file: path.to_owned(), at: At::File, message, help: help.to_owned() })
+    parse(path, &load(path)?, scale)
+}
+
+/// The bytes of the file at `path`. Devices and pipes are refused: they may have no end.
+pub fn load(path: &Path) -> Result<Vec<u8>, MeshError> {
+    const GIVE: &str = "give the path of a .msh file";
+    let refused = |message: String, help: &str| MeshError {
+        file: path.to_owned(),
+        at: At::File,
+        message,
+        help: help.to_owned(),
+    };
+    let failed = |error: std::io::Error| match error.kind() {
+        ErrorKind::NotFound => {
+            refused("there is no such mesh file".into(), "check the path; it is relative to the model file")
         }
+        _ => refused(format!("the mesh file cannot be read: {error}"), "check the file and its permissions"),
+    };
+    let kind = std::fs::metadata(path).map_err(failed)?.file_type();
+    if kind.is_dir() {
+        return Err(refused("this is a directory, not a mesh file".into(), GIVE));
     }
+    if !kind.is_file() {
+        return Err(refused("this is a device or a pipe, not a mesh file".into(), GIVE));
+    }
+    std::fs::read(path).map_err(failed)
 }
 
 /// Reads Gmsh data already in memory; `path` only appears in errors.

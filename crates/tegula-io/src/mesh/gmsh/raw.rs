@@ -20,6 +20,8 @@ pub(super) struct Raw {
     pub groups: Vec<Vec<i64>>,
     /// Index into `groups` by dimension and number of the geometric entity (format 4.1).
     pub entities: BTreeMap<(u8, i64), usize>,
+    /// Whether an element is written once for each of its physical groups (format 2.2).
+    pub copies: bool,
     /// Elements that cannot be computed.
     pub refused: BTreeMap<i64, Refused>,
 }
@@ -29,8 +31,10 @@ pub(super) struct Raw {
 pub(super) struct RawNode {
     pub tag: u64,
     pub position: Vec3,
-    /// Place in the file.
+    /// Place of its number in the file.
     pub at: usize,
+    /// Place of its coordinates.
+    pub coordinates: usize,
 }
 
 /// A point, line or quadrilateral: one, two or four nodes.
@@ -40,6 +44,22 @@ pub(super) struct RawElement {
     pub corners: Corners,
     /// Index into [`Raw::groups`]; none: in no physical group.
     pub groups: Option<usize>,
+    /// Number of the geometric entity that it lies on.
+    pub entity: i64,
+    /// Place in the file.
+    pub at: usize,
+}
+
+/// What stands in front of the nodes of an element.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Head {
+    /// Type of the element.
+    pub kind: i64,
+    pub tag: u64,
+    /// Index into [`Raw::groups`].
+    pub groups: Option<usize>,
+    /// Number of the geometric entity.
+    pub entity: i64,
     /// Place in the file.
     pub at: usize,
 }
@@ -129,7 +149,7 @@ impl Raw {
     pub fn read_element<'a>(
         &mut self,
         scanner: &mut Scanner<'a>,
-        (kind, tag, groups, at): (i64, u64, Option<usize>, usize),
+        Head { kind, tag, groups, entity, at }: Head,
         node: impl Fn(&mut Scanner<'a>) -> Result<u64, MeshError>,
     ) -> Result<(), MeshError> {
         let Some((shape, count)) = shape(kind) else {
@@ -158,7 +178,7 @@ impl Raw {
                 return Ok(());
             }
         };
-        self.elements.push(RawElement { tag, corners, groups, at });
+        self.elements.push(RawElement { tag, corners, groups, entity, at });
         Ok(())
     }
 }

@@ -29,6 +29,11 @@ impl<'a> Scanner<'a> {
         Self { file, bytes, position: 0, encoding: Encoding::Ascii }
     }
 
+    /// The name of the file without its folder.
+    pub fn file_name(&self) -> String {
+        self.file.file_name().unwrap_or(self.file.as_os_str()).to_string_lossy().into_owned()
+    }
+
     /// The place from which the next item is read.
     pub fn position(&self) -> usize {
         self.position
@@ -136,6 +141,18 @@ impl<'a> Scanner<'a> {
         let start = self.position;
         let line = self.line(what)?;
         line.parse().map_err(|_| self.unexpected(start, what, line))
+    }
+
+    /// Compares the number of things that the head of a section at `start` promises with the number found.
+    pub fn total(&self, start: usize, what: &str, (promised, found): (u64, u64)) -> Result<(), MeshError> {
+        if promised == found {
+            return Ok(());
+        }
+        Err(self.error(
+            start,
+            format!("the section begins with {promised} {what} but holds {found}"),
+            DAMAGED,
+        ))
     }
 
     fn unexpected(&self, start: usize, what: &str, found: &str) -> MeshError {

@@ -225,6 +225,69 @@ fn nodes_and_groups_that_do_not_fit() {
 }
 
 #[test]
+fn an_element_given_twice_is_refused_with_its_numbers() {
+    const HELP: &str = "help: remove one of them; one thickness has to count for both";
+    let twice = |element: &str| error(&square(&[element]));
+    // The same group, another entity, rotated, reversed.
+    for element in
+        ["7 3 2 0 1 10 20 30 40", "7 3 2 3 2 10 20 30 40", "7 3 2 3 1 20 30 40 10", "7 3 2 3 1 40 30 20 10"]
+    {
+        assert_eq!(
+            twice(element),
+            format!("m.msh:21: elements 1 and 7 have the same four nodes\n  {HELP}"),
+            "{element}"
+        );
+    }
+    // Once more for another physical group: that is how format 2.2 writes it.
+    assert!(parse(Path::new("m.msh"), square(&["7 3 2 3 1 10 20 30 40"]).as_bytes(), 1.0).is_ok());
+    let four = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 1 0\n1 0 0 0 1 1 0 1 5 0\n$EndEntities\n\
+        $Nodes\n1 4 1 4\n2 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n$EndNodes\n\
+        $Elements\n1 2 8 9\n2 1 3 2\n8 1 2 3 4\n9 1 2 3 4\n$EndElements\n";
+    assert_eq!(error(four), format!("m.msh:24: elements 8 and 9 have the same four nodes\n  {HELP}"));
+}
+
+#[test]
+fn heads_of_sections_have_to_say_the_truth() {
+    let four = |nodes: u32, elements: u32, x: &str| {
+        format!(
+            "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 {nodes} 1 4\n2 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n{x} 1 0\n\
+             0 1 0\n$EndNodes\n$Elements\n1 {elements} 8 8\n2 1 3 1\n8 1 2 3 4\n$EndElements\n"
+        )
+    };
+    const DAMAGED: &str = "help: the file is cut off or damaged: save the mesh again in Gmsh";
+    assert!(parse(Path::new("m.msh"), four(4, 1, "1").as_bytes(), 1.0).is_ok());
+    assert_eq!(
+        error(&four(5, 1, "1")),
+        format!("m.msh:5: the section begins with 5 nodes but holds 4\n  {DAMAGED}")
+    );
+    assert_eq!(
+        error(&four(4, 7, "1")),
+        format!("m.msh:17: the section begins with 7 elements but holds 1\n  {DAMAGED}")
+    );
+    // The line of the coordinate, not that of the number of the node.
+    assert!(
+        error(&four(4, 1, "nan")).starts_with("m.msh:13: node 3 has a coordinate"),
+        "{}",
+        error(&four(4, 1, "nan"))
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn devices_without_end_are_refused() {
+    let error = read(Path::new("/dev/zero"), 1.0).unwrap_err();
+    assert_eq!(error.message, "this is a device or a pipe, not a mesh file");
+}
+
+#[test]
+fn the_mesh_knows_the_numbers_of_the_file() {
+    let mesh = parse(Path::new("a/m.msh"), square(&[]).as_bytes(), 1.0).unwrap();
+    let labels = mesh.labels.clone().unwrap();
+    assert_eq!((labels.file.as_str(), labels.nodes, labels.quads), ("m.msh", vec![10, 20, 30, 40], vec![1]));
+    assert_eq!((mesh.node_label(2), mesh.quad_label(0)), (30, 1));
+}
+
+#[test]
 fn damaged_files() {
     const DAMAGED: &str = "the file is cut off or damaged: save the mesh again in Gmsh";
     let whole = square(&[]);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use tegula::Vec3;
 
-use super::raw::{Raw, RawNode};
+use super::raw::{Head, Raw, RawNode};
 use super::scanner::{Encoding, Scanner};
 use crate::mesh::MeshError;
 
@@ -14,11 +14,12 @@ pub(super) fn nodes(scanner: &mut Scanner<'_>, raw: &mut Raw) -> Result<(), Mesh
     for _ in 0..count {
         let at = scanner.position();
         let tag = scanner.natural("the number of a node")?;
+        let coordinates = scanner.position();
         let mut position = Vec3::zeros();
         for i in 0..3 {
             position[i] = scanner.double("a coordinate of a node")?;
         }
-        raw.nodes.push(RawNode { tag, position, at });
+        raw.nodes.push(RawNode { tag, position, at, coordinates });
     }
     Ok(())
 }
@@ -26,7 +27,9 @@ pub(super) fn nodes(scanner: &mut Scanner<'_>, raw: &mut Raw) -> Result<(), Mesh
 /// `count`, then `number type tag-count tags… nodes…` for each element. In binary
 /// files type and tag count stand in front of a batch of elements that share them.
 pub(super) fn elements(scanner: &mut Scanner<'_>, raw: &mut Raw) -> Result<(), MeshError> {
+    let start = scanner.position();
     let count = scanner.text_count("the number of elements")?;
+    raw.copies = true;
     let mut lists = BTreeMap::new();
     let mut done = 0;
     while done < count {
@@ -49,21 +52,23 @@ pub(super) fn elements(scanner: &mut Scanner<'_>, raw: &mut Raw) -> Result<(), M
         }
         done = done.saturating_add(batch);
     }
-    Ok(())
+    scanner.total(start, "elements", (count, done))
 }
 
-/// Tags and nodes of one element; the first tag is the physical group, 0 for none.
+/// Tags and nodes of one element; the first tag is the physical group, 0 for none, the second the entity.
 fn element(
     scanner: &mut Scanner<'_>,
     raw: &mut Raw,
     lists: &mut BTreeMap<i64, usize>,
     (kind, tag, tags, at): (i64, u64, u64, usize),
 ) -> Result<(), MeshError> {
-    let mut group = 0;
+    let (mut group, mut entity) = (0, 0);
     for i in 0..tags {
         let value = scanner.int("a tag of an element")?;
-        if i == 0 {
-            group = value;
+        match i {
+            0 => group = value,
+            1 => entity = value,
+            _ => {}
         }
     }
     let list = match lists.get(&group) {
@@ -75,5 +80,7 @@ fn element(
             list
         }
     };
-    raw.read_element(scanner, (kind, tag, list, at), |s| s.natural("a node of an element"))
+    raw.read_element(scanner, Head { kind, tag, groups: list, entity, at }, |s| {
+        s.natural("a node of an element")
+    })
 }

@@ -2,7 +2,7 @@
 
 use tegula::Vec3;
 
-use super::raw::{Corners, Raw, RawNode};
+use super::raw::{Corners, Head, Raw, RawNode};
 use super::scanner::Scanner;
 use crate::mesh::MeshError;
 
@@ -38,17 +38,20 @@ pub(super) fn entities(scanner: &mut Scanner<'_>, raw: &mut Raw) -> Result<(), M
 
 /// Blocks of nodes: first all numbers, then all coordinates.
 pub(super) fn nodes(scanner: &mut Scanner<'_>, raw: &mut Raw) -> Result<(), MeshError> {
-    let blocks = block_count(scanner, "nodes")?;
+    let Blocks { start, blocks, total } = block_count(scanner, "nodes")?;
+    let mut found: u64 = 0;
     for _ in 0..blocks {
         let dimension = dimension(scanner)?;
         scanner.int("the number of a geometric entity")?;
         let parametric = scanner.int("the mark of parametric coordinates, 0 or 1")? != 0;
         let count = scanner.size("the number of nodes in a block")?;
+        found = found.saturating_add(count);
         let mut tags = Vec::new();
         for _ in 0..count {
             tags.push((scanner.position(), scanner.size("the number of a node")?));
         }
         for (at, tag) in tags {
+            let coordinates = scanner.position();
             let mut position = Vec3::zeros();
             for i in 0..3 {
                 position[i] = scanner.double("a coordinate of a node")?;
@@ -56,20 +59,22 @@ pub(super) fn nodes(scanner: &mut Scanner<'_>, raw: &mut Raw) -> Result<(), Mesh
             for _ in 0..if parametric { dimension } else { 0 } {
                 scanner.double("a parametric coordinate of a node")?;
             }
-            raw.nodes.push(RawNode { tag, position, at });
+            raw.nodes.push(RawNode { tag, position, at, coordinates });
         }
     }
-    Ok(())
+    scanner.total(start, "nodes", (total, found))
 }
 
 /// Blocks of elements of one type on one entity.
 pub(super) fn elements(scanner: &mut Scanner<'_>, raw: &mut Raw) -> Result<(), MeshError> {
-    let blocks = block_count(scanner, "elements")?;
+    let Blocks { start, blocks, total } = block_count(scanner, "elements")?;
+    let mut found: u64 = 0;
     for _ in 0..blocks {
         let dimension = dimension(scanner)?;
         let entity = scanner.int("the number of a geometric entity")?;
         let kind = scanner.int("the type of the elements in a block")?;
         let count = scanner.size("the number of elements in a block")?;
+        found = found.saturating_add(count);
         let groups = raw.entities.get(&(dimension, entity)).copied();
         let turned = groups
             .and_then(|list| raw.groups.get(list))
@@ -79,7 +84,8 @@ pub(super) fn elements(scanner: &mut Scanner<'_>, raw: &mut Raw) -> Result<(), M
         for _ in 0..count {
             let at = scanner.position();
             let tag = scanner.size("the number of an element")?;
-            raw.read_element(scanner, (kind, tag, groups, at), |s| s.size("a node of an element"))?;
+            let head = Head { kind, tag, groups, entity, at };
+            raw.read_element(scanner, head, |s| s.size("a node of an element"))?;
         }
         // Format 2.2 writes elements of negative groups turned around; here the reader has to.
         if turned {
@@ -90,16 +96,26 @@ pub(super) fn elements(scanner: &mut Scanner<'_>, raw: &mut Raw) -> Result<(), M
             }
         }
     }
-    Ok(())
+    scanner.total(start, "elements", (total, found))
 }
 
-/// `blocks total min-number max-number`: all but the first is repeated by the blocks.
-fn block_count(scanner: &mut Scanner<'_>, what: &str) -> Result<u64, MeshError> {
+/// The head of a section of blocks.
+struct Blocks {
+    /// Place in the file.
+    start: usize,
+    /// Number of blocks, and of what they hold altogether.
+    blocks: u64,
+    total: u64,
+}
+
+/// `blocks total min-number max-number`: the last two are repeated by the blocks.
+fn block_count(scanner: &mut Scanner<'_>, what: &str) -> Result<Blocks, MeshError> {
+    let start = scanner.position();
     let blocks = scanner.size(&format!("the number of blocks of {what}"))?;
-    scanner.size(&format!("the number of {what}"))?;
+    let total = scanner.size(&format!("the number of {what}"))?;
     scanner.size(&format!("the smallest number of the {what}"))?;
     scanner.size(&format!("the greatest number of the {what}"))?;
-    Ok(blocks)
+    Ok(Blocks { start, blocks, total })
 }
 
 fn dimension(scanner: &mut Scanner<'_>) -> Result<u8, MeshError> {

@@ -5,7 +5,7 @@ pub mod newmark;
 pub mod step_control;
 
 use super::newton::{Diverged, Equation, Newton, Tolerances};
-use super::statics::state_kinematics;
+use super::statics::{state_kinematics, undefined};
 use super::{Balance, Observer, State, Statistics, Step};
 use crate::element::{Kinematics, Motion, Nodal};
 use crate::linear::Factor as _;
@@ -87,7 +87,12 @@ pub fn run(
     let fresh = start.is_none();
     let mut state = match start {
         Some(s) => s,
-        None => initial_state(system, &mut newton)?,
+        None => {
+            if let Some(reason) = system.undefined_amplitude(0.0) {
+                return Err(undefined("time", (0.0, 0.0), reason));
+            }
+            initial_state(system, &mut newton)?
+        }
     };
     statistics.steps = state.step;
     newton.assembly.stress.copy_from_slice(&state.stress);
@@ -122,10 +127,16 @@ pub fn run(
         } else {
             state.next_step
         };
+        // Schemes look into the step, too.
+        let gap = [0.5, 1.0].into_iter().find_map(|part| system.undefined_amplitude(state.time + part * dt));
+        if let Some(reason) = gap {
+            return Err(undefined("time", (state.time, state.time + dt), reason));
+        }
         scheme.begin(system, &mut newton.assembly, &state, dt);
         let result = newton.solve(system, scheme.as_mut(), &tolerances, observer);
         statistics.factorizations = newton.solver.factorizations() as u64;
         let inverted = result.is_ok().then(|| inside_out(system, scheme.displacements())).flatten();
+        let mut inaccurate = false;
         let failure = match result {
             Ok(c) if inverted.is_some() => {
                 statistics.iterations += u64::from(c.iterations);
@@ -165,7 +176,8 @@ pub fn run(
                     continue;
                 }
                 state.next_step = control.next(dt, error, c.iterations).min(0.5 * dt);
-                format!("its error {error:.1e} is above the tolerance")
+                inaccurate = true;
+                format!("its error {error:.1e} is above the tolerance {:.1e}", options.tolerance)
             }
             Err(Diverged { iterations, reason }) => {
                 statistics.iterations += u64::from(iterations);
@@ -177,17 +189,19 @@ pub fn run(
             }
         };
         if state.next_step < SMALLEST_STEP * options.end_time {
+            observer.on_repeat(&statistics);
             return Err(Error::NotConverged {
                 at: format!("time {:.6e}", state.time + dt),
                 reason: failure,
                 help: format!(
-                    "The last finished step ended at time {:.6e}; results up to there are complete. \
-                     Try the energy-momentum scheme, some damping, or a look at loads and units.",
-                    state.time
+                    "The last finished step ended at time {:.6e}; results up to there are complete. {}",
+                    state.time,
+                    advice(system, options, inaccurate)
                 ),
             });
         }
         statistics.cutbacks += 1;
+        observer.on_repeat(&statistics);
         observer.on_event(&format!(
             "time {:.6e}: a step of {dt:.3e} is repeated with {:.3e}: {failure}",
             state.time, state.next_step
@@ -195,6 +209,25 @@ pub fn run(
         newton.assembly.stress.copy_from_slice(&state.stress);
     }
     Ok(TransientOutcome { state, balance, statistics })
+}
+
+/// What may help a motion whose steps shrink to nothing, without what is in use already.
+fn advice(system: &System, options: &TransientAnalysis, inaccurate: bool) -> String {
+    let mut list = Vec::new();
+    if inaccurate {
+        list.push("a larger `tolerance`");
+    }
+    if !matches!(options.scheme, Scheme::EnergyMomentum(_)) {
+        list.push("the scheme \"energy-momentum\"");
+    }
+    if system.mass_damping == 0.0 && system.groups.iter().all(|g| g.retardation_time() == 0.0) {
+        list.push("some damping");
+    }
+    if !inaccurate && options.time_step.is_none() && options.max_step.is_none() {
+        list.push("a smaller `tolerance` or a `max_step`");
+    }
+    list.push("a look at loads, initial velocities and units");
+    format!("Try {}.", list.join(", or "))
 }
 
 /// Rest or initial velocities, prescribed values at time 0, and accelerations that satisfy the

@@ -188,7 +188,7 @@ fn faults_are_errors() {
     let mut mesh = cylinder([0.0, 90.0], 4);
     mesh.quads[0].reverse();
     let found = issues(&mesh);
-    assert_eq!(found.len(), 2);
+    assert_eq!(found.len(), 2, "{found:#?}");
     assert!(
         found[0].message.contains("elements 0 at") && found[0].message.contains("and 1 at"),
         "{}",
@@ -271,4 +271,30 @@ proptest! {
             }
         }
     }
+}
+
+/// Two sheets that lie on one another at the edge of a third: the one upside down could turn about the edge freely.
+#[test]
+fn sheets_that_lie_on_one_another_are_refused() {
+    let x = |lift: f64| {
+        [
+            [0.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [-1.0, 0.0, 0.0],
+            [-1.0, 1.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [1.0, 1.0, 0.0],
+            [1.0, 0.0, lift],
+            [1.0, 1.0, lift],
+        ]
+    };
+    let quads = [[2, 0, 1, 3], [0, 4, 5, 1], [0, 1, 7, 6]];
+    let found = issues(&from(&x(0.0), &quads));
+    assert_eq!(found.len(), 2, "{found:#?}");
+    assert!(
+        found[0].message.contains("at node 0 at (0.0, 0.0, 0.0) the surface is folded back"),
+        "{}",
+        found[0]
+    );
+    assert_eq!(directors(&from(&x(0.5), &quads)).ties.len(), 2);
 }

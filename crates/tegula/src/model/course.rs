@@ -1,0 +1,75 @@
+//! What can be wrong with the amplitudes of a model, over the whole course of its analysis.
+
+use super::{Amplitude, Analysis, Condition, Load, Model};
+use crate::Issue;
+use crate::load::TimeFunction;
+
+/// Instants at which a formula is tried, beside the first. A gap between them shows while the model is computed.
+const INSTANTS: u32 = 1000;
+
+/// Amplitudes that are no functions of time, or have no value at a time at which the model needs one.
+pub(super) fn amplitudes(model: &Model) -> Vec<Issue> {
+    let mut issues = Vec::new();
+    for (name, amplitude) in &model.amplitudes {
+        let key = key(name, amplitude);
+        match TimeFunction::new(amplitude) {
+            Ok(function) => issues
+                .extend(gap(model, name, &function).map(|(message, help)| Issue::new(key, message, help))),
+            Err((message, help)) => issues.push(Issue::new(key, message, help)),
+        }
+    }
+    issues
+}
+
+/// The key at which an amplitude is wrong.
+pub(super) fn key(name: &str, amplitude: &Amplitude) -> String {
+    let last = match amplitude {
+        Amplitude::Constant(_) => "value",
+        Amplitude::Ramp(_) => "end",
+        Amplitude::Table(_) => "times",
+        Amplitude::Expression(_) => "expression",
+    };
+    format!("amplitudes.{name}.{last}")
+}
+
+/// The first time at which a function that is in use has no finite value, or no velocity where a motion follows it.
+fn gap(model: &Model, name: &str, function: &TimeFunction) -> Option<(String, String)> {
+    let (end, moves) = match &model.analysis {
+        Analysis::Static(_) => (1.0, false),
+        Analysis::Modal(m) => (if m.prestressed { 1.0 } else { 0.0 }, false),
+        Analysis::Transient(t) => (t.end_time, true),
+    };
+    let is = |amplitude: &Option<String>| amplitude.as_deref() == Some(name);
+    let drives = model.conditions.iter().any(|c| matches!(c, Condition::Prescribe(p) if is(&p.amplitude)));
+    let loads = model.loads.iter().any(|load| is(amplitude_of(load)));
+    if !(drives || loads) || !end.is_finite() {
+        return None;
+    }
+    let motion = drives && moves;
+    let (t, (what, value)) = (0..=INSTANTS)
+        .map(|i| end * f64::from(i) / f64::from(INSTANTS))
+        .find_map(|t| Some((t, function.undefined(t, motion)?)))?;
+    let (message, help) = if what == "value" {
+        (
+            format!("the {what} at t = {t} is {value}"),
+            format!("the formula needs a finite value from 0 to {end}"),
+        )
+    } else {
+        (
+            format!("the {what} at t = {t} is {value}, but a prescribed motion follows this amplitude"),
+            "let the motion begin and end smoothly, such as with t^2 or 1 - cos(t)".to_owned(),
+        )
+    };
+    Some((message, help))
+}
+
+/// The amplitude of a load.
+pub(super) fn amplitude_of(load: &Load) -> &Option<String> {
+    match load {
+        Load::Force(l) | Load::Moment(l) | Load::Edge(l) | Load::EdgeMoment(l) | Load::Traction(l) => {
+            &l.amplitude
+        }
+        Load::Pressure(l) => &l.amplitude,
+        Load::Gravity(l) => &l.amplitude,
+    }
+}

@@ -1,0 +1,97 @@
+//! What is most likely not meant, though it can be computed.
+
+use super::course::amplitude_of;
+use super::{Analysis, Condition, Load, Model};
+use crate::mesh::Mesh;
+use crate::system::{Shell, System};
+use crate::{Issue, Vec3};
+
+/// Thickness over the size of the largest element, above which units are most likely mixed up.
+const THICK: f64 = 10.0;
+
+/// Input that has no effect, or a geometry that no shell has. The model is computed all the same.
+pub fn warnings(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
+    let mut found = idle(model);
+    found.extend(zero_loads(model));
+    for (i, section) in model.sections.iter().enumerate() {
+        let shells = || system.shells.iter().filter(|shell| shell.section == i);
+        let worst = shells().map(|shell| (curvature(shell), shell)).max_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((curvature, shell)) = worst else { continue };
+        let key = format!("sections[{i}].thickness");
+        let largest = shells().map(size).fold(0.0, f64::max);
+        let h = section.thickness;
+        if h * curvature > 1.0 {
+            found.push(Issue::new(
+                &key,
+                format!(
+                    "the thickness {h} is larger than the radius of curvature {:.3e} at element {}",
+                    1.0 / curvature,
+                    mesh.quad_label(shell.quad as usize)
+                ),
+                "a shell is thin compared with its radius: check the units of mesh and thickness",
+            ));
+        } else if h > THICK * largest {
+            found.push(Issue::new(
+                &key,
+                format!(
+                    "the thickness {h} is {:.0} times the size {largest:.3e} of the largest element",
+                    h / largest
+                ),
+                "a shell is thin compared with its length: check the units of mesh and thickness",
+            ));
+        }
+    }
+    found
+}
+
+/// Loads that do not act, and an equilibrium without loads.
+fn idle(model: &Model) -> Vec<Issue> {
+    let Analysis::Modal(modal) = &model.analysis else { return Vec::new() };
+    let prescribed = model.conditions.iter().any(|c| matches!(c, Condition::Prescribe(p) if p.value != 0.0));
+    match (modal.prestressed, model.loads.is_empty() && !prescribed) {
+        (false, false) => vec![Issue::new(
+            if model.loads.is_empty() { "conditions" } else { "loads" },
+            "loads and prescribed values have no effect on this modal analysis: it is about the reference configuration",
+            "give `prestressed = true` to vibrate about the equilibrium under them, or leave them out",
+        )],
+        (true, true) => vec![Issue::new(
+            "analysis.prestressed",
+            "the model has no loads and prescribed values: the equilibrium is the reference configuration",
+            "add the loads, or leave `prestressed` out",
+        )],
+        _ => Vec::new(),
+    }
+}
+
+fn zero_loads(model: &Model) -> Vec<Issue> {
+    let zero = |load: &Load| match load {
+        Load::Force(l) | Load::Moment(l) | Load::Edge(l) | Load::EdgeMoment(l) | Load::Traction(l) => {
+            l.value == [0.0; 3]
+        }
+        Load::Pressure(l) => l.value == 0.0,
+        Load::Gravity(l) => l.value == [0.0; 3],
+    };
+    let list = model.loads.iter().enumerate().filter(|(_, load)| zero(load));
+    list.map(|(i, load)| {
+        let times = if amplitude_of(load).is_some() { ", whatever its amplitude" } else { "" };
+        Issue::new(
+            format!("loads[{i}].value"),
+            format!("the load is zero{times}"),
+            "give its value, or leave it out",
+        )
+    })
+    .collect()
+}
+
+/// Largest curvature along the sides of an element [1/length]: change of the director over the length of the side.
+fn curvature(shell: &Shell) -> f64 {
+    let (x, d) = (&shell.geometry.positions, &shell.geometry.directors);
+    let along = |a: usize, b: usize| -> f64 { Vec3::norm(&(d[a] - d[b])) / Vec3::norm(&(x[a] - x[b])) };
+    (0..4).map(|a| along(a, (a + 1) % 4)).fold(0.0, f64::max)
+}
+
+/// Longer diagonal of an element (length).
+fn size(shell: &Shell) -> f64 {
+    let x = &shell.geometry.positions;
+    (x[2] - x[0]).norm().max((x[3] - x[1]).norm())
+}
