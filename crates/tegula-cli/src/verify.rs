@@ -24,12 +24,16 @@ pub struct Verify {
     /// Write the rows as Markdown tables
     #[arg(long, value_name = "FILE")]
     markdown: Option<PathBuf>,
+    /// Write the tables that cases make for readers into a folder, a Markdown file each
+    #[arg(long, value_name = "DIR")]
+    tables: Option<PathBuf>,
     /// Draw the figures of the cases into a folder
     #[arg(long, value_name = "DIR")]
     pictures: Option<PathBuf>,
 }
 
-const PAPER: [&str; 5] = ["plate", "quarter-cylinder", "frequencies", "pendulum", "pendulum-64"];
+const PAPER: [&str; 6] =
+    ["plate", "quarter-cylinder", "frequencies", "pendulum", "pendulum-64", "paper-tables"];
 
 impl Verify {
     /// Runs the subcommand.
@@ -47,15 +51,26 @@ impl Verify {
                 return ExitCode::from(1);
             }
         };
-        if let Some(folder) = &self.pictures
-            && let Err(e) = std::fs::create_dir_all(folder)
-        {
-            eprintln!("error: the folder {} cannot be made: {e}", folder.display());
-            return ExitCode::from(1);
+        for folder in [&self.pictures, &self.tables].into_iter().flatten() {
+            if let Err(e) = std::fs::create_dir_all(folder) {
+                eprintln!("error: the folder {} cannot be made: {e}", folder.display());
+                return ExitCode::from(1);
+            }
         }
         println!("{}", Row::heading());
         let report = run(&cases, self.pictures.as_deref(), &mut |row| println!("{}", row.line()));
+        for table in report.tables() {
+            print!("\n{}", table.markdown());
+        }
         print!("\n{}", report.summary());
+        if let Some(folder) = &self.tables {
+            for table in report.tables() {
+                if let Err(message) = write(&folder.join(format!("{}.md", table.name)), &table.markdown()) {
+                    eprintln!("error: {message}");
+                    return ExitCode::from(1);
+                }
+            }
+        }
         let files = [(&self.json, format!("{:#}\n", report.json())), (&self.markdown, report.markdown())];
         for (path, text) in files {
             if let Some(path) = path

@@ -203,8 +203,11 @@ fn rigid_motions_cost_nothing_and_turn_forces() {
             let moved: Vec<Nodal> = (0..u.len())
                 .map(|v| {
                     let x0 = Vec3::from(e.reference[v]);
-                    let shift =
-                        if e.kinds[v] == VectorKind::Position { Vec3::new(3.0, -1.0, 2.0) } else { Vec3::zeros() };
+                    let shift = if e.kinds[v] == VectorKind::Position {
+                        Vec3::new(3.0, -1.0, 2.0)
+                    } else {
+                        Vec3::zeros()
+                    };
                     (q * (x0 + Vec3::from(u[v])) + shift - x0).into()
                 })
                 .collect();

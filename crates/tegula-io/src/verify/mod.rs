@@ -7,6 +7,8 @@
 mod benchmarks;
 mod frequencies;
 mod model;
+mod paper;
+mod patch;
 mod pendulum;
 mod plate;
 mod quarter_cylinder;
@@ -16,7 +18,7 @@ mod transients;
 
 use std::path::Path;
 
-pub use report::{Report, Row, Verdict};
+pub use report::{Report, Row, Table, Verdict};
 
 /// How long a case takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -91,6 +93,18 @@ pub const CASES: &[Case] = &[
         about: "Sect. 5.4: the start of the pendulum at 8x8, energy-momentum",
         cost: Cost::Fast,
         run: pendulum::fast,
+    },
+    Case {
+        name: "paper-tables",
+        about: "Tables 1-4 and Fig. 7 of the paper with all elements side by side",
+        cost: Cost::Normal,
+        run: paper::tables,
+    },
+    Case {
+        name: "patch",
+        about: "patch tests of MacNeal and Harder for all elements",
+        cost: Cost::Fast,
+        run: patch::all,
     },
     Case {
         name: "linear-benchmarks",

@@ -123,3 +123,11 @@ fn convergence(report: &mut Report) -> Result<()> {
     }
     Ok(())
 }
+
+/// Deflection u_z of S1 at the force.
+pub fn deflection(variant: &str, n: u32) -> Result<f64> {
+    let mut model = setup("S1", n)?;
+    switch(&mut model, variant);
+    let compiled = Compiled::new(&model)?;
+    Ok(compiled.statics(&model)?.state.u[compiled.point("u_max_v_max")?][2])
+}

@@ -87,10 +87,56 @@ impl Row {
     }
 }
 
+/// A table that a case makes for readers.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Table {
+    /// File name in the book, without ending.
+    pub name: String,
+    /// Heading.
+    pub title: String,
+    /// Heads of the columns.
+    pub columns: Vec<String>,
+    /// Cells by rows.
+    pub cells: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// An empty table.
+    pub fn new(name: &str, title: &str, columns: &[&str]) -> Self {
+        let columns = columns.iter().map(|c| (*c).into()).collect();
+        Self { name: name.into(), title: title.into(), columns, cells: Vec::new() }
+    }
+
+    /// The table in Markdown, columns aligned for the terminal as well.
+    pub fn markdown(&self) -> String {
+        let rows = || std::iter::once(&self.columns).chain(&self.cells);
+        let width = |c: usize| rows().filter_map(|r| r.get(c)).map(|t| t.chars().count()).max().unwrap_or(0);
+        let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
+        let mut out = format!("**{}**\n\n", self.title);
+        for (i, row) in rows().enumerate() {
+            for (c, w) in widths.iter().enumerate() {
+                let text = row.get(c).map_or("", String::as_str);
+                let _ = write!(out, "| {text}{} ", " ".repeat(w - text.chars().count()));
+            }
+            out.push_str("|\n");
+            if i == 0 {
+                for (c, w) in widths.iter().enumerate() {
+                    out.push_str(if c == 0 { "|:" } else { "|-" });
+                    out.push_str(&"-".repeat(*w));
+                    out.push_str(if c == 0 { "-" } else { ":" });
+                }
+                out.push_str("|\n");
+            }
+        }
+        out
+    }
+}
+
 /// Rows of all cases run.
 #[derive(Debug, Clone, Default)]
 pub struct Report {
     rows: Vec<Row>,
+    tables: Vec<Table>,
     pictures: Option<PathBuf>,
     element: String,
 }
@@ -98,12 +144,27 @@ pub struct Report {
 impl Report {
     /// An empty report; figures go to `pictures`.
     pub fn new(pictures: Option<&Path>) -> Self {
-        Self { rows: Vec::new(), pictures: pictures.map(Path::to_path_buf), element: "ems".into() }
+        Self {
+            rows: Vec::new(),
+            tables: Vec::new(),
+            pictures: pictures.map(Path::to_path_buf),
+            element: "ems".into(),
+        }
     }
 
     /// The rows.
     pub fn rows(&self) -> &[Row] {
         &self.rows
+    }
+
+    /// The tables that cases made for readers.
+    pub fn tables(&self) -> &[Table] {
+        &self.tables
+    }
+
+    /// Adds a table for readers.
+    pub fn table(&mut self, table: Table) {
+        self.tables.push(table);
     }
 
     /// True if every value holds.
@@ -213,6 +274,9 @@ impl Report {
     /// The rows as Markdown tables, one a case.
     pub fn markdown(&self) -> String {
         let mut out = format!("# Verification\n\n{}", self.summary());
+        for table in &self.tables {
+            let _ = write!(out, "\n{}", table.markdown());
+        }
         let mut case = "";
         for row in &self.rows {
             if row.case != case {

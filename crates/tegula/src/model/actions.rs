@@ -27,6 +27,7 @@ pub(super) fn supports(
     for (i, condition) in model.conditions.iter().enumerate() {
         let key = format!("conditions[{i}]");
         let mut oblique = None;
+        let mut without_gradients = None;
         let mut on = |vectors: &[u32], direction: Vec3, motion| {
             for &vector in vectors.iter().filter(|&&v| v != u32::MAX) {
                 out.push(Support { vector, direction, motion, key: key.clone() });
@@ -82,9 +83,26 @@ pub(super) fn supports(
                         NodalVector::Director => {
                             on(&of_node(&directors, node), axes[p.component.index()], motion)
                         }
+                        NodalVector::FirstGradient | NodalVector::SecondGradient => {
+                            let second = p.of == NodalVector::SecondGradient;
+                            let list = of_node(&gradients, node);
+                            if list.is_empty() {
+                                without_gradients.get_or_insert(node);
+                            }
+                            let half: Vec<u32> =
+                                list.into_iter().skip(usize::from(second)).step_by(2).collect();
+                            on(&half, axes[p.component.index()], motion);
+                        }
                     }
                 }
             }
+        }
+        if let Some(node) = without_gradients {
+            issues.push(Issue::new(
+                format!("{key}.of"),
+                format!("node {} has no gradients along the surface", mesh.node_label(node)),
+                "only the nodes of `ancf-full` have them; prescribe positions and directors",
+            ));
         }
         if let Some(node) = oblique {
             issues.push(Issue::new(

@@ -80,6 +80,10 @@ pub enum NodalVector {
     Position,
     /// Director (transverse gradient).
     Director,
+    /// Gradient along the first tangent of the surface (`ancf-full` only).
+    FirstGradient,
+    /// Gradient along the second tangent of the surface (`ancf-full` only).
+    SecondGradient,
 }
 
 /// Components of a vector.
