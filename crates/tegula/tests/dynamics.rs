@@ -40,7 +40,7 @@ fn run(m: &Model, options: &TransientAnalysis, notes: &mut Notes) -> (System, Tr
 /// takes 0.1 s: a few milliseconds resolve all of its motion.
 fn soft_plate() -> Model {
     let mut m = model(plate([1.0, 1.0], [2, 2], 0.2), 1e5, 0.5);
-    m.materials.insert("m".into(), Material::Isotropic(Isotropic { young: 1e5, poisson: 0.3, density: 1e3 }));
+    m.materials.insert("m".into(), Material::Isotropic(Isotropic::new(1e5, 0.3, 1e3)));
     m.loads = vec![Load::Gravity(GravityLoad { value: [2.0, 1.0, -9.81], amplitude: None })];
     m
 }
@@ -158,8 +158,7 @@ fn the_start_satisfies_the_equations_of_motion() {
 /// A free plate that flies and tumbles, deforming on the way.
 fn tumbling() -> Model {
     let mut m = model(plate([1.0, 0.6], [4, 3], 0.2), 1e6, 0.02);
-    m.materials
-        .insert("m".into(), Material::Isotropic(Isotropic { young: 1e6, poisson: 0.3, density: 500.0 }));
+    m.materials.insert("m".into(), Material::Isotropic(Isotropic::new(1e6, 0.3, 500.0)));
     m.conditions.clear();
     m.initial_velocities = vec![InitialVelocity {
         on: "all".into(),

@@ -24,10 +24,7 @@ fn strip(vertices: &[[f64; 3]], elements: u32) -> Model {
         grid: Grid::uniform(elements, 2),
     });
     let mut model = common::model(mesh, E, H);
-    model.materials = BTreeMap::from([(
-        "m".into(),
-        Material::Isotropic(Isotropic { young: E, poisson: 0.0, density: 1000.0 }),
-    )]);
+    model.materials = BTreeMap::from([("m".into(), Material::Isotropic(Isotropic::new(E, 0.0, 1000.0)))]);
     model
 }
 
@@ -140,10 +137,7 @@ fn a_closed_box_bends_as_a_beam() {
         grid: Grid::uniform(16, 40),
     });
     let mut model = common::model(mesh, E, 0.004);
-    model.materials = BTreeMap::from([(
-        "m".into(),
-        Material::Isotropic(Isotropic { young: E, poisson: 0.0, density: 0.0 }),
-    )]);
+    model.materials = BTreeMap::from([("m".into(), Material::Isotropic(Isotropic::new(E, 0.0, 0.0)))]);
     model.conditions = vec![Condition::Clamp(OnSet { on: "v_min".into() })];
     let force = 1e-3;
     model.loads = vec![Load::Edge(VectorLoad {

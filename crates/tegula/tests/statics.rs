@@ -260,8 +260,7 @@ fn a_hopeless_load_is_an_error_that_says_where() {
 /// A clamped column of length 1, 0.2 × 0.01, under an axial force at its free end.
 fn column(force_over_euler: f64, allow_unstable: bool) -> Model {
     let mut m = model(plate([1.0, 0.2], [10, 2], 0.0), 2.1e8, 0.01);
-    m.materials
-        .insert("m".into(), Material::Isotropic(Isotropic { young: 2.1e8, poisson: 0.0, density: 1.0 }));
+    m.materials.insert("m".into(), Material::Isotropic(Isotropic::new(2.1e8, 0.0, 1.0)));
     let euler = std::f64::consts::PI.powi(2) * 2.1e8 * 0.2 * 1e-6 / 12.0 / 4.0;
     m.loads = vec![Load::Edge(vector_load("u_max", [-force_over_euler * euler / 0.2, 0.0, 0.0]))];
     m.analysis = Analysis::Static(StaticAnalysis { allow_unstable, ..Default::default() });

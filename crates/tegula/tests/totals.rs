@@ -54,8 +54,7 @@ fn middle(u: Vec3, v: Vec3) -> Vec3 {
 #[test]
 fn mass_is_density_times_volume() {
     let (mut m, ..) = inclined_plate();
-    m.materials
-        .insert("m".into(), Material::Isotropic(Isotropic { young: 1e6, poisson: 0.3, density: 7850.0 }));
+    m.materials.insert("m".into(), Material::Isotropic(Isotropic::new(1e6, 0.3, 7850.0)));
     let (_, system) = compile(&m);
     let exact = 7850.0 * 0.02 * 3.0;
     assert!((system.total_mass() - exact).abs() < 1e-12 * exact);

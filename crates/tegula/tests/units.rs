@@ -55,11 +55,11 @@ fn cylinder(n: u32, young: f64, density: f64, units: Units) -> Model {
     m.sections[0].thickness /= units.length;
     m.materials.insert(
         "m".into(),
-        Material::Isotropic(Isotropic {
-            young: young / units.stress(),
-            poisson: 0.3,
-            density: density / (units.mass / units.length.powi(3)),
-        }),
+        Material::Isotropic(Isotropic::new(
+            young / units.stress(),
+            0.3,
+            density / (units.mass / units.length.powi(3)),
+        )),
     );
     m
 }

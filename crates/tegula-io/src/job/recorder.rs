@@ -290,7 +290,7 @@ impl<'a> Recorder<'a> {
 /// stiffness Z = E h of stretching.
 fn largest_strain(system: &System, results: &[ShellResult]) -> Option<(f64, u32)> {
     let strain = |(shell, result): (&Shell, &ShellResult)| {
-        let stretching = system.sections.get(shell.section)?.section.resultant.at(0.0).thickness;
+        let stretching = system.sections.get(shell.section)?.section.resultant.stretch();
         Some(((2.0 * result.energy_density / stretching).max(0.0).sqrt(), shell.quad))
     };
     system.shells.iter().zip(results).filter_map(strain).max_by(|a, b| a.0.total_cmp(&b.0))

@@ -1,28 +1,97 @@
-//! temporary
-use nalgebra::{Matrix6, Vector6};
+//! Materials at a point: strain in, stress and tangent out, as pure functions.
+//!
+//! Strains are Green–Lagrange's, stresses the second of Piola and Kirchhoff, in an orthonormal frame of the
+//! reference configuration; components are ordered xx, yy, xy, zz, xz, yz with engineering shear strains.
+//! What a material remembers is given to it and handed back; nothing is stored here.
+
+pub mod hyperelastic;
+pub mod linear;
+pub mod plane_stress;
+pub mod plasticity;
+
+use nalgebra::{Matrix3, Matrix6, Vector6};
+
+pub use hyperelastic::{Hyperelastic, NeoHookeanForm};
+pub use plasticity::Plasticity;
+
+/// Strain xx, yy, 2xy, zz, 2xz, 2yz.
 pub type Strain = Vector6<f64>;
+/// Stress xx, yy, xy, zz, xz, yz [force/area].
 pub type Stress = Vector6<f64>;
-#[derive(Debug, Clone)]
+
+/// Rows and columns of the six components.
+pub(crate) const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (0, 1), (2, 2), (0, 2), (1, 2)];
+
+/// Answer of a material.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Response {
+    /// Stress S.
     pub stress: Stress,
+    /// ∂S/∂E, symmetric.
     pub tangent: Matrix6<f64>,
+    /// Stored energy per reference volume.
     pub energy: f64,
+    /// Energy dissipated per reference volume since the committed state.
     pub dissipation: f64,
 }
-#[derive(Debug, Clone)]
+
+/// A material law.
+#[derive(Debug, Clone, PartialEq)]
 pub enum Law {
-    Linear(Matrix6<f64>),
+    /// `S = C E`.
+    Linear(Box<Matrix6<f64>>),
+    /// Hyperelastic, isotropic.
+    Hyperelastic(Hyperelastic),
+    /// Plastic with von Mises' yield condition.
+    Plastic(Plasticity),
+    /// The same under plane stress: only xx, yy and xy act; zz and transverse shear are linear and uncoupled.
+    PlaneStressPlastic(Plasticity),
 }
+
 impl Law {
+    /// Number of internal variables.
     pub fn history(&self) -> usize {
-        0
+        match self {
+            Self::Linear(_) | Self::Hyperelastic(_) => 0,
+            Self::Plastic(_) | Self::PlaneStressPlastic(_) => plasticity::HISTORY,
+        }
     }
+
+    /// True for `S = C E`.
     pub fn is_linear(&self) -> bool {
-        true
+        matches!(self, Self::Linear(_))
     }
-    pub fn respond(&self, strain: &Strain, _c: &[f64], _u: &mut [f64]) -> Option<Response> {
-        let Self::Linear(c) = self;
-        let s = c * strain;
-        Some(Response { energy: 0.5 * s.dot(strain), stress: s, tangent: *c, dissipation: 0.0 })
+
+    /// Stress, tangent and energies for a strain; `updated` receives the internal variables that go with it.
+    /// `None` where the law has no answer: no volume is left, or the return to the yield surface does not converge.
+    pub fn respond(&self, strain: &Strain, committed: &[f64], updated: &mut [f64]) -> Option<Response> {
+        match self {
+            Self::Linear(c) => {
+                let stress = **c * strain;
+                let energy = 0.5 * stress.dot(strain);
+                Some(Response { stress, tangent: **c, energy, dissipation: 0.0 })
+            }
+            Self::Hyperelastic(law) => law.respond(strain),
+            Self::Plastic(law) => law.respond(strain, committed, updated),
+            Self::PlaneStressPlastic(law) => plane_stress::respond(law, strain, committed, updated),
+        }
     }
+
+    /// Equivalent plastic strain among the internal variables, for laws that have one.
+    pub fn plastic_strain(&self, history: &[f64]) -> Option<f64> {
+        match self {
+            Self::Linear(_) | Self::Hyperelastic(_) => None,
+            Self::Plastic(_) | Self::PlaneStressPlastic(_) => history.get(plasticity::EQUIVALENT).copied(),
+        }
+    }
+}
+
+/// Symmetric tensor from stress-like components (no factor 2 on shears).
+pub(crate) fn tensor(v: &Vector6<f64>) -> Matrix3<f64> {
+    Matrix3::new(v[0], v[2], v[4], v[2], v[1], v[5], v[4], v[5], v[3])
+}
+
+/// Stress-like components of a symmetric tensor.
+pub(crate) fn components(m: &Matrix3<f64>) -> Vector6<f64> {
+    Vector6::from_fn(|i, _| m[PAIRS[i]])
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::course;
 use super::mechanism::parts;
-use super::{AddedMass, Analysis, Condition, Load, Material, Model, Scheme};
+use super::{AddedMass, Analysis, Condition, Load, Model, Scheme};
 use crate::mesh::Mesh;
 use crate::system::System;
 use crate::{Issue, Vec3};
@@ -28,17 +28,7 @@ impl Condition {
 pub fn keys(model: &Model) -> Vec<Issue> {
     let mut c = Checker::default();
     for (name, material) in &model.materials {
-        let Material::Isotropic(m) = material;
-        let key = format!("materials.{name}");
-        c.positive(&format!("{key}.young"), "Young's modulus", m.young);
-        if !(m.poisson > -1.0 && m.poisson < 0.5) {
-            c.add(
-                format!("{key}.poisson"),
-                format!("Poisson's ratio is {}; it must be above -1 and below 0.5", m.poisson),
-                "at 0.5 a material is incompressible and plane stress has no limit here; use 0.49 or less",
-            );
-        }
-        c.not_negative(&format!("{key}.density"), "the density", m.density);
+        c.issues.extend(material.issues(&format!("materials.{name}")));
     }
     if model.sections.is_empty() {
         c.add(
@@ -47,20 +37,7 @@ pub fn keys(model: &Model) -> Vec<Issue> {
             "add a [[sections]] entry with material and thickness",
         );
     }
-    for (i, s) in model.sections.iter().enumerate() {
-        let key = format!("sections[{i}]");
-        c.positive(&format!("{key}.thickness"), "the thickness", s.thickness);
-        for (j, k) in s.shear_correction.iter().flatten().enumerate() {
-            c.positive(&format!("{key}.shear_correction[{j}]"), "the shear correction factor", *k);
-        }
-        if let Some(m) = s.total_mass {
-            c.positive(&format!("{key}.total_mass"), "the total mass", m);
-        }
-        c.not_negative(&format!("{key}.retardation_time"), "the retardation time", s.retardation_time);
-        if !model.materials.contains_key(&s.material) {
-            c.missing(format!("{key}.material"), "material", &s.material, model.materials.keys());
-        }
-    }
+    super::check_sections::sections(model, &mut c);
     c.not_negative("damping.mass", "the damping factor", model.damping.mass);
     c.not_negative("damping.stiffness", "the damping factor", model.damping.stiffness);
     for (i, condition) in model.conditions.iter().enumerate() {
@@ -206,6 +183,9 @@ pub fn sets(model: &Model, mesh: &Mesh) -> Vec<Issue> {
             Load::Gravity(_) => {}
         }
     }
+    for (i, p) in model.prescribed_strains.iter().enumerate() {
+        drop(c.set(mesh, format!("prescribed_strains[{i}].on"), p.on(), "quads", Mesh::quads_on));
+    }
     for (i, mass) in model.masses.iter().enumerate() {
         let key = format!("masses[{i}].on");
         match mass {
@@ -290,16 +270,19 @@ pub fn masses(model: &Model, system: &System) -> Vec<Issue> {
     };
     if let Some(what) = needed {
         for (i, s) in model.sections.iter().enumerate() {
-            if s.total_mass.is_none()
-                && let Some(Material::Isotropic(m)) = model.materials.get(&s.material)
-                && m.density == 0.0
-                && (!matches!(model.analysis, Analysis::Static(_)) || system.total_mass() == 0.0)
+            if s.total_mass.is_some()
+                || matches!(model.analysis, Analysis::Static(_)) && system.total_mass() != 0.0
             {
-                c.add(
-                    format!("materials.{}.density", s.material),
-                    format!("the density is 0, but {what} needs the mass of sections[{i}]"),
-                    "give the density, or `total_mass` in the section",
-                );
+                continue;
+            }
+            for name in s.materials() {
+                if model.materials.get(&name).is_some_and(|m| m.density() == 0.0) {
+                    c.add(
+                        format!("materials.{name}.density"),
+                        format!("the density is 0, but {what} needs the mass of sections[{i}]"),
+                        "give the density, or `total_mass` in the section",
+                    );
+                }
             }
         }
     }
@@ -316,16 +299,21 @@ pub fn masses(model: &Model, system: &System) -> Vec<Issue> {
 }
 
 #[derive(Default)]
-struct Checker {
-    issues: Vec<Issue>,
+pub(super) struct Checker {
+    pub(super) issues: Vec<Issue>,
 }
 
 impl Checker {
-    fn add(&mut self, place: impl Into<String>, message: impl Into<String>, help: impl Into<String>) {
+    pub(super) fn add(
+        &mut self,
+        place: impl Into<String>,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
         self.issues.push(Issue::new(place, message, help));
     }
 
-    fn positive(&mut self, key: &str, what: &str, value: f64) {
+    pub(super) fn positive(&mut self, key: &str, what: &str, value: f64) {
         if !(value > 0.0 && value.is_finite()) {
             self.add(
                 key,
@@ -335,7 +323,7 @@ impl Checker {
         }
     }
 
-    fn not_negative(&mut self, key: &str, what: &str, value: f64) {
+    pub(super) fn not_negative(&mut self, key: &str, what: &str, value: f64) {
         if !(value >= 0.0 && value.is_finite()) {
             self.add(
                 key,
@@ -345,13 +333,19 @@ impl Checker {
         }
     }
 
-    fn finite(&mut self, key: &str, what: &str, values: &[f64]) {
+    pub(super) fn finite(&mut self, key: &str, what: &str, values: &[f64]) {
         if !values.iter().all(|v| v.is_finite()) {
             self.add(key, format!("{what} is not a finite number"), "give finite numbers");
         }
     }
 
-    fn missing<'a>(&mut self, key: String, kind: &str, name: &str, known: impl Iterator<Item = &'a String>) {
+    pub(super) fn missing<'a>(
+        &mut self,
+        key: String,
+        kind: &str,
+        name: &str,
+        known: impl Iterator<Item = &'a String>,
+    ) {
         let known: Vec<&str> = known.map(String::as_str).collect();
         let help = if known.is_empty() {
             format!("the model defines no {kind}; add one")
@@ -361,7 +355,7 @@ impl Checker {
         self.add(key, format!("there is no {kind} \"{name}\""), help);
     }
 
-    fn amplitude(&mut self, model: &Model, key: &str, name: &Option<String>) {
+    pub(super) fn amplitude(&mut self, model: &Model, key: &str, name: &Option<String>) {
         if let Some(name) = name
             && !model.amplitudes.contains_key(name)
         {
@@ -452,6 +446,7 @@ impl Checker {
                     }
                 }
                 if model.loads.is_empty()
+                    && model.prescribed_strains.is_empty()
                     && !model.conditions.iter().any(|c| matches!(c, Condition::Prescribe(_)))
                 {
                     self.add(

@@ -42,7 +42,8 @@ fn gap(model: &Model, name: &str, function: &TimeFunction) -> Option<(String, St
     let is = |amplitude: &Option<String>| amplitude.as_deref() == Some(name);
     let drives = model.conditions.iter().any(|c| matches!(c, Condition::Prescribe(p) if is(&p.amplitude)));
     let loads = model.loads.iter().any(|load| is(amplitude_of(load)));
-    if !(drives || loads) || !end.is_finite() {
+    let strains = model.prescribed_strains.iter().any(|p| p.amplitude().is_some_and(|a| a == name));
+    if !(drives || loads || strains) || !end.is_finite() {
         return None;
     }
     let motion = drives && moves;

@@ -8,8 +8,11 @@ mod actions;
 mod analysis;
 pub mod build;
 pub mod check;
+mod check_sections;
 mod condition;
 mod course;
+mod layup;
+mod material;
 mod mechanism;
 mod mesh_source;
 mod prescribed_strain;
@@ -23,6 +26,8 @@ use serde::{Deserialize, Serialize};
 
 pub use analysis::*;
 pub use condition::*;
+pub use layup::{Layup, Ply};
+pub use material::*;
 pub use mesh_source::*;
 pub use prescribed_strain::*;
 pub use warnings::warnings;
@@ -69,73 +74,6 @@ pub struct Model {
     pub output: Output,
 }
 
-/// A material.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "type", rename_all = "kebab-case")]
-pub enum Material {
-    /// Isotropic linear elastic (St. Venant–Kirchhoff).
-    Isotropic(Isotropic),
-}
-
-/// Isotropic linear elastic material.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Isotropic {
-    /// Young's modulus E [force/area], above 0.
-    pub young: f64,
-    /// Poisson's ratio ν, above −1 and below 0.5.
-    pub poisson: f64,
-    /// Density ρ [mass/volume]; needed by transient and modal analysis and by gravity.
-    #[serde(default)]
-    pub density: f64,
-}
-
-// TEMPORARY-BEGIN
-impl Isotropic {
-    pub fn new(young: f64, poisson: f64, density: f64) -> Self {
-        Self { young, poisson, density }
-    }
-}
-impl Material {
-    pub fn density(&self) -> f64 {
-        let Self::Isotropic(m) = self;
-        m.density
-    }
-    pub fn is_isotropic(&self) -> bool {
-        true
-    }
-    pub fn is_linear(&self) -> bool {
-        true
-    }
-    pub fn expansion(&self) -> [f64; 3] {
-        [0.0; 3]
-    }
-    pub fn plane_stress(&self) -> Option<(nalgebra::Matrix3<f64>, nalgebra::Matrix2<f64>, f64)> {
-        let Self::Isotropic(m) = self;
-        let (e, nu) = (m.young, m.poisson);
-        let q = nalgebra::Matrix3::new(1.0, nu, 0.0, nu, 1.0, 0.0, 0.0, 0.0, 0.5 * (1.0 - nu))
-            * (e / (1.0 - nu * nu));
-        Some((q, nalgebra::Matrix2::identity() * (0.5 * e / (1.0 + nu)), e))
-    }
-    pub fn law_3d(&self) -> crate::material::Law {
-        let Self::Isotropic(m) = self;
-        let (e, nu) = (m.young, m.poisson);
-        let l = e * nu / (1.0 + nu) / (1.0 - 2.0 * nu);
-        let g = 0.5 * e / (1.0 + nu);
-        let mut c = nalgebra::Matrix6::zeros();
-        for i in [0, 1, 3] {
-            for j in [0, 1, 3] {
-                c[(i, j)] = l + if i == j { 2.0 * g } else { 0.0 };
-            }
-        }
-        for i in [2, 4, 5] {
-            c[(i, i)] = g;
-        }
-        crate::material::Law::Linear(c)
-    }
-}
-// TEMPORARY-END
-
 /// Element type, material and thickness of a part of the mesh.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -152,6 +90,9 @@ pub struct Section {
     /// Thickness h (length), above 0; needed unless there is a `layup`.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub thickness: f64,
+    /// Plies of a laminate, instead of `material` and `thickness`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub layup: Option<Layup>,
     /// Transverse shear correction factors c_xz, c_yz. Unless given: 5/6 each for one layer, the layup's own for a
     /// laminate, 1 for the elements with three-dimensional stresses (`cm`, `solid-shell`, `ancf-full`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -188,6 +129,7 @@ impl Section {
             element: ElementKind::default(),
             material: material.into(),
             thickness,
+            layup: None,
             shear_correction: None,
             ans_shear: true,
             ans_thickness: true,

@@ -3,47 +3,110 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::build::Vectors;
-use super::{Material, Model, Section};
+use super::{Material, Model, Ply, Section};
 use crate::element::constitution::LinearConstitution;
 use crate::element::quadratic::Members;
 use crate::element::shell::{GroupSetup, Member, ShellElement};
 use crate::element::{ElementGroup, QuadraticGroup, ShellGeometry, fold_tie, registry};
+use crate::material::Law;
 use crate::mesh::Mesh;
 use crate::mesh::directors::Directors;
 use crate::section::compiled::{Layer, Resultant};
+use crate::section::laminate::{self, Laminate};
 use crate::section::{CompiledSection, SectionInertia, SectionStiffness};
 use crate::system::{Shell, ShellSection, VectorKind};
 use crate::{Issue, Vec3};
 
 impl Section {
-    /// The section with its materials.
-    ///
-    /// # Errors
-    /// A material is missing.
+    /// Thickness of all layers together (length).
+    pub fn whole_thickness(&self) -> f64 {
+        match &self.layup {
+            None => self.thickness,
+            Some(layup) => layup.expand().map_or(0.0, |plies| plies.iter().map(|p| p.thickness).sum()),
+        }
+    }
+
+    /// Names of its materials.
+    pub fn materials(&self) -> Vec<String> {
+        match &self.layup {
+            None => vec![self.material.clone()],
+            Some(layup) => layup.expand().map_or_else(
+                |_| Vec::new(),
+                |plies| {
+                    let names: BTreeSet<String> = plies.into_iter().map(|p| p.material).collect();
+                    names.into_iter().collect()
+                },
+            ),
+        }
+    }
+
+    /// The section with its materials; `None` if one is missing, which `check` reports.
     pub fn compile(&self, materials: &BTreeMap<String, Material>) -> Option<CompiledSection> {
-        let material = materials.get(&self.material)?;
-        let h = self.thickness;
-        let points = usize::from(self.thickness_points.unwrap_or(if material.is_linear() { 2 } else { 5 }));
-        let layers = vec![Layer::new(
-            &self.material,
-            material,
-            [-0.5 * h, 0.5 * h],
-            0.0,
-            points,
-            !material.is_linear(),
-        )];
-        let Material::Isotropic(m) = material;
-        let shear = self.shear_correction.unwrap_or([5.0 / 6.0; 2]);
+        let thickness = self.whole_thickness();
+        let element = registry::shell(self, thickness);
+        let plies = match &self.layup {
+            None => vec![Ply { material: self.material.clone(), angle: 0.0, thickness }],
+            Some(layup) => layup.expand().ok()?,
+        };
+        let mut layers = Vec::new();
+        let mut laws: Vec<Law> = Vec::new();
+        let mut bottom = -0.5 * thickness;
+        for ply in &plies {
+            let material = materials.get(&ply.material)?;
+            let plastic = matches!(material, Material::Plastic(_));
+            let points = usize::from(self.thickness_points.unwrap_or(if plastic { 5 } else { 2 }));
+            let heights = [bottom, bottom + ply.thickness];
+            bottom = heights[1];
+            let mut layer =
+                Layer::new(&ply.material, material, heights, ply.angle.to_radians(), points, plastic);
+            if !material.is_linear() {
+                let law = if element.is_solid() { material.law_3d() } else { material.law_plane_stress()? };
+                let known = laws.iter().position(|l| *l == law);
+                layer.law = Some(known.unwrap_or(laws.len()));
+                if known.is_none() {
+                    laws.push(law);
+                }
+            }
+            layers.push(layer);
+        }
+        let single = match &layers[..] {
+            [layer] => Some(&layer.material),
+            _ => None,
+        };
+        let resultant = if let Some(Material::Isotropic(m)) = single {
+            let factors = self.shear_correction.unwrap_or([5.0 / 6.0; 2]);
+            Resultant::Isotropic(SectionStiffness::homogeneous(m, thickness, factors))
+        } else {
+            let stretch = layers.iter().map(|l| l.moments()[0] * modulus(&l.material)).sum();
+            Laminate::new(&layers, self.shear_correction)
+                .map_or(Resultant::None(stretch), Resultant::Laminate)
+        };
+        let direction = self.layup.as_ref().map_or(Vec3::x(), |l| Vec3::from(l.direction));
         Some(CompiledSection {
-            thickness: h,
+            thickness,
+            inertia: match single {
+                Some(m) => SectionInertia::homogeneous(m.density(), thickness),
+                None => laminate::inertia(&layers),
+            },
+            isotropic: layers.iter().all(|l| l.material.is_isotropic()),
             layers,
-            laws: Vec::new(),
-            inertia: SectionInertia::homogeneous(m.density, h),
-            direction: Vec3::x(),
-            resultant: Resultant::Isotropic(SectionStiffness::homogeneous(m, h, shear)),
+            laws,
+            direction,
+            resultant,
             shear_factors: self.shear_correction.unwrap_or([1.0; 2]),
-            isotropic: true,
         })
+    }
+}
+
+/// Young's modulus across the thickness, for estimates.
+fn modulus(material: &Material) -> f64 {
+    match material.plane_stress() {
+        Some((_, _, e)) => e,
+        None => material.law_3d().respond(&Default::default(), &[], &mut []).map_or(0.0, |r| {
+            let shear = r.tangent[(2, 2)];
+            let bulk = r.tangent[(0, 0)] - 4.0 / 3.0 * shear;
+            9.0 * bulk * shear / (3.0 * bulk + shear)
+        }),
     }
 }
 
@@ -64,7 +127,7 @@ impl Elements {
     pub(super) fn gradients(model: &Model, mesh: &Mesh, directors: &Directors) -> Vec<bool> {
         let mut out = vec![false; directors.values.len()];
         for section in &model.sections {
-            let element = registry::shell(section, section.thickness);
+            let element = registry::shell(section, section.whole_thickness());
             if element.nodal_vectors().contains(&VectorKind::Gradient) {
                 for q in mesh.quads_on(&section.on).unwrap_or_default() {
                     for d in directors.corners[q as usize] {
@@ -133,7 +196,7 @@ impl Elements {
             fields: if acts { fields.len() } else { 0 },
         });
         let first_group = self.groups.len();
-        let stretch = compiled.resultant.at(0.0).thickness;
+        let stretch = compiled.resultant.stretch();
         let mut members = 0;
         for &q in quads {
             let g = geometry(q);

@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
 
+use super::laminate::Laminate;
 use super::quadrature::{gauss, lobatto};
 use super::{SectionInertia, SectionStiffness};
 use crate::element::geometry::ShellGeometry;
@@ -78,13 +79,28 @@ pub struct CompiledSection {
 pub enum Resultant {
     /// The same in all directions.
     Isotropic(SectionStiffness),
+    /// A stack of layers.
+    Laminate(Laminate),
+    /// None: the materials have three-dimensional stresses only; the modulus stands for them where an estimate will do.
+    None(f64),
 }
 
 impl Resultant {
     /// Stiffness in axes from which the section's direction is at an angle.
-    pub fn at(&self, _turn: f64) -> SectionStiffness {
+    pub fn at(&self, turn: f64) -> SectionStiffness {
         match self {
             Self::Isotropic(s) => s.clone(),
+            Self::Laminate(l) => l.at(turn),
+            Self::None(_) => SectionStiffness::zero(),
+        }
+    }
+
+    /// Stiffness of the director's stretch, ∫E3 dz.
+    pub fn stretch(&self) -> f64 {
+        match self {
+            Self::Isotropic(s) => s.thickness,
+            Self::Laminate(l) => l.at(0.0).thickness,
+            Self::None(stretch) => *stretch,
         }
     }
 }

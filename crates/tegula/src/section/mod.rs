@@ -1,6 +1,8 @@
 //! Through the thickness: stiffness and inertia of a section per area.
 
 pub mod compiled;
+pub mod failure;
+pub mod laminate;
 pub mod quadrature;
 
 use nalgebra::{Matrix2, Matrix3};
@@ -42,6 +44,17 @@ pub struct SectionInertia {
 }
 
 impl SectionStiffness {
+    /// No stiffness.
+    pub fn zero() -> Self {
+        Self {
+            membrane: Matrix3::zeros(),
+            coupling: Matrix3::zeros(),
+            bending: Matrix3::zeros(),
+            shear: Matrix2::zeros(),
+            thickness: 0.0,
+        }
+    }
+
     /// A homogeneous isotropic section in plane stress (eqs. 24, 26):
     /// `A = h D_p`, `D = h³/12 D_p`, `S = h G diag(c_xz, c_yz)`, `Z = h E`.
     pub fn homogeneous(material: &Isotropic, thickness: f64, shear_correction: [f64; 2]) -> Self {

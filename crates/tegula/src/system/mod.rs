@@ -159,7 +159,8 @@ impl System {
         let followers = self.followers.iter().map(FollowerLoad::amplitude);
         let motions =
             self.numbering.prescribed.iter().map(|&(_, _, amplitude)| (amplitude, !self.proportional));
-        let used = loads.chain(followers).map(|amplitude| (amplitude, false)).chain(motions);
+        let strains = self.prescribed_strains.iter().map(|p| p.amplitude);
+        let used = loads.chain(followers).chain(strains).map(|amplitude| (amplitude, false)).chain(motions);
         used.filter_map(|(amplitude, motion)| Some((amplitude?, motion))).find_map(|(i, motion)| {
             let (what, value) = self.amplitudes.get(i)?.undefined(time, motion)?;
             let name = self.amplitude_names.get(i).map_or("?", String::as_str);

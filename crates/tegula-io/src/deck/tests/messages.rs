@@ -48,7 +48,7 @@ fn unknown_keys_come_with_the_one_that_was_meant() {
     "#);
     insta::assert_snapshot!(with("thickness = 0.1", "thickness = 0.1\nyoung = 3.0"), @r#"
     m.toml:17:1: sections[0].young: unknown key "young"
-      help: "young" is a key of "materials"; here there are "on", "element", "material", "thickness", "shear_correction", "ans_shear", "ans_thickness", "eas", "total_mass", "retardation_time"
+      help: "young" is a key of "materials"; here there are "on", "element", "material", "thickness", "layup", "shear_correction", "ans_shear", "ans_thickness", "eas", "thickness_eas", "thickness_points", "total_mass", "retardation_time"
     "#);
     insta::assert_snapshot!(with("[output]\ninterval = 0.1", "output = 3"), @r#"
     m.toml:25:1: loads[0].output: unknown key "output"
@@ -64,7 +64,7 @@ fn unknown_keys_come_with_the_one_that_was_meant() {
     "#);
     insta::assert_snapshot!(with("[materials.steel]", "[materials.\"my.steel\"]\nx = 1"), @r#"
     m.toml:11:1: materials."my.steel".x: unknown key "x"
-      help: the keys here are "type", "young", "poisson", "density"
+      help: the keys here are "type", "young", "poisson", "density", "expansion", "strength"
     "#);
     insta::assert_snapshot!(with("[output]", "[output]\nname = 3"), @r#"
     m.toml:26:1: output.name: unknown key "name"
@@ -74,9 +74,9 @@ fn unknown_keys_come_with_the_one_that_was_meant() {
 
 #[test]
 fn missing_keys_are_named_with_what_they_are() {
-    insta::assert_snapshot!(with("thickness = 0.1\n", ""), @r#"
-    m.toml:14:1: sections[0]: missing key "thickness"
-      help: add "thickness", a number: Thickness h (length), above 0.
+    insta::assert_snapshot!(with("value = [0, 0, 4e4]\n", ""), @r#"
+    m.toml:21:1: loads[0]: missing key "value"
+      help: add "value", a list of 3 numbers: The load as a vector `[x, y, z]` in global axes: force, moment, or either per length or area.
     "#);
     insta::assert_snapshot!(with("type = \"static\"\n", ""), @r#"
     m.toml:2:1: analysis: missing key "type"
@@ -114,11 +114,9 @@ fn unknown_words_come_with_the_allowed_ones() {
     m.toml:26:36: output.fields[2]: expected a string, found the integer 3
       help: one of "displacement", "director", "velocity", "membrane", "bending", "shear", "surface-stress", "von-mises", "energy-density"
     "#);
-    insta::assert_snapshot!(with("type = \"isotropic\"\nyoung = 210e9", "type = \"orthotropic\""), @r#"
-    m.toml:10:1: materials.steel: missing key "young"
-      help: add "young", a number: Young's modulus E [force/area], above 0.
-    m.toml:11:8: materials.steel.type: unknown type "orthotropic"
-      help: the only one is "isotropic"
+    insta::assert_snapshot!(with("type = \"isotropic\"\nyoung = 210e9", "type = \"orthotropik\""), @r#"
+    m.toml:11:8: materials.steel.type: unknown type "orthotropik"
+      help: did you mean "orthotropic"? (one of "isotropic", "orthotropic", "neo-hookean", "mooney-rivlin", "plastic")
     "#);
 }
 

@@ -1,0 +1,211 @@
+//! What can be wrong with sections: missing values, layups, and what an element type cannot do.
+
+use super::check::Checker;
+use super::{Analysis, ElementKind, Material, Model, PrescribedStrain, Scheme, Section};
+use crate::element::registry;
+
+/// Issues of all sections and prescribed strains.
+pub(super) fn sections(model: &Model, c: &mut Checker) {
+    for (i, s) in model.sections.iter().enumerate() {
+        let key = format!("sections[{i}]");
+        layers(model, s, &key, c);
+        for (j, k) in s.shear_correction.iter().flatten().enumerate() {
+            c.positive(&format!("{key}.shear_correction[{j}]"), "the shear correction factor", *k);
+        }
+        if let Some(m) = s.total_mass {
+            c.positive(&format!("{key}.total_mass"), "the total mass", m);
+        }
+        c.not_negative(&format!("{key}.retardation_time"), "the retardation time", s.retardation_time);
+        if !matches!(s.thickness_eas, 0 | 1 | 3 | 4) {
+            c.add(
+                format!("{key}.thickness_eas"),
+                format!("{} enhanced parameters over the thickness do not exist", s.thickness_eas),
+                "give 0, 1, 3 or 4",
+            );
+        }
+        if let Some(n) = s.thickness_points
+            && !(2..=20).contains(&n)
+        {
+            c.add(
+                format!("{key}.thickness_points"),
+                format!(
+                    "{n} integration points over the thickness: bending needs at least 2, and 20 are plenty"
+                ),
+                "leave it out for 2 (plastic materials: 5)",
+            );
+        }
+        for name in s.materials() {
+            if let Some(material) = model.materials.get(&name) {
+                ability(model, s, &key, &name, material, c);
+            }
+        }
+    }
+    for (i, p) in model.prescribed_strains.iter().enumerate() {
+        prescribed(model, p, &format!("prescribed_strains[{i}]"), c);
+    }
+}
+
+fn layers(model: &Model, s: &Section, key: &str, c: &mut Checker) {
+    let Some(layup) = &s.layup else {
+        if s.material.is_empty() {
+            c.add(
+                key,
+                "missing key \"material\"",
+                "add \"material\", a text: Name of a material; or a \"layup\"",
+            );
+        } else if !model.materials.contains_key(&s.material) {
+            c.missing(format!("{key}.material"), "material", &s.material, model.materials.keys());
+        }
+        if s.thickness == 0.0 {
+            c.add(
+                key,
+                "missing key \"thickness\", or it is 0",
+                "add \"thickness\", a number above 0: Thickness h (length)",
+            );
+        } else {
+            c.positive(&format!("{key}.thickness"), "the thickness", s.thickness);
+        }
+        return;
+    };
+    for (name, given) in [("material", !s.material.is_empty()), ("thickness", s.thickness != 0.0)] {
+        if given {
+            c.add(
+                format!("{key}.{name}"),
+                format!("the section has both `layup` and `{name}`"),
+                "the layup says it for each ply; drop one of them",
+            );
+        }
+    }
+    match layup.expand() {
+        Err((message, help)) => c.add(format!("{key}.layup"), message, help),
+        Ok(plies) => {
+            let mut reported: Vec<String> = Vec::new();
+            for (j, ply) in plies.iter().enumerate() {
+                if !(ply.thickness > 0.0 && ply.thickness.is_finite()) {
+                    c.add(
+                        format!("{key}.layup"),
+                        format!("the thickness of ply {} is {}; it must be above 0", j + 1, ply.thickness),
+                        "give a positive number in the model's units",
+                    );
+                    break;
+                }
+                if !model.materials.contains_key(&ply.material) && !reported.contains(&ply.material) {
+                    reported.push(ply.material.clone());
+                    c.missing(format!("{key}.layup"), "material", &ply.material, model.materials.keys());
+                }
+            }
+            c.finite(
+                &format!("{key}.layup"),
+                "the angle of a ply",
+                &plies.iter().map(|p| p.angle).collect::<Vec<_>>(),
+            );
+        }
+    }
+    let length = layup.direction.iter().map(|x| x * x).sum::<f64>();
+    if !length.is_normal() {
+        c.add(
+            format!("{key}.layup.direction"),
+            "the direction of 0° vanishes",
+            "give a vector such as [1, 0, 0]",
+        );
+    }
+}
+
+/// What the element cannot do with a material.
+fn ability(model: &Model, s: &Section, key: &str, name: &str, material: &Material, c: &mut Checker) {
+    let element = registry::shell(s, s.whole_thickness().max(f64::MIN_POSITIVE));
+    let (word, kind) = (element.name(), material.kind());
+    let at = if s.layup.is_some() { format!("{key}.layup") } else { format!("{key}.material") };
+    if s.element == ElementKind::AncfFull
+        && (!material.is_linear() || s.layup.is_some() || s.thickness_points.is_some())
+    {
+        c.add(
+            format!("{key}.element"),
+            "`ancf-full` computes one layer of a linear material with two points over the thickness only",
+            "use `cm` or `solid-shell`; the fully parameterized plate serves for comparison",
+        );
+    } else if matches!(material, Material::NeoHookean(_) | Material::MooneyRivlin(_)) && !element.is_solid() {
+        c.add(
+            at,
+            format!("`{word}` works with resultants of plane stress and cannot carry the {kind} material \"{name}\""),
+            "use `element = \"cm\"` or `\"solid-shell\"`, which integrate three-dimensional stresses",
+        );
+    } else if !material.is_linear() && s.thickness_points.is_some_and(|n| n < 3) && kind == "plastic" {
+        c.add(
+            format!("{key}.thickness_points"),
+            format!(
+                "{} points over the thickness cannot see where \"{name}\" yields in bending",
+                s.thickness_points.unwrap_or(0)
+            ),
+            "give at least 3, or leave it out for 5",
+        );
+    }
+    if material.is_linear() {
+        return;
+    }
+    let linear = match &model.analysis {
+        Analysis::Static(a) => a.linear,
+        Analysis::Transient(a) => a.linear,
+        Analysis::Modal(_) => false,
+    };
+    if linear {
+        c.add(
+            "analysis.linear",
+            format!("a linear analysis cannot follow the {kind} material \"{name}\""),
+            "drop `linear = true`, or use an isotropic or orthotropic material",
+        );
+    }
+    if let Analysis::Transient(t) = &model.analysis
+        && matches!(t.scheme, Scheme::EnergyMomentum(_))
+        && matches!(material, Material::Plastic(_))
+    {
+        c.add(
+            "analysis.scheme",
+            format!(
+                "the energy-momentum scheme keeps an energy that the plastic material \"{name}\" dissipates"
+            ),
+            "use `newmark` or `hht`",
+        );
+    }
+}
+
+fn prescribed(model: &Model, p: &PrescribedStrain, key: &str, c: &mut Checker) {
+    let (values, direction): (Vec<f64>, Option<[f64; 3]>) = match p {
+        PrescribedStrain::Thermal(t) => (vec![t.temperature, t.gradient], None),
+        PrescribedStrain::Natural(n) => ([n.strain, n.curvature].concat(), Some(n.direction)),
+        PrescribedStrain::Prestress(s) => ([s.membrane, s.bending].concat(), Some(s.direction)),
+    };
+    c.finite(key, "a value", &values);
+    if values.iter().all(|v| *v == 0.0) {
+        c.add(key, "all of its values are 0: it does nothing", "give values, or drop it");
+    }
+    if direction.is_some_and(|d| !d.iter().map(|x| x * x).sum::<f64>().is_normal()) {
+        c.add(format!("{key}.direction"), "the direction vanishes", "give a vector such as [1, 0, 0]");
+    }
+    let amplitude = p.amplitude().cloned();
+    c.amplitude(model, key, &amplitude);
+    if matches!(p, PrescribedStrain::Thermal(_))
+        && !model.materials.is_empty()
+        && model.materials.values().all(|m| m.expansion() == [0.0; 3])
+    {
+        c.add(
+            key,
+            "no material expands: the change of temperature does nothing",
+            "give a material its `expansion`",
+        );
+    }
+    if matches!(p, PrescribedStrain::Prestress(_))
+        && model.sections.iter().any(|s| {
+            let solid = registry::shell(s, s.whole_thickness().max(f64::MIN_POSITIVE)).is_solid();
+            let nonlinear =
+                s.materials().iter().any(|m| model.materials.get(m).is_some_and(|m| !m.is_linear()));
+            nonlinear && !solid
+        })
+    {
+        c.add(
+            key,
+            "a prestress of resultants has no place in layers that yield",
+            "use `cm` or `solid-shell`, or give a `natural` strain",
+        );
+    }
+}
