@@ -213,7 +213,7 @@ pub(super) fn added_masses(model: &Model, mesh: &Mesh, vectors: &Vectors) -> Vec
                         positions: nodes.map(|n| mesh.positions[n as usize]),
                         directors: [Vec3::z(); 4],
                     };
-                    let inertia = SectionInertia { mass: m.value, rotary: 0.0 };
+                    let inertia = SectionInertia { mass: m.value, coupling: 0.0, rotary: 0.0 };
                     let matrix = EmsShell::default().mass(&geometry, &inertia);
                     for a in 0..4 {
                         for b in 0..=a {
@@ -269,7 +269,8 @@ fn tributary_areas(mesh: &Mesh, on: &str) -> BTreeMap<u32, f64> {
         let nodes = mesh.quads[q as usize];
         let geometry =
             ShellGeometry { positions: nodes.map(|n| mesh.positions[n as usize]), directors: [Vec3::z(); 4] };
-        let matrix = EmsShell::default().mass(&geometry, &SectionInertia { mass: 1.0, rotary: 0.0 });
+        let matrix =
+            EmsShell::default().mass(&geometry, &SectionInertia { mass: 1.0, coupling: 0.0, rotary: 0.0 });
         for a in 0..4 {
             *out.entry(nodes[a]).or_default() += (0..4).map(|b| matrix[pair(a, b)]).sum::<f64>();
         }

@@ -313,7 +313,7 @@ impl Fill<'_> {
                 }
             };
             let mass = self.element.mass(geometry, self.inertia);
-            let unit = self.element.mass(geometry, &SectionInertia { mass: 1.0, rotary: 0.0 });
+            let unit = self.element.mass(geometry, &SectionInertia { mass: 1.0, coupling: 0.0, rotary: 0.0 });
             for a in 0..4 {
                 let area: f64 = (0..4).map(|b| unit[pair(a, b)]).sum();
                 *self.director_stiffness.entry(connectivity[a + 4]).or_default() +=

@@ -9,8 +9,10 @@ mod analysis;
 pub mod build;
 pub mod check;
 mod condition;
+mod layup;
 mod mechanism;
 mod mesh_source;
+mod stacking;
 
 use std::collections::BTreeMap;
 
@@ -19,6 +21,7 @@ use serde::{Deserialize, Serialize};
 
 pub use analysis::*;
 pub use condition::*;
+pub use layup::*;
 pub use mesh_source::*;
 
 /// A whole model: mesh, materials, sections, conditions, loads, analysis, output.

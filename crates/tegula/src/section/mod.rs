@@ -1,5 +1,12 @@
 //! Through the thickness: stiffness and inertia of a section per area.
 
+pub mod failure;
+pub mod laminate;
+pub mod ply;
+mod shear_correction;
+#[cfg(test)]
+mod tests;
+
 use nalgebra::{Matrix2, Matrix3};
 
 use crate::model::{Isotropic, Material, Section};
@@ -31,6 +38,8 @@ pub struct SectionStiffness {
 pub struct SectionInertia {
     /// ∫ρ dz [mass/area].
     pub mass: f64,
+    /// ∫ρ z dz [mass/length]; zero for sections symmetric about the mid-surface.
+    pub coupling: f64,
     /// ∫ρ z² dz (mass); the director is dimensionless.
     pub rotary: f64,
 }
@@ -63,6 +72,6 @@ impl SectionStiffness {
 impl SectionInertia {
     /// A homogeneous section: ρh and ρh³/12.
     pub fn homogeneous(density: f64, thickness: f64) -> Self {
-        Self { mass: density * thickness, rotary: density * thickness.powi(3) / 12.0 }
+        Self { mass: density * thickness, coupling: 0.0, rotary: density * thickness.powi(3) / 12.0 }
     }
 }
