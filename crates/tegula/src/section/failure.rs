@@ -59,7 +59,8 @@ impl Strengths {
             .filter(|(_, v)| !(v.is_finite() && *v > 0.0))
             .map(|(key, _)| (*key, "a strength is a number above 0, also in compression"))
             .collect();
-        if !(self.tsai_wu_interaction.abs() < 1.0) {
+        let interaction = self.tsai_wu_interaction;
+        if interaction.is_nan() || interaction.abs() >= 1.0 {
             out.push((
                 "tsai_wu_interaction",
                 "it must be above -1 and below 1, or the material would be of infinite strength in some \

@@ -19,8 +19,8 @@
 //!
 //! A homogeneous section has `S = 5/6 h G` whatever its anisotropy. Cross-plies and sandwiches have the
 //! factors of Whitney (J. Appl. Mech. 40 (1973) 302–304) and of Vlachoutsis (Int. J. Numer. Methods Eng. 33
-//! (1992) 1537–1552). Rohwer (DFVLR-FB 88-32, 1988) differs: there M_yy,x = 0 instead of κ_yy,x = 0, which is
-//! a fraction of a percent for carbon cross-plies.
+//! (1992) 1537–1552). Rohwer (DFVLR-FB 88-32, 1988) differs: there M_yy,x = 0 instead of κ_yy,x = 0, which
+//! changes a fraction of a percent for carbon cross-plies, and more in the small S_12 of other layups.
 //!
 //! S belongs to the laminate and turns with it as a tensor. The directions of cylindrical bending are the 0°
 //! and 90° directions of the laminate, as in the sources: if neither is a principal direction of bending,

@@ -47,6 +47,22 @@ fn cross_plies_have_the_factors_of_vlachoutsis() {
 }
 
 #[test]
+fn short_cross_plies_have_the_factors_of_the_book() {
+    // The page on composites prints these; the comparison with elasticity below is the check.
+    let rows: [(&[f64], [f64; 2]); 4] = [
+        (&[0.0, 90.0], [0.821, 0.821]),
+        (&[0.0, 90.0, 0.0], [0.583, 0.803]),
+        (&[0.0, 90.0, 90.0, 0.0], [0.595, 0.721]),
+        (&[45.0, -45.0], [0.861, 0.861]),
+    ];
+    for (angles, printed) in rows {
+        let found = factors(&E25.laminate(angles, 1.0));
+        near(found[0], printed[0], 0.5e-3, "along 0°");
+        near(found[1], printed[1], 0.5e-3, "along 90°");
+    }
+}
+
+#[test]
 fn sandwiches_have_the_factors_of_vlachoutsis() {
     // Tables I and II: E1/E2 of faces and core, share of the core, K as printed and half its last digit.
     let rows = [
@@ -137,6 +153,8 @@ fn thin_plates_of_elasticity_have_this_shear_stiffness() {
     let laminates = [
         E25.laminate(&[0.0, 90.0], 1.0),
         E25.laminate(&[0.0, 90.0, 0.0], 1.0),
+        E25.laminate(&[0.0, 90.0, 90.0, 0.0], 1.0),
+        E25.laminate(&[90.0, 0.0, 0.0, 90.0], 1.0),
         E25.laminate(&[90.0, 0.0, 90.0, 90.0, 0.0], 1.0),
         Laminate::new(vec![E25.ply(0.0, 0.1), soft.ply(0.0, 0.7), E25.ply(90.0, 0.2)]).unwrap(),
     ];
