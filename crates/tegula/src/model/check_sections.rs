@@ -76,30 +76,34 @@ fn layers(model: &Model, s: &Section, key: &str, c: &mut Checker) {
             );
         }
     }
-    match layup.expand() {
-        Err((message, help)) => c.add(format!("{key}.layup"), message, help),
-        Ok(plies) => {
-            let mut reported: Vec<String> = Vec::new();
-            for (j, ply) in plies.iter().enumerate() {
-                if !(ply.thickness > 0.0 && ply.thickness.is_finite()) {
-                    c.add(
-                        format!("{key}.layup"),
-                        format!("the thickness of ply {} is {}; it must be above 0", j + 1, ply.thickness),
-                        "give a positive number in the model's units",
-                    );
-                    break;
-                }
-                if !model.materials.contains_key(&ply.material) && !reported.contains(&ply.material) {
-                    reported.push(ply.material.clone());
-                    c.missing(format!("{key}.layup"), "material", &ply.material, model.materials.keys());
+    let key = format!("{key}.layup");
+    match layup.expand(&key) {
+        Err(issues) => c.issues.extend(issues),
+        Ok(_) => {
+            for name in s.materials() {
+                if !model.materials.contains_key(&name) {
+                    c.missing(key.clone(), "material", &name, model.materials.keys());
                 }
             }
-            c.finite(
-                &format!("{key}.layup"),
-                "the angle of a ply",
-                &plies.iter().map(|p| p.angle).collect::<Vec<_>>(),
-            );
+            if model.materials.values().all(|m| m.issues("").is_empty())
+                && s.materials().iter().all(|m| model.materials.contains_key(m))
+                && s.compile(&model.materials).is_none()
+            {
+                c.add(
+                    key.as_str(),
+                    "the plies cannot be joined to a laminate",
+                    "their stiffness differs by too many orders of magnitude; check units",
+                );
+            }
         }
+    }
+    let solid = !matches!(s.element, ElementKind::Ems | ElementKind::Mitc4);
+    if solid && layup.offset != 0.0 {
+        c.add(
+            format!("{key}.offset"),
+            "elements with three-dimensional stresses have their mid-surface in the middle",
+            "drop `offset`, or use `ems` or `mitc4`",
+        );
     }
     let length = layup.direction.iter().map(|x| x * x).sum::<f64>();
     if !length.is_normal() {

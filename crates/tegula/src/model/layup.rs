@@ -1,234 +1,325 @@
-//! Stacking of laminates as the user says it.
+//! Layups as the user says them, and their plies.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Plies of a laminate, from the bottom to the top; the director points to the top.
+use super::stacking::{self, MOST_PLIES};
+use crate::error::Issue;
+
+/// Plies of a laminate, from the bottom (against the director) to the top: one by one in `plies`, or in the
+/// compact notation `stacking` with one material and thickness.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Layup {
-    /// Plies one by one; instead of `stacking`.
+    /// The plies from the bottom to the top. Give either these or `stacking`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub plies: Vec<Ply>,
-    /// Stacking in short form such as `"[0/90/±45]2s"`: angles in degrees, `_2` repeats a ply, `(…)2` a group, the final
-    /// number the whole, `s` mirrors it. Needs `material` and `ply_thickness`.
+    pub plies: Vec<LayupPly>,
+    /// Stacking sequence such as `"[0/90/±45]2s"`: angles in degrees from the bottom to the top; `_2` repeats
+    /// a ply, `(…)2` a group, the number after `]` all, and `s` mirrors the result. `±` may be written `+-`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stacking: Option<String>,
-    /// Material of the plies of `stacking`.
+    /// Name of the material of plies that do not name their own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
-    /// Thickness of a ply of `stacking` (length).
+    /// Thickness of plies that do not give their own (length), above 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ply_thickness: Option<f64>,
-    /// Repeats `plies` so many times.
-    #[serde(default = "one")]
-    pub repeat: u32,
-    /// Mirrors `plies` (after repeating them) at the top.
+    /// The plies, repeats included, are the lower half; their mirror image lies on top.
     #[serde(default)]
     pub symmetric: bool,
-    /// Direction of 0°; its projection on the surface is taken.
-    #[serde(default = "super::x_axis")]
+    /// How often the plies follow each other, at least 1.
+    #[serde(default = "once")]
+    pub repeat: usize,
+    /// Direction of the angle 0° in space, projected on the surface. Angles are counted from it about the
+    /// director, counter-clockwise if the director points to the viewer. It must not be normal to the surface.
+    #[serde(default = "along_x")]
     pub direction: [f64; 3],
+    /// Height of the laminate's middle above the mesh, along the director (length).
+    #[serde(default)]
+    pub offset: f64,
 }
 
-/// A ply.
+/// A ply of a layup.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Ply {
-    /// Name of a material.
-    pub material: String,
-    /// Angle of the material's axis 1 from `direction`, about the director (degrees).
+pub struct LayupPly {
+    /// Name of a material; that of the layup unless given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
+    /// Angle from the 0° direction to the fibre, about the director (degrees).
     #[serde(default)]
     pub angle: f64,
-    /// Thickness (length), above 0.
+    /// Thickness (length), above 0; `ply_thickness` of the layup unless given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub thickness: Option<f64>,
+}
+
+/// A ply of the finished stack.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StackedPly {
+    /// Name of its material.
+    pub material: String,
+    /// Angle from the 0° direction to the fibre, about the director (degrees).
+    pub angle: f64,
+    /// Thickness (length).
     pub thickness: f64,
 }
 
-fn one() -> u32 {
+fn once() -> usize {
     1
 }
+fn along_x() -> [f64; 3] {
+    [1.0, 0.0, 0.0]
+}
 
-/// Plies of any layup; more are hardly meant.
-const MOST_PLIES: usize = 1000;
+impl Default for Layup {
+    fn default() -> Self {
+        Self {
+            plies: Vec::new(),
+            stacking: None,
+            material: None,
+            ply_thickness: None,
+            symmetric: false,
+            repeat: once(),
+            direction: along_x(),
+            offset: 0.0,
+        }
+    }
+}
 
 impl Layup {
-    /// All plies from the bottom to the top.
+    /// All plies, bottom to top. `key` is the path of the layup in the model file, for messages.
     ///
     /// # Errors
-    /// What is wrong, and what to do.
-    pub fn expand(&self) -> Result<Vec<Ply>, (String, String)> {
-        let wrong = |what: &str, help: &str| Err((what.to_owned(), help.to_owned()));
-        let mut plies = match (&self.stacking, self.plies.is_empty()) {
-            (None, true) => return wrong("the layup has no plies", "give `plies`, or `stacking`"),
-            (Some(_), false) => {
-                return wrong("the layup has both `plies` and `stacking`", "give one of them");
-            }
-            (None, false) => self.plies.clone(),
-            (Some(text), true) => {
-                let (Some(material), Some(thickness)) = (&self.material, self.ply_thickness) else {
-                    return wrong(
-                        "`stacking` needs `material` and `ply_thickness`",
-                        "add them to the layup, or list `plies`",
-                    );
-                };
-                let ply = |angle| Ply { material: material.clone(), angle, thickness };
-                angles(text)?.into_iter().map(ply).collect()
-            }
+    ///
+    /// Everything wrong with the layup's own values, at its keys. Whether the materials exist is not
+    /// looked at.
+    pub fn expand(&self, key: &str) -> Result<Vec<StackedPly>, Vec<Issue>> {
+        let mut issues = Vec::new();
+        let mut add =
+            |at: String, message: String, help: &str| issues.push(Issue::new(at, message, help.to_string()));
+        let (mut repeat, mut symmetric) = (self.repeat, self.symmetric);
+        let own_thickness = self.ply_thickness.filter(|t| !positive(*t));
+        if let Some(t) = own_thickness {
+            add(
+                format!("{key}.ply_thickness"),
+                format!("the thickness of the plies is {t}; it must be above 0"),
+                "give the thickness of one cured ply",
+            );
+        }
+        let mut period = Vec::new();
+        match (&self.stacking, self.plies.is_empty()) {
+            (None, true) => add(
+                key.into(),
+                "the layup has no plies".into(),
+                "list `plies`, or give `stacking` such as \"[0/90]s\" with `material` and `ply_thickness`",
+            ),
+            (Some(_), false) => add(
+                format!("{key}.stacking"),
+                "the layup has both `stacking` and `plies`".into(),
+                "keep one of them",
+            ),
+            (Some(text), true) => match stacking::parse(text) {
+                Err(reason) => add(
+                    format!("{key}.stacking"),
+                    format!("the stacking sequence \"{text}\" cannot be read: {reason}"),
+                    "write it like \"[0/90/±45]2s\", angles in degrees from the bottom to the top",
+                ),
+                Ok(s) => {
+                    if s.symmetric && self.symmetric || s.repeat.is_some() && self.repeat != 1 {
+                        add(
+                            format!("{key}.stacking"),
+                            format!(
+                                "\"{text}\" and the keys `symmetric` or `repeat` say the same thing twice"
+                            ),
+                            "say it in the string or in the keys",
+                        );
+                    }
+                    symmetric |= s.symmetric;
+                    repeat = s.repeat.unwrap_or(self.repeat);
+                    period.extend(s.angles.into_iter().map(|angle| LayupPly {
+                        material: None,
+                        angle,
+                        thickness: None,
+                    }));
+                }
+            },
+            (None, false) => period.clone_from(&self.plies),
+        }
+        // With `stacking` all plies lack the same; one message is enough.
+        let (checked, at) = match self.stacking {
+            Some(_) => (&period[..period.len().min(1)], None),
+            None => (&period[..], Some(())),
         };
-        if plies.len().saturating_mul(self.repeat as usize) > MOST_PLIES {
-            return wrong("the layup has more than 1000 plies", "join plies of the same angle");
-        }
-        plies = (0..self.repeat).flat_map(|_| plies.clone()).collect();
-        if plies.is_empty() {
-            return wrong("`repeat` is 0: the layup has no plies", "give at least 1");
-        }
-        if self.symmetric {
-            plies.extend(plies.clone().into_iter().rev());
-        }
-        Ok(plies)
-    }
-}
-
-/// Angles of a stacking in short form.
-///
-/// # Errors
-/// What is wrong, and what to do.
-pub fn angles(text: &str) -> Result<Vec<f64>, (String, String)> {
-    let mut reader = Reader { rest: text.trim() };
-    let result = reader.whole();
-    result.map_err(|what| {
-        let at = text.trim().len() - reader.rest.len();
-        (
-            format!("the stacking \"{text}\" is not understood: {what} at position {}", at + 1),
-            "write angles between brackets, such as [0/90]s, [0_2/±45]2s or [(0/90)3/45]".into(),
-        )
-    })
-}
-
-struct Reader<'a> {
-    rest: &'a str,
-}
-
-impl Reader<'_> {
-    fn eat(&mut self, c: char) -> bool {
-        self.rest = self.rest.trim_start();
-        if let Some(rest) = self.rest.strip_prefix(c) {
-            self.rest = rest;
-            return true;
-        }
-        false
-    }
-
-    fn whole(&mut self) -> Result<Vec<f64>, &'static str> {
-        if !self.eat('[') {
-            return Err("`[` is missing");
-        }
-        let mut plies = self.list(']')?;
-        let repeat = self.count()?;
-        plies = repeated(&plies, repeat)?;
-        if self.eat('s') || self.eat('S') {
-            plies.extend(plies.clone().into_iter().rev());
-        }
-        if !self.rest.trim().is_empty() {
-            return Err("there is more than expected");
-        }
-        Ok(plies)
-    }
-
-    fn list(&mut self, end: char) -> Result<Vec<f64>, &'static str> {
-        let mut out = Vec::new();
-        loop {
-            let item = if self.eat('(') {
-                self.list(')')?
-            } else if self.eat('±') {
-                let angle = self.angle()?;
-                vec![angle, -angle]
-            } else if self.eat('∓') {
-                let angle = self.angle()?;
-                vec![-angle, angle]
-            } else {
-                vec![self.angle()?]
-            };
-            // A group takes its number directly, a ply after `_`, which keeps it apart from the angle.
-            let group = item.len() > 1;
-            let repeat = if self.eat('_') || group { self.count()? } else { 1 };
-            out.extend(repeated(&item, repeat)?);
-            if self.eat(end) {
-                return Ok(out);
+        for (i, p) in checked.iter().enumerate() {
+            let here = at.map_or(key.to_string(), |()| format!("{key}.plies[{i}]"));
+            if !p.angle.is_finite() {
+                add(format!("{here}.angle"), "the angle is not a number".into(), "give it in degrees");
             }
-            if !(self.eat('/') || self.eat(',')) {
-                return Err(if end == ']' { "`/` or `]` is missing" } else { "`/` or `)` is missing" });
+            if p.material.is_none() && self.material.is_none() {
+                add(
+                    here.clone(),
+                    "the material is missing".into(),
+                    "add `material`, the name of a material, to the layup or to each of its plies",
+                );
+            }
+            match p.thickness {
+                Some(t) if !positive(t) => add(
+                    format!("{here}.thickness"),
+                    format!("the thickness is {t}; it must be above 0"),
+                    "give the thickness of the cured ply",
+                ),
+                None if self.ply_thickness.is_none() => add(
+                    here,
+                    "the thickness is missing".into(),
+                    "add `ply_thickness` to the layup or `thickness` to each of its plies",
+                ),
+                _ => {}
             }
         }
-    }
-
-    fn angle(&mut self) -> Result<f64, &'static str> {
-        self.rest = self.rest.trim_start();
-        let end =
-            self.rest.find(|c: char| !(c.is_ascii_digit() || "+-.".contains(c))).unwrap_or(self.rest.len());
-        let value: f64 = self.rest[..end].parse().map_err(|_| "an angle is missing")?;
-        self.rest = &self.rest[end..];
-        self.eat('°');
-        Ok(value)
-    }
-
-    /// A number of repetitions, 1 where there is none.
-    fn count(&mut self) -> Result<usize, &'static str> {
-        self.rest = self.rest.trim_start();
-        let end = self.rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(self.rest.len());
-        if end == 0 {
-            return Ok(1);
+        let all = period.len().saturating_mul(repeat).saturating_mul(if symmetric { 2 } else { 1 });
+        if repeat == 0 || all > MOST_PLIES {
+            add(
+                format!("{key}.repeat"),
+                format!("repeated {repeat} times the layup has {all} plies; it must have 1 to {MOST_PLIES}"),
+                "leave `repeat` out to take the plies once",
+            );
         }
-        let value: usize = self.rest[..end].parse().map_err(|_| "the number of repetitions is too large")?;
-        if value == 0 {
-            return Err("0 repetitions are none");
+        let d = self.direction;
+        if !d.iter().all(|x| x.is_finite()) || d == [0.0; 3] {
+            add(
+                format!("{key}.direction"),
+                "the direction of 0° must be a vector with a length".into(),
+                "give it like [1, 0, 0]; its length does not matter",
+            );
         }
-        self.rest = &self.rest[end..];
-        Ok(value)
+        if !self.offset.is_finite() {
+            add(format!("{key}.offset"), "the offset is not a number".into(), "leave it out for 0");
+        }
+        if !issues.is_empty() {
+            return Err(issues);
+        }
+        let half: Vec<StackedPly> = period
+            .iter()
+            .filter_map(|p| {
+                Some(StackedPly {
+                    material: p.material.clone().or_else(|| self.material.clone())?,
+                    angle: p.angle,
+                    thickness: p.thickness.or(self.ply_thickness)?,
+                })
+            })
+            .collect();
+        let mut stack = vec![half; repeat].concat();
+        if symmetric {
+            stack.extend(stack.clone().into_iter().rev());
+        }
+        Ok(stack)
     }
 }
 
-fn repeated(item: &[f64], times: usize) -> Result<Vec<f64>, &'static str> {
-    if item.len().saturating_mul(times) > MOST_PLIES {
-        return Err("there are more than 1000 plies");
-    }
-    Ok(item.repeat(times))
+fn positive(x: f64) -> bool {
+    x.is_finite() && x > 0.0
 }
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
 
-    #[test]
-    fn short_forms_are_expanded() {
-        for (text, expected) in [
-            ("[0/90]", &[0.0, 90.0][..]),
-            ("[0/90]s", &[0.0, 90.0, 90.0, 0.0]),
-            ("[0_2/90]", &[0.0, 0.0, 90.0]),
-            ("[±45/0]", &[45.0, -45.0, 0.0]),
-            ("[(0/90)2/45]", &[0.0, 90.0, 0.0, 90.0, 45.0]),
-            ("[30]2s", &[30.0, 30.0, 30.0, 30.0]),
-            (" [ -20 / +20.5° ] ", &[-20.0, 20.5]),
-            ("[±45_2]", &[45.0, -45.0, 45.0, -45.0]),
-        ] {
-            assert_eq!(angles(text).unwrap(), expected, "{text}");
-        }
+    fn read(json: &str) -> Layup {
+        serde_json::from_str(json).unwrap()
+    }
+
+    fn stack(json: &str) -> Vec<(String, f64, f64)> {
+        let plies = read(json).expand("layup").unwrap();
+        plies.into_iter().map(|p| (p.material, p.angle, p.thickness)).collect()
+    }
+
+    fn issues(json: &str) -> Vec<String> {
+        read(json).expand("sections[0].layup").unwrap_err().iter().map(|i| i.place.key.clone()).collect()
     }
 
     #[test]
-    fn wrong_forms_say_where() {
-        for (text, what) in [
-            ("0/90", "`[` is missing at position 1"),
-            ("[0/90", "`/` or `]` is missing at position 6"),
-            ("[0//90]", "an angle is missing at position 4"),
-            ("[(0/90]", "`/` or `)` is missing at position 7"),
-            ("[0]x", "there is more than expected at position 4"),
-            ("[0_0]", "0 repetitions are none at position 4"),
-            ("[0]999999999", "there are more than 1000 plies"),
-        ] {
-            let message = angles(text).unwrap_err().0;
-            assert!(message.contains(what), "{message}");
-        }
+    fn plies_repeat_first_and_mirror_then() {
+        let found = stack(
+            r#"{"plies": [{"material": "cfrp", "angle": 45.0, "thickness": 1.25e-4},
+                          {"material": "foam", "thickness": 0.01}], "symmetric": true, "repeat": 2}"#,
+        );
+        let a = ("cfrp".to_string(), 45.0, 1.25e-4);
+        let b = ("foam".to_string(), 0.0, 0.01);
+        let half = [a.clone(), b.clone(), a.clone(), b.clone()];
+        assert_eq!(found[..4], half);
+        assert_eq!(found[4..], [b.clone(), a.clone(), b, a]);
+    }
+
+    #[test]
+    fn a_string_and_keys_say_the_same() {
+        let short = stack(r#"{"stacking": "[0/±45]2s", "material": "c", "ply_thickness": 0.1}"#);
+        let keys = stack(
+            r#"{"stacking": "[0/45/-45]", "material": "c", "ply_thickness": 0.1, "repeat": 2,
+                "symmetric": true}"#,
+        );
+        let list = stack(
+            r#"{"plies": [{}, {"angle": 45}, {"angle": -45}], "material": "c", "ply_thickness": 0.1,
+                "repeat": 2, "symmetric": true}"#,
+        );
+        assert_eq!(short.len(), 12);
+        assert_eq!(short, keys);
+        assert_eq!(short, list);
+        let angles: Vec<f64> = short.iter().map(|p| p.1).collect();
+        assert_eq!(angles, [0., 45., -45., 0., 45., -45., -45., 45., 0., -45., 45., 0.]);
+    }
+
+    #[test]
+    fn a_ply_overrides_the_layup() {
+        let found = stack(
+            r#"{"plies": [{"angle": 30}, {"material": "core", "thickness": 5}], "material": "c",
+                "ply_thickness": 0.1}"#,
+        );
+        assert_eq!(found, [("c".to_string(), 30.0, 0.1), ("core".to_string(), 0.0, 5.0)]);
+    }
+
+    #[test]
+    fn all_mistakes_are_found_at_once() {
+        let place = |s: &str| format!("sections[0].layup{s}");
+        assert_eq!(issues("{}"), [place("")]);
+        assert_eq!(
+            issues(
+                r#"{"plies": [{"material": "c", "thickness": -1}, {"thickness": 1}, {"material": "c"}],
+                    "direction": [0, 0, 0], "repeat": 0}"#
+            ),
+            [
+                place(".plies[0].thickness"),
+                place(".plies[1]"),
+                place(".plies[2]"),
+                place(".repeat"),
+                place(".direction")
+            ]
+        );
+        assert_eq!(
+            issues(r#"{"stacking": "[0/90]s", "ply_thickness": 0}"#),
+            [place(".ply_thickness"), place("")]
+        );
+        assert_eq!(
+            issues(r#"{"stacking": "[0/90]s", "symmetric": true, "material": "c", "ply_thickness": 1}"#),
+            [place(".stacking")]
+        );
+        assert_eq!(
+            issues(r#"{"stacking": "[0/90", "plies": [], "material": "c", "ply_thickness": 1}"#),
+            [place(".stacking")]
+        );
+        assert_eq!(
+            issues(r#"{"stacking": "[0_9000]s", "material": "c", "ply_thickness": 1}"#),
+            [place(".repeat")]
+        );
+        let unknown = serde_json::from_str::<Layup>(r#"{"stack": "[0]"}"#);
+        assert!(unknown.unwrap_err().to_string().contains("unknown field"));
+    }
+
+    #[test]
+    fn it_is_written_as_it_is_read() {
+        let layup = read(r#"{"stacking": "[0/90]s", "material": "c", "ply_thickness": 0.25}"#);
+        assert_eq!(layup.direction, [1.0, 0.0, 0.0]);
+        let text = serde_json::to_string(&layup).unwrap();
+        assert_eq!(read(&text), layup);
     }
 }

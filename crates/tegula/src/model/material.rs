@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::Issue;
 use crate::material::linear::{Orthotropy, isotropic, isotropic_plane_stress};
 use crate::material::{Hyperelastic, Law, NeoHookeanForm, Plasticity};
+use crate::section::failure::Strengths;
 
 /// A material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -40,7 +41,7 @@ pub struct Isotropic {
     pub expansion: f64,
     /// Strengths, for failure indices.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub strength: Option<Strength>,
+    pub strength: Option<Strengths>,
 }
 
 impl Isotropic {
@@ -68,26 +69,7 @@ pub struct Orthotropic {
     pub expansion: [f64; 3],
     /// Strengths, for failure indices.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub strength: Option<Strength>,
-}
-
-/// Strengths of a ply in its axes [force/area], all above 0.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Strength {
-    /// Tension along axis 1.
-    pub xt: f64,
-    /// Compression along axis 1.
-    pub xc: f64,
-    /// Tension along axis 2.
-    pub yt: f64,
-    /// Compression along axis 2.
-    pub yc: f64,
-    /// Shear in the plane.
-    pub s: f64,
-    /// Tsai and Wu's interaction F12·√(Xt Xc Yt Yc), −1/2 unless given; above −1 and below 1.
-    #[serde(default = "minus_half")]
-    pub interaction: f64,
+    pub strength: Option<Strengths>,
 }
 
 /// Neo-Hookean material.
@@ -149,10 +131,6 @@ pub struct Plastic {
     /// Thermal expansion α [1/temperature].
     #[serde(default, skip_serializing_if = "super::is_zero")]
     pub expansion: f64,
-}
-
-fn minus_half() -> f64 {
-    -0.5
 }
 
 impl Orthotropic {
@@ -219,7 +197,7 @@ impl Material {
     }
 
     /// Strengths, where given.
-    pub fn strength(&self) -> Option<Strength> {
+    pub fn strength(&self) -> Option<Strengths> {
         match self {
             Self::Isotropic(m) => m.strength,
             Self::Orthotropic(m) => m.strength,
@@ -335,15 +313,8 @@ impl Material {
         c.not_negative(&format!("{key}.density"), "the density", self.density());
         c.finite(&format!("{key}.expansion"), "the thermal expansion", &self.expansion());
         if let Some(s) = self.strength() {
-            for (name, v) in [("xt", s.xt), ("xc", s.xc), ("yt", s.yt), ("yc", s.yc), ("s", s.s)] {
-                c.positive(&format!("{key}.strength.{name}"), "the strength", v);
-            }
-            if !(s.interaction > -1.0 && s.interaction < 1.0) {
-                c.add(
-                    format!("{key}.strength.interaction"),
-                    format!("the interaction is {}; it must lie between -1 and 1", s.interaction),
-                    "leave it out for -1/2",
-                );
+            for (name, mistake) in s.mistakes() {
+                c.add(format!("{key}.strength.{name}"), mistake, "give the strength in the units of a stress");
             }
         }
         c.issues

@@ -17,6 +17,7 @@ mod mechanism;
 mod mesh_source;
 mod prescribed_strain;
 mod sections;
+mod stacking;
 mod warnings;
 
 use std::collections::BTreeMap;
@@ -26,7 +27,7 @@ use serde::{Deserialize, Serialize};
 
 pub use analysis::*;
 pub use condition::*;
-pub use layup::{Layup, Ply};
+pub use layup::*;
 pub use material::*;
 pub use mesh_source::*;
 pub use prescribed_strain::*;

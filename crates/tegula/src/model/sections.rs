@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::build::Vectors;
-use super::{Material, Model, Ply, Section};
+use super::{Material, Model, Section, StackedPly};
 use crate::element::constitution::LinearConstitution;
 use crate::element::quadratic::Members;
 use crate::element::shell::{GroupSetup, Member, ShellElement};
@@ -12,53 +12,51 @@ use crate::material::Law;
 use crate::mesh::Mesh;
 use crate::mesh::directors::Directors;
 use crate::section::compiled::{Layer, Resultant};
-use crate::section::laminate::{self, Laminate};
+use crate::section::laminate::Laminate;
+use crate::section::ply::Ply;
 use crate::section::{CompiledSection, SectionInertia, SectionStiffness};
 use crate::system::{Shell, ShellSection, VectorKind};
 use crate::{Issue, Vec3};
 
 impl Section {
+    /// Its plies from the bottom to the top; none if the layup is wrong, which `check` reports.
+    fn plies(&self) -> Vec<StackedPly> {
+        match &self.layup {
+            None => {
+                vec![StackedPly { material: self.material.clone(), angle: 0.0, thickness: self.thickness }]
+            }
+            Some(layup) => layup.expand("").unwrap_or_default(),
+        }
+    }
+
     /// Thickness of all layers together (length).
     pub fn whole_thickness(&self) -> f64 {
-        match &self.layup {
-            None => self.thickness,
-            Some(layup) => layup.expand().map_or(0.0, |plies| plies.iter().map(|p| p.thickness).sum()),
-        }
+        self.plies().iter().map(|p| p.thickness).sum()
     }
 
     /// Names of its materials.
     pub fn materials(&self) -> Vec<String> {
-        match &self.layup {
-            None => vec![self.material.clone()],
-            Some(layup) => layup.expand().map_or_else(
-                |_| Vec::new(),
-                |plies| {
-                    let names: BTreeSet<String> = plies.into_iter().map(|p| p.material).collect();
-                    names.into_iter().collect()
-                },
-            ),
-        }
+        let names: BTreeSet<String> = self.plies().into_iter().map(|p| p.material).collect();
+        names.into_iter().collect()
     }
 
     /// The section with its materials; `None` if one is missing, which `check` reports.
     pub fn compile(&self, materials: &BTreeMap<String, Material>) -> Option<CompiledSection> {
         let thickness = self.whole_thickness();
+        let offset = self.layup.as_ref().map_or(0.0, |l| l.offset);
         let element = registry::shell(self, thickness);
-        let plies = match &self.layup {
-            None => vec![Ply { material: self.material.clone(), angle: 0.0, thickness }],
-            Some(layup) => layup.expand().ok()?,
-        };
         let mut layers = Vec::new();
+        let mut plies = Vec::new();
         let mut laws: Vec<Law> = Vec::new();
-        let mut bottom = -0.5 * thickness;
-        for ply in &plies {
+        let mut bottom = offset - 0.5 * thickness;
+        for ply in self.plies() {
             let material = materials.get(&ply.material)?;
             let plastic = matches!(material, Material::Plastic(_));
             let points = usize::from(self.thickness_points.unwrap_or(if plastic { 5 } else { 2 }));
             let heights = [bottom, bottom + ply.thickness];
             bottom = heights[1];
-            let mut layer =
-                Layer::new(&ply.material, material, heights, ply.angle.to_radians(), points, plastic);
+            let angle = ply.angle.to_radians();
+            let mut layer = Layer::new(&ply.material, material, heights, angle, points, plastic);
             if !material.is_linear() {
                 let law = if element.is_solid() { material.law_3d() } else { material.law_plane_stress()? };
                 let known = laws.iter().position(|l| *l == law);
@@ -67,31 +65,51 @@ impl Section {
                     laws.push(law);
                 }
             }
+            if let Some((plane_stress, shear, thickness_modulus)) = material.plane_stress() {
+                let density = material.density();
+                plies.push(Ply { thickness: ply.thickness, angle, plane_stress, shear, thickness_modulus, density });
+            }
             layers.push(layer);
         }
         let single = match &layers[..] {
-            [layer] => Some(&layer.material),
+            [layer] if self.layup.is_none() => Some(&layer.material),
             _ => None,
+        };
+        let stretch = layers.iter().map(|l| l.moments()[0] * modulus(&l.material)).sum();
+        let mut inertia = match single {
+            Some(m) => SectionInertia::homogeneous(m.density(), thickness),
+            None => SectionInertia { mass: 0.0, rotary: 0.0, coupling: 0.0 },
         };
         let resultant = if let Some(Material::Isotropic(m)) = single {
             let factors = self.shear_correction.unwrap_or([5.0 / 6.0; 2]);
             Resultant::Isotropic(SectionStiffness::homogeneous(m, thickness, factors))
+        } else if plies.len() == layers.len() {
+            let mut laminate = Laminate::new(plies).and_then(|l| l.with_offset(offset)).ok()?;
+            if let Some(factors) = self.shear_correction {
+                laminate = laminate.with_shear_correction(factors).ok()?;
+            }
+            if single.is_none() {
+                inertia = laminate.inertia();
+            }
+            Resultant::Laminate(laminate)
         } else {
-            let stretch = layers.iter().map(|l| l.moments()[0] * modulus(&l.material)).sum();
-            Laminate::new(&layers, self.shear_correction)
-                .map_or(Resultant::None(stretch), Resultant::Laminate)
+            Resultant::None(stretch)
         };
-        let direction = self.layup.as_ref().map_or(Vec3::x(), |l| Vec3::from(l.direction));
+        if matches!(resultant, Resultant::None(_)) && single.is_none() {
+            for layer in &layers {
+                let [z0, z1, z2] = layer.moments().map(|m| m * layer.material.density());
+                inertia.mass += z0;
+                inertia.coupling += z1;
+                inertia.rotary += z2;
+            }
+        }
         Some(CompiledSection {
             thickness,
-            inertia: match single {
-                Some(m) => SectionInertia::homogeneous(m.density(), thickness),
-                None => laminate::inertia(&layers),
-            },
+            inertia,
             isotropic: layers.iter().all(|l| l.material.is_isotropic()),
             layers,
             laws,
-            direction,
+            direction: self.layup.as_ref().map_or(Vec3::x(), |l| Vec3::from(l.direction)),
             resultant,
             shear_factors: self.shear_correction.unwrap_or([1.0; 2]),
         })

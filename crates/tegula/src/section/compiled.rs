@@ -1,8 +1,9 @@
 //! A section of the model, ready to give its elements their energy.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
+use nalgebra::{DMatrix, DVector, Matrix6, SMatrix, SVector, Vector3, Vector6};
 
 use super::laminate::Laminate;
+use super::ply::{angle_in_plane, shear_turn, strain_turn, turned_plane_stress, turned_shear};
 use super::quadrature::{gauss, lobatto};
 use super::{SectionInertia, SectionStiffness};
 use crate::element::geometry::ShellGeometry;
@@ -90,7 +91,7 @@ impl Resultant {
     pub fn at(&self, turn: f64) -> SectionStiffness {
         match self {
             Self::Isotropic(s) => s.clone(),
-            Self::Laminate(l) => l.at(turn),
+            Self::Laminate(l) => l.stiffness(turn),
             Self::None(_) => SectionStiffness::zero(),
         }
     }
@@ -99,7 +100,7 @@ impl Resultant {
     pub fn stretch(&self) -> f64 {
         match self {
             Self::Isotropic(s) => s.thickness,
-            Self::Laminate(l) => l.at(0.0).thickness,
+            Self::Laminate(l) => l.stiffness(0.0).thickness,
             Self::None(stretch) => *stretch,
         }
     }
@@ -116,14 +117,12 @@ impl CompiledSection {
     /// # Errors
     /// The direction is normal to the surface there.
     pub fn angle(frame: &Mat3, direction: &Vec3) -> Result<f64, String> {
-        let (x, y) = (frame.column(0).dot(direction), frame.column(1).dot(direction));
-        if x.hypot(y) <= 1e-6 * direction.norm() {
-            return Err(format!(
+        angle_in_plane(direction, &frame.column(0).into(), &frame.column(1).into()).ok_or_else(|| {
+            format!(
                 "the direction ({}, {}, {}) is normal to it and gives no angle",
                 direction.x, direction.y, direction.z
-            ));
-        }
-        Ok(y.atan2(x))
+            )
+        })
     }
 
     /// Angle from the x axis of a cross-section frame to a layer's first axis.
@@ -308,7 +307,7 @@ impl CompiledSection {
         let committed = zero.to_vec();
         let mut c = law.respond(&Vector6::zeros(), &committed, zero).map_or(Matrix6::zeros(), |r| r.tangent);
         if !layer.material.is_isotropic() {
-            let t = strain_turn(turn);
+            let t = turn_3d(turn);
             c = t.transpose() * c * t;
         }
         for (i, factor) in self.shear_factors.into_iter().enumerate() {
@@ -420,11 +419,10 @@ fn dynamic<const N: usize>(m: &SMatrix<f64, N, N>) -> DMatrix<f64> {
 fn plane_stress_3d(material: &Material, turn: f64) -> Matrix6<f64> {
     let mut out = Matrix6::zeros();
     let Some((plane, shear, thickness)) = material.plane_stress() else { return out };
-    let plane = if material.is_isotropic() {
-        plane
+    let (plane, shear) = if material.is_isotropic() {
+        (plane, shear)
     } else {
-        let t = plane_turn(turn);
-        t.transpose() * plane * t
+        (turned_plane_stress(&plane, turn), turned_shear(&shear, turn))
     };
     out.fixed_view_mut::<3, 3>(0, 0).copy_from(&plane);
     out.fixed_view_mut::<2, 2>(4, 4).copy_from(&shear);
@@ -445,36 +443,20 @@ fn in_plane(v: &Vector3<f64>) -> Vector6<f64> {
     Vector6::new(v[0], v[1], v[2], 0.0, 0.0, 0.0)
 }
 
-/// Strains xx, yy, 2xy in axes at −`angle` from those of `e`.
+/// Strains xx, yy, 2xy in the frame from those in axes turned by `angle` from it.
 pub fn turned_strain(e: Vector3<f64>, angle: f64) -> Vector3<f64> {
-    let s = turned_stress(Vector3::new(e[0], e[1], 0.5 * e[2]), angle);
-    Vector3::new(s[0], s[1], 2.0 * s[2])
+    strain_turn(-angle) * e
 }
 
-/// Stresses xx, yy, xy in axes at −`angle` from those of `s`.
+/// Stresses xx, yy, xy in the frame from those in axes turned by `angle` from it.
 pub fn turned_stress(s: Vector3<f64>, angle: f64) -> Vector3<f64> {
-    let (sin, cos) = angle.sin_cos();
-    Vector3::new(
-        cos * cos * s[0] + sin * sin * s[1] - 2.0 * sin * cos * s[2],
-        sin * sin * s[0] + cos * cos * s[1] + 2.0 * sin * cos * s[2],
-        sin * cos * (s[0] - s[1]) + (cos * cos - sin * sin) * s[2],
-    )
+    strain_turn(angle).transpose() * s
 }
 
-/// Strains xx, yy, 2xy along axes at `angle` from strains in the axes that the angle is counted from.
-pub fn plane_turn(angle: f64) -> Matrix3<f64> {
-    let columns = [Vector3::x(), Vector3::y(), Vector3::z()].map(|e| turned_strain(e, -angle));
-    Matrix3::from_columns(&columns)
-}
-
-/// The same for xx, yy, 2xy, zz, 2xz, 2yz.
-pub fn strain_turn(angle: f64) -> Matrix6<f64> {
+/// Strains xx, yy, 2xy, zz, 2xz, 2yz along axes turned by an angle about z.
+fn turn_3d(angle: f64) -> Matrix6<f64> {
     let mut t = Matrix6::identity();
-    t.fixed_view_mut::<3, 3>(0, 0).copy_from(&plane_turn(angle));
-    let (sin, cos) = angle.sin_cos();
-    t[(4, 4)] = cos;
-    t[(4, 5)] = sin;
-    t[(5, 4)] = -sin;
-    t[(5, 5)] = cos;
+    t.fixed_view_mut::<3, 3>(0, 0).copy_from(&strain_turn(angle));
+    t.fixed_view_mut::<2, 2>(4, 4).copy_from(&shear_turn(angle));
     t
 }

@@ -1,92 +1,200 @@
-//! Failure indices of plies from stresses in their axes.
+//! Failure of a ply in plane stress: Tsai–Wu and maximum stress.
+//!
+//! Stresses are those of ply axes: σ11, σ22, τ12. First failure only; nothing is degraded.
 
-use crate::model::Strength;
+use nalgebra::Vector3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-/// Indices of a ply; 1 is the limit.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Failure {
-    /// Tsai and Wu's polynomial.
-    pub tsai_wu: f64,
-    /// Factor that the stresses may grow by until Tsai and Wu's polynomial reaches 1.
-    pub reserve: f64,
-    /// Greatest stress over its strength.
-    pub max_stress: f64,
-    /// Which stress that is.
-    pub mode: Mode,
+/// Strengths of a ply in its own axes; all of them positive numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Strengths {
+    /// Tensile strength along the fibre X_t [force/area], above 0.
+    pub xt: f64,
+    /// Compressive strength along the fibre X_c [force/area], above 0.
+    pub xc: f64,
+    /// Tensile strength across the fibre Y_t [force/area], above 0.
+    pub yt: f64,
+    /// Compressive strength across the fibre Y_c [force/area], above 0.
+    pub yc: f64,
+    /// Shear strength in the plane S_12 [force/area], above 0.
+    pub s12: f64,
+    /// Interaction F12* = F12/√(F11 F22) of the Tsai–Wu criterion, above −1 and below 1 (−1/2 unless given).
+    #[serde(default = "interaction")]
+    pub tsai_wu_interaction: f64,
 }
 
-/// Component that is nearest to its strength.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Mode {
-    /// Tension along the fibres.
-    #[default]
+fn interaction() -> f64 {
+    -0.5
+}
+
+/// How a ply fails by the criterion of maximum stress.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum FailureMode {
+    /// σ11 > 0 reaches X_t.
     FibreTension,
-    /// Compression along the fibres.
+    /// σ11 < 0 reaches −X_c.
     FibreCompression,
-    /// Tension across the fibres.
-    MatrixTension,
-    /// Compression across the fibres.
-    MatrixCompression,
-    /// Shear in the plane.
+    /// σ22 > 0 reaches Y_t.
+    TransverseTension,
+    /// σ22 < 0 reaches −Y_c.
+    TransverseCompression,
+    /// |τ12| reaches S_12.
     Shear,
 }
 
-/// Indices for the stresses σ1, σ2, τ12:
-///
-/// ```text
-/// F1 σ1 + F2 σ2 + F11 σ1² + F22 σ2² + F66 τ12² + 2 F12 σ1 σ2
-/// F1 = 1/Xt − 1/Xc,  F11 = 1/(Xt Xc),  F66 = 1/S²,  F12 = interaction · √(F11 F22)
-/// ```
-///
-/// S. W. Tsai, E. M. Wu, *A general theory of strength for anisotropic materials*, J. Compos. Mater. 5 (1971) 58–80.
-pub fn failure([s1, s2, s12]: [f64; 3], strength: &Strength) -> Failure {
-    let Strength { xt, xc, yt, yc, s, interaction } = *strength;
-    let linear = (1.0 / xt - 1.0 / xc) * s1 + (1.0 / yt - 1.0 / yc) * s2;
-    let (f11, f22) = (1.0 / (xt * xc), 1.0 / (yt * yc));
-    let f12 = interaction * (f11 * f22).sqrt();
-    let quadratic = f11 * s1 * s1 + f22 * s2 * s2 + s12 * s12 / (s * s) + 2.0 * f12 * s1 * s2;
-    let candidates = [
-        (s1 / xt, Mode::FibreTension),
-        (-s1 / xc, Mode::FibreCompression),
-        (s2 / yt, Mode::MatrixTension),
-        (-s2 / yc, Mode::MatrixCompression),
-        (s12.abs() / s, Mode::Shear),
-    ];
-    let worst = candidates.into_iter().fold((0.0, Mode::default()), |a, b| if b.0 > a.0 { b } else { a });
-    // quadratic r² + linear r = 1, in the form that does not cancel.
-    let root = (linear * linear + 4.0 * quadratic).max(0.0).sqrt();
-    let reserve = if linear + root > 0.0 { 2.0 / (linear + root) } else { f64::INFINITY };
-    Failure { tsai_wu: linear + quadratic, reserve, max_stress: worst.0, mode: worst.1 }
+impl Strengths {
+    /// Strengths with the usual interaction F12* = −1/2.
+    pub fn new(xt: f64, xc: f64, yt: f64, yc: f64, s12: f64) -> Self {
+        Self { xt, xc, yt, yc, s12, tsai_wu_interaction: interaction() }
+    }
+
+    /// What is wrong with the values: pairs of the key and what it must be.
+    pub fn mistakes(&self) -> Vec<(&'static str, &'static str)> {
+        let sizes = [("xt", self.xt), ("xc", self.xc), ("yt", self.yt), ("yc", self.yc), ("s12", self.s12)];
+        let mut out: Vec<_> = sizes
+            .iter()
+            .filter(|(_, v)| !(v.is_finite() && *v > 0.0))
+            .map(|(key, _)| (*key, "a strength is a number above 0, also in compression"))
+            .collect();
+        let interaction = self.tsai_wu_interaction;
+        if interaction.is_nan() || interaction.abs() >= 1.0 {
+            out.push((
+                "tsai_wu_interaction",
+                "it must be above -1 and below 1, or the material would be of infinite strength in some \
+                 direction",
+            ));
+        }
+        out
+    }
+
+    /// The Tsai–Wu index f; failure at 1:
+    ///
+    /// ```text
+    /// f = F1 σ1 + F2 σ2 + F11 σ1² + F22 σ2² + F66 τ12² + 2 F12 σ1 σ2
+    /// F1 = 1/X_t − 1/X_c   F11 = 1/(X_t X_c)   (2: Y)   F66 = 1/S²   F12 = F12* √(F11 F22)
+    /// ```
+    ///
+    /// The index is not proportional to the load; [`Strengths::tsai_wu_reserve`] is the margin. Source:
+    /// Tsai and Wu, J. Compos. Mater. 5 (1971) 58–80.
+    pub fn tsai_wu(&self, stress: &Vector3<f64>) -> f64 {
+        let (linear, quadratic) = self.tsai_wu_terms(stress);
+        linear + quadratic
+    }
+
+    /// Reserve factor R of Tsai–Wu: the multiple of the stress at which the index is 1, from
+    /// `a R² + b R = 1` with the quadratic part a and the linear part b of the index. Below 1 the ply has
+    /// failed; infinite without stress.
+    pub fn tsai_wu_reserve(&self, stress: &Vector3<f64>) -> f64 {
+        let (b, a) = self.tsai_wu_terms(stress);
+        let root = (b * b + 4.0 * a).sqrt();
+        // Both are the positive root; each is taken where it does not cancel.
+        if b >= 0.0 { 2.0 / (b + root) } else { (root - b) / (2.0 * a) }
+    }
+
+    fn tsai_wu_terms(&self, stress: &Vector3<f64>) -> (f64, f64) {
+        // Over the geometric means the coefficients neither overflow nor lose digits.
+        let (x, y) = ((self.xt * self.xc).sqrt(), (self.yt * self.yc).sqrt());
+        let (s1, s2, s6) = (stress[0] / x, stress[1] / y, stress[2] / self.s12);
+        let linear =
+            stress[0] * (1.0 / self.xt - 1.0 / self.xc) + stress[1] * (1.0 / self.yt - 1.0 / self.yc);
+        (linear, s1 * s1 + s2 * s2 + s6 * s6 + 2.0 * self.tsai_wu_interaction * s1 * s2)
+    }
+
+    /// Maximum stress: the greatest ratio of a stress to its strength, failure at 1, and the mode it
+    /// belongs to. The index is proportional to the load; its inverse is the reserve factor.
+    pub fn maximum_stress(&self, stress: &Vector3<f64>) -> (f64, FailureMode) {
+        use FailureMode::*;
+        let of = |s: f64, tension: (f64, FailureMode), compression: (f64, FailureMode)| {
+            if s >= 0.0 { (s / tension.0, tension.1) } else { (-s / compression.0, compression.1) }
+        };
+        [
+            of(stress[0], (self.xt, FibreTension), (self.xc, FibreCompression)),
+            of(stress[1], (self.yt, TransverseTension), (self.yc, TransverseCompression)),
+            (stress[2].abs() / self.s12, Shear),
+        ]
+        .into_iter()
+        .fold((f64::NEG_INFINITY, FibreTension), |a, b| if b.0 > a.0 { b } else { a })
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const STRENGTH: Strength =
-        Strength { xt: 1500.0, xc: 1200.0, yt: 50.0, yc: 200.0, s: 70.0, interaction: -0.5 };
+    fn carbon() -> Strengths {
+        Strengths::new(1500.0, 1200.0, 50.0, 250.0, 70.0)
+    }
 
     #[test]
-    fn each_strength_alone_is_the_limit() {
-        for (stress, mode) in [
-            ([1500.0, 0.0, 0.0], Mode::FibreTension),
-            ([-1200.0, 0.0, 0.0], Mode::FibreCompression),
-            ([0.0, 50.0, 0.0], Mode::MatrixTension),
-            ([0.0, -200.0, 0.0], Mode::MatrixCompression),
-            ([0.0, 0.0, -70.0], Mode::Shear),
-        ] {
-            let f = failure(stress, &STRENGTH);
-            assert!((f.tsai_wu - 1.0).abs() < 1e-14 && (f.max_stress - 1.0).abs() < 1e-14, "{f:?}");
-            assert!((f.reserve - 1.0).abs() < 1e-14 && f.mode == mode, "{f:?}");
+    fn each_uniaxial_strength_fails() {
+        let s = carbon();
+        use FailureMode::*;
+        let cases = [
+            (Vector3::new(s.xt, 0.0, 0.0), FibreTension),
+            (Vector3::new(-s.xc, 0.0, 0.0), FibreCompression),
+            (Vector3::new(0.0, s.yt, 0.0), TransverseTension),
+            (Vector3::new(0.0, -s.yc, 0.0), TransverseCompression),
+            (Vector3::new(0.0, 0.0, s.s12), Shear),
+            (Vector3::new(0.0, 0.0, -s.s12), Shear),
+        ];
+        for (stress, mode) in cases {
+            assert!((s.tsai_wu(&stress) - 1.0).abs() < 1e-12, "{mode:?}");
+            assert!((s.tsai_wu_reserve(&stress) - 1.0).abs() < 1e-12, "{mode:?}");
+            let (index, found) = s.maximum_stress(&stress);
+            assert_eq!(found, mode);
+            assert!((index - 1.0).abs() < 1e-12);
+            assert!(s.tsai_wu(&(stress * 0.99)) < 1.0 && s.tsai_wu(&(stress * 1.01)) > 1.0);
         }
     }
 
     #[test]
-    fn the_reserve_factor_leads_to_the_limit() {
-        let stress = [300.0, -20.0, 31.0];
-        let r = failure(stress, &STRENGTH).reserve;
-        assert!(r > 1.0);
-        assert!((failure(stress.map(|s| r * s), &STRENGTH).tsai_wu - 1.0).abs() < 1e-13);
-        assert!((failure(stress.map(|s| 0.5 * s), &STRENGTH).reserve - 2.0 * r).abs() < 1e-12 * r);
+    fn the_reserve_is_a_load_multiplier() {
+        let s = carbon();
+        for stress in [
+            Vector3::new(700.0, -30.0, 20.0),
+            Vector3::new(-300.0, 20.0, -5.0),
+            Vector3::new(1.0, -200.0, 60.0),
+            Vector3::new(0.0, -1e-3, 0.0),
+        ] {
+            let r = s.tsai_wu_reserve(&stress);
+            assert!((s.tsai_wu(&(stress * r)) - 1.0).abs() < 1e-10, "{stress}");
+            for factor in [1e-3, 0.5, 3.0, 1e4] {
+                let scaled = s.tsai_wu_reserve(&(stress * factor));
+                assert!((scaled * factor / r - 1.0).abs() < 1e-10, "{stress} times {factor}");
+                let (a, b) = (s.maximum_stress(&stress), s.maximum_stress(&(stress * factor)));
+                assert_eq!(a.1, b.1);
+                assert!((b.0 / (a.0 * factor) - 1.0).abs() < 1e-12);
+            }
+        }
+        assert_eq!(s.tsai_wu_reserve(&Vector3::zeros()), f64::INFINITY);
+    }
+
+    #[test]
+    fn the_interaction_is_that_of_biaxial_stress() {
+        // Equal reserve in tension and compression: f = s1² + s2² + 2 F12* s1 s2 over the strengths.
+        let mut s = Strengths::new(10.0, 10.0, 2.0, 2.0, 1.0);
+        let both = Vector3::new(10.0, 2.0, 0.0);
+        assert!((s.tsai_wu(&both) - 1.0).abs() < 1e-12, "1 + 1 − 2·½");
+        s.tsai_wu_interaction = 0.0;
+        assert!((s.tsai_wu(&both) - 2.0).abs() < 1e-12);
+        // With F12* = −½ and an isotropic material this is von Mises in plane stress.
+        let yield_stress = 3.0_f64;
+        let s = Strengths::new(3.0, 3.0, 3.0, 3.0, yield_stress / 3.0_f64.sqrt());
+        let t: Vector3<f64> = Vector3::new(1.2, -0.7, 0.4);
+        let mises = (t[0] * t[0] - t[0] * t[1] + t[1] * t[1] + 3.0 * t[2] * t[2]).sqrt();
+        assert!((s.tsai_wu_reserve(&t) - yield_stress / mises).abs() < 1e-12);
+    }
+
+    #[test]
+    fn mistakes_name_their_keys() {
+        assert!(carbon().mistakes().is_empty());
+        let mut s = carbon();
+        s.yc = -250.0;
+        s.tsai_wu_interaction = -1.0;
+        let keys: Vec<_> = s.mistakes().iter().map(|m| m.0).collect();
+        assert_eq!(keys, ["yc", "tsai_wu_interaction"]);
     }
 }

@@ -1,151 +1,241 @@
-//! Laminates: stiffness and inertia of a stack of layers.
+//! Laminates: bonded plies, in first-order shear deformation theory.
 //!
-//! Fibres at the height z along the director strain by ε − z κ, so with the reduced stiffness Q̄ of each layer
+//! A fibre at height z along the director has the strain `ε(z) = ε − z κ`. With the reduced stiffness
+//! Q̄(z) of the plies in common axes the resultants of the section are
 //!
 //! ```text
-//! A = ∫Q̄ dz,   B = −∫Q̄ z dz,   D = ∫Q̄ z² dz      n = A ε + B κ,   m = Bᵀ ε + D κ
+//! n =  ∫σ dz   = A ε + B κ      A =  ∫Q̄ dz     B = −∫Q̄ z dz
+//! m = −∫σ z dz = Bᵀ ε + D κ     D =  ∫Q̄ z² dz
 //! ```
 //!
-//! R. M. Jones, *Mechanics of Composite Materials*, 2nd ed., Taylor & Francis 1999, Ch. 4 (with his κ = −ours).
+//! Textbooks count curvatures with the other sign; their B is −B here, A and D are the same.
+//! Source: Reddy, Mechanics of Laminated Composite Plates and Shells, 2nd ed. 2004, chapter 3.
 
-use nalgebra::{Matrix2, Matrix3, Matrix6, SMatrix};
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
-use super::compiled::{Layer, plane_turn};
-use super::quadrature::gauss;
+use super::ply::{Ply, shear_turn, strain_turn, turned_plane_stress, turned_shear};
+use super::shear_correction::ShearProfile;
 use super::{SectionInertia, SectionStiffness};
 
-/// A stack of layers in the axes of its 0° direction.
-#[derive(Debug, Clone)]
+/// Why plies do not make a laminate.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum LaminateError {
+    /// There is nothing to bond.
+    #[error("a laminate needs at least one ply")]
+    Empty,
+    /// A ply has values that no sheet can have.
+    #[error("ply {} from the bottom: {what}", .ply + 1)]
+    Ply {
+        /// Index of the ply, from the bottom, counted from 0.
+        ply: usize,
+        /// What is wrong with it and what it must be.
+        what: &'static str,
+    },
+    /// Values of the whole laminate.
+    #[error("{0}")]
+    Whole(&'static str),
+}
+
+/// Plies bonded to each other, from the bottom (against the director) to the top.
+///
+/// The laminate has axes of its own: x along its 0° direction. How they lie in the cross-section frame
+/// is the argument `turn` of the functions.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Laminate {
-    layers: Vec<LayerStiffness>,
-    /// Transverse shear stiffness in the axes of the 0° direction.
-    shear: Matrix2<f64>,
-    /// ∫E3 dz.
-    thickness: f64,
-}
-
-/// Elastic stiffness of a layer in the axes of the laminate.
-#[derive(Debug, Clone)]
-struct LayerStiffness {
-    heights: [f64; 2],
-    moments: [f64; 3],
-    plane: Matrix3<f64>,
+    plies: Vec<Ply>,
+    /// Height of the bottom of each ply and of the top of the last above the laminate's middle (length).
+    heights: Vec<f64>,
+    /// Height of the laminate's middle above the reference surface (length).
+    offset: f64,
+    profile: ShearProfile,
+    /// S in laminate axes [force/length].
     shear: Matrix2<f64>,
 }
 
-/// Rotation of in-plane vectors: components along axes at `angle` from components in the axes it is counted from.
-pub fn vector_turn(angle: f64) -> Matrix2<f64> {
-    let (s, c) = angle.sin_cos();
-    Matrix2::new(c, s, -s, c)
+/// Strains and stresses of a ply at one height, in ply axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlyPoint {
+    /// Height above the reference surface along the director (length).
+    pub height: f64,
+    /// Strains ε11, ε22, γ12.
+    pub strain: Vector3<f64>,
+    /// Stresses σ11, σ22, τ12 [force/area].
+    pub stress: Vector3<f64>,
+    /// Transverse shear strains γ13, γ23, of the stresses below.
+    pub shear_strain: Vector2<f64>,
+    /// Transverse shear stresses τ13, τ23 [force/area]; continuous through the thickness.
+    pub shear_stress: Vector2<f64>,
+}
+
+/// Strains and stresses of one ply.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlyState {
+    /// At the side against the director.
+    pub bottom: PlyPoint,
+    /// At half of the ply's thickness.
+    pub middle: PlyPoint,
+    /// At the side towards the director.
+    pub top: PlyPoint,
 }
 
 impl Laminate {
-    /// From layers; `factors` replaces the layup's own transverse shear correction by c_xz, c_yz.
+    /// Bonds plies, bottom to top; the reference surface is at half of the total thickness. The
+    /// transverse shear stiffness is the layup's own, from the equilibrium of cylindrical bending: it
+    /// contains its correction, and `S = 5/6 G h` for a homogeneous section.
     ///
-    /// `None` where a layer has no plane stress or the stack no inverse.
-    pub fn new(layers: &[Layer], factors: Option<[f64; 2]>) -> Option<Self> {
-        let mut thickness = 0.0;
-        let mut list = Vec::new();
-        for layer in layers {
-            let (plane, shear, modulus) = layer.material.plane_stress()?;
-            let (t, r) = (plane_turn(layer.angle), vector_turn(layer.angle));
-            let moments = layer.moments();
-            thickness += modulus * moments[0];
-            list.push(LayerStiffness {
-                heights: [layer.bottom, layer.top],
-                moments,
-                plane: t.transpose() * plane * t,
-                shear: r.transpose() * shear * r,
-            });
-        }
-        let mut out = Self { layers: list, shear: Matrix2::zeros(), thickness };
-        out.shear = match factors {
-            Some(factors) => {
-                let whole: Matrix2<f64> = out.layers.iter().map(|l| l.shear * l.moments[0]).sum();
-                let root = Matrix2::from_diagonal(&nalgebra::Vector2::from(factors.map(f64::sqrt)));
-                root * whole * root
-            }
-            None => out.equilibrium_shear()?,
-        };
-        Some(out)
-    }
-
-    /// Membrane, coupling and bending stiffness in the axes of the 0° direction.
-    fn plane(&self) -> [Matrix3<f64>; 3] {
-        let sum = |k: usize| self.layers.iter().map(|l| l.plane * l.moments[k]).sum::<Matrix3<f64>>();
-        [sum(0), -sum(1), sum(2)]
-    }
-
-    /// Transverse shear stiffness by equilibrium in cylindrical bending about both axes.
+    /// # Errors
     ///
-    /// A gradient of the moment m_xx (m_yy) alone changes the in-plane stresses by Q̄ (ε′ − z κ′); equilibrium along
-    /// x and y gives the transverse shear stresses τ(z) = F(z) q, and their energy the compliance
-    /// `S⁻¹ = ∫ Fᵀ G⁻¹ F dz`. For one layer this is 5/6 G h. K. Rohwer, *Improved transverse shear stiffness for
-    /// layered finite elements*, DFVLR-FB 88-32, 1988.
-    fn equilibrium_shear(&self) -> Option<Matrix2<f64>> {
-        let [a, b, d] = self.plane();
-        let mut whole = Matrix6::zeros();
-        whole.fixed_view_mut::<3, 3>(0, 0).copy_from(&a);
-        whole.fixed_view_mut::<3, 3>(0, 3).copy_from(&b);
-        whole.fixed_view_mut::<3, 3>(3, 0).copy_from(&b.transpose());
-        whole.fixed_view_mut::<3, 3>(3, 3).copy_from(&d);
-        let compliance = inverse(&whole)?;
-        // Columns: m_xx and m_yy grow by one per length; a shear force of −1 goes with that.
-        let change: SMatrix<f64, 6, 2> =
-            SMatrix::from_columns(&[compliance.column(3).into_owned(), compliance.column(4).into_owned()]);
-        let (strain, curvature) =
-            (change.fixed_rows::<3>(0).into_owned(), change.fixed_rows::<3>(3).into_owned());
-        // ∫σ′ dz from the lower side of a layer to z, rows of equilibrium along x and y.
-        let partial = |l: &LayerStiffness, z: f64| {
-            let [z0, _] = l.heights;
-            let stress = l.plane * (strain * (z - z0) - curvature * (0.5 * (z * z - z0 * z0)));
-            // Along x: σ_xx,x of the first column, σ_xy,y of the second; along y: σ_xy,x and σ_yy,y.
-            Matrix2::new(stress[(0, 0)], stress[(2, 1)], stress[(2, 0)], stress[(1, 1)])
+    /// No plies; a ply whose thickness or stiffness is not positive.
+    pub fn new(plies: Vec<Ply>) -> Result<Self, LaminateError> {
+        if plies.is_empty() {
+            return Err(LaminateError::Empty);
+        }
+        for (i, ply) in plies.iter().enumerate() {
+            ply.check(i)?;
+        }
+        let total: f64 = plies.iter().map(|p| p.thickness).sum();
+        let mut heights = vec![-0.5 * total];
+        let mut below = 0.0;
+        for p in &plies {
+            below += p.thickness;
+            heights.push(below - 0.5 * total);
+        }
+        let (profile, shear) = ShearProfile::new(&plies, &heights)
+            .ok_or(LaminateError::Whole("the plies differ too much in stiffness to be computed together"))?;
+        Ok(Self { plies, heights, offset: 0.0, profile, shear })
+    }
+
+    /// Moves the laminate: its middle is at the height `offset` above the reference surface (length,
+    /// along the director). The bottom is the reference surface with half of the thickness.
+    ///
+    /// # Errors
+    ///
+    /// `offset` is not a number.
+    pub fn with_offset(mut self, offset: f64) -> Result<Self, LaminateError> {
+        if !offset.is_finite() {
+            return Err(LaminateError::Whole("the offset must be a number"));
+        }
+        self.offset = offset;
+        Ok(self)
+    }
+
+    /// Takes given correction factors c_xz, c_yz of the laminate axes instead of the layup's own:
+    /// `S = C (∫G dz) C` with `C = diag(√c_xz, √c_yz)`, which is `diag(c) ∫G dz` for cross-plies. 5/6 each
+    /// is common in the literature of first-order shear deformation theory.
+    ///
+    /// # Errors
+    ///
+    /// A factor is not above 0.
+    pub fn with_shear_correction(mut self, factors: [f64; 2]) -> Result<Self, LaminateError> {
+        if factors.iter().any(|c| !(c.is_finite() && *c > 0.0)) {
+            return Err(LaminateError::Whole("the shear correction factors must be above 0"));
+        }
+        let c = Matrix2::from_diagonal(&Vector2::new(factors[0].sqrt(), factors[1].sqrt()));
+        self.shear = c * self.uncorrected_shear() * c;
+        Ok(self)
+    }
+
+    /// The plies, bottom to top.
+    pub fn plies(&self) -> &[Ply] {
+        &self.plies
+    }
+
+    /// Total thickness h (length).
+    pub fn thickness(&self) -> f64 {
+        self.heights[self.plies.len()] - self.heights[0]
+    }
+
+    /// Height of the laminate's middle above the reference surface (length).
+    pub fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    /// ∫G dz in laminate axes [force/length]: transverse shear stiffness of a constant strain.
+    pub fn uncorrected_shear(&self) -> Matrix2<f64> {
+        self.plies.iter().map(|p| turned_shear(&p.shear, p.angle) * p.thickness).sum()
+    }
+
+    /// A, B, D, S and Z per reference area in the cross-section frame.
+    ///
+    /// `turn` is the angle from x of the frame to the laminate's 0° direction, about the director, from x
+    /// towards y (rad). `Z = ∫E3 dz`: the director stretches by the same strain at every height.
+    pub fn stiffness(&self, turn: f64) -> SectionStiffness {
+        let mut out = SectionStiffness {
+            membrane: Matrix3::zeros(),
+            coupling: Matrix3::zeros(),
+            bending: Matrix3::zeros(),
+            shear: self.shear,
+            thickness: 0.0,
         };
-        let mut below = Matrix2::zeros();
-        let mut energy = Matrix2::zeros();
-        for l in &self.layers {
-            let [bottom, top] = l.heights;
-            let flexible = l.shear.try_inverse()?;
-            for (x, w) in gauss(3) {
-                let z = 0.5 * (bottom + top) + 0.5 * (top - bottom) * x;
-                let f = below + partial(l, z);
-                energy += f.transpose() * flexible * f * (0.5 * (top - bottom) * w);
-            }
-            below += partial(l, top);
+        for (k, p) in self.plies.iter().enumerate() {
+            let q = p.plane_stress_at(0.0);
+            let (t, z) = (p.thickness, self.middle_of(k));
+            out.membrane += q * t;
+            out.coupling -= q * (t * z);
+            out.bending += q * (t * z * z + t * t * t / 12.0);
+            out.thickness += p.thickness_modulus * t;
         }
-        energy.try_inverse().map(|s| (s + s.transpose()) * 0.5)
-    }
-
-    /// Stiffness in axes from which the 0° direction is turned by an angle.
-    pub fn at(&self, turn: f64) -> SectionStiffness {
-        let (t, r) = (plane_turn(turn), vector_turn(turn));
-        let [a, b, d] = self.plane().map(|m| t.transpose() * m * t);
-        SectionStiffness {
-            membrane: a,
-            coupling: b,
-            bending: d,
-            shear: r.transpose() * self.shear * r,
-            thickness: self.thickness,
+        if turn != 0.0 {
+            out.membrane = turned_plane_stress(&out.membrane, turn);
+            out.coupling = turned_plane_stress(&out.coupling, turn);
+            out.bending = turned_plane_stress(&out.bending, turn);
+            out.shear = turned_shear(&out.shear, turn);
         }
+        out
     }
-}
 
-/// Inverse of a matrix whose blocks have different units.
-fn inverse(m: &Matrix6<f64>) -> Option<Matrix6<f64>> {
-    let scale = Matrix6::from_diagonal(&m.diagonal().map(|d| 1.0 / d.abs().sqrt()));
-    let unit = (scale * m * scale).try_inverse()?;
-    Some(scale * unit * scale)
-}
-
-/// Inertia of layers: ∫ρ, ∫ρ z², ∫ρ z.
-pub fn inertia(layers: &[Layer]) -> SectionInertia {
-    let mut out = SectionInertia { mass: 0.0, rotary: 0.0, coupling: 0.0 };
-    for layer in layers {
-        let [z0, z1, z2] = layer.moments().map(|m| m * layer.material.density());
-        out.mass += z0;
-        out.coupling += z1;
-        out.rotary += z2;
+    /// ∫ρ dz, ∫ρ z dz and ∫ρ z² dz per reference area.
+    pub fn inertia(&self) -> SectionInertia {
+        let mut out = SectionInertia { mass: 0.0, coupling: 0.0, rotary: 0.0 };
+        for (k, p) in self.plies.iter().enumerate() {
+            let (t, z) = (p.thickness, self.middle_of(k));
+            out.mass += p.density * t;
+            out.coupling += p.density * t * z;
+            out.rotary += p.density * (t * z * z + t * t * t / 12.0);
+        }
+        out
     }
-    out
+
+    /// Strains and stresses of every ply, bottom to top, in ply axes, from the strains `membrane` ε,
+    /// `curvature` κ (engineering xy) and `shear` γ = (γ_xz, γ_yz) in the cross-section frame. `turn` as
+    /// in [`Laminate::stiffness`].
+    ///
+    /// In the plane `ε(z) = ε − z κ` and `σ = Q ε(z)`. The transverse shear stress is that of
+    /// equilibrium in cylindrical bending under the resultants `q = S γ`: continuous, zero at both
+    /// faces, of the resultant q. It is far closer to the stress of the solid than `G γ`, which jumps
+    /// between plies.
+    pub fn recover(
+        &self,
+        turn: f64,
+        membrane: &Vector3<f64>,
+        curvature: &Vector3<f64>,
+        shear: &Vector2<f64>,
+    ) -> Vec<PlyState> {
+        let resultant = self.shear * shear_turn(turn) * shear;
+        let state = |(k, p): (usize, &Ply)| {
+            let (t, r) = (strain_turn(p.angle + turn), shear_turn(p.angle));
+            let point = |z: f64| {
+                let height = z + self.offset;
+                let strain = t * (membrane - curvature * height);
+                let shear_stress = r * self.profile.at(p, k, &self.heights, z) * resultant;
+                // Checked when the laminate was made: the shear moduli have an inverse.
+                let flexibility = p.shear.try_inverse().unwrap_or_else(Matrix2::zeros);
+                PlyPoint {
+                    height,
+                    strain,
+                    stress: p.plane_stress * strain,
+                    shear_strain: flexibility * shear_stress,
+                    shear_stress,
+                }
+            };
+            let (bottom, top) = (self.heights[k], self.heights[k + 1]);
+            PlyState { bottom: point(bottom), middle: point(0.5 * (bottom + top)), top: point(top) }
+        };
+        self.plies.iter().enumerate().map(state).collect()
+    }
+
+    /// Height of the middle of ply k above the reference surface.
+    fn middle_of(&self, k: usize) -> f64 {
+        0.5 * (self.heights[k] + self.heights[k + 1]) + self.offset
+    }
 }

@@ -3,7 +3,11 @@
 pub mod compiled;
 pub mod failure;
 pub mod laminate;
+pub mod ply;
 pub mod quadrature;
+mod shear_correction;
+#[cfg(test)]
+mod tests;
 
 use nalgebra::{Matrix2, Matrix3};
 
@@ -37,10 +41,10 @@ pub struct SectionStiffness {
 pub struct SectionInertia {
     /// ∫ρ dz [mass/area].
     pub mass: f64,
+    /// ∫ρ z dz [mass/length]; zero for sections symmetric about the mid-surface.
+    pub coupling: f64,
     /// ∫ρ z² dz (mass); the director is dimensionless.
     pub rotary: f64,
-    /// ∫ρ z dz [mass/length]; 0 for sections symmetric about the mid-surface.
-    pub coupling: f64,
 }
 
 impl SectionStiffness {
