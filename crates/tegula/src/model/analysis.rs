@@ -107,6 +107,22 @@ pub struct TransientAnalysis {
     pub linear: bool,
 }
 
+impl TransientAnalysis {
+    /// With automatic steps and the defaults of everything else.
+    pub fn new(end_time: f64) -> Self {
+        Self {
+            end_time,
+            scheme: Scheme::default(),
+            tolerance: paper_tolerance(),
+            time_step: None,
+            initial_step: None,
+            max_step: None,
+            max_iterations: twenty(),
+            linear: false,
+        }
+    }
+}
+
 /// Time integration schemes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "kebab-case")]

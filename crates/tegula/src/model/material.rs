@@ -314,7 +314,11 @@ impl Material {
         c.finite(&format!("{key}.expansion"), "the thermal expansion", &self.expansion());
         if let Some(s) = self.strength() {
             for (name, mistake) in s.mistakes() {
-                c.add(format!("{key}.strength.{name}"), mistake, "give the strength in the units of a stress");
+                c.add(
+                    format!("{key}.strength.{name}"),
+                    mistake,
+                    "give the strength in the units of a stress",
+                );
             }
         }
         c.issues

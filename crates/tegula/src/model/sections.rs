@@ -67,7 +67,14 @@ impl Section {
             }
             if let Some((plane_stress, shear, thickness_modulus)) = material.plane_stress() {
                 let density = material.density();
-                plies.push(Ply { thickness: ply.thickness, angle, plane_stress, shear, thickness_modulus, density });
+                plies.push(Ply {
+                    thickness: ply.thickness,
+                    angle,
+                    plane_stress,
+                    shear,
+                    thickness_modulus,
+                    density,
+                });
             }
             layers.push(layer);
         }

@@ -251,7 +251,14 @@ impl CompiledSection {
             .iter()
             .map(|p| match p {
                 None => Ok(DVector::zeros(9)),
-                Some(p) => self.resultant_strain(p, &middle.frame, turn, &stiffness, linear),
+                Some(p) => {
+                    let mut strain = self.resultant_strain(p, &middle.frame, turn, &stiffness, linear)?;
+                    if element.unit_directors() {
+                        // What keeps its length does not take part in the stretch of the thickness.
+                        strain[3] = 0.0;
+                    }
+                    Ok(strain)
+                }
             })
             .collect::<Result<_, String>>()?;
         out.push(Station {
