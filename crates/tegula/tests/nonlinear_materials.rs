@@ -164,18 +164,18 @@ fn plastic_tangents_are_consistent() {
         let mut m = common::model(plate([1.0, 0.4], [6, 3], 0.15), 2e5, 0.02);
         m.materials.insert("m".into(), Material::Plastic(law));
         m.sections[0].element = element;
-        m.loads = vec![Load::Edge(vector_load("u_max", [0.0, 0.0, 0.016]))];
+        m.loads = vec![Load::Edge(vector_load("u_max", [0.0, 0.0, 0.021]))];
         m.analysis = Analysis::Static(StaticAnalysis { load_steps: 5, ..Default::default() });
         let (_, system) = compile(&m);
         let mut energies = Energies::default();
         let outcome = statics::run(&system, &common::static_options(&m), None, &mut energies).unwrap();
-        let yielded = outcome.state.history.iter().any(|h| *h > 1e-3);
-        assert!(yielded, "the strip must yield for the test to mean something");
+        let lost = outcome.balance.dissipated / outcome.balance.strain;
+        assert!(lost > 0.05, "{element:?}: the strip must yield for the test to mean something: {lost}");
         for step in &energies.steps {
             // At the end of each step the energy of the next increment is the square of the last but for a factor.
             let tail = &step[step.len().saturating_sub(3)..];
             for w in tail.windows(2).filter(|w| w[0] < 1e-3) {
-                assert!(w[1] <= 10.0 * w[0] * w[0] + 1e-24, "{element:?}: {step:?}");
+                assert!(w[1] <= 1e3 * w[0] * w[0] + 1e-24, "{element:?}: {step:?}");
             }
         }
         insta::assert_debug_snapshot!(format!("plastic_iterations_{element:?}"), outcome.statistics);
