@@ -5,12 +5,13 @@ use std::path::Path;
 use tegula::analysis::State;
 use tegula::element::Nodal;
 use tegula::model::Field;
-use tegula::result::ShellResult;
+use tegula::result::{ShellResult, plastic_strains, recover_plies};
 use tegula::{Mesh, System};
 
 use crate::out::{DataArray, OutputError, VtuGrid, vtu};
 
 const PLANE: [&str; 3] = ["xx", "yy", "xy"];
+const PLY: [&str; 3] = ["11", "22", "12"];
 const SHEAR: [&str; 2] = ["xz", "yz"];
 
 /// A nodal field of positions, node by node; zero where a node has no element.
@@ -87,6 +88,64 @@ pub(super) fn write(
     }
     if has(Field::EnergyDensity) {
         cell_data.push(scalar("energy_density", |r| [r.energy_density]));
+    }
+    let by_shell = |values: &dyn Fn(usize) -> f64| {
+        let mut out = vec![f64::NAN; mesh.quads.len()];
+        for (i, shell) in system.shells.iter().enumerate() {
+            out[shell.quad as usize] = values(i);
+        }
+        out
+    };
+    let strong =
+        system.sections.iter().any(|s| s.section.layers.iter().any(|l| l.material.strength().is_some()));
+    let plies = if has(Field::PlyStress) || has(Field::Failure) && strong {
+        recover_plies(system, state)
+    } else {
+        Vec::new()
+    };
+    if has(Field::PlyStress) {
+        let most = plies.iter().map(Vec::len).max().unwrap_or(0);
+        for number in 0..most {
+            for (place, name) in ["bottom", "middle", "top"].into_iter().enumerate() {
+                let mut values = vec![f64::NAN; 3 * mesh.quads.len()];
+                for (shell, of_shell) in system.shells.iter().zip(&plies) {
+                    if let Some(ply) = of_shell.get(number) {
+                        let first = 3 * shell.quad as usize;
+                        values[first..first + 3].copy_from_slice(&ply.stress[place].plane);
+                    }
+                }
+                let name = format!("ply_{}_{name}", number + 1);
+                cell_data.push(DataArray::new(name, 3, values).with_component_names(&PLY));
+            }
+        }
+    }
+    if has(Field::Failure) && strong {
+        let worst = |i: usize| {
+            let failures = plies[i].iter().enumerate().filter_map(|(k, p)| Some((k, p.failure?)));
+            failures.min_by(|a, b| a.1.reserve.total_cmp(&b.1.reserve))
+        };
+        cell_data.push(DataArray::new("tsai_wu", 1, by_shell(&|i| worst(i).map_or(0.0, |w| w.1.tsai_wu))));
+        let reserve = |i| worst(i).map_or(f64::INFINITY, |w| w.1.reserve);
+        // Where nothing is loaded the factor has no bound; files hold finite numbers.
+        cell_data.push(DataArray::new("reserve_factor", 1, by_shell(&|i| reserve(i).min(f64::MAX))));
+        cell_data.push(DataArray::new(
+            "max_stress",
+            1,
+            by_shell(&|i| plies[i].iter().filter_map(|p| Some(p.failure?.max_stress)).fold(0.0, f64::max)),
+        ));
+        cell_data.push(DataArray::new(
+            "critical_ply",
+            1,
+            by_shell(&|i| worst(i).map_or(0.0, |w| (w.0 + 1) as f64)),
+        ));
+    }
+    let plastic = system
+        .sections
+        .iter()
+        .any(|s| s.section.layers.iter().any(|l| matches!(l.material, tegula::model::Material::Plastic(_))));
+    if has(Field::PlasticStrain) && plastic {
+        let strains = plastic_strains(system, state);
+        cell_data.push(DataArray::new("plastic_strain", 1, by_shell(&|i| strains[i])));
     }
     vtu::write(
         path,

@@ -254,7 +254,7 @@ pub struct Output {
     /// Points whose motion is recorded at every step.
     #[serde(default)]
     pub points: Vec<OutputPoint>,
-    /// Fields in the VTU files; all of them unless given.
+    /// Fields in the VTU files; all but `ply-stress` unless given.
     #[serde(default = "all_fields")]
     pub fields: Vec<Field>,
     /// Time (load factor) between two field files; 0 writes every step.
@@ -304,11 +304,30 @@ pub enum Field {
     VonMises,
     /// Strain energy per reference area [energy/area].
     EnergyDensity,
+    /// Stresses σ11, σ22, τ12 at the bottom, the middle and the top of each ply, in its axes [force/area].
+    PlyStress,
+    /// Tsai–Wu index, reserve factor and greatest stress over strength of the worst ply, and its number from the bottom;
+    /// where materials have strengths.
+    Failure,
+    /// Greatest equivalent plastic strain; where materials are plastic.
+    PlasticStrain,
 }
 
 fn all_fields() -> Vec<Field> {
     use Field::*;
-    vec![Displacement, Director, Velocity, Membrane, Bending, Shear, SurfaceStress, VonMises, EnergyDensity]
+    vec![
+        Displacement,
+        Director,
+        Velocity,
+        Membrane,
+        Bending,
+        Shear,
+        SurfaceStress,
+        VonMises,
+        EnergyDensity,
+        Failure,
+        PlasticStrain,
+    ]
 }
 fn all() -> String {
     "all".into()

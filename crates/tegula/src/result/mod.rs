@@ -1,8 +1,10 @@
 //! From a state back to engineering quantities: resultants and stresses of shells, motion of points.
 
 pub mod inside;
+pub mod plies;
 pub mod probe;
 pub mod recovery;
 
+pub use plies::{PlyFailure, PlyResult, PlyStress, plastic_strains, recover_plies};
 pub use probe::Probe;
 pub use recovery::{ShellResult, recover};

@@ -110,9 +110,9 @@ fn unknown_words_come_with_the_allowed_ones() {
     "#);
     insta::assert_snapshot!(with("interval = 0.1", "fields = [\"velocity\", \"von_mises\", 3]"), @r#"
     m.toml:26:23: output.fields[1]: unknown value "von_mises"
-      help: did you mean "von-mises"? (one of "displacement", "director", "velocity", "membrane", "bending", "shear", "surface-stress", "von-mises", "energy-density")
+      help: did you mean "von-mises"? (one of "displacement", "director", "velocity", "membrane", "bending", "shear", "surface-stress", "von-mises", "energy-density", "ply-stress", "failure", "plastic-strain")
     m.toml:26:36: output.fields[2]: expected a string, found the integer 3
-      help: one of "displacement", "director", "velocity", "membrane", "bending", "shear", "surface-stress", "von-mises", "energy-density"
+      help: one of "displacement", "director", "velocity", "membrane", "bending", "shear", "surface-stress", "von-mises", "energy-density", "ply-stress", "failure", "plastic-strain"
     "#);
     insta::assert_snapshot!(with("type = \"isotropic\"\nyoung = 210e9", "type = \"orthotropik\""), @r#"
     m.toml:11:8: materials.steel.type: unknown type "orthotropik"

@@ -1,0 +1,146 @@
+//! Stresses of plies in their own axes, failure indices, and plastic strain.
+//!
+//! Quantities are means over the element's points of the mid-surface, at the bottom, the middle and the top of each
+//! ply. In-plane stresses are those of the ply's material for the strain there, prescribed strains taken off.
+//! Transverse shear stresses of elements with resultants follow from equilibrium over the thickness.
+
+use nalgebra::{Vector2, Vector3};
+use rayon::prelude::*;
+
+use super::inside::{Inside, Snapshot};
+use crate::analysis::State;
+use crate::section::compiled::{Resultant, turned_stress};
+use crate::section::failure::{FailureMode, Strengths};
+use crate::section::ply::shear_turn;
+use crate::system::{Shell, System};
+
+/// Stresses of a ply at one height.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PlyStress {
+    /// Height over the mid-surface (length).
+    pub height: f64,
+    /// σ11, σ22, τ12 in the ply's axes [force/area].
+    pub plane: [f64; 3],
+    /// τ13, τ23 [force/area].
+    pub shear: [f64; 2],
+}
+
+/// A ply of an element.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PlyResult {
+    /// At the bottom, the middle and the top.
+    pub stress: [PlyStress; 3],
+    /// Failure indices, where the material has strengths.
+    pub failure: Option<PlyFailure>,
+}
+
+/// Failure indices of a ply, the worst of its bottom, middle and top; 1 is the limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlyFailure {
+    /// Tsai and Wu's index.
+    pub tsai_wu: f64,
+    /// Factor by which the stresses may grow until that index is 1.
+    pub reserve: f64,
+    /// Greatest stress over its strength.
+    pub max_stress: f64,
+    /// Which stress that is.
+    pub mode: FailureMode,
+}
+
+/// Plies of all shells at a state, in the order of [`System::shells`], from the bottom to the top; none for a shell
+/// whose stresses cannot be had there.
+pub fn recover_plies(system: &System, state: &State) -> Vec<Vec<PlyResult>> {
+    let snapshot = Snapshot::new(system, state);
+    system.shells.par_iter().map(|shell| plies(&snapshot, shell).unwrap_or_default()).collect()
+}
+
+fn plies(snapshot: &Snapshot, shell: &Shell) -> Option<Vec<PlyResult>> {
+    let of = &snapshot.system.sections[shell.section];
+    let (section, element) = (&of.section, of.element.as_ref());
+    let inside = Inside::new(snapshot, shell)?;
+    let points = element.surface_points();
+    let stations = inside.station_stresses();
+    let per_point = stations.len() / points;
+    let mut out = Vec::with_capacity(section.layers.len());
+    for (number, layer) in section.layers.iter().enumerate() {
+        let mut ply = PlyResult::default();
+        let heights = [layer.bottom, 0.5 * (layer.bottom + layer.top), layer.top];
+        for (at, z) in ply.stress.iter_mut().zip(heights) {
+            at.height = z;
+            for point in 0..points {
+                let (stress, frame) = match inside.stress(point, z, layer) {
+                    Some((stress, strain)) => (stress, strain.frame),
+                    None => inside.stress_of_nearest_station(point, z, points, &stations)?,
+                };
+                let turn = section.layer_turn(layer, &frame).ok()?;
+                let plane = turned_stress(Vector3::new(stress[0], stress[1], stress[2]), -turn);
+                let shear = match &section.resultant {
+                    Resultant::Laminate(laminate) if !element.is_solid() => {
+                        // The first station holds the resultants; their shear forces spread by equilibrium.
+                        let q = Vector2::new(stations[point * per_point][4], stations[point * per_point][5]);
+                        let of_section = turn - layer.angle;
+                        let gamma = laminate.stiffness(of_section).shear.try_inverse()? * q;
+                        let states =
+                            laminate.recover(of_section, &Vector3::zeros(), &Vector3::zeros(), &gamma);
+                        let ply = states.get(number)?;
+                        [ply.bottom, ply.middle, ply.top]
+                            .into_iter()
+                            .min_by(|a, b| (a.height - z).abs().total_cmp(&(b.height - z).abs()))?
+                            .shear_stress
+                    }
+                    Resultant::Isotropic(_) if !element.is_solid() => {
+                        let q = Vector2::new(stations[point * per_point][4], stations[point * per_point][5]);
+                        let zeta = 2.0 * z / section.thickness;
+                        shear_turn(turn) * q * (1.5 / section.thickness * (1.0 - zeta * zeta))
+                    }
+                    _ => shear_turn(turn) * Vector2::new(stress[4], stress[5]),
+                };
+                for i in 0..3 {
+                    at.plane[i] += plane[i] / points as f64;
+                }
+                for i in 0..2 {
+                    at.shear[i] += shear[i] / points as f64;
+                }
+            }
+        }
+        ply.failure = layer.material.strength().map(|s| failure(&ply.stress, &s));
+        out.push(ply);
+    }
+    Some(out)
+}
+
+fn failure(stresses: &[PlyStress; 3], strength: &Strengths) -> PlyFailure {
+    let at = |s: &PlyStress| {
+        let plane = Vector3::from(s.plane);
+        let (max_stress, mode) = strength.maximum_stress(&plane);
+        let (tsai_wu, reserve) = (strength.tsai_wu(&plane), strength.tsai_wu_reserve(&plane));
+        PlyFailure { tsai_wu, reserve, max_stress, mode }
+    };
+    let mut worst = at(&stresses[0]);
+    for s in &stresses[1..] {
+        let f = at(s);
+        worst.tsai_wu = worst.tsai_wu.max(f.tsai_wu);
+        worst.reserve = worst.reserve.min(f.reserve);
+        if f.max_stress > worst.max_stress {
+            (worst.max_stress, worst.mode) = (f.max_stress, f.mode);
+        }
+    }
+    worst
+}
+
+/// Greatest equivalent plastic strain of each shell, in the order of [`System::shells`]; 0 where nothing can yield.
+pub fn plastic_strains(system: &System, state: &State) -> Vec<f64> {
+    let snapshot = Snapshot::new(system, state);
+    system
+        .shells
+        .par_iter()
+        .map(|shell| {
+            let section = &system.sections[shell.section].section;
+            let Some(inside) = Inside::new(&snapshot, shell).filter(|_| !section.is_linear()) else {
+                return 0.0;
+            };
+            let strain = |(law, history): (usize, &[f64])| section.laws[law].plastic_strain(history);
+            inside.station_history().into_iter().filter_map(strain).fold(0.0, f64::max)
+        })
+        .collect()
+}
