@@ -10,8 +10,8 @@ use tegula::element::TangentWeights;
 use tegula::linear::{Factor, SparseCholesky, SymmetricPattern};
 use tegula::mesh::generators::generate;
 use tegula::model::{
-    Analysis, Condition, CylinderMesh, Damping, ElementKind, Grid, Isotropic, Load, Material, MeshSource,
-    Model, OnSet, Output, Section, StaticAnalysis, VectorLoad, build,
+    Analysis, Condition, CylinderMesh, Grid, Isotropic, Load, MeshSource, Model, OnSet, StaticAnalysis,
+    VectorLoad, build,
 };
 use tegula::system::assembly::TangentParts;
 use tegula::system::{Assembly, System};

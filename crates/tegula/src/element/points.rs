@@ -94,6 +94,9 @@ pub struct PointConstitution<const S: usize> {
     reference: Vec<f64>,
 }
 
+/// K_ss and K_sα of an element.
+type Blocks<'a, const S: usize> = (&'a mut [[f64; S]; S], &'a mut [[f64; MAX_PARAMETERS]; S]);
+
 /// What a pass over the points of an element collects.
 struct Pass<const S: usize> {
     stress: [f64; S],
@@ -286,7 +289,7 @@ impl<const S: usize> PointConstitution<S> {
         s: &[f64; S],
         alpha: &Parameters,
         interior: &Interior,
-        mut tangent: Option<(&mut [[f64; S]; S], &mut [[f64; MAX_PARAMETERS]; S])>,
+        mut tangent: Option<Blocks<'_, S>>,
         mut history: Option<&mut [f64]>,
     ) -> Option<Pass<S>> {
         let (a, n) = (self.parameters, S + self.parameters);

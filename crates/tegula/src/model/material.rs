@@ -301,7 +301,7 @@ impl Material {
                 ] {
                     c.not_negative(&format!("{key}.{name}"), &format!("`{name}`"), v);
                 }
-                if m.saturation.is_some_and(|s| !(s >= m.yield_stress)) {
+                if m.saturation.is_some_and(|s| s.is_nan() || s < m.yield_stress) {
                     c.add(
                         format!("{key}.saturation"),
                         "the saturation stress is below the yield stress: softening has no unique solution",
