@@ -6,6 +6,7 @@
 
 mod benchmarks;
 mod frequencies;
+mod inside;
 mod model;
 mod paper;
 mod patch;
@@ -123,6 +124,18 @@ pub const CASES: &[Case] = &[
         about: "the same for EMS, CM and MITC4 against elastica, exact arc and literature",
         cost: Cost::Normal,
         run: benchmarks::sze_literature,
+    },
+    Case {
+        name: "balloon",
+        about: "sphere of neo-Hookean rubber under pressure, through its limit",
+        cost: Cost::Normal,
+        run: inside::balloon,
+    },
+    Case {
+        name: "bimetal",
+        about: "Timoshenko's bimetal strip: two layers that expand differently",
+        cost: Cost::Fast,
+        run: inside::bimetal,
     },
     Case {
         name: "hinged-plate",

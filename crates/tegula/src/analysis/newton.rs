@@ -161,7 +161,14 @@ impl Newton {
             }
             self.assembly.numbering.reduce(&self.residual, &mut self.right_side);
             if !self.right_side.iter().all(|r| r.is_finite()) {
-                return Err(diverged("the forces grew beyond all bounds".into()));
+                let reason = match self.assembly.without_answer(system) {
+                    Some(element) => format!(
+                        "{element} has no answer to its strain: its material is pressed flat or turned inside out, \
+                         or its enhanced strains (`eas`) have no equilibrium"
+                    ),
+                    None => "the forces grew beyond all bounds".into(),
+                };
+                return Err(diverged(reason));
             }
             let mut negative_pivots = 0;
             if !reuse {

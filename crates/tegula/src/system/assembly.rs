@@ -216,6 +216,25 @@ impl Assembly {
         });
     }
 
+    /// The first shell whose last forces are not numbers, for people: its material had no answer to its strain.
+    pub fn without_answer(&self, system: &System) -> Option<String> {
+        let mut at = 0;
+        for (index, group) in system.groups.iter().enumerate() {
+            let n = 3 * group.vectors_per_element();
+            for element in 0..group.len() {
+                if self.element_forces[at..at + n].iter().all(|f| f.is_finite()) {
+                    at += n;
+                    continue;
+                }
+                let shell =
+                    system.shells.iter().find(|s| s.groups.contains(&index) && s.member == element)?;
+                let (label, c) = (system.quad_label(shell.quad), shell.geometry.centre());
+                return Some(format!("element {label} at ({:.4}, {:.4}, {:.4})", c.x, c.y, c.z));
+            }
+        }
+        None
+    }
+
     /// Values of the mass matrix of the free coordinates.
     pub fn mass_values(&mut self, system: &System, values: &mut [f64]) {
         self.blocks.fill(0.0);
