@@ -35,6 +35,8 @@ pub struct Mesh {
     /// Exact unit normals of the true surface at the corners of each quad, where
     /// whoever made the mesh knows them; otherwise they are averaged from the facets.
     pub normals: Option<Vec<[Vec3; 4]>>,
+    /// Thickness at each node (length), where the file holds it: the mesh was made of solids.
+    pub thickness: Option<Vec<f64>>,
     /// Named sets of nodes, without repetition.
     pub node_sets: BTreeMap<String, Vec<u32>>,
     /// Named sets of edges, each a pair of neighbouring nodes.

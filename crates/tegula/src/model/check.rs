@@ -12,6 +12,9 @@ use crate::{Issue, Vec3};
 /// Longest name of a point (characters). It becomes part of file names, which most systems limit to 255 bytes.
 const LONGEST_NAME: usize = 60;
 
+/// Part by which the thickness of a mesh of solids may differ from that of its section.
+const OTHER_THICKNESS: f64 = 1e-3;
+
 impl Condition {
     /// Name of the set it acts on.
     pub fn on(&self) -> &str {
@@ -135,7 +138,9 @@ pub fn sets(model: &Model, mesh: &Mesh) -> Vec<Issue> {
     let mut section_of: BTreeMap<u32, usize> = BTreeMap::new();
     for (i, s) in model.sections.iter().enumerate() {
         let key = format!("sections[{i}].on");
-        for q in c.set(mesh, key.clone(), &s.on, "quads", Mesh::quads_on) {
+        let quads = c.set(mesh, key.clone(), &s.on, "quads", Mesh::quads_on);
+        c.thickness(mesh, &format!("sections[{i}].thickness"), s.whole_thickness(), &quads);
+        for q in quads {
             if let Some(other) = section_of.insert(q, i) {
                 c.add(
                     key.as_str(),
@@ -393,6 +398,29 @@ impl Checker {
                 Vec::new()
             }
         }
+    }
+
+    /// A mesh of solids has a thickness of its own, which has to be that of the section.
+    fn thickness(&mut self, mesh: &Mesh, key: &str, thickness: f64, quads: &[u32]) {
+        let Some(of_nodes) = &mesh.thickness else { return };
+        let off = |n: u32| of_nodes.get(n as usize).map_or(0.0, |t| (t / thickness - 1.0).abs());
+        let nodes: std::collections::BTreeSet<u32> = quads
+            .iter()
+            .flat_map(|&q| mesh.quads[q as usize])
+            .filter(|&n| off(n) > OTHER_THICKNESS)
+            .collect();
+        let Some(&worst) = nodes.iter().max_by(|&&a, &&b| off(a).total_cmp(&off(b))) else { return };
+        self.add(
+            key,
+            format!(
+                "the section is {thickness} thick, but the mesh is {:.6} thick at node {}, at {} node(s) off by more than {} %",
+                of_nodes[worst as usize],
+                mesh.node_label(worst),
+                nodes.len(),
+                100.0 * OTHER_THICKNESS
+            ),
+            "give the thickness of the mesh; parts of different thickness need sections of their own",
+        );
     }
 
     fn hinge(&mut self, mesh: &Mesh, key: String, name: &str, nodes: &[u32]) {

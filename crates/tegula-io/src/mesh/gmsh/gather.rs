@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use tegula::Mesh;
 use tegula::mesh::Labels;
 
+use super::hexahedra;
 use super::raw::{Corners, Raw, RawElement, Refused, Shape};
 use super::scanner::Scanner;
 use crate::mesh::MeshError;
@@ -13,6 +14,9 @@ use crate::mesh::MeshError;
 pub(super) fn mesh(scanner: &Scanner<'_>, raw: Raw, scale: f64) -> Result<Mesh, MeshError> {
     refuse(scanner, &raw.refused)?;
     let listed = listed_nodes(scanner, &raw, scale)?;
+    if hexahedra::any(&raw) {
+        return named_all(scanner, hexahedra::mesh(scanner, &raw, &listed, scale)?);
+    }
     let quads = Quads::collect(scanner, &raw, &listed)?;
     if quads.corners.is_empty() {
         return Err(scanner.whole(
@@ -48,13 +52,6 @@ pub(super) fn mesh(scanner: &Scanner<'_>, raw: Raw, scale: f64) -> Result<Mesh, 
     for (name, members) in quads.sets {
         mesh.quad_sets.insert(name, distinct(members, |&q| q));
     }
-    if let Some(all) = mesh.quad_sets.get("all").filter(|all| all.len() < mesh.quads.len()) {
-        return Err(scanner.whole(
-            format!("the physical surface \"all\" holds {} of {} quads", all.len(), mesh.quads.len()),
-            "\"all\" stands for every quad in model files: give the group another name",
-        ));
-    }
-
     let sides: HashSet<[u64; 2]> = quads.corners.iter().flat_map(sides).collect();
     let (mut node_sets, mut edge_sets) = (BTreeMap::new(), BTreeMap::new());
     for element in &raw.elements {
@@ -75,11 +72,22 @@ pub(super) fn mesh(scanner: &Scanner<'_>, raw: Raw, scale: f64) -> Result<Mesh, 
                     edge_sets.entry(name).or_insert_with(Vec::new).push([a, b]);
                 }
             }
-            Corners::Quad(_) => {}
+            Corners::Quad(_) | Corners::Hexahedron(_) => {}
         }
     }
     mesh.node_sets = node_sets.into_iter().map(|(name, set)| (name, distinct(set, |&n| n))).collect();
     mesh.edge_sets = edge_sets.into_iter().map(|(name, set)| (name, distinct(set, |&e| sorted(e)))).collect();
+    named_all(scanner, mesh)
+}
+
+/// The mesh, unless a group calls a part of it "all".
+fn named_all(scanner: &Scanner<'_>, mesh: Mesh) -> Result<Mesh, MeshError> {
+    if let Some(all) = mesh.quad_sets.get("all").filter(|all| all.len() < mesh.quads.len()) {
+        return Err(scanner.whole(
+            format!("the physical group \"all\" holds {} of {} elements", all.len(), mesh.quads.len()),
+            "\"all\" stands for every element in model files: give the group another name",
+        ));
+    }
     Ok(mesh)
 }
 
@@ -102,6 +110,7 @@ impl Quads {
                 Corners::Point(tag) => std::slice::from_ref(tag),
                 Corners::Line(tags) => tags,
                 Corners::Quad(tags) => tags,
+                Corners::Hexahedron(tags) => tags,
             };
             if let Some(missing) = tags.iter().find(|&tag| !listed.contains_key(tag)) {
                 return Err(scanner.error(
@@ -141,16 +150,17 @@ impl Quads {
 impl Raw {
     /// True if `second` is `first` once more because it belongs to another physical group too: format 2.2 writes
     /// it again for each of its groups, on the same entity and with its nodes in the same order.
-    fn is_copy(&self, first: &RawElement, second: &RawElement) -> bool {
+    pub(super) fn is_copy(&self, first: &RawElement, second: &RawElement) -> bool {
         let alike = match (&first.corners, &second.corners) {
             (Corners::Quad(a), Corners::Quad(b)) => a == b,
+            (Corners::Hexahedron(a), Corners::Hexahedron(b)) => a == b,
             _ => false,
         };
         self.copies && alike && first.entity == second.entity && first.groups != second.groups
     }
 
     /// Names of the sets an element belongs to: those of its physical groups, or their numbers.
-    fn set_names(&self, element: &RawElement, dimension: u8) -> Vec<String> {
+    pub(super) fn set_names(&self, element: &RawElement, dimension: u8) -> Vec<String> {
         let groups = element.groups.and_then(|list| self.groups.get(list)).map_or(&[][..], Vec::as_slice);
         let name = |&group: &i64| {
             let tag = group.unsigned_abs();
@@ -194,7 +204,7 @@ fn refuse(scanner: &Scanner<'_>, refused: &BTreeMap<i64, Refused>) -> Result<(),
     };
     advise(
         refused.values().any(|r| r.shape == Shape::Solid),
-        "mesh the surfaces only (gmsh -2) and give no physical volume",
+        "mesh the surfaces only (gmsh -2) and give no physical volume, or extrude them by one layer with \"Layers{1}; Recombine;\"",
     );
     advise(
         refused.values().any(|r| r.shape == Shape::Triangle),
@@ -212,7 +222,7 @@ fn refuse(scanner: &Scanner<'_>, refused: &BTreeMap<i64, Refused>) -> Result<(),
     );
     Err(scanner.error(
         at,
-        format!("the mesh holds {}, but only quadrilaterals of 4 nodes can be computed", found.join(", ")),
+        format!("the mesh holds {}, but only quadrilaterals of 4 nodes and one layer of hexahedra of 8 nodes can be computed", found.join(", ")),
         help.join("; "),
     ))
 }
@@ -240,32 +250,37 @@ fn twice(scanner: &Scanner<'_>, first: &RawElement, second: &RawElement) -> Mesh
     )
 }
 
-fn lost_node(scanner: &Scanner<'_>, element: &RawElement, name: &str, node: u64) -> MeshError {
+pub(super) fn lost_node(scanner: &Scanner<'_>, element: &RawElement, name: &str, node: u64) -> MeshError {
     scanner.error(
         element.at,
-        format!("node {node} of the physical point \"{name}\" belongs to no quadrilateral"),
+        format!("node {node} of the physical point \"{name}\" belongs to no element"),
         "put the point into its surface with \"Point{…} In Surface{…};\" in the .geo file, or take it out of the group",
     )
 }
 
-fn lost_line(scanner: &Scanner<'_>, element: &RawElement, name: &str, [a, b]: [u64; 2]) -> MeshError {
+pub(super) fn lost_line(
+    scanner: &Scanner<'_>,
+    element: &RawElement,
+    name: &str,
+    [a, b]: [u64; 2],
+) -> MeshError {
     scanner.error(
         element.at,
-        format!("the line from node {a} to node {b} of the physical curve \"{name}\" is not the side of a quadrilateral"),
+        format!("the line from node {a} to node {b} of the physical curve \"{name}\" is not the side of an element"),
         "put the curve into its surface with \"Curve{…} In Surface{…};\" in the .geo file, or take it out of the group",
     )
 }
 
-fn sides(&[a, b, c, d]: &[u64; 4]) -> [[u64; 2]; 4] {
+pub(super) fn sides(&[a, b, c, d]: &[u64; 4]) -> [[u64; 2]; 4] {
     [sorted([a, b]), sorted([b, c]), sorted([c, d]), sorted([d, a])]
 }
 
-fn sorted<T: Ord>([a, b]: [T; 2]) -> [T; 2] {
+pub(super) fn sorted<T: Ord>([a, b]: [T; 2]) -> [T; 2] {
     if a <= b { [a, b] } else { [b, a] }
 }
 
 /// The items without repetition, each where it first stands.
-fn distinct<T, K: std::hash::Hash + Eq>(items: Vec<T>, key: impl Fn(&T) -> K) -> Vec<T> {
+pub(super) fn distinct<T, K: std::hash::Hash + Eq>(items: Vec<T>, key: impl Fn(&T) -> K) -> Vec<T> {
     let mut seen = HashSet::new();
     items.into_iter().filter(|item| seen.insert(key(item))).collect()
 }

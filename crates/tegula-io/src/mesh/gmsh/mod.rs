@@ -3,6 +3,8 @@
 //! | in Gmsh | becomes |
 //! |---|---|
 //! | quadrilateral of 4 nodes | a quad; written once however many groups it belongs to |
+//! | hexahedron of 8 nodes, in one layer | a quad on its middle surface with directors and thickness |
+//! | physical volume | a quad set |
 //! | physical surface | a quad set; a group of negative sign turns its quads around |
 //! | physical curve | an edge set |
 //! | physical point | a node set |
@@ -13,6 +15,7 @@
 //! <https://gmsh.info/doc/texinfo/gmsh.html#Gmsh-file-formats>.
 
 mod gather;
+mod hexahedra;
 mod raw;
 mod scanner;
 mod v2;

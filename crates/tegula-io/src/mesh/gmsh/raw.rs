@@ -14,7 +14,7 @@ pub(super) struct Raw {
     pub names: BTreeMap<(u8, u64), String>,
     /// All nodes.
     pub nodes: Vec<RawNode>,
-    /// Points, lines and quadrilaterals.
+    /// Points, lines, quadrilaterals and hexahedra.
     pub elements: Vec<RawElement>,
     /// Lists of physical groups (signed numbers) that elements refer to.
     pub groups: Vec<Vec<i64>>,
@@ -37,7 +37,7 @@ pub(super) struct RawNode {
     pub coordinates: usize,
 }
 
-/// A point, line or quadrilateral: one, two or four nodes.
+/// A point, line, quadrilateral or hexahedron: one, two, four or eight nodes.
 #[derive(Debug)]
 pub(super) struct RawElement {
     pub tag: u64,
@@ -70,6 +70,7 @@ pub(super) enum Corners {
     Point(u64),
     Line([u64; 2]),
     Quad([u64; 4]),
+    Hexahedron([u64; 8]),
 }
 
 /// Elements of one type that cannot be computed.
@@ -163,6 +164,13 @@ impl Raw {
             15 => Corners::Point(node(scanner)?),
             1 => Corners::Line([node(scanner)?, node(scanner)?]),
             3 => Corners::Quad([node(scanner)?, node(scanner)?, node(scanner)?, node(scanner)?]),
+            5 => {
+                let mut corners = [0; 8];
+                for corner in &mut corners {
+                    *corner = node(scanner)?;
+                }
+                Corners::Hexahedron(corners)
+            }
             _ => {
                 for _ in 0..count {
                     node(scanner)?;

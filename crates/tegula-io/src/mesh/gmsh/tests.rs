@@ -158,7 +158,7 @@ fn files_that_are_no_mesh() {
 #[test]
 fn elements_that_cannot_be_computed_are_named_with_the_remedy() {
     let help = "recombine the triangles with \"Recombine Surface {:};\" in the .geo file or Mesh > Recombine 2D in Gmsh, and where some remain add \"Mesh.SubdivisionAlgorithm = 1;\"";
-    let message = "the mesh holds 8 triangles of 3 nodes (the first is element 1), but only quadrilaterals of 4 nodes can be computed";
+    let message = "the mesh holds 8 triangles of 3 nodes (the first is element 1), but only quadrilaterals of 4 nodes and one layer of hexahedra of 8 nodes can be computed";
     let place = |name: &str| read(&data(name), 1.0).unwrap_err().to_string();
     let path = data("triangles-4-ascii.msh");
     assert_eq!(place("triangles-4-ascii.msh"), format!("{}:53: {message}\n  help: {help}", path.display()));
@@ -172,18 +172,18 @@ fn elements_that_cannot_be_computed_are_named_with_the_remedy() {
     let second = read(&data("plate-4-second-order.msh"), 1.0).unwrap_err();
     assert_eq!(
         second.message,
-        "the mesh holds 8 lines of 3 nodes (the first is element 3), 8 quadrilaterals of 9 nodes (the first is element 11), but only quadrilaterals of 4 nodes can be computed"
+        "the mesh holds 8 lines of 3 nodes (the first is element 3), 8 quadrilaterals of 9 nodes (the first is element 11), but only quadrilaterals of 4 nodes and one layer of hexahedra of 8 nodes can be computed"
     );
     assert_eq!(second.help, order);
 
     assert_eq!(
         error(&square(&["2 4 2 0 1 10 20 30 40"])),
-        "m.msh:21: the mesh holds 1 solid of 4 nodes (element 2), but only quadrilaterals of 4 nodes can be computed\n  help: mesh the surfaces only (gmsh -2) and give no physical volume"
+        "m.msh:21: the mesh holds 1 solid of 4 nodes (element 2), but only quadrilaterals of 4 nodes and one layer of hexahedra of 8 nodes can be computed\n  help: mesh the surfaces only (gmsh -2) and give no physical volume, or extrude them by one layer with \"Layers{1}; Recombine;\""
     );
     assert_eq!(
         error(&square(&["2 9 0 10 20 30 40 10 20"])),
         format!(
-            "m.msh:21: the mesh holds 1 triangle of 6 nodes (element 2), but only quadrilaterals of 4 nodes can be computed\n  help: {help}; {order}"
+            "m.msh:21: the mesh holds 1 triangle of 6 nodes (element 2), but only quadrilaterals of 4 nodes and one layer of hexahedra of 8 nodes can be computed\n  help: {help}; {order}"
         )
     );
     assert_eq!(
@@ -196,11 +196,11 @@ fn elements_that_cannot_be_computed_are_named_with_the_remedy() {
 fn nodes_and_groups_that_do_not_fit() {
     assert_eq!(
         error(&square(&["2 15 2 1 1 50"])),
-        "m.msh:21: node 50 of the physical point \"tip\" belongs to no quadrilateral\n  help: put the point into its surface with \"Point{…} In Surface{…};\" in the .geo file, or take it out of the group"
+        "m.msh:21: node 50 of the physical point \"tip\" belongs to no element\n  help: put the point into its surface with \"Point{…} In Surface{…};\" in the .geo file, or take it out of the group"
     );
     assert_eq!(
         error(&square(&["2 1 2 2 1 10 30"])),
-        "m.msh:21: the line from node 10 to node 30 of the physical curve \"side\" is not the side of a quadrilateral\n  help: put the curve into its surface with \"Curve{…} In Surface{…};\" in the .geo file, or take it out of the group"
+        "m.msh:21: the line from node 10 to node 30 of the physical curve \"side\" is not the side of an element\n  help: put the curve into its surface with \"Curve{…} In Surface{…};\" in the .geo file, or take it out of the group"
     );
     assert_eq!(
         error(&square(&["2 3 2 0 1 10 20 30 60"])),
@@ -212,7 +212,7 @@ fn nodes_and_groups_that_do_not_fit() {
     );
     assert_eq!(
         error(&square(&["2 3 2 3 1 10 20 30 50"])),
-        "m.msh: the physical surface \"all\" holds 1 of 2 quads\n  help: \"all\" stands for every quad in model files: give the group another name"
+        "m.msh: the physical group \"all\" holds 1 of 2 elements\n  help: \"all\" stands for every element in model files: give the group another name"
     );
     assert_eq!(
         error(&square(&[]).replace("50 7 7 7", "50 7 nan 7")),
@@ -403,5 +403,103 @@ proptest! {
             let count = mesh.positions.len() as u32;
             prop_assert!(mesh.quads.iter().flatten().all(|&n| n < count));
         }
+    }
+}
+
+#[test]
+fn a_layer_of_hexahedra_becomes_its_middle_surface() {
+    let mesh = load("layer-2-ascii.msh");
+    assert_eq!((mesh.positions.len(), mesh.quads.len()), (20, 12));
+    for (p, t) in mesh.positions.iter().zip(mesh.thickness.as_ref().unwrap()) {
+        assert!((p.xy().norm() - 2.0).abs() < 1e-12 && (t - 0.1).abs() < 1e-12, "{p} {t}");
+    }
+    // Exact normals, all to the same side, and elements that run around them.
+    let normals = mesh.normals.as_ref().unwrap();
+    let first = mesh.positions[mesh.quads[0][0] as usize];
+    let side = normals[0][0].dot(&first).signum();
+    for (quad, normals) in mesh.quads.iter().zip(normals) {
+        let [a, b, c, d] = quad.map(|n| mesh.positions[n as usize]);
+        for (n, x) in normals.iter().zip([a, b, c, d]) {
+            let radial = Vec3::new(x.x, x.y, 0.0) / 2.0;
+            assert!((n - radial * side).norm() < 1e-12, "{n}");
+            assert!((c - a).cross(&(d - b)).dot(n) > 0.0);
+        }
+    }
+    assert_eq!((mesh.quad_sets["shell"].len(), mesh.quad_sets["outside"].len()), (12, 12));
+    assert_eq!((mesh.edge_sets["fixed"].len(), mesh.edge_sets["rim"].len()), (3, 4));
+    assert_eq!((mesh.node_sets["corner"].len(), &mesh.node_sets["tip"]), (1, &mesh.node_sets["corner"]));
+    for variant in ["2-binary", "4-ascii", "4-binary"] {
+        let other = load(&format!("layer-{variant}.msh"));
+        assert_same(&mesh, &other);
+        assert_eq!(mesh.labels.as_ref().unwrap().nodes, other.labels.as_ref().unwrap().nodes);
+    }
+}
+
+/// Cubes of side 1 with their corners at the given places, in format 2.2, and further elements.
+fn cubes(at: &[[u64; 3]], more: &str) -> String {
+    let node = |[x, y, z]: [u64; 3]| 1 + x + 10 * y + 100 * z;
+    let mut nodes = std::collections::BTreeMap::new();
+    let mut elements = String::new();
+    for (e, &[x, y, z]) in at.iter().enumerate() {
+        elements += &format!("{} 5 2 0 1", e + 1);
+        for [i, j, k] in
+            [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]
+        {
+            let place = [x + i, y + j, z + k];
+            nodes.insert(node(place), place);
+            elements += &format!(" {}", node(place));
+        }
+        elements += "\n";
+    }
+    let listed: String = nodes.iter().map(|(n, [x, y, z])| format!("{n} {x} {y} {z}\n")).collect();
+    format!(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 7 \"side\"\n3 8 \"side\"\n$EndPhysicalNames\n\
+         $Nodes\n{}\n{listed}$EndNodes\n$Elements\n{}\n{elements}{more}$EndElements\n",
+        nodes.len(),
+        at.len() + more.lines().count()
+    )
+}
+
+#[test]
+fn hexahedra_that_are_no_single_layer_are_refused() {
+    let block: Vec<[u64; 3]> = (0..27).map(|k| [k % 3, k / 3 % 3, k / 9]).collect();
+    assert!(error(&cubes(&block, "")).contains("hexahedron 1 has neighbours in all three directions"));
+    // An L of three has one direction without neighbours, a cross of two layers has none.
+    assert!(parse(Path::new("m.msh"), cubes(&[[0, 0, 0], [1, 0, 0], [0, 1, 0]], "").as_bytes(), 1.0).is_ok());
+    let two: Vec<[u64; 3]> = (0..18).map(|k| [k % 3, k / 3 % 3, k / 9]).collect();
+    assert!(error(&cubes(&two, "")).contains("in all three directions"));
+    // A corner around which the thickness would have to turn.
+    let corner = error(&cubes(&[[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0, 0, 1]], ""));
+    assert!(corner.contains("in all three directions"), "{corner}");
+    let bend = error(&cubes(&[[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [2, 0, 1]], ""));
+    assert!(bend.contains("one layer"), "{bend}");
+    assert!(error(&cubes(&[[0, 0, 0]], "9 3 2 0 1 1 2 12 12\n")).contains("is not the face of a hexahedron"));
+    let twice = cubes(&[[0, 0, 0]], "9 5 2 0 1 1 2 12 11 101 102 112 111\n");
+    assert!(error(&twice).contains("hexahedra 1 and 9 have the same eight nodes"));
+    let names = cubes(&[[0, 0, 0]], "8 3 2 7 1 1 2 12 11\n9 5 2 8 1 1 2 12 11 101 102 112 111\n");
+    assert!(error(&names).contains("both called \"side\""), "{}", error(&names));
+}
+
+#[test]
+fn the_thin_direction_of_a_single_hexahedron_is_its_thickness() {
+    for thin in 0..3 {
+        let text = cubes(&[[0, 0, 0]], "");
+        let text: String = text
+            .lines()
+            .map(|line| {
+                let words: Vec<&str> = line.split(' ').collect();
+                if words.len() == 4 && !line.starts_with('$') {
+                    let mut x: Vec<f64> = words[1..].iter().map(|w| w.parse().unwrap()).collect();
+                    x[thin] *= 0.1;
+                    format!("{} {} {} {}\n", words[0], x[0], x[1], x[2])
+                } else {
+                    format!("{line}\n")
+                }
+            })
+            .collect();
+        let mesh = parse(Path::new("m.msh"), text.as_bytes(), 1.0).unwrap();
+        assert!(mesh.thickness.as_ref().unwrap().iter().all(|t| (t - 0.1).abs() < 1e-15));
+        assert!(mesh.positions.iter().all(|p| (p[thin] - 0.05).abs() < 1e-15));
+        assert!(mesh.normals.as_ref().unwrap()[0][0][thin] > 0.5, "from the first face to the second");
     }
 }
