@@ -7,7 +7,7 @@ use super::ply::{angle_in_plane, shear_turn, strain_turn, turned_plane_stress, t
 use super::quadrature::{gauss, lobatto};
 use super::{SectionInertia, SectionStiffness};
 use crate::element::geometry::ShellGeometry;
-use crate::element::shell::{ShellElement, Station, StationResponse};
+use crate::element::shell::{ShellElement, Station, StationResponse, StrainOperator};
 use crate::material::Law;
 use crate::model::{Material, PrescribedStrain};
 use crate::{Mat3, Vec3};
@@ -193,23 +193,8 @@ impl CompiledSection {
                 let operator = element.operator(g, point, z)?;
                 let turn = self.turn(&operator.frame)? + layer.angle;
                 let stiffness = self.stiffness_3d(layer, turn);
-                let fields = prescribed
-                    .iter()
-                    .map(|p| match p {
-                        None => Ok(DVector::zeros(6)),
-                        Some(p) => self.strain_3d(p, layer, &operator.frame, turn, z, &stiffness),
-                    })
-                    .collect::<Result<_, String>>()?;
-                out.push(Station {
-                    samples: operator.samples,
-                    enhanced: operator.enhanced,
-                    response: match layer.law {
-                        Some(law) => StationResponse::Law(law),
-                        None => StationResponse::Linear(dynamic(&stiffness)),
-                    },
-                    weight: operator.measure * weight,
-                    prescribed: fields,
-                });
+                let place = (turn, z, operator.measure * weight);
+                out.push(self.layer_station(layer, operator, place, &stiffness, prescribed, 6)?);
             }
         }
         Ok(())
@@ -280,30 +265,39 @@ impl CompiledSection {
                     operator.samples.row_mut(row).fill(0.0);
                     operator.enhanced.row_mut(row).fill(0.0);
                 }
-                let fields = prescribed
-                    .iter()
-                    .map(|p| match p {
-                        None => Ok(DVector::zeros(6)),
-                        Some(p) => {
-                            let mut e = self.strain_3d(p, layer, &operator.frame, turn, z, &stiffness)?;
-                            e.rows_mut(3, 3).fill(0.0);
-                            Ok(e)
-                        }
-                    })
-                    .collect::<Result<_, String>>()?;
-                out.push(Station {
-                    samples: operator.samples,
-                    enhanced: operator.enhanced,
-                    response: match layer.law {
-                        Some(law) => StationResponse::Law(law),
-                        None => StationResponse::Linear(dynamic(&stiffness)),
-                    },
-                    weight: operator.measure * weight,
-                    prescribed: fields,
-                });
+                let place = (turn, z, operator.measure * weight);
+                out.push(self.layer_station(layer, operator, place, &stiffness, prescribed, 3)?);
             }
         }
         Ok(())
+    }
+
+    /// A point of a layer at the height `z`, of which the first `components` strains belong to the layer.
+    fn layer_station(
+        &self,
+        layer: &Layer,
+        operator: StrainOperator,
+        (turn, z, weight): (f64, f64, f64),
+        stiffness: &Matrix6<f64>,
+        prescribed: &[Option<&PrescribedStrain>],
+        components: usize,
+    ) -> Result<Station, String> {
+        let field = |p: &Option<&PrescribedStrain>| {
+            let Some(p) = p else { return Ok(DVector::zeros(6)) };
+            let mut strain = self.strain_3d(p, layer, &operator.frame, turn, z, stiffness)?;
+            strain.rows_mut(components, 6 - components).fill(0.0);
+            Ok::<_, String>(strain)
+        };
+        Ok(Station {
+            prescribed: prescribed.iter().map(field).collect::<Result<_, _>>()?,
+            samples: operator.samples,
+            enhanced: operator.enhanced,
+            response: match layer.law {
+                Some(law) => StationResponse::Law(law),
+                None => StationResponse::Linear(dynamic(stiffness)),
+            },
+            weight,
+        })
     }
 
     /// Stiffness of a layer (at the reference) in axes that its first axis is turned from.
