@@ -7,6 +7,7 @@
 mod check;
 mod info;
 mod interrupt;
+mod locking;
 mod new;
 mod progress;
 mod report;
@@ -49,6 +50,7 @@ enum Command {
     /// Print version, threads and instruction set, or the summary of a model or result
     Info(info::Arguments),
     Verify(verify::Verify),
+    Locking(locking::Locking),
 }
 
 fn main() -> ExitCode {
@@ -67,6 +69,7 @@ fn main() -> ExitCode {
         Command::Schema => schema::run(),
         Command::Info(arguments) => info::run(&arguments),
         Command::Verify(verify) => return verify.run(),
+        Command::Locking(locking) => return locking.run(),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

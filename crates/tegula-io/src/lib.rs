@@ -2,6 +2,7 @@
 
 pub mod deck;
 pub mod job;
+pub mod locking;
 pub mod mesh;
 pub mod out;
 pub mod plot;

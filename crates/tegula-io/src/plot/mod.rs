@@ -11,6 +11,7 @@ pub mod colour;
 mod colour_bar;
 mod facets;
 mod font;
+mod heat_map;
 mod labels;
 mod legend;
 pub mod lines;
@@ -20,5 +21,6 @@ mod strokes;
 pub mod surfaces;
 pub mod ticks;
 
+pub use heat_map::{Group, HeatMap, heat_map};
 pub use lines::{LinePlot, Series, Style, lines};
 pub use surfaces::{Snapshot, SurfacePlot, View, surfaces};
