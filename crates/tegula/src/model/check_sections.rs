@@ -1,7 +1,7 @@
 //! What can be wrong with sections: missing values, layups, and what an element type cannot do.
 
 use super::check::Checker;
-use super::{Analysis, ElementKind, Material, Model, PrescribedStrain, Scheme, Section};
+use super::{Analysis, Material, Model, PrescribedStrain, Scheme, Section};
 use crate::element::registry;
 
 /// Issues of all sections and prescribed strains.
@@ -77,7 +77,7 @@ fn layers(model: &Model, s: &Section, key: &str, c: &mut Checker) {
         }
     }
     let key = format!("{key}.layup");
-    let solid = !matches!(s.element, ElementKind::Ems | ElementKind::Mitc4);
+    let solid = registry::shell(s, s.whole_thickness().max(f64::MIN_POSITIVE)).is_solid();
     match layup.expand(&key) {
         Err(issues) => c.issues.extend(issues),
         Ok(_) => {
@@ -114,15 +114,17 @@ fn ability(model: &Model, s: &Section, key: &str, name: &str, material: &Materia
     let element = registry::shell(s, s.whole_thickness().max(f64::MIN_POSITIVE));
     let (word, kind) = (element.name(), material.kind());
     let at = if s.layup.is_some() { format!("{key}.layup") } else { format!("{key}.material") };
-    if s.element == ElementKind::AncfFull
+    if element.takes_linear_sheets_only()
         && (!material.is_linear() || s.layup.is_some() || s.thickness_points.is_some())
     {
         c.add(
             format!("{key}.element"),
-            "`ancf-full` computes one layer of a linear material with two points over the thickness only",
-            "use `cm` or `solid-shell`; the fully parameterized plate serves for comparison",
+            format!(
+                "`{word}` computes one layer of a linear material with two points over the thickness only"
+            ),
+            "use another element, such as `cm`",
         );
-    } else if matches!(material, Material::NeoHookean(_) | Material::MooneyRivlin(_)) && !element.is_solid() {
+    } else if material.plane_stress().is_none() && !element.is_solid() {
         c.add(
             at,
             format!("`{word}` works with resultants of plane stress and cannot carry the {kind} material \"{name}\""),
