@@ -104,6 +104,86 @@ fn the_pendulum_of_sect_5_4() {
     assert!(out.join("fields.pvd").exists() && out.join("snapshots.png").exists());
 }
 
+/// Navier's series of first-order theory: 100 w E2 h³/(q a⁴) = 1.0250 in the middle (Reddy, Mechanics of Laminated
+/// Composite Plates and Shells), and the stresses of the same series at the centre of an element beside it.
+#[test]
+fn the_simply_supported_laminate_of_the_literature() {
+    let s = result_of("composite_plate.toml");
+    near(&s["points"]["middle"]["displacement"][2], 1.0250e-4, 1e-4);
+
+    let model = tegula_io::deck::Deck::read(example("composite_plate.toml")).unwrap().model;
+    let mesh = tegula::mesh::generators::generate(&model.mesh).unwrap();
+    let system = tegula::model::build::build(&model, &mesh).unwrap();
+    let tegula::model::Analysis::Static(options) = &model.analysis else { unreachable!() };
+    let state =
+        tegula::analysis::statics::run(&system, options, None, &mut tegula::analysis::Silent).unwrap().state;
+    let plies = tegula::result::recover_plies(&system, &state);
+    // Element 15, 15 of 32 × 32: its centre is at 0.484375 along both sides.
+    let middle = &plies[15 * 32 + 15];
+    let close = |found: f64, exact: f64| assert!((found / exact - 1.0).abs() < 2e-3, "{found} for {exact}");
+    close(middle[0].stress[0].plane[0], -756.3423e3);
+    close(middle[1].stress[0].plane[0], -500.0954e3);
+    close(middle[3].stress[2].plane[0], 756.3423e3);
+    // The 0° ply at the top is pulled across its fibres and fails there first, at a load a few times this one.
+    let reserve = |k: usize| middle[k].failure.unwrap().reserve;
+    assert!(
+        reserve(3) < reserve(0) && reserve(3) > 1.0 && reserve(3) < reserve(1),
+        "{:?}",
+        middle[3].failure
+    );
+}
+
+/// Timoshenko's radius of a bimetal strip, from the chord and its slope; strains of a thousandth change it by as much.
+#[test]
+fn the_bimetal_strip_of_timoshenko() {
+    let s = result_of("bimetal_strip.toml");
+    let u = &s["points"]["tip"]["displacement"];
+    let (x, z) = (0.1 + u[0].as_f64().unwrap(), u[2].as_f64().unwrap());
+    let half_angle = z.atan2(x);
+    let radius = 0.5 * x.hypot(z) / half_angle.sin();
+    let (m, n, h) = (1.0_f64, 140.0 / 105.0, 5e-5);
+    let square = (1.0 + m).powi(2);
+    let curvature = 6.0 * (19e-6 - 1.2e-6) * 25.0 * square
+        / (h * (3.0 * square + (1.0 + m * n) * (m * m + 1.0 / (m * n))));
+    assert!((radius * curvature - 1.0).abs() < 2e-3, "{radius} for {}", 1.0 / curvature);
+    assert!((2.0 * half_angle / (0.1 * curvature) - 1.0).abs() < 2e-3, "{half_angle}");
+}
+
+/// Step by step the mean moment of a strip bent beyond yield, from the work over the angle.
+#[test]
+fn the_yielding_strip_has_the_moment_of_its_elastic_core() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let run = tegula(&["run", text(&example("yielding_strip.toml")), "--out", text(&out), "--quiet"]);
+    assert!(run.status.success() && run.stderr.is_empty(), "{}", errors(&run));
+    let history = fs::read_to_string(out.join("history.csv")).unwrap();
+    let mut lines = history.lines().map(|l| l.split(',').collect::<Vec<_>>());
+    let head = lines.next().unwrap();
+    let column = |name: &str| head.iter().position(|c| *c == name).unwrap();
+    let (time, strain, dissipated) = (column("time"), column("strain"), column("dissipated"));
+    let rows: Vec<(f64, f64)> = lines
+        .map(|l| [time, strain, dissipated].map(|c| l[c].parse::<f64>().unwrap()))
+        .map(|[t, e, d]| (t, e + d))
+        .collect();
+    assert!(rows.len() > 20 && rows[rows.len() - 1].0 == 1.0);
+    let (young, stress, h, length, width) = (200e3, 250.0, 1.0, 100.0, 1.0);
+    let (limit, first) = (stress * h * h / 4.0, 2.0 * stress / (young * h));
+    let work = |angle: f64| {
+        let k: f64 = angle / length;
+        let elastic = 0.5 * young * h * h * h / 12.0 * k * k;
+        let plastic = limit * (k - first + first * first / (3.0 * k));
+        if k < first { elastic } else { plastic }
+    };
+    for w in rows.windows(2) {
+        let ((a, before), (b, after)) = (w[0], w[1]);
+        let (found, exact) = ((after - before) / (b - a), length * width * (work(b) - work(a)) / (b - a));
+        let tolerance = if b / length < first { 1e-4 } else { 1e-2 };
+        assert!((found - exact).abs() < tolerance * exact, "to {b} rad: {found} for {exact}");
+    }
+    let (_, total) = rows[rows.len() - 1];
+    assert!((total / (length * width * work(1.0)) - 1.0).abs() < 1e-3, "{total}");
+}
+
 #[test]
 fn wrong_command_lines_and_files_exit_with_1() {
     let folder = tempfile::tempdir().unwrap();

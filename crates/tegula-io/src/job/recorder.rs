@@ -3,8 +3,9 @@
 use std::time::Instant;
 
 use tegula::analysis::{Balance, Observer, State, Statistics, Step};
+use tegula::material::Law;
 use tegula::model::Model;
-use tegula::result::{ShellResult, recover};
+use tegula::result::{ShellResult, plastic_strains, recover};
 use tegula::system::Shell;
 use tegula::{Error, Result, System};
 
@@ -241,7 +242,7 @@ impl<'a> Recorder<'a> {
         let Prepared { mesh, system, .. } = self.prepared;
         let state = &self.memory.state;
         let results = recover(system, state);
-        let strain = if self.strained { None } else { largest_strain(system, &results) };
+        let strain = if self.strained { None } else { largest_strain(system, state, &results) };
         let name = format!("fields/{:04}.vtu", self.memory.notes.frames);
         fields::write(&self.folder.file(&name), mesh, system, &self.model.output.fields, state, &results)?;
         self.series.add(state.time, &name)?;
@@ -286,14 +287,26 @@ impl<'a> Recorder<'a> {
     }
 }
 
-/// Largest strain and its quad: root mean square over the thickness, from the energy per area w = Z ε²/2 with the
-/// stiffness Z = E h of stretching.
-fn largest_strain(system: &System, results: &[ShellResult]) -> Option<(f64, u32)> {
-    let strain = |(shell, result): (&Shell, &ShellResult)| {
-        let stretching = system.sections.get(shell.section)?.section.resultant.stretch();
-        Some(((2.0 * result.energy_density / stretching).max(0.0).sqrt(), shell.quad))
+/// Largest strain and its quad among the shells whose material is for small strains: root mean square over the
+/// thickness, from the energy per area w = Z ε²/2 with the stiffness Z = E h of stretching, or the plastic strain,
+/// which stores no energy.
+fn largest_strain(system: &System, state: &State, results: &[ShellResult]) -> Option<(f64, u32)> {
+    let laws = |shell: &Shell| system.sections.get(shell.section).map_or(&[][..], |s| &s.section.laws[..]);
+    let plastic = if system.shells.iter().all(|s| laws(s).is_empty()) {
+        Vec::new()
+    } else {
+        plastic_strains(system, state)
     };
-    system.shells.iter().zip(results).filter_map(strain).max_by(|a, b| a.0.total_cmp(&b.0))
+    let strain = |(i, (shell, result)): (usize, (&Shell, &ShellResult))| {
+        if laws(shell).iter().any(|law| matches!(law, Law::Hyperelastic(_))) {
+            return None;
+        }
+        let stretching = system.sections.get(shell.section)?.section.resultant.stretch();
+        let elastic = (2.0 * result.energy_density / stretching).max(0.0).sqrt();
+        Some((elastic.max(plastic.get(i).copied().unwrap_or(0.0)), shell.quad))
+    };
+    let shells = system.shells.iter().zip(results).enumerate();
+    shells.filter_map(strain).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 impl Observer for Recorder<'_> {

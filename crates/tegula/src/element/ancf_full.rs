@@ -196,6 +196,11 @@ impl ShellElement for AncfFull {
         true
     }
 
+    /// Its strains have two heights of their own.
+    fn takes_linear_sheets_only(&self) -> bool {
+        true
+    }
+
     fn nodal_vectors(&self) -> &'static [VectorKind] {
         &[VectorKind::Position, VectorKind::Director, VectorKind::Gradient, VectorKind::Gradient]
     }

@@ -52,6 +52,10 @@ pub trait ShellElement: Debug + Send + Sync {
     fn unit_directors(&self) -> bool {
         false
     }
+    /// True if it computes nothing but one layer of a linear material with two points over the thickness.
+    fn takes_linear_sheets_only(&self) -> bool {
+        false
+    }
     /// Number of integration points over the mid-surface.
     fn surface_points(&self) -> usize {
         4

@@ -1,7 +1,7 @@
 //! What can be wrong with sections: missing values, layups, and what an element type cannot do.
 
 use super::check::Checker;
-use super::{Analysis, ElementKind, Material, Model, PrescribedStrain, Scheme, Section};
+use super::{Analysis, Material, Model, PrescribedStrain, Scheme, Section};
 use crate::element::registry;
 
 /// Issues of all sections and prescribed strains.
@@ -77,6 +77,7 @@ fn layers(model: &Model, s: &Section, key: &str, c: &mut Checker) {
         }
     }
     let key = format!("{key}.layup");
+    let solid = registry::shell(s, s.whole_thickness().max(f64::MIN_POSITIVE)).is_solid();
     match layup.expand(&key) {
         Err(issues) => c.issues.extend(issues),
         Ok(_) => {
@@ -86,7 +87,9 @@ fn layers(model: &Model, s: &Section, key: &str, c: &mut Checker) {
                 }
             }
             if model.materials.values().all(|m| m.issues("").is_empty())
-                && s.materials().iter().all(|m| model.materials.contains_key(m))
+                && s.materials()
+                    .iter()
+                    .all(|m| model.materials.get(m).is_some_and(|m| solid || m.plane_stress().is_some()))
                 && s.compile(&model.materials).is_none()
             {
                 c.add(
@@ -97,20 +100,11 @@ fn layers(model: &Model, s: &Section, key: &str, c: &mut Checker) {
             }
         }
     }
-    let solid = !matches!(s.element, ElementKind::Ems | ElementKind::Mitc4);
     if solid && layup.offset != 0.0 {
         c.add(
             format!("{key}.offset"),
             "elements with three-dimensional stresses have their mid-surface in the middle",
             "drop `offset`, or use `ems` or `mitc4`",
-        );
-    }
-    let length = layup.direction.iter().map(|x| x * x).sum::<f64>();
-    if !length.is_normal() {
-        c.add(
-            format!("{key}.layup.direction"),
-            "the direction of 0° vanishes",
-            "give a vector such as [1, 0, 0]",
         );
     }
 }
@@ -120,15 +114,17 @@ fn ability(model: &Model, s: &Section, key: &str, name: &str, material: &Materia
     let element = registry::shell(s, s.whole_thickness().max(f64::MIN_POSITIVE));
     let (word, kind) = (element.name(), material.kind());
     let at = if s.layup.is_some() { format!("{key}.layup") } else { format!("{key}.material") };
-    if s.element == ElementKind::AncfFull
+    if element.takes_linear_sheets_only()
         && (!material.is_linear() || s.layup.is_some() || s.thickness_points.is_some())
     {
         c.add(
             format!("{key}.element"),
-            "`ancf-full` computes one layer of a linear material with two points over the thickness only",
-            "use `cm` or `solid-shell`; the fully parameterized plate serves for comparison",
+            format!(
+                "`{word}` computes one layer of a linear material with two points over the thickness only"
+            ),
+            "use another element, such as `cm`",
         );
-    } else if matches!(material, Material::NeoHookean(_) | Material::MooneyRivlin(_)) && !element.is_solid() {
+    } else if material.plane_stress().is_none() && !element.is_solid() {
         c.add(
             at,
             format!("`{word}` works with resultants of plane stress and cannot carry the {kind} material \"{name}\""),
@@ -174,16 +170,16 @@ fn ability(model: &Model, s: &Section, key: &str, name: &str, material: &Materia
 }
 
 fn prescribed(model: &Model, p: &PrescribedStrain, key: &str, c: &mut Checker) {
-    let (values, direction): (Vec<f64>, Option<[f64; 3]>) = match p {
-        PrescribedStrain::Thermal(t) => (vec![t.temperature, t.gradient], None),
-        PrescribedStrain::Natural(n) => ([n.strain, n.curvature].concat(), Some(n.direction)),
-        PrescribedStrain::Prestress(s) => ([s.membrane, s.bending].concat(), Some(s.direction)),
+    let values: Vec<f64> = match p {
+        PrescribedStrain::Thermal(t) => vec![t.temperature, t.gradient],
+        PrescribedStrain::Natural(n) => [n.strain, n.curvature].concat(),
+        PrescribedStrain::Prestress(s) => [s.membrane, s.bending].concat(),
     };
     c.finite(key, "a value", &values);
     if values.iter().all(|v| *v == 0.0) {
         c.add(key, "all of its values are 0: it does nothing", "give values, or drop it");
     }
-    if direction.is_some_and(|d| !d.iter().map(|x| x * x).sum::<f64>().is_normal()) {
+    if p.direction().is_some_and(|d| !d.iter().map(|x| x * x).sum::<f64>().is_normal()) {
         c.add(format!("{key}.direction"), "the direction vanishes", "give a vector such as [1, 0, 0]");
     }
     let amplitude = p.amplitude().cloned();

@@ -88,6 +88,15 @@ impl PrescribedStrain {
         }
     }
 
+    /// Direction of its components' x axis, if it has components.
+    pub fn direction(&self) -> Option<[f64; 3]> {
+        match self {
+            Self::Thermal(_) => None,
+            Self::Natural(s) => Some(s.direction),
+            Self::Prestress(s) => Some(s.direction),
+        }
+    }
+
     /// Name of its amplitude.
     pub fn amplitude(&self) -> Option<&String> {
         match self {

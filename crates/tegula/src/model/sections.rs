@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::build::Vectors;
 use super::{Material, Model, Section, StackedPly};
 use crate::element::constitution::LinearConstitution;
+use crate::element::geometry::cross_section_frame;
 use crate::element::quadratic::Members;
 use crate::element::shell::{GroupSetup, Member, ShellElement};
 use crate::element::{ElementGroup, QuadraticGroup, ShellGeometry, fold_tie, registry};
@@ -135,6 +136,63 @@ fn modulus(material: &Material) -> f64 {
     }
 }
 
+fn geometry(quad: u32, mesh: &Mesh, directors: &Directors) -> ShellGeometry {
+    ShellGeometry::new(
+        mesh.quads[quad as usize].map(|n| mesh.positions[n as usize]),
+        directors.corners[quad as usize].map(|d| directors.values[d as usize]),
+    )
+}
+
+/// Directions that are normal to the surface somewhere in a section: that of its 0° and those of prescribed strains.
+fn useless_directions(
+    model: &Model,
+    section: usize,
+    compiled: &CompiledSection,
+    quads: &[u32],
+    (mesh, directors): (&Mesh, &Directors),
+) -> Vec<Issue> {
+    let useless = |direction: Vec3, on: &dyn Fn(&u32) -> bool| {
+        let is_normal = |q: &&u32| {
+            cross_section_frame(&geometry(**q, mesh, directors).base(0.0, 0.0, 0.0))
+                .is_some_and(|frame| CompiledSection::angle(&frame, &direction).is_err())
+        };
+        let found: Vec<&u32> = quads.iter().filter(|q| on(q)).filter(is_normal).collect();
+        let c = geometry(**found.first()?, mesh, directors).centre();
+        Some(format!(
+            "the direction ({}, {}, {}) is normal to the surface in {} element(s), such as element {} at ({:.4}, \
+             {:.4}, {:.4}): it has no projection there to count angles from",
+            direction.x,
+            direction.y,
+            direction.z,
+            found.len(),
+            mesh.quad_label(*found[0] as usize),
+            c.x,
+            c.y,
+            c.z
+        ))
+    };
+    let mut out = Vec::new();
+    if !compiled.isotropic
+        && let Some(message) = useless(compiled.direction, &|_| true)
+    {
+        let (key, help) = if model.sections[section].layup.is_some() {
+            ("layup.direction", "give a direction that lies along the surface")
+        } else {
+            ("material", "give the direction of the material's first axis in a `layup` of one ply")
+        };
+        out.push(Issue::new(format!("sections[{section}].{key}"), message, help));
+    }
+    for (i, p) in model.prescribed_strains.iter().enumerate() {
+        let Some(direction) = p.direction() else { continue };
+        let on: BTreeSet<u32> = mesh.quads_on(p.on()).unwrap_or_default().into_iter().collect();
+        if let Some(message) = useless(direction.into(), &|q| on.contains(q)) {
+            let help = "give a direction that lies along the surface";
+            out.push(Issue::new(format!("prescribed_strains[{i}].direction"), message, help));
+        }
+    }
+    out
+}
+
 /// The elements of a model.
 #[derive(Default)]
 pub(super) struct Elements {
@@ -172,12 +230,17 @@ impl Elements {
         vectors: &Vectors,
         issues: &mut Vec<Issue>,
     ) {
-        for section in &model.sections {
+        for (i, section) in model.sections.iter().enumerate() {
             let (Some(compiled), Some(quads)) =
                 (section.compile(&model.materials), mesh.quads_on(&section.on))
             else {
                 continue;
             };
+            let useless = useless_directions(model, i, &compiled, &quads, (mesh, directors));
+            if !useless.is_empty() {
+                issues.extend(useless);
+                continue;
+            }
             let element = registry::shell(section, compiled.thickness);
             self.section(model, section, compiled, element, &quads, (mesh, directors, vectors), issues);
         }
@@ -194,12 +257,7 @@ impl Elements {
         (mesh, directors, vectors): (&Mesh, &Directors, &Vectors),
         issues: &mut Vec<Issue>,
     ) {
-        let geometry = |q: u32| {
-            ShellGeometry::new(
-                mesh.quads[q as usize].map(|n| mesh.positions[n as usize]),
-                directors.corners[q as usize].map(|d| directors.values[d as usize]),
-            )
-        };
+        let geometry = |q: u32| geometry(q, mesh, directors);
         let area =
             |g: &ShellGeometry| crate::element::geometry::nodal_areas(&g.positions).iter().sum::<f64>();
         if let Some(total) = section.total_mass {

@@ -49,6 +49,50 @@ fn contradicting_conditions_name_component_and_node() {
 }
 
 #[test]
+fn directions_normal_to_the_surface_are_named_once_and_at_their_key() {
+    let wood = "\
+        type = \"orthotropic\"\nyoung = [10e9, 1e9, 1e9]\npoisson = [0.3, 0.3, 0.4]\nshear = [1e9, 1e9, 1e9]\n";
+    let isotropic = "type = \"isotropic\"\nyoung = 1e6\npoisson = 0.3\n";
+    let layup = |direction: &str| {
+        let plies = format!("stacking = \"[0/90]\", material = \"rubber\", ply_thickness = 0.01{direction}");
+        let section = format!("layup = {{ {plies} }}\n");
+        refused(&[(isotropic, wood), ("material = \"rubber\"\nthickness = 0.02\n", &section)])
+    };
+    assert_eq!(layup(", direction = [0, 2, 0]"), "");
+    assert_eq!(
+        layup(", direction = [0, 0, 2]"),
+        "sections[0].layup.direction: the direction (0, 0, 2) is normal to the surface in 8 element(s), such as \
+         element 0 at (0.1250, 0.1250, 0.0000): it has no projection there to count angles from"
+    );
+    let vanishing = layup(", direction = [0, 0, 0]");
+    assert!(
+        vanishing.starts_with("sections[0].layup.direction: ") && !vanishing.contains('\n'),
+        "{vanishing}"
+    );
+    let natural =
+        "[[prescribed_strains]]\ntype = \"natural\"\nstrain = [1e-3, 0, 0]\ndirection = [0, 0, 1]\n[output]";
+    let found = refused(&[("[output]", natural)]);
+    assert!(found.starts_with("prescribed_strains[0].direction: ") && !found.contains('\n'), "{found}");
+}
+
+#[test]
+fn rubber_in_a_layup_of_resultants_is_refused_for_what_it_is() {
+    let isotropic = "type = \"isotropic\"\nyoung = 1e6\npoisson = 0.3\n";
+    let rubber = "type = \"neo-hookean\"\nshear = 1e6\nbulk = 1e8\n";
+    let layup = "layup = { plies = [{ material = \"rubber\", thickness = 0.02 }] }\n";
+    let with = |element: &str| {
+        let section = format!("{layup}element = \"{element}\"\n");
+        refused(&[(isotropic, rubber), ("material = \"rubber\"\nthickness = 0.02\n", &section)])
+    };
+    assert_eq!(
+        with("mitc4"),
+        "sections[0].layup: `mitc4` works with resultants of plane stress and cannot carry the neo-hookean \
+         material \"rubber\""
+    );
+    assert_eq!(with("cm"), "");
+}
+
+#[test]
 fn sizes_beyond_all_measure_are_told_from_negative_ones() {
     let issue = |size: &str| {
         let Err(JobError::Model(found)) = prepare(&changed(&[("size = [1.0, 0.5]", size)])) else { panic!() };
@@ -184,18 +228,33 @@ fn what_is_most_likely_not_meant_is_said() {
 }
 
 #[test]
-fn large_strains_are_reported() {
-    let text = SWING
-        .replace("type = \"transient\"", "type = \"static\"")
-        .replace("end_time = 0.2\ntolerance = 1e-4\nscheme = { type = \"SCHEME\" }", "load_steps = 4")
-        .replace("type = \"hinge\"", "type = \"clamp\"")
-        .replace("type = \"force\"\non = \"u_max_v_max\"", "type = \"edge\"\non = \"u_max\"")
-        .replace("value = [0.0, 1.0, 0.0]", "value = [8e3, 0, 0]")
-        .replace("type = \"gravity\"\nvalue = [0.0, 0.0, -9.81]", "type = \"pressure\"\nvalue = 1e-3");
-    let deck = Deck::parse("stretch.toml", text).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let mut warnings = Warnings::default();
-    run(&deck, &options(folder.path(), false), &mut warnings).unwrap();
-    let [warning] = warnings.0.as_slice() else { panic!("{:?}", warnings.0) };
-    assert!(warning.starts_with("element ") && warning.contains("is strained by"), "{warning}");
+fn large_strains_are_reported_but_for_rubber() {
+    let warnings = |changes: &[(&str, &str)]| {
+        let mut text = SWING
+            .replace("type = \"transient\"", "type = \"static\"")
+            .replace("end_time = 0.2\ntolerance = 1e-4\nscheme = { type = \"SCHEME\" }", "load_steps = 4")
+            .replace("type = \"hinge\"", "type = \"clamp\"")
+            .replace("type = \"force\"\non = \"u_max_v_max\"", "type = \"edge\"\non = \"u_max\"")
+            .replace("value = [0.0, 1.0, 0.0]", "value = [8e3, 0, 0]")
+            .replace("type = \"gravity\"\nvalue = [0.0, 0.0, -9.81]", "type = \"pressure\"\nvalue = 1e-3");
+        for (from, to) in changes {
+            assert!(text.contains(from), "{from}");
+            text = text.replace(from, to);
+        }
+        let deck = Deck::parse("stretch.toml", text).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let mut warnings = Warnings::default();
+        run(&deck, &options(folder.path(), false), &mut warnings).unwrap();
+        warnings.0.join("\n")
+    };
+    let one = warnings(&[]);
+    assert!(one.starts_with("element ") && one.contains("is strained by") && !one.contains('\n'), "{one}");
+    let isotropic = "type = \"isotropic\"\nyoung = 1e6\npoisson = 0.3\n";
+    let rubber = "type = \"neo-hookean\"\nshear = 0.4e6\nbulk = 1e8\n";
+    let solid = ("material = \"rubber\"", "material = \"rubber\"\nelement = \"cm\"");
+    assert_eq!(warnings(&[(isotropic, rubber), solid]), "");
+    // Plastic strain stores hardly any energy.
+    let metal = "type = \"plastic\"\nyoung = 1e9\npoisson = 0.3\nyield_stress = 0.2e6\nhardening = 0.5e6\n";
+    let yielding = warnings(&[(isotropic, metal)]);
+    assert!(yielding.starts_with("element ") && yielding.contains("is strained by"), "{yielding}");
 }
