@@ -29,29 +29,32 @@ pub fn print(deck: &Deck) -> Result<(), Failure> {
     let supported = 3 * system.vectors() - system.unknowns();
     let q = quality(mesh);
     if !deck.model.title.is_empty() {
-        println!("{}", deck.model.title);
+        say!("{}", deck.model.title);
     }
     if let Some(labels) = &mesh.labels {
-        println!("mesh file  {}", labels.file);
+        say!("mesh file  {}", labels.file);
     }
-    println!("elements   {}", system.elements());
-    println!("nodes      {}", mesh.positions.len());
-    println!("unknowns   {}", system.unknowns());
-    println!("supported  {supported} coordinates");
-    println!("mass       {:.6e}", system.total_mass());
-    println!("size       {:.6e}", system.length);
-    println!(
+    say!("elements   {}", system.elements());
+    say!("nodes      {}", mesh.positions.len());
+    say!("unknowns   {}", system.unknowns());
+    say!("supported  {supported} coordinates");
+    say!("mass       {:.6e}", system.total_mass());
+    say!("size       {:.6e}", system.length);
+    say!(
         "quality    aspect ratio to {:.3}, angles {:.1} to {:.1} degrees, warp to {:.2e}",
-        q.max_aspect, q.min_angle_deg, q.max_angle_deg, q.max_warp
+        q.max_aspect,
+        q.min_angle_deg,
+        q.max_angle_deg,
+        q.max_warp
     );
-    println!("sets       {}", mesh.set_names().join(", "));
+    say!("sets       {}", mesh.set_names().join(", "));
     for warning in &prepared.warnings {
         warn(&warning.to_string());
     }
     match prepared.warnings.len() {
-        0 => println!("no errors"),
-        1 => println!("no errors, 1 warning"),
-        n => println!("no errors, {n} warnings"),
+        0 => say!("no errors"),
+        1 => say!("no errors, 1 warning"),
+        n => say!("no errors, {n} warnings"),
     }
     Ok(())
 }

@@ -19,10 +19,10 @@ pub struct Arguments {
 /// Prints the summary of the program, a model or a result.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Some(path) = &arguments.path else {
-        println!("tegula   {}", env!("CARGO_PKG_VERSION"));
-        println!("threads  {}", rayon::current_num_threads());
-        println!("SIMD     {}", instruction_set());
-        println!("target   {}-{}", std::env::consts::ARCH, std::env::consts::OS);
+        say!("tegula   {}", env!("CARGO_PKG_VERSION"));
+        say!("threads  {}", rayon::current_num_threads());
+        say!("SIMD     {}", instruction_set());
+        say!("target   {}-{}", std::env::consts::ARCH, std::env::consts::OS);
         return Ok(());
     };
     if !path.is_dir() {
@@ -30,16 +30,20 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let summary = Summary::read(path).map_err(|e| Failure::Usage(e.to_string()))?;
     if !summary.title.is_empty() {
-        println!("{}", summary.title);
+        say!("{}", summary.title);
     }
-    println!(
+    say!(
         "{} analysis of {}, {} elements, {} unknowns, mass {:.6e}",
-        summary.analysis, summary.model, summary.elements, summary.unknowns, summary.mass
+        summary.analysis,
+        summary.model,
+        summary.elements,
+        summary.unknowns,
+        summary.mass
     );
-    println!("reached {} of {} with tegula {}", summary.time, summary.end, summary.version);
+    say!("reached {} of {} with tegula {}", summary.time, summary.end, summary.version);
     run::print(&summary, path);
     if let Some(error) = &summary.error {
-        println!("error: {error}");
+        say!("error: {error}");
     }
     Ok(())
 }

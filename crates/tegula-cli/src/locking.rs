@@ -77,11 +77,10 @@ impl Locking {
             .map_err(|e| (format!("the folder {} cannot be made: {e}", out.display()), 1))?;
         let rows = study.run(&mut |_| {}).map_err(|e| (e.to_string(), 3))?;
         let tables = markdown(&rows);
-        print!("{tables}");
         save(&out.join("locking.csv"), &csv(&rows))?;
         save(&out.join("locking.md"), &tables)?;
         picture(&out.join("locking.png"), &rows, shown).map_err(|e| (e.to_string(), 1))?;
-        println!("\nlocking.csv, locking.md and locking.png are in {}", out.display());
+        say!("{tables}\nlocking.csv, locking.md and locking.png are in {}", out.display());
         Ok(())
     }
 }

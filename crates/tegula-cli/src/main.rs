@@ -4,6 +4,14 @@
 //! of `verify` missed its tolerance; 130 interrupted (the results up to the last finished step are complete,
 //! `--resume` goes on, but for a modal analysis).
 
+/// Like `println!`, but whoever reads may stop reading, as in `tegula schema | head`.
+macro_rules! say {
+    ($($text:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stdout(), $($text)*);
+    }};
+}
+
 mod check;
 mod info;
 mod interrupt;

@@ -48,9 +48,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     for (path, text) in &files {
         write(path, text)?;
-        println!("{}", path.display());
+        say!("{}", path.display());
     }
-    println!("next: tegula run {}", file.display());
+    say!("next: tegula run {}", file.display());
     Ok(())
 }
 

@@ -60,27 +60,30 @@ pub fn print(summary: &Summary, folder: &Path) {
     let s = summary;
     let status = format!("{:?}", s.status).to_lowercase();
     match &s.frequencies_hz {
-        Some(found) => println!(
+        Some(found) => say!(
             "{status}: {} modes, {} iterations, {} factorisations, {:.2} s",
             found.len(),
             s.iterations,
             s.factorizations,
             s.wall_s
         ),
-        None => println!(
+        None => say!(
             "{status}: {} steps, {} iterations, {} repeated steps, {:.2} s",
-            s.steps, s.iterations, s.cutbacks, s.wall_s
+            s.steps,
+            s.iterations,
+            s.cutbacks,
+            s.wall_s
         ),
     }
     for (name, point) in &s.points {
         let [x, y, z] = point.displacement;
-        println!("  {name}: displacement ({x:.6e}, {y:.6e}, {z:.6e})");
+        say!("  {name}: displacement ({x:.6e}, {y:.6e}, {z:.6e})");
     }
     if s.frequencies_hz.is_some() {
-        println!("  natural frequencies in cycles per unit of time (Hz, if that is the second):");
+        say!("  natural frequencies in cycles per unit of time (Hz, if that is the second):");
     }
     for (i, frequency) in s.frequencies_hz.iter().flatten().enumerate() {
-        println!("  mode {:3}: {frequency:.6e}", i + 1);
+        say!("  mode {:3}: {frequency:.6e}", i + 1);
     }
-    println!("results: {}", folder.display());
+    say!("results: {}", folder.display());
 }

@@ -40,7 +40,7 @@ impl Verify {
     pub fn run(&self) -> ExitCode {
         if self.list {
             for case in CASES {
-                println!("{:<24} {}", case.name, case.about);
+                say!("{:<24} {}", case.name, case.about);
             }
             return ExitCode::SUCCESS;
         }
@@ -57,12 +57,12 @@ impl Verify {
                 return ExitCode::from(1);
             }
         }
-        println!("{}", Row::heading());
-        let report = run(&cases, self.pictures.as_deref(), &mut |row| println!("{}", row.line()));
+        say!("{}", Row::heading());
+        let report = run(&cases, self.pictures.as_deref(), &mut |row| say!("{}", row.line()));
         for table in report.tables() {
-            print!("\n{}", table.markdown());
+            say!("\n{}", table.markdown().trim_end());
         }
-        print!("\n{}", report.summary());
+        say!("\n{}", report.summary().trim_end());
         if let Some(folder) = &self.tables {
             for table in report.tables() {
                 if let Err(message) = write(&folder.join(format!("{}.md", table.name)), &table.markdown()) {

@@ -185,6 +185,35 @@ fn the_yielding_strip_has_the_moment_of_its_elastic_core() {
 }
 
 #[test]
+fn the_locking_study_writes_its_tables_and_its_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let choice =
+        ["--elements", "cm", "--without", "nothing,thickness-eas", "--slenderness", "10", "--meshes", "4,8"];
+    let run = tegula(&[&["locking", "--out", text(&out)], choice.as_slice()].concat());
+    assert!(run.status.success(), "{}", errors(&run));
+    let csv = fs::read_to_string(out.join("locking.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 1 + 2 * 3 * 2);
+    assert!(csv.contains("plate,cm,thickness-eas,10,8x8,0.8"), "{csv}");
+    let tables = fs::read_to_string(out.join("locking.md")).unwrap();
+    assert!(String::from_utf8(run.stdout).unwrap().contains(tables.trim_end()));
+    assert!(fs::read(out.join("locking.png")).unwrap().starts_with(b"\x89PNG"));
+    for (wrong, message) in [
+        (
+            ["--elements", "foo"],
+            "there is no element \"foo\"; there are: ems, cm, mitc4, solid-shell, ancf-full",
+        ),
+        (["--without", "luck"], "there is no remedy \"luck\""),
+        (["--slenderness", "50"], "known for a slenderness of 10, 100, 1000, not 50"),
+        (["--picture-mesh", "5"], "none of --meshes"),
+        (["--meshes", "0"], "0 is not in"),
+    ] {
+        let run = tegula(&[&["locking", "--out", text(&out)], wrong.as_slice()].concat());
+        assert!(!run.status.success() && errors(&run).contains(message), "{}", errors(&run));
+    }
+}
+
+#[test]
 fn wrong_command_lines_and_files_exit_with_1() {
     let folder = tempfile::tempdir().unwrap();
     for arguments in
