@@ -326,7 +326,7 @@ fn heat_expands_what_is_free_and_stresses_what_is_held() {
 /// Two strips joined at an edge, one of each element, bend as one strip of either.
 #[test]
 fn elements_meet_at_an_edge() {
-    let tip = |elements: [ElementKind; 2]| {
+    let halves = |elements: [ElementKind; 2]| {
         let mut m = common::model(plate([2.0, 0.5], [8, 2], 0.0), 1e6, 0.05);
         if let Material::Isotropic(i) = m.materials.get_mut("m").unwrap() {
             i.poisson = 0.0;
@@ -346,6 +346,10 @@ fn elements_meet_at_an_edge() {
         let section = |set: &str, element| Section { on: set.into(), element, ..m.sections[0].clone() };
         m.sections = vec![section("left", elements[0]), section("right", elements[1])];
         m.loads = vec![Load::Edge(vector_load("u_max", [0.0, 0.0, 1.0]))];
+        (m, mesh)
+    };
+    let tip = |elements: [ElementKind; 2]| {
+        let (m, mesh) = halves(elements);
         let system = tegula::model::build::build(&m, &mesh).unwrap();
         let outcome =
             statics::run(&system, &common::static_options(&m), None, &mut Notes::default()).unwrap();
@@ -358,4 +362,8 @@ fn elements_meet_at_an_edge() {
             assert!((z - alone).abs() < 2e-3 * alone.abs(), "{pair:?}: {z} for {alone}");
         }
     }
+    // The edges of ancf-full are cubic: beside straight ones they would gape.
+    let (m, mesh) = halves([ElementKind::AncfFull, ElementKind::Ems]);
+    let error = tegula::model::build::build(&m, &mesh).err().unwrap().to_string();
+    assert!(error.contains("`ems` and the `ancf-full` of sections[0] meet at node 4"), "{error}");
 }

@@ -155,7 +155,7 @@ fn cut_back_ends_at_the_right_equilibrium() {
 fn plain_newton_finds_the_same_equilibrium() {
     let mut m = corner_force(4);
     m.analysis = Analysis::Static(StaticAnalysis {
-        method: NewtonMethod::Displacement,
+        method: Some(NewtonMethod::Displacement),
         load_steps: 10,
         ..Default::default()
     });

@@ -93,7 +93,7 @@ pub fn run(
     equilibrium: Option<&State>,
     observer: &mut dyn Observer,
 ) -> Result<ModalOutcome> {
-    let mut newton = Newton::new(system, NewtonMethod::Displacement)?;
+    let mut newton = Newton::new(system, Some(NewtonMethod::Displacement))?;
     let zero = vec![[0.0; 3]; system.vectors()];
     let (u, time) = equilibrium.map_or((zero.as_slice(), 0.0), |s| (s.u.as_slice(), s.time));
     let parts = TangentParts {

@@ -88,11 +88,11 @@ pub struct Newton {
 }
 
 impl Newton {
-    /// Analyses the pattern and makes the buffers.
+    /// Analyses the pattern and makes the buffers. Without a method it takes the one that suits the materials.
     ///
     /// # Errors
     /// The factor does not fit in memory.
-    pub fn new(system: &System, method: NewtonMethod) -> Result<Self> {
+    pub fn new(system: &System, method: Option<NewtonMethod>) -> Result<Self> {
         let pattern =
             SymmetricPattern::new(system.pattern.column_pointers.clone(), system.pattern.row_indices.clone());
         let solver = SparseCholesky::new(pattern).map_err(|e| Error::Singular {
@@ -103,7 +103,12 @@ impl Newton {
         Ok(Self {
             assembly: Assembly::new(system),
             solver,
-            method,
+            method: method.unwrap_or(if system.yields() {
+                // Stresses extrapolated with the tangent of one side of the yield surface mislead on the other.
+                NewtonMethod::Displacement
+            } else {
+                NewtonMethod::Mixed
+            }),
             internal: vec![[0.0; 3]; n],
             residual: vec![[0.0; 3]; n],
             increment: vec![[0.0; 3]; n],

@@ -22,9 +22,9 @@ pub struct StaticAnalysis {
     /// Small displacements: one solve with the tangent of the reference configuration.
     #[serde(default)]
     pub linear: bool,
-    /// Iteration to equilibrium.
-    #[serde(default)]
-    pub method: NewtonMethod,
+    /// Iteration to equilibrium; unless given `mixed`, where a section yields `displacement`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub method: Option<NewtonMethod>,
     /// Load steps to begin with; a step that does not converge is cut back by itself.
     #[schemars(range(min = 1))]
     #[serde(default = "one")]
@@ -45,7 +45,7 @@ impl Default for StaticAnalysis {
     fn default() -> Self {
         Self {
             linear: false,
-            method: NewtonMethod::default(),
+            method: None,
             load_steps: one(),
             max_iterations: thirty(),
             max_cutbacks: twelve(),
@@ -55,11 +55,11 @@ impl Default for StaticAnalysis {
 }
 
 /// How equilibrium is iterated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NewtonMethod {
-    /// Newton with extrapolated stress resultants: few iterations and large steps on thin shells.
-    #[default]
+    /// Newton with extrapolated stress resultants: few iterations and large steps on thin shells. Beyond yield the
+    /// extrapolation misleads.
     Mixed,
     /// Plain Newton on displacements.
     Displacement,

@@ -169,6 +169,7 @@ pub fn sets(model: &Model, mesh: &Mesh) -> Vec<Issue> {
             "add a section for them, or use on = \"all\"",
         );
     }
+    super::check_sections::edges(model, mesh, &mut c);
     for (i, condition) in model.conditions.iter().enumerate() {
         let key = format!("conditions[{i}].on");
         let nodes = c.set(mesh, key.clone(), condition.on(), "nodes", Mesh::nodes_on);

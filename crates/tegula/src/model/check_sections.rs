@@ -3,6 +3,7 @@
 use super::check::Checker;
 use super::{Analysis, Material, Model, PrescribedStrain, Scheme, Section};
 use crate::element::registry;
+use crate::mesh::Mesh;
 
 /// Issues of all sections and prescribed strains.
 pub(super) fn sections(model: &Model, c: &mut Checker) {
@@ -43,6 +44,54 @@ pub(super) fn sections(model: &Model, c: &mut Checker) {
     for (i, p) in model.prescribed_strains.iter().enumerate() {
         prescribed(model, p, &format!("prescribed_strains[{i}]"), c);
     }
+}
+
+/// Elements whose edges take different shapes cannot share one: it would gape.
+pub(super) fn edges(model: &Model, mesh: &Mesh, c: &mut Checker) {
+    let mut owner = vec![None; mesh.positions.len()];
+    for (i, s) in model.sections.iter().enumerate() {
+        let element = registry::shell(s, s.whole_thickness().max(f64::MIN_POSITIVE));
+        for q in mesh.quads_on(&s.on).unwrap_or_default() {
+            for node in mesh.quads[q as usize] {
+                let Some(first) = owner.get_mut(node as usize) else { continue };
+                let &mut (j, name, vectors) =
+                    first.get_or_insert((i, element.name(), element.nodal_vectors()));
+                if vectors != element.nodal_vectors() {
+                    c.add(
+                        format!("sections[{i}].element"),
+                        format!(
+                            "`{}` and the `{name}` of sections[{j}] meet at node {}, but their edges do not fit: one is straight between its nodes, the other is not",
+                            element.name(),
+                            mesh.node_label(node)
+                        ),
+                        "use one of the two elements for both sections, or let them have no node in common",
+                    );
+                    return;
+                }
+            }
+        }
+    }
+}
+
+/// Keys of a section that its element does not know, though they are set to something else than usual.
+pub(super) fn idle_keys(s: &Section) -> Vec<&'static str> {
+    let h = s.whole_thickness().max(f64::MIN_POSITIVE);
+    let made = |s: &Section| format!("{:?}", registry::shell(s, h));
+    let usual = Section::new("", 0.0);
+    let here = made(s);
+    let mut out = Vec::new();
+    let mut look = |key, given: bool, change: &dyn Fn(&mut Section)| {
+        let mut other = s.clone();
+        change(&mut other);
+        if given && made(&other) == here {
+            out.push(key);
+        }
+    };
+    look("ans_shear", s.ans_shear != usual.ans_shear, &|o| o.ans_shear = usual.ans_shear);
+    look("ans_thickness", s.ans_thickness != usual.ans_thickness, &|o| o.ans_thickness = usual.ans_thickness);
+    look("eas", s.eas != usual.eas, &|o| o.eas = usual.eas);
+    look("thickness_eas", s.thickness_eas != usual.thickness_eas, &|o| o.thickness_eas = usual.thickness_eas);
+    out
 }
 
 fn layers(model: &Model, s: &Section, key: &str, c: &mut Checker) {

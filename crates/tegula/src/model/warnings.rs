@@ -2,6 +2,7 @@
 
 use super::course::amplitude_of;
 use super::{Analysis, Condition, Load, Model};
+use crate::element::registry;
 use crate::mesh::Mesh;
 use crate::system::{Shell, System};
 use crate::{Issue, Vec3};
@@ -14,6 +15,14 @@ pub fn warnings(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
     let mut found = idle(model);
     found.extend(zero_loads(model));
     for (i, section) in model.sections.iter().enumerate() {
+        for key in super::check_sections::idle_keys(section) {
+            let name = registry::shell(section, section.whole_thickness()).name();
+            found.push(Issue::new(
+                format!("sections[{i}].{key}"),
+                format!("`{name}` has no such remedy to switch off: the key has no effect"),
+                "leave it out, or use an element that has it (the book's page on elements lists them)",
+            ));
+        }
         let shells = || system.shells.iter().filter(|shell| shell.section == i);
         let worst = shells().map(|shell| (curvature(shell), shell)).max_by(|a, b| a.0.total_cmp(&b.0));
         let Some((curvature, shell)) = worst else { continue };

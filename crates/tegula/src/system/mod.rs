@@ -128,6 +128,11 @@ impl System {
         self.numbering.unknowns
     }
 
+    /// True if a material of the model can yield.
+    pub fn yields(&self) -> bool {
+        self.sections.iter().any(|s| s.section.laws.iter().any(|law| law.history() > 0))
+    }
+
     /// Number of a node for people: that of the mesh file, or the internal one, counted from 0.
     pub fn node_label(&self, node: u32) -> u64 {
         self.labels.as_ref().map_or(u64::from(node), |labels| labels.node(node as usize))

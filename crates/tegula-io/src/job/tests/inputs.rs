@@ -209,6 +209,15 @@ fn what_is_most_likely_not_meant_is_said() {
     );
     assert!(warnings(&[MODAL]).starts_with("loads: loads and prescribed values have no effect"));
     assert_eq!(warnings(&[MODAL, ("modes = 4", "modes = 4\nprestressed = true")]), "");
+    assert_eq!(warnings(&[("thickness = 0.02", "thickness = 0.02\neas = false\nans_thickness = false")]), "");
+    assert_eq!(
+        warnings(&[(
+            "thickness = 0.02",
+            "thickness = 0.02\nelement = \"mitc4\"\neas = false\nans_thickness = false\nthickness_eas = 1"
+        )]),
+        "sections[0].ans_thickness: `mitc4` has no such remedy to switch off: the key has no effect\n\
+         sections[0].thickness_eas: `mitc4` has no such remedy to switch off: the key has no effect"
+    );
     assert!(
         warnings(&[("thickness = 0.02", "thickness = 20.0")])
             .contains("the thickness 20 is 57 times the size 3.536e-1")

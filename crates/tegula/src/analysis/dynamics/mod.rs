@@ -9,7 +9,7 @@ use super::statics::{state_kinematics, undefined};
 use super::{Balance, Observer, State, Statistics, Step};
 use crate::element::{Kinematics, Motion, Nodal};
 use crate::linear::Factor as _;
-use crate::model::{NewtonMethod, Scheme, TransientAnalysis};
+use crate::model::{Scheme, TransientAnalysis};
 use crate::system::assembly::add_follower_loads;
 use crate::system::numbering::CONSTRAINED;
 use crate::system::{Assembly, System, VectorKind, dot, dot3, inside_out};
@@ -82,7 +82,7 @@ pub fn run(
     start: Option<State>,
     observer: &mut dyn Observer,
 ) -> Result<TransientOutcome> {
-    let mut newton = Newton::new(system, NewtonMethod::Mixed)?;
+    let mut newton = Newton::new(system, None)?;
     let mut statistics = Statistics::default();
     let fresh = start.is_none();
     let mut state = match start {
