@@ -6,6 +6,8 @@
 
 mod benchmarks;
 mod frequencies;
+mod history;
+mod large_cantilever;
 mod model;
 mod paper;
 mod patch;
@@ -15,6 +17,7 @@ mod quarter_cylinder;
 mod reference;
 mod report;
 mod transients;
+mod transients_literature;
 
 use std::path::Path;
 
@@ -135,6 +138,24 @@ pub const CASES: &[Case] = &[
         about: "T6: clamped plate under sudden pressure, linear",
         cost: Cost::Normal,
         run: transients::oscillating_plate,
+    },
+    Case {
+        name: "transients-literature",
+        about: "T1-T3: clamped plate and laminated quarter cylinders, suddenly loaded, large motion",
+        cost: Cost::Normal,
+        run: transients_literature::all,
+    },
+    Case {
+        name: "transients-literature-fine",
+        about: "T1-T3 with the published meshes halved twice",
+        cost: Cost::Long,
+        run: transients_literature::fine,
+    },
+    Case {
+        name: "large-cantilever",
+        about: "A1: cantilever plate under a corner force against quadratic solids, large displacement",
+        cost: Cost::Normal,
+        run: large_cantilever::all,
     },
 ];
 
