@@ -5,6 +5,7 @@
 //! Adding a case: a function in a file of `verify/` and a line in [`CASES`].
 
 mod benchmarks;
+mod composites;
 mod frequencies;
 mod history;
 mod large_cantilever;
@@ -126,6 +127,12 @@ pub const CASES: &[Case] = &[
         about: "the same for EMS, CM and MITC4 against elastica, exact arc and literature",
         cost: Cost::Normal,
         run: benchmarks::sze_literature,
+    },
+    Case {
+        name: "composites",
+        about: "simply supported cross-ply plates against Navier's series",
+        cost: Cost::Normal,
+        run: composites::all,
     },
     Case {
         name: "hinged-plate",
