@@ -9,6 +9,8 @@ mod composites;
 mod frequencies;
 mod history;
 mod large_cantilever;
+mod macneal_beams;
+mod macneal_plates;
 mod model;
 mod paper;
 mod patch;
@@ -129,9 +131,21 @@ pub const CASES: &[Case] = &[
         run: benchmarks::sze_literature,
     },
     Case {
+        name: "macneal-harder-beams",
+        about: "MacNeal and Harder: straight, curved and twisted beams, coarse and fine",
+        cost: Cost::Normal,
+        run: macneal_beams::all,
+    },
+    Case {
+        name: "macneal-harder-plates",
+        about: "MacNeal and Harder: thin rectangular plates",
+        cost: Cost::Normal,
+        run: macneal_plates::all,
+    },
+    Case {
         name: "composites",
         about: "simply supported cross-ply plates against Navier's series",
-        cost: Cost::Normal,
+        cost: Cost::Fast,
         run: composites::all,
     },
     Case {
