@@ -29,7 +29,7 @@ pub use report::{Report, Row, Table, Verdict};
 /// How long a case takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Cost {
-    /// Seconds in all; runs with the tests.
+    /// Seconds in all; runs with the tests too.
     Fast,
     /// Up to minutes; runs with `tegula verify`.
     Normal,
