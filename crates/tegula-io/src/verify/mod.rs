@@ -5,8 +5,13 @@
 //! Adding a case: a function in a file of `verify/` and a line in [`CASES`].
 
 mod benchmarks;
+mod composites;
 mod frequencies;
+mod history;
 mod inside;
+mod large_cantilever;
+mod macneal_beams;
+mod macneal_plates;
 mod model;
 mod paper;
 mod patch;
@@ -16,6 +21,7 @@ mod quarter_cylinder;
 mod reference;
 mod report;
 mod transients;
+mod transients_literature;
 
 use std::path::Path;
 
@@ -24,7 +30,7 @@ pub use report::{Report, Row, Table, Verdict};
 /// How long a case takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Cost {
-    /// Seconds in all; runs with the tests.
+    /// Seconds in all; runs with the tests too.
     Fast,
     /// Up to minutes; runs with `tegula verify`.
     Normal,
@@ -138,6 +144,24 @@ pub const CASES: &[Case] = &[
         run: inside::bimetal,
     },
     Case {
+        name: "macneal-harder-beams",
+        about: "MacNeal and Harder: straight, curved and twisted beams, coarse and fine",
+        cost: Cost::Normal,
+        run: macneal_beams::all,
+    },
+    Case {
+        name: "macneal-harder-plates",
+        about: "MacNeal and Harder: thin rectangular plates",
+        cost: Cost::Normal,
+        run: macneal_plates::all,
+    },
+    Case {
+        name: "composites",
+        about: "simply supported cross-ply plates against Navier's series",
+        cost: Cost::Fast,
+        run: composites::all,
+    },
+    Case {
         name: "hinged-plate",
         about: "T5: plate hinged along an edge, released horizontal",
         cost: Cost::Normal,
@@ -148,6 +172,24 @@ pub const CASES: &[Case] = &[
         about: "T6: clamped plate under sudden pressure, linear",
         cost: Cost::Normal,
         run: transients::oscillating_plate,
+    },
+    Case {
+        name: "transients-literature",
+        about: "T1-T3: clamped plate and laminated quarter cylinders, suddenly loaded, large motion",
+        cost: Cost::Normal,
+        run: transients_literature::all,
+    },
+    Case {
+        name: "transients-literature-fine",
+        about: "T1-T3 with the published meshes halved twice",
+        cost: Cost::Long,
+        run: transients_literature::fine,
+    },
+    Case {
+        name: "large-cantilever",
+        about: "A1: cantilever plate under a corner force against quadratic solids, large displacement",
+        cost: Cost::Normal,
+        run: large_cantilever::all,
     },
 ];
 
