@@ -105,14 +105,6 @@ fn layers(model: &Model, s: &Section, key: &str, c: &mut Checker) {
             "drop `offset`, or use `ems` or `mitc4`",
         );
     }
-    let length = layup.direction.iter().map(|x| x * x).sum::<f64>();
-    if !length.is_normal() {
-        c.add(
-            format!("{key}.layup.direction"),
-            "the direction of 0° vanishes",
-            "give a vector such as [1, 0, 0]",
-        );
-    }
 }
 
 /// What the element cannot do with a material.
