@@ -70,8 +70,10 @@ fn tumbling(element: ElementKind, laminated: bool) -> Model {
         angular_velocity,
         center: [0.5, 0.3, 0.0],
     };
-    m.initial_velocities =
-        vec![velocity("all", [1.0, -2.0, 0.5], [4.0, 2.0, 6.0]), velocity("u_max", [0.0, 0.0, 2.0], [0.0; 3])];
+    m.initial_velocities = vec![
+        velocity("all", [1.0, -2.0, 0.5], [4.0, 2.0, 6.0]),
+        velocity("u_max", [0.0, 0.0, 2.0], [0.0; 3]),
+    ];
     m
 }
 
@@ -157,7 +159,8 @@ fn schemes_are_of_second_order_with_unit_directors() {
 }
 
 /// kinetic + strain + potential + dissipated − work is constant: exactly with energy–momentum, to second order else.
-fn check_balance(name: &str, m: &Model, exact: bool) {
+/// `order` is that of the balance, at which the drift falls over three halvings where materials yield.
+fn check_balance(name: &str, m: &Model, exact: bool, order: i32) {
     let (end, dt) = (0.128, 4e-3);
     if exact {
         let mut notes = Notes::default();
@@ -166,15 +169,17 @@ fn check_balance(name: &str, m: &Model, exact: bool) {
         assert!(outcome.balance.work.abs() > 1e-3 * notes.kinetic, "{name}: {:?}", outcome.balance);
         assert!(notes.drift() < 1e-10 * notes.kinetic, "{name}: {:e} of {:e}", notes.drift(), notes.kinetic);
     }
+    // The beginning of yielding falls somewhere into a step: the order shows over several halvings only.
+    let (halvings, gain) = if exact { (1, 3.0) } else { (3, 0.5 * 8.0_f64.powi(order)) };
     for scheme in [NEWMARK, HHT] {
         let drift = |dt| {
             let mut notes = Notes::default();
             run(m, &options(scheme, end, dt), &mut notes);
             notes.drift() / notes.kinetic
         };
-        let (coarse, fine) = (drift(dt), drift(0.5 * dt));
-        println!("{name} {scheme:?}: {coarse:e}, halved {fine:e}");
-        assert!(coarse < 2e-2 && fine < coarse / 2.5, "{name} {scheme:?}: {coarse:e}, {fine:e}");
+        let (coarse, fine) = (drift(dt), drift(0.5_f64.powi(halvings) * dt));
+        println!("{name} {scheme:?}: {coarse:e}, {halvings} times halved {fine:e}");
+        assert!(coarse < 2e-2 && fine < coarse / gain, "{name} {scheme:?}: {coarse:e}, {fine:e}");
     }
 }
 
@@ -208,7 +213,7 @@ fn prescribed_strains_in_time_close_the_energy_balance() {
                 amplitude: None,
             }),
         ];
-        check_balance(&format!("heat {element:?}"), &m, true);
+        check_balance(&format!("heat {element:?}"), &m, true, 2);
     }
     let mut m = soft_plate(ElementKind::Cm);
     let law = NeoHookean { shear: 4e4, bulk: 1e5, density: 1e3, form: NeoHookeanForm::Split };
@@ -223,10 +228,11 @@ fn prescribed_strains_in_time_close_the_energy_balance() {
         })
     };
     m.prescribed_strains = vec![natural(pulsing(&mut m))];
-    check_balance("rubber", &m, true);
+    check_balance("rubber", &m, true, 2);
     let mut m = yielding(ElementKind::Mitc4);
     m.prescribed_strains = vec![natural(pulsing(&mut m))];
-    check_balance("yielding", &m, false);
+    // Of first order only: see `Assembly::prescribed_strain_work`.
+    check_balance("yielding", &m, false, 1);
 }
 
 /// A soft plate that yields on the way.
@@ -256,7 +262,7 @@ fn plastic_work_closes_the_energy_balance_in_time() {
         let mut notes = Notes::default();
         let (_, outcome) = run(&m, &options(HHT, 0.128, 4e-3), &mut notes);
         assert!(outcome.balance.dissipated > 0.02 * notes.kinetic, "{element:?}: {:?}", outcome.balance);
-        check_balance(&format!("plastic {element:?}"), &m, false);
+        check_balance(&format!("plastic {element:?}"), &m, false, 2);
     }
 }
 
@@ -264,7 +270,8 @@ fn plastic_work_closes_the_energy_balance_in_time() {
 /// had this length at once.
 #[test]
 fn plastic_runs_continue_exactly_and_repeated_steps_leave_no_trace() {
-    for (element, scheme) in [(ElementKind::Mitc4, HHT), (ElementKind::Cm, NEWMARK), (ElementKind::Ems, HHT)] {
+    for (element, scheme) in [(ElementKind::Mitc4, HHT), (ElementKind::Cm, NEWMARK), (ElementKind::Ems, HHT)]
+    {
         let m = yielding(element);
         let o = TransientAnalysis {
             scheme,
@@ -407,10 +414,9 @@ fn prestressed_strips_vibrate_like_strings() {
         let always = strip(Some("always".to_string()));
         let growing = strip(None);
         let outcome = statics::run(&growing, &StaticAnalysis::default(), None, &mut Silent).unwrap();
-        for (name, f) in [
-            ("reference", lowest(&always, None)),
-            ("equilibrium", lowest(&growing, Some(&outcome.state))),
-        ] {
+        for (name, f) in
+            [("reference", lowest(&always, None)), ("equilibrium", lowest(&growing, Some(&outcome.state)))]
+        {
             assert!((f - exact).abs() < 5e-3 * exact, "{element:?} about the {name}: {f} for {exact}");
         }
     }
@@ -431,8 +437,7 @@ fn supports_of_unit_directors_hold_in_vibrations() {
             m.conditions.push(Condition::Fix(guide));
             frequencies(&m, 1)[0].frequency_hz
         };
-        let symmetry =
-            Condition::Symmetry(SymmetryPlane { on: "u_max".into(), normal: [2.0, 0.0, 0.0] });
+        let symmetry = Condition::Symmetry(SymmetryPlane { on: "u_max".into(), normal: [2.0, 0.0, 0.0] });
         for (name, f, exact) in [
             ("clamped", strip(length, vec![Condition::Clamp(on("u_min"))]), 3.516_015 / (2.0 * PI) * wave),
             (

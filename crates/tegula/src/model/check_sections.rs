@@ -87,6 +87,7 @@ fn layers(model: &Model, s: &Section, key: &str, c: &mut Checker) {
             }
             if model.materials.values().all(|m| m.issues("").is_empty())
                 && s.materials().iter().all(|m| model.materials.contains_key(m))
+                && has_a_law(model, s)
                 && s.compile(&model.materials).is_none()
             {
                 c.add(
@@ -105,6 +106,13 @@ fn layers(model: &Model, s: &Section, key: &str, c: &mut Checker) {
             "drop `offset`, or use `ems` or `mitc4`",
         );
     }
+}
+
+/// True if the element can carry the materials at all, which is an issue of its own.
+fn has_a_law(model: &Model, s: &Section) -> bool {
+    let solid = registry::shell(s, s.whole_thickness().max(f64::MIN_POSITIVE)).is_solid();
+    let plane = |m: &Material| m.is_linear() || m.law_plane_stress().is_some();
+    solid || s.materials().iter().all(|m| model.materials.get(m).is_some_and(plane))
 }
 
 /// What the element cannot do with a material.

@@ -1,7 +1,7 @@
 //! What is most likely not meant, though it can be computed.
 
 use super::course::amplitude_of;
-use super::{Analysis, Condition, Load, Model};
+use super::{Analysis, Condition, ElementKind, Load, Model, PrescribedStrain, Section};
 use crate::mesh::Mesh;
 use crate::system::{Shell, System};
 use crate::{Issue, Vec3};
@@ -13,13 +13,14 @@ const THICK: f64 = 10.0;
 pub fn warnings(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
     let mut found = idle(model);
     found.extend(zero_loads(model));
+    found.extend(idle_switches(model));
     for (i, section) in model.sections.iter().enumerate() {
         let shells = || system.shells.iter().filter(|shell| shell.section == i);
         let worst = shells().map(|shell| (curvature(shell), shell)).max_by(|a, b| a.0.total_cmp(&b.0));
         let Some((curvature, shell)) = worst else { continue };
         let key = format!("sections[{i}].thickness");
         let largest = shells().map(size).fold(0.0, f64::max);
-        let h = section.thickness;
+        let h = section.whole_thickness();
         if h * curvature > 1.0 {
             found.push(Issue::new(
                 &key,
@@ -48,6 +49,18 @@ pub fn warnings(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
 fn idle(model: &Model) -> Vec<Issue> {
     let Analysis::Modal(modal) = &model.analysis else { return Vec::new() };
     let prescribed = model.conditions.iter().any(|c| matches!(c, Condition::Prescribe(p) if p.value != 0.0));
+    // Strains without an amplitude grow with the load factor: they are not there at the reference.
+    let growing = |p: &&PrescribedStrain| modal.prestressed || p.amplitude().is_none();
+    if let Some(i) = model.prescribed_strains.iter().position(|p| growing(&p)) {
+        if modal.prestressed {
+            return Vec::new();
+        }
+        return vec![Issue::new(
+            format!("prescribed_strains[{i}]"),
+            "it has no effect on this modal analysis, which is about the reference configuration",
+            "give `prestressed = true` to vibrate about the equilibrium under it, or leave it out",
+        )];
+    }
     match (modal.prestressed, model.loads.is_empty() && !prescribed) {
         (false, false) => vec![Issue::new(
             if model.loads.is_empty() { "conditions" } else { "loads" },
@@ -61,6 +74,48 @@ fn idle(model: &Model) -> Vec<Issue> {
         )],
         _ => Vec::new(),
     }
+}
+
+/// Keys of sections that their element types do not look at.
+fn idle_switches(model: &Model) -> Vec<Issue> {
+    let mut found = Vec::new();
+    for (i, s) in model.sections.iter().enumerate() {
+        let default = Section::new("", 1.0);
+        let resultants = matches!(s.element, ElementKind::Ems | ElementKind::Mitc4);
+        let full = s.element == ElementKind::AncfFull;
+        let linear = s.materials().iter().all(|m| model.materials.get(m).is_none_or(|m| m.is_linear()));
+        for (key, set, looked_at, why) in [
+            ("ans_shear", !s.ans_shear, !full, "the element has no assumed strains"),
+            (
+                "ans_thickness",
+                !s.ans_thickness,
+                !full && s.element != ElementKind::Mitc4,
+                "the element has no assumed strain of the thickness",
+            ),
+            ("eas", !s.eas, !full, "the element has no enhanced strains"),
+            (
+                "thickness_eas",
+                s.thickness_eas != default.thickness_eas,
+                !full && !resultants,
+                "the element has no enhanced strains over the thickness",
+            ),
+            (
+                "thickness_points",
+                s.thickness_points.is_some(),
+                !(resultants && linear),
+                "the stiffness of linear layers is integrated over the thickness in closed form",
+            ),
+        ] {
+            if set && !looked_at {
+                found.push(Issue::new(
+                    format!("sections[{i}].{key}"),
+                    format!("the key has no effect: {why}"),
+                    "leave it out",
+                ));
+            }
+        }
+    }
+    found
 }
 
 fn zero_loads(model: &Model) -> Vec<Issue> {

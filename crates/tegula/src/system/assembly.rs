@@ -285,8 +285,14 @@ impl Assembly {
     /// With the energy Π(u, t) that it takes to deform the model to u under the prescribed strains of the time t, the
     /// internal forces of the middle of the step do the work Π(u₁, ½) − Π(u₀, ½). The rest of the change of Π is
     /// `Π(u₁, t₁) − Π(u₁, ½) + Π(u₀, ½) − Π(u₀, t₀)`: exact for the energy–momentum scheme, of second order for
-    /// the others.
-    pub fn prescribed_strain_work(&mut self, system: &System, old: (&[Nodal], f64), new: (&[Nodal], f64)) -> f64 {
+    /// the others. Where materials yield the two half steps lie on both sides of the kink between loading and
+    /// unloading, and the balance is of first order.
+    pub fn prescribed_strain_work(
+        &mut self,
+        system: &System,
+        old: (&[Nodal], f64),
+        new: (&[Nodal], f64),
+    ) -> f64 {
         let factors = |time: f64| {
             system.prescribed_strains.iter().map(move |field| system.amplitude(field.amplitude, time))
         };
