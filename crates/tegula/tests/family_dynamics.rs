@@ -515,3 +515,46 @@ fn folds_join_all_elements() {
         }
     }
 }
+
+/// A bar that has been pulled beyond yield vibrates along its axis with the elastic stiffness: a small motion unloads.
+#[test]
+fn vibrations_about_a_yielded_equilibrium_are_elastic() {
+    for element in [ElementKind::Ems, ElementKind::Mitc4, ElementKind::Cm, ElementKind::SolidShell] {
+        let bar = |material, pull: f64| {
+            let mut m = model(plate([1.0, 0.2], [8, 2], 0.1), 1.0, 0.02);
+            m.materials.insert("m".into(), material);
+            m.sections[0].element = element;
+            let guide = |set: &str, position| {
+                Condition::Fix(FixComponents { on: set.into(), position, director: vec![] })
+            };
+            let clamp = guide("u_min", vec![Axis::X]);
+            m.conditions = vec![clamp, guide("v_min", vec![Axis::Y]), guide("all", vec![Axis::Z])];
+            m.loads = vec![Load::Edge(vector_load("u_max", [pull, 0.0, 0.0]))];
+            m.analysis = Analysis::Modal(ModalAnalysis { modes: 3, prestressed: true });
+            let (_, system) = compile(&m);
+            let options = StaticAnalysis { load_steps: 3, ..Default::default() };
+            let outcome = statics::run(&system, &options, None, &mut Silent).unwrap();
+            let state = &outcome.state;
+            (modal::run(&system, 3, Some(state), &mut Silent).unwrap().modes, state.dissipated)
+        };
+        let plastic = Plastic {
+            young: 2e5,
+            poisson: 0.3,
+            yield_stress: 200.0,
+            hardening: 2e4,
+            saturation: None,
+            saturation_rate: 0.0,
+            kinematic: 0.0,
+            density: 1.0,
+            expansion: 0.0,
+        };
+        let (yielded, lost) = bar(Material::Plastic(plastic), 0.02 * 240.0);
+        let (elastic, _) = bar(Material::Isotropic(Isotropic::new(2e5, 0.3, 1.0)), 0.02 * 240.0);
+        assert!(lost > 0.0, "{element:?}: the bar must yield");
+        for (a, b) in yielded.iter().zip(&elastic) {
+            // The tenth of the stiffness that hardening leaves would give a third of the frequency.
+            let (a, b) = (a.frequency_hz, b.frequency_hz);
+            assert!((a - b).abs() < 1e-2 * b, "{element:?}: {a} for {b}");
+        }
+    }
+}
