@@ -170,14 +170,14 @@ impl Element {
     }
 
     fn energy(&self, u: &[Nodal]) -> f64 {
-        let one = |g: &Box<dyn ElementGroup>| {
+        let one = |g: &dyn ElementGroup| {
             let mut e = [0.0];
-            self.with(u, g.as_ref(), |k| g.energies(k, &mut e));
+            self.with(u, g, |k| g.energies(k, &mut e));
             // What is dissipated on the way belongs to the work of the forces.
             let mut history = vec![0.0; g.history_per_element()];
-            e[0] + self.with(u, g.as_ref(), |k| g.update_history(k, &mut history))
+            e[0] + self.with(u, g, |k| g.update_history(k, &mut history))
         };
-        self.groups.iter().map(one).sum()
+        self.groups.iter().map(|g| one(g.as_ref())).sum()
     }
 
     fn force(&self, u: &[Nodal]) -> DVector<f64> {
