@@ -286,7 +286,7 @@ proptest! {
 
 #[test]
 fn wrong_keys_do_not_hide_wrong_values() {
-    let text = template("static").unwrap().replace("thickness", "thickness = 0.01\ntickness");
+    let text = template("static").unwrap().replace("\nthickness", "\nthickness = 0.01\ntickness");
     let text = text.replace("on = \"u_min\"", "on = \"no-such-set\"");
     let found = Deck::parse("model.toml", text).unwrap_err();
     let all: Vec<String> = found.iter().map(|d| format!("{}: {}", d.key, d.message)).collect();

@@ -230,6 +230,7 @@ pub fn run(
         go_on(observer)?;
     };
 
+    let stress_free = equilibrium.is_none() && energy_is_quadratic(system);
     let rigid_motions = RigidMotions::new(system, u);
     let mut modes: Vec<Mode> = pairs
         .into_iter()
@@ -237,7 +238,7 @@ pub fn run(
             let mut shape = vec![[0.0; 3]; system.vectors()];
             newton.assembly.numbering.expand(&p.vector, &mut shape);
             // About the stress-free reference the strain energy gives the quotient without cancellation.
-            let lambda = if equilibrium.is_none() {
+            let lambda = if stress_free {
                 newton.assembly.small_strain_energy(system, &shape) / system.kinetic_energy(&shape)
             } else {
                 shift + 1.0 / p.value
@@ -256,6 +257,13 @@ pub fn run(
         cutbacks: 0,
     };
     Ok(ModalOutcome { modes, statistics, sturm_checked })
+}
+
+/// True if the strain energy of a small motion about the reference configuration is that of any multiple of it, times
+/// the square: all materials are linear, and no prescribed strain stresses the reference.
+fn energy_is_quadratic(system: &System) -> bool {
+    system.sections.iter().all(|s| s.section.is_linear())
+        && system.prescribed_strains.iter().all(|p| system.amplitude(p.amplitude, 0.0) == 0.0)
 }
 
 /// A shift far below the lowest elastic eigenvalue that still makes the matrix positive definite.

@@ -222,7 +222,9 @@ impl Newton {
             if let Some(floor) = stagnation(&history) {
                 // Near a rigid motion there is next to no energy to compare with: increments that are
                 // nothing but rounding are enough then.
-                let rounding = size <= 1e-10 * size_scale;
+                // So are increments without any energy beside that of stresses that support each other: there the
+                // displacement is nothing itself.
+                let rounding = size <= 1e-10 * size_scale || relative <= 1e-26;
                 if rounding || (relative <= 1e-9 && size <= 1e-5 * size_scale) {
                     return Ok(Converged { iterations: iteration, negative_pivots, floor: true });
                 }

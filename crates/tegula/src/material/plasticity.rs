@@ -17,6 +17,8 @@ use super::{Response, Strain};
 pub const HISTORY: usize = 13;
 /// Place of the equivalent plastic strain.
 pub const EQUIVALENT: usize = 12;
+/// Excess over the yield stress that is nothing but rounding.
+const ROUNDING: f64 = 1e-11;
 
 /// The material.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,7 +99,9 @@ impl Plasticity {
 
         let (mut slip, mut normal, mut tangent) =
             (0.0, Vector6::zeros(), ones * bulk + identity * (2.0 * mu));
-        if excess > 0.0 {
+        // A state that has yielded lies on the yield surface but for rounding, which must not choose its tangent: it is
+        // the elastic one until the strain goes on.
+        if excess > ROUNDING * root * self.yield_at(p).0 {
             slip = self.slip(size, p, mu)?;
             normal = relative / size;
             let slope = self.yield_at(p + root * slip).1;

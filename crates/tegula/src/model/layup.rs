@@ -186,7 +186,7 @@ impl Layup {
             );
         }
         let d = self.direction;
-        if !d.iter().all(|x| x.is_finite()) || d == [0.0; 3] {
+        if !d.iter().map(|x| x * x).sum::<f64>().is_normal() {
             add(
                 format!("{key}.direction"),
                 "the direction of 0° must be a vector with a length".into(),

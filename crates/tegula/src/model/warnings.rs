@@ -1,7 +1,7 @@
 //! What is most likely not meant, though it can be computed.
 
 use super::course::amplitude_of;
-use super::{Analysis, Condition, Load, Model};
+use super::{Analysis, Condition, Load, Model, PrescribedStrain};
 use crate::element::registry;
 use crate::mesh::Mesh;
 use crate::system::{Shell, System};
@@ -14,21 +14,14 @@ const THICK: f64 = 10.0;
 pub fn warnings(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
     let mut found = idle(model);
     found.extend(zero_loads(model));
+    found.extend(idle_switches(model));
     for (i, section) in model.sections.iter().enumerate() {
-        for key in super::check_sections::idle_keys(section) {
-            let name = registry::shell(section, section.whole_thickness()).name();
-            found.push(Issue::new(
-                format!("sections[{i}].{key}"),
-                format!("`{name}` has no such remedy to switch off: the key has no effect"),
-                "leave it out, or use an element that has it (the book's page on elements lists them)",
-            ));
-        }
         let shells = || system.shells.iter().filter(|shell| shell.section == i);
         let worst = shells().map(|shell| (curvature(shell), shell)).max_by(|a, b| a.0.total_cmp(&b.0));
         let Some((curvature, shell)) = worst else { continue };
         let key = format!("sections[{i}].thickness");
         let largest = shells().map(size).fold(0.0, f64::max);
-        let h = section.thickness;
+        let h = section.whole_thickness();
         if h * curvature > 1.0 {
             found.push(Issue::new(
                 &key,
@@ -57,6 +50,18 @@ pub fn warnings(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
 fn idle(model: &Model) -> Vec<Issue> {
     let Analysis::Modal(modal) = &model.analysis else { return Vec::new() };
     let prescribed = model.conditions.iter().any(|c| matches!(c, Condition::Prescribe(p) if p.value != 0.0));
+    // Strains without an amplitude grow with the load factor: they are not there at the reference.
+    let growing = |p: &&PrescribedStrain| modal.prestressed || p.amplitude().is_none();
+    if let Some(i) = model.prescribed_strains.iter().position(|p| growing(&p)) {
+        if modal.prestressed {
+            return Vec::new();
+        }
+        return vec![Issue::new(
+            format!("prescribed_strains[{i}]"),
+            "it has no effect on this modal analysis, which is about the reference configuration",
+            "give `prestressed = true` to vibrate about the equilibrium under it, or leave it out",
+        )];
+    }
     match (modal.prestressed, model.loads.is_empty() && !prescribed) {
         (false, false) => vec![Issue::new(
             if model.loads.is_empty() { "conditions" } else { "loads" },
@@ -70,6 +75,30 @@ fn idle(model: &Model) -> Vec<Issue> {
         )],
         _ => Vec::new(),
     }
+}
+
+/// Keys of sections that their element types do not look at.
+fn idle_switches(model: &Model) -> Vec<Issue> {
+    let mut found = Vec::new();
+    for (i, s) in model.sections.iter().enumerate() {
+        let element = registry::shell(s, s.whole_thickness());
+        for key in super::check_sections::idle_keys(s) {
+            found.push(Issue::new(
+                format!("sections[{i}].{key}"),
+                format!("`{}` has no such remedy to switch off: the key has no effect", element.name()),
+                "leave it out, or use an element that has it (the book's page on elements lists them)",
+            ));
+        }
+        let linear = s.materials().iter().all(|m| model.materials.get(m).is_none_or(|m| m.is_linear()));
+        if s.thickness_points.is_some() && linear && !element.is_solid() {
+            found.push(Issue::new(
+                format!("sections[{i}].thickness_points"),
+                "the key has no effect: the stiffness of linear layers is integrated over the thickness in closed form",
+                "leave it out",
+            ));
+        }
+    }
+    found
 }
 
 fn zero_loads(model: &Model) -> Vec<Issue> {

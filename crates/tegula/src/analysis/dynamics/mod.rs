@@ -148,7 +148,13 @@ pub fn run(
                 let error = scheme.local_error(system, &state);
                 if control.accepts(error) {
                     let exchange = scheme.exchange(system, &mut newton.assembly, &state);
-                    state.work += exchange.work;
+                    let ends = (state.time + dt, scheme.displacements());
+                    state.work += exchange.work
+                        + newton.assembly.prescribed_strain_work(
+                            system,
+                            (&state.u, state.time),
+                            (ends.1, ends.0),
+                        );
                     state.dissipated += exchange.dissipated;
                     scheme.finish(system, &mut state);
                     state.last_step = dt;
@@ -361,9 +367,16 @@ pub(super) fn curve_unit_vectors(system: &System, u: &[Nodal], v: &mut [Nodal], 
             d += Vec3::from(u[i]);
         }
         let (mut rate, mut second) = (Vec3::from(v[i]), Vec3::from(a[i]));
-        rate -= d * d.dot(&rate);
+        // A supported component stays; the vector then turns on a circle, whose radius need not be its length.
+        if let Some(axis) = unit.fixed {
+            d -= axis * axis.dot(&d);
+            rate -= axis * axis.dot(&rate);
+            second -= axis * axis.dot(&second);
+        }
+        let radius = d.norm_squared();
+        rate -= d * (d.dot(&rate) / radius);
         let inwards = if system.linear { 0.0 } else { rate.norm_squared() };
-        second -= d * (d.dot(&second) + inwards);
+        second -= d * ((d.dot(&second) + inwards) / radius);
         v[i] = rate.into();
         a[i] = second.into();
     }

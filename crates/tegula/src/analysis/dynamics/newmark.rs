@@ -165,6 +165,7 @@ impl Integrator for Newmark {
                 }
             }
             system.pattern.add_mass_product(-system.mass_damping, &state.v, &mut self.old_rest);
+            self.add_old_constraint_forces(system, assembly, &k, &state.a);
         }
         // Free flight; the accelerations of stiff modes would only spoil the prediction.
         for (n, u) in self.u.iter_mut().enumerate() {
@@ -221,6 +222,33 @@ impl Integrator for Newmark {
 }
 
 impl Newmark {
+    /// Adds the forces that held vectors to their length at the start of the step.
+    ///
+    /// They act along the old vectors. At the end of the step, whose equation holds across the new vectors, they have
+    /// a part that would be missing, an error of first order.
+    fn add_old_constraint_forces(
+        &mut self,
+        system: &System,
+        assembly: &mut Assembly,
+        k: &Kinematics,
+        acceleration: &[Nodal],
+    ) {
+        if system.linear || system.numbering.unit.is_empty() {
+            return;
+        }
+        assembly.follow(system, k);
+        self.buffer.copy_from_slice(&self.old_rest);
+        system.pattern.add_mass_product(-1.0, acceleration, &mut self.buffer);
+        let mut unbalanced = vec![[0.0; 3]; self.buffer.len()];
+        assembly.numbering.supported_part(&self.buffer, &mut unbalanced);
+        for unit in &system.numbering.unit {
+            let v = unit.vector as usize;
+            for i in 0..3 {
+                self.old_rest[v][i] -= unbalanced[v][i];
+            }
+        }
+    }
+
     /// Work of the reactions over prescribed motions, by the trapezoidal rule.
     fn work_of_supports(&self, system: &System, assembly: &mut Assembly, state: &State) -> f64 {
         if system.numbering.prescribed.is_empty() {
