@@ -1,17 +1,19 @@
-//! Sparse Cholesky factorisation on faer's supernodal kernels.
+//! Sparse factorisation of symmetric matrices.
 //!
-//! Ordering and symbolic analysis are made once for the pattern of a model and serve all
-//! iterations and steps. A matrix that turns out indefinite is factored again as LBLᵀ with
-//! Bunch–Kaufman pivots inside the supernodes, which also gives its inertia.
+//! Ordering and symbolic analysis are made once for the pattern of a model and serve all iterations and steps. A
+//! positive definite matrix is factored by the [multifrontal method](super::multifrontal). One that turns out
+//! indefinite is factored again by faer as LBLᵀ with Bunch–Kaufman pivots inside the supernodes, which also gives
+//! its inertia; what that needs is only made then.
 
 use dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, IntranodeLbltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw,
-    SymmetricOrdering, factorize_symbolic_cholesky,
+    CholeskySymbolicParams, IntranodeLbltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side};
 
+use super::multifrontal::Multifrontal;
 use super::{Factor, FactorError, Inertia};
 
 /// Lower triangle of a symmetric matrix in compressed columns, without its values.
@@ -66,18 +68,12 @@ enum Kind {
 /// Sparse Cholesky factorisation of matrices of one pattern.
 pub struct SparseCholesky {
     pattern: SymmetricPattern,
-    symbolic: SymbolicCholesky<usize>,
-    factor: Vec<f64>,
-    /// Used only once a matrix was indefinite.
-    subdiagonal: Vec<f64>,
-    permutation: (Vec<usize>, Vec<usize>),
-    memory: MemBuffer,
+    definite: Multifrontal,
+    /// Made once a matrix was indefinite.
+    indefinite: Option<Indefinite>,
     kind: Kind,
     factorizations: usize,
 }
-
-// faer's own threading made factorisation slower on shell matrices: its supernodes run one after another.
-const PAR: Par = Par::Seq;
 
 impl SparseCholesky {
     /// Orders and analyses a pattern.
@@ -85,6 +81,69 @@ impl SparseCholesky {
     /// # Errors
     /// The factor would be too large.
     pub fn new(pattern: SymmetricPattern) -> Result<Self, FactorError> {
+        let definite = Multifrontal::new(pattern.symbolic.col_ptr(), pattern.symbolic.row_idx())?;
+        Ok(Self { pattern, definite, indefinite: None, kind: Kind::None, factorizations: 0 })
+    }
+
+    /// The pattern.
+    pub fn pattern(&self) -> &SymmetricPattern {
+        &self.pattern
+    }
+}
+
+impl Factor for SparseCholesky {
+    fn factor(&mut self, values: &[f64]) -> Result<Inertia, FactorError> {
+        self.kind = Kind::None;
+        if !values.iter().all(|v| v.is_finite()) {
+            return Err(FactorError::NotFinite);
+        }
+        self.factorizations += 1;
+        if self.definite.factor(values).is_ok() {
+            self.kind = Kind::Definite;
+            return Ok(Inertia { positive: self.pattern.size(), ..Default::default() });
+        }
+        self.factorizations += 1;
+        let indefinite = match &mut self.indefinite {
+            Some(made) => made,
+            none => none.insert(Indefinite::new(&self.pattern)?),
+        };
+        let inertia = indefinite.factor(&self.pattern, values)?;
+        self.kind = Kind::Indefinite;
+        Ok(inertia)
+    }
+
+    fn solve(&mut self, right_side: &mut [f64]) {
+        match (&self.kind, &mut self.indefinite) {
+            (Kind::Definite, _) => self.definite.solve(right_side),
+            (Kind::Indefinite, Some(factor)) => factor.solve(right_side),
+            // Without a factor there is no solution; what is returned must not look like one.
+            _ => right_side.fill(f64::NAN),
+        }
+    }
+
+    fn factorizations(&self) -> usize {
+        self.factorizations
+    }
+
+    fn factor_entries(&self) -> usize {
+        self.definite.entries()
+    }
+}
+
+// faer's own threading made factorisation slower on shell matrices: its supernodes run one after another.
+const PAR: Par = Par::Seq;
+
+/// LBLᵀ with Bunch–Kaufman pivots inside the supernodes.
+struct Indefinite {
+    symbolic: SymbolicCholesky<usize>,
+    factor: Vec<f64>,
+    subdiagonal: Vec<f64>,
+    permutation: (Vec<usize>, Vec<usize>),
+    memory: MemBuffer,
+}
+
+impl Indefinite {
+    fn new(pattern: &SymmetricPattern) -> Result<Self, FactorError> {
         let symbolic = factorize_symbolic_cholesky(
             pattern.symbolic.as_ref(),
             Side::Lower,
@@ -93,31 +152,56 @@ impl SparseCholesky {
         )
         .map_err(|_| FactorError::TooLarge)?;
         let request = symbolic
-            .factorize_numeric_llt_scratch::<f64>(PAR, Default::default())
-            .or(symbolic.factorize_numeric_intranode_lblt_scratch::<f64>(PAR, Default::default()))
+            .factorize_numeric_intranode_lblt_scratch::<f64>(PAR, Default::default())
             .or(symbolic.solve_in_place_scratch::<f64>(1, PAR));
         let memory = MemBuffer::try_new(request).map_err(|_| FactorError::TooLarge)?;
         let mut factor = Vec::new();
         factor.try_reserve_exact(symbolic.len_val()).map_err(|_| FactorError::TooLarge)?;
         factor.resize(symbolic.len_val(), 0.0);
+        let n = pattern.size();
         Ok(Self {
-            pattern,
             symbolic,
             factor,
-            subdiagonal: Vec::new(),
-            permutation: (Vec::new(), Vec::new()),
+            subdiagonal: vec![0.0; n],
+            permutation: (vec![0; n], vec![0; n]),
             memory,
-            kind: Kind::None,
-            factorizations: 0,
         })
     }
 
-    /// The pattern.
-    pub fn pattern(&self) -> &SymmetricPattern {
-        &self.pattern
+    fn factor(&mut self, pattern: &SymmetricPattern, values: &[f64]) -> Result<Inertia, FactorError> {
+        self.subdiagonal.fill(0.0);
+        self.symbolic.factorize_numeric_intranode_lblt(
+            &mut self.factor,
+            &mut self.subdiagonal,
+            &mut self.permutation.0,
+            &mut self.permutation.1,
+            SparseColMatRef::new(pattern.symbolic.as_ref(), values),
+            Side::Lower,
+            PAR,
+            MemStack::new(&mut self.memory),
+            Default::default(),
+        );
+        let inertia = self.inertia(pattern.size());
+        if inertia.zero > 0 || !self.factor.iter().all(|v| v.is_finite()) {
+            return Err(FactorError::Singular);
+        }
+        Ok(inertia)
     }
 
-    fn inertia(&self) -> Inertia {
+    fn solve(&mut self, right_side: &mut [f64]) {
+        let n = right_side.len();
+        let (forward, inverse) = (&self.permutation.0, &self.permutation.1);
+        let permutation = faer::perm::PermRef::new_checked(forward, inverse, n);
+        IntranodeLbltRef::new(&self.symbolic, &self.factor, &self.subdiagonal, permutation)
+            .solve_in_place_with_conj(
+                Conj::No,
+                MatMut::from_column_major_slice_mut(right_side, n, 1),
+                PAR,
+                MemStack::new(&mut self.memory),
+            );
+    }
+
+    fn inertia(&self, n: usize) -> Inertia {
         let mut out = Inertia::default();
         let mut count = |d: f64| {
             if d > 0.0 {
@@ -128,7 +212,7 @@ impl SparseCholesky {
                 out.zero += 1;
             }
         };
-        let diagonal = self.block_diagonal();
+        let diagonal = self.block_diagonal(n);
         let mut i = 0;
         while i < diagonal.len() {
             let e = self.subdiagonal.get(i).copied().unwrap_or(0.0);
@@ -146,8 +230,7 @@ impl SparseCholesky {
         out
     }
 
-    fn block_diagonal(&self) -> Vec<f64> {
-        let n = self.pattern.size();
+    fn block_diagonal(&self, n: usize) -> Vec<f64> {
         let mut out = vec![0.0; n];
         match self.symbolic.raw() {
             SymbolicCholeskyRaw::Simplicial(s) => {
@@ -166,82 +249,5 @@ impl SparseCholesky {
             }
         }
         out
-    }
-}
-
-impl Factor for SparseCholesky {
-    fn factor(&mut self, values: &[f64]) -> Result<Inertia, FactorError> {
-        self.kind = Kind::None;
-        if !values.iter().all(|v| v.is_finite()) {
-            return Err(FactorError::NotFinite);
-        }
-        self.factorizations += 1;
-        let matrix = SparseColMatRef::new(self.pattern.symbolic.as_ref(), values);
-        let positive_definite = self
-            .symbolic
-            .factorize_numeric_llt(
-                &mut self.factor,
-                matrix,
-                Side::Lower,
-                Default::default(),
-                PAR,
-                MemStack::new(&mut self.memory),
-                Default::default(),
-            )
-            .is_ok();
-        if positive_definite {
-            self.kind = Kind::Definite;
-            return Ok(Inertia { positive: self.pattern.size(), ..Default::default() });
-        }
-        let n = self.pattern.size();
-        self.subdiagonal.clear();
-        self.subdiagonal.resize(n, 0.0);
-        self.permutation.0.resize(n, 0);
-        self.permutation.1.resize(n, 0);
-        self.factorizations += 1;
-        self.symbolic.factorize_numeric_intranode_lblt(
-            &mut self.factor,
-            &mut self.subdiagonal,
-            &mut self.permutation.0,
-            &mut self.permutation.1,
-            matrix,
-            Side::Lower,
-            PAR,
-            MemStack::new(&mut self.memory),
-            Default::default(),
-        );
-        let inertia = self.inertia();
-        if inertia.zero > 0 || !self.factor.iter().all(|v| v.is_finite()) {
-            return Err(FactorError::Singular);
-        }
-        self.kind = Kind::Indefinite;
-        Ok(inertia)
-    }
-
-    fn solve(&mut self, right_side: &mut [f64]) {
-        let n = right_side.len();
-        let rhs = MatMut::from_column_major_slice_mut(right_side, n, 1);
-        let stack = MemStack::new(&mut self.memory);
-        match self.kind {
-            Kind::Definite => {
-                LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(Conj::No, rhs, PAR, stack);
-            }
-            Kind::Indefinite => {
-                let (forward, inverse) = (&self.permutation.0, &self.permutation.1);
-                let permutation = faer::perm::PermRef::new_checked(forward, inverse, n);
-                IntranodeLbltRef::new(&self.symbolic, &self.factor, &self.subdiagonal, permutation)
-                    .solve_in_place_with_conj(Conj::No, rhs, PAR, stack);
-            }
-            // Without a factor there is no solution; what is returned must not look like one.
-            Kind::None => right_side.fill(f64::NAN),
-        }
-    }
-
-    fn factorizations(&self) -> usize {
-        self.factorizations
-    }
-
-    fn factor_entries(&self) -> usize {
-        self.symbolic.len_val()
     }
 }

@@ -1,7 +1,10 @@
 //! Linear solvers for the symmetric tangent.
 
+mod assembly_tree;
 mod cholesky;
 pub mod lanczos;
+mod multifrontal;
+mod ordering;
 
 pub use cholesky::{SparseCholesky, SymmetricPattern};
 
