@@ -7,7 +7,8 @@
 //!
 //! J. W. H. Liu, *The multifrontal method for sparse matrix solution*, SIAM Review 34 (1992) 82–109.
 
-use std::sync::Mutex;
+use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
@@ -41,6 +42,9 @@ pub(super) struct Multifrontal {
     split: Vec<bool>,
     /// Stacks of the subtrees at work, one for each thread.
     stacks: Vec<Mutex<Scratch>>,
+    /// Memory of the dense kernels for each front whose subtree is split. Not that of the thread: a thread that
+    /// waits within a kernel may take up another subtree meanwhile.
+    kernels: BTreeMap<usize, Mutex<MemBuffer>>,
     /// Vectors of all columns and of all rows.
     columns: Vec<f64>,
     rows: Vec<f64>,
@@ -76,10 +80,14 @@ impl Multifrontal {
         passed_before.push(passed.len() as u32);
         let stack = stack_size(&tree, &split);
         let widest = tree.fronts.iter().map(|f| f.width).max().unwrap_or(0);
+        let dense = |width: usize| {
+            let request = cholesky_in_place_scratch::<f64>(width, Par::Seq, Default::default());
+            MemBuffer::try_new(request).map_err(|_| FactorError::TooLarge)
+        };
+        let kernel = |f: usize| Ok::<_, FactorError>((f, Mutex::new(dense(tree.fronts[f].width)?)));
+        let kernels = (0..n).filter(|&f| split[f]).map(kernel).collect::<Result<_, _>>()?;
         let scratch = || -> Result<_, FactorError> {
-            let request = cholesky_in_place_scratch::<f64>(widest, Par::Seq, Default::default());
-            let dense = MemBuffer::try_new(request).map_err(|_| FactorError::TooLarge)?;
-            Ok(Mutex::new(Scratch { stack: zeros(stack)?, dense }))
+            Ok(Mutex::new(Scratch { stack: zeros(stack)?, dense: dense(widest)? }))
         };
         let stacks = (0..threads).map(|_| scratch()).collect::<Result<_, _>>()?;
         Ok(Self {
@@ -91,6 +99,7 @@ impl Multifrontal {
             passed_before,
             split,
             stacks,
+            kernels,
         })
     }
 
@@ -106,6 +115,7 @@ impl Multifrontal {
             split: &self.split,
             passed_before: &self.passed_before,
             stacks: &self.stacks,
+            kernels: &self.kernels,
             values,
         };
         let (mut factor, mut passed) = (self.factor.as_mut_slice(), self.passed.as_mut_slice());
@@ -147,6 +157,10 @@ fn zeros(n: usize) -> Result<Vec<f64>, FactorError> {
     Ok(out)
 }
 
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Largest stack of a subtree that is not split: what waits, and what the front at work makes.
 fn stack_size(tree: &AssemblyTree, split: &[bool]) -> usize {
     let mut most = 0;
@@ -173,6 +187,7 @@ struct Numeric<'a> {
     split: &'a [bool],
     passed_before: &'a [u32],
     stacks: &'a [Mutex<Scratch>],
+    kernels: &'a BTreeMap<usize, Mutex<MemBuffer>>,
     values: &'a [f64],
 }
 
@@ -210,9 +225,9 @@ impl Numeric<'_> {
             let at = self.passed_before[c as usize] as usize - self.passed_before[front.leaf] as usize;
             add(front, &self.tree.fronts[c as usize], &waiting[at], panel, out);
         }
-        let mut scratch = self.scratch();
         let par = if self.stacks.len() > 1 { Par::rayon(self.stacks.len()) } else { Par::Seq };
-        eliminate(front, panel, out, &mut scratch.dense, par)
+        let Some(dense) = self.kernels.get(&f) else { return Err(NotPositive) };
+        eliminate(front, panel, out, &mut locked(dense), par)
     }
 
     /// Factors subtrees that have one parent, halves of them in parallel.
@@ -296,9 +311,10 @@ impl Numeric<'_> {
         }
     }
 
-    fn scratch(&self) -> std::sync::MutexGuard<'_, Scratch> {
+    /// The stack of this thread. While it is held no other work is waited for.
+    fn scratch(&self) -> MutexGuard<'_, Scratch> {
         let own = rayon::current_thread_index().unwrap_or(0);
-        self.stacks[own % self.stacks.len()].lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+        locked(&self.stacks[own % self.stacks.len()])
     }
 }
 
@@ -378,6 +394,9 @@ fn eliminate(
     Ok(())
 }
 
+/// Work on a subtree: its front, its columns, its rows.
+type Sweep<'a> = fn(&Solver<'a>, usize, &mut [f64], &mut [f64]);
+
 /// What the solution with the factor needs.
 struct Solver<'a> {
     tree: &'a AssemblyTree,
@@ -385,7 +404,7 @@ struct Solver<'a> {
     split: &'a [bool],
 }
 
-impl Solver<'_> {
+impl<'a> Solver<'a> {
     fn panel(&self, front: &Front) -> (MatRef<'_, f64>, MatRef<'_, f64>) {
         let size = front.height() * front.width;
         let panel = &self.factor[front.panel..front.panel + size];
@@ -401,7 +420,7 @@ impl Solver<'_> {
             let front = &fronts[f];
             let (x_below, x_own) = x.split_at_mut(front.first - begin.first);
             let (y_below, y_own) = y.split_at_mut(front.row_start - begin.row_start);
-            self.each(&self.tree.children[f], x_below, y_below, &Self::forward);
+            self.each(&self.tree.children[f], x_below, y_below, Self::forward);
             self.forward_front(f, x_own, y_own, y_below, begin.row_start);
         } else {
             for s in fronts[f].leaf..=f {
@@ -448,7 +467,7 @@ impl Solver<'_> {
             let (x_below, x_own) = x.split_at_mut(front.first - begin.first);
             let (y_below, y_own) = y.split_at_mut(front.row_start - begin.row_start);
             self.backward_front(f, x_own, y_own, y_below, begin.row_start);
-            self.each(&self.tree.children[f], x_below, y_below, &Self::backward);
+            self.each(&self.tree.children[f], x_below, y_below, Self::backward);
         } else {
             for s in (fronts[f].leaf..=f).rev() {
                 let front = &fronts[s];
@@ -487,13 +506,7 @@ impl Solver<'_> {
     }
 
     /// Works on the subtrees of one parent, halves of them in parallel.
-    fn each(
-        &self,
-        children: &[u32],
-        x: &mut [f64],
-        y: &mut [f64],
-        work: &(dyn Fn(&Self, usize, &mut [f64], &mut [f64]) + Sync),
-    ) {
+    fn each(&self, children: &[u32], x: &mut [f64], y: &mut [f64], work: Sweep<'a>) {
         match children {
             [] => {}
             &[c] => work(self, c as usize, x, y),
