@@ -204,4 +204,30 @@ proptest! {
         prop_assert_eq!(inertia.positive, n);
         prop_assert!(residual < 1e-12, "{:e}", residual);
     }
+
+    /// Any indefinite matrix: the signs of the pivots are those of the eigenvalues.
+    #[test]
+    fn signs_of_pivots_are_those_of_eigenvalues(
+        diagonal in prop::collection::vec(-2.0_f64..2.0, 1..60),
+        edges in prop::collection::vec((0_usize..60, 0_usize..60, -1.0_f64..1.0), 0..200),
+    ) {
+        let n = diagonal.len();
+        let mut entries: Vec<(usize, usize, f64)> = diagonal.into_iter().enumerate().map(|(i, d)| (i, i, d)).collect();
+        entries.extend(edges.into_iter().map(|(a, b, v)| (a % n, b % n, v)));
+        let m = Matrix::new(n, &entries);
+        let mut dense = nalgebra::DMatrix::zeros(n, n);
+        for j in 0..n {
+            for k in m.pointers[j]..m.pointers[j + 1] {
+                dense[(m.rows[k], j)] = m.values[k];
+                dense[(j, m.rows[k])] = m.values[k];
+            }
+        }
+        let eigenvalues = dense.symmetric_eigenvalues();
+        // Near a singular matrix signs are up to rounding.
+        prop_assume!(eigenvalues.iter().all(|e| e.abs() > 1e-3));
+        let (inertia, residual) = m.solve().unwrap();
+        prop_assert_eq!(inertia.negative, eigenvalues.iter().filter(|e| **e < 0.0).count());
+        prop_assert_eq!(inertia.positive + inertia.negative, n);
+        prop_assert!(residual < 1e-9, "{:e}", residual);
+    }
 }
