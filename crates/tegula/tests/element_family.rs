@@ -113,7 +113,7 @@ impl Element {
         let mut sum = vec![0.0; 3 * u.len()];
         for g in &self.groups {
             let mut f = vec![0.0; 3 * u.len()];
-            g.evaluate(&self.motion(u), &mut f, None);
+            g.evaluate(&self.motion(u), 0, &mut f, None);
             sum.iter_mut().zip(&f).for_each(|(s, f)| *s += f);
         }
         sum
@@ -127,7 +127,7 @@ impl Element {
             let mut blocks = vec![0.0; 9 * m * (m + 1) / 2];
             let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
             let request = TangentRequest { weights, stress: None, prescribed: None, blocks: &mut blocks };
-            g.evaluate(&self.motion(u), &mut f, Some(request));
+            g.evaluate(&self.motion(u), 0, &mut f, Some(request));
             let mut block = blocks.chunks_exact(9);
             for a in 0..m {
                 for b in 0..=a {

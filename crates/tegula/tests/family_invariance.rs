@@ -184,7 +184,7 @@ impl Element {
         let mut sum = DVector::zeros(3 * u.len());
         for g in &self.groups {
             let mut f = vec![0.0; 3 * u.len()];
-            self.with(u, g.as_ref(), |k| g.evaluate(k, &mut f, None));
+            self.with(u, g.as_ref(), |k| g.evaluate(k, 0, &mut f, None));
             sum += DVector::from_vec(f);
         }
         sum
@@ -197,7 +197,7 @@ impl Element {
             let (mut f, mut blocks) = (vec![0.0; 3 * m], vec![0.0; 9 * m * (m + 1) / 2]);
             let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
             let request = TangentRequest { weights, stress: None, prescribed: None, blocks: &mut blocks };
-            self.with(u, g.as_ref(), |k| g.evaluate(k, &mut f, Some(request)));
+            self.with(u, g.as_ref(), |k| g.evaluate(k, 0, &mut f, Some(request)));
             let mut block = blocks.chunks_exact(9);
             for a in 0..m {
                 for b in 0..=a {

@@ -96,7 +96,7 @@ impl Memory {
             if length.is_some_and(|n| n != found.len()) { Err(wrong(name)) } else { Ok(found.clone()) }
         };
         let n = system.vectors();
-        let samples = system.groups.iter().map(|g| g.len() * g.samples()).sum();
+        let samples = system.groups.iter().map(|g| g.len() * g.stresses_per_element()).sum();
         let history = system.groups.iter().map(|g| g.len() * g.history_per_element()).sum();
         let fixed = |name: &str, length: usize| array(name, Some(length));
         let scalars = fixed("scalars", 6)?;

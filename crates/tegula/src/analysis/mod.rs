@@ -42,7 +42,7 @@ impl State {
     /// The reference configuration at rest.
     pub fn at_rest(system: &System) -> Self {
         let zero = vec![[0.0; 3]; system.vectors()];
-        let samples = system.groups.iter().map(|g| g.len() * g.samples()).sum();
+        let samples = system.groups.iter().map(|g| g.len() * g.stresses_per_element()).sum();
         let history = system.groups.iter().map(|g| g.len() * g.history_per_element()).sum();
         Self {
             u: zero.clone(),

@@ -70,6 +70,9 @@ pub struct Interior<'a> {
     pub factors: &'a [f64],
 }
 
+/// What the number of an element from which on elements are evaluated is a multiple of.
+pub const ALIGNMENT: usize = super::lanes::BATCH;
+
 /// Elements of one type, evaluated together.
 pub trait ElementGroup: Send + Sync {
     /// Name of the element type.
@@ -84,17 +87,18 @@ pub trait ElementGroup: Send + Sync {
     fn vectors(&self, element: usize) -> &[u32];
     /// Number of nodal vectors per element.
     fn vectors_per_element(&self) -> usize;
-    /// Number of sampled strains per element.
-    fn samples(&self) -> usize;
+    /// Number of stress resultants per element.
+    fn stresses_per_element(&self) -> usize;
     /// Scalar mass of the pairs of nodal vectors (lower triangle) of an element.
     fn mass(&self, element: usize) -> &[f64];
     /// Retardation time of rate damping.
     fn retardation_time(&self) -> f64;
-    /// Internal forces, one block of `3 · vectors_per_element` per element; with `tangent` also the lower
-    /// blocks of the tangent, whose geometric part takes the stress `stress` (of the motion where `None`).
+    /// Internal forces of the elements from `first` on (a multiple of [`ALIGNMENT`]), one block of
+    /// `3 · vectors_per_element` per element, as many as `forces` has room for; with `tangent` also the lower blocks
+    /// of the tangent, whose geometric part takes the stress `stress` (of the motion where `None`).
     /// A `prescribed` increment adds `tangent · increment` to the force.
-    fn evaluate(&self, k: &Kinematics, forces: &mut [f64], tangent: Option<TangentRequest>);
-    /// Stress resultants of the samples.
+    fn evaluate(&self, k: &Kinematics, first: usize, forces: &mut [f64], tangent: Option<TangentRequest>);
+    /// Stress resultants of the strains in which the group works.
     fn stresses(&self, k: &Kinematics, stresses: &mut [f64]);
     /// Stress extrapolated along an increment: `n ← n(motion) + weight · H S δ`.
     fn extrapolate(
@@ -121,7 +125,7 @@ pub trait ElementGroup: Send + Sync {
 pub struct TangentRequest<'a> {
     /// Weights of its parts.
     pub weights: TangentWeights,
-    /// Stress of the geometric part per element and sample; that of the motion where `None`.
+    /// Stress of the geometric part, of all elements of the group; that of the motion where `None`.
     pub stress: Option<&'a [f64]>,
     /// Increment of prescribed coordinates, zero elsewhere.
     pub prescribed: Option<&'a [Nodal]>,

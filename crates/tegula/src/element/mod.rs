@@ -1,12 +1,16 @@
 //! Elements: sampled strains that are quadratic forms of nodal vectors.
 
 pub mod ancf_full;
+pub mod bilinear;
+mod bilinear_kernel;
 pub mod cm;
 pub mod constitution;
 pub mod ems;
 pub mod fold_tie;
+pub mod forms;
 pub mod geometry;
 pub mod group;
+mod lanes;
 pub mod mitc4;
 pub mod points;
 pub mod quadratic;

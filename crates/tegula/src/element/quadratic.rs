@@ -210,7 +210,7 @@ struct OneTangent<'a> {
 }
 
 /// Adds `scale · K d` for the lower blocks of a symmetric element matrix.
-fn multiply_blocks(blocks: &[f64], d: &[Nodal], scale: f64, out: &mut [f64]) {
+pub(super) fn multiply_blocks(blocks: &[f64], d: &[Nodal], scale: f64, out: &mut [f64]) {
     let mut block = blocks.chunks_exact(9);
     for a in 0..d.len() {
         for b in 0..=a {
@@ -262,7 +262,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitu
         M
     }
 
-    fn samples(&self) -> usize {
+    fn stresses_per_element(&self) -> usize {
         S
     }
 
@@ -275,7 +275,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitu
         self.retardation_time
     }
 
-    fn evaluate(&self, k: &Kinematics, forces: &mut [f64], tangent: Option<TangentRequest>) {
+    fn evaluate(&self, k: &Kinematics, first: usize, forces: &mut [f64], tangent: Option<TangentRequest>) {
         let arch = self.arch;
         match tangent {
             None => {
@@ -284,7 +284,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitu
                         #[inline(always)]
                         || {
                             for (i, force) in forces.chunks_exact_mut(N).enumerate() {
-                                self.evaluate_one(chunk * CHUNK + i, k, force, None);
+                                self.evaluate_one(first + chunk * CHUNK + i, k, force, None);
                             }
                         },
                     );
@@ -306,7 +306,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitu
                                 {
                                     let tangent =
                                         Some(OneTangent { weights: &weights, stress, prescribed, blocks });
-                                    self.evaluate_one(chunk * CHUNK + i, k, force, tangent);
+                                    self.evaluate_one(first + chunk * CHUNK + i, k, force, tangent);
                                 }
                             },
                         );

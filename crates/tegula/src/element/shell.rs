@@ -8,7 +8,9 @@ use std::fmt::Debug;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::bilinear::{BilinearGroup, BilinearMembers};
 use super::constitution::LinearConstitution;
+use super::forms::Forms;
 use super::geometry::ShellGeometry;
 use super::group::ElementGroup;
 use super::points::{PointConstitution, PointElement};
@@ -80,6 +82,8 @@ pub struct GroupSetup {
     pub laws: Vec<Law>,
     /// Number of fields of prescribed strain that act on the group, or 0.
     pub fields: usize,
+    /// Use the kernel that serves every element type where a faster one would be chosen: its reference.
+    pub reference_kernel: bool,
 }
 
 /// A term of an element's energy: `w ψ(L s + G α − Σ f ε₀)`.
@@ -208,6 +212,8 @@ pub struct QuadraticBuilder<const M: usize, const N: usize, const S: usize, cons
     members: Members<M>,
     linear: LinearConstitution<S>,
     points: Vec<PointElement>,
+    /// Where the faster kernel serves: the forms of the element type, and what it takes in place of `linear`.
+    bilinear: Option<(Forms, BilinearMembers)>,
 }
 
 impl<const M: usize, const N: usize, const S: usize, const D: usize> QuadraticBuilder<M, N, S, D> {
@@ -218,8 +224,13 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> QuadraticBu
         parameters: usize,
         setup: GroupSetup,
     ) -> Self {
-        let linear = LinearConstitution { fields: setup.fields, ..LinearConstitution::default() };
-        Self { name, strains, parameters, setup, members: Members::default(), linear, points: Vec::new() }
+        let fields = setup.fields;
+        let linear = LinearConstitution { fields, ..LinearConstitution::default() };
+        let bilinear = Forms::of(&strains)
+            .filter(|_| setup.laws.is_empty() && !setup.reference_kernel)
+            .map(|forms| (forms, BilinearMembers { fields, ..BilinearMembers::default() }));
+        let (members, points) = (Members::default(), Vec::new());
+        Self { name, strains, parameters, setup, members, linear, points, bilinear }
     }
 
     /// Adds the map of the element pushed next.
@@ -232,6 +243,13 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> GroupBuilde
     for QuadraticBuilder<M, N, S, D>
 {
     fn push(&mut self, member: Member) -> Result<(), String> {
+        if let Some((forms, members)) = &mut self.bilinear {
+            let c = condense(&member.stations, S, self.parameters, self.setup.fields)?;
+            let vectors =
+                member.vectors.try_into().map_err(|_| "it has not the nodal vectors of its type")?;
+            members.push(forms, vectors, &c, &member.mass);
+            return Ok(());
+        }
         if self.setup.laws.is_empty() {
             let c = condense(&member.stations, S, self.parameters, self.setup.fields)?;
             // Symmetric, so columns serve as rows.
@@ -250,6 +268,9 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> GroupBuilde
 
     fn finish(self: Box<Self>) -> Vec<Box<dyn ElementGroup>> {
         let tau = self.setup.retardation_time;
+        if let Some((forms, members)) = self.bilinear {
+            return vec![Box::new(BilinearGroup::new(self.name, forms, members, tau))];
+        }
         if self.setup.laws.is_empty() {
             vec![Box::new(QuadraticGroup::new(self.name, self.strains, self.members, self.linear, tau))]
         } else {

@@ -80,6 +80,11 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> SampledStra
         }
     }
 
+    /// `2 A_k` of a sample, lower triangle by rows.
+    pub fn form(&self, sample: usize) -> &[f64] {
+        &self.geometric[sample]
+    }
+
     /// Values of the directions for the nodal vectors `v`.
     #[inline(always)]
     pub fn directions<T: Scalar>(&self, v: &[Triple<T>; M]) -> Directions<T, D> {

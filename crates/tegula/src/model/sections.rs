@@ -277,6 +277,7 @@ impl Elements {
             retardation_time: section.retardation_time + model.damping.stiffness,
             laws: compiled.laws.clone(),
             fields: if acts { fields.len() } else { 0 },
+            reference_kernel: false,
         });
         let first_group = self.groups.len();
         let stretch = compiled.resultant.stretch();

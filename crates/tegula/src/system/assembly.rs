@@ -60,7 +60,7 @@ impl Assembly {
                 }
             }
             let m = group.vectors_per_element();
-            samples += group.len() * group.samples();
+            samples += group.len() * group.stresses_per_element();
             elements += group.len();
             blocks += group.len() * m * (m + 1) / 2;
         }
@@ -114,7 +114,7 @@ impl Assembly {
         for group in &system.groups {
             let (mine, rest) = forces.split_at_mut(3 * group.len() * group.vectors_per_element());
             let k = inside(system, k, &mut history, group.as_ref(), &self.factors);
-            group.evaluate(&k, mine, None);
+            group.evaluate(&k, 0, mine, None);
             forces = rest;
         }
         self.gather_forces(out);
@@ -155,7 +155,7 @@ impl Assembly {
             let m = group.vectors_per_element();
             let (f, forces_rest) = forces.split_at_mut(3 * group.len() * m);
             let (b, blocks_rest) = blocks.split_at_mut(9 * group.len() * m * (m + 1) / 2);
-            let (s, stress_rest) = stress.split_at(group.len() * group.samples());
+            let (s, stress_rest) = stress.split_at(group.len() * group.stresses_per_element());
             let request = TangentRequest {
                 weights: parts.weights,
                 stress: extrapolated.then_some(s),
@@ -163,7 +163,7 @@ impl Assembly {
                 blocks: b,
             };
             let k = inside(system, k, &mut history, group.as_ref(), &self.factors);
-            group.evaluate(&k, f, Some(request));
+            group.evaluate(&k, 0, f, Some(request));
             (forces, blocks, stress) = (forces_rest, blocks_rest, stress_rest);
         }
         for load in &system.followers {
@@ -247,7 +247,7 @@ impl Assembly {
         let mut stress = self.stress.as_mut_slice();
         let mut history = self.history.as_slice();
         for group in &system.groups {
-            let (s, rest) = stress.split_at_mut(group.len() * group.samples());
+            let (s, rest) = stress.split_at_mut(group.len() * group.stresses_per_element());
             group.stresses(&inside(system, k, &mut history, group.as_ref(), &self.factors), s);
             stress = rest;
         }
@@ -264,7 +264,7 @@ impl Assembly {
         let mut stress = self.stress.as_mut_slice();
         let mut history = self.history.as_slice();
         for group in &system.groups {
-            let (s, rest) = stress.split_at_mut(group.len() * group.samples());
+            let (s, rest) = stress.split_at_mut(group.len() * group.stresses_per_element());
             let k = inside(system, k, &mut history, group.as_ref(), &self.factors);
             group.extrapolate(&k, increment, weights, s);
             stress = rest;

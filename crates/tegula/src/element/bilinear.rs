@@ -1,0 +1,405 @@
+//! Bilinear shells of linear materials, many at a time: the kernel that static and dynamic analyses spend their
+//! element work in.
+//!
+//! Energy and forces are those of [`QuadraticGroup`](super::QuadraticGroup), which is the reference that this kernel
+//! is tested against. It differs in three ways:
+//!
+//! * One element per lane of a vector register. What elements own is stored in batches of [`BATCH`](super::lanes::BATCH); the width of
+//!   the registers is found when the program runs.
+//! * Strains are taken as the [independent forms](super::forms) of the element type in the basis of its bilinear
+//!   interpolation. Derivatives of forms are vectors of this basis, without weights; the way back to the nodes is
+//!   sums and differences.
+//! * `H` is split into blocks of forms that are coupled in any element of the group. Bending of a symmetric section
+//!   does not couple with the rest; on flat elements membrane, shear and thickness do not couple either.
+
+use pulp::{Arch, Scalar, Simd};
+use rayon::prelude::*;
+
+use super::bilinear_kernel::{LanesTangent, Measure, Workspace, dot};
+use super::forms::{BASIS, Forms, MOST, QUADRATIC, VECTORS};
+use super::group::{ElementGroup, Kinematics, Nodal, TangentRequest, TangentWeights};
+use super::lanes::{LaneWork, Lanes, in_batches, run};
+use super::shell::Condensed;
+
+/// Elements that one task works on.
+const CHUNK: usize = 64;
+/// Coordinates of an element.
+pub(super) const COORDINATES: usize = 3 * VECTORS;
+/// Blocks in the lower triangle of the element matrix.
+pub(super) const BLOCKS: usize = VECTORS * (VECTORS + 1) / 2;
+/// Rows of the product of H and derivatives that are summed in registers together.
+pub(super) const ROWS: usize = 4;
+
+/// What is known of the elements while they are collected.
+#[derive(Debug, Clone, Default)]
+pub struct BilinearMembers {
+    /// Nodal vectors per element.
+    pub vectors: Vec<[u32; VECTORS]>,
+    /// Scalar mass of the pairs of nodal vectors, lower triangle per element.
+    pub mass: Vec<f64>,
+    /// `RᵀHR` of the needed forms per element, lower triangle by rows.
+    pub stiffness: Vec<f64>,
+    /// Stress that would hold back the prescribed strains, forms per field and element.
+    pub prescribed: Vec<f64>,
+    /// Energy of the fields held back, by pairs of fields, per element.
+    pub prescribed_energy: Vec<f64>,
+    /// Number of fields of the model; 0 if none acts on this group.
+    pub fields: usize,
+}
+
+impl BilinearMembers {
+    /// Adds an element.
+    pub fn push(&mut self, forms: &Forms, vectors: [u32; VECTORS], condensed: &Condensed, mass: &[f64]) {
+        let r = &forms.samples;
+        let h = r.transpose() * &condensed.stiffness * r;
+        for (i, &k) in forms.needed.iter().enumerate() {
+            self.stiffness.extend(forms.needed[..=i].iter().map(|&l| h[(k, l)]));
+        }
+        for n in &condensed.prescribed {
+            self.prescribed.extend_from_slice((r.transpose() * n).as_slice());
+        }
+        self.prescribed_energy.extend_from_slice(condensed.prescribed_energy.as_slice());
+        self.vectors.push(vectors);
+        self.mass.extend_from_slice(mass);
+    }
+}
+
+/// Forms that are coupled by H.
+#[derive(Debug, Clone)]
+pub(super) struct Coupled {
+    /// Their numbers, ascending.
+    pub forms: Vec<usize>,
+    /// First of their entries of H, lower triangle by rows.
+    pub first: usize,
+    /// Where the entries are, by full rows; rows are filled up to a multiple of [`ROWS`].
+    pub places: Vec<usize>,
+    /// Derivatives with respect to each vector of the basis: number among these forms, and vector that it is.
+    pub derivatives: [Vec<(usize, usize)>; BASIS],
+}
+
+/// Elements of one type and section.
+pub struct BilinearGroup {
+    name: &'static str,
+    forms: Forms,
+    /// True if forms quadratic in z are needed.
+    pub(super) quadratic: bool,
+    /// Stress resultants that are stored per element: all forms but those quadratic in z, or all.
+    pub(super) stored: usize,
+    pub(super) coupled: Vec<Coupled>,
+    /// Entries of H per element.
+    pub(super) entries: usize,
+    /// H in batches: `BATCH` values of each entry.
+    pub(super) h: Vec<f64>,
+    /// Stress of the fields of prescribed strain, in batches.
+    pub(super) prescribed: Vec<f64>,
+    prescribed_energy: Vec<f64>,
+    pub(super) fields: usize,
+    pub(super) vectors: Vec<[u32; VECTORS]>,
+    mass: Vec<f64>,
+    pub(super) retardation_time: f64,
+    arch: Arch,
+}
+
+/// Place of an entry in a lower triangle by rows.
+pub(super) fn lower(i: usize, j: usize) -> usize {
+    let (i, j) = (i.max(j), i.min(j));
+    i * (i + 1) / 2 + j
+}
+
+impl BilinearGroup {
+    /// A group of elements.
+    pub fn new(name: &'static str, forms: Forms, members: BilinearMembers, retardation_time: f64) -> Self {
+        let needed = &forms.needed;
+        let n = needed.len();
+        let size = n * (n + 1) / 2;
+        let sets = coupled_forms(n, &members.stiffness);
+        let places: Vec<usize> = sets
+            .iter()
+            .flat_map(|set| {
+                let rows = set.iter().enumerate();
+                rows.flat_map(|(i, &k)| set[..=i].iter().map(move |&l| lower(k, l)))
+            })
+            .collect();
+        let kept: Vec<f64> =
+            members.stiffness.chunks_exact(size).flat_map(|h| places.iter().map(|&p| h[p])).collect();
+        let mut first = 0;
+        let coupled = sets
+            .iter()
+            .map(|set| {
+                let set = Coupled::new(set.iter().map(|&k| needed[k]).collect(), first, &forms);
+                first += set.forms.len() * (set.forms.len() + 1) / 2;
+                set
+            })
+            .collect();
+        let quadratic = needed.last().is_some_and(|&k| k >= QUADRATIC);
+        Self {
+            name,
+            quadratic,
+            stored: if quadratic { MOST } else { QUADRATIC },
+            coupled,
+            entries: places.len(),
+            h: in_batches(&kept, places.len()),
+            prescribed: in_batches(&members.prescribed, members.fields * MOST),
+            prescribed_energy: members.prescribed_energy,
+            fields: members.fields,
+            vectors: members.vectors,
+            mass: members.mass,
+            retardation_time,
+            arch: Arch::new(),
+            forms,
+        }
+    }
+}
+
+impl Coupled {
+    fn new(forms: Vec<usize>, first: usize, all: &Forms) -> Self {
+        let derivatives = std::array::from_fn(|v| {
+            let of_v = all.terms.iter().filter(|t| t.1 == v);
+            of_v.filter_map(|&(k, _, b)| Some((forms.binary_search(&k).ok()?, b))).collect()
+        });
+        let (n, row) = (forms.len(), forms.len().next_multiple_of(ROWS));
+        let mut places = vec![first; n * row];
+        for i in 0..n {
+            for j in 0..n {
+                places[i * row + j] = first + lower(i, j);
+            }
+        }
+        Self { forms, first, places, derivatives }
+    }
+}
+
+/// Sets of forms that no element couples with other forms. Entries within rounding of zero couple nothing.
+fn coupled_forms(n: usize, stiffness: &[f64]) -> Vec<Vec<usize>> {
+    let mut set: Vec<usize> = (0..n).collect();
+    for h in stiffness.chunks_exact(n * (n + 1) / 2) {
+        for i in 0..n {
+            for j in 0..i {
+                if set[i] == set[j] {
+                    continue;
+                }
+                let scale = (h[lower(i, i)].abs() * h[lower(j, j)].abs()).sqrt();
+                if h[lower(i, j)].abs() > 8.0 * f64::EPSILON * scale {
+                    let (keep, drop) = (set[i].min(set[j]), set[i].max(set[j]));
+                    set.iter_mut().filter(|s| **s == drop).for_each(|s| *s = keep);
+                }
+            }
+        }
+    }
+    (0..n)
+        .filter(|&root| set[root] == root)
+        .map(|root| (0..n).filter(|&k| set[k] == root).collect())
+        .collect()
+}
+
+struct Forces<'a> {
+    group: &'a BilinearGroup,
+    k: &'a Kinematics<'a>,
+    forces: &'a mut [f64],
+}
+
+impl LaneWork for Forces<'_> {
+    type Space<S: Simd> = ();
+
+    #[inline(always)]
+    fn space<S: Simd>(_: S) {}
+
+    #[inline(always)]
+    fn work<S: Simd>(&mut self, l: Lanes<S>, offset: usize, (): &mut ()) {
+        let end = (offset + S::F64_LANES).min(self.forces.len() / COORDINATES);
+        let forces = &mut self.forces[offset * COORDINATES..end * COORDINATES];
+        self.group.force_lanes(l, self.k, forces);
+    }
+}
+
+struct ForcesAndTangent<'a> {
+    group: &'a BilinearGroup,
+    k: &'a Kinematics<'a>,
+    forces: &'a mut [f64],
+    weights: TangentWeights,
+    stress: Option<&'a [f64]>,
+    prescribed: Option<&'a [Nodal]>,
+    blocks: &'a mut [f64],
+}
+
+impl LaneWork for ForcesAndTangent<'_> {
+    type Space<S: Simd> = Workspace<S>;
+
+    #[inline(always)]
+    fn space<S: Simd>(simd: S) -> Workspace<S> {
+        Workspace::new(simd)
+    }
+
+    #[inline(always)]
+    fn work<S: Simd>(&mut self, l: Lanes<S>, offset: usize, work: &mut Workspace<S>) {
+        let end = (offset + S::F64_LANES).min(self.forces.len() / COORDINATES);
+        let forces = &mut self.forces[offset * COORDINATES..end * COORDINATES];
+        let size = 9 * BLOCKS;
+        let tangent = LanesTangent {
+            weights: &self.weights,
+            stress: self.stress,
+            prescribed: self.prescribed,
+            blocks: &mut self.blocks[offset * size..end * size],
+        };
+        self.group.tangent_lanes(l, self.k, forces, tangent, work);
+    }
+}
+
+/// What [`PerElement`] computes.
+#[derive(Clone, Copy)]
+enum Wanted<'a> {
+    /// Stress resultants, extrapolated along an increment.
+    Stress(Option<(&'a [Nodal], f64)>),
+    /// Stored energy, without what the fields of prescribed strain store by themselves.
+    Energy,
+}
+
+struct PerElement<'a> {
+    group: &'a BilinearGroup,
+    k: &'a Kinematics<'a>,
+    wanted: Wanted<'a>,
+    /// Values per element.
+    count: usize,
+    out: &'a mut [f64],
+}
+
+impl LaneWork for PerElement<'_> {
+    type Space<S: Simd> = ();
+
+    #[inline(always)]
+    fn space<S: Simd>(_: S) {}
+
+    #[inline(always)]
+    fn work<S: Simd>(&mut self, l: Lanes<S>, offset: usize, (): &mut ()) {
+        let (g, k) = (self.group, self.k);
+        let end = (offset + S::F64_LANES).min(self.out.len() / self.count);
+        let out = &mut self.out[offset * self.count..end * self.count];
+        match self.wanted {
+            Wanted::Stress(increment) => {
+                let (acting, mut strain) = g.strained(l, k, Measure::Effective);
+                if let Some((increment, factor)) = increment {
+                    g.add_products(l, &g.basis(l, increment), &acting, factor, &mut strain);
+                }
+                l.write(&g.stress(l, &strain, k.interior.factors), self.count, out);
+            }
+            Wanted::Energy => {
+                let (_, s) = g.strained(l, k, Measure::End);
+                let half = l.mul(l.splat(0.5), dot(l, &s, &g.multiply(l, &s)));
+                l.write(&[l.add(half, g.potential(l, &s, k.interior.factors))], 1, out);
+            }
+        }
+    }
+}
+
+impl BilinearGroup {
+    fn per_element(&self, k: &Kinematics, wanted: Wanted, count: usize, out: &mut [f64]) {
+        out.par_chunks_mut(CHUNK * count).enumerate().for_each(|(chunk, out)| {
+            let elements = out.len() / count;
+            let work = PerElement { group: self, k, wanted, count, out };
+            run(self.arch, chunk * CHUNK, elements, work);
+        });
+    }
+}
+
+impl ElementGroup for BilinearGroup {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn len(&self) -> usize {
+        self.vectors.len()
+    }
+
+    fn vectors(&self, element: usize) -> &[u32] {
+        &self.vectors[element]
+    }
+
+    fn vectors_per_element(&self) -> usize {
+        VECTORS
+    }
+
+    fn stresses_per_element(&self) -> usize {
+        self.stored
+    }
+
+    fn mass(&self, element: usize) -> &[f64] {
+        &self.mass[element * BLOCKS..(element + 1) * BLOCKS]
+    }
+
+    fn retardation_time(&self) -> f64 {
+        self.retardation_time
+    }
+
+    fn evaluate(&self, k: &Kinematics, first: usize, forces: &mut [f64], tangent: Option<TangentRequest>) {
+        match tangent {
+            None => forces.par_chunks_mut(CHUNK * COORDINATES).enumerate().for_each(|(chunk, forces)| {
+                let elements = forces.len() / COORDINATES;
+                run(self.arch, first + chunk * CHUNK, elements, Forces { group: self, k, forces });
+            }),
+            Some(TangentRequest { weights, stress, prescribed, blocks }) => forces
+                .par_chunks_mut(CHUNK * COORDINATES)
+                .zip(blocks.par_chunks_mut(CHUNK * 9 * BLOCKS))
+                .enumerate()
+                .for_each(|(chunk, (forces, blocks))| {
+                    let elements = forces.len() / COORDINATES;
+                    let work =
+                        ForcesAndTangent { group: self, k, forces, weights, stress, prescribed, blocks };
+                    run(self.arch, first + chunk * CHUNK, elements, work);
+                }),
+        }
+    }
+
+    fn stresses(&self, k: &Kinematics, stresses: &mut [f64]) {
+        self.per_element(k, Wanted::Stress(None), self.stored, stresses);
+    }
+
+    fn extrapolate(
+        &self,
+        k: &Kinematics,
+        increment: &[Nodal],
+        weights: &TangentWeights,
+        stresses: &mut [f64],
+    ) {
+        let factor = weights.stress + self.retardation_time * weights.rate;
+        self.per_element(k, Wanted::Stress(Some((increment, factor))), self.stored, stresses);
+    }
+
+    fn energies(&self, k: &Kinematics, energies: &mut [f64]) {
+        self.per_element(k, Wanted::Energy, 1, energies);
+        let f = self.fields;
+        if f != 0 {
+            for (energy, constants) in energies.iter_mut().zip(self.prescribed_energy.chunks_exact(f * f)) {
+                for (i, a) in k.interior.factors.iter().enumerate() {
+                    for (j, b) in k.interior.factors.iter().enumerate() {
+                        *energy += 0.5 * a * b * constants[f * i + j];
+                    }
+                }
+            }
+        }
+    }
+
+    fn sampled_strains(&self, element: usize, k: &Kinematics) -> Vec<f64> {
+        let l = Lanes { simd: Scalar::new(), first: element };
+        let (_, forms) = self.strained(l, k, Measure::End);
+        (&self.forms.samples * nalgebra::DVector::from_column_slice(&forms)).as_slice().to_vec()
+    }
+
+    fn history_per_element(&self) -> usize {
+        0
+    }
+
+    fn update_history(&self, _: &Kinematics, _: &mut [f64]) -> f64 {
+        0.0
+    }
+
+    fn dissipation(&self, k: &Kinematics, power: &mut [f64]) {
+        if self.retardation_time == 0.0 {
+            power.fill(0.0);
+            return;
+        }
+        power.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(element, power)| {
+            let l = Lanes { simd: Scalar::new(), first: element };
+            let (_, rate) = self.strained(l, k, Measure::Rate);
+            *power = self.retardation_time * dot(l, &rate, &self.multiply(l, &rate));
+        });
+    }
+}

@@ -1,0 +1,541 @@
+//! Strains, forces and tangent of bilinear shells in vector registers: the arithmetic of
+//! [`BilinearGroup`](super::bilinear::BilinearGroup), one element per lane.
+//!
+//! Loops over the terms of the forms are written out by macros, so that all places are known when it is compiled and
+//! intermediate values stay in registers.
+
+use pulp::{Simd, bytemuck};
+
+use super::bilinear::{BLOCKS, BilinearGroup, COORDINATES, Coupled, ROWS, lower};
+use super::forms::{BASIS, D0, D1, D2, D3, MOST, R1, R2, R3, VECTORS, quadratic_terms, surface_terms};
+use super::group::{Kinematics, Motion, Nodal, TangentWeights};
+use super::lanes::Lanes;
+use super::quadratic::multiply_blocks;
+
+/// Blocks in the lower triangle of the element matrix in the basis.
+const BASIS_BLOCKS: usize = BASIS * (BASIS + 1) / 2;
+
+/// A vector of space per lane.
+pub type Triple<S> = [<S as Simd>::f64s; 3];
+/// The vectors of the basis.
+pub type Basis<S> = [Triple<S>; BASIS];
+/// A number per form.
+pub type PerForm<S> = [<S as Simd>::f64s; MOST];
+
+/// A measure of the deformation of a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// The strain of the stress: mean strain plus the retardation time times its rate.
+    Effective,
+    /// The strain at the end.
+    End,
+    /// The rate of strain.
+    Rate,
+}
+
+/// What the tangent of the elements of a register is made in.
+pub struct Workspace<S: Simd> {
+    /// Rows of H S.
+    hs: [Triple<S>; MOST + ROWS],
+    /// Lower blocks in the basis.
+    basis: [[S::f64s; 9]; BASIS_BLOCKS],
+    /// Lower blocks of the nodal vectors.
+    nodal: [[S::f64s; 9]; BLOCKS],
+}
+
+impl<S: Simd> Workspace<S> {
+    #[inline(always)]
+    /// Memory for the registers of an instruction set.
+    pub fn new(simd: S) -> Self {
+        let zero = simd.splat_f64s(0.0);
+        Self { hs: [[zero; 3]; MOST + ROWS], basis: [[zero; 9]; BASIS_BLOCKS], nodal: [[zero; 9]; BLOCKS] }
+    }
+}
+
+impl BilinearGroup {
+    /// Vectors of the basis of a field.
+    #[inline(always)]
+    pub fn basis<S: Simd>(&self, l: Lanes<S>, field: &[Nodal]) -> Basis<S> {
+        let mut nodal = [[l.splat(0.0); 3]; VECTORS];
+        let flat: &mut [f64] = bytemuck::cast_slice_mut(nodal.as_flattened_mut());
+        for lane in 0..Lanes::<S>::LANES {
+            // Lanes without an element repeat the last one.
+            let own = &self.vectors[(l.first + lane).min(self.vectors.len() - 1)];
+            for (a, &v) in own.iter().enumerate() {
+                let value = field[v as usize];
+                for i in 0..3 {
+                    flat[(3 * a + i) * Lanes::<S>::LANES + lane] = value[i];
+                }
+            }
+        }
+        let mut out = [[l.splat(0.0); 3]; BASIS];
+        for i in 0..3 {
+            let (a, b, c, d) = (nodal[0][i], nodal[1][i], nodal[2][i], nodal[3][i]);
+            let (right, left) = (l.sub(b, a), l.sub(c, d));
+            out[0][i] = l.add(right, left);
+            out[1][i] = l.add(l.sub(d, a), l.sub(c, b));
+            out[2][i] = l.sub(left, right);
+            let (a, b, c, d) = (nodal[4][i], nodal[5][i], nodal[6][i], nodal[7][i]);
+            let (right, left) = (l.sub(b, a), l.sub(c, d));
+            out[3][i] = l.add(l.add(a, b), l.add(c, d));
+            out[4][i] = l.add(right, left);
+            out[5][i] = l.add(l.sub(d, a), l.sub(c, b));
+            out[6][i] = l.sub(left, right);
+        }
+        out
+    }
+
+    /// Adds `factor · Σ a·b` of the terms of each form, with a of `left` and b of `right`.
+    #[inline(always)]
+    pub fn add_products<S: Simd>(
+        &self,
+        l: Lanes<S>,
+        left: &Basis<S>,
+        right: &Basis<S>,
+        factor: f64,
+        out: &mut PerForm<S>,
+    ) {
+        let factor = l.splat(factor);
+        let mut scaled = *left;
+        for v in &mut scaled {
+            for v in v {
+                *v = l.mul(factor, *v);
+            }
+        }
+        macro_rules! add {
+            ($form:literal, $a:ident, $b:ident) => {
+                for i in 0..3 {
+                    out[$form] = l.mul_add(scaled[$a][i], right[$b][i], out[$form]);
+                }
+            };
+        }
+        surface_terms!(add);
+        if self.quadratic {
+            quadratic_terms!(add);
+        }
+    }
+
+    /// Strains of a motion, and the vectors of the basis on which its stress acts.
+    #[inline(always)]
+    pub fn strained<S: Simd>(&self, l: Lanes<S>, k: &Kinematics, wanted: Measure) -> (Basis<S>, PerForm<S>) {
+        let tau = self.retardation_time;
+        // Fields, their share in the directions on which the stress acts, and in the result. The last field of a state
+        // is a velocity.
+        let (fields, share, weights, rate) = match (k.motion, wanted) {
+            (Motion::State { u, .. }, Measure::End) => ([Some(u), None], 1.0, [1.0, 0.0], false),
+            (Motion::State { u, velocity }, Measure::Rate) => ([Some(u), velocity], 1.0, [0.0, 1.0], true),
+            (Motion::State { u, velocity }, Measure::Effective) => {
+                ([Some(u), velocity.filter(|_| tau != 0.0)], 1.0, [1.0, tau], true)
+            }
+            (Motion::Step { new, .. }, Measure::End) => ([Some(new), None], 1.0, [1.0, 0.0], false),
+            (Motion::Step { old, new, dt }, Measure::Rate) => {
+                ([Some(old), Some(new)], 0.5, [-1.0 / dt, 1.0 / dt], false)
+            }
+            (Motion::Step { old, new, dt }, Measure::Effective) => {
+                ([Some(old), Some(new)], 0.5, [0.5 - tau / dt, 0.5 + tau / dt], false)
+            }
+        };
+        let nonlinear = if k.linear { 0.0 } else { 1.0 };
+        let p0 = self.basis(l, k.reference);
+        let mut acting = p0;
+        let mut strain = [l.splat(0.0); MOST];
+        for (at, field) in fields.into_iter().enumerate() {
+            let Some(field) = field else { continue };
+            let p = self.basis(l, field);
+            // The change of P·Q from the reference is p·(Q₀ + q/2) + q·(P₀ + p/2): no difference of large numbers.
+            let other = if rate && at == 1 { acting } else { advanced(l, p0, &p, 0.5 * nonlinear) };
+            self.add_products(l, &p, &other, weights[at], &mut strain);
+            if !(rate && at == 1) {
+                acting = advanced(l, acting, &p, share * nonlinear);
+            }
+        }
+        (acting, strain)
+    }
+
+    /// `H s`.
+    #[inline(always)]
+    pub fn multiply<S: Simd>(&self, l: Lanes<S>, s: &PerForm<S>) -> PerForm<S> {
+        let h = l.batch(&self.h, self.entries);
+        let mut out = [l.splat(0.0); MOST];
+        for c in &self.coupled {
+            multiply_large(l, c, h, s, &mut out);
+        }
+        out
+    }
+
+    /// The same with the usual sizes of blocks written out.
+    #[inline(always)]
+    fn multiply_fast<S: Simd>(&self, l: Lanes<S>, s: &PerForm<S>) -> PerForm<S> {
+        let h = l.batch(&self.h, self.entries);
+        let mut out = [l.splat(0.0); MOST];
+        for c in &self.coupled {
+            macro_rules! by_size {
+                ($($n:literal)*) => {
+                    match c.forms.len() {
+                        $($n => multiply_block::<S, $n>(l, c, h, s, &mut out),)*
+                        _ => multiply_large(l, c, h, s, &mut out),
+                    }
+                };
+            }
+            by_size!(1 2 3 4 6 8 14);
+        }
+        out
+    }
+
+    /// Stress resultants of strains under the prescribed strains.
+    #[inline(always)]
+    pub fn stress<S: Simd>(&self, l: Lanes<S>, strain: &PerForm<S>, factors: &[f64]) -> PerForm<S> {
+        let mut n = self.multiply_fast(l, strain);
+        if self.fields != 0 {
+            let fields = l.batch(&self.prescribed, self.fields * MOST);
+            for (field, &factor) in factors.iter().enumerate() {
+                let factor = l.splat(-factor);
+                for k in 0..MOST {
+                    n[k] = l.mul_add(factor, fields[l.part(field * MOST + k)], n[k]);
+                }
+            }
+        }
+        n
+    }
+
+    /// Potential of the prescribed strains, −Σ f n₀·s.
+    #[inline(always)]
+    pub fn potential<S: Simd>(&self, l: Lanes<S>, s: &PerForm<S>, factors: &[f64]) -> S::f64s {
+        let mut sum = l.splat(0.0);
+        if self.fields != 0 {
+            let fields = l.batch(&self.prescribed, self.fields * MOST);
+            for (field, &factor) in factors.iter().enumerate() {
+                let factor = l.splat(-factor);
+                for k in 0..MOST {
+                    sum = l.mul_add(l.mul(factor, s[k]), fields[l.part(field * MOST + k)], sum);
+                }
+            }
+        }
+        sum
+    }
+
+    /// Nodal forces of stress resultants.
+    #[inline(always)]
+    fn forces<S: Simd>(&self, l: Lanes<S>, x: &Basis<S>, n: &PerForm<S>) -> [Triple<S>; VECTORS] {
+        let mut f = [[l.splat(0.0); 3]; BASIS];
+        macro_rules! add {
+            ($form:literal, $a:ident, $b:ident) => {
+                for i in 0..3 {
+                    f[$a][i] = l.mul_add(n[$form], x[$b][i], f[$a][i]);
+                }
+            };
+        }
+        surface_terms!(add);
+        if self.quadratic {
+            quadratic_terms!(add);
+        }
+        let mut out = [[l.splat(0.0); 3]; VECTORS];
+        for i in 0..3 {
+            let r = from_three(l, [f[0][i], f[1][i], f[2][i]]);
+            let d = from_four(l, [f[3][i], f[4][i], f[5][i], f[6][i]]);
+            for a in 0..4 {
+                out[a][i] = r[a];
+                out[4 + a][i] = d[a];
+            }
+        }
+        out
+    }
+
+    /// `factor · Sᵀ H S` in the basis.
+    #[inline(always)]
+    fn add_material<S: Simd>(&self, l: Lanes<S>, x: &Basis<S>, factor: f64, work: &mut Workspace<S>) {
+        let zero = l.splat(0.0);
+        let factor = l.splat(factor);
+        let mut scaled = *x;
+        for x in &mut scaled {
+            for x in x {
+                *x = l.mul(factor, *x);
+            }
+        }
+        let h = l.batch(&self.h, self.entries);
+        for c in &self.coupled {
+            let rows = c.forms.len().next_multiple_of(ROWS);
+            for b in 0..BASIS {
+                let own = &c.derivatives[b];
+                if own.is_empty() {
+                    continue;
+                }
+                for row in (0..rows).step_by(ROWS) {
+                    let mut sum = [[zero; 3]; ROWS];
+                    for &(m, v) in own {
+                        let places = &c.places[m * rows + row..m * rows + row + ROWS];
+                        let v = &scaled[v];
+                        for r in 0..ROWS {
+                            let h = h[l.part(places[r])];
+                            for i in 0..3 {
+                                sum[r][i] = l.mul_add(h, v[i], sum[r][i]);
+                            }
+                        }
+                    }
+                    work.hs[row..row + ROWS].copy_from_slice(&sum);
+                }
+                for a in b..BASIS {
+                    let others = &c.derivatives[a];
+                    if others.is_empty() {
+                        continue;
+                    }
+                    let block = &mut work.basis[lower(a, b)];
+                    let mut sum = *block;
+                    for &(m, v) in others {
+                        let (s, hs) = (&x[v], &work.hs[m]);
+                        for i in 0..3 {
+                            for j in 0..3 {
+                                sum[3 * i + j] = l.mul_add(s[i], hs[j], sum[3 * i + j]);
+                            }
+                        }
+                    }
+                    *block = sum;
+                }
+            }
+        }
+    }
+
+    /// Second derivatives of the forms times stress resultants.
+    #[inline(always)]
+    fn add_geometric<S: Simd>(&self, l: Lanes<S>, n: &PerForm<S>, factor: f64, work: &mut Workspace<S>) {
+        let factor = l.splat(factor);
+        macro_rules! add {
+            ($form:literal, $a:ident, $b:ident) => {
+                if $a >= $b {
+                    let n = l.mul(factor, n[$form]);
+                    let block = &mut work.basis[lower($a, $b)];
+                    block[0] = l.add(block[0], n);
+                    block[4] = l.add(block[4], n);
+                    block[8] = l.add(block[8], n);
+                }
+            };
+        }
+        surface_terms!(add);
+        if self.quadratic {
+            quadratic_terms!(add);
+        }
+    }
+
+    /// Internal forces of the elements of a register.
+    #[inline(always)]
+    pub fn force_lanes<S: Simd>(&self, l: Lanes<S>, k: &Kinematics, forces: &mut [f64]) {
+        let (acting, strain) = self.strained(l, k, Measure::Effective);
+        let n = self.stress(l, &strain, k.interior.factors);
+        l.write(self.forces(l, &acting, &n).as_flattened(), COORDINATES, forces);
+    }
+
+    /// Internal forces and tangent of the elements of a register.
+    #[inline(always)]
+    pub fn tangent_lanes<S: Simd>(
+        &self,
+        l: Lanes<S>,
+        k: &Kinematics,
+        forces: &mut [f64],
+        tangent: LanesTangent,
+        work: &mut Workspace<S>,
+    ) {
+        let (acting, strain) = self.strained(l, k, Measure::Effective);
+        let mut n = self.stress(l, &strain, k.interior.factors);
+        l.write(self.forces(l, &acting, &n).as_flattened(), COORDINATES, forces);
+        let LanesTangent { weights: w, stress, prescribed, blocks } = tangent;
+        if let Some(stored) = stress {
+            l.read(stored, self.stored, &mut n);
+        }
+        let material = w.force * (w.stress + self.retardation_time * w.rate);
+        let geometric = if k.linear { 0.0 } else { w.force * w.direction };
+        work.basis.fill([l.splat(0.0); 9]);
+        self.add_material(l, &acting, material, work);
+        if geometric != 0.0 {
+            self.add_geometric(l, &n, geometric, work);
+        }
+        to_nodes(l, &work.basis, &mut work.nodal);
+        if !k.linear && !k.unit.is_empty() {
+            let f = self.forces(l, &acting, &n);
+            self.add_curvature(l, k, &f, geometric, &mut work.nodal);
+        }
+        l.write(work.nodal.as_flattened(), 9 * BLOCKS, blocks);
+        if let Some(increment) = prescribed {
+            let elements = forces.chunks_exact_mut(COORDINATES).zip(blocks.chunks_exact(9 * BLOCKS));
+            for (lane, (force, blocks)) in elements.enumerate() {
+                let d = self.vectors[l.first + lane].map(|v| increment[v as usize]);
+                if d.iter().any(|v| *v != [0.0; 3]) {
+                    multiply_blocks(blocks, &d, 1.0 / w.force, force);
+                }
+            }
+        }
+    }
+
+    /// Curvature −(f·d) I of the sphere of directors that keep their length.
+    #[inline(always)]
+    fn add_curvature<S: Simd>(
+        &self,
+        l: Lanes<S>,
+        k: &Kinematics,
+        f: &[Triple<S>; VECTORS],
+        factor: f64,
+        nodal: &mut [[S::f64s; 9]; BLOCKS],
+    ) {
+        let f: &[f64] = bytemuck::cast_slice(f.as_flattened());
+        let nodal: &mut [f64] = bytemuck::cast_slice_mut(nodal.as_flattened_mut());
+        let lanes = Lanes::<S>::LANES;
+        for lane in 0..lanes.min(self.vectors.len() - l.first) {
+            for (a, &v) in self.vectors[l.first + lane].iter().enumerate() {
+                let v = v as usize;
+                if !k.unit[v] {
+                    continue;
+                }
+                let u: Nodal = match k.motion {
+                    Motion::State { u, .. } => u[v],
+                    Motion::Step { old, new, .. } => std::array::from_fn(|i| 0.5 * (old[v][i] + new[v][i])),
+                };
+                let fd: f64 =
+                    (0..3).map(|i| f[(3 * a + i) * lanes + lane] * (k.reference[v][i] + u[i])).sum();
+                for i in [0, 4, 8] {
+                    nodal[(9 * lower(a, a) + i) * lanes + lane] -= factor * fd;
+                }
+            }
+        }
+    }
+}
+
+/// A [`TangentRequest`](super::TangentRequest) with the blocks of one register of elements.
+pub struct LanesTangent<'a> {
+    /// Weights of its parts.
+    pub weights: &'a TangentWeights,
+    /// Stress of the geometric part, of all elements of the group.
+    pub stress: Option<&'a [f64]>,
+    /// Increment of prescribed coordinates.
+    pub prescribed: Option<&'a [Nodal]>,
+    /// Lower blocks of these elements.
+    pub blocks: &'a mut [f64],
+}
+
+/// Adds the product with a block of H of known size to `out`, both triangles from the lower one.
+#[inline(always)]
+fn multiply_block<S: Simd, const N: usize>(
+    l: Lanes<S>,
+    c: &Coupled,
+    h: &[S::f64s],
+    s: &PerForm<S>,
+    out: &mut PerForm<S>,
+) {
+    let mut own = [l.splat(0.0); N];
+    for i in 0..N {
+        own[i] = s[c.forms[i]];
+    }
+    let mut product = [l.splat(0.0); N];
+    let size = N * (N + 1) / 2;
+    let first = l.part(c.first);
+    let h = &h[first..first + (size - 1) * Lanes::<S>::PARTS + 1];
+    for i in 0..N {
+        for j in 0..i {
+            let h = h[lower(i, j) * Lanes::<S>::PARTS];
+            product[i] = l.mul_add(h, own[j], product[i]);
+            product[j] = l.mul_add(h, own[i], product[j]);
+        }
+        product[i] = l.mul_add(h[lower(i, i) * Lanes::<S>::PARTS], own[i], product[i]);
+    }
+    for i in 0..N {
+        out[c.forms[i]] = product[i];
+    }
+}
+
+/// The same for any size.
+#[inline(always)]
+fn multiply_large<S: Simd>(l: Lanes<S>, c: &Coupled, h: &[S::f64s], s: &PerForm<S>, out: &mut PerForm<S>) {
+    let n = c.forms.len();
+    let rows = n.next_multiple_of(ROWS);
+    for row in (0..n).step_by(ROWS) {
+        let mut sum = [l.splat(0.0); ROWS];
+        for (m, &form) in c.forms.iter().enumerate() {
+            let places = &c.places[m * rows + row..m * rows + row + ROWS];
+            for r in 0..ROWS {
+                sum[r] = l.mul_add(h[l.part(places[r])], s[form], sum[r]);
+            }
+        }
+        for (&form, &sum) in c.forms[row..].iter().zip(&sum) {
+            out[form] = sum;
+        }
+    }
+}
+
+/// `a·b` over the forms.
+#[inline(always)]
+pub fn dot<S: Simd>(l: Lanes<S>, a: &PerForm<S>, b: &PerForm<S>) -> S::f64s {
+    let mut sum = l.splat(0.0);
+    for (a, b) in a.iter().zip(b) {
+        sum = l.mul_add(*a, *b, sum);
+    }
+    sum
+}
+
+/// `x + factor · p`.
+#[inline(always)]
+fn advanced<S: Simd>(l: Lanes<S>, mut x: Basis<S>, p: &Basis<S>, factor: f64) -> Basis<S> {
+    let factor = l.splat(factor);
+    for (x, p) in x.iter_mut().zip(p) {
+        for i in 0..3 {
+            x[i] = l.mul_add(factor, p[i], x[i]);
+        }
+    }
+    x
+}
+
+/// From `Σ_m ξ_m k_m` without the constant to the four nodes.
+#[inline(always)]
+fn from_three<S: Simd>(l: Lanes<S>, [k1, k2, k3]: [S::f64s; 3]) -> [S::f64s; 4] {
+    let (u, v) = (l.add(k1, k2), l.sub(k1, k2));
+    [l.sub(k3, u), l.sub(v, k3), l.add(k3, u), l.sub(l.sub(k2, k1), k3)]
+}
+
+/// The same with the constant.
+#[inline(always)]
+fn from_four<S: Simd>(l: Lanes<S>, [k0, k1, k2, k3]: [S::f64s; 4]) -> [S::f64s; 4] {
+    let (u, v) = (l.add(k1, k2), l.sub(k1, k2));
+    let (p, q) = (l.add(k0, k3), l.sub(k0, k3));
+    [l.sub(p, u), l.add(q, v), l.add(p, u), l.sub(q, v)]
+}
+
+/// Blocks of the lower triangle of the element matrix from those in the basis.
+#[inline(always)]
+fn to_nodes<S: Simd>(l: Lanes<S>, k: &[[S::f64s; 9]; BASIS_BLOCKS], out: &mut [[S::f64s; 9]; BLOCKS]) {
+    let zero = l.splat(0.0);
+    for i in 0..3 {
+        for j in 0..3 {
+            let (at, turned) = (3 * i + j, 3 * j + i);
+            // All pairs of vectors of the basis, both triangles.
+            let mut full = [[zero; BASIS]; BASIS];
+            for m in 0..BASIS {
+                for n in 0..m {
+                    full[m][n] = k[lower(m, n)][at];
+                    full[n][m] = k[lower(m, n)][turned];
+                }
+                full[m][m] = k[lower(m, m)][at];
+            }
+            // Positions: over the rows, then over the columns; then directors with both.
+            let mut columns = [[zero; 4]; BASIS];
+            for n in 0..3 {
+                columns[n] = from_three(l, [full[0][n], full[1][n], full[2][n]]);
+            }
+            for a in 0..4 {
+                let row = from_three(l, [columns[0][a], columns[1][a], columns[2][a]]);
+                for b in 0..=a {
+                    out[lower(a, b)][at] = row[b];
+                }
+            }
+            for n in 0..BASIS {
+                columns[n] = from_four(l, [full[3][n], full[4][n], full[5][n], full[6][n]]);
+            }
+            for a in 0..4 {
+                let row = from_three(l, [columns[0][a], columns[1][a], columns[2][a]]);
+                for b in 0..4 {
+                    out[lower(4 + a, b)][at] = row[b];
+                }
+                let row = from_four(l, [columns[3][a], columns[4][a], columns[5][a], columns[6][a]]);
+                for b in 0..=a {
+                    out[lower(4 + a, 4 + b)][at] = row[b];
+                }
+            }
+        }
+    }
+}

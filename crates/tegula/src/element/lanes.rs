@@ -1,0 +1,161 @@
+//! One element per lane of a vector register, for every width of registers from one source.
+//!
+//! What elements own is stored in batches of [`BATCH`] elements, value by value: a register of 8, 4, 2 or 1 lanes
+//! takes a whole batch or a part of it. So the layout does not depend on the machine.
+
+use pulp::{Arch, Simd, WithSimd, bytemuck};
+
+/// Elements that are stored together: as many as the widest registers have lanes.
+pub const BATCH: usize = 8;
+
+/// Copies values stored one element after another into batches.
+pub fn in_batches(values: &[f64], per_element: usize) -> Vec<f64> {
+    if per_element == 0 {
+        return Vec::new();
+    }
+    let elements = values.len() / per_element;
+    let mut out = vec![0.0; elements.div_ceil(BATCH) * BATCH * per_element];
+    for (e, own) in values.chunks_exact(per_element).enumerate() {
+        let batch = e / BATCH * BATCH * per_element;
+        for (i, &value) in own.iter().enumerate() {
+            out[batch + i * BATCH + e % BATCH] = value;
+        }
+    }
+    out
+}
+
+/// Registers of one instruction set, working on the lanes `sub · LANES ..` of a batch.
+#[derive(Clone, Copy)]
+pub struct Lanes<S: Simd> {
+    /// Instruction set.
+    pub simd: S,
+    /// First element.
+    pub first: usize,
+}
+
+impl<S: Simd> Lanes<S> {
+    /// Lanes of a register.
+    pub const LANES: usize = S::F64_LANES;
+    /// Groups of lanes in a batch.
+    pub const PARTS: usize = BATCH / S::F64_LANES;
+
+    /// The same number in all lanes.
+    #[inline(always)]
+    pub fn splat(self, value: f64) -> S::f64s {
+        self.simd.splat_f64s(value)
+    }
+
+    /// `a + b`.
+    #[inline(always)]
+    pub fn add(self, a: S::f64s, b: S::f64s) -> S::f64s {
+        self.simd.add_f64s(a, b)
+    }
+
+    /// `a − b`.
+    #[inline(always)]
+    pub fn sub(self, a: S::f64s, b: S::f64s) -> S::f64s {
+        self.simd.sub_f64s(a, b)
+    }
+
+    /// `a b`.
+    #[inline(always)]
+    pub fn mul(self, a: S::f64s, b: S::f64s) -> S::f64s {
+        self.simd.mul_f64s(a, b)
+    }
+
+    /// `a b + c`.
+    #[inline(always)]
+    pub fn mul_add(self, a: S::f64s, b: S::f64s, c: S::f64s) -> S::f64s {
+        self.simd.mul_add_e_f64s(a, b, c)
+    }
+
+    /// The batch that these lanes belong to, of values stored `per_element`; entry i is at
+    /// [`part`](Self::part)`(i)`.
+    #[inline(always)]
+    pub fn batch(self, values: &[f64], per_element: usize) -> &[S::f64s] {
+        let size = per_element * BATCH;
+        let at = self.first / BATCH * size;
+        S::as_simd_f64s(&values[at..at + size]).0
+    }
+
+    #[inline(always)]
+    pub fn part(self, entry: usize) -> usize {
+        entry * Self::PARTS + self.first % BATCH / Self::LANES
+    }
+
+    /// Reads values stored one element after another, `count` each, into lanes.
+    #[inline(always)]
+    pub fn read(self, values: &[f64], count: usize, to: &mut [S::f64s]) {
+        let flat: &mut [f64] = bytemuck::cast_slice_mut(to);
+        let own = values[self.first * count..].chunks_exact(count).take(Self::LANES);
+        for (lane, own) in own.enumerate() {
+            for i in 0..count {
+                flat[i * Self::LANES + lane] = own[i];
+            }
+        }
+    }
+
+    /// Writes lanes one element after another.
+    #[inline(always)]
+    pub fn write(self, from: &[S::f64s], count: usize, out: &mut [f64]) {
+        let flat: &[f64] = bytemuck::cast_slice(from);
+        let lanes = Self::LANES;
+        let mut done = 0;
+        if lanes == BATCH && out.len() == lanes * count {
+            // Squares of registers, which compilers turn by shuffles.
+            while done + BATCH <= count {
+                let square = &flat[done * BATCH..(done + BATCH) * BATCH];
+                let mut turned = [[0.0; BATCH]; BATCH];
+                for i in 0..BATCH {
+                    for j in 0..BATCH {
+                        turned[j][i] = square[i * BATCH + j];
+                    }
+                }
+                for (lane, row) in turned.iter().enumerate() {
+                    out[lane * count + done..][..BATCH].copy_from_slice(row);
+                }
+                done += BATCH;
+            }
+        }
+        for (lane, own) in out.chunks_exact_mut(count).enumerate() {
+            for i in done..count {
+                own[i] = flat[i * lanes + lane];
+            }
+        }
+    }
+}
+
+/// Works on `count` elements from `first` on, which begins a batch, a register at a time.
+#[inline]
+pub fn run(arch: Arch, first: usize, count: usize, work: impl LaneWork) {
+    debug_assert_eq!(first % BATCH, 0);
+    arch.dispatch(Dispatch { first, count, work });
+}
+
+/// Work on the elements of a task, a register at a time.
+pub trait LaneWork {
+    /// Memory that the registers of a task use one after another.
+    type Space<S: Simd>;
+    /// That memory.
+    fn space<S: Simd>(simd: S) -> Self::Space<S>;
+    /// Works on the lanes of elements that are `offset` from the task's first on.
+    fn work<S: Simd>(&mut self, lanes: Lanes<S>, offset: usize, space: &mut Self::Space<S>);
+}
+
+struct Dispatch<F> {
+    first: usize,
+    count: usize,
+    work: F,
+}
+
+impl<F: LaneWork> WithSimd for Dispatch<F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let mut space = F::space(simd);
+        for offset in (0..self.count).step_by(S::F64_LANES) {
+            self.work.work(Lanes { simd, first: self.first + offset }, offset, &mut space);
+        }
+    }
+}
