@@ -16,10 +16,12 @@ use pulp::{Arch, Scalar, Simd};
 use rayon::prelude::*;
 
 use super::bilinear_kernel::{LanesTangent, Measure, Workspace, dot};
-use super::forms::{BASIS, Forms, MOST, QUADRATIC, VECTORS};
+use super::forms::{BASIS, Forms, MOST, QUADRATIC, VECTORS, shares};
+use super::geometry::ShellGeometry;
 use super::group::{ElementGroup, Kinematics, Nodal, TangentRequest, TangentWeights};
 use super::lanes::{LaneWork, Lanes, in_batches, run};
 use super::shell::Condensed;
+use crate::Vec3;
 
 /// Elements that one task works on.
 const CHUNK: usize = 64;
@@ -35,6 +37,8 @@ pub(super) const ROWS: usize = 4;
 pub struct BilinearMembers {
     /// Nodal vectors per element.
     pub vectors: Vec<[u32; VECTORS]>,
+    /// Reference: coordinates of the vectors of the basis per element.
+    pub reference: Vec<f64>,
     /// Scalar mass of the pairs of nodal vectors, lower triangle per element.
     pub mass: Vec<f64>,
     /// `RᵀHR` of the needed forms per element, lower triangle by rows.
@@ -49,7 +53,19 @@ pub struct BilinearMembers {
 
 impl BilinearMembers {
     /// Adds an element.
-    pub fn push(&mut self, forms: &Forms, vectors: [u32; VECTORS], condensed: &Condensed, mass: &[f64]) {
+    pub fn push(
+        &mut self,
+        forms: &Forms,
+        vectors: [u32; VECTORS],
+        geometry: &ShellGeometry,
+        condensed: &Condensed,
+        mass: &[f64],
+    ) {
+        for v in 0..BASIS {
+            let nodal = geometry.positions.iter().chain(&geometry.directors);
+            let x: Vec3 = nodal.zip(shares(v)).map(|(x, share)| x * share).sum();
+            self.reference.extend_from_slice(x.as_slice());
+        }
         let r = &forms.samples;
         let h = r.transpose() * &condensed.stiffness * r;
         for (i, &k) in forms.needed.iter().enumerate() {
@@ -88,6 +104,8 @@ pub struct BilinearGroup {
     pub(super) coupled: Vec<Coupled>,
     /// Entries of H per element.
     pub(super) entries: usize,
+    /// Vectors of the basis of the reference, in batches.
+    pub(super) reference: Vec<f64>,
     /// H in batches: `BATCH` values of each entry.
     pub(super) h: Vec<f64>,
     /// Stress of the fields of prescribed strain, in batches.
@@ -138,6 +156,7 @@ impl BilinearGroup {
             stored: if quadratic { MOST } else { QUADRATIC },
             coupled,
             entries: places.len(),
+            reference: in_batches(&members.reference, 3 * BASIS),
             h: in_batches(&kept, places.len()),
             prescribed: in_batches(&members.prescribed, members.fields * MOST),
             prescribed_energy: members.prescribed_energy,

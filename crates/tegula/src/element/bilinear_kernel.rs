@@ -136,7 +136,13 @@ impl BilinearGroup {
             }
         };
         let nonlinear = if k.linear { 0.0 } else { 1.0 };
-        let p0 = self.basis(l, k.reference);
+        let reference = l.batch(&self.reference, 3 * BASIS);
+        let mut p0 = [[l.splat(0.0); 3]; BASIS];
+        for v in 0..BASIS {
+            for i in 0..3 {
+                p0[v][i] = reference[l.part(3 * v + i)];
+            }
+        }
         let mut acting = p0;
         let mut strain = [l.splat(0.0); MOST];
         for (at, field) in fields.into_iter().enumerate() {
@@ -427,13 +433,29 @@ fn multiply_block<S: Simd, const N: usize>(
     let size = N * (N + 1) / 2;
     let first = l.part(c.first);
     let h = &h[first..first + (size - 1) * Lanes::<S>::PARTS + 1];
-    for i in 0..N {
+    // Two rows at a time: two sums in registers, and each product of a column is touched once for both.
+    let place = |i, j| lower(i, j) * Lanes::<S>::PARTS;
+    for i in (1..N).step_by(2) {
+        let mut sums = [l.splat(0.0); 2];
+        for j in 0..i - 1 {
+            let (h0, h1) = (h[place(i - 1, j)], h[place(i, j)]);
+            sums[0] = l.mul_add(h0, own[j], sums[0]);
+            sums[1] = l.mul_add(h1, own[j], sums[1]);
+            product[j] = l.mul_add(h0, own[i - 1], l.mul_add(h1, own[i], product[j]));
+        }
+        let (h00, h10, h11) = (h[place(i - 1, i - 1)], h[place(i, i - 1)], h[place(i, i)]);
+        product[i - 1] = l.mul_add(h00, own[i - 1], l.mul_add(h10, own[i], sums[0]));
+        product[i] = l.mul_add(h10, own[i - 1], l.mul_add(h11, own[i], sums[1]));
+    }
+    if N % 2 == 1 {
+        let i = N - 1;
+        let mut sum = l.splat(0.0);
         for j in 0..i {
-            let h = h[lower(i, j) * Lanes::<S>::PARTS];
-            product[i] = l.mul_add(h, own[j], product[i]);
+            let h = h[place(i, j)];
+            sum = l.mul_add(h, own[j], sum);
             product[j] = l.mul_add(h, own[i], product[j]);
         }
-        product[i] = l.mul_add(h[lower(i, i) * Lanes::<S>::PARTS], own[i], product[i]);
+        product[i] = l.mul_add(h[place(i, i)], own[i], sum);
     }
     for i in 0..N {
         out[c.forms[i]] = product[i];

@@ -148,7 +148,7 @@ fn terms() -> Vec<(usize, usize, usize)> {
 }
 
 /// Share of each nodal vector in a vector of the basis: ±1 or 0.
-fn shares(vector: usize) -> [f64; VECTORS] {
+pub(super) fn shares(vector: usize) -> [f64; VECTORS] {
     std::array::from_fn(|a| {
         let [xi, eta] = NODES[a % 4];
         let director = a >= 4;

@@ -98,28 +98,23 @@ impl<S: Simd> Lanes<S> {
     /// Writes lanes one element after another.
     #[inline(always)]
     pub fn write(self, from: &[S::f64s], count: usize, out: &mut [f64]) {
-        let flat: &[f64] = bytemuck::cast_slice(from);
-        let lanes = Self::LANES;
-        let mut done = 0;
-        if lanes == BATCH && out.len() == lanes * count {
-            // Squares of registers, which compilers turn by shuffles.
-            while done + BATCH <= count {
-                let square = &flat[done * BATCH..(done + BATCH) * BATCH];
-                let mut turned = [[0.0; BATCH]; BATCH];
-                for i in 0..BATCH {
-                    for j in 0..BATCH {
-                        turned[j][i] = square[i * BATCH + j];
-                    }
+        if out.len() == count * Self::LANES {
+            for (i, lanes) in from.iter().enumerate().take(count) {
+                let lanes: &[f64] = bytemuck::cast_slice(std::slice::from_ref(lanes));
+                // Backwards, so that this does not look like a loop to be vectorised by slow scattered stores.
+                let mut at = out.len() - count + i;
+                for lane in (1..Self::LANES).rev() {
+                    out[at] = lanes[lane];
+                    at -= count;
                 }
-                for (lane, row) in turned.iter().enumerate() {
-                    out[lane * count + done..][..BATCH].copy_from_slice(row);
-                }
-                done += BATCH;
+                out[at] = lanes[0];
             }
+            return;
         }
+        let flat: &[f64] = bytemuck::cast_slice(from);
         for (lane, own) in out.chunks_exact_mut(count).enumerate() {
-            for i in done..count {
-                own[i] = flat[i * lanes + lane];
+            for i in 0..count {
+                own[i] = flat[i * Self::LANES + lane];
             }
         }
     }

@@ -247,7 +247,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> GroupBuilde
             let c = condense(&member.stations, S, self.parameters, self.setup.fields)?;
             let vectors =
                 member.vectors.try_into().map_err(|_| "it has not the nodal vectors of its type")?;
-            members.push(forms, vectors, &c, &member.mass);
+            members.push(forms, vectors, member.geometry, &c, &member.mass);
             return Ok(());
         }
         if self.setup.laws.is_empty() {

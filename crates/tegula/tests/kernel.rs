@@ -1,0 +1,193 @@
+//! The kernel of bilinear shells of linear materials against the kernel that serves every element type: forces,
+//! tangents, stresses, energies, damping, prescribed strains, of elements of all types and of any number.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use std::collections::BTreeMap;
+
+use common::Random;
+use tegula::Vec3;
+use tegula::element::shell::{GroupSetup, Member};
+use tegula::element::{
+    ElementGroup, Interior, Kinematics, Motion, Nodal, ShellGeometry, TangentRequest, TangentWeights,
+    registry,
+};
+use tegula::model::*;
+
+const THICKNESS: f64 = 0.07;
+const VECTORS: usize = 8;
+const FACTORS: [f64; 2] = [0.8, -0.4];
+const WEIGHTS: TangentWeights = TangentWeights { stress: 0.7, direction: 0.9, force: 1.3, rate: 2.5 };
+
+/// Elements that do not share nodes.
+struct Elements {
+    reference: Vec<Nodal>,
+    fast: Box<dyn ElementGroup>,
+    general: Box<dyn ElementGroup>,
+}
+
+fn geometry(random: &mut Random, distortion: f64) -> ShellGeometry {
+    let square = [[0.0, 0.0], [1.3, 0.0], [1.3, 0.8], [0.0, 0.8]];
+    let flat = square.map(|[x, y]| Vec3::new(x, y, 0.0) + random.vector() * distortion);
+    let directors = std::array::from_fn(|a| {
+        let normal = (flat[(a + 1) % 4] - flat[a]).cross(&(flat[(a + 3) % 4] - flat[a])).normalize();
+        (normal + random.vector() * distortion).normalize()
+    });
+    ShellGeometry::new(flat, directors)
+}
+
+fn elements(section: &Section, count: usize, distortion: f64, random: &mut Random) -> Elements {
+    let steel = Material::Isotropic(Isotropic { expansion: 1e-3, ..Isotropic::new(1e3, 0.3, 2.0) });
+    let ply = Material::Orthotropic(Orthotropic {
+        young: [3e3, 6e2, 5e2],
+        poisson: [0.3, 0.25, 0.2],
+        shear: [4e2, 3e2, 2e2],
+        density: 0.7,
+        expansion: [1e-3, 4e-3, 4e-3],
+        strength: None,
+    });
+    let materials = BTreeMap::from([("steel".to_string(), steel), ("ply".to_string(), ply)]);
+    let compiled = section.compile(&materials).unwrap();
+    let shell = registry::shell(section, THICKNESS);
+    let strains = [
+        PrescribedStrain::Thermal(ThermalStrain {
+            on: "all".into(),
+            temperature: 8.0,
+            gradient: 60.0,
+            amplitude: None,
+        }),
+        PrescribedStrain::Natural(NaturalStrain {
+            on: "all".into(),
+            strain: [0.01, -0.02, 0.015],
+            curvature: [0.2, -0.1, 0.3],
+            direction: [0.8, -0.5, 0.1],
+            amplitude: None,
+        }),
+    ];
+    let prescribed: Vec<_> = strains.iter().map(Some).collect();
+    let shapes: Vec<_> = (0..count).map(|_| geometry(random, distortion)).collect();
+    let group = |reference_kernel| {
+        let setup = GroupSetup { retardation_time: 0.03, laws: Vec::new(), fields: 2, reference_kernel };
+        let mut builder = shell.builder(setup);
+        for (e, geometry) in shapes.iter().enumerate() {
+            let vectors: Vec<u32> = (0..VECTORS as u32).map(|a| (e * VECTORS) as u32 + a).collect();
+            let stations = compiled.stations(shell.as_ref(), geometry, &prescribed).unwrap();
+            let mass = shell.mass(geometry, &compiled.inertia);
+            builder.push(Member { vectors: &vectors, geometry, stations, mass }).unwrap();
+        }
+        builder.finish().pop().unwrap()
+    };
+    let reference =
+        shapes.iter().flat_map(|g| g.positions.iter().chain(&g.directors).map(|v| (*v).into())).collect();
+    Elements { reference, fast: group(false), general: group(true) }
+}
+
+fn field(count: usize, size: f64, random: &mut Random) -> Vec<Nodal> {
+    (0..count).map(|_| (random.vector() * size).into()).collect()
+}
+
+/// Everything that a group computes of a motion, concatenated by kind.
+fn everything(g: &dyn ElementGroup, k: &Kinematics, increment: &[Nodal]) -> Vec<(&'static str, Vec<f64>)> {
+    let n = g.len();
+    let mut stress = vec![0.0; n * g.stresses_per_element()];
+    g.extrapolate(k, increment, &WEIGHTS, &mut stress);
+    let mut out = Vec::new();
+    let mut forces = vec![0.0; n * 3 * VECTORS];
+    g.evaluate(k, 0, &mut forces, None);
+    out.push(("forces", forces.clone()));
+    for (stress, prescribed) in [(None, None), (Some(&stress), None), (Some(&stress), Some(increment))] {
+        let mut blocks = vec![f64::NAN; n * 9 * VECTORS * (VECTORS + 1) / 2];
+        let stress = stress.map(Vec::as_slice);
+        let request = TangentRequest { weights: WEIGHTS, stress, prescribed, blocks: &mut blocks };
+        g.evaluate(k, 0, &mut forces, Some(request));
+        out.push(("forces with tangent", forces.clone()));
+        out.push(("tangent", blocks));
+    }
+    let mut energies = vec![0.0; n];
+    g.energies(k, &mut energies);
+    out.push(("energies", energies.clone()));
+    g.dissipation(k, &mut energies);
+    out.push(("dissipation", energies));
+    out.push(("strains", (0..n).flat_map(|e| g.sampled_strains(e, k)).collect()));
+    out
+}
+
+#[test]
+fn both_kernels_agree() {
+    let mut random = Random::new(31);
+    let mut uneven = Section::new("", 0.0);
+    uneven.layup = Some(Layup {
+        plies: [("steel", 0.0, 0.6), ("ply", 30.0, 0.4)]
+            .map(|(material, angle, part)| LayupPly {
+                material: Some(material.into()),
+                angle,
+                thickness: Some(part * THICKNESS),
+            })
+            .to_vec(),
+        direction: [1.0, 0.3, 0.2],
+        ..Layup::default()
+    });
+    for element in [ElementKind::Ems, ElementKind::Cm, ElementKind::Mitc4, ElementKind::SolidShell] {
+        for section in [Section::new("steel", THICKNESS), uneven.clone()] {
+            let section = Section { element, ..section };
+            // Flat and regular elements couple fewer forms; no, one and several registers, and parts of one.
+            for (count, distortion) in [(1, 0.0), (7, 0.1), (8, 0.0), (19, 0.1), (130, 0.1)] {
+                let e = elements(&section, count, distortion, &mut random);
+                // They are not the same kernel: one works in forms, the other in samples.
+                if element != ElementKind::Mitc4 {
+                    assert_ne!(e.fast.stresses_per_element(), e.general.stresses_per_element());
+                }
+                let n = e.reference.len();
+                let (u, v, w) =
+                    (field(n, 0.05, &mut random), field(n, 0.3, &mut random), field(n, 0.01, &mut random));
+                let unit: Vec<bool> = (0..n).map(|i| i % 8 >= 4).collect();
+                let motions = [
+                    Motion::State { u: &u, velocity: Some(&v) },
+                    Motion::State { u: &u, velocity: None },
+                    Motion::Step { old: &v, new: &u, dt: 0.02 },
+                ];
+                for (motion, linear) in motions.into_iter().flat_map(|m| [(m, false), (m, true)]) {
+                    let mut k = Kinematics::new(&e.reference, motion, linear, 0.0);
+                    k.interior = Interior { history: &[], factors: &FACTORS };
+                    if element == ElementKind::Mitc4 {
+                        k.unit = &unit;
+                    }
+                    let pairs = everything(e.fast.as_ref(), &k, &w).into_iter().zip(everything(
+                        e.general.as_ref(),
+                        &k,
+                        &w,
+                    ));
+                    for ((what, fast), (_, general)) in pairs {
+                        let size = general.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+                        let worst = fast.iter().zip(&general).fold(0.0_f64, |a, (x, y)| a.max((x - y).abs()));
+                        assert_eq!(fast.len(), general.len());
+                        assert!(
+                            worst <= 1e-12 * size,
+                            "{element:?} {count} {what} {motion:?}: {worst} of {size}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Parts of a group are what they are in the whole.
+#[test]
+fn parts_are_evaluated_alike() {
+    let mut random = Random::new(32);
+    let e = elements(&Section::new("steel", THICKNESS), 30, 0.1, &mut random);
+    let u = field(e.reference.len(), 0.05, &mut random);
+    let motion = Motion::State { u: &u, velocity: None };
+    let mut k = Kinematics::new(&e.reference, motion, false, 0.0);
+    k.interior = Interior { history: &[], factors: &FACTORS };
+    let mut whole = vec![0.0; 30 * 24];
+    e.fast.evaluate(&k, 0, &mut whole, None);
+    for (first, count) in [(0, 8), (8, 16), (16, 3), (24, 6)] {
+        let mut part = vec![0.0; count * 24];
+        e.fast.evaluate(&k, first, &mut part, None);
+        assert_eq!(part, whole[first * 24..(first + count) * 24]);
+    }
+}
