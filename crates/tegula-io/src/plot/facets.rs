@@ -189,7 +189,9 @@ fn distance_to_segment(p: Point, a: Point, b: Point) -> f64 {
     let squared = dx * dx + dy * dy;
     let along = if squared > 0.0 { ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / squared } else { 0.0 };
     let along = along.clamp(0.0, 1.0);
-    (p[0] - a[0] - along * dx).hypot(p[1] - a[1] - along * dy)
+    // For every pixel of every edge: pixels need no care against overflow.
+    let (x, y) = (p[0] - a[0] - along * dx, p[1] - a[1] - along * dy);
+    (x * x + y * y).sqrt()
 }
 
 #[cfg(test)]

@@ -83,6 +83,8 @@ pub struct Newton {
     increment: Vec<Nodal>,
     right_side: Vec<f64>,
     solution: Vec<f64>,
+    /// Energies of the increments of the present step.
+    energies: Vec<f64>,
     /// The factor belongs to these parts of a linear model and serves again.
     factored: Option<TangentParts>,
 }
@@ -114,6 +116,7 @@ impl Newton {
             increment: vec![[0.0; 3]; n],
             right_side: vec![0.0; system.unknowns()],
             solution: vec![0.0; system.unknowns()],
+            energies: Vec::with_capacity(64),
             factored: None,
         })
     }
@@ -130,7 +133,7 @@ impl Newton {
         observer: &mut dyn Observer,
     ) -> std::result::Result<Converged, Diverged> {
         let mixed = self.method == NewtonMethod::Mixed && !system.linear;
-        let mut history: Vec<f64> = Vec::with_capacity(tolerances.max_iterations as usize);
+        self.energies.clear();
         for iteration in 1..=tolerances.max_iterations {
             let diverged = |reason: String| Diverged { iterations: iteration, reason };
             if observer.interrupted() {
@@ -218,8 +221,8 @@ impl Newton {
             if converged || (energy == 0.0 && size == 0.0) {
                 return Ok(Converged { iterations: iteration, negative_pivots, floor: false });
             }
-            history.push(energy);
-            if let Some(floor) = stagnation(&history) {
+            self.energies.push(energy);
+            if let Some(floor) = stagnation(&self.energies) {
                 // Near a rigid motion there is next to no energy to compare with: increments that are
                 // nothing but rounding are enough then.
                 // So are increments without any energy beside that of stresses that support each other: there the

@@ -32,6 +32,8 @@ pub struct EnergyMomentum {
     v_old: Vec<Nodal>,
     /// Forces or velocities that only pass through.
     buffer: Vec<Nodal>,
+    internal: Vec<Nodal>,
+    reaction: Vec<Nodal>,
     a_old: Vec<Nodal>,
     energy_scale: f64,
     mass_damping: f64,
@@ -49,6 +51,8 @@ impl EnergyMomentum {
             u_old: zero.clone(),
             v_old: zero.clone(),
             buffer: zero.clone(),
+            internal: zero.clone(),
+            reaction: zero.clone(),
             a_old: zero,
             energy_scale: 0.0,
             mass_damping: system.mass_damping,
@@ -159,6 +163,7 @@ impl Integrator for EnergyMomentum {
 
     fn exchange(&mut self, system: &System, assembly: &mut Assembly, _state: &State) -> Exchange {
         let mut buffer = std::mem::take(&mut self.buffer);
+        let mut internal = std::mem::take(&mut self.internal);
         buffer.fill([0.0; 3]);
         self.loads(system, &mut buffer);
         let loads = work(&buffer, &self.u_old, &self.u);
@@ -173,20 +178,17 @@ impl Integrator for EnergyMomentum {
         let mut supports = 0.0;
         if !system.numbering.prescribed.is_empty() {
             // The reaction is what the equation of motion leaves over at the supported coordinates.
-            let n = self.u.len();
-            let (mut internal, mut rest, mut reaction) =
-                (vec![[0.0; 3]; n], vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
             assembly.forces(system, &k, &mut internal);
-            self.rest(system, &mut rest);
-            for (f, r) in internal.iter_mut().zip(&rest) {
+            self.rest(system, &mut buffer);
+            for (f, r) in internal.iter_mut().zip(&buffer) {
                 for i in 0..3 {
                     f[i] -= r[i];
                 }
             }
-            system.numbering.supported_part(&internal, &mut reaction);
-            supports = work(&reaction, &self.u_old, &self.u);
+            system.numbering.supported_part(&internal, &mut self.reaction);
+            supports = work(&self.reaction, &self.u_old, &self.u);
         }
-        self.buffer = buffer;
+        (self.buffer, self.internal) = (buffer, internal);
         Exchange { work: loads - gravity + supports, dissipated: self.dt * power }
     }
 

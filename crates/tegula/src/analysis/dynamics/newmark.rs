@@ -40,6 +40,8 @@ pub struct Newmark {
     loads_old: Vec<Nodal>,
     /// Forces that only pass through.
     buffer: Vec<Nodal>,
+    reaction: Vec<Nodal>,
+    supported: Vec<Nodal>,
     energy_scale: f64,
     damped: bool,
     mass_damping: f64,
@@ -63,7 +65,9 @@ impl Newmark {
             a_old: zero.clone(),
             old_rest: zero.clone(),
             loads_old: zero.clone(),
-            buffer: zero,
+            buffer: zero.clone(),
+            reaction: zero.clone(),
+            supported: zero,
             energy_scale: 0.0,
             damped: system.groups.iter().any(|g| g.retardation_time() != 0.0),
             mass_damping: system.mass_damping,
@@ -211,8 +215,8 @@ impl Integrator for Newmark {
         let k = Kinematics::new(&system.reference, motion, system.linear, self.time);
         let power =
             assembly.dissipated_power(system, &k) + 2.0 * system.mass_damping * system.kinetic_energy(&loads);
-        let prescribed = self.work_of_supports(system, assembly, state);
         self.buffer = loads;
+        let prescribed = self.work_of_supports(system, assembly, state);
         Exchange { work: trapezoid - gravity + prescribed, dissipated: self.dt * power }
     }
 
@@ -239,27 +243,27 @@ impl Newmark {
         assembly.follow(system, k);
         self.buffer.copy_from_slice(&self.old_rest);
         system.pattern.add_mass_product(-1.0, acceleration, &mut self.buffer);
-        let mut unbalanced = vec![[0.0; 3]; self.buffer.len()];
-        assembly.numbering.supported_part(&self.buffer, &mut unbalanced);
+        assembly.numbering.supported_part(&self.buffer, &mut self.supported);
         for unit in &system.numbering.unit {
             let v = unit.vector as usize;
             for i in 0..3 {
-                self.old_rest[v][i] -= unbalanced[v][i];
+                self.old_rest[v][i] -= self.supported[v][i];
             }
         }
     }
 
     /// Work of the reactions over prescribed motions, by the trapezoidal rule.
-    fn work_of_supports(&self, system: &System, assembly: &mut Assembly, state: &State) -> f64 {
+    fn work_of_supports(&mut self, system: &System, assembly: &mut Assembly, state: &State) -> f64 {
         if system.numbering.prescribed.is_empty() {
             return 0.0;
         }
-        let n = self.u.len();
         let mut total = 0.0;
+        let (mut reaction, mut loads) =
+            (std::mem::take(&mut self.reaction), std::mem::take(&mut self.buffer));
         for (u, v, a, time) in
             [(&state.u, &state.v, &state.a, state.time), (&self.u, &self.v, &self.a, self.time)]
         {
-            let (mut reaction, mut loads) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
+            loads.fill([0.0; 3]);
             let motion = Motion::State { u, velocity: Some(v) };
             let k = Kinematics::new(&system.reference, motion, system.linear, time);
             assembly.forces(system, &k, &mut reaction);
@@ -271,10 +275,10 @@ impl Newmark {
                     r[i] -= f[i];
                 }
             }
-            let mut supported = vec![[0.0; 3]; n];
-            system.numbering.supported_part(&reaction, &mut supported);
-            total += 0.5 * work(&supported, &self.u_old, &self.u);
+            system.numbering.supported_part(&reaction, &mut self.supported);
+            total += 0.5 * work(&self.supported, &self.u_old, &self.u);
         }
+        (self.reaction, self.buffer) = (reaction, loads);
         total
     }
 }

@@ -1,0 +1,67 @@
+//! A time step takes no memory: everything is made when the analysis begins.
+//!
+//! One test only, so that no other one allocates meanwhile.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use std::alloc::System as Allocator;
+
+use common::{compile, on, quarter_cylinder};
+use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
+use tegula::analysis::{Observer, Step, dynamics};
+use tegula::model::*;
+
+#[global_allocator]
+static ALLOCATOR: &StatsAlloc<Allocator> = &INSTRUMENTED_SYSTEM;
+
+/// Allocations so far, at the end of each step.
+struct Counts(Vec<usize>);
+
+impl Observer for Counts {
+    fn on_step(&mut self, _: &Step) -> tegula::Result<()> {
+        let stats = ALLOCATOR.stats();
+        assert!(self.0.len() < self.0.capacity());
+        self.0.push(stats.allocations + stats.reallocations);
+        Ok(())
+    }
+}
+
+#[test]
+fn a_step_allocates_nothing() {
+    // From within the pool: queues of work given to it from outside grow now and then.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+    for element in [ElementKind::Ems, ElementKind::Mitc4, ElementKind::Cm] {
+        for scheme in [
+            Scheme::default(),
+            Scheme::Hht(HhtScheme { alpha: -0.1 }),
+            Scheme::EnergyMomentum(EnergyMomentumScheme {}),
+        ] {
+            let mut m = quarter_cylinder(12, 2.1e7);
+            m.sections[0].element = element;
+            m.sections[0].total_mass = Some(5.0);
+            m.sections[0].retardation_time = 1e-5;
+            m.conditions = vec![Condition::Spherical(on("u_min_v_min"))];
+            m.loads = vec![Load::Gravity(GravityLoad { value: [0.0, 0.0, -9.81], amplitude: None })];
+            let options = TransientAnalysis {
+                end_time: 0.1,
+                scheme,
+                tolerance: 1e-4,
+                time_step: Some(0.01),
+                initial_step: None,
+                max_step: None,
+                max_iterations: 20,
+                linear: false,
+            };
+            m.analysis = Analysis::Transient(options.clone());
+            let (_, system) = compile(&m);
+            let mut counts = Counts(Vec::with_capacity(100));
+            pool.install(|| dynamics::run(&system, &options, None, &mut counts)).unwrap();
+            let per_step: Vec<usize> = counts.0.windows(2).map(|w| w[1] - w[0]).collect();
+            assert!(per_step.len() >= 10);
+            // Queues between threads and their pools of memory reach their size in the first steps.
+            assert!(per_step[3..].iter().all(|n| *n == 0), "{element:?} {scheme:?}: {per_step:?}");
+        }
+    }
+}
