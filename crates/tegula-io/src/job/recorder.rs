@@ -174,6 +174,7 @@ impl<'a> Recorder<'a> {
         s.steps = totals.steps.max(self.memory.state.step);
         (s.iterations, s.factorizations, s.cutbacks) =
             (totals.iterations, totals.factorizations, totals.cutbacks);
+        s.critical_step = Some(totals.critical_step).filter(|&step| step > 0.0);
         s.time = self.memory.state.time;
         s.energy = (&self.memory.balance).into();
         if !self.memory.state.u.is_empty() {

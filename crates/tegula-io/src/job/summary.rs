@@ -99,6 +99,9 @@ pub struct Summary {
     pub factorizations: u64,
     /// Steps repeated smaller.
     pub cutbacks: u64,
+    /// Last estimate of the critical step of an explicit scheme (time).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub critical_step: Option<f64>,
     /// Energies at the end.
     pub energy: Energy,
     /// Recorded points at the end.

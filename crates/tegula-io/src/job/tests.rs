@@ -75,7 +75,7 @@ fn stop_after(steps: u64) -> StopAfter {
 
 #[test]
 fn a_resumed_run_repeats_the_straight_one_to_the_bit() {
-    for scheme in ["newmark", "energy-momentum", "hht"] {
+    for scheme in ["newmark", "energy-momentum", "hht", "explicit"] {
         let (deck, folder) = (deck(scheme), tempfile::tempdir().unwrap());
         let (straight, parts) = (folder.path().join("straight"), folder.path().join("parts"));
         let whole = run(&deck, &options(&straight, false), &mut Unwatched).unwrap();

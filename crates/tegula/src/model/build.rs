@@ -6,7 +6,7 @@ use super::actions::{
     added_masses, contradictions, dead_loads, follower_loads, initial_velocity, lost_moments, supports,
 };
 use super::sections::Elements;
-use super::{Analysis, Model};
+use super::{Analysis, Model, Scheme};
 use super::{check, course, mechanism};
 use crate::element::Nodal;
 use crate::element::geometry::tangents;
@@ -15,7 +15,7 @@ use crate::mesh::directors::{Directors, FOLD_ANGLE_DEGREES};
 use crate::mesh::{Mesh, quality};
 use crate::system::numbering::{Numbering, VectorKind};
 use crate::system::pattern::PatternBuilder;
-use crate::system::{IndexMap, PrescribedField, System};
+use crate::system::{IndexMap, PrescribedField, System, lumping};
 use crate::{Error, Issue, Result, Vec3};
 
 /// Nodal vectors of a mesh: position of each node, then its directors, node by node.
@@ -200,6 +200,13 @@ fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
         amplitude_names: names.keys().cloned().collect(),
     };
     issues.extend(check::masses(model, &system));
+    if let Analysis::Transient(t) = &model.analysis
+        && let Scheme::Explicit(scheme) = t.scheme
+        && issues.is_empty()
+    {
+        // Before gravity is found: bodies of lumped mass shall fall without turning.
+        issues.extend(lumping::lump(&mut system, scheme.scale_director_inertia));
+    }
     system.dead_loads = dead_loads(model, mesh, &system, &names);
     if issues.is_empty() { Ok(system) } else { Err(Error::Model(issues)) }
 }

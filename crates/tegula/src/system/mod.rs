@@ -3,6 +3,7 @@
 pub mod assembly;
 pub mod index_map;
 mod inversion;
+pub mod lumping;
 pub mod numbering;
 pub mod pattern;
 
