@@ -74,6 +74,19 @@ impl AssemblyTree {
         Self::number(quotient, fronts, pointers, rows)
     }
 
+    /// Entries that the children of a front pass on.
+    pub fn passed_by_children(&self, f: usize) -> usize {
+        self.children[f].iter().map(|&c| self.fronts[c as usize].rows.len().pow(2)).sum()
+    }
+
+    /// Adds the entries of the matrix to the panel of a front.
+    pub fn enter(&self, f: usize, values: &[f64], panel: &mut [f64]) {
+        let end = self.fronts.get(f + 1).map_or(self.entries.len(), |next| next.entries);
+        for &[value, at] in &self.entries[self.fronts[f].entries..end] {
+            panel[at as usize] += values[value as usize];
+        }
+    }
+
     fn number(
         quotient: &Quotient,
         drafts: Vec<Draft>,

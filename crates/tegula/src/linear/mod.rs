@@ -5,6 +5,7 @@ mod cholesky;
 pub mod lanczos;
 mod multifrontal;
 mod ordering;
+mod pivoted;
 
 pub use cholesky::{SparseCholesky, SymmetricPattern};
 

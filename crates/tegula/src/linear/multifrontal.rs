@@ -7,40 +7,59 @@
 //!
 //! J. W. H. Liu, *The multifrontal method for sparse matrix solution*, SIAM Review 34 (1992) 82–109.
 
-use std::sync::Mutex;
+use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
-use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place,
+    solve_unit_upper_triangular_in_place, solve_upper_triangular_in_place,
+};
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, MatRef, Par};
 
-use super::FactorError;
 use super::assembly_tree::{AssemblyTree, Front};
 use super::ordering::Quotient;
+use super::pivoted::Pivots;
+use super::{FactorError, Inertia};
 
 /// Work (operations) below which a subtree is not split.
 const GRAIN: f64 = 2e7;
 
-/// A pivot that is not positive.
+/// Why a factorisation ended early.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct NotPositive;
+pub(super) enum Stop {
+    /// A pivot is not positive.
+    NotPositive,
+    /// Not enough memory.
+    Memory,
+}
 
 /// Cholesky factor of matrices of one pattern.
 pub(super) struct Multifrontal {
     tree: AssemblyTree,
     /// Panels of all fronts, by columns.
     factor: Vec<f64>,
-    /// What fronts pass on whose parents are split.
+    /// What fronts pass on whose parents are split, while it waits.
     passed: Vec<Vec<f64>>,
+    /// Memory for that, to be used again.
+    pool: Mutex<Vec<Vec<f64>>>,
     /// Number of such fronts before each front.
     passed_before: Vec<u32>,
     /// Whether the subtree of a front is split between threads.
     split: Vec<bool>,
     /// Stacks of the subtrees at work, one for each thread.
     stacks: Vec<Mutex<Scratch>>,
+    /// Memory of the dense kernels for each front whose subtree is split. Not that of the thread: a thread that
+    /// waits within a kernel may take up another subtree meanwhile.
+    kernels: BTreeMap<usize, Mutex<MemBuffer>>,
+    /// Pivots of an indefinite matrix; made when the first is met.
+    pivots: Option<Box<Pivots>>,
+    /// Whether the last matrix was factored with them.
+    pivoted: bool,
     /// Vectors of all columns and of all rows.
     columns: Vec<f64>,
     rows: Vec<f64>,
@@ -70,27 +89,35 @@ impl Multifrontal {
         for front in &tree.fronts {
             passed_before.push(passed.len() as u32);
             if waits(front) {
-                passed.push(zeros(front.rows.len().pow(2))?);
+                passed.push(Vec::new());
             }
         }
         passed_before.push(passed.len() as u32);
         let stack = stack_size(&tree, &split);
         let widest = tree.fronts.iter().map(|f| f.width).max().unwrap_or(0);
+        let dense = |width: usize| {
+            let request = cholesky_in_place_scratch::<f64>(width, Par::Seq, Default::default());
+            MemBuffer::try_new(request).map_err(|_| FactorError::TooLarge)
+        };
+        let kernel = |f: usize| Ok::<_, FactorError>((f, Mutex::new(dense(tree.fronts[f].width)?)));
+        let kernels = (0..n).filter(|&f| split[f]).map(kernel).collect::<Result<_, _>>()?;
         let scratch = || -> Result<_, FactorError> {
-            let request = cholesky_in_place_scratch::<f64>(widest, Par::Seq, Default::default());
-            let dense = MemBuffer::try_new(request).map_err(|_| FactorError::TooLarge)?;
-            Ok(Mutex::new(Scratch { stack: zeros(stack)?, dense }))
+            Ok(Mutex::new(Scratch { stack: zeros(stack)?, dense: dense(widest)? }))
         };
         let stacks = (0..threads).map(|_| scratch()).collect::<Result<_, _>>()?;
         Ok(Self {
             factor: zeros(tree.size)?,
+            pivots: None,
+            pivoted: false,
             columns: zeros(pointers.len() - 1)?,
             rows: zeros(tree.rows)?,
             tree,
+            pool: Mutex::new(Vec::with_capacity(passed.len())),
             passed,
             passed_before,
             split,
             stacks,
+            kernels,
         })
     }
 
@@ -100,31 +127,59 @@ impl Multifrontal {
     }
 
     /// Factors the matrix with the given values.
-    pub fn factor(&mut self, values: &[f64]) -> Result<(), NotPositive> {
+    ///
+    /// # Errors
+    /// A pivot is not positive, or the memory does not suffice.
+    pub fn factor(&mut self, values: &[f64]) -> Result<(), Stop> {
+        self.pivoted = false;
         let numeric = Numeric {
             tree: &self.tree,
             split: &self.split,
             passed_before: &self.passed_before,
             stacks: &self.stacks,
+            kernels: &self.kernels,
+            pool: &self.pool,
             values,
         };
         let (mut factor, mut passed) = (self.factor.as_mut_slice(), self.passed.as_mut_slice());
         for (f, _) in self.tree.fronts.iter().enumerate().filter(|(_, front)| front.parent.is_none()) {
             let (mine, rest) = factor.split_at_mut(numeric.panels(f).len());
             let (waiting, others) = passed.split_at_mut(numeric.waiting(f).len());
-            numeric.subtree(f, mine, waiting, &mut [])?;
+            let mut nothing = Vec::new();
+            let done = numeric.subtree(f, mine, waiting, &mut nothing);
             (factor, passed) = (rest, others);
+            if done.is_err() {
+                // What was left behind would be in the way of the next matrix.
+                self.passed.iter_mut().for_each(|slot| numeric.give_back(slot));
+                return done;
+            }
         }
         Ok(())
     }
 
+    /// Factors any symmetric matrix as LBLᵀ and tells its inertia.
+    ///
+    /// # Errors
+    /// The matrix is singular, or the memory does not suffice.
+    pub fn factor_pivoted(&mut self, values: &[f64]) -> Result<Inertia, FactorError> {
+        let mut pivots = match self.pivots.take() {
+            Some(made) => made,
+            None => Box::new(Pivots::new(&self.tree)?),
+        };
+        let inertia = pivots.factor(&self.tree, values, &mut self.factor);
+        self.pivots = Some(pivots);
+        self.pivoted = true;
+        inertia
+    }
+
     /// Solves in place with the factor.
     pub fn solve(&mut self, right_side: &mut [f64]) {
-        let Self { tree, factor, split, columns, rows, .. } = self;
+        let Self { tree, factor, split, columns, rows, pivots, pivoted, .. } = self;
         for (x, &old) in columns.iter_mut().zip(&tree.order) {
             *x = right_side[old as usize];
         }
-        let solver = Solver { tree, factor, split };
+        let pivots = pivots.as_deref().filter(|_| *pivoted);
+        let solver = Solver { tree, factor, split, pivots };
         let (mut x, mut y) = (columns.as_mut_slice(), rows.as_mut_slice());
         for (f, front) in tree.fronts.iter().enumerate().filter(|(_, front)| front.parent.is_none()) {
             let (x_mine, x_rest) = x.split_at_mut(front.first + front.width - tree.fronts[front.leaf].first);
@@ -140,11 +195,15 @@ impl Multifrontal {
     }
 }
 
-fn zeros(n: usize) -> Result<Vec<f64>, FactorError> {
+pub(super) fn zeros(n: usize) -> Result<Vec<f64>, FactorError> {
     let mut out = Vec::new();
     out.try_reserve_exact(n).map_err(|_| FactorError::TooLarge)?;
     out.resize(n, 0.0);
     Ok(out)
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Largest stack of a subtree that is not split: what waits, and what the front at work makes.
@@ -157,9 +216,7 @@ fn stack_size(tree: &AssemblyTree, split: &[bool]) -> usize {
         }
         let own = front.rows.len().pow(2);
         most = most.max(held + own);
-        let children: usize =
-            tree.children[f].iter().map(|&c| tree.fronts[c as usize].rows.len().pow(2)).sum();
-        held = held + own - children;
+        held = held + own - tree.passed_by_children(f);
         if front.parent.is_none_or(|p| split[p as usize]) {
             held = 0;
         }
@@ -173,6 +230,8 @@ struct Numeric<'a> {
     split: &'a [bool],
     passed_before: &'a [u32],
     stacks: &'a [Mutex<Scratch>],
+    kernels: &'a BTreeMap<usize, Mutex<MemBuffer>>,
+    pool: &'a Mutex<Vec<Vec<f64>>>,
     values: &'a [f64],
 }
 
@@ -188,40 +247,40 @@ impl Numeric<'_> {
         self.passed_before[self.tree.fronts[f].leaf] as usize..self.passed_before[f] as usize
     }
 
-    /// Factors a subtree; `panels` and `waiting` are its own, `out` receives what it passes on.
+    /// Factors a subtree; `panels` and `waiting` are its own, `out` receives memory with what it passes on.
     fn subtree(
         &self,
         f: usize,
         panels: &mut [f64],
         waiting: &mut [Vec<f64>],
-        out: &mut [f64],
-    ) -> Result<(), NotPositive> {
-        if !self.split[f] {
-            return self.one_after_another(f, panels, out);
-        }
+        out: &mut Vec<f64>,
+    ) -> Result<(), Stop> {
         let front = &self.tree.fronts[f];
+        let own = front.rows.len().pow(2);
+        if !self.split[f] {
+            *out = self.take(own)?;
+            return self.one_after_another(f, panels, &mut out[..own]);
+        }
         let children = &self.tree.children[f];
         let (below, panel) = panels.split_at_mut(front.panel - self.tree.fronts[front.leaf].panel);
         self.children(children, below, waiting)?;
+        *out = self.take(own)?;
+        let out = &mut out[..own];
         panel.fill(0.0);
         out.fill(0.0);
-        self.enter(f, panel);
+        self.tree.enter(f, self.values, panel);
         for &c in children {
             let at = self.passed_before[c as usize] as usize - self.passed_before[front.leaf] as usize;
             add(front, &self.tree.fronts[c as usize], &waiting[at], panel, out);
+            self.give_back(&mut waiting[at]);
         }
-        let mut scratch = self.scratch();
         let par = if self.stacks.len() > 1 { Par::rayon(self.stacks.len()) } else { Par::Seq };
-        eliminate(front, panel, out, &mut scratch.dense, par)
+        let Some(dense) = self.kernels.get(&f) else { return Err(Stop::Memory) };
+        eliminate(front, panel, out, &mut locked(dense), par)
     }
 
     /// Factors subtrees that have one parent, halves of them in parallel.
-    fn children(
-        &self,
-        children: &[u32],
-        panels: &mut [f64],
-        waiting: &mut [Vec<f64>],
-    ) -> Result<(), NotPositive> {
+    fn children(&self, children: &[u32], panels: &mut [f64], waiting: &mut [Vec<f64>]) -> Result<(), Stop> {
         match children {
             [] => Ok(()),
             &[c] => {
@@ -254,7 +313,7 @@ impl Numeric<'_> {
     }
 
     /// Factors a subtree front by front.
-    fn one_after_another(&self, f: usize, panels: &mut [f64], out: &mut [f64]) -> Result<(), NotPositive> {
+    fn one_after_another(&self, f: usize, panels: &mut [f64], out: &mut [f64]) -> Result<(), Stop> {
         let fronts = &self.tree.fronts;
         let start = fronts[fronts[f].leaf].panel;
         let mut scratch = self.scratch();
@@ -264,13 +323,12 @@ impl Numeric<'_> {
             let front = &fronts[s];
             let own = front.rows.len().pow(2);
             let panel = &mut panels[front.panel - start..][..front.height() * front.width];
-            let children: usize =
-                self.tree.children[s].iter().map(|&c| fronts[c as usize].rows.len().pow(2)).sum();
+            let children = self.tree.passed_by_children(s);
             let (held, free) = stack.split_at_mut(top);
             let next = if s == f { &mut *out } else { &mut free[..own] };
             panel.fill(0.0);
             next.fill(0.0);
-            self.enter(s, panel);
+            self.tree.enter(s, self.values, panel);
             let mut at = top - children;
             for &c in &self.tree.children[s] {
                 let child = &fronts[c as usize];
@@ -287,18 +345,26 @@ impl Numeric<'_> {
         Ok(())
     }
 
-    /// Adds the entries of the matrix.
-    fn enter(&self, f: usize, panel: &mut [f64]) {
-        let entries = &self.tree.entries;
-        let end = self.tree.fronts.get(f + 1).map_or(entries.len(), |next| next.entries);
-        for &[value, at] in &entries[self.tree.fronts[f].entries..end] {
-            panel[at as usize] += self.values[value as usize];
+    /// Memory of at least this size: the smallest that fits of what was given back, else new.
+    fn take(&self, size: usize) -> Result<Vec<f64>, Stop> {
+        let mut pool = locked(self.pool);
+        let fits = (0..pool.len()).filter(|&k| pool[k].len() >= size).min_by_key(|&k| pool[k].len());
+        match fits {
+            Some(k) => Ok(pool.swap_remove(k)),
+            None => zeros(size).map_err(|_| Stop::Memory),
         }
     }
 
-    fn scratch(&self) -> std::sync::MutexGuard<'_, Scratch> {
+    fn give_back(&self, slot: &mut Vec<f64>) {
+        if !slot.is_empty() {
+            locked(self.pool).push(std::mem::take(slot));
+        }
+    }
+
+    /// The stack of this thread. While it is held no other work is waited for.
+    fn scratch(&self) -> MutexGuard<'_, Scratch> {
         let own = rayon::current_thread_index().unwrap_or(0);
-        self.stacks[own % self.stacks.len()].lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+        locked(&self.stacks[own % self.stacks.len()])
     }
 }
 
@@ -316,7 +382,7 @@ fn halves(tree: &AssemblyTree, children: &[u32]) -> usize {
 }
 
 /// Adds what a child passes on to the panel and to what the parent passes on.
-fn add(parent: &Front, child: &Front, from: &[f64], panel: &mut [f64], out: &mut [f64]) {
+pub(super) fn add(parent: &Front, child: &Front, from: &[f64], panel: &mut [f64], out: &mut [f64]) {
     let (m, height, width) = (child.rows.len(), parent.height(), parent.width);
     let below = parent.rows.len();
     for (k, &[here, there, length]) in child.runs.iter().enumerate() {
@@ -353,12 +419,12 @@ fn eliminate(
     out: &mut [f64],
     dense: &mut MemBuffer,
     par: Par,
-) -> Result<(), NotPositive> {
+) -> Result<(), Stop> {
     let (width, below, height) = (front.width, front.rows.len(), front.height());
     let panel = MatMut::from_column_major_slice_with_stride_mut(panel, height, width, height);
     let (mut first, mut second) = panel.split_at_row_mut(width);
     cholesky_in_place(first.rb_mut(), Default::default(), par, MemStack::new(dense), Default::default())
-        .map_err(|_| NotPositive)?;
+        .map_err(|_| Stop::NotPositive)?;
     if below == 0 {
         return Ok(());
     }
@@ -378,14 +444,18 @@ fn eliminate(
     Ok(())
 }
 
+/// Work on a subtree: its front, its columns, its rows.
+type Sweep<'a> = fn(&Solver<'a>, usize, &mut [f64], &mut [f64]);
+
 /// What the solution with the factor needs.
 struct Solver<'a> {
     tree: &'a AssemblyTree,
     factor: &'a [f64],
     split: &'a [bool],
+    pivots: Option<&'a Pivots>,
 }
 
-impl Solver<'_> {
+impl<'a> Solver<'a> {
     fn panel(&self, front: &Front) -> (MatRef<'_, f64>, MatRef<'_, f64>) {
         let size = front.height() * front.width;
         let panel = &self.factor[front.panel..front.panel + size];
@@ -401,7 +471,7 @@ impl Solver<'_> {
             let front = &fronts[f];
             let (x_below, x_own) = x.split_at_mut(front.first - begin.first);
             let (y_below, y_own) = y.split_at_mut(front.row_start - begin.row_start);
-            self.each(&self.tree.children[f], x_below, y_below, &Self::forward);
+            self.each(&self.tree.children[f], x_below, y_below, Self::forward);
             self.forward_front(f, x_own, y_own, y_below, begin.row_start);
         } else {
             for s in fronts[f].leaf..=f {
@@ -431,8 +501,17 @@ impl Solver<'_> {
         }
         let (first, second) = self.panel(front);
         let (n, m) = (x.len(), y.len());
+        if let Some(pivots) = self.pivots {
+            let before = x.to_vec();
+            for (x, &from) in x.iter_mut().zip(&pivots.order[front.first..]) {
+                *x = before[from];
+            }
+        }
         let mut x = MatMut::from_column_major_slice_mut(x, n, 1);
-        solve_lower_triangular_in_place(first, x.rb_mut(), Par::Seq);
+        match self.pivots {
+            None => solve_lower_triangular_in_place(first, x.rb_mut(), Par::Seq),
+            Some(_) => solve_unit_lower_triangular_in_place(first, x.rb_mut(), Par::Seq),
+        }
         if m > 0 {
             let y = MatMut::from_column_major_slice_mut(y, m, 1);
             matmul(y, Accum::Add, second, x.rb(), -1.0, Par::Seq);
@@ -448,7 +527,7 @@ impl Solver<'_> {
             let (x_below, x_own) = x.split_at_mut(front.first - begin.first);
             let (y_below, y_own) = y.split_at_mut(front.row_start - begin.row_start);
             self.backward_front(f, x_own, y_own, y_below, begin.row_start);
-            self.each(&self.tree.children[f], x_below, y_below, &Self::backward);
+            self.each(&self.tree.children[f], x_below, y_below, Self::backward);
         } else {
             for s in (fronts[f].leaf..=f).rev() {
                 let front = &fronts[s];
@@ -463,13 +542,25 @@ impl Solver<'_> {
         let front = &self.tree.fronts[f];
         let (first, second) = self.panel(front);
         let (n, m) = (x.len(), y.len());
+        if let Some(pivots) = self.pivots {
+            pivots.divide(front, |j| first[(j, j)], x);
+        }
         {
             let mut x = MatMut::from_column_major_slice_mut(x, n, 1);
             if m > 0 {
                 let y = MatRef::from_column_major_slice(y, m, 1);
                 matmul(x.rb_mut(), Accum::Add, second.transpose(), y, -1.0, Par::Seq);
             }
-            solve_upper_triangular_in_place(first.transpose(), x, Par::Seq);
+            match self.pivots {
+                None => solve_upper_triangular_in_place(first.transpose(), x, Par::Seq),
+                Some(_) => solve_unit_upper_triangular_in_place(first.transpose(), x, Par::Seq),
+            }
+        }
+        if let Some(pivots) = self.pivots {
+            let before = x.to_vec();
+            for (value, &to) in before.iter().zip(&pivots.order[front.first..]) {
+                x[to] = *value;
+            }
         }
         for &c in &self.tree.children[f] {
             let child = &self.tree.fronts[c as usize];
@@ -487,13 +578,7 @@ impl Solver<'_> {
     }
 
     /// Works on the subtrees of one parent, halves of them in parallel.
-    fn each(
-        &self,
-        children: &[u32],
-        x: &mut [f64],
-        y: &mut [f64],
-        work: &(dyn Fn(&Self, usize, &mut [f64], &mut [f64]) + Sync),
-    ) {
+    fn each(&self, children: &[u32], x: &mut [f64], y: &mut [f64], work: Sweep<'a>) {
         match children {
             [] => {}
             &[c] => work(self, c as usize, x, y),

@@ -1,0 +1,81 @@
+//! Times the factorisation of a shell's tangent and writes the matrix for other programs.
+//!
+//! ```text
+//! cargo run --release --example factor_times -- ELEMENTS THREADS [FILE]
+//! ```
+//!
+//! The matrix is the reference tangent of the quarter cylinder of Sect. 5.2 with ELEMENTS × ELEMENTS elements. FILE gets
+//! its lower triangle in compressed columns, little-endian: size n and number of entries, n + 1 column pointers, rows
+//! (u64 each), values (f64).
+#![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
+
+use std::time::Instant;
+
+use tegula::analysis::statics::state_kinematics;
+use tegula::element::TangentWeights;
+use tegula::linear::{Factor, SparseCholesky, SymmetricPattern};
+use tegula::mesh::generators::generate;
+use tegula::model::{
+    Analysis, Condition, CylinderMesh, Grid, Isotropic, Load, MeshSource, Model, OnSet, StaticAnalysis,
+    VectorLoad, build,
+};
+use tegula::system::Assembly;
+use tegula::system::assembly::TangentParts;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let number = |k: usize| arguments.get(k).and_then(|a| a.parse::<u32>().ok());
+    let (Some(elements), Some(threads)) = (number(0), number(1)) else {
+        eprintln!("give the number of elements along a side and the number of threads");
+        std::process::exit(1);
+    };
+    rayon::ThreadPoolBuilder::new().num_threads(threads as usize).build_global().unwrap();
+    let mesh = MeshSource::Cylinder(CylinderMesh {
+        center: [0.0, 0.0, 1.0],
+        axis: [0.0, 1.0, 0.0],
+        start: [0.0, 0.0, -1.0],
+        radius: 1.0,
+        angles: [0.0, -90.0],
+        length: 1.0,
+        grid: Grid::uniform(elements, elements),
+    });
+    let analysis = Analysis::Static(StaticAnalysis::default());
+    let mut model = Model::new(mesh, analysis, Isotropic::new(2.1e8, 0.3, 1.0), 0.01);
+    model.conditions = vec![Condition::Clamp(OnSet { on: "u_min".into() })];
+    let value = [0.0, 0.0, -20.0];
+    model.loads = vec![Load::Force(VectorLoad { on: "u_max_v_max".into(), value, amplitude: None })];
+    let system = build::build(&model, &generate(&model.mesh).unwrap()).unwrap();
+    let mut assembly = Assembly::new(&system);
+    let u = vec![[0.0; 3]; system.vectors()];
+    let mut forces = u.clone();
+    let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
+    let parts = TangentParts { weights, mass: 0.0, time: 1.0 };
+    let k = state_kinematics(&system, &u, 1.0);
+    assembly.forces_and_tangent(&system, &k, &parts, false, None, &mut forces);
+    let (pointers, rows) = (&system.pattern.column_pointers, &system.pattern.row_indices);
+    if let Some(file) = arguments.get(2) {
+        let mut bytes = Vec::new();
+        for value in [system.unknowns(), rows.len()].iter().chain(pointers).chain(rows) {
+            bytes.extend((*value as u64).to_le_bytes());
+        }
+        bytes.extend(assembly.values.iter().flat_map(|v| v.to_le_bytes()));
+        std::fs::write(file, bytes).unwrap();
+    }
+    let pattern = SymmetricPattern::new(pointers.clone(), rows.clone());
+    let start = Instant::now();
+    let mut solver = SparseCholesky::new(pattern).unwrap();
+    let analysis = start.elapsed().as_secs_f64();
+    let best = |times: &mut dyn FnMut()| {
+        (0..5)
+            .map(|_| {
+                let start = Instant::now();
+                times();
+                start.elapsed().as_secs_f64()
+            })
+            .fold(f64::INFINITY, f64::min)
+    };
+    let factor = best(&mut || assert_eq!(solver.factor(&assembly.values).unwrap().negative, 0));
+    let mut x = vec![1.0; system.unknowns()];
+    let solve = best(&mut || solver.solve(&mut x));
+    println!("{} {analysis:.6} {factor:.6} {solve:.6} {}", system.unknowns(), solver.factor_entries());
+}

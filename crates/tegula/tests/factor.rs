@@ -1,0 +1,233 @@
+//! The factorisation on a zoo of matrices: solutions, inertia, refusals, the same bits on any number of threads.
+#![allow(clippy::unwrap_used)]
+
+use proptest::prelude::*;
+use tegula::linear::{Factor, FactorError, Inertia, SparseCholesky, SymmetricPattern};
+
+/// A symmetric matrix by its lower triangle.
+#[derive(Debug, Clone, Default)]
+struct Matrix {
+    pointers: Vec<usize>,
+    rows: Vec<usize>,
+    values: Vec<f64>,
+}
+
+impl Matrix {
+    /// From entries (row, column, value) of the lower triangle, in any order; equal places are added.
+    fn new(n: usize, entries: &[(usize, usize, f64)]) -> Self {
+        let mut columns = vec![std::collections::BTreeMap::new(); n];
+        for (j, column) in columns.iter_mut().enumerate() {
+            column.insert(j, 0.0);
+        }
+        for &(i, j, v) in entries {
+            *columns[i.min(j)].entry(i.max(j)).or_insert(0.0) += v;
+        }
+        let mut out = Self { pointers: vec![0], ..Self::default() };
+        for column in columns {
+            for (i, v) in column {
+                out.rows.push(i);
+                out.values.push(v);
+            }
+            out.pointers.push(out.rows.len());
+        }
+        out
+    }
+
+    fn pattern(&self) -> SymmetricPattern {
+        SymmetricPattern::new(self.pointers.clone(), self.rows.clone())
+    }
+
+    /// Inertia, and the residual of a solution over what it is made of.
+    fn solve(&self) -> Result<(Inertia, f64), FactorError> {
+        let pattern = self.pattern();
+        let mut factor = SparseCholesky::new(pattern.clone())?;
+        let inertia = factor.factor(&self.values)?;
+        let n = pattern.size();
+        let exact: Vec<f64> = (0..n).map(|i| (1.0 + i as f64).sin()).collect();
+        let (mut b, mut size) = (vec![0.0; n], vec![0.0; n]);
+        pattern.add_product(&self.values, &exact, &mut b);
+        let mut x = b.clone();
+        factor.solve(&mut x);
+        let minus: Vec<f64> = x.iter().map(|x| -x).collect();
+        pattern.add_product(&self.values, &minus, &mut b);
+        let absolute: Vec<f64> = self.values.iter().map(|v| v.abs()).collect();
+        let positive: Vec<f64> = x.iter().map(|x| x.abs()).collect();
+        pattern.add_product(&absolute, &positive, &mut size);
+        let worst = b.iter().zip(&size).map(|(r, s)| if *s > 0.0 { r.abs() / s } else { 0.0 });
+        Ok((inertia, worst.fold(0.0, f64::max)))
+    }
+}
+
+/// Springs along the edges of a grid with several unknowns a node, and a weak spring to the ground at each.
+fn grid(nx: usize, ny: usize, per_node: usize, ground: f64) -> Matrix {
+    let node = |i: usize, j: usize| i * ny + j;
+    let mut entries = Vec::new();
+    for i in 0..nx {
+        for j in 0..ny {
+            for a in 0..per_node {
+                let p = node(i, j) * per_node + a;
+                entries.push((p, p, ground));
+                for (k, l) in [(i + 1, j), (i, j + 1), (i + 1, j + 1)] {
+                    if k >= nx || l >= ny {
+                        continue;
+                    }
+                    for b in 0..per_node {
+                        let q = node(k, l) * per_node + b;
+                        let s = 1.0 + 0.3 * ((p * 7 + q * 3) as f64).sin();
+                        entries.extend([(p, p, s), (q, q, s), (q, p, -s)]);
+                    }
+                }
+            }
+        }
+    }
+    Matrix::new(nx * ny * per_node, &entries)
+}
+
+#[test]
+fn definite_matrices_are_solved_to_rounding() {
+    let n = 400;
+    let arrow: Vec<_> = (0..n).flat_map(|i| [(i, i, 4.0), (n - 1, i, 0.01)]).collect();
+    let dense: Vec<_> =
+        (0..60).flat_map(|i| (0..=i).map(move |j| (i, j, if i == j { 70.0 } else { 1.0 }))).collect();
+    let apart: Vec<_> = (0..n).map(|i| (i, i, 1.0 + i as f64)).collect();
+    let chain: Vec<_> = (0..n).flat_map(|i| [(i, i, 2.0), ((i + 1).min(n - 1), i, -1.0)]).collect();
+    for (name, m) in [
+        ("arrow", Matrix::new(n, &arrow)),
+        ("dense", Matrix::new(60, &dense)),
+        ("no couplings", Matrix::new(n, &apart)),
+        ("chain", Matrix::new(n, &chain)),
+        ("one unknown", Matrix::new(1, &[(0, 0, 3.0)])),
+        ("grid", grid(30, 30, 6, 1e-3)),
+        ("long grid", grid(200, 3, 6, 1e-3)),
+        ("two unknowns a node", grid(40, 25, 2, 1e-6)),
+    ] {
+        let (inertia, residual) = m.solve().unwrap();
+        assert_eq!((inertia.positive, inertia.negative), (m.pointers.len() - 1, 0), "{name}");
+        assert!(residual < 1e-13, "{name}: {residual:e}");
+    }
+}
+
+#[test]
+fn badly_scaled_matrices_are_solved_row_by_row() {
+    // Director and position unknowns of a thin shell differ by the square of the thickness.
+    let mut m = grid(20, 20, 6, 1e-2);
+    let n = m.pointers.len() - 1;
+    let scale = |i: usize| if i % 6 < 3 { 1.0 } else { 1e-5 };
+    for j in 0..n {
+        for k in m.pointers[j]..m.pointers[j + 1] {
+            m.values[k] *= scale(j) * scale(m.rows[k]);
+        }
+    }
+    let (inertia, residual) = m.solve().unwrap();
+    assert!(inertia.negative == 0 && residual < 1e-13, "{inertia:?} {residual:e}");
+}
+
+#[test]
+fn indefinite_matrices_tell_their_inertia() {
+    // Pairs [[1, 2], [2, 1]] have one eigenvalue of each sign.
+    let n = 50;
+    let pairs: Vec<_> = (0..n)
+        .flat_map(|i| [(2 * i, 2 * i, 1.0), (2 * i + 1, 2 * i + 1, 1.0), (2 * i + 1, 2 * i, 2.0)])
+        .collect();
+    let (inertia, residual) = Matrix::new(2 * n, &pairs).solve().unwrap();
+    assert_eq!(inertia, Inertia { positive: n, negative: n, zero: 0 });
+    assert!(residual < 1e-13, "{residual:e}");
+    // A grid with one unknown pushed below zero.
+    let mut m = grid(12, 12, 3, 1e-3);
+    m.values[m.pointers[200]] -= 1e3;
+    let (inertia, residual) = m.solve().unwrap();
+    assert_eq!((inertia.negative, inertia.zero), (1, 0));
+    assert!(residual < 1e-12, "{residual:e}");
+}
+
+#[test]
+fn what_cannot_be_factored_is_refused_and_leaves_no_solution() {
+    let m = Matrix::new(3, &[(0, 0, 1.0), (1, 1, 0.0), (2, 2, 1.0)]);
+    let mut factor = SparseCholesky::new(m.pattern()).unwrap();
+    assert_eq!(factor.factor(&m.values), Err(FactorError::Singular));
+    let mut x = [1.0; 3];
+    factor.solve(&mut x);
+    assert!(x.iter().all(|x| x.is_nan()));
+    assert_eq!(factor.factor(&[1.0, f64::NAN, 1.0]), Err(FactorError::NotFinite));
+    // And it works again with values that can.
+    assert_eq!(factor.factor(&[1.0, 4.0, 16.0]).unwrap().positive, 3);
+    let mut x = [1.0, 4.0, 16.0];
+    factor.solve(&mut x);
+    assert_eq!(x, [1.0; 3]);
+}
+
+#[test]
+fn solutions_do_not_depend_on_where_threads_meet() {
+    // Large enough that subtrees are split between threads.
+    let m = grid(90, 90, 6, 1e-2);
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mut factor = SparseCholesky::new(m.pattern()).unwrap();
+            let mut out = Vec::new();
+            for _ in 0..3 {
+                factor.factor(&m.values).unwrap();
+                let mut x: Vec<f64> = (0..m.pointers.len() - 1).map(|i| (i as f64).cos()).collect();
+                factor.solve(&mut x);
+                out.push(x);
+            }
+            out
+        })
+    };
+    for threads in [1, 2, 3] {
+        let out = run(threads);
+        assert!(out[0] == out[1] && out[1] == out[2], "{threads} threads repeat themselves to the bit");
+        let one = &run(1)[0];
+        let size = one.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+        let off = one.iter().zip(&out[0]).fold(0.0_f64, |a, (x, y)| a.max((x - y).abs()));
+        assert!(off < 1e-12 * size, "{threads} threads: {off:e} of {size:e}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
+
+    /// Any graph: diagonally dominant matrices have positive pivots and small residuals.
+    #[test]
+    fn any_graph_is_factored(
+        n in 1_usize..80,
+        edges in prop::collection::vec((0_usize..80, 0_usize..80, -1.0_f64..1.0), 0..300),
+    ) {
+        let mut entries: Vec<(usize, usize, f64)> = (0..n).map(|i| (i, i, 1e-3)).collect();
+        for (a, b, v) in edges {
+            let (i, j) = (a % n, b % n);
+            if i != j {
+                entries.extend([(i, j, v), (i, i, v.abs()), (j, j, v.abs())]);
+            }
+        }
+        let (inertia, residual) = Matrix::new(n, &entries).solve().unwrap();
+        prop_assert_eq!(inertia.positive, n);
+        prop_assert!(residual < 1e-12, "{:e}", residual);
+    }
+
+    /// Any indefinite matrix: the signs of the pivots are those of the eigenvalues.
+    #[test]
+    fn signs_of_pivots_are_those_of_eigenvalues(
+        diagonal in prop::collection::vec(-2.0_f64..2.0, 1..60),
+        edges in prop::collection::vec((0_usize..60, 0_usize..60, -1.0_f64..1.0), 0..200),
+    ) {
+        let n = diagonal.len();
+        let mut entries: Vec<(usize, usize, f64)> = diagonal.into_iter().enumerate().map(|(i, d)| (i, i, d)).collect();
+        entries.extend(edges.into_iter().map(|(a, b, v)| (a % n, b % n, v)));
+        let m = Matrix::new(n, &entries);
+        let mut dense = nalgebra::DMatrix::zeros(n, n);
+        for j in 0..n {
+            for k in m.pointers[j]..m.pointers[j + 1] {
+                dense[(m.rows[k], j)] = m.values[k];
+                dense[(j, m.rows[k])] = m.values[k];
+            }
+        }
+        let eigenvalues = dense.symmetric_eigenvalues();
+        // Near a singular matrix signs are up to rounding.
+        prop_assume!(eigenvalues.iter().all(|e| e.abs() > 1e-3));
+        let (inertia, residual) = m.solve().unwrap();
+        prop_assert_eq!(inertia.negative, eigenvalues.iter().filter(|e| **e < 0.0).count());
+        prop_assert_eq!(inertia.positive + inertia.negative, n);
+        prop_assert!(residual < 1e-9, "{:e}", residual);
+    }
+}
