@@ -8,7 +8,7 @@ use common::{Notes, compile, model, plate};
 use tegula::analysis::dynamics::{self, TransientOutcome};
 use tegula::analysis::{Silent, modal};
 use tegula::model::*;
-use tegula::{Result, System, Vec3};
+use tegula::{Error, Result, System, Vec3};
 
 const NEWMARK: Scheme = Scheme::Newmark(NewmarkScheme { beta: 0.25, gamma: 0.5 });
 
@@ -45,6 +45,19 @@ fn distance(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (Vec3::from(*a) - Vec3::from(*b)).norm_squared()).sum::<f64>().sqrt()
 }
 
+/// The same model with lumped mass, for implicit steps and modes.
+fn twin(m: &Model) -> System {
+    let (_, lumped) = compile(m);
+    let (_, mut system) = compile(&with(m, NEWMARK, 1.0, None));
+    let mut mass = vec![0.0; lumped.vectors()];
+    lumped.pattern.for_each_mass(|i, j, m| {
+        assert_eq!(i, j, "not lumped");
+        mass[i] = m;
+    });
+    system.pattern.set_mass(|i, j| if i == j { mass[i] } else { 0.0 });
+    system
+}
+
 /// Halving the step quarters the error in displacement and velocity, and the swing of the energy; the limit is the
 /// implicit solution of the same lumped system.
 #[test]
@@ -58,12 +71,11 @@ fn it_is_of_second_order_and_agrees_with_implicit_steps() {
         let (_, outcome) = run(&m, &mut notes);
         (outcome.unwrap().state, notes.drift() / notes.kinetic)
     };
-    // The system keeps its lumped mass whatever scheme runs on it.
-    let (_, lumped) = compile(&with(&m, explicit(true), end, None));
     let exact =
         TransientAnalysis { scheme: NEWMARK, time_step: Some(end / 4096.0), ..TransientAnalysis::new(end) };
-    let exact = dynamics::run(&lumped, &exact, None, &mut Silent).unwrap().state;
-    let [(a, swing_a), (b, swing_b)] = [at(128), at(256)];
+    let system = twin(&with(&m, explicit(true), end, None));
+    let exact = dynamics::run(&system, &exact, None, &mut Silent).unwrap().state;
+    let [(a, swing_a), (b, swing_b)] = [at(160), at(320)];
     let u = distance(&a.u, &exact.u) / distance(&b.u, &exact.u);
     let v = distance(&a.v, &exact.v) / distance(&b.v, &exact.v);
     println!("displacement {u}, velocity {v}, energy {}", swing_a / swing_b);
@@ -106,22 +118,107 @@ fn a_free_plate_keeps_its_momenta() {
         assert!((l - linear).norm() < 1e-11 * linear.norm(), "{l} {linear}");
         assert!((a - angular).norm() < 1e-11 * angular.norm(), "{a} {angular}");
     }
-    assert!(notes.momenta.len() > 50);
+    assert!(notes.momenta.len() > 10, "{}", notes.momenta.len());
 }
 
-/// Just below the critical step the motion is bounded, just above it blows up and says what to do.
+/// The critical step by the highest frequency of the whole model, iterated from internal forces of small displacements:
+/// from above.
+fn critical_by_iteration(m: &Model) -> f64 {
+    let (_, mut system) = compile(m);
+    system.linear = true;
+    let mut mass = vec![0.0; system.vectors()];
+    system.pattern.for_each_mass(|i, _, m| mass[i] = m);
+    let mut assembly = tegula::system::Assembly::new(&system);
+    let mut random = common::Random::new(1);
+    let mut x: Vec<[f64; 3]> = mass.iter().map(|_| random.vector().into()).collect();
+    let (mut force, mut held) = (x.clone(), x.clone());
+    let mut square = 0.0;
+    for _ in 0..3000 {
+        system.numbering.supported_part(&x, &mut held);
+        let mut norm = 0.0;
+        for v in 0..x.len() {
+            for i in 0..3 {
+                x[v][i] -= held[v][i];
+                norm += mass[v] * x[v][i] * x[v][i];
+            }
+        }
+        x.iter_mut().flatten().for_each(|x| *x /= norm.sqrt());
+        let k = tegula::analysis::statics::state_kinematics(&system, &x, 0.0);
+        assembly.forces(&system, &k, &mut force);
+        square = tegula::system::dot(&x, &force);
+        for v in 0..x.len() {
+            x[v] = force[v].map(|f| f / mass[v]);
+        }
+    }
+    2.0 / square.sqrt()
+}
+
+/// The bound by single elements is safe, and not far off, whatever the mesh, the element and the thickness.
+#[test]
+fn the_bound_is_below_the_critical_step_and_near_it() {
+    for element in [ElementKind::Ems, ElementKind::Cm, ElementKind::SolidShell] {
+        for (thickness, scale) in [(0.2, true), (0.2, false), (1e-3, true), (1e-3, false)] {
+            let mut m = with(&vibrating(6, thickness), explicit(scale), 1e-9, None);
+            m.sections[0].element = element;
+            let bound = run(&m, &mut Notes::default()).1.unwrap().statistics.critical_step;
+            let critical = critical_by_iteration(&m);
+            println!("{element:?} {thickness} {scale}: {bound:.4e} of {critical:.4e}, {:.3}", bound / critical);
+            assert!(bound < critical && bound > 0.75 * critical, "{bound} {critical}");
+        }
+    }
+}
+
+/// Just below the critical step the motion is bounded, just above it blows up and says when, where and what to do.
 #[test]
 fn a_step_above_the_critical_one_is_an_error_with_a_remedy() {
     let m = vibrating(4, 0.05);
-    let critical =
-        run(&with(&m, explicit(true), 0.1, None), &mut Notes::default()).1.unwrap().statistics.critical_step;
+    let critical = critical_by_iteration(&with(&m, explicit(true), 1.0, None));
     run(&with(&m, explicit(true), 400.0 * critical, Some(0.98 * critical)), &mut Notes::default()).1.unwrap();
+    for factor in [1.03, 1.1, 2.0] {
+        let mut notes = Notes::default();
+        let m = with(&m, explicit(true), 2000.0 * critical, Some(factor * critical));
+        let error = run(&m, &mut notes).1.unwrap_err();
+        let text = error.to_string();
+        println!("{factor}: {text}");
+        let Error::Unstable { at, reason, help } = &error else { panic!("{error:?}") };
+        assert!(at.contains("time") && at.contains("step") && reason.contains("node"), "{text}");
+        assert!(reason.contains("energy") && help.contains("Leave out `time_step`"), "{text}");
+        assert!(notes.events.iter().any(|e| e.contains("certainly stable")), "{:?}", notes.events);
+    }
+}
+
+/// Small displacements keep the balance to rounding, high modes and jumps of the load or not.
+#[test]
+fn the_energy_balance_of_a_linear_motion_is_exact() {
+    let mut m = vibrating(5, 0.05);
+    m.loads = vec![Load::Edge(VectorLoad { on: "u_max".into(), value: [0.0, 3.0, 1.0], amplitude: None })];
+    let mut m = with(&m, explicit(true), 0.5, None);
+    if let Analysis::Transient(t) = &mut m.analysis {
+        t.linear = true;
+    }
     let mut notes = Notes::default();
-    let error =
-        run(&with(&m, explicit(true), 400.0 * critical, Some(1.1 * critical)), &mut notes).1.unwrap_err();
-    let text = error.to_string();
-    assert!(text.contains("unstable") && text.contains("`time_step`"), "{text}");
-    assert!(notes.events.iter().any(|e| e.contains("critical step")), "{:?}", notes.events);
+    let error = run(&m, &mut notes).1.unwrap().statistics.energy_error;
+    println!("error {error:.1e}, swing {:.1e}", notes.drift() / notes.kinetic);
+    assert!(notes.totals.len() > 10 && notes.drift() > 1e-5 * notes.kinetic, "{:e}", notes.drift());
+    assert!(error < 1e-11, "{error:e}");
+}
+
+/// What is not finite ends the analysis in the step where it arises, with its place.
+#[test]
+fn values_that_are_not_finite_are_an_error_with_their_place() {
+    let mut m = vibrating(4, 0.05);
+    m.loads = vec![Load::Force(VectorLoad {
+        on: "u_max_v_max".into(),
+        value: [0.0, 0.0, 1e300],
+        amplitude: Some("late".into()),
+    })];
+    let table = TableAmplitude { times: vec![0.0, 0.01, 0.011, 1.0], values: vec![0.0, 0.0, 1.0, 1.0] };
+    m.amplitudes.insert("late".into(), Amplitude::Table(table));
+    let error = run(&with(&m, explicit(true), 0.1, None), &mut Notes::default()).1.unwrap_err();
+    println!("{error}");
+    let Error::Unstable { at, reason, .. } = &error else { panic!("{error:?}") };
+    assert!(at.contains("step 3"), "{error}");
+    assert!(reason.contains("no longer finite") && reason.contains("at (1.0000, 1.0000, 0.0000)"), "{error}");
 }
 
 /// Without scaling the thickness of a thin plate limits the step, with it the size of the elements does.
@@ -143,8 +240,11 @@ fn the_thickness_does_not_limit_the_step() {
 fn the_lowest_frequencies_stay() {
     let changes = |n: u32| {
         let m = vibrating(n, 0.01);
-        let [(consistent, mass), (lumped, kept)] = [NEWMARK, explicit(true)].map(|scheme| {
-            let (_, system) = compile(&with(&m, scheme, 1.0, None));
+        let [(consistent, mass), (lumped, kept)] = [
+            compile(&with(&m, NEWMARK, 1.0, None)).1,
+            twin(&with(&m, explicit(true), 1.0, None)),
+        ]
+        .map(|system| {
             let modes = modal::run(&system, 3, None, &mut Silent).unwrap().modes;
             (modes.iter().map(|m| m.frequency_hz).collect::<Vec<_>>(), system.total_mass())
         });

@@ -55,6 +55,7 @@ impl Notes {
             factorizations: self.factorizations + part.factorizations,
             cutbacks: self.cutbacks + part.cutbacks,
             critical_step: part.critical_step,
+            energy_error: part.energy_error,
         }
     }
 }

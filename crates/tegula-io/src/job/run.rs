@@ -133,6 +133,7 @@ pub(super) fn summary(deck: &Deck, prepared: &Prepared, start: &Start) -> Summar
         factorizations: 0,
         cutbacks: 0,
         critical_step: None,
+        energy_error: None,
         energy: Energy::default(),
         points: Default::default(),
         frequencies_hz: None,

@@ -10,82 +10,181 @@
 //! Stable below the critical step. Damping of strain rates acts with the velocity of the half step, damping of the
 //! mass is implicit. T. Belytschko, W. K. Liu, B. Moran, *Nonlinear Finite Elements for Continua and Structures*
 //! (2000), sect. 6.2.
+//!
+//! It follows that `½ v·M v − ⅛ Δt² a·M a` gains exactly the work that all forces do by the trapezoidal rule. For
+//! linear motions that is the work of the strain energy and the loads, so the energy balance without the *swing*
+//! `⅛ Δt² a·M a` is exact whatever the step; what it misses is error of nonlinear motions.
 
-use super::critical_step::CriticalStep;
-use super::{SMALLEST_STEP, TransientOutcome, balance, start as initial, work};
-use crate::analysis::statics::{state_kinematics, undefined};
-use crate::analysis::{Observer, State, Statistics, Step};
+use rayon::prelude::*;
+
+use super::work;
+use crate::analysis::State;
+use crate::analysis::statics::state_kinematics;
 use crate::element::{Kinematics, Motion, Nodal};
-use crate::model::TransientAnalysis;
 use crate::system::assembly::add_follower_loads;
-use crate::system::{Assembly, System, inside_out};
+use crate::system::numbering::CONSTRAINED;
+use crate::system::{Assembly, Numbering, System, dot3};
 use crate::{Error, Result};
 
-/// Part of the critical step that is taken.
-const SAFETY: f64 = 0.9;
-/// Steps after which the critical step is estimated anew.
-const INTERVAL: u64 = 200;
-/// A motion is unstable whose kinetic and strain energy are this many times what it can have got. At the safety factor
-/// the energy of the highest mode varies five-fold in a stable motion.
-const BLOW_UP: f64 = 100.0;
+/// Nodal vectors that one task moves at least.
+const GRAIN: usize = 4096;
 
 /// What a step works with; nothing is allocated after it is made.
-struct Explicit<'a> {
+pub(super) struct Explicit<'a> {
     system: &'a System,
-    assembly: Assembly,
+    pub(super) assembly: Assembly,
     /// Mass of each nodal vector.
-    mass: Vec<f64>,
+    pub(super) mass: Vec<f64>,
     u_old: Vec<Nodal>,
     /// Velocities of the middle of the step.
     middle: Vec<Nodal>,
-    loads_old: Vec<Nodal>,
+    /// Loads at the end of the last step and before it.
     loads: Vec<Nodal>,
+    loads_old: Vec<Nodal>,
     forces: Vec<Nodal>,
-    supported: Vec<Nodal>,
+    /// Reactions of supports that move, at the end of the last step and before it; else empty.
+    reactions: Vec<Nodal>,
+    reactions_old: Vec<Nodal>,
     damped: bool,
+    /// a·M a of the free coordinates.
+    inertia: f64,
+    /// Sum of `⅛ Δt² (a₁·M a₁ − a₀·M a₀)` over the steps.
+    pub(super) swing: f64,
 }
 
 impl<'a> Explicit<'a> {
-    fn new(system: &'a System) -> Result<Self> {
-        let n = system.vectors();
-        let mut mass = vec![0.0; n];
-        let mut lumped = true;
-        system.pattern.for_each_mass(|i, j, m| {
-            if i == j {
-                mass[i] = m;
-            } else {
-                lumped = false;
-            }
-        });
-        if !lumped {
+    /// For a system that was compiled for explicit integration.
+    ///
+    /// # Errors
+    /// It was not.
+    pub(super) fn new(system: &'a System) -> Result<Self> {
+        if !system.explicit {
             return Err(Error::model(
                 "analysis.scheme",
                 "the system was compiled with consistent mass",
                 "compile the model with the scheme \"explicit\"",
             ));
         }
-        if (0..n).any(|v| system.numbering.is_free(v) && mass[v] <= 0.0) {
-            return Err(Error::Singular {
-                what: "The mass matrix is singular: some coordinates have no mass.".into(),
-                help: "Give every material a density, or the section a `total_mass`.".into(),
-            });
-        }
+        let n = system.vectors();
+        let mut mass = vec![0.0; n];
+        system.pattern.for_each_mass(|i, j, m| {
+            if i == j {
+                mass[i] = m;
+            }
+        });
         let zero = vec![[0.0; 3]; n];
+        let moving = if system.numbering.prescribed.is_empty() { Vec::new() } else { zero.clone() };
         Ok(Self {
             system,
             assembly: Assembly::new(system),
             mass,
             u_old: zero.clone(),
             middle: zero.clone(),
-            loads_old: zero.clone(),
             loads: zero.clone(),
-            forces: zero.clone(),
-            supported: zero,
+            loads_old: zero.clone(),
+            forces: zero,
+            reactions: moving.clone(),
+            reactions_old: moving,
             damped: system.groups.iter().any(|g| g.retardation_time() != 0.0),
+            inertia: 0.0,
+            swing: 0.0,
         })
     }
 
-    /// Loads at a state, into `loads`.
+    /// Adds the free accelerations under the forces `rest`.
+    pub(super) fn accelerate(&self, rest: &[Nodal], a: &mut [Nodal]) {
+        for (v, (a, r)) in a.iter_mut().zip(rest).enumerate() {
+            let free = free_acceleration(&self.system.numbering, v, *r, self.mass[v]);
+            for i in 0..3 {
+                a[i] += free[i];
+            }
+        }
+    }
+
+    /// Loads, reactions and inertia of the state from which steps start.
+    pub(super) fn begin(&mut self, state: &State) {
+        self.assembly.history.copy_from_slice(&state.history);
+        self.find_loads(state);
+        let system = self.system;
+        if !self.reactions.is_empty() {
+            self.assembly.forces(
+                system,
+                &state_kinematics(system, &state.u, state.time),
+                &mut self.forces,
+            );
+            self.find_reactions(state);
+        }
+        self.inertia = self.free_inertia(&state.a);
+    }
+
+    /// One step of length `dt` to the time `end`.
+    ///
+    /// # Errors
+    /// Where accelerations are no longer finite, for people.
+    pub(super) fn step(&mut self, state: &mut State, dt: f64, end: f64) -> std::result::Result<(), String> {
+        let system = self.system;
+        self.u_old.copy_from_slice(&state.u);
+        std::mem::swap(&mut self.loads, &mut self.loads_old);
+        std::mem::swap(&mut self.reactions, &mut self.reactions_old);
+        let rates = state.v.par_iter().zip(&state.a);
+        self.middle.par_iter_mut().zip(rates).with_min_len(GRAIN).for_each(|(middle, (v, a))| {
+            *middle = std::array::from_fn(|i| v[i] + 0.5 * dt * a[i]);
+        });
+        if !self.reactions.is_empty() {
+            self.lead_supports(&state.u, dt, end);
+        }
+        state.u.par_iter_mut().zip(&self.middle).with_min_len(GRAIN).for_each(|(u, middle)| {
+            (0..3).for_each(|i| u[i] += dt * middle[i]);
+        });
+        system.prescribe(end, &mut state.u);
+        state.time = end;
+
+        let velocity = self.damped.then_some(self.middle.as_slice());
+        let motion = Motion::State { u: &state.u, velocity };
+        let k = Kinematics::new(&system.reference, motion, system.linear, end);
+        self.assembly.forces(system, &k, &mut self.forces);
+        self.find_loads(state);
+        self.kick(state, dt);
+        let before = self.inertia;
+        self.inertia = self.free_inertia(&state.a);
+        if !self.inertia.is_finite() {
+            return Err(self.without_finite_acceleration(state));
+        }
+        self.swing += 0.125 * dt * dt * (self.inertia - before);
+        if !self.reactions.is_empty() {
+            system.prescribe_velocity(end, &mut state.v);
+            system.prescribe_acceleration(end, &mut state.a);
+            if self.damped {
+                // That of the half step is not known where a run is resumed.
+                let motion = Motion::State { u: &state.u, velocity: None };
+                let k = Kinematics::new(&system.reference, motion, system.linear, end);
+                self.assembly.forces(system, &k, &mut self.forces);
+            }
+            self.find_reactions(state);
+        }
+        self.account(state, dt);
+        Ok(())
+    }
+
+    /// Velocities of the middle of the step that take supports to where they shall be.
+    fn lead_supports(&mut self, u: &[Nodal], dt: f64, end: f64) {
+        let numbering = &self.system.numbering;
+        // Reactions of two steps ago make room.
+        self.reactions.copy_from_slice(u);
+        self.system.prescribe(end, &mut self.reactions);
+        for (v, (middle, next)) in self.middle.iter_mut().zip(&self.reactions).enumerate() {
+            let mut local = numbering.to_axes(v, *middle);
+            let change = numbering.to_axes(v, std::array::from_fn(|i| (next[i] - u[v][i]) / dt));
+            for (c, number) in numbering.of(v).into_iter().enumerate() {
+                if number == CONSTRAINED {
+                    local[c] = change[c];
+                }
+            }
+            *middle = numbering.from_axes(v, local);
+        }
+    }
+
+    /// Loads at a state.
     fn find_loads(&mut self, state: &State) {
         self.loads.fill([0.0; 3]);
         self.system.add_dead_loads(state.time, 1.0, &mut self.loads);
@@ -93,257 +192,109 @@ impl<'a> Explicit<'a> {
         add_follower_loads(self.system, &k, state.time, 1.0, &mut self.loads);
     }
 
-    /// Free accelerations under the forces `rest`, in their place.
-    fn accelerate(&self, rest: &mut [Nodal]) {
+    /// Velocities and accelerations at the end of the step from the forces there.
+    fn kick(&self, state: &mut State, dt: f64) {
+        let (numbering, alpha) = (&self.system.numbering, self.system.mass_damping);
+        let damping = 1.0 + 0.5 * dt * alpha;
+        let forces = self.forces.par_iter().zip(&self.loads).zip(&self.mass).zip(&self.middle);
+        let rates = state.v.par_iter_mut().zip(&mut state.a);
+        rates.zip(forces).with_min_len(GRAIN).enumerate().for_each(|(n, ((v, a), (((f, load), m), middle)))| {
+            let rest = std::array::from_fn(|i| load[i] - f[i]);
+            let free = free_acceleration(numbering, n, rest, *m);
+            for i in 0..3 {
+                v[i] = (middle[i] + 0.5 * dt * free[i]) / damping;
+                a[i] = free[i] - alpha * v[i];
+            }
+        });
+    }
+
+    /// a·M a of the free coordinates.
+    fn free_inertia(&self, a: &[Nodal]) -> f64 {
         let numbering = &self.system.numbering;
-        for (v, r) in rest.iter_mut().enumerate() {
-            let mut local = numbering.to_axes(v, *r);
-            for (number, x) in numbering.of(v).into_iter().zip(&mut local) {
-                let free = number != crate::system::numbering::CONSTRAINED;
-                *x = if free { *x / self.mass[v] } else { 0.0 };
+        let product = |(v, (a, m)): (usize, (&Nodal, &f64))| {
+            if self.reactions.is_empty() {
+                return m * dot3(*a, *a);
             }
-            *r = numbering.from_axes(v, local);
-        }
+            let local = numbering.to_axes(v, *a);
+            let free = |c: &usize| numbering.of(v)[*c] != CONSTRAINED;
+            m * (0..3).filter(free).map(|c| local[c] * local[c]).sum::<f64>()
+        };
+        a.iter().zip(&self.mass).enumerate().map(product).sum()
     }
 
-    /// Work of the reactions of a state over the change of displacement from `u_old` to `to`. Expects its loads.
-    fn work_of_supports(&mut self, state: &State, to: Option<&[Nodal]>) -> f64 {
-        let system = self.system;
-        let motion = Motion::State { u: &state.u, velocity: Some(&state.v) };
-        let k = Kinematics::new(&system.reference, motion, system.linear, state.time);
-        self.assembly.forces(system, &k, &mut self.forces);
-        for (v, r) in self.forces.iter_mut().enumerate() {
+    /// Reactions of a state from its internal forces and loads.
+    fn find_reactions(&mut self, state: &State) {
+        for (v, f) in self.forces.iter_mut().enumerate() {
             for i in 0..3 {
-                r[i] +=
-                    self.mass[v] * (state.a[v][i] + system.mass_damping * state.v[v][i]) - self.loads[v][i];
+                let inertia = state.a[v][i] + self.system.mass_damping * state.v[v][i];
+                f[i] += self.mass[v] * inertia - self.loads[v][i];
             }
         }
-        system.numbering.supported_part(&self.forces, &mut self.supported);
-        work(&self.supported, &self.u_old, to.unwrap_or(&state.u))
+        self.system.numbering.supported_part(&self.forces, &mut self.reactions);
     }
 
-    /// One step of length `dt` to the time `end`.
-    fn step(&mut self, state: &mut State, dt: f64, end: f64) {
-        let system = self.system;
-        let moved = !system.numbering.prescribed.is_empty();
-        self.u_old.copy_from_slice(&state.u);
-        self.find_loads(state);
-        std::mem::swap(&mut self.loads, &mut self.loads_old);
-        for v in 0..self.mass.len() {
-            for i in 0..3 {
-                self.middle[v][i] = state.v[v][i] + 0.5 * dt * state.a[v][i];
-            }
+    /// Adds the work and dissipation of the step that ended, and takes over what materials remember.
+    fn account(&mut self, state: &mut State, dt: f64) {
+        let (system, end) = (self.system, state.time);
+        let trapezoid = |old: &[Nodal], new: &[Nodal]| {
+            0.5 * (work(old, &self.u_old, &state.u) + work(new, &self.u_old, &state.u))
+        };
+        let mut done = 0.0;
+        if !system.dead_loads.is_empty() || !system.followers.is_empty() {
+            done += trapezoid(&self.loads_old, &self.loads);
+            done +=
+                system.constant_gravity_potential(&state.u) - system.constant_gravity_potential(&self.u_old);
         }
-        let mut target = std::mem::take(&mut self.middle);
-        let mut of_supports = 0.0;
-        if moved {
-            // Reactions do work over the prescribed displacement of the step.
-            self.loads.copy_from_slice(&self.loads_old);
-            let mut next = std::mem::take(&mut self.loads_old);
-            next.copy_from_slice(&state.u);
-            system.prescribe(end, &mut next);
-            of_supports += 0.5 * self.work_of_supports(state, Some(&next));
-            for v in 0..next.len() {
-                let mut local = system.numbering.to_axes(v, target[v]);
-                let change = std::array::from_fn(|i| (next[v][i] - self.u_old[v][i]) / dt);
-                let change = system.numbering.to_axes(v, change);
-                for (c, number) in system.numbering.of(v).into_iter().enumerate() {
-                    if number == crate::system::numbering::CONSTRAINED {
-                        local[c] = change[c];
-                    }
-                }
-                target[v] = system.numbering.from_axes(v, local);
-            }
-            self.loads_old = next;
-            self.loads_old.copy_from_slice(&self.loads);
+        if !self.reactions.is_empty() {
+            done += trapezoid(&self.reactions_old, &self.reactions);
         }
-        for v in 0..self.mass.len() {
-            for i in 0..3 {
-                state.u[v][i] += dt * target[v][i];
-            }
-        }
-        system.prescribe(end, &mut state.u);
-        state.time = end;
-        let velocity = self.damped.then_some(target.as_slice());
-        let motion = Motion::State { u: &state.u, velocity };
-        let k = Kinematics::new(&system.reference, motion, system.linear, end);
-        let mut rest = std::mem::take(&mut self.forces);
-        self.assembly.forces(system, &k, &mut rest);
-        self.find_loads(state);
-        for (r, f) in rest.iter_mut().zip(&self.loads) {
-            for i in 0..3 {
-                r[i] = f[i] - r[i];
-            }
-        }
-        self.accelerate(&mut rest);
-        let damping = 1.0 + 0.5 * dt * system.mass_damping;
-        for v in 0..self.mass.len() {
-            for i in 0..3 {
-                state.v[v][i] = (target[v][i] + 0.5 * dt * rest[v][i]) / damping;
-                state.a[v][i] = rest[v][i] - system.mass_damping * state.v[v][i];
-            }
-        }
-        // Supported coordinates have no acceleration but a prescribed one.
-        if system.mass_damping != 0.0 || moved {
-            system.numbering.supported_part(&state.a, &mut self.supported);
-            for (a, s) in state.a.iter_mut().zip(&self.supported) {
-                for i in 0..3 {
-                    a[i] -= s[i];
-                }
-            }
-            system.prescribe_velocity(end, &mut state.v);
-            system.prescribe_acceleration(end, &mut state.a);
-        }
-        self.forces = rest;
-        if moved {
-            of_supports += 0.5 * self.work_of_supports(state, None);
-        }
-        let of_loads =
-            0.5 * (work(&self.loads_old, &self.u_old, &state.u) + work(&self.loads, &self.u_old, &state.u));
-        let gravity =
-            system.constant_gravity_potential(&self.u_old) - system.constant_gravity_potential(&state.u);
-        let strains = self.assembly.prescribed_strain_work(system, (&self.u_old, end - dt), (&state.u, end));
-        state.work += of_loads - gravity + of_supports + strains;
+        let ends = ((self.u_old.as_slice(), end - dt), (state.u.as_slice(), end));
+        state.work += done + self.assembly.prescribed_strain_work(system, ends.0, ends.1);
         if self.damped || system.mass_damping != 0.0 {
             let motion = Motion::Step { old: &self.u_old, new: &state.u, dt };
             let k = Kinematics::new(&system.reference, motion, system.linear, end);
-            state.dissipated += dt
-                * (self.assembly.dissipated_power(system, &k)
-                    + 2.0 * system.mass_damping * system.kinetic_energy(&target));
+            let strains = if self.damped { self.assembly.dissipated_power(system, &k) } else { 0.0 };
+            state.dissipated +=
+                dt * (strains + 2.0 * system.mass_damping * system.kinetic_energy(&self.middle));
         }
-        self.middle = target;
-        let k = state_kinematics(system, &state.u, end);
-        state.dissipated += self.assembly.commit(system, &k);
-        state.history.copy_from_slice(&self.assembly.history);
+        if !state.history.is_empty() {
+            let k = state_kinematics(system, &state.u, end);
+            state.dissipated += self.assembly.commit(system, &k);
+            state.history.copy_from_slice(&self.assembly.history);
+        }
     }
-}
 
-/// Integrates the motion explicitly from `start` (rest or the initial velocities where `None`).
-///
-/// # Errors
-/// The motion became unstable, elements turned inside out, or the user interrupted.
-pub fn run(
-    system: &System,
-    options: &TransientAnalysis,
-    start: Option<State>,
-    observer: &mut dyn Observer,
-) -> Result<TransientOutcome> {
-    let mut scheme = Explicit::new(system)?;
-    let fresh = start.is_none();
-    if fresh && let Some(reason) = system.undefined_amplitude(0.0) {
-        return Err(undefined("time", (0.0, 0.0), reason));
-    }
-    // Also where a run is resumed: the energy at the start is what later energies are held against.
-    let (mut first, mut rest) = initial(system, &mut scheme.assembly);
-    scheme.accelerate(&mut rest);
-    for (a, r) in first.a.iter_mut().zip(&rest) {
-        for i in 0..3 {
-            a[i] += r[i];
+    /// Where accelerations are no longer finite.
+    fn without_finite_acceleration(&self, state: &State) -> String {
+        match self.assembly.without_answer(self.system) {
+            Some(element) => format!("the forces of {element} are no longer finite"),
+            None => format!("the acceleration of {} is no longer finite", self.fastest(state)),
         }
     }
-    first.energy_scale = system.kinetic_energy(&first.v);
-    let at_start = balance(system, &mut scheme.assembly, &first);
-    let mut given = at_start.kinetic + at_start.strain + at_start.potential.abs();
-    let mut state = start.unwrap_or(first);
-    scheme.assembly.history.copy_from_slice(&state.history);
-    let mut critical = CriticalStep::new(system, &scheme.mass);
-    let mut statistics = Statistics { steps: state.step, ..Statistics::default() };
-    let mut balance = self::balance(system, &mut scheme.assembly, &state);
-    let mut estimated = false;
-    while fresh && !estimated || state.time < options.end_time {
-        if !estimated || (!system.linear && state.step.is_multiple_of(INTERVAL)) {
-            let step = critical.estimate(system, &mut scheme.assembly, &state);
-            statistics.critical_step = step;
-            // A resumed run keeps the step it had, until the next estimate is due.
-            if fresh || estimated || state.step.is_multiple_of(INTERVAL) {
-                let largest = options.max_step.unwrap_or(options.end_time);
-                state.next_step = options.time_step.unwrap_or((SAFETY * step).min(largest));
-            }
-            if let Some(wanted) = options.time_step.filter(|&wanted| wanted > step && !estimated) {
-                observer.on_event(&format!(
-                    "the step {wanted:.3e} is above the critical step of about {step:.3e}"
-                ));
-            }
-            if !state.next_step.is_finite() || state.next_step < SMALLEST_STEP * options.end_time {
-                return Err(unstable(
-                    &state,
-                    &statistics,
-                    "the critical step is no longer a useful one".into(),
-                ));
-            }
-            if fresh && !estimated {
-                let (state, balance, statistics) = (&state, &balance, &statistics);
-                observer.on_step(&Step {
-                    state,
-                    balance,
-                    statistics,
-                    iterations: 0,
-                    end: options.end_time,
-                })?;
-            }
-            estimated = true;
-        }
-        let left = options.end_time - state.time;
-        let last = left <= 1.000_001 * state.next_step;
-        let dt = if last { left } else { state.next_step };
-        let end = if last { options.end_time } else { state.time + dt };
-        if let Some(reason) = system.undefined_amplitude(end) {
-            return Err(undefined("time", (state.time, end), reason));
-        }
-        scheme.step(&mut state, dt, end);
-        state.last_step = dt;
-        state.step += 1;
-        statistics.steps = state.step;
-        balance = self::balance(system, &mut scheme.assembly, &state);
-        let stored = balance.kinetic + balance.strain;
-        given = given.max(at_start.kinetic + at_start.strain + balance.work.abs() + balance.potential.abs());
-        if !stored.is_finite() || stored > BLOW_UP * given {
-            let reason = match scheme.assembly.without_answer(system) {
-                Some(element) => format!("the forces of {element} are no numbers"),
-                None => format!(
-                    "the motion is unstable: its energy {stored:.2e} is far above the {given:.2e} that loads and \
-                     initial motion have given"
-                ),
-            };
-            return Err(unstable(&state, &statistics, reason));
-        }
-        if (state.step.is_multiple_of(INTERVAL) || last)
-            && let Some(reason) = inside_out(system, &state.u)
-        {
-            return Err(unstable(&state, &statistics, reason));
-        }
-        state.energy_scale = state.energy_scale.max(balance.kinetic).max(balance.strain);
-        let step = Step {
-            state: &state,
-            balance: &balance,
-            statistics: &statistics,
-            iterations: 0,
-            end: options.end_time,
+
+    /// The node whose motion holds most kinetic energy, or is not finite, for people.
+    pub(super) fn fastest(&self, state: &State) -> String {
+        let energy = |v: usize| {
+            let twice = self.mass[v] * dot3(state.v[v], state.v[v]);
+            if twice.is_finite() { twice } else { f64::INFINITY }
         };
-        observer.on_step(&step)?;
-        if observer.interrupted() && state.time < options.end_time {
-            return Err(Error::Interrupted);
-        }
+        let all = 0..self.mass.len();
+        let Some(v) = all.reduce(|a, b| if energy(b) > energy(a) { b } else { a }) else {
+            return "the model".into();
+        };
+        let node = self.system.nodes[v];
+        let p = self.system.position_of[node as usize] as usize;
+        let [x, y, z] = self.system.reference[p];
+        format!("node {} at ({x:.4}, {y:.4}, {z:.4})", self.system.node_label(node))
     }
-    Ok(TransientOutcome { state, balance, statistics })
 }
 
-/// The end of a motion that cannot go on.
-fn unstable(state: &State, statistics: &Statistics, reason: String) -> Error {
-    Error::NotConverged {
-        at: format!("time {:.6e}", state.time),
-        reason,
-        help: format!(
-            "The last step was {:.3e}, the critical step is about {:.3e}. Drop `time_step`, or give one or a \
-             `max_step` below {:.3e}; else look at loads, initial velocities and units.",
-            state.last_step,
-            statistics.critical_step,
-            SAFETY
-                * statistics.critical_step.min(if state.last_step > 0.0 {
-                    state.last_step
-                } else {
-                    f64::MAX
-                })
-        ),
+/// Acceleration of a nodal vector under a force, zero along supports.
+#[inline]
+fn free_acceleration(numbering: &Numbering, vector: usize, force: Nodal, mass: f64) -> Nodal {
+    let mut local = numbering.to_axes(vector, force);
+    for (x, number) in local.iter_mut().zip(numbering.of(vector)) {
+        *x = if number == CONSTRAINED { 0.0 } else { *x / mass };
     }
+    numbering.from_axes(vector, local)
 }

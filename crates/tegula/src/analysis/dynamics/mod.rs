@@ -2,7 +2,8 @@
 
 pub mod critical_step;
 pub mod energy_momentum;
-pub mod explicit;
+mod explicit;
+mod explicit_run;
 pub mod newmark;
 pub mod step_control;
 
@@ -86,7 +87,7 @@ pub fn run(
     observer: &mut dyn Observer,
 ) -> Result<TransientOutcome> {
     let Some(mut scheme) = integrator(system, options.scheme) else {
-        return explicit::run(system, options, start, observer);
+        return explicit_run::run(system, options, start, observer);
     };
     let mut newton = Newton::new(system, None)?;
     let mut statistics = Statistics::default();
