@@ -162,7 +162,10 @@ fn the_bound_is_below_the_critical_step_and_near_it() {
             m.sections[0].element = element;
             let bound = run(&m, &mut Notes::default()).1.unwrap().statistics.critical_step;
             let critical = critical_by_iteration(&m);
-            println!("{element:?} {thickness} {scale}: {bound:.4e} of {critical:.4e}, {:.3}", bound / critical);
+            println!(
+                "{element:?} {thickness} {scale}: {bound:.4e} of {critical:.4e}, {:.3}",
+                bound / critical
+            );
             assert!(bound < critical && bound > 0.75 * critical, "{bound} {critical}");
         }
     }
@@ -240,14 +243,13 @@ fn the_thickness_does_not_limit_the_step() {
 fn the_lowest_frequencies_stay() {
     let changes = |n: u32| {
         let m = vibrating(n, 0.01);
-        let [(consistent, mass), (lumped, kept)] = [
-            compile(&with(&m, NEWMARK, 1.0, None)).1,
-            twin(&with(&m, explicit(true), 1.0, None)),
-        ]
-        .map(|system| {
-            let modes = modal::run(&system, 3, None, &mut Silent).unwrap().modes;
-            (modes.iter().map(|m| m.frequency_hz).collect::<Vec<_>>(), system.total_mass())
-        });
+        let [(consistent, mass), (lumped, kept)] =
+            [compile(&with(&m, NEWMARK, 1.0, None)).1, twin(&with(&m, explicit(true), 1.0, None))].map(
+                |system| {
+                    let modes = modal::run(&system, 3, None, &mut Silent).unwrap().modes;
+                    (modes.iter().map(|m| m.frequency_hz).collect::<Vec<_>>(), system.total_mass())
+                },
+            );
         assert!((kept / mass - 1.0).abs() < 1e-12);
         consistent.iter().zip(&lumped).map(|(a, b)| b / a - 1.0).collect::<Vec<_>>()
     };

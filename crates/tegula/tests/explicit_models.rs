@@ -56,15 +56,14 @@ fn strip() -> Model {
     m
 }
 
-/// Steps of the explicit scheme (a quarter of the critical ones) against implicit ones of the same length on the same
+/// Steps of the explicit scheme, so many for one critical step, against implicit ones of the same length on the same
 /// lumped mass: both are of second order.
-fn against_newmark(m: &Model, end: f64, tolerance: f64) -> (TransientOutcome, TransientOutcome) {
+fn against_newmark(m: &Model, parts: f64, end: f64, tolerance: f64) -> (TransientOutcome, TransientOutcome) {
     let critical = run(&with(m, EXPLICIT, end, None), &mut Silent).unwrap().statistics.critical_step;
-    let step = end / (4.0 * end / critical).ceil();
+    let step = end / (parts * end / critical).ceil();
     let mut notes = Notes::default();
     let fast = run(&with(m, EXPLICIT, end, Some(step)), &mut notes).unwrap();
-    let options =
-        TransientAnalysis { scheme: NEWMARK, time_step: Some(step), ..TransientAnalysis::new(end) };
+    let options = TransientAnalysis { scheme: NEWMARK, time_step: Some(step), ..TransientAnalysis::new(end) };
     let slow = dynamics::run(&twin(&with(m, EXPLICIT, end, None)), &options, None, &mut Silent).unwrap();
     let error = distance(&fast.state.u, &slow.state.u) / size(&slow.state.u);
     let (b, c) = (&fast.balance, &slow.balance);
@@ -108,7 +107,7 @@ fn supports_that_move_do_work() {
     }
     let expression = ExpressionAmplitude { expression: "1 - cos(60*t)".into() };
     m.amplitudes.insert("shake".into(), Amplitude::Expression(expression));
-    let (fast, slow) = against_newmark(&m, 0.15, 5e-3);
+    let (fast, slow) = against_newmark(&m, 8.0, 0.15, 5e-3);
     assert!(slow.balance.work > 0.5 * slow.state.energy_scale, "{:?}", slow.balance);
     near(fast.balance.work, slow.balance.work, 5e-3);
 }
@@ -119,7 +118,7 @@ fn damping_takes_energy() {
     m.damping.stiffness = 2e-3;
     m.damping.mass = 1.0;
     m.loads = vec![Load::Gravity(GravityLoad { value: [0.0, 0.0, -9.81], amplitude: None })];
-    let (fast, slow) = against_newmark(&m, 0.5, 1e-2);
+    let (fast, slow) = against_newmark(&m, 4.0, 0.5, 1e-2);
     assert!(slow.balance.dissipated > 0.1 * slow.state.energy_scale, "{:?}", slow.balance);
     near(fast.balance.dissipated, slow.balance.dissipated, 2e-2);
 }
@@ -166,8 +165,8 @@ fn plastic_layers_dissipate() {
             angular_velocity: [0.0, -1.5, 0.0],
             center: [0.0; 3],
         }];
-        let (fast, slow) = against_newmark(&m, 0.2, 1e-2);
-        assert!(slow.balance.dissipated > 0.1 * slow.state.energy_scale, "{:?}", slow.balance);
+        let (fast, slow) = against_newmark(&m, 4.0, 0.4, 1e-2);
+        assert!(slow.balance.dissipated > 0.05 * slow.state.energy_scale, "{:?}", slow.balance);
         near(fast.balance.dissipated, slow.balance.dissipated, 1e-2);
     }
 }
@@ -179,11 +178,10 @@ fn rubber_under_pressure() {
     let rubber = NeoHookean { shear: 4e5, bulk: 8e6, density: 1e3, form: Default::default() };
     m.materials.insert("m".into(), Material::NeoHookean(rubber));
     m.sections[0].element = ElementKind::Cm;
-    m.conditions = ["u_min", "u_max", "v_min", "v_max"]
-        .map(|set| Condition::Clamp(OnSet { on: set.into() }))
-        .into();
+    m.conditions =
+        ["u_min", "u_max", "v_min", "v_max"].map(|set| Condition::Clamp(OnSet { on: set.into() })).into();
     m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: -1.5e3, amplitude: None })];
-    let (fast, _) = against_newmark(&m, 0.08, 1e-2);
+    let (fast, _) = against_newmark(&m, 4.0, 0.08, 1e-2);
     let top = fast.state.u.iter().map(|u| u[2]).fold(0.0, f64::max);
     assert!(top > 0.1, "the sheet bulges by {top}");
 }
@@ -201,7 +199,7 @@ fn folds_move_as_with_implicit_steps() {
         m.materials.insert("m".into(), Material::Isotropic(Isotropic::new(1e6, 0.3, 1e3)));
         m.loads = vec![Load::Gravity(GravityLoad { value: [3.0, 0.0, -9.81], amplitude: None })];
         if scale_director_inertia {
-            against_newmark(&m, 0.3, 1e-2);
+            against_newmark(&m, 4.0, 0.3, 1e-2);
         } else {
             let scheme = Scheme::Explicit(ExplicitScheme { scale_director_inertia });
             let outcome = run(&with(&m, scheme, 0.3, None), &mut Silent).unwrap();
@@ -209,7 +207,6 @@ fn folds_move_as_with_implicit_steps() {
         }
     }
 }
-
 
 #[test]
 fn what_cannot_be_lumped_is_refused_with_a_remedy() {
@@ -219,7 +216,14 @@ fn what_cannot_be_lumped_is_refused_with_a_remedy() {
         match change {
             "mitc4" => m.sections[0].element = ElementKind::Mitc4,
             "ancf-full" => m.sections[0].element = ElementKind::AncfFull,
-            _ => m.sections[0].offset = 0.02,
+            _ => {
+                m.sections[0].layup = Some(Layup {
+                    plies: vec![LayupPly { material: Some("m".into()), angle: 0.0, thickness: Some(0.05) }],
+                    offset: 0.02,
+                    ..Layup::default()
+                });
+                (m.sections[0].material, m.sections[0].thickness) = (String::new(), 0.0);
+            }
         }
         let mesh = generate(&m.mesh).unwrap();
         let Err(Error::Model(issues)) = build(&m, &mesh) else { panic!("{change} is taken") };
@@ -264,7 +268,7 @@ impl Observer for Stop {
 fn an_interrupted_run_goes_on_where_it_was() {
     let mut m = strip();
     m.damping.stiffness = 1e-3;
-    m.loads = vec![Load::Gravity(GravityLoad { value: [0.0, 0.0, -9.81], amplitude: None })];
+    m.loads = vec![Load::Gravity(GravityLoad { value: [0.0, 0.0, -1.0], amplitude: None })];
     m.conditions.push(Condition::Prescribe(PrescribeComponent {
         on: "u_max_v_max".into(),
         of: NodalVector::Position,

@@ -114,7 +114,8 @@ pub fn for_each_group(
         let m = group.vectors_per_element();
         let (mine, rest) = history.split_at(group.len() * group.history_per_element());
         history = rest;
-        let k = Kinematics { interior: Interior { history: mine, factors: &factors }, unit: &system.unit, ..k };
+        let k =
+            Kinematics { interior: Interior { history: mine, factors: &factors }, unit: &system.unit, ..k };
         let mut forces = vec![0.0; 3 * m * group.len()];
         let mut blocks = vec![0.0; 9 * m * (m + 1) / 2 * group.len()];
         let request =
@@ -135,19 +136,22 @@ pub fn of_elements(
 ) -> Vec<f64> {
     let size = block_values(group.vectors_per_element());
     let mut out = vec![0.0; group.len()];
-    out.par_chunks_mut(CHUNK).zip(blocks.par_chunks(CHUNK * size)).enumerate().for_each(|(chunk, (out, blocks))| {
-        let arch = pulp::Arch::new();
-        arch.dispatch(|| {
-            let mut square = Square::new();
-            for (i, (out, blocks)) in out.iter_mut().zip(blocks.chunks_exact(size)).enumerate() {
-                let element = chunk * CHUNK + i;
-                let mass = shares.of(system, group, element, mass);
-                let vectors = group.vectors(element);
-                square.fill(blocks, &mass[..vectors.len()], |a| wanted(system.kinds[vectors[a] as usize]));
-                *out = square.bound(0.0);
-            }
-        });
-    });
+    out.par_chunks_mut(CHUNK).zip(blocks.par_chunks(CHUNK * size)).enumerate().for_each(
+        |(chunk, (out, blocks))| {
+            let arch = pulp::Arch::new();
+            arch.dispatch(|| {
+                let mut square = Square::new();
+                for (i, (out, blocks)) in out.iter_mut().zip(blocks.chunks_exact(size)).enumerate() {
+                    let element = chunk * CHUNK + i;
+                    let mass = shares.of(system, group, element, mass);
+                    let vectors = group.vectors(element);
+                    square
+                        .fill(blocks, &mass[..vectors.len()], |a| wanted(system.kinds[vectors[a] as usize]));
+                    *out = square.bound(0.0);
+                }
+            });
+        },
+    );
     out
 }
 

@@ -107,11 +107,7 @@ impl<'a> Explicit<'a> {
         self.find_loads(state);
         let system = self.system;
         if !self.reactions.is_empty() {
-            self.assembly.forces(
-                system,
-                &state_kinematics(system, &state.u, state.time),
-                &mut self.forces,
-            );
+            self.find_forces(state);
             self.find_reactions(state);
         }
         self.inertia = self.free_inertia(&state.a);
@@ -155,10 +151,9 @@ impl<'a> Explicit<'a> {
             system.prescribe_velocity(end, &mut state.v);
             system.prescribe_acceleration(end, &mut state.a);
             if self.damped {
-                // That of the half step is not known where a run is resumed.
-                let motion = Motion::State { u: &state.u, velocity: None };
-                let k = Kinematics::new(&system.reference, motion, system.linear, end);
-                self.assembly.forces(system, &k, &mut self.forces);
+                // Reactions hold the damping of the velocity at the end; that of the half step is not known where a run
+                // is resumed.
+                self.find_forces(state);
             }
             self.find_reactions(state);
         }
@@ -184,6 +179,14 @@ impl<'a> Explicit<'a> {
         }
     }
 
+    /// Internal forces of a state.
+    fn find_forces(&mut self, state: &State) {
+        let velocity = self.damped.then_some(state.v.as_slice());
+        let motion = Motion::State { u: &state.u, velocity };
+        let k = Kinematics::new(&self.system.reference, motion, self.system.linear, state.time);
+        self.assembly.forces(self.system, &k, &mut self.forces);
+    }
+
     /// Loads at a state.
     fn find_loads(&mut self, state: &State) {
         self.loads.fill([0.0; 3]);
@@ -198,14 +201,16 @@ impl<'a> Explicit<'a> {
         let damping = 1.0 + 0.5 * dt * alpha;
         let forces = self.forces.par_iter().zip(&self.loads).zip(&self.mass).zip(&self.middle);
         let rates = state.v.par_iter_mut().zip(&mut state.a);
-        rates.zip(forces).with_min_len(GRAIN).enumerate().for_each(|(n, ((v, a), (((f, load), m), middle)))| {
-            let rest = std::array::from_fn(|i| load[i] - f[i]);
-            let free = free_acceleration(numbering, n, rest, *m);
-            for i in 0..3 {
-                v[i] = (middle[i] + 0.5 * dt * free[i]) / damping;
-                a[i] = free[i] - alpha * v[i];
-            }
-        });
+        rates.zip(forces).with_min_len(GRAIN).enumerate().for_each(
+            |(n, ((v, a), (((f, load), m), middle)))| {
+                let rest = std::array::from_fn(|i| load[i] - f[i]);
+                let free = free_acceleration(numbering, n, rest, *m);
+                for i in 0..3 {
+                    v[i] = (middle[i] + 0.5 * dt * free[i]) / damping;
+                    a[i] = free[i] - alpha * v[i];
+                }
+            },
+        );
     }
 
     /// a·M a of the free coordinates.

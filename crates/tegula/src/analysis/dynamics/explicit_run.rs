@@ -90,8 +90,7 @@ pub(super) fn run(
     let mut statistics = Statistics { steps: state.step, ..Statistics::default() };
     let mut balance = super::balance(system, &mut scheme.assembly, &state);
     let energy = at_first.kinetic + at_first.strain;
-    let mut watch =
-        Watch { total: balance.total, first: energy, given: energy + at_first.potential.abs() };
+    let mut watch = Watch { total: balance.total, first: energy, given: energy + at_first.potential.abs() };
     let (mut found, mut warned) = (false, false);
     while fresh && !found || state.time < options.end_time {
         if !found || (!system.linear && state.step.is_multiple_of(INTERVAL)) {
