@@ -105,7 +105,6 @@ impl<'a> Explicit<'a> {
     pub(super) fn begin(&mut self, state: &State) {
         self.assembly.history.copy_from_slice(&state.history);
         self.find_loads(state);
-        let system = self.system;
         if !self.reactions.is_empty() {
             self.find_forces(state);
             self.find_reactions(state);

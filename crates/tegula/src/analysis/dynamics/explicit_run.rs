@@ -19,7 +19,7 @@ const INTERVAL: u64 = 100;
 const REPORT: u64 = 10;
 /// Largest error of the energy balance over the largest kinetic or strain energy. Linear motions keep the balance to
 /// rounding, resolved nonlinear ones to well below a hundredth.
-const BROKEN: f64 = 0.1;
+const BROKEN: f64 = 0.05;
 /// A motion is unstable whose kinetic and strain energy are this many times what it can have got. At the safety factor
 /// the energy of the highest mode varies five-fold in a stable motion.
 const BLOW_UP: f64 = 100.0;
