@@ -1,10 +1,11 @@
 //! Bounds of the highest frequency by single elements.
 //!
 //! Let the elements share the lumped mass, `m_v = Σ_e m_v^e`. Then no eigenvalue of `K x = ω² M x` is above the largest
-//! one of a single element with its share, whatever the supports: B. Irons, G. Treharne, *A bound theorem in
-//! eigenvalues and its practical applications*, Proc. 3rd Conf. Matrix Methods in Structural Mechanics, Wright–Patterson
-//! (1972). The largest eigenvalue of an element is bounded in turn by `(tr A³²)^(1/32)`, `A = M_e^(−½) K_e M_e^(−½)`,
-//! which is at most `q^(1/32)` too high where q eigenvalues are as large. No matrix of the model is made.
+//! one of a single element with its share, whatever the supports: `x·K x / x·M x` is the mean of the quotients of the
+//! elements, weighted with their `x·M_e x`. B. Irons, G. Treharne, *A bound theorem in eigenvalues and its practical
+//! applications*, Proc. 3rd Conf. Matrix Methods in Structural Mechanics, Wright–Patterson (1971). The largest eigenvalue
+//! of an element is bounded in turn by `(tr A³²)^(1/32)`, `A = M_e^(−½) K_e M_e^(−½)`, which is at most `q^(1/32)` too
+//! high where q eigenvalues are as large. No matrix of the model is made.
 
 use rayon::prelude::*;
 
