@@ -140,17 +140,21 @@ pub fn of_elements(
     out.par_chunks_mut(CHUNK).zip(blocks.par_chunks(CHUNK * size)).enumerate().for_each(
         |(chunk, (out, blocks))| {
             let arch = pulp::Arch::new();
-            arch.dispatch(|| {
-                let mut square = Square::new();
-                for (i, (out, blocks)) in out.iter_mut().zip(blocks.chunks_exact(size)).enumerate() {
-                    let element = chunk * CHUNK + i;
-                    let mass = shares.of(system, group, element, mass);
-                    let vectors = group.vectors(element);
-                    square
-                        .fill(blocks, &mass[..vectors.len()], |a| wanted(system.kinds[vectors[a] as usize]));
-                    *out = square.bound(0.0);
-                }
-            });
+            arch.dispatch(
+                #[inline(always)]
+                || {
+                    let mut square = Square::new();
+                    for (i, (out, blocks)) in out.iter_mut().zip(blocks.chunks_exact(size)).enumerate() {
+                        let element = chunk * CHUNK + i;
+                        let mass = shares.of(system, group, element, mass);
+                        let vectors = group.vectors(element);
+                        square.fill(blocks, &mass[..vectors.len()], |a| {
+                            wanted(system.kinds[vectors[a] as usize])
+                        });
+                        *out = square.bound(0.0);
+                    }
+                },
+            );
         },
     );
     out
@@ -169,16 +173,19 @@ pub fn of_group(
         .enumerate()
         .map(|(chunk, blocks)| {
             let arch = pulp::Arch::new();
-            arch.dispatch(|| {
-                let (mut square, mut highest) = (Square::new(), 0.0_f64);
-                for (i, blocks) in blocks.chunks_exact(size).enumerate() {
-                    let element = chunk * CHUNK + i;
-                    let mass = shares.of(system, group, element, mass);
-                    square.fill(blocks, &mass[..group.vectors_per_element()], |_| true);
-                    highest = larger(highest, square.bound(highest));
-                }
-                highest
-            })
+            arch.dispatch(
+                #[inline(always)]
+                || {
+                    let (mut square, mut highest) = (Square::new(), 0.0_f64);
+                    for (i, blocks) in blocks.chunks_exact(size).enumerate() {
+                        let element = chunk * CHUNK + i;
+                        let mass = shares.of(system, group, element, mass);
+                        square.fill(blocks, &mass[..group.vectors_per_element()], |_| true);
+                        highest = larger(highest, square.bound(highest));
+                    }
+                    highest
+                },
+            )
         })
         .reduce(|| 0.0, larger)
 }
@@ -235,14 +242,18 @@ impl Square {
     fn fill(&mut self, blocks: &[f64], mass: &[f64], wanted: impl Fn(usize) -> bool) {
         let m = mass.len();
         self.size = 3 * m;
+        let mut inverse = [0.0; 8];
+        for (a, inverse) in inverse[..m].iter_mut().enumerate() {
+            *inverse = if wanted(a) { 1.0 / mass[a].sqrt() } else { 0.0 };
+        }
         let mut block = blocks.chunks_exact(9);
         for a in 0..m {
             for b in 0..=a {
                 let Some(k) = block.next() else { return };
-                let factor = if wanted(a) && wanted(b) { 1.0 / (mass[a] * mass[b]).sqrt() } else { 0.0 };
+                let factor = inverse[a] * inverse[b];
                 for i in 0..3 {
                     for j in 0..3 {
-                        let value = if factor == 0.0 { 0.0 } else { factor * k[3 * i + j] };
+                        let value = factor * k[3 * i + j];
                         self.a[3 * a + i][3 * b + j] = value;
                         self.a[3 * b + j][3 * a + i] = value;
                     }
@@ -257,26 +268,40 @@ impl Square {
         let n = self.size;
         let mut bound = 1.0;
         for squaring in 0..=SQUARINGS {
-            let norm = self.a[..n].iter().flat_map(|row| &row[..n]).map(|x| x * x).sum::<f64>().sqrt();
+            let norm = self.norm();
             bound *= norm.powf(0.5_f64.powi(squaring));
             if !(norm > 0.0 && norm.is_finite()) || bound <= enough || squaring == SQUARINGS {
                 break;
             }
             // Scaled to norm 1, so that powers neither over- nor underflow.
-            self.a[..n].iter_mut().flat_map(|row| &mut row[..n]).for_each(|x| *x /= norm);
-            for i in 0..n {
-                let mut row = [0.0; LARGEST];
-                for k in 0..n {
-                    let factor = self.a[i][k];
-                    for (r, x) in row.iter_mut().zip(&self.a[k]) {
-                        *r += factor * x;
+            let scale = 1.0 / norm;
+            for row in &mut self.a[..n] {
+                row.iter_mut().for_each(|x| *x *= scale);
+            }
+            for (out, left) in self.squared.iter_mut().zip(&self.a[..n]) {
+                let mut sum = [0.0; LARGEST];
+                for (factor, row) in left.iter().zip(&self.a[..n]) {
+                    for (s, x) in sum.iter_mut().zip(row) {
+                        *s += factor * x;
                     }
                 }
-                self.squared[i] = row;
+                *out = sum;
             }
             std::mem::swap(&mut self.a, &mut self.squared);
         }
         bound
+    }
+
+    /// Frobenius norm; columns beyond the size are zero.
+    #[inline(always)]
+    fn norm(&self) -> f64 {
+        let mut sum = [0.0; LARGEST];
+        for row in &self.a[..self.size] {
+            for (s, x) in sum.iter_mut().zip(row) {
+                *s += x * x;
+            }
+        }
+        sum.iter().sum::<f64>().sqrt()
     }
 }
 
