@@ -75,6 +75,9 @@ pub fn print(summary: &Summary, folder: &Path) {
             s.wall_s
         ),
     }
+    if let Some(error) = s.energy_error {
+        say!("  energy balance kept to {error:.1e} of the largest energy");
+    }
     for (name, point) in &s.points {
         let [x, y, z] = point.displacement;
         say!("  {name}: displacement ({x:.6e}, {y:.6e}, {z:.6e})");

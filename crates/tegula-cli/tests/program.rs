@@ -104,6 +104,23 @@ fn the_pendulum_of_sect_5_4() {
     assert!(out.join("fields.pvd").exists() && out.join("snapshots.png").exists());
 }
 
+/// d'Alembert's solution for a bar pulled at its end: σ/(ρc) times the time since the front has passed.
+#[test]
+fn the_stress_wave_runs_with_the_speed_of_sound() {
+    let s = result_of("stress_wave.toml");
+    near(&s["points"]["end"]["displacement"][0], 1.25 * 1e8 / 2.1e11, 2e-3);
+    near(&s["points"]["middle"]["displacement"][0], 0.75 * 1e8 / 2.1e11, 2e-3);
+    // The work of the load is its force times the way of the end; steps are as long as sound takes for an element.
+    near(&s["energy"]["work"], 1e5 * 0.01 * 1.25 * 1e8 / 2.1e11, 2e-3);
+    let sound = 0.005 / (2.1e11_f64 / 7850.0).sqrt();
+    let step = s["critical_step"].as_f64().unwrap();
+    assert!(step > 0.8 * sound && step < 1.2 * sound, "{step} {sound}");
+    assert!(
+        s["energy_error"].as_f64().unwrap() < 1e-3 && s["iterations"] == 0 && s["factorizations"] == 0,
+        "{s}"
+    );
+}
+
 /// Navier's series of first-order theory: 100 w E2 h³/(q a⁴) = 1.0250 in the middle (Reddy, Mechanics of Laminated
 /// Composite Plates and Shells), and the stresses of the same series at the centre of an element beside it.
 #[test]

@@ -64,6 +64,16 @@ pub enum Error {
         /// What the user can try.
         help: String,
     },
+    /// An explicit motion cannot go on: its energy balance is broken, or values are no longer finite.
+    #[error("the motion cannot go on at {at}: {reason}\n  {help}")]
+    Unstable {
+        /// Time and step at which it ended, as text.
+        at: String,
+        /// What happened, with the node or element where it is worst.
+        reason: String,
+        /// What the user can try.
+        help: String,
+    },
     /// A linear system could not be solved.
     #[error("{what}\n  {help}")]
     Singular {

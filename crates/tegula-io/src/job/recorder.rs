@@ -174,6 +174,8 @@ impl<'a> Recorder<'a> {
         s.steps = totals.steps.max(self.memory.state.step);
         (s.iterations, s.factorizations, s.cutbacks) =
             (totals.iterations, totals.factorizations, totals.cutbacks);
+        s.critical_step = Some(totals.critical_step).filter(|&step| step > 0.0);
+        s.energy_error = s.critical_step.map(|_| totals.energy_error);
         s.time = self.memory.state.time;
         s.energy = (&self.memory.balance).into();
         if !self.memory.state.u.is_empty() {
@@ -197,7 +199,12 @@ impl<'a> Recorder<'a> {
     fn record(&mut self, step: &Step) -> std::result::Result<(), OutputError> {
         let before = self.memory.state.time;
         let first = self.memory.state.u.is_empty();
-        let step_size = if first { 0.0 } else { step.state.time - before };
+        let step_size = match first {
+            true => 0.0,
+            // Not every step is reported.
+            false if self.prepared.system.explicit => step.state.last_step,
+            false => step.state.time - before,
+        };
         self.memory.state.clone_from(step.state);
         self.memory.balance = *step.balance;
         self.statistics = *step.statistics;

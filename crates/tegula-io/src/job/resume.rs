@@ -54,6 +54,8 @@ impl Notes {
             iterations: self.iterations + part.iterations,
             factorizations: self.factorizations + part.factorizations,
             cutbacks: self.cutbacks + part.cutbacks,
+            critical_step: part.critical_step,
+            energy_error: part.energy_error,
         }
     }
 }

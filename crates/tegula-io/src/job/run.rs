@@ -132,6 +132,8 @@ pub(super) fn summary(deck: &Deck, prepared: &Prepared, start: &Start) -> Summar
         iterations: 0,
         factorizations: 0,
         cutbacks: 0,
+        critical_step: None,
+        energy_error: None,
         energy: Energy::default(),
         points: Default::default(),
         frequencies_hz: None,

@@ -99,6 +99,12 @@ pub struct Summary {
     pub factorizations: u64,
     /// Steps repeated smaller.
     pub cutbacks: u64,
+    /// Last lower bound of the critical step of an explicit scheme (time).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub critical_step: Option<f64>,
+    /// Largest error of the energy balance of an explicit scheme over the largest kinetic or strain energy.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy_error: Option<f64>,
     /// Energies at the end.
     pub energy: Energy,
     /// Recorded points at the end.

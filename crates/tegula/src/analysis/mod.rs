@@ -79,7 +79,7 @@ pub struct Balance {
 }
 
 /// Counts of what an analysis has done.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Statistics {
     /// Finished steps.
     pub steps: u64,
@@ -89,6 +89,11 @@ pub struct Statistics {
     pub factorizations: u64,
     /// Steps repeated smaller.
     pub cutbacks: u64,
+    /// Last lower bound of the critical step of an explicit scheme (time); 0 for others.
+    pub critical_step: f64,
+    /// Largest error of the energy balance that an explicit scheme met, over the largest kinetic or strain energy
+    /// (of this run, if it was resumed); 0 for others.
+    pub energy_error: f64,
 }
 
 /// A finished step.

@@ -255,6 +255,8 @@ pub fn run(
         iterations: applications,
         factorizations: newton.solver.factorizations() as u64,
         cutbacks: 0,
+        critical_step: 0.0,
+        energy_error: 0.0,
     };
     Ok(ModalOutcome { modes, statistics, sturm_checked })
 }

@@ -93,8 +93,15 @@ impl Newton {
     /// Analyses the pattern and makes the buffers. Without a method it takes the one that suits the materials.
     ///
     /// # Errors
-    /// The factor does not fit in memory.
+    /// The factor does not fit in memory, or the system was compiled for explicit integration.
     pub fn new(system: &System, method: Option<NewtonMethod>) -> Result<Self> {
+        if system.explicit {
+            return Err(Error::model(
+                "analysis.scheme",
+                "the system was compiled for explicit integration: it has no pattern of a tangent",
+                "compile the model with the scheme that it is run with",
+            ));
+        }
         let pattern =
             SymmetricPattern::new(system.pattern.column_pointers.clone(), system.pattern.row_indices.clone());
         let solver = SparseCholesky::new(pattern).map_err(|e| Error::Singular {

@@ -133,6 +133,8 @@ pub enum Scheme {
     EnergyMomentum(EnergyMomentumScheme),
     /// Hilber–Hughes–Taylor α method: second order with numerical damping.
     Hht(HhtScheme),
+    /// Central differences with lumped mass: no equations are solved, steps are small.
+    Explicit(ExplicitScheme),
 }
 
 impl Default for Scheme {
@@ -164,6 +166,22 @@ impl Default for NewmarkScheme {
 #[serde(deny_unknown_fields)]
 pub struct EnergyMomentumScheme {}
 
+/// Central differences with lumped mass; the step follows from the highest frequency of the model.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExplicitScheme {
+    /// Make directors heavier until they vibrate no faster than the membrane, so that the thickness does not limit the
+    /// step.
+    #[serde(default = "yes")]
+    pub scale_director_inertia: bool,
+}
+
+impl Default for ExplicitScheme {
+    fn default() -> Self {
+        Self { scale_director_inertia: true }
+    }
+}
+
 /// Hilber–Hughes–Taylor.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -173,6 +191,9 @@ pub struct HhtScheme {
     pub alpha: f64,
 }
 
+fn yes() -> bool {
+    true
+}
 fn one() -> u32 {
     1
 }

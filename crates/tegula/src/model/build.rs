@@ -6,7 +6,7 @@ use super::actions::{
     added_masses, contradictions, dead_loads, follower_loads, initial_velocity, lost_moments, supports,
 };
 use super::sections::Elements;
-use super::{Analysis, Model};
+use super::{Analysis, Model, Scheme, TransientAnalysis};
 use super::{check, course, mechanism};
 use crate::element::Nodal;
 use crate::element::geometry::tangents;
@@ -15,7 +15,7 @@ use crate::mesh::directors::{Directors, FOLD_ANGLE_DEGREES};
 use crate::mesh::{Mesh, quality};
 use crate::system::numbering::{Numbering, VectorKind};
 use crate::system::pattern::PatternBuilder;
-use crate::system::{IndexMap, PrescribedField, System};
+use crate::system::{IndexMap, PrescribedField, System, lumping};
 use crate::{Error, Issue, Result, Vec3};
 
 /// Nodal vectors of a mesh: position of each node, then its directors, node by node.
@@ -138,20 +138,27 @@ fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
         ));
     }
 
-    let mut builder = PatternBuilder::default();
-    for group in &elements.groups {
-        for e in 0..group.len() {
-            builder.element(group.vectors(e), group.mass(e));
-        }
-    }
+    let explicit = match &model.analysis {
+        Analysis::Transient(TransientAnalysis { scheme: Scheme::Explicit(scheme), .. }) => Some(*scheme),
+        _ => None,
+    };
     let followers = follower_loads(model, mesh, &vectors, &names);
-    for load in &followers {
-        builder.element(load.vectors(), &[]);
-    }
     issues.extend(lost_moments(&followers, &vectors, mesh));
     let added = added_masses(model, mesh, &vectors);
-    for &(a, b, m) in &added {
-        builder.mass(a, b, m);
+    let mut builder = PatternBuilder::default();
+    // Explicit steps need no tangent: their pattern has but the diagonal, for the lumped mass.
+    if explicit.is_none() {
+        for group in &elements.groups {
+            for e in 0..group.len() {
+                builder.element(group.vectors(e), group.mass(e));
+            }
+        }
+        for load in &followers {
+            builder.element(load.vectors(), &[]);
+        }
+        for &(a, b, m) in &added {
+            builder.mass(a, b, m);
+        }
     }
     let pattern = builder.build(vectors.reference.len(), &numbering);
 
@@ -186,6 +193,7 @@ fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
         followers,
         amplitudes,
         pattern,
+        explicit: explicit.is_some(),
         mass_damping: model.damping.mass,
         length: mesh.extent(),
         linear,
@@ -200,6 +208,10 @@ fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
         amplitude_names: names.keys().cloned().collect(),
     };
     issues.extend(check::masses(model, &system));
+    if let Some(scheme) = explicit.filter(|_| issues.is_empty()) {
+        // Before gravity is found: bodies of lumped mass shall fall without turning.
+        issues.extend(lumping::lump(&mut system, &added, scheme.scale_director_inertia));
+    }
     system.dead_loads = dead_loads(model, mesh, &system, &names);
     if issues.is_empty() { Ok(system) } else { Err(Error::Model(issues)) }
 }

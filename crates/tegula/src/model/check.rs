@@ -532,7 +532,7 @@ impl Checker {
                             );
                         }
                     }
-                    Scheme::EnergyMomentum(_) => {}
+                    Scheme::EnergyMomentum(_) | Scheme::Explicit(_) => {}
                 }
             }
         }

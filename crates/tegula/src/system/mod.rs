@@ -1,8 +1,10 @@
 //! The compiled model: numbering, pattern, element groups, loads. Immutable during an analysis.
 
 pub mod assembly;
+pub mod element_frequency;
 pub mod index_map;
 mod inversion;
+pub mod lumping;
 pub mod numbering;
 pub mod pattern;
 
@@ -103,6 +105,8 @@ pub struct System {
     pub amplitude_names: Vec<String>,
     /// Sparsity and mass.
     pub pattern: Pattern,
+    /// Compiled for explicit integration: lumped mass, and no pattern of a tangent.
+    pub explicit: bool,
     /// Rayleigh factor of the mass.
     pub mass_damping: f64,
     /// Size of the model: largest side of its bounding box (length).

@@ -260,6 +260,15 @@ impl Pattern {
         }
     }
 
+    /// Replaces the mass of every pair `i ≥ j` of nodal vectors by `f(i, j)`.
+    pub fn set_mass(&mut self, f: impl Fn(usize, usize) -> f64) {
+        for j in 0..self.vectors() {
+            for block in self.column_start[j]..self.column_start[j + 1] {
+                self.mass[block] = f(self.row[block] as usize, j);
+            }
+        }
+    }
+
     /// Multiplies the mass of all blocks.
     pub fn scale_mass(&mut self, factor: f64) {
         self.mass.iter_mut().for_each(|m| *m *= factor);

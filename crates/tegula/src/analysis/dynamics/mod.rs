@@ -1,6 +1,9 @@
 //! Motion in time: consistent start, step control, energy balance; one file an integrator.
 
+pub mod critical_step;
 pub mod energy_momentum;
+mod explicit;
+mod explicit_run;
 pub mod newmark;
 pub mod step_control;
 
@@ -46,16 +49,17 @@ pub struct Exchange {
     pub dissipated: f64,
 }
 
-/// The integrator of a scheme.
-pub fn integrator(system: &System, scheme: Scheme) -> Box<dyn Integrator> {
-    match scheme {
+/// The integrator of a scheme; `None` for explicit ones, which have no equation to solve.
+pub fn integrator(system: &System, scheme: Scheme) -> Option<Box<dyn Integrator>> {
+    Some(match scheme {
         Scheme::Newmark(s) => Box::new(Newmark::new(system, s.beta, s.gamma, 0.0)),
         Scheme::Hht(s) => {
             let a = s.alpha;
             Box::new(Newmark::new(system, 0.25 * (1.0 - a) * (1.0 - a), 0.5 - a, -a))
         }
         Scheme::EnergyMomentum(_) => Box::new(EnergyMomentum::new(system)),
-    }
+        Scheme::Explicit(_) => return None,
+    })
 }
 
 /// The end of a transient analysis.
@@ -82,6 +86,9 @@ pub fn run(
     start: Option<State>,
     observer: &mut dyn Observer,
 ) -> Result<TransientOutcome> {
+    let Some(mut scheme) = integrator(system, options.scheme) else {
+        return explicit_run::run(system, options, start, observer);
+    };
     let mut newton = Newton::new(system, None)?;
     let mut statistics = Statistics::default();
     let fresh = start.is_none();
@@ -101,7 +108,6 @@ pub fn run(
     if fresh {
         state.next_step = control.first(system, &state);
     }
-    let mut scheme = integrator(system, options.scheme);
     let tolerances = scheme.tolerances(options.max_iterations);
     let mut balance = balance(system, &mut newton.assembly, &state);
     if fresh {
@@ -240,35 +246,8 @@ fn advice(system: &System, options: &TransientAnalysis, inaccurate: bool) -> Str
 /// equations of motion there: `M a = F − f_int − C v`.
 fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
     let n = system.vectors();
-    let mut state = State { v: system.initial_velocity.clone(), ..State::at_rest(system) };
-    // Supports hold from the start: an initial velocity across them is not possible.
-    let mut supported = vec![[0.0; 3]; n];
-    system.numbering.supported_part(&state.v, &mut supported);
-    for (v, s) in state.v.iter_mut().zip(&supported) {
-        for i in 0..3 {
-            v[i] -= s[i];
-        }
-    }
-    system.prescribe(0.0, &mut state.u);
-    system.prescribe_velocity(0.0, &mut state.v);
-    system.prescribe_acceleration(0.0, &mut state.a);
-
-    curve_unit_vectors(system, &state.u, &mut state.v, &mut state.a);
-    let motion = Motion::State { u: &state.u, velocity: Some(&state.v) };
-    let k = Kinematics::new(&system.reference, motion, system.linear, 0.0);
-    newton.assembly.follow(system, &k);
-    let (mut internal, mut rest) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
-    newton.assembly.forces(system, &k, &mut internal);
-    newton.assembly.reset_stress(system, &k);
-    system.add_dead_loads(0.0, 1.0, &mut rest);
-    add_follower_loads(system, &k, 0.0, 1.0, &mut rest);
-    system.pattern.add_mass_product(-1.0, &state.a, &mut rest);
-    system.pattern.add_mass_product(-system.mass_damping, &state.v, &mut rest);
-    for (r, f) in rest.iter_mut().zip(&internal) {
-        for i in 0..3 {
-            r[i] -= f[i];
-        }
-    }
+    let (mut state, rest) = start(system, &mut newton.assembly);
+    newton.assembly.reset_stress(system, &state_with_rates(system, &state));
     let mut mass = vec![0.0; system.pattern.values()];
     newton.assembly.mass_values(system, &mut mass);
     let inertia = newton.solver.factor(&mass);
@@ -291,6 +270,46 @@ fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
     state.stress.copy_from_slice(&newton.assembly.stress);
     state.energy_scale = system.kinetic_energy(&state.v);
     Ok(state)
+}
+
+/// The state at time 0 with accelerations of supported coordinates only, and the forces that are not balanced by
+/// them: `F − f_int − C v − M a`. The assembly's axes follow it.
+fn start(system: &System, assembly: &mut Assembly) -> (State, Vec<Nodal>) {
+    let n = system.vectors();
+    let mut state = State { v: system.initial_velocity.clone(), ..State::at_rest(system) };
+    // Supports hold from the start: an initial velocity across them is not possible.
+    let mut supported = vec![[0.0; 3]; n];
+    system.numbering.supported_part(&state.v, &mut supported);
+    for (v, s) in state.v.iter_mut().zip(&supported) {
+        for i in 0..3 {
+            v[i] -= s[i];
+        }
+    }
+    system.prescribe(0.0, &mut state.u);
+    system.prescribe_velocity(0.0, &mut state.v);
+    system.prescribe_acceleration(0.0, &mut state.a);
+
+    curve_unit_vectors(system, &state.u, &mut state.v, &mut state.a);
+    let k = state_with_rates(system, &state);
+    assembly.follow(system, &k);
+    let (mut internal, mut rest) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
+    assembly.forces(system, &k, &mut internal);
+    system.add_dead_loads(0.0, 1.0, &mut rest);
+    add_follower_loads(system, &k, 0.0, 1.0, &mut rest);
+    system.pattern.add_mass_product(-1.0, &state.a, &mut rest);
+    system.pattern.add_mass_product(-system.mass_damping, &state.v, &mut rest);
+    for (r, f) in rest.iter_mut().zip(&internal) {
+        for i in 0..3 {
+            r[i] -= f[i];
+        }
+    }
+    (state, rest)
+}
+
+/// A state with its velocities.
+fn state_with_rates<'a>(system: &'a System, state: &'a State) -> Kinematics<'a> {
+    let motion = Motion::State { u: &state.u, velocity: Some(&state.v) };
+    Kinematics::new(&system.reference, motion, system.linear, state.time)
 }
 
 /// Energies and momenta of a state.

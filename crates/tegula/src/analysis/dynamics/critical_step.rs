@@ -1,0 +1,40 @@
+//! The critical step of central differences, `2/ω` with the highest circular frequency ω: a value below it.
+
+use crate::analysis::State;
+use crate::element::TangentWeights;
+use crate::system::System;
+use crate::system::assembly::TangentParts;
+use crate::system::element_frequency::{MassShares, for_each_group, of_followers, of_group};
+
+/// Finds steps that are not above the critical one.
+pub struct CriticalStep {
+    shares: MassShares,
+    /// Retardation time of the damping of strain rates (time).
+    retardation: f64,
+}
+
+impl CriticalStep {
+    /// For a system.
+    pub fn new(system: &System) -> Self {
+        let retardation = system.groups.iter().map(|g| g.retardation_time()).fold(0.0, f64::max);
+        Self { shares: MassShares::new(system), retardation }
+    }
+
+    /// A lower bound of the critical step at a state with the lumped masses `mass` (time).
+    ///
+    /// ω is that of the element with the highest frequency, see [`crate::system::element_frequency`]. Damping of strain
+    /// rates by forces of the last half step lowers it to `2/ω (√(1 + ξ²) − ξ)`, `ξ = τ ω/2`.
+    pub fn below(&self, system: &System, mass: &[f64], state: &State) -> f64 {
+        let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
+        let parts = TangentParts { weights, mass: 0.0, time: state.time };
+        let mut highest = 0.0_f64;
+        for_each_group(system, (&state.u, &state.history), &parts, |group, blocks| {
+            let bound = of_group(system, &self.shares, mass, (group, blocks));
+            highest = if bound.is_nan() { bound } else { highest.max(bound) };
+        });
+        let loads = of_followers(system, &self.shares, mass, &state.u, state.time);
+        let omega = (highest + loads).sqrt();
+        let xi = 0.5 * self.retardation * omega;
+        2.0 / omega / ((1.0 + xi * xi).sqrt() + xi)
+    }
+}

@@ -1,0 +1,304 @@
+//! Central differences with lumped mass, as kick–drift–kick: positions and velocities belong to the same times.
+//!
+//! ```text
+//! v½ = v₀ + ½ Δt a₀
+//! u₁ = u₀ + Δt v½
+//! M a₁ = F₁ − f(u₁, v½) − α M v₁
+//! v₁ = v½ + ½ Δt a₁
+//! ```
+//!
+//! Stable below the critical step. Damping of strain rates acts with the velocity of the half step, damping of the
+//! mass is implicit. T. Belytschko, W. K. Liu, B. Moran, *Nonlinear Finite Elements for Continua and Structures*
+//! (2000), sect. 6.2.
+//!
+//! It follows that `½ v·M v − ⅛ Δt² a·M a` gains exactly the work that all forces do by the trapezoidal rule. For
+//! linear motions that is the work of the strain energy and the loads, so the energy balance without the *swing*
+//! `⅛ Δt² a·M a` is exact whatever the step; what it misses is error of nonlinear motions.
+
+use rayon::prelude::*;
+
+use super::work;
+use crate::analysis::State;
+use crate::analysis::statics::state_kinematics;
+use crate::element::{Kinematics, Motion, Nodal};
+use crate::system::assembly::add_follower_loads;
+use crate::system::numbering::CONSTRAINED;
+use crate::system::{Assembly, Numbering, System, dot3};
+use crate::{Error, Result};
+
+/// Nodal vectors that one task moves at least.
+const GRAIN: usize = 4096;
+
+/// What a step works with; nothing is allocated after it is made.
+pub(super) struct Explicit<'a> {
+    system: &'a System,
+    pub(super) assembly: Assembly,
+    /// Mass of each nodal vector.
+    pub(super) mass: Vec<f64>,
+    u_old: Vec<Nodal>,
+    /// Velocities of the middle of the step.
+    middle: Vec<Nodal>,
+    /// Loads at the end of the last step and before it.
+    loads: Vec<Nodal>,
+    loads_old: Vec<Nodal>,
+    forces: Vec<Nodal>,
+    /// Reactions of supports that move, at the end of the last step and before it; else empty.
+    reactions: Vec<Nodal>,
+    reactions_old: Vec<Nodal>,
+    damped: bool,
+    /// a·M a of the free coordinates.
+    inertia: f64,
+    /// Sum of `⅛ Δt² (a₁·M a₁ − a₀·M a₀)` over the steps.
+    pub(super) swing: f64,
+}
+
+impl<'a> Explicit<'a> {
+    /// For a system that was compiled for explicit integration.
+    ///
+    /// # Errors
+    /// It was not.
+    pub(super) fn new(system: &'a System) -> Result<Self> {
+        if !system.explicit {
+            return Err(Error::model(
+                "analysis.scheme",
+                "the system was compiled with consistent mass",
+                "compile the model with the scheme \"explicit\"",
+            ));
+        }
+        let n = system.vectors();
+        let mut mass = vec![0.0; n];
+        system.pattern.for_each_mass(|i, j, m| {
+            if i == j {
+                mass[i] = m;
+            }
+        });
+        let zero = vec![[0.0; 3]; n];
+        let moving = if system.numbering.prescribed.is_empty() { Vec::new() } else { zero.clone() };
+        Ok(Self {
+            system,
+            assembly: Assembly::new(system),
+            mass,
+            u_old: zero.clone(),
+            middle: zero.clone(),
+            loads: zero.clone(),
+            loads_old: zero.clone(),
+            forces: zero,
+            reactions: moving.clone(),
+            reactions_old: moving,
+            damped: system.groups.iter().any(|g| g.retardation_time() != 0.0),
+            inertia: 0.0,
+            swing: 0.0,
+        })
+    }
+
+    /// Adds the free accelerations under the forces `rest`.
+    pub(super) fn accelerate(&self, rest: &[Nodal], a: &mut [Nodal]) {
+        for (v, (a, r)) in a.iter_mut().zip(rest).enumerate() {
+            let free = free_acceleration(&self.system.numbering, v, *r, self.mass[v]);
+            for i in 0..3 {
+                a[i] += free[i];
+            }
+        }
+    }
+
+    /// Loads, reactions and inertia of the state from which steps start.
+    pub(super) fn begin(&mut self, state: &State) {
+        self.assembly.history.copy_from_slice(&state.history);
+        self.find_loads(state);
+        if !self.reactions.is_empty() {
+            self.find_forces(state);
+            self.find_reactions(state);
+        }
+        self.inertia = self.free_inertia(&state.a);
+    }
+
+    /// One step of length `dt` to the time `end`.
+    ///
+    /// # Errors
+    /// Where accelerations are no longer finite, for people.
+    pub(super) fn step(&mut self, state: &mut State, dt: f64, end: f64) -> std::result::Result<(), String> {
+        let system = self.system;
+        self.u_old.copy_from_slice(&state.u);
+        std::mem::swap(&mut self.loads, &mut self.loads_old);
+        std::mem::swap(&mut self.reactions, &mut self.reactions_old);
+        let rates = state.v.par_iter().zip(&state.a);
+        self.middle.par_iter_mut().zip(rates).with_min_len(GRAIN).for_each(|(middle, (v, a))| {
+            *middle = std::array::from_fn(|i| v[i] + 0.5 * dt * a[i]);
+        });
+        if !self.reactions.is_empty() {
+            self.lead_supports(&state.u, dt, end);
+        }
+        state.u.par_iter_mut().zip(&self.middle).with_min_len(GRAIN).for_each(|(u, middle)| {
+            (0..3).for_each(|i| u[i] += dt * middle[i]);
+        });
+        system.prescribe(end, &mut state.u);
+        state.time = end;
+
+        let velocity = self.damped.then_some(self.middle.as_slice());
+        let motion = Motion::State { u: &state.u, velocity };
+        let k = Kinematics::new(&system.reference, motion, system.linear, end);
+        self.assembly.forces(system, &k, &mut self.forces);
+        self.find_loads(state);
+        self.kick(state, dt);
+        let before = self.inertia;
+        self.inertia = self.free_inertia(&state.a);
+        if !self.inertia.is_finite() {
+            return Err(self.without_finite_acceleration(state));
+        }
+        self.swing += 0.125 * dt * dt * (self.inertia - before);
+        if !self.reactions.is_empty() {
+            system.prescribe_velocity(end, &mut state.v);
+            system.prescribe_acceleration(end, &mut state.a);
+            if self.damped {
+                // Reactions hold the damping of the velocity at the end; that of the half step is not known where a run
+                // is resumed.
+                self.find_forces(state);
+            }
+            self.find_reactions(state);
+        }
+        self.account(state, dt);
+        Ok(())
+    }
+
+    /// Velocities of the middle of the step that take supports to where they shall be.
+    fn lead_supports(&mut self, u: &[Nodal], dt: f64, end: f64) {
+        let numbering = &self.system.numbering;
+        // Reactions of two steps ago make room.
+        self.reactions.copy_from_slice(u);
+        self.system.prescribe(end, &mut self.reactions);
+        for (v, (middle, next)) in self.middle.iter_mut().zip(&self.reactions).enumerate() {
+            let mut local = numbering.to_axes(v, *middle);
+            let change = numbering.to_axes(v, std::array::from_fn(|i| (next[i] - u[v][i]) / dt));
+            for (c, number) in numbering.of(v).into_iter().enumerate() {
+                if number == CONSTRAINED {
+                    local[c] = change[c];
+                }
+            }
+            *middle = numbering.from_axes(v, local);
+        }
+    }
+
+    /// Internal forces of a state.
+    fn find_forces(&mut self, state: &State) {
+        let velocity = self.damped.then_some(state.v.as_slice());
+        let motion = Motion::State { u: &state.u, velocity };
+        let k = Kinematics::new(&self.system.reference, motion, self.system.linear, state.time);
+        self.assembly.forces(self.system, &k, &mut self.forces);
+    }
+
+    /// Loads at a state.
+    fn find_loads(&mut self, state: &State) {
+        self.loads.fill([0.0; 3]);
+        self.system.add_dead_loads(state.time, 1.0, &mut self.loads);
+        let k = state_kinematics(self.system, &state.u, state.time);
+        add_follower_loads(self.system, &k, state.time, 1.0, &mut self.loads);
+    }
+
+    /// Velocities and accelerations at the end of the step from the forces there.
+    fn kick(&self, state: &mut State, dt: f64) {
+        let (numbering, alpha) = (&self.system.numbering, self.system.mass_damping);
+        let damping = 1.0 + 0.5 * dt * alpha;
+        let forces = self.forces.par_iter().zip(&self.loads).zip(&self.mass).zip(&self.middle);
+        let rates = state.v.par_iter_mut().zip(&mut state.a);
+        rates.zip(forces).with_min_len(GRAIN).enumerate().for_each(
+            |(n, ((v, a), (((f, load), m), middle)))| {
+                let rest = std::array::from_fn(|i| load[i] - f[i]);
+                let free = free_acceleration(numbering, n, rest, *m);
+                for i in 0..3 {
+                    v[i] = (middle[i] + 0.5 * dt * free[i]) / damping;
+                    a[i] = free[i] - alpha * v[i];
+                }
+            },
+        );
+    }
+
+    /// a·M a of the free coordinates.
+    fn free_inertia(&self, a: &[Nodal]) -> f64 {
+        let numbering = &self.system.numbering;
+        let product = |(v, (a, m)): (usize, (&Nodal, &f64))| {
+            if self.reactions.is_empty() {
+                return m * dot3(*a, *a);
+            }
+            let local = numbering.to_axes(v, *a);
+            let free = |c: &usize| numbering.of(v)[*c] != CONSTRAINED;
+            m * (0..3).filter(free).map(|c| local[c] * local[c]).sum::<f64>()
+        };
+        a.iter().zip(&self.mass).enumerate().map(product).sum()
+    }
+
+    /// Reactions of a state from its internal forces and loads.
+    fn find_reactions(&mut self, state: &State) {
+        for (v, f) in self.forces.iter_mut().enumerate() {
+            for i in 0..3 {
+                let inertia = state.a[v][i] + self.system.mass_damping * state.v[v][i];
+                f[i] += self.mass[v] * inertia - self.loads[v][i];
+            }
+        }
+        self.system.numbering.supported_part(&self.forces, &mut self.reactions);
+    }
+
+    /// Adds the work and dissipation of the step that ended, and takes over what materials remember.
+    fn account(&mut self, state: &mut State, dt: f64) {
+        let (system, end) = (self.system, state.time);
+        let trapezoid = |old: &[Nodal], new: &[Nodal]| {
+            0.5 * (work(old, &self.u_old, &state.u) + work(new, &self.u_old, &state.u))
+        };
+        let mut done = 0.0;
+        if !system.dead_loads.is_empty() || !system.followers.is_empty() {
+            done += trapezoid(&self.loads_old, &self.loads);
+            done +=
+                system.constant_gravity_potential(&state.u) - system.constant_gravity_potential(&self.u_old);
+        }
+        if !self.reactions.is_empty() {
+            done += trapezoid(&self.reactions_old, &self.reactions);
+        }
+        let ends = ((self.u_old.as_slice(), end - dt), (state.u.as_slice(), end));
+        state.work += done + self.assembly.prescribed_strain_work(system, ends.0, ends.1);
+        if self.damped || system.mass_damping != 0.0 {
+            let motion = Motion::Step { old: &self.u_old, new: &state.u, dt };
+            let k = Kinematics::new(&system.reference, motion, system.linear, end);
+            let strains = if self.damped { self.assembly.dissipated_power(system, &k) } else { 0.0 };
+            state.dissipated +=
+                dt * (strains + 2.0 * system.mass_damping * system.kinetic_energy(&self.middle));
+        }
+        if !state.history.is_empty() {
+            let k = state_kinematics(system, &state.u, end);
+            state.dissipated += self.assembly.commit(system, &k);
+            state.history.copy_from_slice(&self.assembly.history);
+        }
+    }
+
+    /// Where accelerations are no longer finite.
+    fn without_finite_acceleration(&self, state: &State) -> String {
+        match self.assembly.without_answer(self.system) {
+            Some(element) => format!("the forces of {element} are no longer finite"),
+            None => format!("the acceleration of {} is no longer finite", self.fastest(state)),
+        }
+    }
+
+    /// The node whose motion holds most kinetic energy, or is not finite, for people.
+    pub(super) fn fastest(&self, state: &State) -> String {
+        let energy = |v: usize| {
+            let twice = self.mass[v] * dot3(state.v[v], state.v[v]);
+            if twice.is_finite() { twice } else { f64::INFINITY }
+        };
+        let all = 0..self.mass.len();
+        let Some(v) = all.reduce(|a, b| if energy(b) > energy(a) { b } else { a }) else {
+            return "the model".into();
+        };
+        let node = self.system.nodes[v];
+        let p = self.system.position_of[node as usize] as usize;
+        let [x, y, z] = self.system.reference[p];
+        format!("node {} at ({x:.4}, {y:.4}, {z:.4})", self.system.node_label(node))
+    }
+}
+
+/// Acceleration of a nodal vector under a force, zero along supports.
+#[inline]
+fn free_acceleration(numbering: &Numbering, vector: usize, force: Nodal, mass: f64) -> Nodal {
+    let mut local = numbering.to_axes(vector, force);
+    for (x, number) in local.iter_mut().zip(numbering.of(vector)) {
+        *x = if number == CONSTRAINED { 0.0 } else { *x / mass };
+    }
+    numbering.from_axes(vector, local)
+}

@@ -1,0 +1,185 @@
+//! The course of an explicit analysis: its step, its reports, and when it ends.
+
+use super::critical_step::CriticalStep;
+use super::explicit::Explicit;
+use super::{SMALLEST_STEP, TransientOutcome, start as initial};
+use crate::analysis::statics::undefined;
+use crate::analysis::{Balance, Observer, State, Statistics, Step};
+use crate::model::TransientAnalysis;
+use crate::system::{System, inside_out};
+use crate::{Error, Result};
+
+/// Part of the bound of the critical step that is taken: what may change until it is found anew.
+const SAFETY: f64 = 0.9;
+/// Steps after which the critical step of a nonlinear model is found anew. In this time sound passes about 90 elements;
+/// for the safety to be used up an element would have to be deformed by a tenth.
+const INTERVAL: u64 = 100;
+/// Steps from one report to the next. Strain energy costs about as much as a step; in ten steps near the critical one no
+/// motion that the mesh resolves goes through a period.
+const REPORT: u64 = 10;
+/// Largest error of the energy balance over the largest kinetic or strain energy. Linear motions keep the balance to
+/// rounding, resolved nonlinear ones to well below a hundredth.
+const BROKEN: f64 = 0.05;
+/// A motion is unstable whose kinetic and strain energy are this many times what it can have got. At the safety factor
+/// the energy of the highest mode varies five-fold in a stable motion.
+const BLOW_UP: f64 = 100.0;
+
+/// Energies that a motion is held against.
+struct Watch {
+    /// Total energy at the start of this run.
+    total: f64,
+    /// Energy at time 0.
+    first: f64,
+    /// Most that the motion can have got.
+    given: f64,
+}
+
+impl Watch {
+    /// Error of the energy balance over the largest energy so far; an explanation where the motion is not to be trusted.
+    fn look(&mut self, balance: &Balance, scheme: &Explicit, state: &State) -> (f64, Option<String>) {
+        let stored = balance.kinetic + balance.strain;
+        self.given = self.given.max(self.first + balance.work.abs() + balance.potential.abs());
+        let missing = balance.total - scheme.swing - self.total;
+        let error = if missing == 0.0 { 0.0 } else { missing.abs() / state.energy_scale };
+        let place = || scheme.fastest(state);
+        let reason = if !stored.is_finite() || !error.is_finite() {
+            Some(format!("the energy is no longer finite, first at {}", place()))
+        } else if stored > BLOW_UP * self.given {
+            Some(format!(
+                "the motion is unstable: its energy {stored:.2e} is far above the {:.2e} that loads and initial \
+                 motion have given; {} moves most",
+                self.given,
+                place()
+            ))
+        } else if error > BROKEN {
+            Some(format!(
+                "the energy balance is broken: {missing:.2e} too much with {:.2e} in motion and strain; {} moves most",
+                state.energy_scale,
+                place()
+            ))
+        } else {
+            None
+        };
+        (error, reason)
+    }
+}
+
+/// Integrates the motion explicitly from `start` (rest or the initial velocities where `None`).
+///
+/// # Errors
+/// The energy balance is broken, values are no longer finite, elements turned inside out, or the user interrupted.
+pub(super) fn run(
+    system: &System,
+    options: &TransientAnalysis,
+    start: Option<State>,
+    observer: &mut dyn Observer,
+) -> Result<TransientOutcome> {
+    let mut scheme = Explicit::new(system)?;
+    let fresh = start.is_none();
+    if fresh && let Some(reason) = system.undefined_amplitude(0.0) {
+        return Err(undefined("time", (0.0, 0.0), reason));
+    }
+    // Also where a run is resumed: the energy at time 0 is what later energies are held against.
+    let (mut first, rest) = initial(system, &mut scheme.assembly);
+    scheme.accelerate(&rest, &mut first.a);
+    first.energy_scale = system.kinetic_energy(&first.v);
+    let at_first = super::balance(system, &mut scheme.assembly, &first);
+    let mut state = start.unwrap_or(first);
+    scheme.begin(&state);
+    let critical = CriticalStep::new(system);
+    let mut statistics = Statistics { steps: state.step, ..Statistics::default() };
+    let mut balance = super::balance(system, &mut scheme.assembly, &state);
+    let energy = at_first.kinetic + at_first.strain;
+    let mut watch = Watch { total: balance.total, first: energy, given: energy + at_first.potential.abs() };
+    let (mut found, mut warned) = (false, false);
+    while fresh && !found || state.time < options.end_time {
+        if !found || (!system.linear && state.step.is_multiple_of(INTERVAL)) {
+            let step = critical.below(system, &scheme.mass, &state);
+            statistics.critical_step = step;
+            // A resumed run keeps the step it had, until the next one is due.
+            if fresh || found || state.step.is_multiple_of(INTERVAL) {
+                let largest = options.max_step.unwrap_or(options.end_time);
+                state.next_step = options.time_step.unwrap_or((SAFETY * step).min(largest));
+            }
+            if let Some(wanted) = options.time_step.filter(|&wanted| wanted > step && !warned) {
+                warned = true;
+                observer.on_event(&format!(
+                    "time {:.6e}: the step {wanted:.3e} is above {step:.3e}, below which it is certainly stable",
+                    state.time
+                ));
+            }
+            if !state.next_step.is_finite() || state.next_step < SMALLEST_STEP * options.end_time {
+                let reason = format!("the critical step {step:.3e} is of no use");
+                return Err(unstable(&state, options, &statistics, reason));
+            }
+            if fresh && !found {
+                report(observer, &state, &balance, &statistics, options)?;
+            }
+            found = true;
+        }
+        let left = options.end_time - state.time;
+        let last = left <= 1.000_001 * state.next_step;
+        let dt = if last { left } else { state.next_step };
+        let end = if last { options.end_time } else { state.time + dt };
+        if let Some(reason) = system.undefined_amplitude(end) {
+            return Err(undefined("time", (state.time, end), reason));
+        }
+        let outcome = scheme.step(&mut state, dt, end);
+        state.last_step = dt;
+        state.step += 1;
+        statistics.steps = state.step;
+        if let Err(reason) = outcome {
+            return Err(unstable(&state, options, &statistics, reason));
+        }
+        if (last || state.step.is_multiple_of(INTERVAL))
+            && let Some(reason) = inside_out(system, &state.u)
+        {
+            return Err(unstable(&state, options, &statistics, reason));
+        }
+        if last || state.step.is_multiple_of(REPORT) {
+            balance = super::balance(system, &mut scheme.assembly, &state);
+            state.energy_scale = state.energy_scale.max(balance.kinetic).max(balance.strain);
+            let (error, broken) = watch.look(&balance, &scheme, &state);
+            statistics.energy_error = statistics.energy_error.max(error);
+            if let Some(reason) = broken {
+                return Err(unstable(&state, options, &statistics, reason));
+            }
+            report(observer, &state, &balance, &statistics, options)?;
+            if observer.interrupted() && state.time < options.end_time {
+                return Err(Error::Interrupted);
+            }
+        }
+    }
+    Ok(TransientOutcome { state, balance, statistics })
+}
+
+fn report(
+    observer: &mut dyn Observer,
+    state: &State,
+    balance: &Balance,
+    statistics: &Statistics,
+    options: &TransientAnalysis,
+) -> Result<()> {
+    observer.on_step(&Step { state, balance, statistics, iterations: 0, end: options.end_time })
+}
+
+/// The end of a motion that cannot go on.
+fn unstable(state: &State, options: &TransientAnalysis, statistics: &Statistics, reason: String) -> Error {
+    let (step, critical) = (state.last_step, statistics.critical_step);
+    let safe = SAFETY * critical;
+    let remedy = match options.time_step {
+        Some(wanted) if wanted > safe => {
+            format!("Leave out `time_step`, or give one below {safe:.3e}")
+        }
+        Some(_) => format!("Give a `time_step` below {:.3e}", 0.5 * step),
+        None => format!("Give a `max_step` below {:.3e}", 0.5 * step),
+    };
+    Error::Unstable {
+        at: format!("time {:.6e}, step {}", state.time, state.step),
+        reason,
+        help: format!(
+            "The last step was {step:.3e}; it is certainly stable below {critical:.3e}. {remedy}, or look at loads, \
+             initial velocities and units."
+        ),
+    }
+}

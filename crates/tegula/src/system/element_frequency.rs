@@ -1,0 +1,328 @@
+//! Bounds of the highest frequency by single elements.
+//!
+//! Let the elements share the lumped mass, `m_v = Σ_e m_v^e`. Then no eigenvalue of `K x = ω² M x` is above the largest
+//! one of a single element with its share, whatever the supports: `x·K x / x·M x` is the mean of the quotients of the
+//! elements, weighted with their `x·M_e x`. B. Irons, G. Treharne, *A bound theorem in eigenvalues and its practical
+//! applications*, Proc. 3rd Conf. Matrix Methods in Structural Mechanics, Wright–Patterson (1971). The largest eigenvalue
+//! of an element is bounded in turn by `(tr A³²)^(1/32)`, `A = M_e^(−½) K_e M_e^(−½)`, which is at most `q^(1/32)` too
+//! high where q eigenvalues are as large. No matrix of the model is made.
+
+use rayon::prelude::*;
+
+use super::numbering::VectorKind;
+use super::{System, assembly::TangentParts};
+use crate::Vec3;
+use crate::element::{ElementGroup, Interior, Kinematics, Motion, Nodal, TangentRequest};
+
+/// Coordinates of an element at most.
+const LARGEST: usize = 24;
+/// How often A is squared: the trace is that of the power 2^(SQUARINGS + 1).
+const SQUARINGS: i32 = 4;
+/// Elements that one task looks at.
+const CHUNK: usize = 32;
+
+/// How elements share the mass of their nodal vectors: shells by their own part of it; ties, which have none, get half.
+#[derive(Debug)]
+pub struct MassShares {
+    /// Sum of the elements' own masses of each nodal vector.
+    own: Vec<f64>,
+    /// Number of massless elements at each nodal vector.
+    massless: Vec<u32>,
+    /// Number of loads that follow the motion at each nodal vector.
+    loads: Vec<u32>,
+}
+
+impl MassShares {
+    /// For the elements and loads of a system.
+    pub fn new(system: &System) -> Self {
+        let n = system.vectors();
+        let mut out = Self { own: vec![0.0; n], massless: vec![0; n], loads: vec![0; n] };
+        for group in &system.groups {
+            for e in 0..group.len() {
+                let vectors = group.vectors(e);
+                let own = row_sums(&system.kinds, vectors, group.mass(e));
+                let massless = own.iter().all(|m| *m == 0.0);
+                for (&v, m) in vectors.iter().zip(own) {
+                    out.own[v as usize] += m;
+                    out.massless[v as usize] += u32::from(massless);
+                }
+            }
+        }
+        for load in &system.followers {
+            load.vectors().iter().for_each(|&v| out.loads[v as usize] += 1);
+        }
+        out
+    }
+
+    /// Sum of the elements' own masses of a nodal vector.
+    pub fn own(&self, vector: usize) -> f64 {
+        self.own[vector]
+    }
+
+    /// Share of an element in the masses `mass` of its nodal vectors.
+    fn of(&self, system: &System, group: &dyn ElementGroup, element: usize, mass: &[f64]) -> [f64; 8] {
+        let vectors = group.vectors(element);
+        let mut out = row_sums(&system.kinds, vectors, group.mass(element));
+        let massless = out.iter().all(|m| *m == 0.0);
+        for (m, &v) in out.iter_mut().zip(vectors) {
+            let v = v as usize;
+            let part = match (massless, self.massless[v]) {
+                (true, ties) => 0.5 / f64::from(ties),
+                (false, 0) => *m / self.own[v],
+                (false, _) => 0.5 * *m / self.own[v],
+            };
+            *m = part * mass[v];
+        }
+        out
+    }
+}
+
+/// An element's own mass of each of its (up to eight) nodal vectors: the row sums of its consistent mass over vectors of
+/// the same kind.
+pub fn row_sums(kinds: &[VectorKind], vectors: &[u32], mass: &[f64]) -> [f64; 8] {
+    let mut out = [0.0; 8];
+    let mut pair = 0;
+    for (a, &va) in vectors.iter().enumerate() {
+        for (b, &vb) in vectors[..=a].iter().enumerate() {
+            let m = mass.get(pair).copied().unwrap_or(0.0);
+            pair += 1;
+            if kinds[va as usize] == kinds[vb as usize] {
+                out[a] += m;
+                if a != b {
+                    out[b] += m;
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Calls `f` with each group and the lower tangent blocks of its elements at displacements `u`.
+///
+/// The blocks live only as long as the call: kept, they would be a large part of the memory of an explicit analysis.
+pub fn for_each_group(
+    system: &System,
+    (u, history): (&[Nodal], &[f64]),
+    parts: &TangentParts,
+    mut f: impl FnMut(&dyn ElementGroup, &[f64]),
+) {
+    let factors: Vec<f64> =
+        system.prescribed_strains.iter().map(|p| system.amplitude(p.amplitude, parts.time)).collect();
+    let motion = Motion::State { u, velocity: None };
+    let k = Kinematics::new(&system.reference, motion, system.linear, parts.time);
+    let mut history = history;
+    for group in &system.groups {
+        let m = group.vectors_per_element();
+        let (mine, rest) = history.split_at(group.len() * group.history_per_element());
+        history = rest;
+        let k =
+            Kinematics { interior: Interior { history: mine, factors: &factors }, unit: &system.unit, ..k };
+        let mut forces = vec![0.0; 3 * m * group.len()];
+        let mut blocks = vec![0.0; 9 * m * (m + 1) / 2 * group.len()];
+        let request =
+            TangentRequest { weights: parts.weights, stress: None, prescribed: None, blocks: &mut blocks };
+        group.evaluate(&k, &mut forces, Some(request));
+        drop(forces);
+        f(group.as_ref(), &blocks);
+    }
+}
+
+/// Bound of the largest eigenvalue of each element of a group; only coordinates of the kinds that `wanted` names count.
+pub fn of_elements(
+    system: &System,
+    shares: &MassShares,
+    mass: &[f64],
+    (group, blocks): (&dyn ElementGroup, &[f64]),
+    wanted: impl Fn(VectorKind) -> bool + Sync,
+) -> Vec<f64> {
+    let size = block_values(group.vectors_per_element());
+    let mut out = vec![0.0; group.len()];
+    out.par_chunks_mut(CHUNK).zip(blocks.par_chunks(CHUNK * size)).enumerate().for_each(
+        |(chunk, (out, blocks))| {
+            let arch = pulp::Arch::new();
+            arch.dispatch(
+                #[inline(always)]
+                || {
+                    let mut square = Square::new();
+                    for (i, (out, blocks)) in out.iter_mut().zip(blocks.chunks_exact(size)).enumerate() {
+                        let element = chunk * CHUNK + i;
+                        let mass = shares.of(system, group, element, mass);
+                        let vectors = group.vectors(element);
+                        square.fill(blocks, &mass[..vectors.len()], |a| {
+                            wanted(system.kinds[vectors[a] as usize])
+                        });
+                        *out = square.bound(0.0);
+                    }
+                },
+            );
+        },
+    );
+    out
+}
+
+/// Bound of the largest eigenvalue of a group.
+pub fn of_group(
+    system: &System,
+    shares: &MassShares,
+    mass: &[f64],
+    (group, blocks): (&dyn ElementGroup, &[f64]),
+) -> f64 {
+    let size = block_values(group.vectors_per_element());
+    blocks
+        .par_chunks(CHUNK * size)
+        .enumerate()
+        .map(|(chunk, blocks)| {
+            let arch = pulp::Arch::new();
+            arch.dispatch(
+                #[inline(always)]
+                || {
+                    let (mut square, mut highest) = (Square::new(), 0.0_f64);
+                    for (i, blocks) in blocks.chunks_exact(size).enumerate() {
+                        let element = chunk * CHUNK + i;
+                        let mass = shares.of(system, group, element, mass);
+                        square.fill(blocks, &mass[..group.vectors_per_element()], |_| true);
+                        highest = larger(highest, square.bound(highest));
+                    }
+                    highest
+                },
+            )
+        })
+        .reduce(|| 0.0, larger)
+}
+
+/// Bound of the largest eigenvalue that the symmetric part of the loads that follow the motion adds.
+pub fn of_followers(system: &System, shares: &MassShares, mass: &[f64], u: &[Nodal], time: f64) -> f64 {
+    if system.linear {
+        return 0.0;
+    }
+    let mut square = Square::new();
+    let mut highest = 0.0_f64;
+    for load in &system.followers {
+        let n = load.vectors().len();
+        let (mut x, mut part, mut blocks) = ([Vec3::zeros(); 4], [0.0; 4], [0.0; 90]);
+        for (a, &v) in load.vectors().iter().enumerate() {
+            let v = v as usize;
+            x[a] = Vec3::from(system.reference[v]) + Vec3::from(u[v]);
+            part[a] = mass[v] / f64::from(shares.loads[v].max(1));
+        }
+        // −∂f/∂x: what is added to the stiffness.
+        load.stiffness(&x[..n], &mut blocks[..block_values(n)]);
+        let factor = system.amplitude(load.amplitude(), time);
+        blocks.iter_mut().for_each(|k| *k *= factor);
+        square.fill(&blocks[..block_values(n)], &part[..n], |_| true);
+        highest = larger(highest, square.bound(highest));
+    }
+    highest
+}
+
+/// Numbers in the lower blocks of `vectors` nodal vectors.
+fn block_values(vectors: usize) -> usize {
+    9 * vectors * (vectors + 1) / 2
+}
+
+/// The larger of two values; not a number if one of them is none.
+fn larger(a: f64, b: f64) -> f64 {
+    if b.is_nan() { b } else { a.max(b) }
+}
+
+/// A symmetric matrix of one element, and room for its square.
+struct Square {
+    a: [[f64; LARGEST]; LARGEST],
+    squared: [[f64; LARGEST]; LARGEST],
+    size: usize,
+}
+
+impl Square {
+    fn new() -> Self {
+        Self { a: [[0.0; LARGEST]; LARGEST], squared: [[0.0; LARGEST]; LARGEST], size: 0 }
+    }
+
+    /// `M^(−½) K M^(−½)` of the vectors that `wanted` names.
+    #[inline(always)]
+    fn fill(&mut self, blocks: &[f64], mass: &[f64], wanted: impl Fn(usize) -> bool) {
+        let m = mass.len();
+        self.size = 3 * m;
+        let mut inverse = [0.0; 8];
+        for (a, inverse) in inverse[..m].iter_mut().enumerate() {
+            *inverse = if wanted(a) { 1.0 / mass[a].sqrt() } else { 0.0 };
+        }
+        let mut block = blocks.chunks_exact(9);
+        for a in 0..m {
+            for b in 0..=a {
+                let Some(k) = block.next() else { return };
+                let factor = inverse[a] * inverse[b];
+                for i in 0..3 {
+                    for j in 0..3 {
+                        let value = factor * k[3 * i + j];
+                        self.a[3 * a + i][3 * b + j] = value;
+                        self.a[3 * b + j][3 * a + i] = value;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Bound of the largest eigenvalue; it need not be close where it is not above `enough`.
+    #[inline(always)]
+    fn bound(&mut self, enough: f64) -> f64 {
+        let n = self.size;
+        let mut bound = 1.0;
+        for squaring in 0..=SQUARINGS {
+            let norm = self.norm();
+            bound *= norm.powf(0.5_f64.powi(squaring));
+            if !(norm > 0.0 && norm.is_finite()) || bound <= enough || squaring == SQUARINGS {
+                break;
+            }
+            // Scaled to norm 1, so that powers neither over- nor underflow.
+            let scale = 1.0 / norm;
+            for row in &mut self.a[..n] {
+                row.iter_mut().for_each(|x| *x *= scale);
+            }
+            for (out, left) in self.squared.iter_mut().zip(&self.a[..n]) {
+                let mut sum = [0.0; LARGEST];
+                for (factor, row) in left.iter().zip(&self.a[..n]) {
+                    for (s, x) in sum.iter_mut().zip(row) {
+                        *s += factor * x;
+                    }
+                }
+                *out = sum;
+            }
+            std::mem::swap(&mut self.a, &mut self.squared);
+        }
+        bound
+    }
+
+    /// Frobenius norm; columns beyond the size are zero.
+    #[inline(always)]
+    fn norm(&self) -> f64 {
+        let mut sum = [0.0; LARGEST];
+        for row in &self.a[..self.size] {
+            for (s, x) in sum.iter_mut().zip(row) {
+                *s += x * x;
+            }
+        }
+        sum.iter().sum::<f64>().sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// −1, 2, −1 has the eigenvalues 2 − 2 cos(kπ/(n+1)); the bound is above the largest one, by (Σ (λ/λ₁)³²)^(1/32).
+    #[test]
+    fn the_largest_eigenvalue_of_a_chain() {
+        let mut square = Square::new();
+        square.size = 9;
+        for i in 0..9 {
+            square.a[i][i] = 2.0;
+            if i > 0 {
+                (square.a[i][i - 1], square.a[i - 1][i]) = (-1.0, -1.0);
+            }
+        }
+        let values = (1..10).map(|k| 2.0 - 2.0 * (f64::from(k) * std::f64::consts::PI / 10.0).cos());
+        let exact = values.map(|x| x.powi(32)).sum::<f64>().powf(1.0 / 32.0);
+        let bound = square.bound(0.0);
+        assert!((bound / exact - 1.0).abs() < 1e-12, "{bound} {exact}");
+    }
+}

@@ -1,0 +1,115 @@
+//! Lumped mass for explicit integration.
+//!
+//! Positions get the row sums of the consistent mass over positions, directors those over directors, so that total mass
+//! and rigid translations are kept. O. C. Zienkiewicz, R. L. Taylor, *The Finite Element Method*, vol. 1, 5th ed.
+//! (2000), app. I.
+//!
+//! A director vibrates across the thickness with about √(12 E/ρ)/h, far above the membrane's √(E/ρ)/element size. Its
+//! inertia may therefore be raised until, element by element, the highest frequency of the directors is not above the
+//! highest one of the positions of any element. This adds a rotary inertia of about the element size squared, which
+//! vanishes with the mesh.
+
+use super::assembly::TangentParts;
+use super::element_frequency::{MassShares, for_each_group, of_elements, row_sums};
+use super::{System, VectorKind};
+use crate::Issue;
+use crate::element::TangentWeights;
+
+/// Coupled mass below this part of the mean of both masses is rounding.
+const ROUNDING: f64 = 1e-10;
+
+/// Gives a system the lumped mass of its elements and of the `added` masses (pairs of nodal vectors); with `scale` the
+/// inertia of directors is raised. Returns what cannot be lumped.
+pub fn lump(system: &mut System, added: &[(u32, u32, f64)], scale: bool) -> Vec<Issue> {
+    if let Some((what, help)) = unsuitable(system) {
+        return vec![Issue::new("analysis.scheme", what, help)];
+    }
+    let shares = MassShares::new(system);
+    let mut mass: Vec<f64> = (0..system.vectors()).map(|v| shares.own(v)).collect();
+    for &(a, b, m) in added {
+        mass[a as usize] += m;
+        if a != b {
+            mass[b as usize] += m;
+        }
+    }
+    if mass.iter().any(|m| *m <= 0.0) {
+        return vec![Issue::new(
+            "analysis.scheme",
+            "some coordinates have no mass: explicit steps cannot accelerate them",
+            "give every material a density, or the section a `total_mass`",
+        )];
+    }
+    if scale {
+        raise_directors(system, &shares, &mut mass);
+    }
+    system.pattern.set_mass(|i, j| if i == j { mass[i] } else { 0.0 });
+    Vec::new()
+}
+
+/// Why explicit steps cannot be taken with the elements of a system, and what to do.
+fn unsuitable(system: &System) -> Option<(&'static str, &'static str)> {
+    let other = "use another element, or `newmark`, `hht` or `energy-momentum`";
+    if !system.unit.is_empty() {
+        return Some((
+            "explicit steps do not keep directors of unit length (element `mitc4`) at their length",
+            other,
+        ));
+    }
+    if system.kinds.contains(&VectorKind::Gradient) {
+        return Some((
+            "the mass of gradient vectors (element `ancf-full`) cannot be lumped: its row sums vanish",
+            other,
+        ));
+    }
+    // An offset ties positions to directors by mass.
+    let coupled = system.groups.iter().any(|group| {
+        (0..group.len()).any(|e| {
+            let (vectors, mass) = (group.vectors(e), group.mass(e));
+            let own = row_sums(&system.kinds, vectors, mass);
+            let mut pair = 0;
+            (0..vectors.len()).any(|a| {
+                (0..=a).any(|b| {
+                    let m = mass[pair];
+                    pair += 1;
+                    let kinds = [a, b].map(|i| system.kinds[vectors[i] as usize]);
+                    kinds[0] != kinds[1] && m.abs() > ROUNDING * (own[a] * own[b]).abs().sqrt()
+                })
+            })
+        })
+    });
+    coupled.then_some((
+        "the mass of a section does not lie about its mid-surface: it ties positions to directors, and cannot be \
+         lumped",
+        "use `newmark`, `hht` or `energy-momentum`, or a section without `offset` and with layers whose mass is \
+         symmetric",
+    ))
+}
+
+/// Raises the mass of directors until the bound of their frequencies in every element is at most the highest one of
+/// positions.
+fn raise_directors(system: &System, shares: &MassShares, mass: &mut [f64]) {
+    let rest = vec![[0.0; 3]; system.vectors()];
+    let history: usize = system.groups.iter().map(|g| g.len() * g.history_per_element()).sum();
+    // Of the material only: prescribed strains would add their stress.
+    let weights = TangentWeights { stress: 1.0, direction: 0.0, force: 1.0, rate: 0.0 };
+    let parts = TangentParts { weights, mass: 0.0, time: 0.0 };
+    let (mut membrane, mut directors) = (0.0_f64, Vec::new());
+    for_each_group(system, (&rest, &vec![0.0; history]), &parts, |group, blocks| {
+        let of = |kind| of_elements(system, shares, mass, (group, blocks), move |k| k == kind);
+        membrane = of(VectorKind::Position).into_iter().fold(membrane, f64::max);
+        directors.push(of(VectorKind::Director));
+    });
+    if membrane > 0.0 {
+        let mut raise = vec![1.0_f64; mass.len()];
+        for (group, bounds) in system.groups.iter().zip(&directors) {
+            for (e, bound) in bounds.iter().enumerate() {
+                for &v in group.vectors(e) {
+                    if system.kinds[v as usize] == VectorKind::Director {
+                        raise[v as usize] = raise[v as usize].max(bound / membrane);
+                    }
+                }
+            }
+        }
+        mass.iter_mut().zip(raise).for_each(|(m, r)| *m *= r);
+    }
+}
