@@ -46,10 +46,12 @@ fn iteration(c: &mut Criterion) {
     let mut group = c.benchmark_group(format!("newton-{n}x{n}"));
     group.sample_size(20);
     group.bench_function("force", |b| b.iter(|| assembly.forces(&system, black_box(&k), &mut forces)));
-    group.bench_function("force-and-tangent", |b| {
-        b.iter(|| assembly.element_blocks(&system, black_box(&k), &parts, true, None, &mut forces));
+    group.bench_function("element-work", |b| {
+        b.iter(|| assembly.element_work(&system, black_box(&k), &parts, &mut forces));
     });
-    group.bench_function("scatter", |b| b.iter(|| assembly.scatter(&system, 0.0)));
+    group.bench_function("element-work-and-scatter", |b| {
+        b.iter(|| assembly.forces_and_tangent(&system, black_box(&k), &parts, true, None, &mut forces));
+    });
     let zero = vec![[0.0; 3]; system.vectors()];
     let k = state_kinematics(&system, &zero, 1.0);
     assembly.forces_and_tangent(&system, &k, &parts, false, None, &mut forces);

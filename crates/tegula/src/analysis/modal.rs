@@ -107,14 +107,13 @@ pub fn run(
     }
     let k = state_kinematics(system, u, time);
     newton.assembly.follow(system, &k);
-    newton.assembly.element_blocks(system, &k, &parts, false, None, &mut internal);
+    newton.assembly.forces_and_tangent(system, &k, &parts, false, None, &mut internal);
     if equilibrium.is_some() {
         let mut loads = zero.clone();
         system.add_dead_loads(time, 1.0, &mut loads);
         add_follower_loads(system, &k, time, 1.0, &mut loads);
         newton.assembly.add_curvature(system, &k, &parts.weights, &loads);
     }
-    newton.assembly.scatter(system, parts.mass);
     let stiffness = newton.assembly.values.clone();
     let mut mass = vec![0.0; stiffness.len()];
     newton.assembly.mass_values(system, &mut mass);

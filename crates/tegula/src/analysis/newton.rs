@@ -157,14 +157,20 @@ impl Newton {
                     self.assembly.forces(system, &k, &mut self.internal);
                 } else {
                     let prescribed = has_prescribed.then_some(self.increment.as_slice());
-                    self.assembly.element_blocks(system, &k, &parts, mixed, prescribed, &mut self.internal);
+                    self.assembly.forces_and_tangent(
+                        system,
+                        &k,
+                        &parts,
+                        mixed,
+                        prescribed,
+                        &mut self.internal,
+                    );
                 }
             }
             equation.rest(system, &mut self.residual);
             if !reuse {
                 let k = equation.kinematics(system);
                 self.assembly.add_curvature(system, &k, &parts.weights, &self.residual);
-                self.assembly.scatter(system, parts.mass);
             }
             if has_prescribed && parts.mass != 0.0 {
                 system.pattern.add_mass_product(-parts.mass, &self.increment, &mut self.residual);

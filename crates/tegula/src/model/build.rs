@@ -152,6 +152,7 @@ fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
             for e in 0..group.len() {
                 builder.element(group.vectors(e), group.mass(e));
             }
+            builder.end_portion();
         }
         for load in &followers {
             builder.element(load.vectors(), &[]);

@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::{Numbering, System};
+use super::pattern::PORTION;
+use super::{Numbering, Pattern, System};
 use crate::Vec3;
 use crate::element::{ElementGroup, Interior, Kinematics, Motion, Nodal, TangentRequest, TangentWeights};
 
@@ -21,7 +22,7 @@ pub struct TangentParts {
 pub struct Assembly {
     /// Element forces, all groups one after another.
     element_forces: Vec<f64>,
-    /// Element tangent blocks, all groups, then follower loads.
+    /// Tangent blocks of a portion of the elements or follower loads.
     blocks: Vec<f64>,
     /// Extrapolated stress of the samples, all groups.
     pub stress: Vec<f64>,
@@ -37,8 +38,6 @@ pub struct Assembly {
     factors: Vec<f64>,
     /// Supports, and axes of the vectors that keep their length at their present values.
     pub numbering: Numbering,
-    /// Part of the curvature of unit vectors that belongs to nodes: what acts on them from outside.
-    shift: Vec<f64>,
     /// For each nodal vector, where in `element_forces` (in units of nodal vectors) its parts are.
     force_start: Vec<usize>,
     force_sources: Vec<u32>,
@@ -48,9 +47,8 @@ impl Assembly {
     /// Buffers for a system.
     pub fn new(system: &System) -> Self {
         let mut sources: Vec<(u32, u32)> = Vec::new();
-        let mut samples = 0;
+        let mut stresses = 0;
         let mut elements = 0;
-        let mut blocks = 0;
         let mut history = 0;
         for group in &system.groups {
             history += group.len() * group.history_per_element();
@@ -59,15 +57,10 @@ impl Assembly {
                     sources.push((v, sources.len() as u32));
                 }
             }
-            let m = group.vectors_per_element();
-            samples += group.len() * group.stresses_per_element();
+            stresses += group.len() * group.stresses_per_element();
             elements += group.len();
-            blocks += group.len() * m * (m + 1) / 2;
         }
         let element_forces = vec![0.0; 3 * sources.len()];
-        for f in &system.followers {
-            blocks += f.vectors().len() * (f.vectors().len() + 1) / 2;
-        }
         sources.sort_unstable();
         let mut force_start = vec![0; system.vectors() + 1];
         for &(v, _) in &sources {
@@ -78,15 +71,14 @@ impl Assembly {
         }
         Self {
             element_forces,
-            blocks: vec![0.0; 9 * blocks],
-            stress: vec![0.0; samples],
+            blocks: vec![0.0; 9 * system.pattern.buffer_blocks()],
+            stress: vec![0.0; stresses],
             values: vec![0.0; system.pattern.values()],
             energies: vec![0.0; elements],
             history: vec![0.0; history],
             new_history: vec![0.0; history],
             factors: vec![0.0; system.prescribed_strains.len()],
             numbering: system.numbering.clone(),
-            shift: if system.unit.is_empty() { Vec::new() } else { vec![0.0; system.vectors()] },
             force_start,
             force_sources: sources.into_iter().map(|s| s.1).collect(),
         }
@@ -131,58 +123,86 @@ impl Assembly {
         prescribed: Option<&[Nodal]>,
         out: &mut [Nodal],
     ) {
-        self.element_blocks(system, k, parts, extrapolated, prescribed, out);
-        self.scatter(system, parts.mass);
+        system.pattern.begin(parts.mass, &self.numbering, &mut self.values);
+        self.portions(
+            system,
+            k,
+            parts,
+            extrapolated,
+            prescribed,
+            |pattern, portion, blocks, numbering, values| {
+                pattern.add(portion, blocks, parts.mass, numbering, values);
+            },
+        );
+        self.gather_forces(out);
     }
 
-    /// Only the element work of [`forces_and_tangent`](Self::forces_and_tangent): internal forces, and blocks in the
-    /// buffer.
-    pub fn element_blocks(
+    /// Only the element work of [`forces_and_tangent`](Self::forces_and_tangent), to see what it takes.
+    pub fn element_work(&mut self, system: &System, k: &Kinematics, parts: &TangentParts, out: &mut [Nodal]) {
+        self.portions(system, k, parts, true, None, |_, _, _, _, _| {});
+        self.gather_forces(out);
+    }
+
+    /// Evaluates the elements portion by portion and hands the blocks of each to `add`.
+    fn portions(
         &mut self,
         system: &System,
         k: &Kinematics,
         parts: &TangentParts,
         extrapolated: bool,
         prescribed: Option<&[Nodal]>,
-        out: &mut [Nodal],
+        mut add: impl FnMut(&Pattern, usize, &[f64], &Numbering, &mut [f64]),
     ) {
         self.set_time(system, k.time);
+        let Self { numbering, values, blocks, .. } = self;
+        let pattern = &system.pattern;
         let mut forces = self.element_forces.as_mut_slice();
-        let mut blocks = self.blocks.as_mut_slice();
         let mut stress = self.stress.as_slice();
         let mut history = self.history.as_slice();
+        let mut portion = 0;
         for group in &system.groups {
             let m = group.vectors_per_element();
-            let (f, forces_rest) = forces.split_at_mut(3 * group.len() * m);
-            let (b, blocks_rest) = blocks.split_at_mut(9 * group.len() * m * (m + 1) / 2);
+            let (mut f, forces_rest) = forces.split_at_mut(3 * group.len() * m);
             let (s, stress_rest) = stress.split_at(group.len() * group.stresses_per_element());
-            let request = TangentRequest {
-                weights: parts.weights,
-                stress: extrapolated.then_some(s),
-                prescribed,
-                blocks: b,
-            };
             let k = inside(system, k, &mut history, group.as_ref(), &self.factors);
-            group.evaluate(&k, 0, f, Some(request));
-            (forces, blocks, stress) = (forces_rest, blocks_rest, stress_rest);
+            for first in (0..group.len()).step_by(PORTION) {
+                let count = PORTION.min(group.len() - first);
+                let (mine, rest) = f.split_at_mut(3 * count * m);
+                let blocks = &mut blocks[..9 * count * m * (m + 1) / 2];
+                let request = TangentRequest {
+                    weights: parts.weights,
+                    stress: extrapolated.then_some(s),
+                    prescribed,
+                    blocks: &mut *blocks,
+                };
+                group.evaluate(&k, first, mine, Some(request));
+                add(pattern, portion, blocks, numbering, values);
+                f = rest;
+                portion += 1;
+            }
+            (forces, stress) = (forces_rest, stress_rest);
         }
-        for load in &system.followers {
-            let n = load.vectors().len();
-            let (b, rest) = blocks.split_at_mut(9 * n * (n + 1) / 2);
-            let mut x = [Vec3::zeros(); 4];
-            current(system, k, load.vectors(), &mut x);
-            load.stiffness(&x[..n], b);
-            let w = &parts.weights;
-            let direction = if k.linear { 0.0 } else { w.force * w.direction };
-            let factor = direction * system.amplitude(load.amplitude(), parts.time);
-            b.iter_mut().for_each(|v| *v *= factor);
-            blocks = rest;
+        let w = &parts.weights;
+        let direction = if k.linear { 0.0 } else { w.force * w.direction };
+        for loads in system.followers.chunks(PORTION) {
+            let mut rest = blocks.as_mut_slice();
+            for load in loads {
+                let n = load.vectors().len();
+                let (b, others) = rest.split_at_mut(9 * n * (n + 1) / 2);
+                let mut x = [Vec3::zeros(); 4];
+                current(system, k, load.vectors(), &mut x);
+                load.stiffness(&x[..n], b);
+                let factor = direction * system.amplitude(load.amplitude(), parts.time);
+                b.iter_mut().for_each(|v| *v *= factor);
+                rest = others;
+            }
+            add(pattern, portion, blocks, numbering, values);
+            portion += 1;
         }
-        self.gather_forces(out);
-        self.shift.fill(0.0);
     }
 
-    /// Curvature of the sphere of unit vectors under the forces `rest` that act on them from outside.
+    /// Adds the curvature of the sphere of unit vectors under the forces `rest` that act on them from outside to the
+    /// values of the tangent.
     pub fn add_curvature(
         &mut self,
         system: &System,
@@ -195,13 +215,9 @@ impl Assembly {
         }
         for unit in &self.numbering.unit {
             let v = unit.vector as usize;
-            self.shift[v] = weights.direction * current_vector(system, k, v).dot(&Vec3::from(rest[v]));
+            let shift = weights.direction * current_vector(system, k, v).dot(&Vec3::from(rest[v]));
+            system.pattern.add_to_diagonal(v, shift, &self.numbering, &mut self.values);
         }
-    }
-
-    /// Sums the element blocks into the values of the tangent.
-    pub fn scatter(&mut self, system: &System, mass: f64) {
-        system.pattern.gather(&self.blocks, mass, &self.shift, &self.numbering, &mut self.values);
     }
 
     fn gather_forces(&self, out: &mut [Nodal]) {
@@ -236,9 +252,8 @@ impl Assembly {
     }
 
     /// Values of the mass matrix of the free coordinates.
-    pub fn mass_values(&mut self, system: &System, values: &mut [f64]) {
-        self.blocks.fill(0.0);
-        system.pattern.gather(&self.blocks, 1.0, &[], &self.numbering, values);
+    pub fn mass_values(&self, system: &System, values: &mut [f64]) {
+        system.pattern.mass_values(&self.numbering, values);
     }
 
     /// Sets the extrapolated stress to that of a motion.

@@ -20,6 +20,8 @@ const LARGEST: usize = 24;
 const SQUARINGS: i32 = 4;
 /// Elements that one task looks at.
 const CHUNK: usize = 32;
+/// Elements whose blocks are held at a time; a multiple of [`ALIGNMENT`](crate::element::group::ALIGNMENT).
+const PART: usize = 4096;
 
 /// How elements share the mass of their nodal vectors: shells by their own part of it; ties, which have none, get half.
 #[derive(Debug)]
@@ -97,46 +99,62 @@ pub fn row_sums(kinds: &[VectorKind], vectors: &[u32], mass: &[f64]) -> [f64; 8]
     out
 }
 
-/// Calls `f` with each group and the lower tangent blocks of its elements at displacements `u`.
-///
-/// The blocks live only as long as the call: kept, they would be a large part of the memory of an explicit analysis.
-pub fn for_each_group(
+/// Lower tangent blocks of some elements of a group.
+#[derive(Clone, Copy)]
+pub struct ElementBlocks<'a> {
+    /// The group.
+    pub group: &'a dyn ElementGroup,
+    /// First of the elements.
+    pub first: usize,
+    /// Their blocks.
+    blocks: &'a [f64],
+}
+
+/// Calls `f` with the lower tangent blocks of all elements at displacements `u`, some at a time, group by group.
+pub fn for_each_part(
     system: &System,
     (u, history): (&[Nodal], &[f64]),
     parts: &TangentParts,
-    mut f: impl FnMut(&dyn ElementGroup, &[f64]),
+    mut f: impl FnMut(ElementBlocks),
 ) {
     let factors: Vec<f64> =
         system.prescribed_strains.iter().map(|p| system.amplitude(p.amplitude, parts.time)).collect();
     let motion = Motion::State { u, velocity: None };
     let k = Kinematics::new(&system.reference, motion, system.linear, parts.time);
     let mut history = history;
+    let (mut forces, mut blocks) = (Vec::new(), Vec::new());
     for group in &system.groups {
         let m = group.vectors_per_element();
         let (mine, rest) = history.split_at(group.len() * group.history_per_element());
         history = rest;
         let k =
             Kinematics { interior: Interior { history: mine, factors: &factors }, unit: &system.unit, ..k };
-        let mut forces = vec![0.0; 3 * m * group.len()];
-        let mut blocks = vec![0.0; 9 * m * (m + 1) / 2 * group.len()];
-        let request =
-            TangentRequest { weights: parts.weights, stress: None, prescribed: None, blocks: &mut blocks };
-        group.evaluate(&k, &mut forces, Some(request));
-        drop(forces);
-        f(group.as_ref(), &blocks);
+        for first in (0..group.len()).step_by(PART) {
+            let count = PART.min(group.len() - first);
+            forces.resize(3 * m * count, 0.0);
+            blocks.resize(block_values(m) * count, 0.0);
+            let request = TangentRequest {
+                weights: parts.weights,
+                stress: None,
+                prescribed: None,
+                blocks: &mut blocks,
+            };
+            group.evaluate(&k, first, &mut forces, Some(request));
+            f(ElementBlocks { group: group.as_ref(), first, blocks: &blocks });
+        }
     }
 }
 
-/// Bound of the largest eigenvalue of each element of a group; only coordinates of the kinds that `wanted` names count.
+/// Bound of the largest eigenvalue of each of some elements; only coordinates of the kinds that `wanted` names count.
 pub fn of_elements(
     system: &System,
     shares: &MassShares,
     mass: &[f64],
-    (group, blocks): (&dyn ElementGroup, &[f64]),
+    ElementBlocks { group, first, blocks }: ElementBlocks,
     wanted: impl Fn(VectorKind) -> bool + Sync,
 ) -> Vec<f64> {
     let size = block_values(group.vectors_per_element());
-    let mut out = vec![0.0; group.len()];
+    let mut out = vec![0.0; blocks.len() / size];
     out.par_chunks_mut(CHUNK).zip(blocks.par_chunks(CHUNK * size)).enumerate().for_each(
         |(chunk, (out, blocks))| {
             let arch = pulp::Arch::new();
@@ -145,7 +163,7 @@ pub fn of_elements(
                 || {
                     let mut square = Square::new();
                     for (i, (out, blocks)) in out.iter_mut().zip(blocks.chunks_exact(size)).enumerate() {
-                        let element = chunk * CHUNK + i;
+                        let element = first + chunk * CHUNK + i;
                         let mass = shares.of(system, group, element, mass);
                         let vectors = group.vectors(element);
                         square.fill(blocks, &mass[..vectors.len()], |a| {
@@ -160,12 +178,12 @@ pub fn of_elements(
     out
 }
 
-/// Bound of the largest eigenvalue of a group.
-pub fn of_group(
+/// Bound of the largest eigenvalue of some elements.
+pub fn of_part(
     system: &System,
     shares: &MassShares,
     mass: &[f64],
-    (group, blocks): (&dyn ElementGroup, &[f64]),
+    ElementBlocks { group, first, blocks }: ElementBlocks,
 ) -> f64 {
     let size = block_values(group.vectors_per_element());
     blocks
@@ -178,7 +196,7 @@ pub fn of_group(
                 || {
                     let (mut square, mut highest) = (Square::new(), 0.0_f64);
                     for (i, blocks) in blocks.chunks_exact(size).enumerate() {
-                        let element = chunk * CHUNK + i;
+                        let element = first + chunk * CHUNK + i;
                         let mass = shares.of(system, group, element, mass);
                         square.fill(blocks, &mass[..group.vectors_per_element()], |_| true);
                         highest = larger(highest, square.bound(highest));

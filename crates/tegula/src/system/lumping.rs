@@ -10,7 +10,7 @@
 //! vanishes with the mesh.
 
 use super::assembly::TangentParts;
-use super::element_frequency::{MassShares, for_each_group, of_elements, row_sums};
+use super::element_frequency::{MassShares, for_each_part, of_elements, row_sums};
 use super::{System, VectorKind};
 use crate::Issue;
 use crate::element::TangentWeights;
@@ -94,20 +94,17 @@ fn raise_directors(system: &System, shares: &MassShares, mass: &mut [f64]) {
     let weights = TangentWeights { stress: 1.0, direction: 0.0, force: 1.0, rate: 0.0 };
     let parts = TangentParts { weights, mass: 0.0, time: 0.0 };
     let (mut membrane, mut directors) = (0.0_f64, Vec::new());
-    for_each_group(system, (&rest, &vec![0.0; history]), &parts, |group, blocks| {
-        let of = |kind| of_elements(system, shares, mass, (group, blocks), move |k| k == kind);
+    for_each_part(system, (&rest, &vec![0.0; history]), &parts, |part| {
+        let of = |kind| of_elements(system, shares, mass, part, move |k| k == kind);
         membrane = of(VectorKind::Position).into_iter().fold(membrane, f64::max);
-        directors.push(of(VectorKind::Director));
+        directors.extend(of(VectorKind::Director));
     });
     if membrane > 0.0 {
         let mut raise = vec![1.0_f64; mass.len()];
-        for (group, bounds) in system.groups.iter().zip(&directors) {
-            for (e, bound) in bounds.iter().enumerate() {
-                for &v in group.vectors(e) {
-                    if system.kinds[v as usize] == VectorKind::Director {
-                        raise[v as usize] = raise[v as usize].max(bound / membrane);
-                    }
-                }
+        let elements = system.groups.iter().flat_map(|g| (0..g.len()).map(move |e| g.vectors(e)));
+        for (vectors, bound) in elements.zip(&directors) {
+            for &v in vectors.iter().filter(|&&v| system.kinds[v as usize] == VectorKind::Director) {
+                raise[v as usize] = raise[v as usize].max(bound / membrane);
             }
         }
         mass.iter_mut().zip(raise).for_each(|(m, r)| *m *= r);

@@ -1,30 +1,37 @@
 //! Sparsity pattern of the tangent and the gather lists that fill it.
 //!
-//! The unit is the 3×3 block of a pair of nodal vectors. Elements write their blocks to a
-//! buffer; every block of the matrix sums its contributions in a fixed order. Nothing is
-//! locked, and the result does not depend on the number of threads.
+//! The unit is the 3×3 block of a pair of nodal vectors. Elements are worked off in portions of [`PORTION`]: they write
+//! their blocks to a buffer that holds one portion, and every block of the matrix takes its contributions from there in
+//! a fixed order. Nothing is locked, and the result does not depend on the number of threads.
 
 use std::ops::Range;
+
+use rayon::prelude::*;
 
 use super::numbering::{CONSTRAINED, Numbering};
 use crate::element::Nodal;
 
-/// Block columns below which a task is not split further.
-const GRAIN: usize = 128;
+/// Elements of a portion: their blocks stay in a processor's cache until they are summed. A multiple of
+/// [`ALIGNMENT`](crate::element::group::ALIGNMENT).
+pub const PORTION: usize = 1024;
+/// Blocks below which a task is not split further.
+const GRAIN: usize = 1024;
 
 /// Blocks of the lower triangle, by block column, and where their parts come from.
 #[derive(Debug)]
 pub struct Pattern {
     /// First block of each block column.
-    column_start: Vec<usize>,
+    column_start: Vec<u32>,
     /// Block row of each block; rows ascend within a column, the first is the diagonal.
     row: Vec<u32>,
-    /// First source of each block.
-    source_start: Vec<usize>,
-    /// Number of a block in the element buffer, times two, plus one if it is to be transposed.
-    sources: Vec<u32>,
+    /// Values of a column from a block on to its end; the same for all free columns of a block column.
+    tail: Vec<u32>,
     /// Scalar mass of each block.
-    pub mass: Vec<f64>,
+    mass: Vec<f64>,
+    /// Blocks without an element.
+    alone: Vec<u32>,
+    /// What each portion of the elements contributes.
+    portions: Vec<Portion>,
     /// First value of each block column in the compressed columns.
     value_start: Vec<usize>,
     /// Column pointers of the free coordinates.
@@ -33,12 +40,37 @@ pub struct Pattern {
     pub row_indices: Vec<usize>,
 }
 
+/// Contributions of a portion of the elements.
+#[derive(Debug, Default)]
+struct Portion {
+    /// Blocks of the matrix, ascending: block column and number.
+    targets: Vec<Target>,
+    /// First source of each.
+    source_start: Vec<u32>,
+    /// Number of a block in the buffer of the portion, times two, plus one if it is to be transposed.
+    sources: Vec<u32>,
+    /// Blocks in the buffer.
+    blocks: usize,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Target {
+    column: u32,
+    block: u32,
+    /// No earlier portion contributes.
+    first: bool,
+}
+
 /// Adds up the pattern from elements.
 #[derive(Debug, Default)]
 pub struct PatternBuilder {
-    entries: Vec<(u64, u32)>,
+    /// Block and number in the buffer, by portion.
+    entries: Vec<Vec<(u64, u32)>>,
     masses: Vec<(u64, f64)>,
+    /// Elements and blocks in the last portion.
+    elements: usize,
     blocks: u32,
+    portions: Vec<u32>,
 }
 
 fn key(a: u32, b: u32) -> u64 {
@@ -46,12 +78,27 @@ fn key(a: u32, b: u32) -> u64 {
 }
 
 impl PatternBuilder {
+    /// The elements that come next are not of the same portion as those before.
+    pub fn end_portion(&mut self) {
+        if self.elements > 0 {
+            self.portions.push(self.blocks);
+        }
+        (self.elements, self.blocks) = (0, 0);
+    }
+
     /// Adds an element whose lower blocks come next in the buffer.
     pub fn element(&mut self, vectors: &[u32], mass: &[f64]) {
+        if self.elements == PORTION {
+            self.end_portion();
+        }
+        if self.elements == 0 {
+            self.entries.push(Vec::with_capacity(PORTION * vectors.len() * (vectors.len() + 1) / 2));
+        }
+        let Some(entries) = self.entries.last_mut() else { return };
         let mut pair = 0;
         for (a, &va) in vectors.iter().enumerate() {
             for &vb in &vectors[..=a] {
-                self.entries.push((key(va, vb), 2 * self.blocks + u32::from(va < vb)));
+                entries.push((key(va, vb), 2 * self.blocks + u32::from(va < vb)));
                 if let Some(&m) = mass.get(pair)
                     && m != 0.0
                 {
@@ -61,6 +108,7 @@ impl PatternBuilder {
                 pair += 1;
             }
         }
+        self.elements += 1;
     }
 
     /// Adds mass of a pair of vectors.
@@ -68,50 +116,68 @@ impl PatternBuilder {
         self.masses.push((key(a, b), mass));
     }
 
-    /// Number of blocks in the element buffer.
-    pub fn buffer_blocks(&self) -> usize {
-        self.blocks as usize
-    }
-
     /// The pattern of the free coordinates.
     pub fn build(mut self, vectors: usize, numbering: &Numbering) -> Pattern {
+        self.end_portion();
         // Stable order of contributions: by block, then by element.
-        self.entries.sort_unstable();
+        self.entries.par_iter_mut().for_each(|entries| entries.sort_unstable());
         self.masses.sort_by_key(|m| m.0);
-        let mut keys: Vec<u64> = self.entries.iter().map(|e| e.0).collect();
+        let mut keys: Vec<u64> = (0..vectors as u32).map(|v| key(v, v)).collect();
+        for entries in &self.entries {
+            let before = keys.len();
+            keys.extend(entries.iter().map(|e| e.0));
+            let mut kept = before;
+            for i in before..keys.len() {
+                if i == before || keys[i] != keys[i - 1] {
+                    keys[kept] = keys[i];
+                    kept += 1;
+                }
+            }
+            keys.truncate(kept);
+        }
         keys.extend(self.masses.iter().map(|m| m.0));
-        keys.extend((0..vectors as u32).map(|v| key(v, v)));
-        keys.sort_unstable();
+        keys.par_sort_unstable();
         keys.dedup();
 
         let mut column_start = vec![0; vectors + 1];
         let mut row = Vec::with_capacity(keys.len());
-        let mut source_start = Vec::with_capacity(keys.len() + 1);
         let mut mass = vec![0.0; keys.len()];
-        let (mut e, mut m) = (0, 0);
+        let mut m = 0;
         for (block, &k) in keys.iter().enumerate() {
-            column_start[(k >> 32) as usize + 1] = block + 1;
+            column_start[(k >> 32) as usize + 1] = block as u32 + 1;
             row.push(k as u32);
-            source_start.push(e);
-            while e < self.entries.len() && self.entries[e].0 == k {
-                e += 1;
-            }
             while m < self.masses.len() && self.masses[m].0 == k {
                 mass[block] += self.masses[m].1;
                 m += 1;
             }
         }
-        source_start.push(e);
-        let sources = self.entries.into_iter().map(|e| e.1).collect();
+        let mut met = vec![false; keys.len()];
+        let portions = self
+            .entries
+            .iter()
+            .zip(&self.portions)
+            .map(|(entries, &blocks)| {
+                Portion::new(entries, blocks as usize, (&keys, &column_start), &mut met)
+            })
+            .collect();
+        let alone = (0..keys.len() as u32).filter(|&b| !met[b as usize]).collect();
 
+        let mut tail = vec![0; keys.len()];
         let mut column_pointers = Vec::with_capacity(numbering.unknowns + 1);
         column_pointers.push(0);
         let mut row_indices = Vec::new();
         let mut value_start = Vec::with_capacity(vectors + 1);
         for j in 0..vectors {
             value_start.push(row_indices.len());
+            let blocks = column_start[j] as usize..column_start[j + 1] as usize;
+            let mut below = 0;
+            for block in blocks.clone().rev() {
+                let rows = numbering.of(row[block] as usize);
+                below += rows.iter().filter(|&&r| r != CONSTRAINED).count() as u32;
+                tail[block] = below;
+            }
             for number in numbering.of(j).into_iter().filter(|&n| n != CONSTRAINED) {
-                for &i in &row[column_start[j]..column_start[j + 1]] {
+                for &i in &row[blocks.clone()] {
                     let rows = numbering.of(i as usize);
                     row_indices.extend(
                         rows.iter().filter(|&&r| r != CONSTRAINED && r >= number).map(|&r| r as usize),
@@ -121,98 +187,44 @@ impl PatternBuilder {
             }
         }
         value_start.push(row_indices.len());
-        Pattern { column_start, row, source_start, sources, mass, value_start, column_pointers, row_indices }
+        row_indices.shrink_to_fit();
+        Pattern { column_start, row, tail, mass, alone, portions, value_start, column_pointers, row_indices }
     }
 }
 
-impl Pattern {
-    /// Number of stored values: lower triangle of the free coordinates.
-    pub fn values(&self) -> usize {
-        self.row_indices.len()
-    }
-
-    /// Number of nodal vectors.
-    fn vectors(&self) -> usize {
-        self.column_start.len() - 1
-    }
-
-    /// Sums the blocks of the element buffer and `mass_factor · M` into the values of the free coordinates;
-    /// `shift` (empty, or a number per nodal vector) is added to the diagonal.
-    pub fn gather(
-        &self,
-        buffer: &[f64],
-        mass_factor: f64,
-        shift: &[f64],
-        numbering: &Numbering,
-        values: &mut [f64],
-    ) {
-        self.gather_columns(0..self.vectors(), (buffer, mass_factor, shift), numbering, values);
-    }
-
-    fn gather_columns(
-        &self,
-        columns: Range<usize>,
-        parts: (&[f64], f64, &[f64]),
-        numbering: &Numbering,
-        values: &mut [f64],
-    ) {
-        let (buffer, mass_factor, shift) = parts;
-        if columns.len() > GRAIN {
-            let middle = columns.start + columns.len() / 2;
-            let (left, right) =
-                values.split_at_mut(self.value_start[middle] - self.value_start[columns.start]);
-            rayon::join(
-                || self.gather_columns(columns.start..middle, parts, numbering, left),
-                || self.gather_columns(middle..columns.end, parts, numbering, right),
-            );
-            return;
+impl Portion {
+    /// From entries in ascending order; `met` tells which blocks of the matrix have appeared already.
+    fn new(
+        entries: &[(u64, u32)],
+        blocks: usize,
+        (keys, column_start): (&[u64], &[u32]),
+        met: &mut [bool],
+    ) -> Self {
+        let mut out = Self { blocks, ..Self::default() };
+        let mut last = None;
+        for (source, &(key, number)) in entries.iter().enumerate() {
+            if last != Some(key) {
+                last = Some(key);
+                let column = (key >> 32) as u32;
+                let start = column_start[column as usize] as usize;
+                let end = column_start[column as usize + 1] as usize;
+                let block = start + keys[start..end].partition_point(|&k| k < key);
+                let first = !std::mem::replace(&mut met[block], true);
+                out.targets.push(Target { column, block: block as u32, first });
+                out.source_start.push(source as u32);
+            }
+            out.sources.push(number);
         }
-        let mut at = 0;
-        for j in columns {
-            let numbers = numbering.of(j);
-            let length = self.value_start[j + 1] - self.value_start[j];
-            let out = &mut values[at..at + length];
-            at += length;
-            if length == 0 {
-                continue;
-            }
-            // Where the next row of each of the (up to three) columns goes.
-            let mut next = [0; 3];
-            let mut start = 0;
-            for (c, &n) in numbers.iter().enumerate() {
-                next[c] = start;
-                if n != CONSTRAINED {
-                    start += self.column_pointers[n as usize + 1] - self.column_pointers[n as usize];
-                }
-            }
-            for block in self.column_start[j]..self.column_start[j + 1] {
-                let i = self.row[block] as usize;
-                let rows = numbering.of(i);
-                let mut k = self.sum(block, buffer);
-                let mut m = mass_factor * self.mass[block];
-                if i == j {
-                    m += shift.get(j).copied().unwrap_or(0.0);
-                }
-                k[0] += m;
-                k[4] += m;
-                k[8] += m;
-                rotate(&mut k, i, j, numbering);
-                for (c, &number) in numbers.iter().enumerate().filter(|(_, n)| **n != CONSTRAINED) {
-                    for (r, &row) in rows.iter().enumerate() {
-                        if row != CONSTRAINED && row >= number {
-                            out[next[c]] = k[3 * r + c];
-                            next[c] += 1;
-                        }
-                    }
-                }
-            }
-        }
+        out.source_start.push(entries.len() as u32);
+        out
     }
 
+    /// Sum of the contributions to a target.
     #[inline]
-    fn sum(&self, block: usize, buffer: &[f64]) -> [f64; 9] {
+    fn sum(&self, target: usize, buffer: &[f64]) -> [f64; 9] {
         let mut k = [0.0; 9];
-        for &source in &self.sources[self.source_start[block]..self.source_start[block + 1]] {
+        let range = self.source_start[target] as usize..self.source_start[target + 1] as usize;
+        for &source in &self.sources[range] {
             let at = 9 * (source >> 1) as usize;
             let b = &buffer[at..at + 9];
             if source & 1 == 0 {
@@ -229,11 +241,152 @@ impl Pattern {
         }
         k
     }
+}
+
+impl Pattern {
+    /// Number of stored values: lower triangle of the free coordinates.
+    pub fn values(&self) -> usize {
+        self.row_indices.len()
+    }
+
+    /// Number of nodal vectors.
+    fn vectors(&self) -> usize {
+        self.column_start.len() - 1
+    }
+
+    /// Blocks of a block column.
+    fn blocks(&self, column: usize) -> Range<usize> {
+        self.column_start[column] as usize..self.column_start[column + 1] as usize
+    }
+
+    /// Number of portions in which the elements are worked off.
+    pub fn portions(&self) -> usize {
+        self.portions.len()
+    }
+
+    /// Most blocks of a portion: what the buffer must hold.
+    pub fn buffer_blocks(&self) -> usize {
+        self.portions.iter().map(|p| p.blocks).max().unwrap_or(0)
+    }
+
+    /// Begins the sum of `mass_factor · M` and element blocks: what has no element.
+    pub fn begin(&self, mass_factor: f64, numbering: &Numbering, values: &mut [f64]) {
+        let mut column = 0;
+        for &block in &self.alone {
+            while self.column_start[column + 1] <= block {
+                column += 1;
+            }
+            let m = mass_factor * self.mass[block as usize];
+            let target = Target { column: column as u32, block, first: true };
+            self.put(target, [m, 0.0, 0.0, 0.0, m, 0.0, 0.0, 0.0, m], numbering, values, 0);
+        }
+    }
+
+    /// Adds the blocks of a portion of the elements. Portions are added one after another, all of them.
+    pub fn add(
+        &self,
+        portion: usize,
+        buffer: &[f64],
+        mass_factor: f64,
+        numbering: &Numbering,
+        values: &mut [f64],
+    ) {
+        let portion = &self.portions[portion];
+        self.add_targets(portion, 0..portion.targets.len(), (buffer, mass_factor), numbering, values, 0);
+    }
+
+    /// Adds to `values`, of which the first is that of number `offset`.
+    fn add_targets(
+        &self,
+        portion: &Portion,
+        targets: Range<usize>,
+        parts: (&[f64], f64),
+        numbering: &Numbering,
+        values: &mut [f64],
+        offset: usize,
+    ) {
+        if targets.len() > GRAIN {
+            let middle = targets.start + targets.len() / 2;
+            let column = portion.targets[middle].column;
+            let within = &portion.targets[targets.clone()];
+            let middle = targets.start + within.partition_point(|t| t.column < column);
+            if middle > targets.start {
+                let split = self.value_start[column as usize];
+                let (left, right) = values.split_at_mut(split - offset);
+                rayon::join(
+                    || self.add_targets(portion, targets.start..middle, parts, numbering, left, offset),
+                    || self.add_targets(portion, middle..targets.end, parts, numbering, right, split),
+                );
+                return;
+            }
+        }
+        let (buffer, mass_factor) = parts;
+        for at in targets {
+            let target = portion.targets[at];
+            let mut k = portion.sum(at, buffer);
+            if target.first {
+                let m = mass_factor * self.mass[target.block as usize];
+                k[0] += m;
+                k[4] += m;
+                k[8] += m;
+            }
+            self.put(target, k, numbering, values, offset);
+        }
+    }
+
+    /// Writes a block where it is the first contribution, else adds it.
+    #[inline]
+    fn put(&self, target: Target, mut k: [f64; 9], numbering: &Numbering, values: &mut [f64], offset: usize) {
+        let (block, j) = (target.block as usize, target.column as usize);
+        let i = self.row[block] as usize;
+        rotate(&mut k, i, j, numbering);
+        let rows = numbering.of(i);
+        for (c, number) in numbering.of(j).into_iter().enumerate() {
+            if number == CONSTRAINED {
+                continue;
+            }
+            let number_of = number as usize;
+            let mut at = if i == j {
+                self.column_pointers[number_of]
+            } else {
+                self.column_pointers[number_of + 1] - self.tail[block] as usize
+            } - offset;
+            for (r, &row) in rows.iter().enumerate() {
+                if row == CONSTRAINED || row < number {
+                    continue;
+                }
+                if target.first {
+                    values[at] = k[3 * r + c];
+                } else {
+                    values[at] += k[3 * r + c];
+                }
+                at += 1;
+            }
+        }
+    }
+
+    /// Adds a multiple of the unit matrix to the block of a nodal vector with itself.
+    pub fn add_to_diagonal(&self, vector: usize, value: f64, numbering: &Numbering, values: &mut [f64]) {
+        for number in numbering.of(vector).into_iter().filter(|&n| n != CONSTRAINED) {
+            values[self.column_pointers[number as usize]] += value;
+        }
+    }
+
+    /// Values of the mass matrix of the free coordinates.
+    pub fn mass_values(&self, numbering: &Numbering, values: &mut [f64]) {
+        for j in 0..self.vectors() {
+            for block in self.blocks(j) {
+                let m = self.mass[block];
+                let target = Target { column: j as u32, block: block as u32, first: true };
+                self.put(target, [m, 0.0, 0.0, 0.0, m, 0.0, 0.0, 0.0, m], numbering, values, 0);
+            }
+        }
+    }
 
     /// `out += factor · M x` for all nodal vectors.
     pub fn add_mass_product(&self, factor: f64, x: &[Nodal], out: &mut [Nodal]) {
         for j in 0..self.vectors() {
-            for block in self.column_start[j]..self.column_start[j + 1] {
+            for block in self.blocks(j) {
                 let m = factor * self.mass[block];
                 if m == 0.0 {
                     continue;
@@ -252,7 +405,7 @@ impl Pattern {
     /// Calls `f(i, j, m)` for every pair `i ≥ j` of nodal vectors with mass.
     pub fn for_each_mass(&self, mut f: impl FnMut(usize, usize, f64)) {
         for j in 0..self.vectors() {
-            for block in self.column_start[j]..self.column_start[j + 1] {
+            for block in self.blocks(j) {
                 if self.mass[block] != 0.0 {
                     f(self.row[block] as usize, j, self.mass[block]);
                 }
@@ -263,7 +416,7 @@ impl Pattern {
     /// Replaces the mass of every pair `i ≥ j` of nodal vectors by `f(i, j)`.
     pub fn set_mass(&mut self, f: impl Fn(usize, usize) -> f64) {
         for j in 0..self.vectors() {
-            for block in self.column_start[j]..self.column_start[j + 1] {
+            for block in self.blocks(j) {
                 self.mass[block] = f(self.row[block] as usize, j);
             }
         }

@@ -4,7 +4,7 @@ use crate::analysis::State;
 use crate::element::TangentWeights;
 use crate::system::System;
 use crate::system::assembly::TangentParts;
-use crate::system::element_frequency::{MassShares, for_each_group, of_followers, of_group};
+use crate::system::element_frequency::{MassShares, for_each_part, of_followers, of_part};
 
 /// Finds steps that are not above the critical one.
 pub struct CriticalStep {
@@ -28,8 +28,8 @@ impl CriticalStep {
         let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
         let parts = TangentParts { weights, mass: 0.0, time: state.time };
         let mut highest = 0.0_f64;
-        for_each_group(system, (&state.u, &state.history), &parts, |group, blocks| {
-            let bound = of_group(system, &self.shares, mass, (group, blocks));
+        for_each_part(system, (&state.u, &state.history), &parts, |part| {
+            let bound = of_part(system, &self.shares, mass, part);
             highest = if bound.is_nan() { bound } else { highest.max(bound) };
         });
         let loads = of_followers(system, &self.shares, mass, &state.u, state.time);
