@@ -110,9 +110,9 @@ def main():
         history.append(motion())
         system.SetPostStepUserFunction(record)
     if not run.SolveSystem(system, settings):
-        sys.exit("Newton's method does not converge after step %d" % run.it.currentStepIndex)
+        sys.exit("Newton's method does not converge after step %d" % (run.it.currentStepIndex - 1))
     problems.write_field(folder, (displacement(k) for k in nodes))
-    problems.write_result(folder, version=exu.__version__, steps=run.it.currentStepIndex,
+    problems.write_result(folder, version=exu.__version__, steps=run.it.currentStepIndex - 1,
                           iterations=run.it.newtonStepsCount, unknowns=unknowns,
                           jacobians=run.it.newtonJacobiCount, points=motion(), history=history)
 
