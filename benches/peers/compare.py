@@ -135,7 +135,8 @@ def compute(name, job, limit, results=RESULTS):
             time.sleep(0.002)
     wall = time.perf_counter() - start
     process.returncode = os.waitstatus_to_exitcode(status)
-    words = [x for x in (folder / "log.txt").read_text(errors="replace").splitlines() if x.strip(" =*|")]
+    words = [x for x in (folder / "log.txt").read_text(errors="replace").splitlines()
+             if x.strip(" =*|") and x != "Process 0 Terminating"]
     if process.returncode == 0 and hasattr(peer, "finish"):
         try:
             peer.finish(job, folder)
@@ -160,6 +161,13 @@ def best_of(repeats, name, job, limit, results):
     return best
 
 
+def keep(runs, problem, kept, raw):
+    """Writes all runs so far, so that an interrupted comparison can be resumed."""
+    runs[problem] = sorted(kept, key=lambda run: list(PEERS).index(run["peer"]))
+    raw.parent.mkdir(parents=True, exist_ok=True)
+    raw.write_text(json.dumps(runs))
+
+
 def machine():
     """Processor, cores and system, for the table."""
     model = next((line.split(":")[1].strip() for line in open("/proc/cpuinfo") if line.startswith("model name")), "?")
@@ -177,6 +185,7 @@ def main():
     parser.add_argument("--limit", type=float, default=1800, help="wall seconds after which a job is given up")
     parser.add_argument("--resume", action="store_true", help="keep what earlier runs have computed")
     parser.add_argument("--out", type=pathlib.Path, default=RESULTS, help="folder of results")
+    parser.add_argument("--note", help="a sentence to put below the tables")
     parser.add_argument("--book", action="store_true", help="put the tables into the book")
     options = parser.parse_args()
     if options.install:
@@ -211,11 +220,10 @@ def main():
             print(problem, name, label, job["elements"], result.get("failure") or "%.2f CPU s, %.2f s"
                   % (result["cpu"], result["wall"]), flush=True)
             kept.append({"peer": name, "label": label, "job": job, "result": result})
-            runs[problem] = sorted(kept, key=lambda run: list(PEERS).index(run["peer"]))
-            options.out.mkdir(parents=True, exist_ok=True)
-            raw.write_text(json.dumps(runs))
+            keep(runs, problem, kept, raw)
+        keep(runs, problem, kept, raw)
     references = json.loads((HERE / "references.json").read_text())
-    about = {"date": datetime.date.today().isoformat(), "machine": machine()}
+    about = {"date": datetime.date.today().isoformat(), "machine": machine(), "note": options.note}
     tables = {"cylinder": cylinder_rows(runs.get("cylinder", []), references),
               "pendulum": pendulum_rows(runs.get("pendulum", []), references)}
     page = ROOT / "book/src/benchmarks/peers.md" if options.book else None

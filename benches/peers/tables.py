@@ -149,6 +149,8 @@ def write_tables(tables, runs, about, folder, page):
             versions[run["peer"]] = run["result"]["version"].replace('"', "").split("--")[0].strip()
     parts.append("Versions: " + ", ".join("%s %s" % item for item in versions.items()) + ".")
     parts.append("Computed on %s: %s." % (about["date"], about["machine"]))
+    if about["note"]:
+        parts.append(about["note"])
     text = "\n".join(parts)
     (folder / "peers.md").write_text(text + "\n")
     print("\n" + text)
