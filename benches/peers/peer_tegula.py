@@ -1,4 +1,4 @@
-"""tegula itself: `target/release/tegula run` with all its files and pictures.
+"""tegula itself: `target/release/tegula run` with all its files; no pictures, which the others do not draw either.
 
 A job may give `element`, `scheme`, `tolerance` of the time steps, and `plain` (fewest files: only the field
 of displacements, at the end).
@@ -50,7 +50,7 @@ def model(job):
     points = ['{ name = "%s", on = "u_%s_v_%s" }' % (p, sides[i], sides[j])
               for p, (i, j) in problems.POINTS[problem].items()]
     # Fields at the end only, as the others: the motion of the points is written at every step anyway.
-    text += ["[output]", "points = [%s]" % ", ".join(points), "interval = 1.0"]
+    text += ["[output]", "points = [%s]" % ", ".join(points), "interval = 1.0", "pictures = false"]
     if job.get("plain"):
         text += ['fields = ["displacement"]']
     return "\n".join(text) + "\n"

@@ -83,7 +83,9 @@ fn conclude(mut recorder: Recorder<'_>, outcome: tegula::Result<()>) -> Result<S
         return Err(error.into());
     }
     finished?;
-    pictures::draw(&mut recorder);
+    if recorder.model.output.pictures {
+        pictures::draw(&mut recorder);
+    }
     recorder.log_end()?;
     recorder.update_summary();
     recorder.write_summary()?;

@@ -106,6 +106,20 @@ fn a_resumed_run_repeats_the_straight_one_to_the_bit() {
 }
 
 #[test]
+fn pictures_can_be_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let pictures = |text: String| {
+        let deck = Deck::parse("swing.toml", text).unwrap();
+        run(&deck, &options(folder.path(), false), &mut Unwatched).unwrap();
+        let files = fs::read_dir(folder.path()).unwrap().map(|f| f.unwrap().path());
+        files.filter(|f| f.extension().is_some_and(|e| e == "png")).count()
+    };
+    let text = SWING.replace("SCHEME", "newmark");
+    assert_eq!(pictures(text.replace("[output]", "[output]\npictures = false")), 0);
+    assert!(pictures(text) >= 3);
+}
+
+#[test]
 fn a_killed_run_resumes_from_its_last_checkpoint() {
     let (deck, folder) = (deck("newmark"), tempfile::tempdir().unwrap());
     let (straight, killed) = (folder.path().join("straight"), folder.path().join("killed"));

@@ -260,11 +260,14 @@ pub struct Output {
     /// Time (load factor) between two field files; 0 writes every step.
     #[serde(default)]
     pub interval: f64,
+    /// Draw pictures (`*.png`) at the end of the run; true unless given.
+    #[serde(default = "yes")]
+    pub pictures: bool,
 }
 
 impl Default for Output {
     fn default() -> Self {
-        Self { points: Vec::new(), fields: all_fields(), interval: 0.0 }
+        Self { points: Vec::new(), fields: all_fields(), interval: 0.0, pictures: true }
     }
 }
 

@@ -54,8 +54,8 @@ pub const CONSTRAINED: u32 = u32::MAX;
 pub struct Numbering {
     /// Number of the free coordinate `3 v + c`, or [`CONSTRAINED`].
     pub free: Vec<u32>,
-    /// Axes of the vectors (as columns) that have their own.
-    pub frames: Vec<Option<Mat3>>,
+    /// Axes of the vectors (as columns) that have their own; empty if none has.
+    frames: Vec<Option<Mat3>>,
     /// Prescribed coordinates: `3 v + c`, value, amplitude.
     pub prescribed: Vec<(u32, f64, Option<usize>)>,
     /// Number of free coordinates.
@@ -192,6 +192,9 @@ impl Numbering {
             }
         }
         if conflicts.is_empty() {
+            if frames.iter().all(Option::is_none) {
+                frames = Vec::new();
+            }
             Ok(Self { free, frames, prescribed, unknowns: unknowns as usize, unit: units })
         } else {
             Err(conflicts)
@@ -210,9 +213,20 @@ impl Numbering {
         [self.free[3 * vector], self.free[3 * vector + 1], self.free[3 * vector + 2]]
     }
 
+    /// Axes of a vector (as columns) that has its own.
+    #[inline]
+    pub fn frame(&self, vector: usize) -> Option<&Mat3> {
+        self.frames.get(vector)?.as_ref()
+    }
+
+    /// True if all coordinates of a vector are free and along the global axes.
+    pub fn is_plain(&self, vector: usize) -> bool {
+        self.frame(vector).is_none() && self.of(vector).iter().all(|&n| n != CONSTRAINED)
+    }
+
     /// Components of a field along the axes of a vector.
     pub fn to_axes(&self, vector: usize, value: Nodal) -> Nodal {
-        match &self.frames[vector] {
+        match self.frame(vector) {
             None => value,
             Some(q) => (q.transpose() * Vec3::from(value)).into(),
         }
@@ -220,7 +234,7 @@ impl Numbering {
 
     /// Global components from those along the axes of a vector.
     pub fn from_axes(&self, vector: usize, value: Nodal) -> Nodal {
-        match &self.frames[vector] {
+        match self.frame(vector) {
             None => value,
             Some(q) => (q * Vec3::from(value)).into(),
         }

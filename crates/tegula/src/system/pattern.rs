@@ -59,6 +59,8 @@ struct Target {
     block: u32,
     /// No earlier portion contributes.
     first: bool,
+    /// Off the diagonal, all coordinates free, along the global axes.
+    plain: bool,
 }
 
 /// Adds up the pattern from elements.
@@ -157,7 +159,7 @@ impl PatternBuilder {
             .iter()
             .zip(&self.portions)
             .map(|(entries, &blocks)| {
-                Portion::new(entries, blocks as usize, (&keys, &column_start), &mut met)
+                Portion::new(entries, blocks as usize, (&keys, &column_start, numbering), &mut met)
             })
             .collect();
         let alone = (0..keys.len() as u32).filter(|&b| !met[b as usize]).collect();
@@ -197,7 +199,7 @@ impl Portion {
     fn new(
         entries: &[(u64, u32)],
         blocks: usize,
-        (keys, column_start): (&[u64], &[u32]),
+        (keys, column_start, numbering): (&[u64], &[u32], &Numbering),
         met: &mut [bool],
     ) -> Self {
         let mut out = Self { blocks, ..Self::default() };
@@ -210,7 +212,9 @@ impl Portion {
                 let end = column_start[column as usize + 1] as usize;
                 let block = start + keys[start..end].partition_point(|&k| k < key);
                 let first = !std::mem::replace(&mut met[block], true);
-                out.targets.push(Target { column, block: block as u32, first });
+                let (i, j) = (key as u32 as usize, column as usize);
+                let plain = i != j && numbering.is_plain(i) && numbering.is_plain(j);
+                out.targets.push(Target { column, block: block as u32, first, plain });
                 out.source_start.push(source as u32);
             }
             out.sources.push(number);
@@ -277,7 +281,7 @@ impl Pattern {
                 column += 1;
             }
             let m = mass_factor * self.mass[block as usize];
-            let target = Target { column: column as u32, block, first: true };
+            let target = Target { column: column as u32, block, first: true, plain: false };
             self.put(target, [m, 0.0, 0.0, 0.0, m, 0.0, 0.0, 0.0, m], numbering, values, 0);
         }
     }
@@ -338,6 +342,18 @@ impl Pattern {
     #[inline]
     fn put(&self, target: Target, mut k: [f64; 9], numbering: &Numbering, values: &mut [f64], offset: usize) {
         let (block, j) = (target.block as usize, target.column as usize);
+        if target.plain {
+            let number = numbering.free[3 * j] as usize;
+            let below = self.tail[block] as usize + offset;
+            for c in 0..3 {
+                let at = self.column_pointers[number + c + 1] - below;
+                let values = &mut values[at..at + 3];
+                for r in 0..3 {
+                    values[r] = k[3 * r + c] + if target.first { 0.0 } else { values[r] };
+                }
+            }
+            return;
+        }
         let i = self.row[block] as usize;
         rotate(&mut k, i, j, numbering);
         let rows = numbering.of(i);
@@ -377,7 +393,7 @@ impl Pattern {
         for j in 0..self.vectors() {
             for block in self.blocks(j) {
                 let m = self.mass[block];
-                let target = Target { column: j as u32, block: block as u32, first: true };
+                let target = Target { column: j as u32, block: block as u32, first: true, plain: false };
                 self.put(target, [m, 0.0, 0.0, 0.0, m, 0.0, 0.0, 0.0, m], numbering, values, 0);
             }
         }
@@ -430,14 +446,15 @@ impl Pattern {
 
 /// Turns a block to the axes of its vectors: `Qᵢᵀ K Qⱼ`.
 fn rotate(k: &mut [f64; 9], i: usize, j: usize, numbering: &Numbering) {
-    if numbering.frames[i].is_none() && numbering.frames[j].is_none() {
+    let (q_i, q_j) = (numbering.frame(i), numbering.frame(j));
+    if q_i.is_none() && q_j.is_none() {
         return;
     }
     let mut m = crate::Mat3::from_row_slice(k);
-    if let Some(q) = &numbering.frames[i] {
+    if let Some(q) = q_i {
         m = q.transpose() * m;
     }
-    if let Some(q) = &numbering.frames[j] {
+    if let Some(q) = q_j {
         m *= q;
     }
     for r in 0..3 {
