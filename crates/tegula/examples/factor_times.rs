@@ -55,8 +55,12 @@ fn main() {
     let (pointers, rows) = (&system.pattern.column_pointers, &system.pattern.row_indices);
     if let Some(file) = arguments.get(2) {
         let mut bytes = Vec::new();
-        for value in [system.unknowns(), rows.len()].iter().chain(pointers).chain(rows) {
+        let sizes = [system.unknowns(), rows.len()];
+        for value in sizes.iter().chain(pointers.iter()) {
             bytes.extend((*value as u64).to_le_bytes());
+        }
+        for row in rows.iter() {
+            bytes.extend(u64::from(*row).to_le_bytes());
         }
         bytes.extend(assembly.values.iter().flat_map(|v| v.to_le_bytes()));
         std::fs::write(file, bytes).unwrap();

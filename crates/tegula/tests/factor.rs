@@ -8,7 +8,7 @@ use tegula::linear::{Factor, FactorError, Inertia, SparseCholesky, SymmetricPatt
 #[derive(Debug, Clone, Default)]
 struct Matrix {
     pointers: Vec<usize>,
-    rows: Vec<usize>,
+    rows: Vec<u32>,
     values: Vec<f64>,
 }
 
@@ -25,7 +25,7 @@ impl Matrix {
         let mut out = Self { pointers: vec![0], ..Self::default() };
         for column in columns {
             for (i, v) in column {
-                out.rows.push(i);
+                out.rows.push(i as u32);
                 out.values.push(v);
             }
             out.pointers.push(out.rows.len());
@@ -115,7 +115,7 @@ fn badly_scaled_matrices_are_solved_row_by_row() {
     let scale = |i: usize| if i % 6 < 3 { 1.0 } else { 1e-5 };
     for j in 0..n {
         for k in m.pointers[j]..m.pointers[j + 1] {
-            m.values[k] *= scale(j) * scale(m.rows[k]);
+            m.values[k] *= scale(j) * scale(m.rows[k] as usize);
         }
     }
     let (inertia, residual) = m.solve().unwrap();
@@ -218,8 +218,8 @@ proptest! {
         let mut dense = nalgebra::DMatrix::zeros(n, n);
         for j in 0..n {
             for k in m.pointers[j]..m.pointers[j + 1] {
-                dense[(m.rows[k], j)] = m.values[k];
-                dense[(j, m.rows[k])] = m.values[k];
+                dense[(m.rows[k] as usize, j)] = m.values[k];
+                dense[(j, m.rows[k] as usize)] = m.values[k];
             }
         }
         let eigenvalues = dense.symmetric_eigenvalues();

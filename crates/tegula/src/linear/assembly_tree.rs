@@ -67,7 +67,7 @@ impl AssemblyTree {
         quotient: &Quotient,
         order: &[u32],
         pointers: &[usize],
-        rows: &[usize],
+        rows: &[u32],
     ) -> Result<Self, FactorError> {
         let mut fronts = join(fundamental_fronts(quotient, order));
         sort_for_little_memory(&mut fronts);
@@ -91,7 +91,7 @@ impl AssemblyTree {
         quotient: &Quotient,
         drafts: Vec<Draft>,
         pointers: &[usize],
-        rows: &[usize],
+        rows: &[u32],
     ) -> Result<Self, FactorError> {
         let n = pointers.len() - 1;
         let mut tree = Self { order: Vec::with_capacity(n), ..Self::default() };
@@ -154,7 +154,7 @@ impl AssemblyTree {
         place: &[u32],
         front_of: &[u32],
         pointers: &[usize],
-        rows: &[usize],
+        rows: &[u32],
     ) -> Result<(), FactorError> {
         let n = place.len();
         let mut count = vec![0_usize; self.fronts.len() + 1];
@@ -164,7 +164,7 @@ impl AssemblyTree {
         };
         for j in 0..n {
             for &i in &rows[pointers[j]..pointers[j + 1]] {
-                count[front_of[ends(i, j).0] as usize + 1] += 1;
+                count[front_of[ends(i as usize, j).0] as usize + 1] += 1;
             }
         }
         for f in 0..self.fronts.len() {
@@ -174,7 +174,7 @@ impl AssemblyTree {
         self.entries = vec![[0; 2]; rows.len()];
         for j in 0..n {
             for k in pointers[j]..pointers[j + 1] {
-                let (column, row) = ends(rows[k], j);
+                let (column, row) = ends(rows[k] as usize, j);
                 let f = front_of[column] as usize;
                 let front = &self.fronts[f];
                 let local = if (row as usize) < front.first + front.width {

@@ -5,45 +5,46 @@
 //! indefinite is [factored again with pivots](super::pivoted), which also gives its inertia; what that needs beyond
 //! the factor is only made then.
 
-use faer::sparse::SymbolicSparseColMat;
+use std::sync::Arc;
 
 use super::multifrontal::{Multifrontal, Stop};
 use super::{Factor, FactorError, Inertia};
 
-/// Lower triangle of a symmetric matrix in compressed columns, without its values.
+/// Lower triangle of a symmetric matrix in compressed columns, without its values. Copies share their memory.
 #[derive(Debug, Clone)]
 pub struct SymmetricPattern {
-    symbolic: SymbolicSparseColMat<usize>,
+    pointers: Arc<Vec<usize>>,
+    rows: Arc<Vec<u32>>,
 }
 
 impl SymmetricPattern {
-    /// From column pointers and row numbers (ascending within a column, none above the diagonal).
-    pub fn new(column_pointers: Vec<usize>, row_indices: Vec<usize>) -> Self {
-        let n = column_pointers.len() - 1;
-        Self { symbolic: SymbolicSparseColMat::new_checked(n, n, column_pointers, None, row_indices) }
+    /// From column pointers and row numbers (ascending within a column, the first on the diagonal).
+    pub fn new(column_pointers: impl Into<Arc<Vec<usize>>>, row_indices: impl Into<Arc<Vec<u32>>>) -> Self {
+        let (pointers, rows) = (column_pointers.into(), row_indices.into());
+        debug_assert_eq!(pointers.last(), Some(&rows.len()));
+        Self { pointers, rows }
     }
 
     /// Number of rows.
     pub fn size(&self) -> usize {
-        self.symbolic.nrows()
+        self.pointers.len() - 1
     }
 
     /// Stored entries.
     pub fn entries(&self) -> usize {
-        self.symbolic.row_idx().len()
+        self.rows.len()
     }
 
     /// Diagonal of the matrix with these values.
     pub fn diagonal<'a>(&'a self, values: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
-        self.symbolic.col_ptr()[..self.size()].iter().map(move |&p| values[p])
+        self.pointers[..self.size()].iter().map(move |&p| values[p])
     }
 
     /// `y += A x`.
     pub fn add_product(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
-        let (pointers, rows) = (self.symbolic.col_ptr(), self.symbolic.row_idx());
         for j in 0..self.size() {
-            for k in pointers[j]..pointers[j + 1] {
-                let i = rows[k];
+            for k in self.pointers[j]..self.pointers[j + 1] {
+                let i = self.rows[k] as usize;
                 y[i] += values[k] * x[j];
                 if i != j {
                     y[j] += values[k] * x[i];
@@ -68,7 +69,7 @@ impl SparseCholesky {
     /// # Errors
     /// The factor would be too large.
     pub fn new(pattern: SymmetricPattern) -> Result<Self, FactorError> {
-        let fronts = Multifrontal::new(pattern.symbolic.col_ptr(), pattern.symbolic.row_idx())?;
+        let fronts = Multifrontal::new(&pattern.pointers, &pattern.rows)?;
         Ok(Self { pattern, fronts, factored: false, factorizations: 0 })
     }
 

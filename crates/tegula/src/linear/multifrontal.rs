@@ -72,7 +72,7 @@ struct Scratch {
 
 impl Multifrontal {
     /// Analyses a lower triangle in compressed columns.
-    pub fn new(pointers: &[usize], rows: &[usize]) -> Result<Self, FactorError> {
+    pub fn new(pointers: &[usize], rows: &[u32]) -> Result<Self, FactorError> {
         let quotient = Quotient::new(pointers, rows);
         let order = quotient.minimum_degree()?;
         let tree = AssemblyTree::new(&quotient, &order, pointers, rows)?;

@@ -28,14 +28,14 @@ fn mix(x: u64) -> u64 {
 
 impl Quotient {
     /// From the lower triangle in compressed columns.
-    pub fn new(pointers: &[usize], rows: &[usize]) -> Self {
+    pub fn new(pointers: &[usize], rows: &[u32]) -> Self {
         let n = pointers.len() - 1;
         let column = |j: usize| &rows[pointers[j]..pointers[j + 1]];
         // Sums of two hashes of all neighbours, itself included: equal for equal neighbourhoods. Different ones with
         // equal sums (one in 2^128) would be found when the entries are looked up in the fronts.
         let mut hash: Vec<[u64; 2]> = (0..n as u64).map(|j| [mix(j), mix(!j)]).collect();
         for j in 0..n {
-            for &i in column(j).iter().filter(|&&i| i != j) {
+            for i in column(j).iter().map(|&i| i as usize).filter(|&i| i != j) {
                 for (of, other) in [(i, j as u64), (j, i as u64)] {
                     hash[of][0] = hash[of][0].wrapping_add(mix(other));
                     hash[of][1] = hash[of][1].wrapping_add(mix(!other));
@@ -55,7 +55,7 @@ impl Quotient {
         }
         let mut neighbours = vec![Vec::new(); members.len()];
         for (g, of) in members.iter().enumerate() {
-            for &i in column(of[0] as usize) {
+            for i in column(of[0] as usize).iter().map(|&i| i as usize) {
                 let other = group[i] as usize;
                 if other != g && members[other][0] as usize == i {
                     neighbours[g].push(other as u32);

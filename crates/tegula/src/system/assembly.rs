@@ -123,24 +123,24 @@ impl Assembly {
         prescribed: Option<&[Nodal]>,
         out: &mut [Nodal],
     ) {
-        system.pattern.begin(parts.mass, &self.numbering, &mut self.values);
-        self.portions(
-            system,
-            k,
-            parts,
-            extrapolated,
-            prescribed,
-            |pattern, portion, blocks, numbering, values| {
-                pattern.add(portion, blocks, parts.mass, numbering, values);
-            },
-        );
-        self.gather_forces(out);
+        // As one piece of work of the thread pool: from outside, each of the many small ones would wait to be taken.
+        let work = || {
+            system.pattern.begin(parts.mass, &self.numbering, &mut self.values);
+            self.portions(system, k, parts, (extrapolated, prescribed), |pattern, portion, blocks, to| {
+                pattern.add(portion, blocks, parts.mass, to.0, to.1);
+            });
+            self.gather_forces(out);
+        };
+        rayon::join(work, || ());
     }
 
     /// Only the element work of [`forces_and_tangent`](Self::forces_and_tangent), to see what it takes.
     pub fn element_work(&mut self, system: &System, k: &Kinematics, parts: &TangentParts, out: &mut [Nodal]) {
-        self.portions(system, k, parts, true, None, |_, _, _, _, _| {});
-        self.gather_forces(out);
+        let work = || {
+            self.portions(system, k, parts, (true, None), |_, _, _, _| {});
+            self.gather_forces(out);
+        };
+        rayon::join(work, || ());
     }
 
     /// Evaluates the elements portion by portion and hands the blocks of each to `add`.
@@ -149,9 +149,8 @@ impl Assembly {
         system: &System,
         k: &Kinematics,
         parts: &TangentParts,
-        extrapolated: bool,
-        prescribed: Option<&[Nodal]>,
-        mut add: impl FnMut(&Pattern, usize, &[f64], &Numbering, &mut [f64]),
+        (extrapolated, prescribed): (bool, Option<&[Nodal]>),
+        mut add: impl FnMut(&Pattern, usize, &[f64], (&Numbering, &mut [f64])),
     ) {
         self.set_time(system, k.time);
         let Self { numbering, values, blocks, .. } = self;
@@ -176,7 +175,7 @@ impl Assembly {
                     blocks: &mut *blocks,
                 };
                 group.evaluate(&k, first, mine, Some(request));
-                add(pattern, portion, blocks, numbering, values);
+                add(pattern, portion, blocks, (numbering, values));
                 f = rest;
                 portion += 1;
             }
@@ -196,7 +195,7 @@ impl Assembly {
                 b.iter_mut().for_each(|v| *v *= factor);
                 rest = others;
             }
-            add(pattern, portion, blocks, numbering, values);
+            add(pattern, portion, blocks, (numbering, values));
             portion += 1;
         }
     }

@@ -5,6 +5,7 @@
 //! a fixed order. Nothing is locked, and the result does not depend on the number of threads.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -35,9 +36,9 @@ pub struct Pattern {
     /// First value of each block column in the compressed columns.
     value_start: Vec<usize>,
     /// Column pointers of the free coordinates.
-    pub column_pointers: Vec<usize>,
+    pub column_pointers: Arc<Vec<usize>>,
     /// Row numbers of the free coordinates.
-    pub row_indices: Vec<usize>,
+    pub row_indices: Arc<Vec<u32>>,
 }
 
 /// Contributions of a portion of the elements.
@@ -181,16 +182,24 @@ impl PatternBuilder {
             for number in numbering.of(j).into_iter().filter(|&n| n != CONSTRAINED) {
                 for &i in &row[blocks.clone()] {
                     let rows = numbering.of(i as usize);
-                    row_indices.extend(
-                        rows.iter().filter(|&&r| r != CONSTRAINED && r >= number).map(|&r| r as usize),
-                    );
+                    row_indices.extend(rows.iter().filter(|&&r| r != CONSTRAINED && r >= number));
                 }
                 column_pointers.push(row_indices.len());
             }
         }
         value_start.push(row_indices.len());
         row_indices.shrink_to_fit();
-        Pattern { column_start, row, tail, mass, alone, portions, value_start, column_pointers, row_indices }
+        Pattern {
+            column_start,
+            row,
+            tail,
+            mass,
+            alone,
+            portions,
+            value_start,
+            column_pointers: column_pointers.into(),
+            row_indices: row_indices.into(),
+        }
     }
 }
 
