@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Count the instructions of the parts of a Newton iteration and compare with those kept.
+"""Count the instructions of the element work of a Newton iteration and compare with those kept.
 
     cargo build --release --example instruction_counts
     python3 scripts/count_instructions.py           # fails if a part takes 5 % more than benches/instructions.json
@@ -18,7 +18,8 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PROGRAM = ROOT / "target/release/examples/instruction_counts"
 KEPT = ROOT / "benches/instructions.json"
-PARTS = ("force", "tangent", "tangent-cm", "tangent-and-scatter", "factor", "solve")
+# Not the factorisation: how its dense kernels divide their work depends on the caches of the machine.
+PARTS = ("force", "tangent", "tangent-cm", "tangent-and-scatter")
 MORE = 1.05
 REPETITIONS = (1, 11)
 
