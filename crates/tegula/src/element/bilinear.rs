@@ -4,7 +4,7 @@
 //! Energy and forces are those of [`QuadraticGroup`](super::QuadraticGroup), which is the reference that this kernel
 //! is tested against. It differs in three ways:
 //!
-//! * One element per lane of a vector register. What elements own is stored in batches of [`BATCH`](super::lanes::BATCH); the width of
+//! * One element per lane of a vector register. What elements own is stored in batches of `lanes::BATCH`; the width of
 //!   the registers is found when the program runs.
 //! * Strains are taken as the [independent forms](super::forms) of the element type in the basis of its bilinear
 //!   interpolation. Derivatives of forms are vectors of this basis, without weights; the way back to the nodes is
