@@ -2,41 +2,23 @@
 //! element work, scatter, factorisation, solve.
 #![allow(missing_docs, clippy::unwrap_used)]
 
+#[path = "../tests/common/mod.rs"]
+mod common;
+
 use std::hint::black_box;
 
+use common::loaded_quarter_cylinder;
 use criterion::{Criterion, criterion_group, criterion_main};
 use tegula::analysis::statics::state_kinematics;
 use tegula::element::TangentWeights;
 use tegula::linear::{Factor, SparseCholesky, SymmetricPattern};
-use tegula::mesh::generators::generate;
-use tegula::model::{
-    Analysis, Condition, CylinderMesh, Grid, Isotropic, Load, MeshSource, Model, OnSet, StaticAnalysis,
-    VectorLoad, build,
-};
+use tegula::model::ElementKind;
+use tegula::system::Assembly;
 use tegula::system::assembly::TangentParts;
-use tegula::system::{Assembly, System};
-
-fn quarter_cylinder(n: u32) -> System {
-    let mesh = MeshSource::Cylinder(CylinderMesh {
-        center: [0.0, 0.0, 1.0],
-        axis: [0.0, 1.0, 0.0],
-        start: [0.0, 0.0, -1.0],
-        radius: 1.0,
-        angles: [0.0, -90.0],
-        length: 1.0,
-        grid: Grid::uniform(n, n),
-    });
-    let analysis = Analysis::Static(StaticAnalysis::default());
-    let mut model = Model::new(mesh, analysis, Isotropic::new(2.1e8, 0.3, 1.0), 0.01);
-    model.conditions = vec![Condition::Clamp(OnSet { on: "u_min".into() })];
-    let value = [0.0, 0.0, -20.0];
-    model.loads = vec![Load::Force(VectorLoad { on: "u_max_v_max".into(), value, amplitude: None })];
-    build::build(&model, &generate(&model.mesh).unwrap()).unwrap()
-}
 
 fn iteration(c: &mut Criterion) {
     let n = 64;
-    let system = quarter_cylinder(n);
+    let system = loaded_quarter_cylinder(n, ElementKind::Ems);
     let mut assembly = Assembly::new(&system);
     let u = vec![[1e-3; 3]; system.vectors()];
     let mut forces = vec![[0.0; 3]; system.vectors()];

@@ -9,16 +9,16 @@
 //! (u64 each), values (f64).
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
+#[path = "../tests/common/mod.rs"]
+mod common;
+
 use std::time::Instant;
 
+use common::loaded_quarter_cylinder;
 use tegula::analysis::statics::state_kinematics;
 use tegula::element::TangentWeights;
 use tegula::linear::{Factor, SparseCholesky, SymmetricPattern};
-use tegula::mesh::generators::generate;
-use tegula::model::{
-    Analysis, Condition, CylinderMesh, Grid, Isotropic, Load, MeshSource, Model, OnSet, StaticAnalysis,
-    VectorLoad, build,
-};
+use tegula::model::ElementKind;
 use tegula::system::Assembly;
 use tegula::system::assembly::TangentParts;
 
@@ -30,21 +30,7 @@ fn main() {
         std::process::exit(1);
     };
     rayon::ThreadPoolBuilder::new().num_threads(threads as usize).build_global().unwrap();
-    let mesh = MeshSource::Cylinder(CylinderMesh {
-        center: [0.0, 0.0, 1.0],
-        axis: [0.0, 1.0, 0.0],
-        start: [0.0, 0.0, -1.0],
-        radius: 1.0,
-        angles: [0.0, -90.0],
-        length: 1.0,
-        grid: Grid::uniform(elements, elements),
-    });
-    let analysis = Analysis::Static(StaticAnalysis::default());
-    let mut model = Model::new(mesh, analysis, Isotropic::new(2.1e8, 0.3, 1.0), 0.01);
-    model.conditions = vec![Condition::Clamp(OnSet { on: "u_min".into() })];
-    let value = [0.0, 0.0, -20.0];
-    model.loads = vec![Load::Force(VectorLoad { on: "u_max_v_max".into(), value, amplitude: None })];
-    let system = build::build(&model, &generate(&model.mesh).unwrap()).unwrap();
+    let system = loaded_quarter_cylinder(elements, ElementKind::Ems);
     let mut assembly = Assembly::new(&system);
     let u = vec![[0.0; 3]; system.vectors()];
     let mut forces = u.clone();

@@ -1,4 +1,5 @@
-//! A time step takes no memory: everything is made when the analysis begins.
+//! A time step takes no memory: everything is made when the analysis begins. Explicit steps find their critical step
+//! anew meanwhile.
 //!
 //! One test only, so that no other one allocates meanwhile.
 
@@ -37,26 +38,23 @@ fn a_step_allocates_nothing() {
             Scheme::default(),
             Scheme::Hht(HhtScheme { alpha: -0.1 }),
             Scheme::EnergyMomentum(EnergyMomentumScheme {}),
+            Scheme::Explicit(ExplicitScheme { scale_director_inertia: true }),
         ] {
+            let explicit = matches!(scheme, Scheme::Explicit(_));
+            if explicit && element == ElementKind::Mitc4 {
+                continue;
+            }
             let mut m = quarter_cylinder(12, 2.1e7);
             m.sections[0].element = element;
             m.sections[0].total_mass = Some(5.0);
             m.sections[0].retardation_time = 1e-5;
             m.conditions = vec![Condition::Spherical(on("u_min_v_min"))];
             m.loads = vec![Load::Gravity(GravityLoad { value: [0.0, 0.0, -9.81], amplitude: None })];
-            let options = TransientAnalysis {
-                end_time: 0.1,
-                scheme,
-                tolerance: 1e-4,
-                time_step: Some(0.01),
-                initial_step: None,
-                max_step: None,
-                max_iterations: 20,
-                linear: false,
-            };
+            let time_step = if explicit { None } else { Some(0.01) };
+            let options = TransientAnalysis { scheme, time_step, ..TransientAnalysis::new(0.1) };
             m.analysis = Analysis::Transient(options.clone());
             let (_, system) = compile(&m);
-            let mut counts = Counts(Vec::with_capacity(100));
+            let mut counts = Counts(Vec::with_capacity(100_000));
             pool.install(|| dynamics::run(&system, &options, None, &mut counts)).unwrap();
             let per_step: Vec<usize> = counts.0.windows(2).map(|w| w[1] - w[0]).collect();
             assert!(per_step.len() >= 10);

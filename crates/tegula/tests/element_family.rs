@@ -10,7 +10,7 @@ mod common;
 
 use std::collections::BTreeMap;
 
-use common::{Random, rotation};
+use common::{Random, geometry, rotation};
 use nalgebra::DMatrix;
 use tegula::Vec3;
 use tegula::element::shell::{GroupSetup, Member, ShellElement};
@@ -53,16 +53,6 @@ struct Element {
     shell: Box<dyn ShellElement>,
     section: CompiledSection,
     geometry: ShellGeometry,
-}
-
-fn geometry(random: &mut Random, noise: f64) -> ShellGeometry {
-    let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-    let flat = square.map(|[x, y]| Vec3::new(x, y, 0.0) + random.vector() * noise);
-    let directors = std::array::from_fn(|a| {
-        let normal = (flat[(a + 1) % 4] - flat[a]).cross(&(flat[(a + 3) % 4] - flat[a])).normalize();
-        (normal + random.vector() * noise).normalize()
-    });
-    ShellGeometry::new(flat, directors)
 }
 
 fn element(section: &Section, geometry: ShellGeometry) -> Element {

@@ -7,7 +7,7 @@ mod common;
 
 use std::collections::BTreeMap;
 
-use common::{Random, compile, model, on, plate, resultant, rotation, vector_load};
+use common::{Random, compile, geometry, model, on, plate, ply, resultant, rotation, strains, vector_load};
 use nalgebra::{DMatrix, DVector};
 use tegula::analysis::statics::{self, state_kinematics};
 use tegula::element::shell::{GroupSetup, Member};
@@ -26,14 +26,6 @@ const YOUNG: f64 = 1e3;
 
 fn materials() -> BTreeMap<String, Material> {
     let isotropic = Material::Isotropic(Isotropic { expansion: 1e-3, ..Isotropic::new(YOUNG, 0.3, 2.0) });
-    let ply = Material::Orthotropic(Orthotropic {
-        young: [3e3, 6e2, 5e2],
-        poisson: [0.3, 0.25, 0.2],
-        shear: [4e2, 3e2, 2e2],
-        density: 0.7,
-        expansion: [1e-3, 4e-3, 4e-3],
-        strength: None,
-    });
     let rubber = Material::NeoHookean(NeoHookean {
         shear: 400.0,
         bulk: 4e3,
@@ -51,7 +43,7 @@ fn materials() -> BTreeMap<String, Material> {
         density: 2.0,
         expansion: 1e-3,
     });
-    let list = [("m", isotropic), ("ply", ply), ("rubber", rubber), ("metal", metal)];
+    let list = [("m", isotropic), ("ply", ply()), ("rubber", rubber), ("metal", metal)];
     BTreeMap::from(list.map(|(name, material)| (name.to_string(), material)))
 }
 
@@ -91,46 +83,11 @@ fn sections() -> Vec<Section> {
     out
 }
 
-fn strains() -> Vec<PrescribedStrain> {
-    vec![
-        PrescribedStrain::Thermal(ThermalStrain {
-            on: "all".into(),
-            temperature: 8.0,
-            gradient: 60.0,
-            amplitude: None,
-        }),
-        PrescribedStrain::Natural(NaturalStrain {
-            on: "all".into(),
-            strain: [0.01, -0.02, 0.015],
-            curvature: [0.2, -0.1, 0.3],
-            direction: [0.8, -0.5, 0.1],
-            amplitude: None,
-        }),
-        PrescribedStrain::Prestress(Prestress {
-            on: "all".into(),
-            membrane: [1.0, 2.0, -0.5],
-            bending: [0.02, 0.01, 0.03],
-            direction: [0.4, 0.9, 0.1],
-            amplitude: None,
-        }),
-    ]
-}
-
 struct Element {
     groups: Vec<Box<dyn ElementGroup>>,
     kinds: Vec<VectorKind>,
     reference: Vec<Nodal>,
     factors: Vec<f64>,
-}
-
-fn geometry(random: &mut Random) -> ShellGeometry {
-    let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-    let flat = square.map(|[x, y]| Vec3::new(x, y, 0.0) + random.vector() * 0.12);
-    let directors = std::array::from_fn(|a| {
-        let normal = (flat[(a + 1) % 4] - flat[a]).cross(&(flat[(a + 3) % 4] - flat[a])).normalize();
-        (normal + random.vector() * 0.12).normalize()
-    });
-    ShellGeometry::new(flat, directors)
 }
 
 fn element(section: &Section, geometry: &ShellGeometry, fields: bool) -> Element {
@@ -230,7 +187,7 @@ fn name(s: &Section, fields: bool) -> String {
 #[test]
 fn forces_are_derivatives_of_energies_and_tangents_those_of_forces() {
     for (section, fields, mut random) in cases() {
-        let e = element(&section, &geometry(&mut random), fields);
+        let e = element(&section, &geometry(&mut random, 0.12), fields);
         let u = displacement(e.kinds.len(), &mut random);
         let (force, tangent) = (e.force(&u), e.tangent(&u));
         let label = name(&section, fields);
@@ -260,7 +217,7 @@ fn forces_are_derivatives_of_energies_and_tangents_those_of_forces() {
 fn rigid_motions_change_no_energy_and_turn_forces() {
     let q = rotation([0.3, -0.8, 0.5], 2.1);
     for (section, fields, mut random) in cases() {
-        let e = element(&section, &geometry(&mut random), fields);
+        let e = element(&section, &geometry(&mut random, 0.12), fields);
         let u = displacement(e.kinds.len(), &mut random);
         let moved: Vec<Nodal> = (0..u.len())
             .map(|v| {
@@ -284,7 +241,7 @@ fn rigid_motions_change_no_energy_and_turn_forces() {
 #[test]
 fn numbering_of_corners_does_not_matter() {
     for (section, fields, mut random) in cases() {
-        let g = geometry(&mut random);
+        let g = geometry(&mut random, 0.12);
         let e = element(&section, &g, fields);
         let u = displacement(e.kinds.len(), &mut random);
         let (energy, force) = (e.energy(&u), e.force(&u));

@@ -7,12 +7,10 @@ mod common;
 
 use std::collections::BTreeMap;
 
-use common::Random;
-use tegula::Vec3;
+use common::{Random, geometry, ply, strains};
 use tegula::element::shell::{GroupSetup, Member};
 use tegula::element::{
-    ElementGroup, Interior, Kinematics, Motion, Nodal, ShellGeometry, TangentRequest, TangentWeights,
-    registry,
+    ElementGroup, Interior, Kinematics, Motion, Nodal, TangentRequest, TangentWeights, registry,
 };
 use tegula::model::*;
 
@@ -28,48 +26,17 @@ struct Elements {
     general: Box<dyn ElementGroup>,
 }
 
-fn geometry(random: &mut Random, distortion: f64) -> ShellGeometry {
-    let square = [[0.0, 0.0], [1.3, 0.0], [1.3, 0.8], [0.0, 0.8]];
-    let flat = square.map(|[x, y]| Vec3::new(x, y, 0.0) + random.vector() * distortion);
-    let directors = std::array::from_fn(|a| {
-        let normal = (flat[(a + 1) % 4] - flat[a]).cross(&(flat[(a + 3) % 4] - flat[a])).normalize();
-        (normal + random.vector() * distortion).normalize()
-    });
-    ShellGeometry::new(flat, directors)
-}
-
 fn elements(section: &Section, count: usize, distortion: f64, random: &mut Random) -> Elements {
     let steel = Material::Isotropic(Isotropic { expansion: 1e-3, ..Isotropic::new(1e3, 0.3, 2.0) });
-    let ply = Material::Orthotropic(Orthotropic {
-        young: [3e3, 6e2, 5e2],
-        poisson: [0.3, 0.25, 0.2],
-        shear: [4e2, 3e2, 2e2],
-        density: 0.7,
-        expansion: [1e-3, 4e-3, 4e-3],
-        strength: None,
-    });
-    let materials = BTreeMap::from([("steel".to_string(), steel), ("ply".to_string(), ply)]);
+    let materials = BTreeMap::from([("steel".to_string(), steel), ("ply".to_string(), ply())]);
     let compiled = section.compile(&materials).unwrap();
     let shell = registry::shell(section, THICKNESS);
-    let strains = [
-        PrescribedStrain::Thermal(ThermalStrain {
-            on: "all".into(),
-            temperature: 8.0,
-            gradient: 60.0,
-            amplitude: None,
-        }),
-        PrescribedStrain::Natural(NaturalStrain {
-            on: "all".into(),
-            strain: [0.01, -0.02, 0.015],
-            curvature: [0.2, -0.1, 0.3],
-            direction: [0.8, -0.5, 0.1],
-            amplitude: None,
-        }),
-    ];
-    let prescribed: Vec<_> = strains.iter().map(Some).collect();
+    let strains = strains();
+    let prescribed: Vec<_> = strains[..FACTORS.len()].iter().map(Some).collect();
     let shapes: Vec<_> = (0..count).map(|_| geometry(random, distortion)).collect();
     let group = |reference_kernel| {
-        let setup = GroupSetup { retardation_time: 0.03, laws: Vec::new(), fields: 2, reference_kernel };
+        let setup =
+            GroupSetup { retardation_time: 0.03, laws: Vec::new(), fields: FACTORS.len(), reference_kernel };
         let mut builder = shell.builder(setup);
         for (e, geometry) in shapes.iter().enumerate() {
             let vectors: Vec<u32> = (0..VECTORS as u32).map(|a| (e * VECTORS) as u32 + a).collect();

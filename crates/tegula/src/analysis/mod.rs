@@ -22,7 +22,7 @@ pub struct State {
     pub v: Vec<Nodal>,
     /// Accelerations.
     pub a: Vec<Nodal>,
-    /// Extrapolated stress of the samples.
+    /// Extrapolated stress resultants of the element groups.
     pub stress: Vec<f64>,
     /// Enhanced parameters and internal variables of the materials.
     pub history: Vec<f64>,

@@ -16,6 +16,7 @@ use pulp::{Arch, Scalar, Simd};
 use rayon::prelude::*;
 
 use super::bilinear_kernel::{LanesTangent, Measure, Workspace, dot};
+use super::constitution::energy_of_fields;
 use super::forms::{BASIS, Forms, MOST, QUADRATIC, VECTORS, shares};
 use super::geometry::ShellGeometry;
 use super::group::{ElementGroup, Kinematics, Nodal, TangentRequest, TangentWeights};
@@ -93,7 +94,7 @@ pub(super) struct Coupled {
     pub derivatives: [Vec<(usize, usize)>; BASIS],
 }
 
-/// Elements of one type and section.
+/// Elements of one type and section. Strains are taken from the reference geometry that they were made with.
 pub struct BilinearGroup {
     name: &'static str,
     forms: Forms,
@@ -387,11 +388,7 @@ impl ElementGroup for BilinearGroup {
         let f = self.fields;
         if f != 0 {
             for (energy, constants) in energies.iter_mut().zip(self.prescribed_energy.chunks_exact(f * f)) {
-                for (i, a) in k.interior.factors.iter().enumerate() {
-                    for (j, b) in k.interior.factors.iter().enumerate() {
-                        *energy += 0.5 * a * b * constants[f * i + j];
-                    }
-                }
+                *energy += energy_of_fields(constants, k.interior.factors);
             }
         }
     }

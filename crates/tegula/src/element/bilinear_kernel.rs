@@ -10,7 +10,7 @@ use super::bilinear::{BLOCKS, BilinearGroup, COORDINATES, Coupled, ROWS, lower};
 use super::forms::{BASIS, D0, D1, D2, D3, MOST, R1, R2, R3, VECTORS, quadratic_terms, surface_terms};
 use super::group::{Kinematics, Motion, Nodal, TangentWeights};
 use super::lanes::Lanes;
-use super::quadratic::multiply_blocks;
+use super::quadratic::{add_curvature, multiply_blocks};
 
 /// Blocks in the lower triangle of the element matrix in the basis.
 const BASIS_BLOCKS: usize = BASIS * (BASIS + 1) / 2;
@@ -355,49 +355,25 @@ impl BilinearGroup {
             self.add_geometric(l, &n, geometric, work);
         }
         to_nodes(l, &work.basis, &mut work.nodal);
+        l.write(work.nodal.as_flattened(), 9 * BLOCKS, blocks);
+        let elements = blocks.chunks_exact_mut(9 * BLOCKS).enumerate();
         if !k.linear && !k.unit.is_empty() {
             let f = self.forces(l, &acting, &n);
-            self.add_curvature(l, k, &f, geometric, &mut work.nodal);
+            let f: &[f64] = bytemuck::cast_slice(f.as_flattened());
+            for (lane, blocks) in elements {
+                let mut own = [[0.0; 3]; VECTORS];
+                for (i, own) in own.as_flattened_mut().iter_mut().enumerate() {
+                    *own = f[i * Lanes::<S>::LANES + lane];
+                }
+                add_curvature(k, &self.vectors[l.first + lane], &own, geometric, blocks);
+            }
         }
-        l.write(work.nodal.as_flattened(), 9 * BLOCKS, blocks);
         if let Some(increment) = prescribed {
             let elements = forces.chunks_exact_mut(COORDINATES).zip(blocks.chunks_exact(9 * BLOCKS));
             for (lane, (force, blocks)) in elements.enumerate() {
                 let d = self.vectors[l.first + lane].map(|v| increment[v as usize]);
                 if d.iter().any(|v| *v != [0.0; 3]) {
                     multiply_blocks(blocks, &d, 1.0 / w.force, force);
-                }
-            }
-        }
-    }
-
-    /// Curvature −(f·d) I of the sphere of directors that keep their length.
-    #[inline(always)]
-    fn add_curvature<S: Simd>(
-        &self,
-        l: Lanes<S>,
-        k: &Kinematics,
-        f: &[Triple<S>; VECTORS],
-        factor: f64,
-        nodal: &mut [[S::f64s; 9]; BLOCKS],
-    ) {
-        let f: &[f64] = bytemuck::cast_slice(f.as_flattened());
-        let nodal: &mut [f64] = bytemuck::cast_slice_mut(nodal.as_flattened_mut());
-        let lanes = Lanes::<S>::LANES;
-        for lane in 0..lanes.min(self.vectors.len() - l.first) {
-            for (a, &v) in self.vectors[l.first + lane].iter().enumerate() {
-                let v = v as usize;
-                if !k.unit[v] {
-                    continue;
-                }
-                let u: Nodal = match k.motion {
-                    Motion::State { u, .. } => u[v],
-                    Motion::Step { old, new, .. } => std::array::from_fn(|i| 0.5 * (old[v][i] + new[v][i])),
-                };
-                let fd: f64 =
-                    (0..3).map(|i| f[(3 * a + i) * lanes + lane] * (k.reference[v][i] + u[i])).sum();
-                for i in [0, 4, 8] {
-                    nodal[(9 * lower(a, a) + i) * lanes + lane] -= factor * fd;
                 }
             }
         }

@@ -93,6 +93,12 @@ impl<const S: usize> LinearConstitution<S> {
     }
 }
 
+/// What an element's fields of prescribed strain store by themselves, `½ Σ f f c₀`, with c₀ by pairs of fields.
+pub(super) fn energy_of_fields(constants: &[f64], factors: &[f64]) -> f64 {
+    let rows = constants.chunks_exact(factors.len().max(1)).zip(factors);
+    rows.flat_map(|(row, a)| row.iter().zip(factors).map(move |(c, b)| 0.5 * a * b * c)).sum()
+}
+
 impl<const S: usize> Constitution<S> for LinearConstitution<S> {
     #[inline(always)]
     fn stress(&self, element: usize, s: &[f64; S], interior: &Interior) -> [f64; S] {
@@ -141,12 +147,7 @@ impl<const S: usize> Constitution<S> for LinearConstitution<S> {
                 energy -= factor * s.iter().zip(field).map(|(a, b)| a * b).sum::<f64>();
             }
             let f = self.fields;
-            let constants = &self.prescribed_energy[element * f * f..(element + 1) * f * f];
-            for (i, a) in interior.factors.iter().enumerate() {
-                for (j, b) in interior.factors.iter().enumerate() {
-                    energy += 0.5 * a * b * constants[f * i + j];
-                }
-            }
+            energy += energy_of_fields(&self.prescribed_energy[element * f * f..], interior.factors);
         }
         energy
     }

@@ -78,6 +78,7 @@ impl<S: Simd> Lanes<S> {
         S::as_simd_f64s(&values[at..at + size]).0
     }
 
+    /// Where an entry is in a [`batch`](Self::batch).
     #[inline(always)]
     pub fn part(self, entry: usize) -> usize {
         entry * Self::PARTS + self.first % BATCH / Self::LANES
@@ -98,19 +99,6 @@ impl<S: Simd> Lanes<S> {
     /// Writes lanes one element after another.
     #[inline(always)]
     pub fn write(self, from: &[S::f64s], count: usize, out: &mut [f64]) {
-        if out.len() == count * Self::LANES {
-            for (i, lanes) in from.iter().enumerate().take(count) {
-                let lanes: &[f64] = bytemuck::cast_slice(std::slice::from_ref(lanes));
-                // Backwards, so that this does not look like a loop to be vectorised by slow scattered stores.
-                let mut at = out.len() - count + i;
-                for lane in (1..Self::LANES).rev() {
-                    out[at] = lanes[lane];
-                    at -= count;
-                }
-                out[at] = lanes[0];
-            }
-            return;
-        }
         let flat: &[f64] = bytemuck::cast_slice(from);
         for (lane, own) in out.chunks_exact_mut(count).enumerate() {
             for i in 0..count {

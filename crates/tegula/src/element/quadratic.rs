@@ -173,29 +173,13 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitu
             t.apply_to_blocks(blocks);
         }
         if !k.linear && !k.unit.is_empty() {
-            self.add_curvature(e, k, &self.strains.force(&acting, &geometric_stress), geometric, blocks);
+            let f = self.strains.force(&acting, &geometric_stress);
+            add_curvature(k, &self.members.vectors[e], &f, geometric, blocks);
         }
         if let Some(increment) = prescribed {
             let d = self.members.vectors[e].map(|v| increment[v as usize]);
             if d.iter().any(|v| *v != [0.0; 3]) {
                 multiply_blocks(blocks, &d, 1.0 / w.force, force);
-            }
-        }
-    }
-
-    /// A vector d of constant length moves on a sphere: its second variation −d |δ|² adds −(f·d) I
-    /// for the force f on it.
-    fn add_curvature(&self, e: usize, k: &Kinematics, f: &[Nodal; M], factor: f64, blocks: &mut [f64]) {
-        for a in (0..M).filter(|&a| k.unit[self.members.vectors[e][a] as usize]) {
-            let v = self.members.vectors[e][a] as usize;
-            let u: Nodal = match k.motion {
-                Motion::State { u, .. } => u[v],
-                Motion::Step { old, new, .. } => std::array::from_fn(|i| 0.5 * (old[v][i] + new[v][i])),
-            };
-            let fd: f64 = (0..3).map(|i| f[a][i] * (k.reference[v][i] + u[i])).sum();
-            let at = 9 * (a * (a + 1) / 2 + a);
-            for i in [0, 4, 8] {
-                blocks[at + i] -= factor * fd;
             }
         }
     }
@@ -207,6 +191,23 @@ struct OneTangent<'a> {
     stress: Option<&'a [f64]>,
     prescribed: Option<&'a [Nodal]>,
     blocks: &'a mut [f64],
+}
+
+/// A vector d of constant length moves on a sphere: its second variation −d |δ|² adds −(f·d) I for the force f on it
+/// to the lower blocks of an element matrix.
+pub(super) fn add_curvature(k: &Kinematics, vectors: &[u32], f: &[Nodal], factor: f64, blocks: &mut [f64]) {
+    for (a, (&v, f)) in vectors.iter().zip(f).enumerate().filter(|(_, (v, _))| k.unit[**v as usize]) {
+        let v = v as usize;
+        let u: Nodal = match k.motion {
+            Motion::State { u, .. } => u[v],
+            Motion::Step { old, new, .. } => std::array::from_fn(|i| 0.5 * (old[v][i] + new[v][i])),
+        };
+        let fd: f64 = (0..3).map(|i| f[i] * (k.reference[v][i] + u[i])).sum();
+        let at = 9 * (a * (a + 1) / 2 + a);
+        for i in [0, 4, 8] {
+            blocks[at + i] -= factor * fd;
+        }
+    }
 }
 
 /// Adds `scale · K d` for the lower blocks of a symmetric element matrix.

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::pattern::PORTION;
-use super::{Numbering, Pattern, System};
+use super::{Numbering, System};
 use crate::Vec3;
 use crate::element::{ElementGroup, Interior, Kinematics, Motion, Nodal, TangentRequest, TangentWeights};
 
@@ -16,6 +16,17 @@ pub struct TangentParts {
     pub mass: f64,
     /// Time at which follower loads act.
     pub time: f64,
+}
+
+/// Lower tangent blocks of some elements of a group.
+#[derive(Clone, Copy)]
+pub struct ElementBlocks<'a> {
+    /// The group.
+    pub group: &'a dyn ElementGroup,
+    /// First of the elements.
+    pub first: usize,
+    /// Their blocks.
+    pub blocks: &'a [f64],
 }
 
 /// Buffers for one analysis; nothing is allocated after it is made.
@@ -71,7 +82,7 @@ impl Assembly {
         }
         Self {
             element_forces,
-            blocks: vec![0.0; 9 * system.pattern.buffer_blocks()],
+            blocks: vec![0.0; 9 * largest_portion(system)],
             stress: vec![0.0; stresses],
             values: vec![0.0; system.pattern.values()],
             energies: vec![0.0; elements],
@@ -126,8 +137,10 @@ impl Assembly {
         // As one piece of work of the thread pool: from outside, each of the many small ones would wait to be taken.
         let work = || {
             system.pattern.begin(parts.mass, &self.numbering, &mut self.values);
-            self.portions(system, k, parts, (extrapolated, prescribed), |pattern, portion, blocks, to| {
-                pattern.add(portion, blocks, parts.mass, to.0, to.1);
+            let mut portion = 0;
+            self.portions(system, k, parts, (extrapolated, prescribed), |_, blocks, (numbering, values)| {
+                system.pattern.add(portion, blocks, parts.mass, numbering, values);
+                portion += 1;
             });
             self.gather_forces(out);
         };
@@ -137,47 +150,58 @@ impl Assembly {
     /// Only the element work of [`forces_and_tangent`](Self::forces_and_tangent), to see what it takes.
     pub fn element_work(&mut self, system: &System, k: &Kinematics, parts: &TangentParts, out: &mut [Nodal]) {
         let work = || {
-            self.portions(system, k, parts, (true, None), |_, _, _, _| {});
+            self.portions(system, k, parts, (true, None), |_, _, _| {});
             self.gather_forces(out);
         };
         rayon::join(work, || ());
     }
 
-    /// Evaluates the elements portion by portion and hands the blocks of each to `add`.
+    /// Hands the tangent blocks of all elements to `f`, some at a time, group by group.
+    pub fn for_each_element(
+        &mut self,
+        system: &System,
+        k: &Kinematics,
+        parts: &TangentParts,
+        mut f: impl FnMut(ElementBlocks),
+    ) {
+        self.portions(system, k, parts, (false, None), |elements, blocks, _| {
+            if let Some((group, first)) = elements {
+                f(ElementBlocks { group, first, blocks });
+            }
+        });
+    }
+
+    /// Evaluates the elements, then the loads that follow the motion, portion by portion as the pattern counts them, and
+    /// hands group and first element (none: loads), the blocks, and what they may be summed into to `take`.
     fn portions(
         &mut self,
         system: &System,
         k: &Kinematics,
         parts: &TangentParts,
         (extrapolated, prescribed): (bool, Option<&[Nodal]>),
-        mut add: impl FnMut(&Pattern, usize, &[f64], (&Numbering, &mut [f64])),
+        mut take: impl FnMut(Option<(&dyn ElementGroup, usize)>, &[f64], (&Numbering, &mut [f64])),
     ) {
         self.set_time(system, k.time);
         let Self { numbering, values, blocks, .. } = self;
-        let pattern = &system.pattern;
         let mut forces = self.element_forces.as_mut_slice();
         let mut stress = self.stress.as_slice();
         let mut history = self.history.as_slice();
-        let mut portion = 0;
         for group in &system.groups {
             let m = group.vectors_per_element();
-            let (mut f, forces_rest) = forces.split_at_mut(3 * group.len() * m);
+            let (f, forces_rest) = forces.split_at_mut(3 * group.len() * m);
             let (s, stress_rest) = stress.split_at(group.len() * group.stresses_per_element());
             let k = inside(system, k, &mut history, group.as_ref(), &self.factors);
-            for first in (0..group.len()).step_by(PORTION) {
-                let count = PORTION.min(group.len() - first);
-                let (mine, rest) = f.split_at_mut(3 * count * m);
-                let blocks = &mut blocks[..9 * count * m * (m + 1) / 2];
+            for (portion, forces) in f.chunks_mut(3 * m * PORTION).enumerate() {
+                let first = portion * PORTION;
+                let blocks = &mut blocks[..9 * pairs(m) * (forces.len() / (3 * m))];
                 let request = TangentRequest {
                     weights: parts.weights,
                     stress: extrapolated.then_some(s),
                     prescribed,
                     blocks: &mut *blocks,
                 };
-                group.evaluate(&k, first, mine, Some(request));
-                add(pattern, portion, blocks, (numbering, values));
-                f = rest;
-                portion += 1;
+                group.evaluate(&k, first, forces, Some(request));
+                take(Some((group.as_ref(), first)), blocks, (numbering, values));
             }
             (forces, stress) = (forces_rest, stress_rest);
         }
@@ -187,7 +211,7 @@ impl Assembly {
             let mut rest = blocks.as_mut_slice();
             for load in loads {
                 let n = load.vectors().len();
-                let (b, others) = rest.split_at_mut(9 * n * (n + 1) / 2);
+                let (b, others) = rest.split_at_mut(9 * pairs(n));
                 let mut x = [Vec3::zeros(); 4];
                 current(system, k, load.vectors(), &mut x);
                 load.stiffness(&x[..n], b);
@@ -195,8 +219,7 @@ impl Assembly {
                 b.iter_mut().for_each(|v| *v *= factor);
                 rest = others;
             }
-            add(pattern, portion, blocks, (numbering, values));
-            portion += 1;
+            take(None, blocks, (numbering, values));
         }
     }
 
@@ -380,6 +403,18 @@ impl Assembly {
         }
         self.energies.iter().sum()
     }
+}
+
+/// Blocks of the lower triangle of `vectors` nodal vectors.
+fn pairs(vectors: usize) -> usize {
+    vectors * (vectors + 1) / 2
+}
+
+/// Most blocks of a portion of the elements or of the loads that follow the motion.
+fn largest_portion(system: &System) -> usize {
+    let groups = system.groups.iter().map(|g| g.len().min(PORTION) * pairs(g.vectors_per_element()));
+    let loads = system.followers.chunks(PORTION);
+    groups.chain(loads.map(|l| l.iter().map(|load| pairs(load.vectors().len())).sum())).max().unwrap_or(0)
 }
 
 /// The motion with what is inside of a group's elements; takes the group's part off the front of `history`.

@@ -9,10 +9,11 @@
 
 use rayon::prelude::*;
 
+use super::System;
+use super::assembly::ElementBlocks;
 use super::numbering::VectorKind;
-use super::{System, assembly::TangentParts};
 use crate::Vec3;
-use crate::element::{ElementGroup, Interior, Kinematics, Motion, Nodal, TangentRequest};
+use crate::element::{ElementGroup, Nodal};
 
 /// Coordinates of an element at most.
 const LARGEST: usize = 24;
@@ -20,8 +21,6 @@ const LARGEST: usize = 24;
 const SQUARINGS: i32 = 4;
 /// Elements that one task looks at.
 const CHUNK: usize = 32;
-/// Elements whose blocks are held at a time; a multiple of [`ALIGNMENT`](crate::element::group::ALIGNMENT).
-const PART: usize = 4096;
 
 /// How elements share the mass of their nodal vectors: shells by their own part of it; ties, which have none, get half.
 #[derive(Debug)]
@@ -97,52 +96,6 @@ pub fn row_sums(kinds: &[VectorKind], vectors: &[u32], mass: &[f64]) -> [f64; 8]
         }
     }
     out
-}
-
-/// Lower tangent blocks of some elements of a group.
-#[derive(Clone, Copy)]
-pub struct ElementBlocks<'a> {
-    /// The group.
-    pub group: &'a dyn ElementGroup,
-    /// First of the elements.
-    pub first: usize,
-    /// Their blocks.
-    blocks: &'a [f64],
-}
-
-/// Calls `f` with the lower tangent blocks of all elements at displacements `u`, some at a time, group by group.
-pub fn for_each_part(
-    system: &System,
-    (u, history): (&[Nodal], &[f64]),
-    parts: &TangentParts,
-    mut f: impl FnMut(ElementBlocks),
-) {
-    let factors: Vec<f64> =
-        system.prescribed_strains.iter().map(|p| system.amplitude(p.amplitude, parts.time)).collect();
-    let motion = Motion::State { u, velocity: None };
-    let k = Kinematics::new(&system.reference, motion, system.linear, parts.time);
-    let mut history = history;
-    let (mut forces, mut blocks) = (Vec::new(), Vec::new());
-    for group in &system.groups {
-        let m = group.vectors_per_element();
-        let (mine, rest) = history.split_at(group.len() * group.history_per_element());
-        history = rest;
-        let k =
-            Kinematics { interior: Interior { history: mine, factors: &factors }, unit: &system.unit, ..k };
-        for first in (0..group.len()).step_by(PART) {
-            let count = PART.min(group.len() - first);
-            forces.resize(3 * m * count, 0.0);
-            blocks.resize(block_values(m) * count, 0.0);
-            let request = TangentRequest {
-                weights: parts.weights,
-                stress: None,
-                prescribed: None,
-                blocks: &mut blocks,
-            };
-            group.evaluate(&k, first, &mut forces, Some(request));
-            f(ElementBlocks { group: group.as_ref(), first, blocks: &blocks });
-        }
-    }
 }
 
 /// Bound of the largest eigenvalue of each of some elements; only coordinates of the kinds that `wanted` names count.

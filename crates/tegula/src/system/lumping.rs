@@ -10,10 +10,10 @@
 //! vanishes with the mesh.
 
 use super::assembly::TangentParts;
-use super::element_frequency::{MassShares, for_each_part, of_elements, row_sums};
-use super::{System, VectorKind};
+use super::element_frequency::{MassShares, of_elements, row_sums};
+use super::{Assembly, System, VectorKind};
 use crate::Issue;
-use crate::element::TangentWeights;
+use crate::element::{Kinematics, Motion, TangentWeights};
 
 /// Coupled mass below this part of the mean of both masses is rounding.
 const ROUNDING: f64 = 1e-10;
@@ -89,12 +89,13 @@ fn unsuitable(system: &System) -> Option<(&'static str, &'static str)> {
 /// positions.
 fn raise_directors(system: &System, shares: &MassShares, mass: &mut [f64]) {
     let rest = vec![[0.0; 3]; system.vectors()];
-    let history: usize = system.groups.iter().map(|g| g.len() * g.history_per_element()).sum();
     // Of the material only: prescribed strains would add their stress.
     let weights = TangentWeights { stress: 1.0, direction: 0.0, force: 1.0, rate: 0.0 };
     let parts = TangentParts { weights, mass: 0.0, time: 0.0 };
     let (mut membrane, mut directors) = (0.0_f64, Vec::new());
-    for_each_part(system, (&rest, &vec![0.0; history]), &parts, |part| {
+    let motion = Motion::State { u: &rest, velocity: None };
+    let k = Kinematics::new(&system.reference, motion, system.linear, parts.time);
+    Assembly::new(system).for_each_element(system, &k, &parts, |part| {
         let of = |kind| of_elements(system, shares, mass, part, move |k| k == kind);
         membrane = of(VectorKind::Position).into_iter().fold(membrane, f64::max);
         directors.extend(of(VectorKind::Director));

@@ -50,8 +50,6 @@ struct Portion {
     source_start: Vec<u32>,
     /// Number of a block in the buffer of the portion, times two, plus one if it is to be transposed.
     sources: Vec<u32>,
-    /// Blocks in the buffer.
-    blocks: usize,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -73,7 +71,6 @@ pub struct PatternBuilder {
     /// Elements and blocks in the last portion.
     elements: usize,
     blocks: u32,
-    portions: Vec<u32>,
 }
 
 fn key(a: u32, b: u32) -> u64 {
@@ -83,9 +80,6 @@ fn key(a: u32, b: u32) -> u64 {
 impl PatternBuilder {
     /// The elements that come next are not of the same portion as those before.
     pub fn end_portion(&mut self) {
-        if self.elements > 0 {
-            self.portions.push(self.blocks);
-        }
         (self.elements, self.blocks) = (0, 0);
     }
 
@@ -121,7 +115,6 @@ impl PatternBuilder {
 
     /// The pattern of the free coordinates.
     pub fn build(mut self, vectors: usize, numbering: &Numbering) -> Pattern {
-        self.end_portion();
         // Stable order of contributions: by block, then by element.
         self.entries.par_iter_mut().for_each(|entries| entries.sort_unstable());
         self.masses.sort_by_key(|m| m.0);
@@ -158,10 +151,7 @@ impl PatternBuilder {
         let portions = self
             .entries
             .iter()
-            .zip(&self.portions)
-            .map(|(entries, &blocks)| {
-                Portion::new(entries, blocks as usize, (&keys, &column_start, numbering), &mut met)
-            })
+            .map(|entries| Portion::new(entries, (&keys, &column_start, numbering), &mut met))
             .collect();
         let alone = (0..keys.len() as u32).filter(|&b| !met[b as usize]).collect();
 
@@ -207,11 +197,10 @@ impl Portion {
     /// From entries in ascending order; `met` tells which blocks of the matrix have appeared already.
     fn new(
         entries: &[(u64, u32)],
-        blocks: usize,
         (keys, column_start, numbering): (&[u64], &[u32], &Numbering),
         met: &mut [bool],
     ) -> Self {
-        let mut out = Self { blocks, ..Self::default() };
+        let mut out = Self::default();
         let mut last = None;
         for (source, &(key, number)) in entries.iter().enumerate() {
             if last != Some(key) {
@@ -270,16 +259,6 @@ impl Pattern {
     /// Blocks of a block column.
     fn blocks(&self, column: usize) -> Range<usize> {
         self.column_start[column] as usize..self.column_start[column + 1] as usize
-    }
-
-    /// Number of portions in which the elements are worked off.
-    pub fn portions(&self) -> usize {
-        self.portions.len()
-    }
-
-    /// Most blocks of a portion: what the buffer must hold.
-    pub fn buffer_blocks(&self) -> usize {
-        self.portions.iter().map(|p| p.blocks).max().unwrap_or(0)
     }
 
     /// Begins the sum of `mass_factor · M` and element blocks: what has no element.

@@ -1,10 +1,10 @@
-//! Models and measures that several tests share.
+//! Models and measures that tests, benchmarks and examples share.
 #![allow(dead_code, clippy::unwrap_used)]
 
 use nalgebra::{Rotation3, Unit};
 use tegula::analysis::statics::{self, StaticOutcome};
 use tegula::analysis::{Observer, State, Step};
-use tegula::element::Nodal;
+use tegula::element::{Nodal, ShellGeometry};
 use tegula::mesh::generators::generate;
 use tegula::model::build::build;
 use tegula::model::*;
@@ -123,6 +123,63 @@ impl Random {
     pub fn vector(&mut self) -> Vec3 {
         Vec3::from_fn(|_, _| self.next())
     }
+}
+
+/// A distorted unit square with directors near its normals.
+pub fn geometry(random: &mut Random, noise: f64) -> ShellGeometry {
+    let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let flat = square.map(|[x, y]| Vec3::new(x, y, 0.0) + random.vector() * noise);
+    let directors = std::array::from_fn(|a| {
+        let normal = (flat[(a + 1) % 4] - flat[a]).cross(&(flat[(a + 3) % 4] - flat[a])).normalize();
+        (normal + random.vector() * noise).normalize()
+    });
+    ShellGeometry::new(flat, directors)
+}
+
+/// A unidirectional ply.
+pub fn ply() -> Material {
+    Material::Orthotropic(Orthotropic {
+        young: [3e3, 6e2, 5e2],
+        poisson: [0.3, 0.25, 0.2],
+        shear: [4e2, 3e2, 2e2],
+        density: 0.7,
+        expansion: [1e-3, 4e-3, 4e-3],
+        strength: None,
+    })
+}
+
+/// A prescribed strain of each kind, on all elements.
+pub fn strains() -> Vec<PrescribedStrain> {
+    vec![
+        PrescribedStrain::Thermal(ThermalStrain {
+            on: "all".into(),
+            temperature: 8.0,
+            gradient: 60.0,
+            amplitude: None,
+        }),
+        PrescribedStrain::Natural(NaturalStrain {
+            on: "all".into(),
+            strain: [0.01, -0.02, 0.015],
+            curvature: [0.2, -0.1, 0.3],
+            direction: [0.8, -0.5, 0.1],
+            amplitude: None,
+        }),
+        PrescribedStrain::Prestress(Prestress {
+            on: "all".into(),
+            membrane: [1.0, 2.0, -0.5],
+            bending: [0.02, 0.01, 0.03],
+            direction: [0.4, 0.9, 0.1],
+            amplitude: None,
+        }),
+    ]
+}
+
+/// The quarter cylinder of Sect. 5.2 under the force at its corner.
+pub fn loaded_quarter_cylinder(n: u32, element: ElementKind) -> System {
+    let mut model = quarter_cylinder(n, 2.1e8);
+    model.sections[0].element = element;
+    model.loads = vec![Load::Force(vector_load("u_max_v_max", [0.0, 0.0, -20.0]))];
+    compile(&model).1
 }
 
 /// An observer that keeps what it is told.

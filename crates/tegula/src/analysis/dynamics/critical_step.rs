@@ -1,10 +1,11 @@
 //! The critical step of central differences, `2/ω` with the highest circular frequency ω: a value below it.
 
 use crate::analysis::State;
+use crate::analysis::statics::state_kinematics;
 use crate::element::TangentWeights;
-use crate::system::System;
 use crate::system::assembly::TangentParts;
-use crate::system::element_frequency::{MassShares, for_each_part, of_followers, of_part};
+use crate::system::element_frequency::{MassShares, of_followers, of_part};
+use crate::system::{Assembly, System};
 
 /// Finds steps that are not above the critical one.
 pub struct CriticalStep {
@@ -20,15 +21,17 @@ impl CriticalStep {
         Self { shares: MassShares::new(system), retardation }
     }
 
-    /// A lower bound of the critical step at a state with the lumped masses `mass` (time).
+    /// A lower bound of the critical step at a state with the lumped masses `mass` (time). The assembly holds what
+    /// the materials remember there.
     ///
     /// ω is that of the element with the highest frequency, see [`crate::system::element_frequency`]. Damping of strain
     /// rates by forces of the last half step lowers it to `2/ω (√(1 + ξ²) − ξ)`, `ξ = τ ω/2`.
-    pub fn below(&self, system: &System, mass: &[f64], state: &State) -> f64 {
+    pub fn below(&self, system: &System, assembly: &mut Assembly, mass: &[f64], state: &State) -> f64 {
         let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
         let parts = TangentParts { weights, mass: 0.0, time: state.time };
         let mut highest = 0.0_f64;
-        for_each_part(system, (&state.u, &state.history), &parts, |part| {
+        let k = state_kinematics(system, &state.u, state.time);
+        assembly.for_each_element(system, &k, &parts, |part| {
             let bound = of_part(system, &self.shares, mass, part);
             highest = if bound.is_nan() { bound } else { highest.max(bound) };
         });

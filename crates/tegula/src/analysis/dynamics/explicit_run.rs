@@ -94,7 +94,7 @@ pub(super) fn run(
     let (mut found, mut warned) = (false, false);
     while fresh && !found || state.time < options.end_time {
         if !found || (!system.linear && state.step.is_multiple_of(INTERVAL)) {
-            let step = critical.below(system, &scheme.mass, &state);
+            let step = critical.below(system, &mut scheme.assembly, &scheme.mass, &state);
             statistics.critical_step = step;
             // A resumed run keeps the step it had, until the next one is due.
             if fresh || found || state.step.is_multiple_of(INTERVAL) {
