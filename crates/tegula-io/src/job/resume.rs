@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use tegula::System;
+use tegula::analysis::chord::LaggedTangent;
 use tegula::analysis::{Balance, State, Statistics};
 use tegula::element::Nodal;
 
@@ -77,6 +78,15 @@ impl Memory {
         .into_iter()
         .map(|(name, values)| (name.to_owned(), values))
         .collect();
+        let t = &s.tangent;
+        let counts =
+            [u32::from(t.valid), t.steps, t.iterations, t.last, t.pause, t.next_pause].map(f64::from);
+        arrays.insert("tangent".into(), [&[t.time, t.dt], counts.as_slice()].concat());
+        if t.valid {
+            arrays.insert("tangent u".into(), t.u.concat());
+            arrays.insert("tangent v".into(), t.v.concat());
+            arrays.insert("tangent history".into(), t.history.clone());
+        }
         for (i, kept) in self.kept.iter().enumerate() {
             arrays.insert(format!("picture {i} time"), vec![kept.time]);
             arrays.insert(format!("picture {i} displacements"), kept.displacements.concat());
@@ -104,6 +114,26 @@ impl Memory {
         let scalars = fixed("scalars", 6)?;
         let energies = fixed("energies", 6)?;
         let momenta = fixed("momenta", 6)?;
+        let t = fixed("tangent", 8)?;
+        let mut tangent = LaggedTangent {
+            valid: t[2] != 0.0,
+            time: t[0],
+            dt: t[1],
+            steps: t[3] as u32,
+            iterations: t[4] as u32,
+            last: t[5] as u32,
+            pause: t[6] as u32,
+            next_pause: t[7] as u32,
+            ..LaggedTangent::default()
+        };
+        if tangent.valid {
+            tangent.u = vectors(&fixed("tangent u", 3 * n)?);
+            tangent.v = vectors(&array("tangent v", None)?);
+            tangent.history = fixed("tangent history", history)?;
+            if !tangent.v.is_empty() && tangent.v.len() != n {
+                return Err(wrong("tangent v"));
+            }
+        }
         let state = State {
             time: scalars[0],
             step: checkpoint.step,
@@ -117,6 +147,7 @@ impl Memory {
             work: scalars[3],
             dissipated: scalars[4],
             energy_scale: scalars[5],
+            tangent,
         };
         let balance = Balance {
             kinetic: energies[0],

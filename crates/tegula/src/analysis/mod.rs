@@ -1,5 +1,6 @@
 //! Analyses: statics, natural frequencies, motion in time.
 
+pub mod chord;
 pub mod dynamics;
 pub mod modal;
 pub mod newton;
@@ -8,6 +9,7 @@ pub mod statics;
 use crate::Result;
 use crate::element::Nodal;
 use crate::system::System;
+use chord::LaggedTangent;
 
 /// State of a model at a time: plain data, a checkpoint is its dump.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -36,6 +38,8 @@ pub struct State {
     pub dissipated: f64,
     /// Largest energy met so far: scale of the convergence test.
     pub energy_scale: f64,
+    /// The tangent whose factor serves several time steps.
+    pub tangent: LaggedTangent,
 }
 
 impl State {

@@ -17,10 +17,11 @@ use crate::element::{Kinematics, Motion, Nodal};
 use crate::linear::{Factor as _, FactorError, SparseCholesky, SymmetricPattern};
 use crate::model::NewtonMethod;
 use crate::system::assembly::TangentParts;
-use crate::system::{Assembly, Numbering, System, VectorKind, dot};
+use crate::system::{Assembly, Numbering, System, Turning, VectorKind, dot};
 use crate::{Error, Result, Vec3};
 
-use super::Observer;
+use super::chord::{self, Increment, Increments, LaggedTangent};
+use super::{Observer, State};
 
 /// The equation of one step: `rest(q) − force · f_int(q) = 0`.
 pub trait Equation {
@@ -56,6 +57,8 @@ pub struct Tolerances {
 pub struct Converged {
     /// Iterations.
     pub iterations: u32,
+    /// Tangents taken for it.
+    pub tangents: u32,
     /// Negative pivots of the last tangent.
     pub negative_pivots: usize,
     /// The increments stopped shrinking at the rounding floor of the model.
@@ -69,6 +72,8 @@ pub struct Diverged {
     pub iterations: u32,
     /// Why, for people.
     pub reason: String,
+    /// It began with the factor of an earlier tangent: with its own it may converge.
+    pub began_with_old_factor: bool,
 }
 
 /// Solver and buffers, made once for an analysis.
@@ -83,10 +88,31 @@ pub struct Newton {
     increment: Vec<Nodal>,
     right_side: Vec<f64>,
     solution: Vec<f64>,
+    /// Memory of the materials, while a tangent of another state is taken.
+    history: Vec<f64>,
     /// Energies of the increments of the present step.
     energies: Vec<f64>,
-    /// The factor belongs to these parts of a linear model and serves again.
-    factored: Option<TangentParts>,
+    increments: Increments,
+    held: Held,
+    /// Axes of the vectors where the tangent was taken.
+    axes: Numbering,
+    /// How far the nodes have turned since then; made when it is first needed.
+    turning: Option<Turning>,
+    /// Price of a tangent and its factor, in iterations with an old one.
+    price: f64,
+}
+
+/// Which tangent the factor at hand belongs to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Held {
+    /// None that could serve again.
+    Nothing,
+    /// That of a linear model with these parts.
+    Linear(TangentParts),
+    /// The [`LaggedTangent`] of the state.
+    Lagged,
+    /// An iterate of the present step.
+    Iterate,
 }
 
 impl Newton {
@@ -109,8 +135,11 @@ impl Newton {
             help: "Use a coarser mesh or a machine with more memory.".into(),
         })?;
         let n = system.vectors();
+        let price = chord::price(solver.operations(), solver.factor_entries());
+        let assembly = Assembly::new(system);
         Ok(Self {
-            assembly: Assembly::new(system),
+            history: assembly.history.clone(),
+            assembly,
             solver,
             method: method.unwrap_or(if system.yields() {
                 // Stresses extrapolated with the tangent of one side of the yield surface mislead on the other.
@@ -124,8 +153,75 @@ impl Newton {
             right_side: vec![0.0; system.unknowns()],
             solution: vec![0.0; system.unknowns()],
             energies: Vec::with_capacity(64),
-            factored: None,
+            increments: Increments::default(),
+            held: Held::Nothing,
+            axes: system.numbering.clone(),
+            turning: None,
+            price,
         })
+    }
+
+    /// Sees to it that a factor is at hand for a time step of length `dt` from a state: that of an earlier step, or a
+    /// new one at the state. Linear models and prescribed motions, which need a tangent anyway, are left alone.
+    ///
+    /// A resumed run finds the earlier tangent again from what the state tells of it, so that it goes on as if it had
+    /// not been stopped.
+    pub fn prepare(
+        &mut self,
+        system: &System,
+        (parts, predicted): (&TangentParts, &[Nodal]),
+        dt: f64,
+        state: &mut State,
+    ) {
+        if system.linear || !system.numbering.prescribed.is_empty() || state.tangent.pause > 0 {
+            state.tangent.valid = false;
+            return;
+        }
+        let serves = state.tangent.serves(dt, self.price)
+            && (self.held == Held::Lagged || self.take_tangent(system, parts, &state.tangent));
+        if !serves {
+            self.renew(system, parts, dt, state);
+        }
+        let turning = self.turning.get_or_insert_with(|| Turning::new(system));
+        turning.find(system, &state.tangent.u, predicted);
+    }
+
+    /// Takes the tangent at a state for this step and later ones.
+    fn renew(&mut self, system: &System, parts: &TangentParts, dt: f64, state: &mut State) {
+        let State { u, v, history, tangent, time, .. } = state;
+        tangent.u.clone_from(u);
+        if system.groups.iter().any(|g| g.retardation_time() != 0.0) {
+            tangent.v.clone_from(v);
+        }
+        tangent.history.clone_from(history);
+        (tangent.time, tangent.dt) = (*time, dt);
+        (tangent.steps, tangent.iterations, tangent.last) = (0, 0, 0);
+        tangent.valid = self.take_tangent(system, parts, tangent);
+    }
+
+    /// Factors the tangent at a state; false if it has no factor.
+    fn take_tangent(&mut self, system: &System, parts: &TangentParts, at: &LaggedTangent) -> bool {
+        let velocity = (!at.v.is_empty()).then_some(at.v.as_slice());
+        let motion = Motion::State { u: &at.u, velocity };
+        let k = Kinematics::new(&system.reference, motion, system.linear, at.time);
+        let parts = TangentParts { time: at.time, ..*parts };
+        self.held = Held::Nothing;
+        self.assembly.follow(system, &k);
+        self.axes.copy_axes(&self.assembly.numbering);
+        self.history.copy_from_slice(&self.assembly.history);
+        self.assembly.history.copy_from_slice(&at.history);
+        self.assembly.forces_and_tangent(system, &k, &parts, false, None, &mut self.internal);
+        self.assembly.history.copy_from_slice(&self.history);
+        if self.solver.factor(&self.assembly.values).is_ok() {
+            self.held = Held::Lagged;
+        }
+        self.held == Held::Lagged
+    }
+
+    /// Gives up the factor at hand.
+    pub fn forget(&mut self, state: &mut State) {
+        self.held = Held::Nothing;
+        state.tangent.valid = false;
     }
 
     /// Iterates an equation to convergence.
@@ -141,15 +237,33 @@ impl Newton {
     ) -> std::result::Result<Converged, Diverged> {
         let mixed = self.method == NewtonMethod::Mixed && !system.linear;
         self.energies.clear();
+        self.increments.clear();
+        let lagged = self.held == Held::Lagged;
+        if self.held == Held::Iterate {
+            self.held = Held::Nothing;
+        }
+        let (mut tangents, mut negative_pivots) = (0, 0);
+        let mut extrapolated = true;
         for iteration in 1..=tolerances.max_iterations {
-            let diverged = |reason: String| Diverged { iterations: iteration, reason };
+            let diverged =
+                |reason: String| Diverged { iterations: iteration, reason, began_with_old_factor: lagged };
             if observer.interrupted() {
                 return Err(diverged("interrupted".into()));
             }
             let has_prescribed = equation.prescribed(system, &mut self.increment);
             let parts = equation.parts();
-            let same = |p: &TangentParts| (p.weights, p.mass) == (parts.weights, parts.mass);
-            let reuse = system.linear && self.factored.as_ref().is_some_and(same) && !has_prescribed;
+            let left = tolerances.max_iterations - iteration;
+            let reuse = !has_prescribed
+                && match self.held {
+                    Held::Nothing => false,
+                    Held::Linear(p) => (p.weights, p.mass) == (parts.weights, parts.mass),
+                    Held::Lagged | Held::Iterate => {
+                        self.increments.old_factor_serves(parts.mass != 0.0, self.price, left)
+                    }
+                };
+            if mixed && !reuse && !extrapolated {
+                self.assembly.reset_stress(system, &equation.kinematics(system));
+            }
             {
                 let k = equation.kinematics(system);
                 self.assembly.follow(system, &k);
@@ -180,7 +294,17 @@ impl Newton {
                     r[i] -= parts.weights.force * f[i];
                 }
             }
-            self.assembly.numbering.reduce(&self.residual, &mut self.right_side);
+            let turning = self.turning.as_ref().filter(|_| reuse && self.held == Held::Lagged);
+            if reuse {
+                // What holds a vector to its length must not be taken for a force by the axes of another state.
+                self.assembly.numbering.free_part(&mut self.residual);
+            } else {
+                self.axes.copy_axes(&self.assembly.numbering);
+            }
+            if let Some(turning) = turning {
+                turning.turn(system, true, &mut self.residual);
+            }
+            self.axes.reduce(&self.residual, &mut self.right_side);
             if !self.right_side.iter().all(|r| r.is_finite()) {
                 let reason = match self.assembly.without_answer(system) {
                     Some(element) => format!(
@@ -191,26 +315,28 @@ impl Newton {
                 };
                 return Err(diverged(reason));
             }
-            let mut negative_pivots = 0;
             if !reuse {
-                self.factored = None;
+                self.held = Held::Nothing;
+                tangents += 1;
                 let inertia = self.solver.factor(&self.assembly.values).map_err(|e| match e {
                     FactorError::Singular => diverged("the tangent is singular".into()),
                     e => diverged(e.to_string()),
                 })?;
                 negative_pivots = inertia.negative;
-                if system.linear && !has_prescribed {
-                    self.factored = Some(parts);
-                }
+                self.held = if system.linear { Held::Linear(parts) } else { Held::Iterate };
             }
             self.solution.copy_from_slice(&self.right_side);
             self.solver.solve(&mut self.solution);
             let energy = self.solution.iter().zip(&self.right_side).map(|(a, b)| a * b).sum::<f64>().abs();
-            expand_free(&self.assembly.numbering, &self.solution, has_prescribed, &mut self.increment);
+            expand_free(&self.axes, &self.solution, has_prescribed, &mut self.increment);
+            if let Some(turning) = turning {
+                turning.turn(system, false, &mut self.increment);
+            }
             if !energy.is_finite() {
                 return Err(diverged("the increment is not a number".into()));
             }
-            if mixed {
+            extrapolated = mixed && !reuse;
+            if extrapolated {
                 let k = equation.kinematics(system);
                 self.assembly.extrapolate(system, &k, &self.increment, &parts.weights);
             }
@@ -229,10 +355,22 @@ impl Newton {
             let size_scale = equation.displacement_scale(system);
             let relative = energy / energy_scale.max(f64::MIN_POSITIVE);
             observer.on_iteration(iteration, relative, size / size_scale.max(f64::MIN_POSITIVE));
-            let converged =
-                energy <= tolerances.energy * energy_scale && size <= tolerances.increment * size_scale;
+            let rest = if reuse && !system.linear { chord::REST } else { 1.0 };
+            let excess = (relative / (rest * tolerances.energy))
+                .sqrt()
+                .max(size / (size_scale * tolerances.increment));
+            self.increments.push(Increment {
+                energy: relative,
+                size: size / size_scale,
+                excess,
+                fresh: !reuse,
+            });
+            let left = if rest < 1.0 { self.increments.contraction().powi(2).min(1.0) } else { 1.0 };
+            let converged = energy <= tolerances.energy * energy_scale
+                && size <= tolerances.increment * size_scale
+                && left * energy <= rest * tolerances.energy * energy_scale;
             if converged || (energy == 0.0 && size == 0.0) {
-                return Ok(Converged { iterations: iteration, negative_pivots, floor: false });
+                return Ok(Converged { iterations: iteration, tangents, negative_pivots, floor: false });
             }
             self.energies.push(energy);
             if let Some(floor) = stagnation(&self.energies) {
@@ -242,7 +380,7 @@ impl Newton {
                 // displacement is nothing itself.
                 let rounding = size <= 1e-10 * size_scale || relative <= 1e-26;
                 if rounding || (relative <= 1e-9 && size <= 1e-5 * size_scale) {
-                    return Ok(Converged { iterations: iteration, negative_pivots, floor: true });
+                    return Ok(Converged { iterations: iteration, tangents, negative_pivots, floor: true });
                 }
                 if floor {
                     return Err(diverged(format!(
@@ -254,6 +392,7 @@ impl Newton {
         }
         Err(Diverged {
             iterations: tolerances.max_iterations,
+            began_with_old_factor: lagged,
             reason: format!(
                 "not converged after {} iterations; {}",
                 tolerances.max_iterations,

@@ -196,7 +196,7 @@ pub fn run(
                 }
                 continue;
             }
-            Err(Diverged { iterations, reason }) => {
+            Err(Diverged { iterations, reason, .. }) => {
                 statistics.iterations += u64::from(iterations);
                 if observer.interrupted() {
                     return Err(Error::Interrupted);

@@ -73,6 +73,11 @@ impl SparseCholesky {
         Ok(Self { pattern, fronts, factored: false, factorizations: 0 })
     }
 
+    /// Operations (additions and multiplications) of a factorisation.
+    pub fn operations(&self) -> f64 {
+        self.fronts.operations()
+    }
+
     /// The pattern.
     pub fn pattern(&self) -> &SymmetricPattern {
         &self.pattern

@@ -126,6 +126,11 @@ impl Multifrontal {
         self.tree.size
     }
 
+    /// Operations of a factorisation.
+    pub fn operations(&self) -> f64 {
+        self.tree.fronts.iter().filter(|f| f.parent.is_none()).map(|f| f.work).sum()
+    }
+
     /// Factors the matrix with the given values.
     ///
     /// # Errors

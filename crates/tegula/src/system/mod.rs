@@ -7,6 +7,7 @@ mod inversion;
 pub mod lumping;
 pub mod numbering;
 pub mod pattern;
+pub mod turning;
 
 use std::ops::Range;
 
@@ -22,6 +23,7 @@ pub use index_map::IndexMap;
 pub use inversion::inside_out;
 pub use numbering::{Numbering, VectorKind};
 pub use pattern::Pattern;
+pub use turning::Turning;
 
 /// A force on nodal vectors that does not depend on the motion.
 #[derive(Debug, Clone)]

@@ -208,6 +208,13 @@ impl Numbering {
         }
     }
 
+    /// Takes over the axes that the vectors of another state have.
+    pub fn copy_axes(&mut self, other: &Self) {
+        if !self.unit.is_empty() {
+            self.frames.copy_from_slice(&other.frames);
+        }
+    }
+
     /// Numbers of the three coordinates of a vector.
     pub fn of(&self, vector: usize) -> [u32; 3] {
         [self.free[3 * vector], self.free[3 * vector + 1], self.free[3 * vector + 2]]
@@ -270,6 +277,20 @@ impl Numbering {
                 }
             }
             *out = self.from_axes(v, local);
+        }
+    }
+
+    /// Takes from the vectors that keep their length the part of a field along supported coordinates.
+    pub fn free_part(&self, field: &mut [Nodal]) {
+        for unit in &self.unit {
+            let v = unit.vector as usize;
+            let mut local = self.to_axes(v, field[v]);
+            for (number, x) in self.of(v).into_iter().zip(&mut local) {
+                if number == CONSTRAINED {
+                    *x = 0.0;
+                }
+            }
+            field[v] = self.from_axes(v, local);
         }
     }
 

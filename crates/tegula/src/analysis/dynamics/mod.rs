@@ -104,7 +104,7 @@ pub fn run(
     statistics.steps = state.step;
     newton.assembly.stress.copy_from_slice(&state.stress);
     newton.assembly.history.copy_from_slice(&state.history);
-    let control = StepControl::new(system, options);
+    let control = StepControl::new(options);
     if fresh {
         state.next_step = control.first(system, &state);
     }
@@ -119,6 +119,8 @@ pub fn run(
             end: options.end_time,
         })?;
     }
+    // A step that failed with an old factor is repeated without.
+    let mut own_tangents = false;
     while state.time < options.end_time {
         let left = options.end_time - state.time;
         let last = left <= 1.000_001 * state.next_step;
@@ -139,9 +141,27 @@ pub fn run(
             return Err(undefined("time", (state.time, state.time + dt), reason));
         }
         scheme.begin(system, &mut newton.assembly, &state, dt);
+        if !own_tangents {
+            newton.prepare(system, (&scheme.parts(), scheme.displacements()), dt, &mut state);
+        }
         let result = newton.solve(system, scheme.as_mut(), &tolerances, observer);
         statistics.factorizations = newton.solver.factorizations() as u64;
         let inverted = result.is_ok().then(|| inside_out(system, scheme.displacements())).flatten();
+        if let Err(Diverged { iterations, reason, began_with_old_factor: true }) = &result
+            && !observer.interrupted()
+        {
+            statistics.iterations += u64::from(*iterations);
+            observer.on_repeat(&statistics);
+            observer.on_event(&format!(
+                "time {:.6e}: a step of {dt:.3e} is repeated with tangents of its own: {reason}",
+                state.time
+            ));
+            newton.forget(&mut state);
+            newton.assembly.stress.copy_from_slice(&state.stress);
+            own_tangents = true;
+            continue;
+        }
+        own_tangents = false;
         let mut inaccurate = false;
         let failure = match result {
             Ok(c) if inverted.is_some() => {
@@ -166,7 +186,8 @@ pub fn run(
                     state.last_step = dt;
                     state.time = if last { options.end_time } else { state.time + dt };
                     state.step += 1;
-                    state.next_step = control.next(dt, error, c.iterations);
+                    state.next_step = control.next(dt, error, c.tangents);
+                    state.tangent.served(c.iterations, c.tangents);
                     let k = state_kinematics(system, &state.u, state.time);
                     state.dissipated += newton.assembly.commit(system, &k);
                     state.history.copy_from_slice(&newton.assembly.history);
@@ -187,11 +208,11 @@ pub fn run(
                     }
                     continue;
                 }
-                state.next_step = control.next(dt, error, c.iterations).min(0.5 * dt);
+                state.next_step = control.next(dt, error, c.tangents).min(0.5 * dt);
                 inaccurate = true;
                 format!("its error {error:.1e} is above the tolerance {:.1e}", options.tolerance)
             }
-            Err(Diverged { iterations, reason }) => {
+            Err(Diverged { iterations, reason, .. }) => {
                 statistics.iterations += u64::from(iterations);
                 if observer.interrupted() {
                     return Err(Error::Interrupted);

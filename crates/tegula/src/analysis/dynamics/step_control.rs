@@ -12,10 +12,10 @@ const SAFETY: f64 = 0.9;
 const GROWTH: f64 = 1.5;
 /// Largest reduction from one step to the next.
 const REDUCTION: f64 = 0.3;
-/// A linear model keeps its step, and with it its factor, while the error would change it no more than this.
+/// The step stays, and with it the factor, while the error would change it no more than this.
 const KEEP: std::ops::Range<f64> = 0.9..1.4;
-/// Iterations above which the step does not grow.
-const MANY_ITERATIONS: u32 = 10;
+/// Tangents above which the step does not grow.
+const MANY_TANGENTS: u32 = 10;
 
 /// Chooses time steps so that the local error, root mean square of position over the model's
 /// length, stays near the tolerance. The error of a second-order scheme grows with Δt³.
@@ -26,19 +26,17 @@ pub struct StepControl {
     initial: Option<f64>,
     largest: f64,
     end: f64,
-    linear: bool,
 }
 
 impl StepControl {
     /// From the options of an analysis.
-    pub fn new(system: &System, options: &TransientAnalysis) -> Self {
+    pub fn new(options: &TransientAnalysis) -> Self {
         Self {
             tolerance: options.tolerance,
             fixed: options.time_step,
             initial: options.initial_step,
             largest: options.max_step.unwrap_or(options.end_time),
             end: options.end_time,
-            linear: system.linear,
         }
     }
 
@@ -61,17 +59,17 @@ impl StepControl {
         self.fixed.is_some() || error <= REJECT * self.tolerance
     }
 
-    /// Length of the next step after one of length `dt`.
-    pub fn next(&self, dt: f64, error: f64, iterations: u32) -> f64 {
+    /// Length of the next step after one of length `dt` that took so many tangents.
+    pub fn next(&self, dt: f64, error: f64, tangents: u32) -> f64 {
         if let Some(fixed) = self.fixed {
             // After a repeated smaller step the wanted one is approached again.
             return fixed.min(2.0 * dt);
         }
         let factor = if error > 0.0 { SAFETY * (self.tolerance / error).cbrt() } else { GROWTH };
-        if self.linear && KEEP.contains(&factor) {
+        if KEEP.contains(&factor) {
             return dt;
         }
-        let growth = if iterations > MANY_ITERATIONS { 1.0 } else { GROWTH };
+        let growth = if tangents > MANY_TANGENTS { 1.0 } else { GROWTH };
         (dt * factor.clamp(REDUCTION, growth)).min(self.largest)
     }
 }

@@ -1,0 +1,230 @@
+//! When the factor of an earlier tangent serves on.
+//!
+//! Newton's method with the tangent of an earlier iterate, the chord method, contracts errors by a constant factor θ
+//! instead of squaring them, but an iteration costs forces and a solve instead of a factorisation. Two rules decide:
+//!
+//! - **Within a step** the contraction is measured from the energies `e = δ·R` of the increments. The error after an
+//!   increment δ is θ|δ|, so with an old factor `1 + ln(θ|δ|/tolerance)/ln(1/θ)` further iterations are needed. A new
+//!   tangent is taken if that is more than it costs, or if increments do not halve.
+//! - **From step to step** the tangent at the start of an earlier step stays until a step takes more iterations than
+//!   the average one since then, the price of the factor included: the average would rise from there on. Where steps
+//!   need tangents of their own all the same, none is kept for some steps, twice as many each time.
+//!
+//! Prices are counted in operations, not on a clock, so that results repeat. C. T. Kelley, *Iterative Methods for
+//! Linear and Nonlinear Equations*, SIAM 1995, Sect. 5.4.
+
+use crate::element::Nodal;
+
+/// Newton's method leaves next to nothing of an error; an old factor leaves a part of it, which must be this much below
+/// the tolerance of energy: a thousandth in the norm of energy.
+pub const REST: f64 = 1e-6;
+
+/// Operations of the dense kernels in the time in which a solve moves one entry of the factor, measured on shell
+/// matrices of 2 000 to 400 000 unknowns.
+const OPERATIONS_PER_ENTRY: f64 = 17.0;
+/// Assembly of a tangent in iterations with an old factor.
+const ASSEMBLY_PRICE: f64 = 1.5;
+/// Increments that shrink less than this ask for a new tangent.
+const SLOWEST: f64 = 0.5;
+/// Energy of the increments since a tangent, over the model's energy, below which its pivots tell the stability of an
+/// equilibrium: a thousandth in the norm of energy.
+const SAME_EQUILIBRIUM: f64 = 1e-6;
+
+/// Price of a tangent and its factor, in iterations with an old factor: from the operations of a factorisation and the
+/// entries of the factor.
+pub fn price(operations: f64, entries: usize) -> f64 {
+    ASSEMBLY_PRICE + operations / (OPERATIONS_PER_ENTRY * entries.max(1) as f64)
+}
+
+/// The tangent whose factor serves several time steps, as the state it was taken at, and what it has served for.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct LaggedTangent {
+    /// Whether there is one.
+    pub valid: bool,
+    /// Time of the state.
+    pub time: f64,
+    /// Length of the step it was taken for.
+    pub dt: f64,
+    /// Displacements of the state.
+    pub u: Vec<Nodal>,
+    /// Velocities, where the model is damped by its strain rates.
+    pub v: Vec<Nodal>,
+    /// Enhanced parameters and internal variables.
+    pub history: Vec<f64>,
+    /// Steps since then.
+    pub steps: u32,
+    /// Iterations since then.
+    pub iterations: u32,
+    /// Those of the last step.
+    pub last: u32,
+    /// Steps that are still made with tangents of their own.
+    pub pause: u32,
+    /// Such steps after the next failure.
+    pub next_pause: u32,
+}
+
+/// Longest pause of a lagged tangent (steps).
+const LONGEST_PAUSE: u32 = 16;
+
+impl LaggedTangent {
+    /// Whether it serves for a step of length `dt`, if a new one costs `price`.
+    pub fn serves(&self, dt: f64, price: f64) -> bool {
+        let average = (price + f64::from(self.iterations)) / f64::from(self.steps.max(1));
+        self.valid && self.dt == dt && (self.steps == 0 || f64::from(self.last) <= average)
+    }
+
+    /// Counts a finished step, which took `tangents` of its own.
+    pub fn served(&mut self, iterations: u32, tangents: u32) {
+        if self.pause > 0 {
+            self.pause -= 1;
+        } else if tangents > 0 && self.valid {
+            self.pause = self.next_pause.max(1);
+            self.next_pause = (2 * self.pause).min(LONGEST_PAUSE);
+        } else {
+            self.next_pause = 1;
+        }
+        self.valid &= tangents == 0;
+        self.steps += 1;
+        self.iterations += iterations;
+        self.last = iterations;
+    }
+}
+
+/// An increment of an iteration.
+#[derive(Debug, Clone, Copy)]
+pub struct Increment {
+    /// Its energy over that of the model.
+    pub energy: f64,
+    /// Its size over the displacement.
+    pub size: f64,
+    /// How many times larger it is than what may be left at the end, in the norm of energy or of displacement.
+    pub excess: f64,
+    /// Whether it was found with the tangent of its iterate.
+    pub fresh: bool,
+}
+
+/// Increments of the present step.
+#[derive(Debug)]
+pub struct Increments {
+    list: Vec<Increment>,
+}
+
+impl Default for Increments {
+    /// None yet; memory for some.
+    fn default() -> Self {
+        Self { list: Vec::with_capacity(64) }
+    }
+}
+
+impl Increments {
+    /// Begins a step.
+    pub fn clear(&mut self) {
+        self.list.clear();
+    }
+
+    /// Adds one.
+    pub fn push(&mut self, increment: Increment) {
+        self.list.push(increment);
+    }
+
+    /// Ratio of the last two increments: that of the errors, if the factor stays; infinite before there are two.
+    pub fn contraction(&self) -> f64 {
+        let [.., before, last] = self.list.as_slice() else { return f64::INFINITY };
+        let ratio = (last.energy / before.energy).sqrt().max(last.size / before.size);
+        // An error that a new tangent has made small shrinks more slowly from there on.
+        if last.fresh { 2.0 * ratio } else { ratio }
+    }
+
+    /// Whether the factor at hand should serve for the next increment of an iteration that begins with it in time
+    /// steps (`lagged`) or with a new one.
+    pub fn old_factor_serves(&self, lagged: bool, price: f64, left: u32) -> bool {
+        let Some(last) = self.list.last().filter(|_| self.list.len() > 1) else { return lagged };
+        if !lagged {
+            let since = self.list.iter().rposition(|i| i.fresh).unwrap_or(0);
+            let moved: f64 = self.list[since..].iter().map(|i| i.energy).sum();
+            if moved.is_nan() || moved > SAME_EQUILIBRIUM {
+                return false;
+            }
+        }
+        let contraction = self.contraction();
+        if contraction.is_nan() || contraction > SLOWEST {
+            return false;
+        }
+        let error = contraction * last.excess;
+        let needed = 1.0 + (error.max(1.0).ln() / -contraction.max(f64::MIN_POSITIVE).ln()).ceil();
+        needed <= price && needed <= f64::from(left)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn increments(list: &[(f64, bool)]) -> Increments {
+        let mut out = Increments::default();
+        list.iter().for_each(|&(e, fresh)| {
+            let size = e.sqrt();
+            out.push(Increment { energy: e, size, excess: size / 1e-6, fresh });
+        });
+        out
+    }
+
+    #[test]
+    fn an_old_factor_serves_while_its_iterations_cost_less_than_a_new_one() {
+        // Contraction 0.1: an error of 1e-4 is below 1e-6 after three further iterations.
+        let steps = increments(&[(1e-4, false), (1e-6, false)]);
+        assert!((steps.contraction() - 0.1).abs() < 1e-12);
+        assert!(steps.old_factor_serves(true, 4.0, 20));
+        assert!(!steps.old_factor_serves(true, 2.9, 20));
+        assert!(!steps.old_factor_serves(true, 4.0, 2));
+    }
+
+    #[test]
+    fn slow_or_growing_increments_ask_for_a_new_tangent() {
+        for last in [0.3e-4, 1e-4, 1e-2, f64::NAN, f64::INFINITY] {
+            assert!(
+                !increments(&[(1e-4, false), (last, false)]).old_factor_serves(true, 1e9, 1000),
+                "{last}"
+            );
+        }
+    }
+
+    #[test]
+    fn in_statics_only_the_last_increments_are_made_with_an_old_factor() {
+        assert!(!increments(&[(1e-2, true)]).old_factor_serves(false, 1e9, 20));
+        assert!(!increments(&[(1.0, true), (1e-5, true)]).old_factor_serves(false, 1e9, 20));
+        assert!(increments(&[(1e-2, true), (1e-7, true)]).old_factor_serves(false, 20.0, 20));
+    }
+
+    #[test]
+    fn a_tangent_stays_until_a_step_costs_more_than_the_average() {
+        let mut tangent = LaggedTangent { valid: true, dt: 0.1, ..LaggedTangent::default() };
+        assert!(tangent.serves(0.1, 10.0) && !tangent.serves(0.2, 10.0));
+        for iterations in [3, 3, 4, 4, 5] {
+            tangent.served(iterations, 0);
+            assert!(tangent.serves(0.1, 10.0), "{tangent:?}");
+        }
+        // (10 + 19 + 6) / 6 = 5.8
+        tangent.served(6, 0);
+        assert!(!tangent.serves(0.1, 10.0));
+    }
+
+    #[test]
+    fn where_it_does_not_serve_it_is_tried_less_and_less_often() {
+        let mut tangent = LaggedTangent::default();
+        let mut pauses = Vec::new();
+        for _ in 0..7 {
+            tangent.valid = true;
+            tangent.served(5, 1);
+            assert!(!tangent.valid);
+            pauses.push(tangent.pause);
+            (0..tangent.pause).for_each(|_| tangent.served(3, 2));
+            assert_eq!(tangent.pause, 0);
+        }
+        assert_eq!(pauses, [1, 2, 4, 8, 16, 16, 16]);
+        tangent.valid = true;
+        tangent.served(4, 0);
+        tangent.served(5, 1);
+        assert_eq!(tangent.pause, 1);
+    }
+}

@@ -1,0 +1,139 @@
+//! How far the surroundings of each node have turned between two states.
+//!
+//! A shell that moves without much deformation keeps its tangent but for the turning of its parts: `K ≈ R K₀ Rᵀ`, with
+//! a rotation for each node. The rotation of a node is the one nearest to the change of its vectors and of the edges to
+//! its neighbours, `Σ (x_j − x_i) ⊗ (X_j − X_i)/|X_j − X_i|² + Σ d ⊗ D`.
+//!
+//! M. Müller, J. Bender, N. Chentanez, M. Macklin, *A robust method to extract the rotational part of deformations*,
+//! Motion in Games 2016, 55–60.
+
+use rayon::prelude::*;
+
+use super::numbering::CONSTRAINED;
+use super::{System, VectorKind};
+use crate::element::Nodal;
+use crate::{Mat3, Vec3};
+
+/// Accuracy (rad) of the rotations: they turn an approximate tangent.
+const ACCURACY: f64 = 1e-6;
+/// Iterations for a rotation at most.
+const ITERATIONS: usize = 30;
+
+/// Rotations of the nodes, and what they are found from.
+pub struct Turning {
+    /// First partner of each node.
+    start: Vec<u32>,
+    /// Nodal vectors: of positions of the neighbours, and of directors of the node itself.
+    partners: Vec<u32>,
+    /// Rotation of each node.
+    rotations: Vec<Mat3>,
+    /// Vectors that are free to turn.
+    free: Vec<bool>,
+}
+
+impl Turning {
+    /// For the nodes of a system, not turned.
+    pub fn new(system: &System) -> Self {
+        let mut pairs: Vec<(u32, u32)> = Vec::new();
+        for group in &system.groups {
+            for e in 0..group.len() {
+                let vectors = group.vectors(e);
+                let positions =
+                    || vectors.iter().filter(|&&v| system.kinds[v as usize] == VectorKind::Position);
+                for &i in positions() {
+                    pairs.extend(positions().filter(|&&j| j != i).map(|&j| (system.nodes[i as usize], j)));
+                }
+            }
+        }
+        let own = (0..system.vectors()).filter(|&v| system.kinds[v] != VectorKind::Position);
+        pairs.extend(own.map(|v| (system.nodes[v], v as u32)));
+        pairs.sort_unstable();
+        pairs.dedup();
+        let nodes = system.position_of.len();
+        let mut start = vec![0; nodes + 1];
+        pairs.iter().for_each(|&(node, _)| start[node as usize + 1] += 1);
+        for n in 0..nodes {
+            start[n + 1] += start[n];
+        }
+        // A vector that keeps its length is free to turn, though it has but two free coordinates.
+        let mut free: Vec<bool> =
+            (0..system.vectors()).map(|v| system.numbering.of(v).iter().all(|&n| n != CONSTRAINED)).collect();
+        for unit in &system.numbering.unit {
+            free[unit.vector as usize] = unit.fixed.is_none();
+        }
+        let rotations = vec![Mat3::identity(); nodes];
+        Self { start, partners: pairs.into_iter().map(|p| p.1).collect(), rotations, free }
+    }
+
+    /// Finds the rotations between two states with displacements `from` and `to`.
+    pub fn find(&mut self, system: &System, from: &[Nodal], to: &[Nodal]) {
+        let Self { start, partners, rotations, .. } = self;
+        let at = |u: &[Nodal], v: u32| {
+            let v = v as usize;
+            Vec3::from(system.reference[v]) + Vec3::from(u[v])
+        };
+        rotations.par_iter_mut().with_min_len(64).enumerate().for_each(|(node, rotation)| {
+            let own = system.position_of[node];
+            let mut change = Mat3::zeros();
+            for &p in &partners[start[node] as usize..start[node + 1] as usize] {
+                let (mut old, mut new) = (at(from, p), at(to, p));
+                if system.kinds[p as usize] == VectorKind::Position {
+                    old -= at(from, own);
+                    new -= at(to, own);
+                }
+                let length = old.norm_squared();
+                if length > 0.0 {
+                    change += new * (old / length).transpose();
+                }
+            }
+            *rotation = nearest_rotation(&change);
+        });
+    }
+
+    /// Turns a field: `R x`, or `Rᵀ x`.
+    pub fn turn(&self, system: &System, transposed: bool, field: &mut [Nodal]) {
+        for (v, value) in field.iter_mut().enumerate() {
+            if self.free[v] {
+                let r = &self.rotations[system.nodes[v] as usize];
+                let x = Vec3::from(*value);
+                *value = if transposed { r.tr_mul(&x) } else { r * x }.into();
+            }
+        }
+    }
+}
+
+/// The rotation nearest to a matrix, found from the identity on.
+fn nearest_rotation(m: &Mat3) -> Mat3 {
+    let mut r = Mat3::identity();
+    for _ in 0..ITERATIONS {
+        let column = |i: usize| (r.column(i).into_owned(), m.column(i).into_owned());
+        let (mut moment, mut stiffness) = (Vec3::zeros(), 0.0);
+        for i in 0..3 {
+            let (a, b) = column(i);
+            moment += a.cross(&b);
+            stiffness += a.dot(&b);
+        }
+        let turn = moment / stiffness.abs().max(f64::MIN_POSITIVE);
+        if !turn.iter().all(|x| x.is_finite()) {
+            return Mat3::identity();
+        }
+        r = nalgebra::Rotation3::new(turn).matrix() * r;
+        if turn.norm_squared() < ACCURACY * ACCURACY {
+            break;
+        }
+    }
+    r
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_rotation_of_a_stretched_rotation_is_the_rotation() {
+        let q = *nalgebra::Rotation3::new(Vec3::new(0.7, -1.1, 0.4)).matrix();
+        let stretch = Mat3::new(1.3, 0.1, 0.0, 0.1, 0.8, -0.05, 0.0, -0.05, 1.1);
+        assert!((nearest_rotation(&(q * stretch)) - q).norm() < 10.0 * ACCURACY);
+        assert_eq!(nearest_rotation(&Mat3::zeros()), Mat3::identity());
+    }
+}
