@@ -33,13 +33,28 @@ fn elements(section: &Section, count: usize, distortion: f64, random: &mut Rando
     let shell = registry::shell(section, THICKNESS);
     let strains = strains();
     let prescribed: Vec<_> = strains[..FACTORS.len()].iter().map(Some).collect();
-    let shapes: Vec<_> = (0..count).map(|_| geometry(random, distortion)).collect();
+    let mut shapes: Vec<_> = (0..count).map(|_| geometry(random, distortion)).collect();
+    // Some are earlier ones moved elsewhere: they share what their shape has.
+    let like = |e: usize| (e % 3 == 2 && e >= 5).then(|| e - 3);
+    for e in 0..count {
+        if let Some(first) = like(e) {
+            let shift = random.vector();
+            shapes[e] = shapes[first];
+            shapes[e].positions.iter_mut().for_each(|x| *x += shift);
+        }
+    }
     let group = |reference_kernel| {
         let setup =
             GroupSetup { retardation_time: 0.03, laws: Vec::new(), fields: FACTORS.len(), reference_kernel };
         let mut builder = shell.builder(setup);
         for (e, geometry) in shapes.iter().enumerate() {
             let vectors: Vec<u32> = (0..VECTORS as u32).map(|a| (e * VECTORS) as u32 + a).collect();
+            if let Some(first) = like(e)
+                && builder.push_like(first, &vectors, geometry)
+            {
+                assert!(!reference_kernel);
+                continue;
+            }
             let stations = compiled.stations(shell.as_ref(), geometry, &prescribed).unwrap();
             let mass = shell.mass(geometry, &compiled.inertia);
             builder.push(Member { vectors: &vectors, geometry, stations, mass }).unwrap();

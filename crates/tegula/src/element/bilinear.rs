@@ -2,15 +2,18 @@
 //! element work in.
 //!
 //! Energy and forces are those of [`QuadraticGroup`](super::QuadraticGroup), which is the reference that this kernel
-//! is tested against. It differs in three ways:
+//! is tested against. It differs in four ways:
 //!
 //! * One element per lane of a vector register. What elements own is stored in batches of `lanes::BATCH`; the width of
 //!   the registers is found when the program runs.
 //! * Strains are taken as the [independent forms](super::forms) of the element type in the basis of its bilinear
 //!   interpolation. Derivatives of forms are vectors of this basis, without weights; the way back to the nodes is
 //!   sums and differences.
+//! * Elements of one shape share `H`. It is stored for batches of elements, and only for those that differ.
 //! * `H` is split into blocks of forms that are coupled in any element of the group. Bending of a symmetric section
 //!   does not couple with the rest; on flat elements membrane, shear and thickness do not couple either.
+
+use std::collections::HashMap;
 
 use pulp::{Arch, Scalar, Simd};
 use rayon::prelude::*;
@@ -20,7 +23,7 @@ use super::constitution::energy_of_fields;
 use super::forms::{BASIS, Forms, MOST, QUADRATIC, VECTORS, shares};
 use super::geometry::ShellGeometry;
 use super::group::{ElementGroup, Kinematics, Nodal, TangentRequest, TangentWeights};
-use super::lanes::{LaneWork, Lanes, in_batches, run};
+use super::lanes::{BATCH, LaneWork, Lanes, in_batches, run};
 use super::shell::Condensed;
 use crate::Vec3;
 
@@ -40,13 +43,15 @@ pub struct BilinearMembers {
     pub vectors: Vec<[u32; VECTORS]>,
     /// Reference: coordinates of the vectors of the basis per element.
     pub reference: Vec<f64>,
-    /// Scalar mass of the pairs of nodal vectors, lower triangle per element.
+    /// Number of the shape of each element.
+    pub shapes: Vec<u32>,
+    /// Scalar mass of the pairs of nodal vectors, lower triangle per shape.
     pub mass: Vec<f64>,
-    /// `RᵀHR` of the needed forms per element, lower triangle by rows.
+    /// `RᵀHR` of the needed forms per shape, lower triangle by rows.
     pub stiffness: Vec<f64>,
-    /// Stress that would hold back the prescribed strains, forms per field and element.
+    /// Stress that would hold back the prescribed strains, forms per field and shape.
     pub prescribed: Vec<f64>,
-    /// Energy of the fields held back, by pairs of fields, per element.
+    /// Energy of the fields held back, by pairs of fields, per shape.
     pub prescribed_energy: Vec<f64>,
     /// Number of fields of the model; 0 if none acts on this group.
     pub fields: usize,
@@ -62,11 +67,8 @@ impl BilinearMembers {
         condensed: &Condensed,
         mass: &[f64],
     ) {
-        for v in 0..BASIS {
-            let nodal = geometry.positions.iter().chain(&geometry.directors);
-            let x: Vec3 = nodal.zip(shares(v)).map(|(x, share)| x * share).sum();
-            self.reference.extend_from_slice(x.as_slice());
-        }
+        self.shapes.push((self.mass.len() / BLOCKS) as u32);
+        self.place(vectors, geometry);
         let r = &forms.samples;
         let h = r.transpose() * &condensed.stiffness * r;
         for (i, &k) in forms.needed.iter().enumerate() {
@@ -76,8 +78,40 @@ impl BilinearMembers {
             self.prescribed.extend_from_slice((r.transpose() * n).as_slice());
         }
         self.prescribed_energy.extend_from_slice(condensed.prescribed_energy.as_slice());
-        self.vectors.push(vectors);
         self.mass.extend_from_slice(mass);
+    }
+
+    /// Adds an element of the shape of an earlier one; false if there is no such element.
+    pub fn push_like(&mut self, first: usize, vectors: [u32; VECTORS], geometry: &ShellGeometry) -> bool {
+        let Some(&shape) = self.shapes.get(first) else { return false };
+        self.shapes.push(shape);
+        self.place(vectors, geometry);
+        true
+    }
+
+    fn place(&mut self, vectors: [u32; VECTORS], geometry: &ShellGeometry) {
+        for v in 0..BASIS {
+            let nodal = geometry.positions.iter().chain(&geometry.directors);
+            let x: Vec3 = nodal.zip(shares(v)).map(|(x, share)| x * share).sum();
+            self.reference.extend_from_slice(x.as_slice());
+        }
+        self.vectors.push(vectors);
+    }
+
+    /// Batches of shapes that differ, and the one that each batch of elements has. Lanes without an element have the
+    /// shape of the last one.
+    fn batches(&self) -> (Vec<u32>, Vec<u32>) {
+        let mut known = HashMap::new();
+        let (mut shapes, mut of_batch) = (Vec::new(), Vec::new());
+        for own in self.shapes.chunks(BATCH) {
+            let own: [u32; BATCH] = std::array::from_fn(|lane| own[lane.min(own.len() - 1)]);
+            let next = known.len() as u32;
+            of_batch.push(*known.entry(own).or_insert_with(|| {
+                shapes.extend(own);
+                next
+            }));
+        }
+        (shapes, of_batch)
     }
 }
 
@@ -107,13 +141,19 @@ pub struct BilinearGroup {
     pub(super) entries: usize,
     /// Vectors of the basis of the reference, in batches.
     pub(super) reference: Vec<f64>,
-    /// H in batches: `BATCH` values of each entry.
+    /// Which of the batches that differ in shape each batch of elements has.
+    pub(super) of_batch: Vec<u32>,
+    /// H in batches that differ: `BATCH` values of each entry.
     pub(super) h: Vec<f64>,
-    /// Stress of the fields of prescribed strain, in batches.
+    /// Stress of the fields of prescribed strain, likewise.
     pub(super) prescribed: Vec<f64>,
+    /// Energy of the fields per shape.
     prescribed_energy: Vec<f64>,
+    /// Shape of each element.
+    shapes: Vec<u32>,
     pub(super) fields: usize,
     pub(super) vectors: Vec<[u32; VECTORS]>,
+    /// Scalar mass per shape.
     mass: Vec<f64>,
     pub(super) retardation_time: f64,
     arch: Arch,
@@ -141,6 +181,12 @@ impl BilinearGroup {
             .collect();
         let kept: Vec<f64> =
             members.stiffness.chunks_exact(size).flat_map(|h| places.iter().map(|&p| h[p])).collect();
+        let (shapes, of_batch) = members.batches();
+        let batches = |values: &[f64], count: usize| {
+            let lanes = shapes.iter().map(|&s| s as usize * count);
+            let all: Vec<f64> = lanes.flat_map(|at| values[at..at + count].iter().copied()).collect();
+            in_batches(&all, count)
+        };
         let mut first = 0;
         let coupled = sets
             .iter()
@@ -158,9 +204,11 @@ impl BilinearGroup {
             coupled,
             entries: places.len(),
             reference: in_batches(&members.reference, 3 * BASIS),
-            h: in_batches(&kept, places.len()),
-            prescribed: in_batches(&members.prescribed, members.fields * MOST),
+            h: batches(&kept, places.len()),
+            prescribed: batches(&members.prescribed, members.fields * MOST),
+            of_batch,
             prescribed_energy: members.prescribed_energy,
+            shapes: members.shapes,
             fields: members.fields,
             vectors: members.vectors,
             mass: members.mass,
@@ -342,7 +390,7 @@ impl ElementGroup for BilinearGroup {
     }
 
     fn mass(&self, element: usize) -> &[f64] {
-        &self.mass[element * BLOCKS..(element + 1) * BLOCKS]
+        &self.mass[self.shapes[element] as usize * BLOCKS..][..BLOCKS]
     }
 
     fn retardation_time(&self) -> f64 {
@@ -387,7 +435,8 @@ impl ElementGroup for BilinearGroup {
         self.per_element(k, Wanted::Energy, 1, energies);
         let f = self.fields;
         if f != 0 {
-            for (energy, constants) in energies.iter_mut().zip(self.prescribed_energy.chunks_exact(f * f)) {
+            for (energy, &shape) in energies.iter_mut().zip(&self.shapes) {
+                let constants = &self.prescribed_energy[shape as usize * f * f..][..f * f];
                 *energy += energy_of_fields(constants, k.interior.factors);
             }
         }

@@ -9,7 +9,7 @@ use pulp::{Simd, bytemuck};
 use super::bilinear::{BLOCKS, BilinearGroup, COORDINATES, Coupled, ROWS, lower};
 use super::forms::{BASIS, D0, D1, D2, D3, MOST, R1, R2, R3, VECTORS, quadratic_terms, surface_terms};
 use super::group::{Kinematics, Motion, Nodal, TangentWeights};
-use super::lanes::Lanes;
+use super::lanes::{BATCH, Lanes};
 use super::quadratic::{add_curvature, multiply_blocks};
 
 /// Blocks in the lower triangle of the element matrix in the basis.
@@ -53,6 +53,12 @@ impl<S: Simd> Workspace<S> {
 }
 
 impl BilinearGroup {
+    /// What the shapes of these lanes have, of values stored `per_shape`.
+    #[inline(always)]
+    fn of_shape<'a, S: Simd>(&self, l: Lanes<S>, values: &'a [f64], per_shape: usize) -> &'a [S::f64s] {
+        l.batch_at(values, per_shape, self.of_batch[l.first / BATCH] as usize)
+    }
+
     /// Vectors of the basis of a field.
     #[inline(always)]
     pub fn basis<S: Simd>(&self, l: Lanes<S>, field: &[Nodal]) -> Basis<S> {
@@ -161,7 +167,7 @@ impl BilinearGroup {
     /// `H s`.
     #[inline(always)]
     pub fn multiply<S: Simd>(&self, l: Lanes<S>, s: &PerForm<S>) -> PerForm<S> {
-        let h = l.batch(&self.h, self.entries);
+        let h = self.of_shape(l, &self.h, self.entries);
         let mut out = [l.splat(0.0); MOST];
         for c in &self.coupled {
             multiply_large(l, c, h, s, &mut out);
@@ -172,7 +178,7 @@ impl BilinearGroup {
     /// The same with the usual sizes of blocks written out.
     #[inline(always)]
     fn multiply_fast<S: Simd>(&self, l: Lanes<S>, s: &PerForm<S>) -> PerForm<S> {
-        let h = l.batch(&self.h, self.entries);
+        let h = self.of_shape(l, &self.h, self.entries);
         let mut out = [l.splat(0.0); MOST];
         for c in &self.coupled {
             macro_rules! by_size {
@@ -193,7 +199,7 @@ impl BilinearGroup {
     pub fn stress<S: Simd>(&self, l: Lanes<S>, strain: &PerForm<S>, factors: &[f64]) -> PerForm<S> {
         let mut n = self.multiply_fast(l, strain);
         if self.fields != 0 {
-            let fields = l.batch(&self.prescribed, self.fields * MOST);
+            let fields = self.of_shape(l, &self.prescribed, self.fields * MOST);
             for (field, &factor) in factors.iter().enumerate() {
                 let factor = l.splat(-factor);
                 for k in 0..MOST {
@@ -209,7 +215,7 @@ impl BilinearGroup {
     pub fn potential<S: Simd>(&self, l: Lanes<S>, s: &PerForm<S>, factors: &[f64]) -> S::f64s {
         let mut sum = l.splat(0.0);
         if self.fields != 0 {
-            let fields = l.batch(&self.prescribed, self.fields * MOST);
+            let fields = self.of_shape(l, &self.prescribed, self.fields * MOST);
             for (field, &factor) in factors.iter().enumerate() {
                 let factor = l.splat(-factor);
                 for k in 0..MOST {
@@ -258,7 +264,7 @@ impl BilinearGroup {
                 *x = l.mul(factor, *x);
             }
         }
-        let h = l.batch(&self.h, self.entries);
+        let h = self.of_shape(l, &self.h, self.entries);
         for c in &self.coupled {
             let rows = c.forms.len().next_multiple_of(ROWS);
             for b in 0..BASIS {

@@ -73,9 +73,14 @@ impl<S: Simd> Lanes<S> {
     /// [`part`](Self::part)`(i)`.
     #[inline(always)]
     pub fn batch(self, values: &[f64], per_element: usize) -> &[S::f64s] {
+        self.batch_at(values, per_element, self.first / BATCH)
+    }
+
+    /// The batch of this number.
+    #[inline(always)]
+    pub fn batch_at(self, values: &[f64], per_element: usize, number: usize) -> &[S::f64s] {
         let size = per_element * BATCH;
-        let at = self.first / BATCH * size;
-        S::as_simd_f64s(&values[at..at + size]).0
+        S::as_simd_f64s(&values[number * size..(number + 1) * size]).0
     }
 
     /// Where an entry is in a [`batch`](Self::batch).

@@ -130,6 +130,11 @@ pub trait GroupBuilder {
     /// # Errors
     /// Its enhanced strains are not independent.
     fn push(&mut self, member: Member) -> Result<(), String>;
+    /// Adds an element that is member `first` moved and turned as a rigid body; false if each element of this group has
+    /// to be pushed by itself.
+    fn push_like(&mut self, _first: usize, _vectors: &[u32], _geometry: &ShellGeometry) -> bool {
+        false
+    }
     /// The groups; element `e` is member `e` of each.
     fn finish(self: Box<Self>) -> Vec<Box<dyn ElementGroup>>;
 }
@@ -264,6 +269,13 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> GroupBuilde
         self.members.vectors.push(std::array::from_fn(|a| member.vectors[a]));
         self.members.mass.extend_from_slice(&member.mass);
         Ok(())
+    }
+
+    fn push_like(&mut self, first: usize, vectors: &[u32], geometry: &ShellGeometry) -> bool {
+        match (&mut self.bilinear, vectors.try_into()) {
+            (Some((_, members)), Ok(vectors)) => members.push_like(first, vectors, geometry),
+            _ => false,
+        }
     }
 
     fn finish(self: Box<Self>) -> Vec<Box<dyn ElementGroup>> {

@@ -10,6 +10,7 @@ pub mod build;
 pub mod check;
 mod check_sections;
 mod condition;
+mod congruence;
 mod course;
 mod layup;
 mod material;

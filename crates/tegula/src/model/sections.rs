@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::build::Vectors;
+use super::congruence::Congruence;
 use super::{Material, Model, Section, StackedPly};
 use crate::element::constitution::LinearConstitution;
 use crate::element::geometry::cross_section_frame;
@@ -282,6 +283,16 @@ impl Elements {
         let first_group = self.groups.len();
         let stretch = compiled.resultant.stretch();
         let mut members = 0;
+        // Gradients begin along tangents that the axes of space decide.
+        let turns = !element.nodal_vectors().contains(&VectorKind::Gradient);
+        let mut shapes = (turns && compiled.is_linear()).then(Congruence::default);
+        let own = (!compiled.isotropic).then_some(compiled.direction);
+        let prescribed = model.prescribed_strains.iter().filter(|_| acts);
+        let directions: Vec<Vec3> = own
+            .into_iter()
+            .chain(prescribed.filter_map(|p| p.direction()).map(Vec3::from))
+            .map(|d| d.normalize())
+            .collect();
         for &q in quads {
             let g = geometry(q);
             let corners = directors.corners[q as usize];
@@ -303,10 +314,17 @@ impl Elements {
             } else {
                 Vec::new()
             };
-            let result = compiled.stations(element.as_ref(), &g, &prescribed).and_then(|stations| {
-                let mass = element.mass(&g, &compiled.inertia);
-                builder.push(Member { vectors: &connectivity, geometry: &g, stations, mass })
-            });
+            let acting: Vec<bool> = prescribed.iter().map(Option::is_some).collect();
+            let first = shapes.as_mut().and_then(|s| s.first_like(&g, &directions, &acting, members));
+            let shared = first.is_some_and(|first| builder.push_like(first, &connectivity, &g));
+            let result = if shared {
+                Ok(())
+            } else {
+                compiled.stations(element.as_ref(), &g, &prescribed).and_then(|stations| {
+                    let mass = element.mass(&g, &compiled.inertia);
+                    builder.push(Member { vectors: &connectivity, geometry: &g, stations, mass })
+                })
+            };
             if let Err(reason) = result {
                 let c = g.centre();
                 issues.push(Issue::new(

@@ -1,0 +1,120 @@
+//! Elements of one shape share their stiffness.
+//!
+//! Regular meshes are made of few shapes. `H`, the masses and the stress of prescribed strains of an element depend on
+//! its shape and on the directions that its section and its prescribed strains refer to, not on how it lies in space:
+//! once per shape is enough, for the time of set-up, for memory, and for the traffic between memory and processor.
+
+use std::collections::HashMap;
+
+use crate::element::ShellGeometry;
+use crate::element::geometry::cross_section_frame;
+use crate::{Mat3, Vec3};
+
+/// Rounding of coordinates within which shapes count as one.
+const ROUNDING: f64 = 32.0 * f64::EPSILON;
+/// Shapes are looked up by their numbers in these units of the element's size.
+const CELL: f64 = 1e-9;
+
+/// An element as seen from its own frame.
+struct Shape {
+    numbers: Vec<f64>,
+    /// What differences may be rounding.
+    tolerance: f64,
+}
+
+impl Shape {
+    /// `directions` refer to space; none where an element has no frame, or its coordinates are too coarse to tell.
+    fn new(g: &ShellGeometry, directions: &[Vec3]) -> Option<Self> {
+        let frame: Mat3 = cross_section_frame(&g.base(0.0, 0.0, 0.0))?;
+        let centre = g.centre();
+        let size = g.positions.iter().map(|x| (x - centre).norm()).fold(0.0, f64::max);
+        let far = g.positions.iter().map(|x| x.amax()).fold(0.0, f64::max);
+        let tolerance = ROUNDING * (1.0 + far / size);
+        if !(tolerance < 0.1 * CELL) {
+            return None;
+        }
+        let positions = g.positions.iter().map(|x| (x - centre) / size);
+        let vectors = positions.chain(g.directors.iter().copied()).chain(directions.iter().copied());
+        let mut numbers = vec![size];
+        numbers.extend(vectors.flat_map(|v| <[f64; 3]>::from(frame.tr_mul(&v))));
+        Some(Self { numbers, tolerance })
+    }
+
+    fn key(&self, acting: &[bool]) -> (Vec<i64>, Vec<bool>) {
+        // The size by its logarithm: the same relative accuracy.
+        let numbers = self.numbers.iter().enumerate();
+        let cells = numbers.map(|(i, x)| (if i == 0 { x.ln() } else { *x } / CELL).round() as i64);
+        (cells.collect(), acting.to_vec())
+    }
+
+    fn is(&self, other: &Self) -> bool {
+        let tolerance = self.tolerance.max(other.tolerance);
+        let mut pairs = self.numbers.iter().zip(&other.numbers);
+        let size = pairs.next().is_some_and(|(a, b)| (a - b).abs() <= tolerance * a.abs());
+        size && pairs.all(|(a, b)| (a - b).abs() <= tolerance * a.abs().max(1.0))
+    }
+}
+
+/// The shapes met so far among the elements of a section.
+#[derive(Default)]
+pub(super) struct Congruence {
+    known: HashMap<(Vec<i64>, Vec<bool>), (usize, Shape)>,
+}
+
+impl Congruence {
+    /// The first element with the shape of this one and the same `directions` relative to it, under the same `acting`
+    /// fields of prescribed strain. An element without one becomes the first, as number `member`.
+    pub fn first_like(
+        &mut self,
+        g: &ShellGeometry,
+        directions: &[Vec3],
+        acting: &[bool],
+        member: usize,
+    ) -> Option<usize> {
+        let shape = Shape::new(g, directions)?;
+        let key = shape.key(acting);
+        match self.known.get(&key) {
+            Some((first, known)) => known.is(&shape).then_some(*first),
+            None => {
+                self.known.insert(key, (member, shape));
+                None
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn element(origin: Vec3, turn: f64, stretch: f64) -> ShellGeometry {
+        let q = *nalgebra::Rotation3::new(Vec3::new(0.3, -0.2, 1.0).normalize() * turn).matrix();
+        let square = [[0.0, 0.0], [1.0, 0.1], [1.1, stretch], [0.0, 1.0]];
+        let positions = square.map(|[x, y]| origin + q * Vec3::new(x, y, 0.1 * x * y));
+        ShellGeometry::new(positions, [0.0, 0.1, 0.2, 0.3].map(|x| q * Vec3::new(x, 0.1, 1.0).normalize()))
+    }
+
+    #[test]
+    fn moved_elements_are_congruent_and_others_are_not() {
+        let mut shapes = Congruence::default();
+        let origin = Vec3::new(3.0, -1.0, 2.0);
+        assert_eq!(shapes.first_like(&element(Vec3::zeros(), 0.0, 1.0), &[], &[], 0), None);
+        for k in 1..20 {
+            let g = element(origin * f64::from(k), 0.3 * f64::from(k), 1.0);
+            assert_eq!(shapes.first_like(&g, &[], &[], k as usize), Some(0), "{k}");
+        }
+        assert_eq!(shapes.first_like(&element(origin, 0.4, 1.0 + 1e-7), &[], &[], 20), None);
+        assert_eq!(shapes.first_like(&element(origin, 0.4, 1.0), &[], &[true], 21), None);
+    }
+
+    #[test]
+    fn directions_in_space_count() {
+        let mut shapes = Congruence::default();
+        let first = |shapes: &mut Congruence, turn: f64, n| {
+            shapes.first_like(&element(Vec3::zeros(), turn, 1.0), &[Vec3::x()], &[], n)
+        };
+        assert_eq!(first(&mut shapes, 0.0, 0), None);
+        assert_eq!(first(&mut shapes, 0.5, 1), None);
+        assert_eq!(first(&mut shapes, 0.5, 2), Some(1));
+    }
+}
