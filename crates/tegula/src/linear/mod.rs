@@ -2,10 +2,13 @@
 
 mod assembly_tree;
 mod cholesky;
+mod elimination;
 pub mod lanczos;
 mod multifrontal;
 mod ordering;
 mod pivoted;
+mod substitution;
+mod trapezoid;
 
 pub use cholesky::{SparseCholesky, SymmetricPattern};
 
