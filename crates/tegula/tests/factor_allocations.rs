@@ -46,12 +46,18 @@ fn solving_allocates_nothing() {
         let mut factor = SparseCholesky::new(pattern.clone()).unwrap();
         assert_eq!(factor.factor(&values).unwrap().negative > 0, negative);
         let mut x = vec![1.0; pattern.size()];
-        let before = allocated();
-        if !negative {
-            factor.factor(&values).unwrap();
-        }
-        factor.solve(&mut x);
-        factor.solve(&mut x);
-        assert_eq!(allocated(), before, "shift {shift}");
+        // The harness has a thread of its own that may allocate meanwhile, but not every time.
+        let least = (0..5)
+            .map(|_| {
+                let before = allocated();
+                if !negative {
+                    factor.factor(&values).unwrap();
+                }
+                factor.solve(&mut x);
+                factor.solve(&mut x);
+                allocated() - before
+            })
+            .min();
+        assert_eq!(least, Some(0), "shift {shift}");
     }
 }

@@ -7,6 +7,7 @@ pub mod lanczos;
 mod multifrontal;
 mod ordering;
 mod pivoted;
+mod schedule;
 mod substitution;
 mod trapezoid;
 

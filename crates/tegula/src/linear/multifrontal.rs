@@ -1,11 +1,11 @@
 //! Multifrontal factorisation over faer's dense kernels, with independent subtrees in parallel.
 //!
 //! Every front adds the entries of its columns and what its children pass on, [eliminates](super::elimination) its
-//! columns and passes on the rest, `C − L₂₁ L₂₁ᵀ`. Subtrees do not know of each other: large ones are split between
-//! threads, small ones are worked off one front after another with what waits on a stack. Children are added in a fixed
-//! order and dense work is cut at fixed places, so the result is the same to the bit for any number of threads. Beyond
-//! the factor, memory is taken for what waits for a parent that is split between threads, until it is added there, and
-//! for the pivots of blocks that are not positive definite.
+//! columns and passes on the rest, `C − L₂₁ L₂₁ᵀ`. Subtrees do not know of each other: large ones are [split between
+//! threads](super::schedule), small ones are worked off one front after another with what waits on a stack. Children are
+//! added in a fixed order and dense work is cut at fixed places, so the result is the same to the bit for any number of
+//! threads. Beyond the factor, memory is taken for what waits for a parent that is split between threads, until it is
+//! added there, and for the pivots of blocks that are not positive definite.
 //!
 //! J. W. H. Liu, *The multifrontal method for sparse matrix solution*, SIAM Review 34 (1992) 82–109.
 
@@ -15,8 +15,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use faer::MatRef;
 
 use super::assembly_tree::{AssemblyTree, Front};
-use super::elimination::{Elimination, FrontPivots, KEPT, both, half};
+use super::elimination::{Elimination, FrontPivots, KEPT, half};
 use super::ordering::Quotient;
+use super::schedule::{Task, run_all};
 use super::substitution::Solver;
 use super::trapezoid::{BLOCK, Trapezoid};
 use super::{FactorError, Inertia};
@@ -31,10 +32,8 @@ pub(super) struct Multifrontal {
     factor: Vec<f64>,
     /// Pivots of all fronts.
     pivots: Vec<FrontPivots>,
-    /// What fronts pass on whose parents are split, while it waits.
-    passed: Vec<Vec<f64>>,
-    /// Number of such fronts before each front.
-    passed_before: Vec<u32>,
+    /// What is worked off at a time.
+    tasks: Vec<Task>,
     /// Whether the subtree of a front is split between threads.
     split: Vec<bool>,
     /// Stacks of the subtrees at work, one for each thread.
@@ -63,13 +62,7 @@ impl Multifrontal {
         let split: Vec<bool> = (0..n)
             .map(|f| threads > 1 && tree.fronts[f].work > grain && !tree.children[f].is_empty())
             .collect();
-        let mut waiting = 0;
-        let mut passed_before = Vec::with_capacity(n + 1);
-        for front in &tree.fronts {
-            passed_before.push(waiting);
-            waiting += u32::from(front.parent.is_some_and(|p| split[p as usize]));
-        }
-        passed_before.push(waiting);
+        let tasks = Task::all(&tree, &split);
         let stack = stack_size(&tree, &split);
         let stack = || Ok(Stack { values: zeros(stack)?, kept: Vec::with_capacity(KEPT) });
         let stacks = (0..threads).map(|_| stack().map(Mutex::new)).collect::<Result<_, _>>()?;
@@ -79,8 +72,7 @@ impl Multifrontal {
             columns: zeros(pointers.len() - 1)?,
             rows: zeros(tree.rows)?,
             tree,
-            passed: vec![Vec::new(); waiting as usize],
-            passed_before,
+            tasks,
             split,
             stacks,
         })
@@ -97,26 +89,37 @@ impl Multifrontal {
     /// The matrix is singular, or the memory does not suffice.
     pub fn factor(&mut self, values: &[f64]) -> Result<Inertia, FactorError> {
         self.pivots.iter_mut().for_each(|p| *p = None);
-        let numeric = Numeric {
-            tree: &self.tree,
-            split: &self.split,
-            passed_before: &self.passed_before,
-            stacks: &self.stacks,
-            values,
-        };
-        let mut rest = Part {
-            panels: self.factor.as_mut_slice(),
-            waiting: self.passed.as_mut_slice(),
-            pivots: self.pivots.as_mut_slice(),
-        };
-        for (f, _) in self.tree.fronts.iter().enumerate().filter(|(_, front)| front.parent.is_none()) {
-            let (mine, others) = rest.split_at(numeric.extent(f, 0));
+        let Self { tree, split, tasks, stacks, factor, pivots, .. } = self;
+        let numeric = Numeric { tree, stacks, values };
+        let mut rest = Part { panels: factor, pivots };
+        let mut take = |task: &Task| {
+            let size = task.fronts.clone().map(|f| tree.fronts[f].layout().size()).sum();
+            let (mine, others) = std::mem::take(&mut rest).split_at(size, task.fronts.len());
             rest = others;
-            if let Err(error) = numeric.subtree(f, mine, &mut Vec::new()) {
-                // What was left behind would be in the way of the next matrix.
-                self.passed.iter_mut().for_each(|slot| *slot = Vec::new());
-                return Err(error);
+            mine
+        };
+        if !split.contains(&true) {
+            for task in tasks {
+                numeric.one_after_another(task.fronts.clone(), take(task), &mut Vec::new())?;
             }
+        } else {
+            // What belongs to each task, and what it passes on while that waits.
+            let slots: Vec<_> =
+                tasks.iter().map(|task| (Mutex::new(take(task)), Mutex::new(Vec::new()))).collect();
+            run_all(tasks, stacks.len(), |t| {
+                let task = &tasks[t];
+                let part = std::mem::take(&mut *locked(&slots[t].0));
+                let mut out = Vec::new();
+                if split[task.fronts.start] {
+                    let from =
+                        task.children.iter().map(|&c| std::mem::take(&mut *locked(&slots[c as usize].1)));
+                    numeric.together(task.fronts.start, part, from.collect(), &mut out)?;
+                } else {
+                    numeric.one_after_another(task.fronts.clone(), part, &mut out)?;
+                }
+                *locked(&slots[t].1) = out;
+                Ok(())
+            })?;
         }
         let negative = self.negative_pivots();
         Ok(Inertia { positive: self.columns.len() - negative, negative, zero: 0 })
@@ -186,77 +189,63 @@ fn stack_size(tree: &AssemblyTree, split: &[bool]) -> usize {
     most
 }
 
-/// What belongs to consecutive fronts: panels, what waits, pivots.
+/// What belongs to consecutive fronts: panels and pivots.
+#[derive(Default)]
 struct Part<'a> {
     panels: &'a mut [f64],
-    waiting: &'a mut [Vec<f64>],
     pivots: &'a mut [FrontPivots],
 }
 
-impl<'a> Part<'a> {
-    fn split_at(self, [panels, waiting, pivots]: [usize; 3]) -> (Self, Self) {
+impl Part<'_> {
+    fn split_at(self, panels: usize, pivots: usize) -> (Self, Self) {
         let (p, q) = self.panels.split_at_mut(panels);
-        let (w, v) = self.waiting.split_at_mut(waiting);
         let (a, b) = self.pivots.split_at_mut(pivots);
-        (Self { panels: p, waiting: w, pivots: a }, Self { panels: q, waiting: v, pivots: b })
+        (Self { panels: p, pivots: a }, Self { panels: q, pivots: b })
     }
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// What all fronts need to be factored.
 struct Numeric<'a> {
     tree: &'a AssemblyTree,
-    split: &'a [bool],
-    passed_before: &'a [u32],
     stacks: &'a [Mutex<Stack>],
     values: &'a [f64],
 }
 
 impl Numeric<'_> {
-    /// Lengths of the parts of the subtree of a front; its own waiting place counts only if there is a `parent`.
-    fn extent(&self, f: usize, parent: usize) -> [usize; 3] {
+    /// Factors a front, threads together; `from` is what its children pass on, `out` receives what it passes on itself.
+    fn together(
+        &self,
+        f: usize,
+        part: Part<'_>,
+        from: Vec<Vec<f64>>,
+        out: &mut Vec<f64>,
+    ) -> Result<(), FactorError> {
         let front = &self.tree.fronts[f];
-        let leaf = &self.tree.fronts[front.leaf];
-        let waiting = self.passed_before[f + parent] - self.passed_before[front.leaf];
-        [front.panel + front.layout().size() - leaf.panel, waiting as usize, f + 1 - front.leaf]
-    }
-
-    /// Factors a subtree; `part` is its own, `out` receives what it passes on.
-    fn subtree(&self, f: usize, part: Part<'_>, out: &mut Vec<f64>) -> Result<(), FactorError> {
-        if !self.split[f] {
-            return self.one_after_another(f, part, out);
-        }
-        let front = &self.tree.fronts[f];
-        let leaf = &self.tree.fronts[front.leaf];
-        let children = &self.tree.children[f];
-        let Part { panels, waiting, pivots } = part;
-        let (below, panel) = panels.split_at_mut(front.panel - leaf.panel);
-        let (pivots_below, pivots) = pivots.split_at_mut(f - front.leaf);
-        self.children(children, Part { panels: below, waiting: &mut *waiting, pivots: pivots_below })?;
-        *out = zeros(front.passed().size())?;
-        let first = self.passed_before[front.leaf] as usize;
-        let from = |c: u32| waiting[self.passed_before[c as usize] as usize - first].as_slice();
-        both(
-            true,
-            || self.assemble(f, &from, (front.layout(), 0), 0..front.layout().blocks(), panel),
-            || self.assemble(f, &from, (front.passed(), front.width), 0..front.passed().blocks(), out),
+        let (layout, passed) = (front.layout(), front.passed());
+        let Part { panels: panel, pivots } = part;
+        *out = zeros(passed.size())?;
+        rayon::join(
+            || self.assemble(f, &from, (layout, 0), 0..layout.blocks(), panel),
+            || self.assemble(f, &from, (passed, front.width), 0..passed.blocks(), out),
         );
-        for &c in children {
-            waiting[self.passed_before[c as usize] as usize - first] = Vec::new();
-        }
+        drop(from);
         self.tree.enter(f, self.values, panel);
         let mut kept = Vec::with_capacity(KEPT);
-        let mut work =
-            Elimination { layout: front.layout(), pivots: &mut pivots[0], kept: &mut kept, parallel: true };
+        let mut work = Elimination { layout, pivots: &mut pivots[0], kept: &mut kept, parallel: true };
         work.columns(panel)?;
         work.rest(panel, out);
         Ok(())
     }
 
     /// Adds what the children of a front pass on to some of its block columns, halves of them in parallel.
-    fn assemble<'b>(
+    fn assemble(
         &self,
         f: usize,
-        from: &(impl Fn(u32) -> &'b [f64] + Sync),
+        from: &[Vec<f64>],
         (to, offset): (Trapezoid, usize),
         blocks: Range<usize>,
         values: &mut [f64],
@@ -273,53 +262,33 @@ impl Numeric<'_> {
         if offset == 0 {
             values.fill(0.0);
         }
-        for &c in &self.tree.children[f] {
-            add(&self.tree.fronts[c as usize], from(c), (to, offset), &blocks, values);
-        }
-    }
-
-    /// Factors subtrees that have one parent, halves of them in parallel.
-    fn children(&self, children: &[u32], part: Part<'_>) -> Result<(), FactorError> {
-        match children {
-            [] => Ok(()),
-            &[c] => {
-                let Part { panels, waiting, pivots } = part;
-                let Some((out, waiting)) = waiting.split_last_mut() else { return Ok(()) };
-                self.subtree(c as usize, Part { panels, waiting, pivots }, out)
-            }
-            _ => {
-                let (a, b) = children.split_at(halves(self.tree, children));
-                let (Some(&first), Some(&last)) = (a.first(), a.last()) else { return Ok(()) };
-                let begin = self.tree.fronts[first as usize].leaf;
-                let end = last as usize + 1;
-                let lengths = [
-                    self.tree.fronts[end].panel - self.tree.fronts[begin].panel,
-                    (self.passed_before[end] - self.passed_before[begin]) as usize,
-                    end - begin,
-                ];
-                let (part_a, part_b) = part.split_at(lengths);
-                let (x, y) = rayon::join(|| self.children(a, part_a), || self.children(b, part_b));
-                x.and(y)
-            }
+        for (&c, from) in self.tree.children[f].iter().zip(from) {
+            add(&self.tree.fronts[c as usize], from, (to, offset), &blocks, values);
         }
     }
 
     /// Factors a subtree front by front.
-    fn one_after_another(&self, f: usize, part: Part<'_>, out: &mut Vec<f64>) -> Result<(), FactorError> {
+    fn one_after_another(
+        &self,
+        subtree: Range<usize>,
+        part: Part<'_>,
+        out: &mut Vec<f64>,
+    ) -> Result<(), FactorError> {
         let fronts = &self.tree.fronts;
-        let leaf = fronts[f].leaf;
+        let leaf = subtree.start;
         let start = fronts[leaf].panel;
         let mut memory = self.stack();
         let Stack { values: stack, kept } = &mut *memory;
         let mut top = 0;
-        for s in leaf..=f {
+        for s in subtree.clone() {
             let front = &fronts[s];
+            let last = s + 1 == subtree.end;
             let (layout, passed) = (front.layout(), front.passed());
             let own = passed.size();
             let panel = &mut part.panels[front.panel - start..][..layout.size()];
             let children = self.tree.passed_by_children(s);
             let (held, free) = stack.split_at_mut(top);
-            let next = if s == f {
+            let next = if last {
                 *out = zeros(own)?;
                 &mut out[..]
             } else {
@@ -340,7 +309,7 @@ impl Numeric<'_> {
             let mut work = Elimination { layout, pivots: &mut part.pivots[s - leaf], kept, parallel: false };
             work.columns(panel)?;
             work.rest(panel, next);
-            if s != f && children > 0 {
+            if !last && children > 0 {
                 stack.copy_within(top..top + own, top - children);
             }
             top = top - children + own;
@@ -351,7 +320,7 @@ impl Numeric<'_> {
     /// The stack of this thread. While it is held no other work is waited for.
     fn stack(&self) -> MutexGuard<'_, Stack> {
         let own = rayon::current_thread_index().unwrap_or(0);
-        self.stacks[own % self.stacks.len()].lock().unwrap_or_else(PoisonError::into_inner)
+        locked(&self.stacks[own % self.stacks.len()])
     }
 }
 
