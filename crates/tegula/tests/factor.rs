@@ -196,6 +196,66 @@ fn few_negative_eigenvalues_are_counted_and_cost_no_digits() {
     }
 }
 
+/// Signs of the eigenvalues by a dense solver.
+fn dense_inertia(m: &Matrix) -> (usize, usize) {
+    let n = m.pointers.len() - 1;
+    let mut dense = nalgebra::DMatrix::zeros(n, n);
+    for j in 0..n {
+        for k in m.pointers[j]..m.pointers[j + 1] {
+            dense[(m.rows[k] as usize, j)] = m.values[k];
+            dense[(j, m.rows[k] as usize)] = m.values[k];
+        }
+    }
+    let eigenvalues = dense.symmetric_eigenvalues();
+    let negative = eigenvalues.iter().filter(|e| **e < 0.0).count();
+    (n - negative, negative)
+}
+
+/// Two full saddle points `[[D, 0, 0], [0, 0, M], [0, Mᵀ, 0]]`, each one front that is wider than a block and has no
+/// pivots in its first columns behind D alone, and unknowns between them.
+#[test]
+fn wide_fronts_find_pivots_outside_of_their_blocks() {
+    for (definite, small) in [(0_usize, 0.0), (0, 1e-9), (140, 0.0), (300, 1e-12)] {
+        let (half, between) = (150_usize, 40_usize);
+        let size = definite + 2 * half;
+        let n = 2 * size + between;
+        let mut entries = Vec::new();
+        for body in 0..2 {
+            let first = body * size;
+            for i in 0..size {
+                for j in 0..=i {
+                    let wave = ((7 * i + 3 * j + body) as f64).sin();
+                    let value = match (i.checked_sub(definite), j.checked_sub(definite)) {
+                        _ if i < definite && i == j => 2.0 + wave,
+                        (Some(i), Some(j)) if i >= half && j < half => {
+                            if i - half == j {
+                                3.0
+                            } else {
+                                0.1 * wave
+                            }
+                        }
+                        (Some(i), Some(j)) if i == j => small * (1.0 + wave),
+                        _ => 0.0,
+                    };
+                    entries.push((first + i, first + j, value));
+                }
+                for k in 0..between {
+                    entries.push((2 * size + k, first + i, 0.02 * ((5 * i + 11 * k + body) as f64).cos()));
+                }
+            }
+        }
+        for i in 0..between {
+            for j in 0..=i {
+                entries.push((2 * size + i, 2 * size + j, if i == j { 4.0 } else { 0.0 }));
+            }
+        }
+        let m = Matrix::new(n, &entries);
+        let (inertia, residual) = m.solve().unwrap();
+        assert_eq!((inertia.positive, inertia.negative), dense_inertia(&m), "{definite} {small}");
+        assert!(residual < 1e-12, "{definite} {small}: {residual:e}");
+    }
+}
+
 #[test]
 fn what_cannot_be_factored_is_refused_and_leaves_no_solution() {
     let m = Matrix::new(3, &[(0, 0, 1.0), (1, 1, 0.0), (2, 2, 1.0)]);

@@ -85,7 +85,9 @@ impl Factor for SparseCholesky {
             return Err(FactorError::NotFinite);
         }
         self.factorizations += 1;
-        let inertia = self.fronts.factor(values)?;
+        let pattern = (self.pattern.pointers.as_slice(), self.pattern.rows.as_slice());
+        let (inertia, repeated) = self.fronts.factor(pattern, values)?;
+        self.factorizations += usize::from(repeated);
         self.factored = true;
         Ok(inertia)
     }

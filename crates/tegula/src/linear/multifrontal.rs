@@ -12,8 +12,6 @@
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use faer::MatRef;
-
 use super::assembly_tree::{AssemblyTree, Front};
 use super::elimination::{Elimination, FrontPivots, KEPT, half};
 use super::ordering::Quotient;
@@ -24,6 +22,8 @@ use super::{FactorError, Inertia};
 
 /// Work (operations) below which a subtree is not split.
 const GRAIN: f64 = 2e7;
+/// Growth of pivots beyond the entries of their rows at which too many digits are lost.
+const GROWTH: f64 = 1e3;
 
 /// Factor of matrices of one pattern.
 pub(super) struct Multifrontal {
@@ -68,7 +68,7 @@ impl Multifrontal {
         let stacks = (0..threads).map(|_| stack().map(Mutex::new)).collect::<Result<_, _>>()?;
         Ok(Self {
             factor: zeros(tree.size)?,
-            pivots: (0..n).map(|_| None).collect(),
+            pivots: (0..n).map(|_| Vec::new()).collect(),
             columns: zeros(pointers.len() - 1)?,
             rows: zeros(tree.rows)?,
             tree,
@@ -83,14 +83,75 @@ impl Multifrontal {
         self.tree.size
     }
 
-    /// Factors the matrix with the given values and tells its inertia.
+    /// Factors the matrix with the given values and tells its inertia, and whether it took two factorisations: a positive
+    /// pivot that is tiny beside the entries of its column does no harm to a definite matrix, but to one that turns out
+    /// indefinite. Then all pivots are chosen anew, with care.
     ///
     /// # Errors
     /// The matrix is singular, or the memory does not suffice.
-    pub fn factor(&mut self, values: &[f64]) -> Result<Inertia, FactorError> {
-        self.pivots.iter_mut().for_each(|p| *p = None);
+    pub fn factor(
+        &mut self,
+        (pointers, rows): (&[usize], &[u32]),
+        values: &[f64],
+    ) -> Result<(Inertia, bool), FactorError> {
+        let negative = match self.factor_once(values, false) {
+            Err(FactorError::Singular) => None,
+            other => Some(other?).filter(|&n| n == 0 || !self.pivots_grew((pointers, rows), values)),
+        };
+        let repeated = negative.is_none();
+        let negative = match negative {
+            Some(n) => n,
+            None => self.factor_once(values, true)?,
+        };
+        Ok((Inertia { positive: self.columns.len() - negative, negative, zero: 0 }, repeated))
+    }
+
+    /// Whether a pivot is larger than `GROWTH` times the entries of its row.
+    fn pivots_grew(&self, (pointers, rows): (&[usize], &[u32]), values: &[f64]) -> bool {
+        let n = self.columns.len();
+        let mut size = vec![0.0; n];
+        for (front, pivots) in self.tree.fronts.iter().zip(&self.pivots) {
+            let layout = front.layout();
+            let old = &self.tree.order[front.first..front.first + front.width];
+            for (j, &old) in old.iter().enumerate() {
+                size[old as usize] = self.factor[front.panel + layout.diagonal(j)].powi(2);
+            }
+            for pivoted in pivots {
+                let columns = pivoted.columns(front.width);
+                for (&old, s) in old[columns].iter().zip(pivoted.pivots.sizes()) {
+                    size[old as usize] = s;
+                }
+            }
+        }
+        if (0..n).all(|i| size[i] <= GROWTH * values[pointers[i]].abs()) {
+            return false;
+        }
+        // Scales of the unknowns with which the largest entry of every row becomes about one: D. Ruiz, A scaling
+        // algorithm to equilibrate both rows and columns norms in matrices, RAL-TR-2001-034 (2001).
+        let mut scale = vec![1.0; n];
+        for _ in 0..4 {
+            let mut largest = vec![0.0_f64; n];
+            for j in 0..n {
+                for k in pointers[j]..pointers[j + 1] {
+                    let i = rows[k] as usize;
+                    let entry = values[k].abs() / (scale[i] * scale[j]);
+                    largest[i] = largest[i].max(entry);
+                    largest[j] = largest[j].max(entry);
+                }
+            }
+            for (s, l) in scale.iter_mut().zip(largest).filter(|(_, l)| *l > 0.0) {
+                *s *= l.sqrt();
+            }
+        }
+        // Not a number: grew, too.
+        !(0..n).all(|i| size[i] <= GROWTH * scale[i] * scale[i])
+    }
+
+    /// Factors the matrix and tells how many pivots are negative.
+    fn factor_once(&mut self, values: &[f64], wary: bool) -> Result<usize, FactorError> {
+        self.pivots.iter_mut().for_each(Vec::clear);
         let Self { tree, split, tasks, stacks, factor, pivots, .. } = self;
-        let numeric = Numeric { tree, stacks, values };
+        let numeric = Numeric { tree, stacks, values, wary };
         let mut rest = Part { panels: factor, pivots };
         let mut take = |task: &Task| {
             let size = task.fronts.clone().map(|f| tree.fronts[f].layout().size()).sum();
@@ -121,23 +182,7 @@ impl Multifrontal {
                 Ok(())
             })?;
         }
-        let negative = self.negative_pivots();
-        Ok(Inertia { positive: self.columns.len() - negative, negative, zero: 0 })
-    }
-
-    fn negative_pivots(&self) -> usize {
-        let mut negative = 0;
-        for (front, pivots) in self.tree.fronts.iter().zip(&self.pivots) {
-            let Some(blocks) = pivots else { continue };
-            let layout = front.layout();
-            for (block, pivots) in blocks.iter().enumerate().filter_map(|(b, p)| Some((b, p.as_ref()?))) {
-                let (width, rows) = (layout.columns_of(block).len(), layout.rows - block * BLOCK);
-                let values = &self.factor[front.panel..][layout.start(block)..layout.start(block + 1)];
-                let matrix = MatRef::from_column_major_slice(values, rows, width);
-                negative += pivots.inertia(matrix.subrows(0, width)).negative;
-            }
-        }
-        negative
+        Ok(self.pivots.iter().flatten().map(|p| p.pivots.inertia().negative).sum())
     }
 
     /// Solves in place with the factor.
@@ -213,6 +258,8 @@ struct Numeric<'a> {
     tree: &'a AssemblyTree,
     stacks: &'a [Mutex<Stack>],
     values: &'a [f64],
+    /// See [`Elimination`].
+    wary: bool,
 }
 
 impl Numeric<'_> {
@@ -235,7 +282,8 @@ impl Numeric<'_> {
         drop(from);
         self.tree.enter(f, self.values, panel);
         let mut kept = Vec::with_capacity(KEPT);
-        let mut work = Elimination { layout, pivots: &mut pivots[0], kept: &mut kept, parallel: true };
+        let mut work =
+            Elimination { layout, pivots: &mut pivots[0], kept: &mut kept, parallel: true, wary: self.wary };
         work.columns(panel)?;
         work.rest(panel, out);
         Ok(())
@@ -306,7 +354,13 @@ impl Numeric<'_> {
                 at += size;
             }
             self.tree.enter(s, self.values, panel);
-            let mut work = Elimination { layout, pivots: &mut part.pivots[s - leaf], kept, parallel: false };
+            let mut work = Elimination {
+                layout,
+                pivots: &mut part.pivots[s - leaf],
+                kept,
+                parallel: false,
+                wary: self.wary,
+            };
             work.columns(panel)?;
             work.rest(panel, next);
             if !last && children > 0 {

@@ -1,11 +1,13 @@
-//! LBLᵀ factorisation of the blocks on the diagonal that are not positive definite.
+//! LBLᵀ factorisation of columns of a front whose block on the diagonal is not positive definite.
 //!
-//! The columns of such a block are eliminated with 1×1 and 2×2 pivots, chosen among themselves so that the entries of L
-//! within the block stay bounded. The signs of the pivots are the inertia of the matrix.
+//! They are eliminated with 1×1 and 2×2 pivots, chosen among themselves so that the entries of L within the block stay
+//! bounded. The signs of the pivots are the inertia of the matrix.
 //!
 //! J. R. Bunch, L. Kaufman, *Some stable methods for calculating inertia and solving symmetric linear systems*, Math.
 //! Comp. 31 (1977) 163–179; C. Ashcraft, R. G. Grimes, J. G. Lewis, *Accurate symmetric indefinite linear equation
 //! solvers*, SIAM J. Matrix Anal. Appl. 20 (1998) 513–561.
+
+use std::ops::Range;
 
 use dyn_stack::{MemBuffer, MemStack};
 use faer::diag::DiagMut;
@@ -14,22 +16,24 @@ use faer::linalg::cholesky::lblt::factor::{
 };
 use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
 use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{Auto, Mat, MatMut, MatRef, Par};
+use faer::{Auto, Mat, MatMut, Par};
 
 use super::trapezoid::BLOCK;
 use super::{FactorError, Inertia};
 
-/// Pivots of one block: `P A Pᵀ = L B Lᵀ`. L and the diagonal of B are where the block was.
+/// Pivots of consecutive columns of a front: `P A Pᵀ = L B Lᵀ`. L is where the columns were.
 pub(super) struct Pivots {
-    /// Entries of B below its diagonal, by columns.
+    /// Diagonal of B.
+    diagonal: Vec<f64>,
+    /// Entries of B below its diagonal.
     below: Vec<f64>,
-    /// Which column is eliminated at each place.
-    order: Vec<usize>,
+    /// The place that each place is exchanged with, one after another.
+    swaps: Vec<usize>,
 }
 
 impl Pivots {
     /// Factors the block `first` on the diagonal, of which the lower triangle is given, and the rows `second` below it:
-    /// `L₂₁ = A₂₁ Pᵀ L₁₁⁻ᵀ B⁻¹`. The same rows before they are divided by `B` are not kept.
+    /// `L₂₁ = A₂₁ Pᵀ L₁₁⁻ᵀ B⁻¹`.
     ///
     /// # Errors
     /// A pivot vanished or is not a number, or there is no memory.
@@ -38,11 +42,11 @@ impl Pivots {
         if (0..n).any(|j| first.rb().col(j).subrows(j, n - j).iter().any(|x| !x.is_finite())) {
             return Err(FactorError::Singular);
         }
-        let parameters = LbltParams {
-            pivoting: PivotingStrategy::Rook,
-            block_size: 0,
-            ..<LbltParams as Auto<f64>>::auto()
-        };
+        let mut parameters =
+            LbltParams { pivoting: PivotingStrategy::Rook, ..<LbltParams as Auto<f64>>::auto() };
+        if n <= BLOCK {
+            parameters.block_size = 0;
+        }
         let request = cholesky_in_place_scratch::<usize, f64>(n, Par::Seq, parameters.into());
         let mut memory = MemBuffer::try_new(request).map_err(|_| FactorError::TooLarge)?;
         let (mut below, mut order, mut inverse) = (vec![0.0; n], vec![0; n], vec![0; n]);
@@ -55,21 +59,22 @@ impl Pivots {
             MemStack::new(&mut memory),
             parameters.into(),
         );
-        let out = Self { below, order };
-        if out.inertia(first.rb()).zero > 0 {
+        let diagonal = (0..n).map(|j| first[(j, j)]).collect();
+        let out = Self { diagonal, below, swaps: swaps(&order) };
+        if out.inertia().zero > 0 {
             return Err(FactorError::Singular);
         }
-        let rows = Mat::from_fn(second.nrows(), n, |i, j| second[(i, out.order[j])]);
+        let rows = Mat::from_fn(second.nrows(), n, |i, j| second[(i, order[j])]);
         second.copy_from(&rows);
         solve_unit_lower_triangular_in_place(first.rb(), second.rb_mut().transpose_mut(), Par::Seq);
-        out.divide_columns(first.rb(), second);
+        out.divide_columns(second);
         Ok(out)
     }
 
     /// Signs of the eigenvalues of B.
-    pub fn inertia(&self, first: MatRef<'_, f64>) -> Inertia {
+    pub fn inertia(&self) -> Inertia {
         let mut out = Inertia::default();
-        self.each(first, |_, pivot| match pivot {
+        self.each(|_, pivot| match pivot {
             Pivot::Single(d) if d > 0.0 => out.positive += 1,
             Pivot::Single(d) if d < 0.0 => out.negative += 1,
             // Pairs are taken where the entry off the diagonal prevails: one eigenvalue of each sign.
@@ -83,24 +88,36 @@ impl Pivots {
         out
     }
 
-    /// `rows · B`, for rows of `L₂₁`.
-    pub fn multiply(&self, first: MatRef<'_, f64>, rows: MatRef<'_, f64>) -> Mat<f64> {
-        let mut out = rows.to_owned();
-        self.each(first, |j, pivot| match pivot {
-            Pivot::Single(d) => out.col_mut(j).iter_mut().for_each(|x| *x *= d),
-            Pivot::Pair([a, b, c]) => {
-                for i in 0..out.nrows() {
-                    let (x, y) = (out[(i, j)], out[(i, j + 1)]);
-                    (out[(i, j)], out[(i, j + 1)]) = (a * x + b * y, b * x + c * y);
-                }
+    /// Sizes of the pivots, by column.
+    pub fn sizes(&self) -> Vec<f64> {
+        let mut out: Vec<f64> = self.diagonal.iter().map(|d| d.abs()).collect();
+        for (j, b) in self.below.iter().enumerate().filter(|(_, b)| **b != 0.0) {
+            for size in &mut out[j..j + 2] {
+                *size = size.max(b.abs());
             }
-        });
+        }
+        self.restore(&mut out);
         out
     }
 
+    /// Some columns of `rows · B`, for rows of `L₂₁` whose entries `at` tells by row and column.
+    pub fn multiply(&self, rows: usize, columns: Range<usize>, at: impl Fn(usize, usize) -> f64) -> Mat<f64> {
+        Mat::from_fn(rows, columns.len(), |i, j| {
+            let j = columns.start + j;
+            let mut sum = self.diagonal[j] * at(i, j);
+            if j + 1 < self.below.len() && self.below[j] != 0.0 {
+                sum += self.below[j] * at(i, j + 1);
+            }
+            if j > 0 && self.below[j - 1] != 0.0 {
+                sum += self.below[j - 1] * at(i, j - 1);
+            }
+            sum
+        })
+    }
+
     /// Columns of rows below the block times `B⁻¹`.
-    fn divide_columns(&self, first: MatRef<'_, f64>, mut rows: MatMut<'_, f64>) {
-        self.each(first, |j, pivot| match pivot {
+    fn divide_columns(&self, mut rows: MatMut<'_, f64>) {
+        self.each(|j, pivot| match pivot {
             Pivot::Single(d) => rows.rb_mut().col_mut(j).iter_mut().for_each(|x| *x /= d),
             Pivot::Pair(block) => {
                 for i in 0..rows.nrows() {
@@ -111,46 +128,57 @@ impl Pivots {
     }
 
     /// `B⁻¹ x`.
-    pub fn divide(&self, first: MatRef<'_, f64>, x: &mut [f64]) {
-        self.each(first, |j, pivot| match pivot {
+    pub fn divide(&self, x: &mut [f64]) {
+        self.each(|j, pivot| match pivot {
             Pivot::Single(d) => x[j] /= d,
             Pivot::Pair(block) => [x[j], x[j + 1]] = solve_pair(block, [x[j], x[j + 1]]),
         });
     }
 
-    /// Brings the unknowns of the block into the order of the pivots.
+    /// Brings the unknowns of the columns into the order of the pivots.
     pub fn permute(&self, x: &mut [f64]) {
-        let mut before = [0.0; BLOCK];
-        before[..x.len()].copy_from_slice(x);
-        for (x, &from) in x.iter_mut().zip(&self.order) {
-            *x = before[from];
+        for (j, &other) in self.swaps.iter().enumerate() {
+            x.swap(j, other);
         }
     }
 
     /// Brings them back.
     pub fn restore(&self, x: &mut [f64]) {
-        let mut before = [0.0; BLOCK];
-        before[..x.len()].copy_from_slice(x);
-        for (value, &to) in before.iter().zip(&self.order) {
-            x[to] = *value;
+        for (j, &other) in self.swaps.iter().enumerate().rev() {
+            x.swap(j, other);
         }
     }
 
     /// Calls `f` with the column of each pivot.
     #[inline]
-    fn each(&self, first: MatRef<'_, f64>, mut f: impl FnMut(usize, Pivot)) {
+    fn each(&self, mut f: impl FnMut(usize, Pivot)) {
         let (n, mut j) = (self.below.len(), 0);
         while j < n {
             let b = self.below[j];
             if b == 0.0 || j + 1 == n {
-                f(j, Pivot::Single(first[(j, j)]));
+                f(j, Pivot::Single(self.diagonal[j]));
                 j += 1;
             } else {
-                f(j, Pivot::Pair([first[(j, j)], b, first[(j + 1, j + 1)]]));
+                f(j, Pivot::Pair([self.diagonal[j], b, self.diagonal[j + 1]]));
                 j += 2;
             }
         }
     }
+}
+
+/// Exchanges that bring what is at `order[j]` to place j, one place after another.
+fn swaps(order: &[usize]) -> Vec<usize> {
+    let n = order.len();
+    // Where each one is now, and which one is at each place.
+    let (mut place, mut content): (Vec<usize>, Vec<usize>) = ((0..n).collect(), (0..n).collect());
+    let mut out = Vec::with_capacity(n);
+    for (j, &wanted) in order.iter().enumerate() {
+        let from = place[wanted];
+        out.push(from);
+        place.swap(content[j], wanted);
+        content.swap(j, from);
+    }
+    out
 }
 
 /// A pivot: a number, or `[[a, b], [b, c]]` by its lower triangle.

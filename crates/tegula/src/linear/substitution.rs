@@ -9,12 +9,14 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, MatRef, Par};
 
 use super::assembly_tree::{AssemblyTree, Front};
-use super::elimination::FrontPivots;
+use super::elimination::{FrontPivots, PivotedBlocks};
 use super::multifrontal::halves;
-use super::pivoted::Pivots;
 
 /// Work on a subtree: its front, its columns, its rows.
 type Sweep<'a> = fn(&Solver<'a>, usize, &mut [f64], &mut [f64]);
+
+/// Parts of a block column, and what it is pivoted with.
+type Block<'a> = (MatRef<'a, f64>, MatRef<'a, f64>, MatRef<'a, f64>, Option<&'a PivotedBlocks>);
 
 /// What the solution with the factor needs.
 pub(super) struct Solver<'a> {
@@ -27,11 +29,7 @@ pub(super) struct Solver<'a> {
 
 impl<'a> Solver<'a> {
     /// Block on the diagonal, rows below it that are columns of the front, rows that it passes on, and pivots.
-    fn block(
-        &self,
-        f: usize,
-        block: usize,
-    ) -> (MatRef<'_, f64>, MatRef<'_, f64>, MatRef<'_, f64>, Option<&Pivots>) {
+    fn block(&self, f: usize, block: usize) -> Block<'_> {
         let front = &self.tree.fronts[f];
         let layout = front.layout();
         let columns = layout.columns_of(block);
@@ -39,7 +37,7 @@ impl<'a> Solver<'a> {
         let matrix = MatRef::from_column_major_slice(values, layout.rows - columns.start, columns.len());
         let (first, rest) = matrix.split_at_row(columns.len());
         let (later, below) = rest.split_at_row(front.width - columns.end);
-        (first, later, below, self.pivots[f].as_ref().and_then(|p| p[block].as_ref()))
+        (first, later, below, self.pivots[f].iter().find(|p| p.blocks.contains(&block)))
     }
 
     /// `L y = b` in a subtree; `x` are its columns, `y` the sums of its rows.
@@ -80,11 +78,13 @@ impl<'a> Solver<'a> {
         for block in 0..layout.blocks() {
             let (first, later, rows, pivots) = self.block(f, block);
             let columns = layout.columns_of(block);
+            if let Some(p) = pivots
+                && p.blocks.start == block
+            {
+                p.pivots.permute(&mut x[p.columns(front.width)]);
+            }
             let (done, rest) = x.split_at_mut(columns.end);
             let own = &mut done[columns.start..];
-            if let Some(pivots) = pivots {
-                pivots.permute(own);
-            }
             let mut own = column_mut(own);
             match pivots {
                 None => solve_lower_triangular_in_place(first, own.rb_mut(), Par::Seq),
@@ -126,11 +126,13 @@ impl<'a> Solver<'a> {
         for block in (0..layout.blocks()).rev() {
             let (first, later, rows, pivots) = self.block(f, block);
             let columns = layout.columns_of(block);
+            if let Some(p) = pivots
+                && p.blocks.end == block + 1
+            {
+                p.pivots.divide(&mut x[p.columns(front.width)]);
+            }
             let (done, rest) = x.split_at_mut(columns.end);
             let own = &mut done[columns.start..];
-            if let Some(pivots) = pivots {
-                pivots.divide(first, own);
-            }
             let mut matrix = column_mut(own);
             if !rest.is_empty() {
                 matmul(matrix.rb_mut(), Accum::Add, later.transpose(), column(rest), -1.0, Par::Seq);
@@ -140,10 +142,12 @@ impl<'a> Solver<'a> {
             }
             match pivots {
                 None => solve_upper_triangular_in_place(first.transpose(), matrix, Par::Seq),
-                Some(pivots) => {
-                    solve_unit_upper_triangular_in_place(first.transpose(), matrix, Par::Seq);
-                    pivots.restore(own);
-                }
+                Some(_) => solve_unit_upper_triangular_in_place(first.transpose(), matrix, Par::Seq),
+            }
+            if let Some(p) = pivots
+                && p.blocks.start == block
+            {
+                p.pivots.restore(&mut x[p.columns(front.width)]);
             }
         }
         for &c in &self.tree.children[f] {
