@@ -5,6 +5,7 @@
 
 use super::FactorError;
 use super::ordering::Quotient;
+use super::trapezoid::Trapezoid;
 
 /// Zeros that joining a front with its parent may add, as a share of the joined front, by its number of columns.
 const MOST_ZEROS: [(usize, f64); 3] = [(24, 0.8), (64, 0.15), (usize::MAX, 0.04)];
@@ -29,7 +30,7 @@ pub(super) struct Front {
     pub panel: usize,
     /// Where its rows begin in vectors of all rows.
     pub row_start: usize,
-    /// First of its entries of the matrix.
+    /// First of its runs of entries of the matrix.
     pub entries: usize,
     /// Operations of its subtree.
     pub work: f64,
@@ -39,6 +40,47 @@ impl Front {
     /// Order of the dense matrix.
     pub fn height(&self) -> usize {
         self.width + self.rows.len()
+    }
+
+    /// Its columns, as they are stored in the factor.
+    pub fn layout(&self) -> Trapezoid {
+        Trapezoid { rows: self.height(), columns: self.width }
+    }
+
+    /// What it passes on.
+    pub fn passed(&self) -> Trapezoid {
+        Trapezoid::triangle(self.rows.len())
+    }
+}
+
+/// Entries that follow one another in the matrix and stand at equal distances in a panel.
+#[derive(Debug, Clone, Copy)]
+struct EntryRun {
+    /// Number of the first value.
+    value: u32,
+    /// Its place in the panel.
+    at: u32,
+    /// Distance of the places, times 256, plus the number of entries.
+    step_and_length: u32,
+}
+
+impl EntryRun {
+    fn length(self) -> u32 {
+        self.step_and_length & 255
+    }
+
+    /// Whether the entry with the next value belongs to the run, which then holds it.
+    fn take(&mut self, at: u32) -> bool {
+        let length = self.length();
+        let step = if length == 1 { at.wrapping_sub(self.at) } else { self.step_and_length >> 8 };
+        let fits = length < 255
+            && step < 1 << 24
+            && at == self.at.wrapping_add(step.wrapping_mul(length))
+            && at > self.at;
+        if fits {
+            self.step_and_length = (step << 8) | (length + 1);
+        }
+        fits
     }
 }
 
@@ -50,8 +92,8 @@ pub(super) struct AssemblyTree {
     pub children: Vec<Vec<u32>>,
     /// Unknown eliminated at each place.
     pub order: Vec<u32>,
-    /// Entries of the matrix by front: number of the value and place in the panel.
-    pub entries: Vec<[u32; 2]>,
+    /// Entries of the matrix by front.
+    entries: Vec<EntryRun>,
     /// Entries of the factor.
     pub size: usize,
     /// Rows of all fronts together.
@@ -76,14 +118,18 @@ impl AssemblyTree {
 
     /// Entries that the children of a front pass on.
     pub fn passed_by_children(&self, f: usize) -> usize {
-        self.children[f].iter().map(|&c| self.fronts[c as usize].rows.len().pow(2)).sum()
+        self.children[f].iter().map(|&c| self.fronts[c as usize].passed().size()).sum()
     }
 
     /// Adds the entries of the matrix to the panel of a front.
     pub fn enter(&self, f: usize, values: &[f64], panel: &mut [f64]) {
         let end = self.fronts.get(f + 1).map_or(self.entries.len(), |next| next.entries);
-        for &[value, at] in &self.entries[self.fronts[f].entries..end] {
-            panel[at as usize] += values[value as usize];
+        for run in &self.entries[self.fronts[f].entries..end] {
+            let (step, mut at) = ((run.step_and_length >> 8) as usize, run.at as usize);
+            for value in &values[run.value as usize..][..run.length() as usize] {
+                panel[at] += value;
+                at += step;
+            }
         }
     }
 
@@ -136,10 +182,14 @@ impl AssemblyTree {
             front.work = below + w * w * w / 3.0 + w * w * m + w * m * m;
             front.leaf = leaf;
             (front.panel, front.row_start) = (tree.size, tree.rows);
+            let rectangle = front.height().checked_mul(front.height());
+            if rectangle.is_none_or(|s| s > isize::MAX as usize / 8) {
+                return Err(FactorError::TooLarge);
+            }
             tree.size = front
-                .height()
-                .checked_mul(front.width)
-                .and_then(|s| s.checked_add(tree.size))
+                .layout()
+                .size()
+                .checked_add(tree.size)
                 .filter(|s| *s < isize::MAX as usize / 8)
                 .ok_or(FactorError::TooLarge)?;
             tree.rows += front.rows.len();
@@ -156,36 +206,68 @@ impl AssemblyTree {
         pointers: &[usize],
         rows: &[u32],
     ) -> Result<(), FactorError> {
-        let n = place.len();
         let mut count = vec![0_usize; self.fronts.len() + 1];
-        let ends = |i: usize, j: usize| {
-            let (a, b) = (place[i], place[j]);
-            (a.min(b) as usize, a.max(b))
-        };
-        for j in 0..n {
-            for &i in &rows[pointers[j]..pointers[j + 1]] {
-                count[front_of[ends(i as usize, j).0] as usize + 1] += 1;
-            }
-        }
+        self.each_run(place, front_of, pointers, rows, |f, _| count[f + 1] += 1)?;
         for f in 0..self.fronts.len() {
             count[f + 1] += count[f];
-            self.fronts[f].entries = count[f];
         }
-        self.entries = vec![[0; 2]; rows.len()];
-        for j in 0..n {
+        let none = EntryRun { value: 0, at: 0, step_and_length: 0 };
+        let mut entries = vec![none; count[self.fronts.len()]];
+        let mut next = count.clone();
+        self.each_run(place, front_of, pointers, rows, |f, run| {
+            entries[next[f]] = run;
+            next[f] += 1;
+        })?;
+        self.entries = entries;
+        for (front, first) in self.fronts.iter_mut().zip(count) {
+            front.entries = first;
+        }
+        Ok(())
+    }
+
+    /// Calls `take` with the front of each run of entries.
+    fn each_run(
+        &self,
+        place: &[u32],
+        front_of: &[u32],
+        pointers: &[usize],
+        rows: &[u32],
+        mut take: impl FnMut(usize, EntryRun),
+    ) -> Result<(), FactorError> {
+        for j in 0..place.len() {
+            let mut run: Option<(usize, EntryRun)> = None;
+            let mut below = 0;
             for k in pointers[j]..pointers[j + 1] {
-                let (column, row) = ends(rows[k] as usize, j);
+                let (a, b) = (place[rows[k] as usize], place[j]);
+                let (column, row) = (a.min(b) as usize, a.max(b));
                 let f = front_of[column] as usize;
                 let front = &self.fronts[f];
+                let column = column - front.first;
                 let local = if (row as usize) < front.first + front.width {
                     row as usize - front.first
                 } else {
-                    front.width + front.rows.binary_search(&row).map_err(|_| FactorError::TooLarge)?
+                    // Mostly the one after the last.
+                    if front.rows.get(below) != Some(&row) {
+                        below = front.rows.binary_search(&row).map_err(|_| FactorError::TooLarge)?;
+                    }
+                    below += 1;
+                    front.width + below - 1
                 };
-                let at = (column - front.first) * front.height() + local;
+                let at = u32::try_from(front.layout().diagonal(column) + local - column)
+                    .map_err(|_| FactorError::TooLarge)?;
+                if let Some((of, run)) = &mut run
+                    && *of == f
+                    && run.take(at)
+                {
+                    continue;
+                }
                 let value = u32::try_from(k).map_err(|_| FactorError::TooLarge)?;
-                self.entries[count[f]] = [value, u32::try_from(at).map_err(|_| FactorError::TooLarge)?];
-                count[f] += 1;
+                if let Some((f, done)) = run.replace((f, EntryRun { value, at, step_and_length: 1 })) {
+                    take(f, done);
+                }
+            }
+            if let Some((f, done)) = run {
+                take(f, done);
             }
         }
         Ok(())

@@ -1,13 +1,12 @@
 //! Sparse factorisation of symmetric matrices.
 //!
-//! Ordering and symbolic analysis are made once for the pattern of a model and serve all iterations and steps. A
-//! positive definite matrix is factored by the [multifrontal method](super::multifrontal). One that turns out
-//! indefinite is [factored again with pivots](super::pivoted), which also gives its inertia; what that needs beyond
-//! the factor is only made then.
+//! Ordering and symbolic analysis are made once for the pattern of a model and serve all iterations and steps. Matrices
+//! are factored by the [multifrontal method](super::multifrontal). Where they turn out not to be positive definite, the
+//! blocks concerned are eliminated [with pivots](super::pivoted), which also gives the inertia.
 
 use std::sync::Arc;
 
-use super::multifrontal::{Multifrontal, Stop};
+use super::multifrontal::Multifrontal;
 use super::{Factor, FactorError, Inertia};
 
 /// Lower triangle of a symmetric matrix in compressed columns, without its values. Copies share their memory.
@@ -91,14 +90,9 @@ impl Factor for SparseCholesky {
             return Err(FactorError::NotFinite);
         }
         self.factorizations += 1;
-        let inertia = match self.fronts.factor(values) {
-            Ok(()) => Inertia { positive: self.pattern.size(), ..Default::default() },
-            Err(Stop::Memory) => return Err(FactorError::TooLarge),
-            Err(Stop::NotPositive) => {
-                self.factorizations += 1;
-                self.fronts.factor_pivoted(values)?
-            }
-        };
+        let pattern = (self.pattern.pointers.as_slice(), self.pattern.rows.as_slice());
+        let (inertia, repeated) = self.fronts.factor(pattern, values)?;
+        self.factorizations += usize::from(repeated);
         self.factored = true;
         Ok(inertia)
     }

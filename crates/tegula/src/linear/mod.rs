@@ -2,10 +2,14 @@
 
 mod assembly_tree;
 mod cholesky;
+mod elimination;
 pub mod lanczos;
 mod multifrontal;
 mod ordering;
 mod pivoted;
+mod schedule;
+mod substitution;
+mod trapezoid;
 
 pub use cholesky::{SparseCholesky, SymmetricPattern};
 

@@ -1,73 +1,52 @@
-//! Multifrontal Cholesky factorisation over faer's dense kernels, with independent subtrees in parallel.
+//! Multifrontal factorisation over faer's dense kernels, with independent subtrees in parallel.
 //!
-//! Every front adds the entries of its columns and what its children pass on, eliminates its columns and passes on
-//! the rest, `C − L₂₁ L₂₁ᵀ`. Subtrees do not know of each other: large ones are split between threads, small ones are
-//! worked off one front after another with what waits on a stack. Children are added in a fixed order, so the
-//! result does not depend on the threads. Nothing is allocated after the analysis.
+//! Every front adds the entries of its columns and what its children pass on, [eliminates](super::elimination) its
+//! columns and passes on the rest, `C − L₂₁ L₂₁ᵀ`. Subtrees do not know of each other: large ones are [split between
+//! threads](super::schedule), small ones are worked off one front after another with what waits on a stack. Children are
+//! added in a fixed order and dense work is cut at fixed places, so the result is the same to the bit for any number of
+//! threads. Beyond the factor, memory is taken for what waits for a parent that is split between threads, until it is
+//! added there, and for the pivots of blocks that are not positive definite.
 //!
 //! J. W. H. Liu, *The multifrontal method for sparse matrix solution*, SIAM Review 34 (1992) 82–109.
 
-use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::matmul::matmul;
-use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
-use faer::linalg::triangular_solve::{
-    solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place,
-    solve_unit_upper_triangular_in_place, solve_upper_triangular_in_place,
-};
-use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{Accum, MatMut, MatRef, Par};
-
 use super::assembly_tree::{AssemblyTree, Front};
+use super::elimination::{Elimination, FrontPivots, KEPT, half};
 use super::ordering::Quotient;
-use super::pivoted::Pivots;
+use super::schedule::{Task, run_all};
+use super::substitution::Solver;
+use super::trapezoid::{BLOCK, Trapezoid};
 use super::{FactorError, Inertia};
 
 /// Work (operations) below which a subtree is not split.
 const GRAIN: f64 = 2e7;
+/// Growth of pivots beyond the entries of their rows at which too many digits are lost.
+const GROWTH: f64 = 1e3;
 
-/// Why a factorisation ended early.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Stop {
-    /// A pivot is not positive.
-    NotPositive,
-    /// Not enough memory.
-    Memory,
-}
-
-/// Cholesky factor of matrices of one pattern.
+/// Factor of matrices of one pattern.
 pub(super) struct Multifrontal {
     tree: AssemblyTree,
-    /// Panels of all fronts, by columns.
+    /// Panels of all fronts, by block columns.
     factor: Vec<f64>,
-    /// What fronts pass on whose parents are split, while it waits.
-    passed: Vec<Vec<f64>>,
-    /// Memory for that, to be used again.
-    pool: Mutex<Vec<Vec<f64>>>,
-    /// Number of such fronts before each front.
-    passed_before: Vec<u32>,
+    /// Pivots of all fronts.
+    pivots: Vec<FrontPivots>,
+    /// What is worked off at a time.
+    tasks: Vec<Task>,
     /// Whether the subtree of a front is split between threads.
     split: Vec<bool>,
     /// Stacks of the subtrees at work, one for each thread.
-    stacks: Vec<Mutex<Scratch>>,
-    /// Memory of the dense kernels for each front whose subtree is split. Not that of the thread: a thread that
-    /// waits within a kernel may take up another subtree meanwhile.
-    kernels: BTreeMap<usize, Mutex<MemBuffer>>,
-    /// Pivots of an indefinite matrix; made when the first is met.
-    pivots: Option<Box<Pivots>>,
-    /// Whether the last matrix was factored with them.
-    pivoted: bool,
+    stacks: Vec<Mutex<Stack>>,
     /// Vectors of all columns and of all rows.
     columns: Vec<f64>,
     rows: Vec<f64>,
 }
 
-struct Scratch {
-    stack: Vec<f64>,
-    dense: MemBuffer,
+/// What waits in a subtree that one thread works off, and memory for a block.
+struct Stack {
+    values: Vec<f64>,
+    kept: Vec<f64>,
 }
 
 impl Multifrontal {
@@ -83,41 +62,19 @@ impl Multifrontal {
         let split: Vec<bool> = (0..n)
             .map(|f| threads > 1 && tree.fronts[f].work > grain && !tree.children[f].is_empty())
             .collect();
-        let waits = |f: &Front| f.parent.is_some_and(|p| split[p as usize]);
-        let mut passed = Vec::new();
-        let mut passed_before = Vec::with_capacity(n + 1);
-        for front in &tree.fronts {
-            passed_before.push(passed.len() as u32);
-            if waits(front) {
-                passed.push(Vec::new());
-            }
-        }
-        passed_before.push(passed.len() as u32);
+        let tasks = Task::all(&tree, &split);
         let stack = stack_size(&tree, &split);
-        let widest = tree.fronts.iter().map(|f| f.width).max().unwrap_or(0);
-        let dense = |width: usize| {
-            let request = cholesky_in_place_scratch::<f64>(width, Par::Seq, Default::default());
-            MemBuffer::try_new(request).map_err(|_| FactorError::TooLarge)
-        };
-        let kernel = |f: usize| Ok::<_, FactorError>((f, Mutex::new(dense(tree.fronts[f].width)?)));
-        let kernels = (0..n).filter(|&f| split[f]).map(kernel).collect::<Result<_, _>>()?;
-        let scratch = || -> Result<_, FactorError> {
-            Ok(Mutex::new(Scratch { stack: zeros(stack)?, dense: dense(widest)? }))
-        };
-        let stacks = (0..threads).map(|_| scratch()).collect::<Result<_, _>>()?;
+        let stack = || Ok(Stack { values: zeros(stack)?, kept: Vec::with_capacity(KEPT) });
+        let stacks = (0..threads).map(|_| stack().map(Mutex::new)).collect::<Result<_, _>>()?;
         Ok(Self {
             factor: zeros(tree.size)?,
-            pivots: None,
-            pivoted: false,
+            pivots: (0..n).map(|_| Vec::new()).collect(),
             columns: zeros(pointers.len() - 1)?,
             rows: zeros(tree.rows)?,
             tree,
-            pool: Mutex::new(Vec::with_capacity(passed.len())),
-            passed,
-            passed_before,
+            tasks,
             split,
             stacks,
-            kernels,
         })
     }
 
@@ -131,59 +88,114 @@ impl Multifrontal {
         self.tree.fronts.iter().filter(|f| f.parent.is_none()).map(|f| f.work).sum()
     }
 
-    /// Factors the matrix with the given values.
-    ///
-    /// # Errors
-    /// A pivot is not positive, or the memory does not suffice.
-    pub fn factor(&mut self, values: &[f64]) -> Result<(), Stop> {
-        self.pivoted = false;
-        let numeric = Numeric {
-            tree: &self.tree,
-            split: &self.split,
-            passed_before: &self.passed_before,
-            stacks: &self.stacks,
-            kernels: &self.kernels,
-            pool: &self.pool,
-            values,
-        };
-        let (mut factor, mut passed) = (self.factor.as_mut_slice(), self.passed.as_mut_slice());
-        for (f, _) in self.tree.fronts.iter().enumerate().filter(|(_, front)| front.parent.is_none()) {
-            let (mine, rest) = factor.split_at_mut(numeric.panels(f).len());
-            let (waiting, others) = passed.split_at_mut(numeric.waiting(f).len());
-            let mut nothing = Vec::new();
-            let done = numeric.subtree(f, mine, waiting, &mut nothing);
-            (factor, passed) = (rest, others);
-            if done.is_err() {
-                // What was left behind would be in the way of the next matrix.
-                self.passed.iter_mut().for_each(|slot| numeric.give_back(slot));
-                return done;
-            }
-        }
-        Ok(())
-    }
-
-    /// Factors any symmetric matrix as LBLᵀ and tells its inertia.
+    /// Factors the matrix with the given values and tells its inertia, and whether it took two factorisations: a positive
+    /// pivot that is tiny beside the entries of its column does no harm to a definite matrix, but to one that turns out
+    /// indefinite. Then all pivots are chosen anew, with care.
     ///
     /// # Errors
     /// The matrix is singular, or the memory does not suffice.
-    pub fn factor_pivoted(&mut self, values: &[f64]) -> Result<Inertia, FactorError> {
-        let mut pivots = match self.pivots.take() {
-            Some(made) => made,
-            None => Box::new(Pivots::new(&self.tree)?),
+    pub fn factor(
+        &mut self,
+        (pointers, rows): (&[usize], &[u32]),
+        values: &[f64],
+    ) -> Result<(Inertia, bool), FactorError> {
+        let negative = match self.factor_once(values, false) {
+            Err(FactorError::Singular) => None,
+            other => Some(other?).filter(|&n| n == 0 || !self.pivots_grew((pointers, rows), values)),
         };
-        let inertia = pivots.factor(&self.tree, values, &mut self.factor);
-        self.pivots = Some(pivots);
-        self.pivoted = true;
-        inertia
+        let repeated = negative.is_none();
+        let negative = match negative {
+            Some(n) => n,
+            None => self.factor_once(values, true)?,
+        };
+        Ok((Inertia { positive: self.columns.len() - negative, negative, zero: 0 }, repeated))
+    }
+
+    /// Whether a pivot is larger than `GROWTH` times the entries of its row.
+    fn pivots_grew(&self, (pointers, rows): (&[usize], &[u32]), values: &[f64]) -> bool {
+        let n = self.columns.len();
+        let mut size = vec![0.0; n];
+        for (front, pivots) in self.tree.fronts.iter().zip(&self.pivots) {
+            let layout = front.layout();
+            let old = &self.tree.order[front.first..front.first + front.width];
+            for (j, &old) in old.iter().enumerate() {
+                size[old as usize] = self.factor[front.panel + layout.diagonal(j)].powi(2);
+            }
+            for pivoted in pivots {
+                let columns = pivoted.columns(front.width);
+                for (&old, s) in old[columns].iter().zip(pivoted.pivots.sizes()) {
+                    size[old as usize] = s;
+                }
+            }
+        }
+        if (0..n).all(|i| size[i] <= GROWTH * values[pointers[i]].abs()) {
+            return false;
+        }
+        // Scales of the unknowns with which the largest entry of every row becomes about one: D. Ruiz, A scaling
+        // algorithm to equilibrate both rows and columns norms in matrices, RAL-TR-2001-034 (2001).
+        let mut scale = vec![1.0; n];
+        for _ in 0..4 {
+            let mut largest = vec![0.0_f64; n];
+            for j in 0..n {
+                for k in pointers[j]..pointers[j + 1] {
+                    let i = rows[k] as usize;
+                    let entry = values[k].abs() / (scale[i] * scale[j]);
+                    largest[i] = largest[i].max(entry);
+                    largest[j] = largest[j].max(entry);
+                }
+            }
+            for (s, l) in scale.iter_mut().zip(largest).filter(|(_, l)| *l > 0.0) {
+                *s *= l.sqrt();
+            }
+        }
+        // Not a number: grew, too.
+        !(0..n).all(|i| size[i] <= GROWTH * scale[i] * scale[i])
+    }
+
+    /// Factors the matrix and tells how many pivots are negative.
+    fn factor_once(&mut self, values: &[f64], wary: bool) -> Result<usize, FactorError> {
+        self.pivots.iter_mut().for_each(Vec::clear);
+        let Self { tree, split, tasks, stacks, factor, pivots, .. } = self;
+        let numeric = Numeric { tree, stacks, values, wary };
+        let mut rest = Part { panels: factor, pivots };
+        let mut take = |task: &Task| {
+            let size = task.fronts.clone().map(|f| tree.fronts[f].layout().size()).sum();
+            let (mine, others) = std::mem::take(&mut rest).split_at(size, task.fronts.len());
+            rest = others;
+            mine
+        };
+        if !split.contains(&true) {
+            for task in tasks {
+                numeric.one_after_another(task.fronts.clone(), take(task), &mut Vec::new())?;
+            }
+        } else {
+            // What belongs to each task, and what it passes on while that waits.
+            let slots: Vec<_> =
+                tasks.iter().map(|task| (Mutex::new(take(task)), Mutex::new(Vec::new()))).collect();
+            run_all(tasks, stacks.len(), |t| {
+                let task = &tasks[t];
+                let part = std::mem::take(&mut *locked(&slots[t].0));
+                let mut out = Vec::new();
+                if split[task.fronts.start] {
+                    let from =
+                        task.children.iter().map(|&c| std::mem::take(&mut *locked(&slots[c as usize].1)));
+                    numeric.together(task.fronts.start, part, from.collect(), &mut out)?;
+                } else {
+                    numeric.one_after_another(task.fronts.clone(), part, &mut out)?;
+                }
+                *locked(&slots[t].1) = out;
+                Ok(())
+            })?;
+        }
+        Ok(self.pivots.iter().flatten().map(|p| p.pivots.inertia().negative).sum())
     }
 
     /// Solves in place with the factor.
     pub fn solve(&mut self, right_side: &mut [f64]) {
-        let Self { tree, factor, split, columns, rows, pivots, pivoted, .. } = self;
+        let Self { tree, factor, split, columns, rows, pivots, .. } = self;
         for (x, &old) in columns.iter_mut().zip(&tree.order) {
             *x = right_side[old as usize];
         }
-        let pivots = pivots.as_deref().filter(|_| *pivoted);
         let solver = Solver { tree, factor, split, pivots };
         let (mut x, mut y) = (columns.as_mut_slice(), rows.as_mut_slice());
         for (f, front) in tree.fronts.iter().enumerate().filter(|(_, front)| front.parent.is_none()) {
@@ -200,15 +212,11 @@ impl Multifrontal {
     }
 }
 
-pub(super) fn zeros(n: usize) -> Result<Vec<f64>, FactorError> {
-    let mut out = Vec::new();
-    out.try_reserve_exact(n).map_err(|_| FactorError::TooLarge)?;
-    out.resize(n, 0.0);
-    Ok(out)
-}
-
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+/// Memory that is not touched before it is used.
+fn zeros(n: usize) -> Result<Vec<f64>, FactorError> {
+    // Asks first: where there is not enough, `vec!` would end the program.
+    Vec::<f64>::new().try_reserve_exact(n).map_err(|_| FactorError::TooLarge)?;
+    Ok(vec![0.0; n])
 }
 
 /// Largest stack of a subtree that is not split: what waits, and what the front at work makes.
@@ -219,130 +227,148 @@ fn stack_size(tree: &AssemblyTree, split: &[bool]) -> usize {
         if split[f] {
             continue;
         }
-        let own = front.rows.len().pow(2);
+        if front.parent.is_none_or(|p| split[p as usize]) {
+            // What it passes on does not go to the stack.
+            held = 0;
+            continue;
+        }
+        let own = front.passed().size();
         most = most.max(held + own);
         held = held + own - tree.passed_by_children(f);
-        if front.parent.is_none_or(|p| split[p as usize]) {
-            held = 0;
-        }
     }
     most
+}
+
+/// What belongs to consecutive fronts: panels and pivots.
+#[derive(Default)]
+struct Part<'a> {
+    panels: &'a mut [f64],
+    pivots: &'a mut [FrontPivots],
+}
+
+impl Part<'_> {
+    fn split_at(self, panels: usize, pivots: usize) -> (Self, Self) {
+        let (p, q) = self.panels.split_at_mut(panels);
+        let (a, b) = self.pivots.split_at_mut(pivots);
+        (Self { panels: p, pivots: a }, Self { panels: q, pivots: b })
+    }
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// What all fronts need to be factored.
 struct Numeric<'a> {
     tree: &'a AssemblyTree,
-    split: &'a [bool],
-    passed_before: &'a [u32],
-    stacks: &'a [Mutex<Scratch>],
-    kernels: &'a BTreeMap<usize, Mutex<MemBuffer>>,
-    pool: &'a Mutex<Vec<Vec<f64>>>,
+    stacks: &'a [Mutex<Stack>],
     values: &'a [f64],
+    /// See [`Elimination`].
+    wary: bool,
 }
 
 impl Numeric<'_> {
-    /// Where the panels of a subtree lie.
-    fn panels(&self, f: usize) -> std::ops::Range<usize> {
-        let front = &self.tree.fronts[f];
-        self.tree.fronts[front.leaf].panel..front.panel + front.height() * front.width
-    }
-
-    /// Fronts within a subtree, itself left out, whose parents are split.
-    fn waiting(&self, f: usize) -> std::ops::Range<usize> {
-        self.passed_before[self.tree.fronts[f].leaf] as usize..self.passed_before[f] as usize
-    }
-
-    /// Factors a subtree; `panels` and `waiting` are its own, `out` receives memory with what it passes on.
-    fn subtree(
+    /// Factors a front, threads together; `from` is what its children pass on, `out` receives what it passes on itself.
+    fn together(
         &self,
         f: usize,
-        panels: &mut [f64],
-        waiting: &mut [Vec<f64>],
+        part: Part<'_>,
+        from: Vec<Vec<f64>>,
         out: &mut Vec<f64>,
-    ) -> Result<(), Stop> {
+    ) -> Result<(), FactorError> {
         let front = &self.tree.fronts[f];
-        let own = front.rows.len().pow(2);
-        if !self.split[f] {
-            *out = self.take(own)?;
-            return self.one_after_another(f, panels, &mut out[..own]);
-        }
-        let children = &self.tree.children[f];
-        let (below, panel) = panels.split_at_mut(front.panel - self.tree.fronts[front.leaf].panel);
-        self.children(children, below, waiting)?;
-        *out = self.take(own)?;
-        let out = &mut out[..own];
-        panel.fill(0.0);
-        out.fill(0.0);
+        let (layout, passed) = (front.layout(), front.passed());
+        let Part { panels: panel, pivots } = part;
+        *out = zeros(passed.size())?;
+        rayon::join(
+            || self.assemble(f, &from, (layout, 0), 0..layout.blocks(), panel),
+            || self.assemble(f, &from, (passed, front.width), 0..passed.blocks(), out),
+        );
+        drop(from);
         self.tree.enter(f, self.values, panel);
-        for &c in children {
-            let at = self.passed_before[c as usize] as usize - self.passed_before[front.leaf] as usize;
-            add(front, &self.tree.fronts[c as usize], &waiting[at], panel, out);
-            self.give_back(&mut waiting[at]);
-        }
-        let par = if self.stacks.len() > 1 { Par::rayon(self.stacks.len()) } else { Par::Seq };
-        let Some(dense) = self.kernels.get(&f) else { return Err(Stop::Memory) };
-        eliminate(front, panel, out, &mut locked(dense), par)
+        let mut kept = Vec::with_capacity(KEPT);
+        let mut work =
+            Elimination { layout, pivots: &mut pivots[0], kept: &mut kept, parallel: true, wary: self.wary };
+        work.columns(panel)?;
+        work.rest(panel, out);
+        Ok(())
     }
 
-    /// Factors subtrees that have one parent, halves of them in parallel.
-    fn children(&self, children: &[u32], panels: &mut [f64], waiting: &mut [Vec<f64>]) -> Result<(), Stop> {
-        match children {
-            [] => Ok(()),
-            &[c] => {
-                let c = c as usize;
-                let Some((out, inner)) = waiting.split_last_mut() else { return Ok(()) };
-                self.subtree(c, panels, inner, out)
-            }
-            _ => {
-                let (a, b) = children.split_at(self.halves(children));
-                let Some(&first) = b.first() else { return Ok(()) };
-                let leaf = self.tree.fronts[first as usize].leaf;
-                let Some(&begin) = a.first() else { return Ok(()) };
-                let start = self.tree.fronts[begin as usize].leaf;
-                let at = self.tree.fronts[leaf].panel - self.tree.fronts[start].panel;
-                let (panels_a, panels_b) = panels.split_at_mut(at);
-                let at = (self.passed_before[leaf] - self.passed_before[start]) as usize;
-                let (waiting_a, waiting_b) = waiting.split_at_mut(at);
-                let (x, y) = rayon::join(
-                    || self.children(a, panels_a, waiting_a),
-                    || self.children(b, panels_b, waiting_b),
-                );
-                x.and(y)
-            }
+    /// Adds what the children of a front pass on to some of its block columns, halves of them in parallel.
+    fn assemble(
+        &self,
+        f: usize,
+        from: &[Vec<f64>],
+        (to, offset): (Trapezoid, usize),
+        blocks: Range<usize>,
+        values: &mut [f64],
+    ) {
+        if blocks.len() > 1 {
+            let middle = half(to, &blocks);
+            let (left, right) = values.split_at_mut(to.start(middle) - to.start(blocks.start));
+            rayon::join(
+                || self.assemble(f, from, (to, offset), blocks.start..middle, left),
+                || self.assemble(f, from, (to, offset), middle..blocks.end, right),
+            );
+            return;
         }
-    }
-
-    /// How many of the children make up half of the work.
-    fn halves(&self, children: &[u32]) -> usize {
-        halves(self.tree, children)
+        if offset == 0 {
+            values.fill(0.0);
+        }
+        for (&c, from) in self.tree.children[f].iter().zip(from) {
+            add(&self.tree.fronts[c as usize], from, (to, offset), &blocks, values);
+        }
     }
 
     /// Factors a subtree front by front.
-    fn one_after_another(&self, f: usize, panels: &mut [f64], out: &mut [f64]) -> Result<(), Stop> {
+    fn one_after_another(
+        &self,
+        subtree: Range<usize>,
+        part: Part<'_>,
+        out: &mut Vec<f64>,
+    ) -> Result<(), FactorError> {
         let fronts = &self.tree.fronts;
-        let start = fronts[fronts[f].leaf].panel;
-        let mut scratch = self.scratch();
-        let Scratch { stack, dense } = &mut *scratch;
+        let leaf = subtree.start;
+        let start = fronts[leaf].panel;
+        let mut memory = self.stack();
+        let Stack { values: stack, kept } = &mut *memory;
         let mut top = 0;
-        for s in fronts[f].leaf..=f {
+        for s in subtree.clone() {
             let front = &fronts[s];
-            let own = front.rows.len().pow(2);
-            let panel = &mut panels[front.panel - start..][..front.height() * front.width];
+            let last = s + 1 == subtree.end;
+            let (layout, passed) = (front.layout(), front.passed());
+            let own = passed.size();
+            let panel = &mut part.panels[front.panel - start..][..layout.size()];
             let children = self.tree.passed_by_children(s);
             let (held, free) = stack.split_at_mut(top);
-            let next = if s == f { &mut *out } else { &mut free[..own] };
+            let next = if last {
+                *out = zeros(own)?;
+                &mut out[..]
+            } else {
+                free[..own].fill(0.0);
+                &mut free[..own]
+            };
             panel.fill(0.0);
-            next.fill(0.0);
-            self.tree.enter(s, self.values, panel);
             let mut at = top - children;
             for &c in &self.tree.children[s] {
                 let child = &fronts[c as usize];
-                let size = child.rows.len().pow(2);
-                add(front, child, &held[at..at + size], panel, next);
+                let size = child.passed().size();
+                let from = &held[at..at + size];
+                add(child, from, (layout, 0), &(0..layout.blocks()), panel);
+                add(child, from, (passed, front.width), &(0..passed.blocks()), next);
                 at += size;
             }
-            eliminate(front, panel, next, dense, Par::Seq)?;
-            if s != f && children > 0 {
+            self.tree.enter(s, self.values, panel);
+            let mut work = Elimination {
+                layout,
+                pivots: &mut part.pivots[s - leaf],
+                kept,
+                parallel: false,
+                wary: self.wary,
+            };
+            work.columns(panel)?;
+            work.rest(panel, next);
+            if !last && children > 0 {
                 stack.copy_within(top..top + own, top - children);
             }
             top = top - children + own;
@@ -350,30 +376,15 @@ impl Numeric<'_> {
         Ok(())
     }
 
-    /// Memory of at least this size: the smallest that fits of what was given back, else new.
-    fn take(&self, size: usize) -> Result<Vec<f64>, Stop> {
-        let mut pool = locked(self.pool);
-        let fits = (0..pool.len()).filter(|&k| pool[k].len() >= size).min_by_key(|&k| pool[k].len());
-        match fits {
-            Some(k) => Ok(pool.swap_remove(k)),
-            None => zeros(size).map_err(|_| Stop::Memory),
-        }
-    }
-
-    fn give_back(&self, slot: &mut Vec<f64>) {
-        if !slot.is_empty() {
-            locked(self.pool).push(std::mem::take(slot));
-        }
-    }
-
     /// The stack of this thread. While it is held no other work is waited for.
-    fn scratch(&self) -> MutexGuard<'_, Scratch> {
+    fn stack(&self) -> MutexGuard<'_, Stack> {
         let own = rayon::current_thread_index().unwrap_or(0);
         locked(&self.stacks[own % self.stacks.len()])
     }
 }
 
-fn halves(tree: &AssemblyTree, children: &[u32]) -> usize {
+/// How many of the children of a front make up half of their work.
+pub(super) fn halves(tree: &AssemblyTree, children: &[u32]) -> usize {
     let work = |c: &u32| tree.fronts[*c as usize].work;
     let total: f64 = children.iter().map(work).sum();
     let mut sum = 0.0;
@@ -386,25 +397,31 @@ fn halves(tree: &AssemblyTree, children: &[u32]) -> usize {
     children.len() - 1
 }
 
-/// Adds what a child passes on to the panel and to what the parent passes on.
-pub(super) fn add(parent: &Front, child: &Front, from: &[f64], panel: &mut [f64], out: &mut [f64]) {
-    let (m, height, width) = (child.rows.len(), parent.height(), parent.width);
-    let below = parent.rows.len();
+/// Adds what a child passes on to block columns of its parent: of a trapezoid whose first column has the number `offset`
+/// there. `values` are those block columns.
+fn add(
+    child: &Front,
+    from: &[f64],
+    (to, offset): (Trapezoid, usize),
+    blocks: &Range<usize>,
+    values: &mut [f64],
+) {
+    let source = child.passed();
+    let start = to.start(blocks.start);
+    let first = offset + blocks.start * BLOCK;
+    let end = offset + (blocks.end * BLOCK).min(to.columns);
     for (k, &[here, there, length]) in child.runs.iter().enumerate() {
-        for j in 0..length as usize {
-            let (column, place) = (here as usize + j, there as usize + j);
-            let source = &from[column * m..(column + 1) * m];
-            let (target, shift) = if place < width {
-                (&mut panel[place * height..(place + 1) * height], 0)
-            } else {
-                (&mut out[(place - width) * below..(place - width + 1) * below], width)
-            };
+        let (here, there, length) = (here as usize, there as usize, length as usize);
+        for place in there.max(first)..(there + length).min(end) {
+            let column = here + place - there;
+            let source = &from[source.diagonal(column)..];
+            let target = &mut values[to.diagonal(place - offset) - start..];
             // The rest of this run, then the runs below.
-            let rest = length as usize - j;
-            add_run(&mut target[place - shift..place - shift + rest], &source[column..column + rest]);
+            let rest = there + length - place;
+            add_run(&mut target[..rest], &source[..rest]);
             for &[here, there, length] in &child.runs[k + 1..] {
-                let (here, there, length) = (here as usize, there as usize - shift, length as usize);
-                add_run(&mut target[there..there + length], &source[here..here + length]);
+                let (here, there, length) = (here as usize, there as usize, length as usize);
+                add_run(&mut target[there - place..][..length], &source[here - column..][..length]);
             }
         }
     }
@@ -414,188 +431,5 @@ pub(super) fn add(parent: &Front, child: &Front, from: &[f64], panel: &mut [f64]
 fn add_run(target: &mut [f64], source: &[f64]) {
     for (t, s) in target.iter_mut().zip(source) {
         *t += s;
-    }
-}
-
-/// Eliminates the columns of a front: `L₁₁ L₁₁ᵀ = A₁₁`, `L₂₁ = A₂₁ L₁₁⁻ᵀ`, and passes on `C − L₂₁ L₂₁ᵀ`.
-fn eliminate(
-    front: &Front,
-    panel: &mut [f64],
-    out: &mut [f64],
-    dense: &mut MemBuffer,
-    par: Par,
-) -> Result<(), Stop> {
-    let (width, below, height) = (front.width, front.rows.len(), front.height());
-    let panel = MatMut::from_column_major_slice_with_stride_mut(panel, height, width, height);
-    let (mut first, mut second) = panel.split_at_row_mut(width);
-    cholesky_in_place(first.rb_mut(), Default::default(), par, MemStack::new(dense), Default::default())
-        .map_err(|_| Stop::NotPositive)?;
-    if below == 0 {
-        return Ok(());
-    }
-    solve_lower_triangular_in_place(first.rb(), second.rb_mut().transpose_mut(), par);
-    let out = MatMut::from_column_major_slice_mut(out, below, below);
-    triangular_matmul(
-        out,
-        BlockStructure::TriangularLower,
-        Accum::Add,
-        second.rb(),
-        BlockStructure::Rectangular,
-        second.rb().transpose(),
-        BlockStructure::Rectangular,
-        -1.0,
-        par,
-    );
-    Ok(())
-}
-
-/// Work on a subtree: its front, its columns, its rows.
-type Sweep<'a> = fn(&Solver<'a>, usize, &mut [f64], &mut [f64]);
-
-/// What the solution with the factor needs.
-struct Solver<'a> {
-    tree: &'a AssemblyTree,
-    factor: &'a [f64],
-    split: &'a [bool],
-    pivots: Option<&'a Pivots>,
-}
-
-impl<'a> Solver<'a> {
-    fn panel(&self, front: &Front) -> (MatRef<'_, f64>, MatRef<'_, f64>) {
-        let size = front.height() * front.width;
-        let panel = &self.factor[front.panel..front.panel + size];
-        MatRef::from_column_major_slice_with_stride(panel, front.height(), front.width, front.height())
-            .split_at_row(front.width)
-    }
-
-    /// `L y = b` in a subtree; `x` are its columns, `y` the sums of its rows.
-    fn forward(&self, f: usize, x: &mut [f64], y: &mut [f64]) {
-        let fronts = &self.tree.fronts;
-        let begin = &fronts[fronts[f].leaf];
-        if self.split[f] {
-            let front = &fronts[f];
-            let (x_below, x_own) = x.split_at_mut(front.first - begin.first);
-            let (y_below, y_own) = y.split_at_mut(front.row_start - begin.row_start);
-            self.each(&self.tree.children[f], x_below, y_below, Self::forward);
-            self.forward_front(f, x_own, y_own, y_below, begin.row_start);
-        } else {
-            for s in fronts[f].leaf..=f {
-                let front = &fronts[s];
-                let x_own = &mut x[front.first - begin.first..][..front.width];
-                let (y_below, y_own) = y.split_at_mut(front.row_start - begin.row_start);
-                self.forward_front(s, x_own, &mut y_own[..front.rows.len()], y_below, begin.row_start);
-            }
-        }
-    }
-
-    fn forward_front(&self, f: usize, x: &mut [f64], y: &mut [f64], below: &[f64], start: usize) {
-        let front = &self.tree.fronts[f];
-        y.fill(0.0);
-        for &c in &self.tree.children[f] {
-            let child = &self.tree.fronts[c as usize];
-            let from = &below[child.row_start - start..][..child.rows.len()];
-            for &[here, there, length] in &child.runs {
-                let (here, there, length) = (here as usize, there as usize, length as usize);
-                let target = if there < front.width {
-                    &mut x[there..there + length]
-                } else {
-                    &mut y[there - front.width..there - front.width + length]
-                };
-                add_run(target, &from[here..here + length]);
-            }
-        }
-        let (first, second) = self.panel(front);
-        let (n, m) = (x.len(), y.len());
-        if let Some(pivots) = self.pivots {
-            let before = x.to_vec();
-            for (x, &from) in x.iter_mut().zip(&pivots.order[front.first..]) {
-                *x = before[from];
-            }
-        }
-        let mut x = MatMut::from_column_major_slice_mut(x, n, 1);
-        match self.pivots {
-            None => solve_lower_triangular_in_place(first, x.rb_mut(), Par::Seq),
-            Some(_) => solve_unit_lower_triangular_in_place(first, x.rb_mut(), Par::Seq),
-        }
-        if m > 0 {
-            let y = MatMut::from_column_major_slice_mut(y, m, 1);
-            matmul(y, Accum::Add, second, x.rb(), -1.0, Par::Seq);
-        }
-    }
-
-    /// `Lᵀ x = y` in a subtree whose `y` holds the solution at the rows of its last front.
-    fn backward(&self, f: usize, x: &mut [f64], y: &mut [f64]) {
-        let fronts = &self.tree.fronts;
-        let begin = &fronts[fronts[f].leaf];
-        if self.split[f] {
-            let front = &fronts[f];
-            let (x_below, x_own) = x.split_at_mut(front.first - begin.first);
-            let (y_below, y_own) = y.split_at_mut(front.row_start - begin.row_start);
-            self.backward_front(f, x_own, y_own, y_below, begin.row_start);
-            self.each(&self.tree.children[f], x_below, y_below, Self::backward);
-        } else {
-            for s in (fronts[f].leaf..=f).rev() {
-                let front = &fronts[s];
-                let x_own = &mut x[front.first - begin.first..][..front.width];
-                let (y_below, y_own) = y.split_at_mut(front.row_start - begin.row_start);
-                self.backward_front(s, x_own, &mut y_own[..front.rows.len()], y_below, begin.row_start);
-            }
-        }
-    }
-
-    fn backward_front(&self, f: usize, x: &mut [f64], y: &mut [f64], below: &mut [f64], start: usize) {
-        let front = &self.tree.fronts[f];
-        let (first, second) = self.panel(front);
-        let (n, m) = (x.len(), y.len());
-        if let Some(pivots) = self.pivots {
-            pivots.divide(front, |j| first[(j, j)], x);
-        }
-        {
-            let mut x = MatMut::from_column_major_slice_mut(x, n, 1);
-            if m > 0 {
-                let y = MatRef::from_column_major_slice(y, m, 1);
-                matmul(x.rb_mut(), Accum::Add, second.transpose(), y, -1.0, Par::Seq);
-            }
-            match self.pivots {
-                None => solve_upper_triangular_in_place(first.transpose(), x, Par::Seq),
-                Some(_) => solve_unit_upper_triangular_in_place(first.transpose(), x, Par::Seq),
-            }
-        }
-        if let Some(pivots) = self.pivots {
-            let before = x.to_vec();
-            for (value, &to) in before.iter().zip(&pivots.order[front.first..]) {
-                x[to] = *value;
-            }
-        }
-        for &c in &self.tree.children[f] {
-            let child = &self.tree.fronts[c as usize];
-            let to = &mut below[child.row_start - start..][..child.rows.len()];
-            for &[here, there, length] in &child.runs {
-                let (here, there, length) = (here as usize, there as usize, length as usize);
-                let from = if there < front.width {
-                    &x[there..there + length]
-                } else {
-                    &y[there - front.width..there - front.width + length]
-                };
-                to[here..here + length].copy_from_slice(from);
-            }
-        }
-    }
-
-    /// Works on the subtrees of one parent, halves of them in parallel.
-    fn each(&self, children: &[u32], x: &mut [f64], y: &mut [f64], work: Sweep<'a>) {
-        match children {
-            [] => {}
-            &[c] => work(self, c as usize, x, y),
-            _ => {
-                let (a, b) = children.split_at(halves(self.tree, children));
-                let (Some(&begin), Some(&middle)) = (a.first(), b.first()) else { return };
-                let leaf = |c: u32| &self.tree.fronts[self.tree.fronts[c as usize].leaf];
-                let (begin, middle) = (leaf(begin), leaf(middle));
-                let (x_a, x_b) = x.split_at_mut(middle.first - begin.first);
-                let (y_a, y_b) = y.split_at_mut(middle.row_start - begin.row_start);
-                rayon::join(|| self.each(a, x_a, y_a, work), || self.each(b, x_b, y_b, work));
-            }
-        }
     }
 }

@@ -1,150 +1,191 @@
-//! LBLᵀ factorisation of indefinite matrices on the fronts of the multifrontal method.
+//! LBLᵀ factorisation of columns of a front whose block on the diagonal is not positive definite.
 //!
-//! The columns of a front are eliminated with Bunch–Kaufman pivots, 1×1 and 2×2, chosen among themselves. The signs of
-//! the pivots are the inertia of the matrix. Fronts are worked off one after another: such matrices are met at
-//! limit points and in saddle points, not in every iteration.
+//! They are eliminated with 1×1 and 2×2 pivots, chosen among themselves so that the entries of L within the block stay
+//! bounded. The signs of the pivots are the inertia of the matrix.
 //!
 //! J. R. Bunch, L. Kaufman, *Some stable methods for calculating inertia and solving symmetric linear systems*, Math.
-//! Comp. 31 (1977) 163–179.
+//! Comp. 31 (1977) 163–179; C. Ashcraft, R. G. Grimes, J. G. Lewis, *Accurate symmetric indefinite linear equation
+//! solvers*, SIAM J. Matrix Anal. Appl. 20 (1998) 513–561.
+
+use std::ops::Range;
 
 use dyn_stack::{MemBuffer, MemStack};
 use faer::diag::DiagMut;
-use faer::linalg::cholesky::lblt::factor::{cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
+use faer::linalg::cholesky::lblt::factor::{
+    LbltParams, PivotingStrategy, cholesky_in_place, cholesky_in_place_scratch,
+};
 use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
 use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{Accum, ColMut, MatMut, Par};
+use faer::{Auto, Mat, MatMut, Par};
 
-use super::assembly_tree::{AssemblyTree, Front};
-use super::multifrontal::{add, zeros};
+use super::trapezoid::BLOCK;
 use super::{FactorError, Inertia};
 
-/// Pivots of an LBLᵀ factorisation, and the memory to make one.
+/// Pivots of consecutive columns of a front: `P A Pᵀ = L B Lᵀ`. L is where the columns were.
 pub(super) struct Pivots {
-    /// Entries of B below its diagonal, by columns.
-    pub below: Vec<f64>,
-    /// Which column of its front is eliminated at each place.
-    pub order: Vec<usize>,
-    inverse: Vec<usize>,
-    /// What waits to be added to a parent.
-    stack: Vec<f64>,
-    /// L₂₁ B of the front at work.
-    product: Vec<f64>,
-    dense: MemBuffer,
+    /// Diagonal of B.
+    diagonal: Vec<f64>,
+    /// Entries of B below its diagonal.
+    below: Vec<f64>,
+    /// The place that each place is exchanged with, one after another.
+    swaps: Vec<usize>,
 }
 
 impl Pivots {
-    /// Memory for the fronts of a tree.
-    pub fn new(tree: &AssemblyTree) -> Result<Self, FactorError> {
-        let n = tree.order.len();
-        let widest = tree.fronts.iter().map(|f| f.width).max().unwrap_or(0);
-        let largest = tree.fronts.iter().map(|f| f.width * f.rows.len()).max().unwrap_or(0);
-        let request = cholesky_in_place_scratch::<usize, f64>(widest, Par::Seq, Default::default());
-        let (mut held, mut most) = (0_usize, 0);
-        for (f, front) in tree.fronts.iter().enumerate() {
-            let own = front.rows.len().pow(2);
-            most = most.max(held + own);
-            held = held + own - tree.passed_by_children(f);
+    /// Factors the block `first` on the diagonal, of which the lower triangle is given, and the rows `second` below it:
+    /// `L₂₁ = A₂₁ Pᵀ L₁₁⁻ᵀ B⁻¹`.
+    ///
+    /// # Errors
+    /// A pivot vanished or is not a number, or there is no memory.
+    pub fn new(mut first: MatMut<'_, f64>, mut second: MatMut<'_, f64>) -> Result<Self, FactorError> {
+        let n = first.nrows();
+        if (0..n).any(|j| first.rb().col(j).subrows(j, n - j).iter().any(|x| !x.is_finite())) {
+            return Err(FactorError::Singular);
         }
-        Ok(Self {
-            below: zeros(n)?,
-            order: vec![0; n],
-            inverse: vec![0; n],
-            stack: zeros(most)?,
-            product: zeros(largest)?,
-            dense: MemBuffer::try_new(request).map_err(|_| FactorError::TooLarge)?,
+        let mut parameters =
+            LbltParams { pivoting: PivotingStrategy::Rook, ..<LbltParams as Auto<f64>>::auto() };
+        if n <= BLOCK {
+            parameters.block_size = 0;
+        }
+        let request = cholesky_in_place_scratch::<usize, f64>(n, Par::Seq, parameters.into());
+        let mut memory = MemBuffer::try_new(request).map_err(|_| FactorError::TooLarge)?;
+        let (mut below, mut order, mut inverse) = (vec![0.0; n], vec![0; n], vec![0; n]);
+        cholesky_in_place(
+            first.rb_mut(),
+            DiagMut::from_slice_mut(&mut below),
+            &mut order,
+            &mut inverse,
+            Par::Seq,
+            MemStack::new(&mut memory),
+            parameters.into(),
+        );
+        let diagonal = (0..n).map(|j| first[(j, j)]).collect();
+        let out = Self { diagonal, below, swaps: swaps(&order) };
+        if out.inertia().zero > 0 {
+            return Err(FactorError::Singular);
+        }
+        let rows = Mat::from_fn(second.nrows(), n, |i, j| second[(i, order[j])]);
+        second.copy_from(&rows);
+        solve_unit_lower_triangular_in_place(first.rb(), second.rb_mut().transpose_mut(), Par::Seq);
+        out.divide_columns(second);
+        Ok(out)
+    }
+
+    /// Signs of the eigenvalues of B.
+    pub fn inertia(&self) -> Inertia {
+        let mut out = Inertia::default();
+        self.each(|_, pivot| match pivot {
+            Pivot::Single(d) if d > 0.0 => out.positive += 1,
+            Pivot::Single(d) if d < 0.0 => out.negative += 1,
+            // Pairs are taken where the entry off the diagonal prevails: one eigenvalue of each sign.
+            Pivot::Pair([a, b, c]) if (a / b) * (c / b) < 1.0 => {
+                out.positive += 1;
+                out.negative += 1;
+            }
+            Pivot::Single(_) => out.zero += 1,
+            Pivot::Pair(_) => out.zero += 2,
+        });
+        out
+    }
+
+    /// Sizes of the pivots, by column.
+    pub fn sizes(&self) -> Vec<f64> {
+        let mut out: Vec<f64> = self.diagonal.iter().map(|d| d.abs()).collect();
+        for (j, b) in self.below.iter().enumerate().filter(|(_, b)| **b != 0.0) {
+            for size in &mut out[j..j + 2] {
+                *size = size.max(b.abs());
+            }
+        }
+        self.restore(&mut out);
+        out
+    }
+
+    /// Some columns of `rows · B`, for rows of `L₂₁` whose entries `at` tells by row and column.
+    pub fn multiply(&self, rows: usize, columns: Range<usize>, at: impl Fn(usize, usize) -> f64) -> Mat<f64> {
+        Mat::from_fn(rows, columns.len(), |i, j| {
+            let j = columns.start + j;
+            let mut sum = self.diagonal[j] * at(i, j);
+            if j + 1 < self.below.len() && self.below[j] != 0.0 {
+                sum += self.below[j] * at(i, j + 1);
+            }
+            if j > 0 && self.below[j - 1] != 0.0 {
+                sum += self.below[j - 1] * at(i, j - 1);
+            }
+            sum
         })
     }
 
-    /// Factors the matrix with the given values into the panels `factor`.
-    pub fn factor(
-        &mut self,
-        tree: &AssemblyTree,
-        values: &[f64],
-        factor: &mut [f64],
-    ) -> Result<Inertia, FactorError> {
-        let mut inertia = Inertia::default();
-        let mut top = 0;
-        for (f, front) in tree.fronts.iter().enumerate() {
-            let own = front.rows.len().pow(2);
-            let children = tree.passed_by_children(f);
-            let panel = &mut factor[front.panel..front.panel + front.height() * front.width];
-            let (held, free) = self.stack.split_at_mut(top);
-            let next = &mut free[..own];
-            panel.fill(0.0);
-            next.fill(0.0);
-            tree.enter(f, values, panel);
-            let mut at = top - children;
-            for &c in &tree.children[f] {
-                let child = &tree.fronts[c as usize];
-                let size = child.rows.len().pow(2);
-                add(front, child, &held[at..at + size], panel, next);
-                at += size;
-            }
-            let columns = front.first..front.first + front.width;
-            let (below, order) = (&mut self.below[columns.clone()], &mut self.order[columns.clone()]);
-            below.fill(0.0);
-            let matrix = MatMut::from_column_major_slice_with_stride_mut(
-                panel,
-                front.height(),
-                front.width,
-                front.height(),
-            );
-            let (mut first, mut second) = matrix.split_at_row_mut(front.width);
-            cholesky_in_place(
-                first.rb_mut(),
-                DiagMut::from_slice_mut(below),
-                order,
-                &mut self.inverse[columns],
-                Par::Seq,
-                MemStack::new(&mut self.dense),
-                Default::default(),
-            );
-            count(&mut inertia, first.rb().diagonal().column_vector().iter().copied(), below)?;
-            if own > 0 {
-                let product = &mut self.product[..front.rows.len() * front.width];
-                let mut product = MatMut::from_column_major_slice_mut(product, front.rows.len(), front.width);
-                for (j, &from) in order.iter().enumerate() {
-                    product.rb_mut().col_mut(j).copy_from(second.rb().col(from));
+    /// Columns of rows below the block times `B⁻¹`.
+    fn divide_columns(&self, mut rows: MatMut<'_, f64>) {
+        self.each(|j, pivot| match pivot {
+            Pivot::Single(d) => rows.rb_mut().col_mut(j).iter_mut().for_each(|x| *x /= d),
+            Pivot::Pair(block) => {
+                for i in 0..rows.nrows() {
+                    [rows[(i, j)], rows[(i, j + 1)]] = solve_pair(block, [rows[(i, j)], rows[(i, j + 1)]]);
                 }
-                solve_unit_lower_triangular_in_place(first.rb(), product.rb_mut().transpose_mut(), Par::Seq);
-                for j in 0..front.width {
-                    second.rb_mut().col_mut(j).copy_from(product.rb().col(j));
-                }
-                let diagonal: Vec<f64> = (0..front.width).map(|j| first[(j, j)]).collect();
-                divide_columns(&diagonal, below, second.rb_mut());
-                triangular_matmul(
-                    MatMut::from_column_major_slice_mut(next, front.rows.len(), front.rows.len()),
-                    BlockStructure::TriangularLower,
-                    Accum::Add,
-                    second.rb(),
-                    BlockStructure::Rectangular,
-                    product.rb().transpose(),
-                    BlockStructure::Rectangular,
-                    -1.0,
-                    Par::Seq,
-                );
             }
-            self.stack.copy_within(top..top + own, top - children);
-            top = top - children + own;
-        }
-        Ok(inertia)
+        });
     }
 
-    /// `B⁻¹` on the columns of a front.
-    pub fn divide(&self, front: &Front, diagonal: impl Fn(usize) -> f64, x: &mut [f64]) {
-        let below = &self.below[front.first..front.first + front.width];
-        let mut j = 0;
-        while j < x.len() {
-            if below[j] == 0.0 || j + 1 == x.len() {
-                x[j] /= diagonal(j);
+    /// `B⁻¹ x`.
+    pub fn divide(&self, x: &mut [f64]) {
+        self.each(|j, pivot| match pivot {
+            Pivot::Single(d) => x[j] /= d,
+            Pivot::Pair(block) => [x[j], x[j + 1]] = solve_pair(block, [x[j], x[j + 1]]),
+        });
+    }
+
+    /// Brings the unknowns of the columns into the order of the pivots.
+    pub fn permute(&self, x: &mut [f64]) {
+        for (j, &other) in self.swaps.iter().enumerate() {
+            x.swap(j, other);
+        }
+    }
+
+    /// Brings them back.
+    pub fn restore(&self, x: &mut [f64]) {
+        for (j, &other) in self.swaps.iter().enumerate().rev() {
+            x.swap(j, other);
+        }
+    }
+
+    /// Calls `f` with the column of each pivot.
+    #[inline]
+    fn each(&self, mut f: impl FnMut(usize, Pivot)) {
+        let (n, mut j) = (self.below.len(), 0);
+        while j < n {
+            let b = self.below[j];
+            if b == 0.0 || j + 1 == n {
+                f(j, Pivot::Single(self.diagonal[j]));
                 j += 1;
             } else {
-                [x[j], x[j + 1]] = solve_pair([diagonal(j), below[j], diagonal(j + 1)], [x[j], x[j + 1]]);
+                f(j, Pivot::Pair([self.diagonal[j], b, self.diagonal[j + 1]]));
                 j += 2;
             }
         }
     }
+}
+
+/// Exchanges that bring what is at `order[j]` to place j, one place after another.
+fn swaps(order: &[usize]) -> Vec<usize> {
+    let n = order.len();
+    // Where each one is now, and which one is at each place.
+    let (mut place, mut content): (Vec<usize>, Vec<usize>) = ((0..n).collect(), (0..n).collect());
+    let mut out = Vec::with_capacity(n);
+    for (j, &wanted) in order.iter().enumerate() {
+        let from = place[wanted];
+        out.push(from);
+        place.swap(content[j], wanted);
+        content.swap(j, from);
+    }
+    out
+}
+
+/// A pivot: a number, or `[[a, b], [b, c]]` by its lower triangle.
+#[derive(Clone, Copy)]
+enum Pivot {
+    Single(f64),
+    Pair([f64; 3]),
 }
 
 /// `[[a, b], [b, c]]⁻¹ [x, y]`, divided by b first so that nothing overflows.
@@ -152,55 +193,4 @@ fn solve_pair([a, b, c]: [f64; 3], [x, y]: [f64; 2]) -> [f64; 2] {
     let (a, c, x, y) = (a / b, c / b, x / b, y / b);
     let determinant = a * c - 1.0;
     [(c * x - y) / determinant, (a * y - x) / determinant]
-}
-
-/// Columns times `B⁻¹`.
-fn divide_columns(diagonal: &[f64], below: &[f64], mut m: MatMut<'_, f64>) {
-    let mut j = 0;
-    let scale = |column: ColMut<'_, f64>, d: f64| column.iter_mut().for_each(|x| *x /= d);
-    while j < diagonal.len() {
-        if below[j] == 0.0 || j + 1 == diagonal.len() {
-            scale(m.rb_mut().col_mut(j), diagonal[j]);
-            j += 1;
-        } else {
-            let block = [diagonal[j], below[j], diagonal[j + 1]];
-            for i in 0..m.nrows() {
-                [m[(i, j)], m[(i, j + 1)]] = solve_pair(block, [m[(i, j)], m[(i, j + 1)]]);
-            }
-            j += 2;
-        }
-    }
-}
-
-/// Counts the signs of the eigenvalues of B.
-fn count(
-    inertia: &mut Inertia,
-    diagonal: impl Iterator<Item = f64>,
-    below: &[f64],
-) -> Result<(), FactorError> {
-    let diagonal: Vec<f64> = diagonal.collect();
-    let mut add = |d: f64| {
-        if d > 0.0 {
-            inertia.positive += 1;
-        } else if d < 0.0 {
-            inertia.negative += 1;
-        } else {
-            return Err(FactorError::Singular);
-        }
-        Ok(())
-    };
-    let mut j = 0;
-    while j < diagonal.len() {
-        if below[j] == 0.0 || j + 1 == diagonal.len() {
-            add(diagonal[j])?;
-            j += 1;
-        } else {
-            let (a, b, c) = (diagonal[j], below[j], diagonal[j + 1]);
-            let (mean, radius) = (0.5 * (a + c), (0.5 * (a - c)).hypot(b));
-            add(mean - radius)?;
-            add(mean + radius)?;
-            j += 2;
-        }
-    }
-    Ok(())
 }

@@ -30,7 +30,7 @@ impl Shape {
         let size = g.positions.iter().map(|x| (x - centre).norm()).fold(0.0, f64::max);
         let far = g.positions.iter().map(|x| x.amax()).fold(0.0, f64::max);
         let tolerance = ROUNDING * (1.0 + far / size);
-        if !(tolerance < 0.1 * CELL) {
+        if tolerance.is_nan() || tolerance > 0.1 * CELL {
             return None;
         }
         let positions = g.positions.iter().map(|x| (x - centre) / size);

@@ -65,8 +65,10 @@ struct Target {
 /// Adds up the pattern from elements.
 #[derive(Debug, Default)]
 pub struct PatternBuilder {
-    /// Block and number in the buffer, by portion.
-    entries: Vec<Vec<(u64, u32)>>,
+    /// Finished portions without their targets, and the blocks that are to be those.
+    portions: Vec<(Portion, Vec<u64>)>,
+    /// Block and number in the buffer, of the last portion.
+    entries: Vec<(u64, u32)>,
     masses: Vec<(u64, f64)>,
     /// Elements and blocks in the last portion.
     elements: usize,
@@ -81,6 +83,29 @@ impl PatternBuilder {
     /// The elements that come next are not of the same portion as those before.
     pub fn end_portion(&mut self) {
         (self.elements, self.blocks) = (0, 0);
+        if self.entries.is_empty() {
+            return;
+        }
+        // Stable order of contributions: by block, then by element.
+        self.entries.sort_unstable();
+        let mut keys: Vec<u64> = self.entries.iter().map(|e| e.0).collect();
+        keys.dedup();
+        keys.shrink_to_fit();
+        let mut portion = Portion {
+            targets: Vec::new(),
+            source_start: Vec::with_capacity(keys.len() + 1),
+            sources: self.entries.iter().map(|e| e.1).collect(),
+        };
+        let mut last = None;
+        for (source, &(key, _)) in self.entries.iter().enumerate() {
+            if last != Some(key) {
+                last = Some(key);
+                portion.source_start.push(source as u32);
+            }
+        }
+        portion.source_start.push(self.entries.len() as u32);
+        self.portions.push((portion, keys));
+        self.entries.clear();
     }
 
     /// Adds an element whose lower blocks come next in the buffer.
@@ -88,14 +113,10 @@ impl PatternBuilder {
         if self.elements == PORTION {
             self.end_portion();
         }
-        if self.elements == 0 {
-            self.entries.push(Vec::with_capacity(PORTION * vectors.len() * (vectors.len() + 1) / 2));
-        }
-        let Some(entries) = self.entries.last_mut() else { return };
         let mut pair = 0;
         for (a, &va) in vectors.iter().enumerate() {
             for &vb in &vectors[..=a] {
-                entries.push((key(va, vb), 2 * self.blocks + u32::from(va < vb)));
+                self.entries.push((key(va, vb), 2 * self.blocks + u32::from(va < vb)));
                 if let Some(&m) = mass.get(pair)
                     && m != 0.0
                 {
@@ -115,21 +136,12 @@ impl PatternBuilder {
 
     /// The pattern of the free coordinates.
     pub fn build(mut self, vectors: usize, numbering: &Numbering) -> Pattern {
-        // Stable order of contributions: by block, then by element.
-        self.entries.par_iter_mut().for_each(|entries| entries.sort_unstable());
+        self.end_portion();
+        self.entries = Vec::new();
         self.masses.sort_by_key(|m| m.0);
         let mut keys: Vec<u64> = (0..vectors as u32).map(|v| key(v, v)).collect();
-        for entries in &self.entries {
-            let before = keys.len();
-            keys.extend(entries.iter().map(|e| e.0));
-            let mut kept = before;
-            for i in before..keys.len() {
-                if i == before || keys[i] != keys[i - 1] {
-                    keys[kept] = keys[i];
-                    kept += 1;
-                }
-            }
-            keys.truncate(kept);
+        for (_, of_portion) in &self.portions {
+            keys.extend(of_portion);
         }
         keys.extend(self.masses.iter().map(|m| m.0));
         keys.par_sort_unstable();
@@ -148,11 +160,11 @@ impl PatternBuilder {
             }
         }
         let mut met = vec![false; keys.len()];
-        let portions = self
-            .entries
-            .iter()
-            .map(|entries| Portion::new(entries, (&keys, &column_start, numbering), &mut met))
-            .collect();
+        let mut portions = Vec::with_capacity(self.portions.len());
+        for (mut portion, of_portion) in self.portions {
+            portion.aim(&of_portion, (&keys, &column_start, numbering), &mut met);
+            portions.push(portion);
+        }
         let alone = (0..keys.len() as u32).filter(|&b| !met[b as usize]).collect();
 
         let mut tail = vec![0; keys.len()];
@@ -194,17 +206,16 @@ impl PatternBuilder {
 }
 
 impl Portion {
-    /// From entries in ascending order; `met` tells which blocks of the matrix have appeared already.
-    fn new(
-        entries: &[(u64, u32)],
+    /// Finds the targets; `met` tells which blocks of the matrix have appeared already.
+    fn aim(
+        &mut self,
+        wanted: &[u64],
         (keys, column_start, numbering): (&[u64], &[u32], &Numbering),
         met: &mut [bool],
-    ) -> Self {
-        let mut out = Self::default();
-        let mut last = None;
-        for (source, &(key, number)) in entries.iter().enumerate() {
-            if last != Some(key) {
-                last = Some(key);
+    ) {
+        self.targets = wanted
+            .iter()
+            .map(|&key| {
                 let column = (key >> 32) as u32;
                 let start = column_start[column as usize] as usize;
                 let end = column_start[column as usize + 1] as usize;
@@ -212,13 +223,9 @@ impl Portion {
                 let first = !std::mem::replace(&mut met[block], true);
                 let (i, j) = (key as u32 as usize, column as usize);
                 let plain = i != j && numbering.is_plain(i) && numbering.is_plain(j);
-                out.targets.push(Target { column, block: block as u32, first, plain });
-                out.source_start.push(source as u32);
-            }
-            out.sources.push(number);
-        }
-        out.source_start.push(entries.len() as u32);
-        out
+                Target { column, block: block as u32, first, plain }
+            })
+            .collect();
     }
 
     /// Sum of the contributions to a target.

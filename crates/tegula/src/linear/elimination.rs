@@ -1,0 +1,307 @@
+//! Dense work on a front: its columns are eliminated block column by block column, and what it passes on is brought up
+//! to date.
+//!
+//! Blocks are worked off by halves: the left half is eliminated, taken off the right half, then the right half is
+//! eliminated. What is taken off is cut into tiles whose bounds depend on the sizes alone, so that the result is the same
+//! to the bit whether tiles are worked off one after another or in parallel. A block on the diagonal that is not positive
+//! definite is eliminated [with pivots](super::pivoted) of its own; where it has none, all columns of the front from there
+//! on are eliminated at once, with pivots chosen among all of them.
+
+use std::mem::MaybeUninit;
+use std::ops::Range;
+
+use dyn_stack::MemStack;
+use faer::linalg::cholesky::llt::factor::cholesky_in_place;
+use faer::linalg::matmul::matmul;
+use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
+
+use super::FactorError;
+use super::pivoted::Pivots;
+use super::trapezoid::{BLOCK, Trapezoid};
+
+/// Rows of a tile from which on it is cut in two.
+const TILE: usize = 512;
+
+/// Blocks of a front that are not positive definite, ascending.
+pub(super) type FrontPivots = Vec<PivotedBlocks>;
+
+/// Blocks that share their pivots.
+pub(super) struct PivotedBlocks {
+    pub blocks: Range<usize>,
+    pub pivots: Pivots,
+}
+
+impl PivotedBlocks {
+    /// Their columns in a front of that many.
+    pub fn columns(&self, width: usize) -> Range<usize> {
+        self.blocks.start * BLOCK..(self.blocks.end * BLOCK).min(width)
+    }
+}
+
+/// Why the elimination of blocks ended early.
+enum Stop {
+    /// This block is singular; it is as it was.
+    Singular(usize),
+    Failed(FactorError),
+}
+
+/// Does both, at the same time where that is wanted.
+pub(super) fn both<A: Send, B: Send>(
+    parallel: bool,
+    a: impl FnOnce() -> A + Send,
+    b: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    if parallel { rayon::join(a, b) } else { (a(), b()) }
+}
+
+/// Entries of the triangle of a block.
+pub(super) const KEPT: usize = BLOCK * (BLOCK + 1) / 2;
+
+/// A front whose columns are eliminated.
+pub(super) struct Elimination<'a> {
+    /// Its columns.
+    pub layout: Trapezoid,
+    /// Pivots of its blocks.
+    pub pivots: &'a mut FrontPivots,
+    /// Memory for a block.
+    pub kept: &'a mut Vec<f64>,
+    /// Tiles are worked off in parallel.
+    pub parallel: bool,
+    /// Pivots are chosen among all columns, even if they are positive definite.
+    pub wary: bool,
+}
+
+impl Elimination<'_> {
+    /// Eliminates the columns: `L₁₁ L₁₁ᵀ = A₁₁`, `L₂₁ = A₂₁ L₁₁⁻ᵀ`, block by block.
+    ///
+    /// # Errors
+    /// The columns are singular, or there is no memory for pivots.
+    pub fn columns(&mut self, panel: &mut [f64]) -> Result<(), FactorError> {
+        if self.wary && self.layout.columns > 0 {
+            return self.all_from(0, panel);
+        }
+        match self.blocks(0..self.layout.blocks(), panel) {
+            Ok(()) => Ok(()),
+            Err(Stop::Failed(error)) => Err(error),
+            Err(Stop::Singular(block)) => self.all_from(block, panel),
+        }
+    }
+
+    /// Takes what was eliminated off what is passed on, `C − L₂₁ L₂₁ᵀ`.
+    pub fn rest(&self, panel: &[f64], out: &mut [f64]) {
+        let to = Trapezoid::triangle(self.layout.rows - self.layout.columns);
+        let from = Source { first: 0, blocks: 0..self.layout.blocks(), values: panel };
+        self.take_off(&from, to, self.layout.columns, 0..to.blocks(), out);
+    }
+
+    fn blocks(&mut self, blocks: Range<usize>, values: &mut [f64]) -> Result<(), Stop> {
+        if blocks.len() <= 1 {
+            return if blocks.is_empty() { Ok(()) } else { self.block(blocks.start, values) };
+        }
+        let middle = blocks.start + blocks.len() / 2;
+        let (left, right) = values.split_at_mut(self.layout.start(middle) - self.layout.start(blocks.start));
+        let done = self.blocks(blocks.start..middle, left);
+        let last = match done {
+            Ok(()) => middle,
+            Err(Stop::Singular(block)) => block,
+            Err(Stop::Failed(_)) => return done,
+        };
+        let from = Source { first: blocks.start, blocks: blocks.start..last, values: left };
+        self.take_off(&from, self.layout, 0, middle..blocks.end, right);
+        done?;
+        self.blocks(middle..blocks.end, right)
+    }
+
+    /// Eliminates all columns from a block on with pivots chosen among all of them. They are up to date.
+    fn all_from(&mut self, first: usize, panel: &mut [f64]) -> Result<(), FactorError> {
+        let layout = self.layout;
+        let blocks = first..layout.blocks();
+        let start = first * BLOCK;
+        let (rows, columns) = (layout.rows - start, layout.columns - start);
+        let mut matrix = Mat::zeros(rows, columns);
+        for j in 0..columns {
+            let at = layout.diagonal(start + j);
+            let column = matrix.col_mut(j).subrows_mut(j, rows - j);
+            column.iter_mut().zip(&panel[at..]).for_each(|(x, value)| *x = *value);
+        }
+        let (upper, lower) = matrix.as_mut().split_at_row_mut(columns);
+        let pivots = Pivots::new(upper, lower)?;
+        for j in 0..columns {
+            let at = layout.diagonal(start + j);
+            let column = matrix.col(j).subrows(j, rows - j);
+            column.iter().zip(&mut panel[at..]).for_each(|(x, value)| *value = *x);
+        }
+        self.pivots.push(PivotedBlocks { blocks, pivots });
+        Ok(())
+    }
+
+    /// Eliminates one block.
+    fn block(&mut self, block: usize, values: &mut [f64]) -> Result<(), Stop> {
+        let width = self.layout.columns_of(block).len();
+        let height = self.layout.rows - block * BLOCK;
+        let matrix = MatMut::from_column_major_slice_mut(values, height, width);
+        let (mut first, second) = matrix.split_at_row_mut(width);
+        // A matrix that is not positive definite is found out when it is half destroyed.
+        self.kept.clear();
+        for j in 0..width {
+            let column = first.rb().col(j).subrows(j, width - j);
+            match column.try_as_col_major() {
+                Some(column) => self.kept.extend_from_slice(column.as_slice()),
+                None => self.kept.extend(column.iter()),
+            }
+        }
+        let mut memory = [const { MaybeUninit::<u8>::uninit() }; 2 * BLOCK * size_of::<f64>()];
+        let stack = MemStack::new(&mut memory);
+        let definite =
+            cholesky_in_place(first.rb_mut(), Default::default(), Par::Seq, stack, Default::default())
+                .is_ok();
+        if definite {
+            divide_rows(first.rb(), second, self.parallel);
+            return Ok(());
+        }
+        put_back(self.kept, first.rb_mut());
+        match Pivots::new(first.rb_mut(), second) {
+            Ok(pivots) => {
+                self.pivots.push(PivotedBlocks { blocks: block..block + 1, pivots });
+                Ok(())
+            }
+            // The rows below are as they were.
+            Err(FactorError::Singular) if block + 1 < self.layout.blocks() => {
+                put_back(self.kept, first);
+                Err(Stop::Singular(block))
+            }
+            Err(error) => Err(Stop::Failed(error)),
+        }
+    }
+
+    /// Takes eliminated blocks off block columns of a trapezoid whose first column is number `offset` of the front.
+    fn take_off(
+        &self,
+        from: &Source,
+        to: Trapezoid,
+        offset: usize,
+        blocks: Range<usize>,
+        values: &mut [f64],
+    ) {
+        if blocks.is_empty() {
+            return;
+        }
+        if blocks.len() == 1 {
+            let columns = to.columns_of(blocks.start);
+            let rows = to.rows - columns.start;
+            let tile = MatMut::from_column_major_slice_mut(values, rows, columns.len());
+            let column = offset + columns.start;
+            return self.tile(from, tile, column, column);
+        }
+        let middle = half(to, &blocks);
+        let (left, right) = values.split_at_mut(to.start(middle) - to.start(blocks.start));
+        both(
+            self.parallel,
+            || self.take_off(from, to, offset, blocks.start..middle, left),
+            || self.take_off(from, to, offset, middle..blocks.end, right),
+        );
+    }
+
+    /// Takes eliminated blocks off a tile whose first entry has the numbers `row` and `column` in the front.
+    fn tile(&self, from: &Source, mut tile: MatMut<'_, f64>, row: usize, column: usize) {
+        if tile.nrows() > TILE {
+            let middle = tile.nrows() / 2;
+            let (upper, lower) = tile.split_at_row_mut(middle);
+            both(
+                self.parallel,
+                || self.tile(from, upper, row, column),
+                || self.tile(from, lower, row + middle, column),
+            );
+            return;
+        }
+        let (rows, width) = (tile.nrows(), tile.ncols());
+        let triangle = if row == column { width } else { 0 };
+        for block in from.blocks.clone() {
+            let source = from.block(self.layout, block);
+            let first = block * BLOCK;
+            let left = source.subrows(row - first, rows);
+            let right = source.subrows(column - first, width);
+            let scaled;
+            let right = match self.pivots.iter().find(|p| p.blocks.contains(&block)) {
+                None => right,
+                Some(pivoted) => {
+                    let start = pivoted.blocks.start * BLOCK;
+                    let columns = first - start..first - start + source.ncols();
+                    scaled = pivoted.pivots.multiply(width, columns, |i, j| {
+                        let of = (start + j) / BLOCK;
+                        from.block(self.layout, of)[(column + i - of * BLOCK, start + j - of * BLOCK)]
+                    });
+                    scaled.as_ref()
+                }
+            };
+            if triangle > 0 {
+                triangular_matmul(
+                    tile.rb_mut().subrows_mut(0, triangle),
+                    BlockStructure::TriangularLower,
+                    Accum::Add,
+                    left.subrows(0, triangle),
+                    BlockStructure::Rectangular,
+                    right.transpose(),
+                    BlockStructure::Rectangular,
+                    -1.0,
+                    Par::Seq,
+                );
+            }
+            if rows > triangle {
+                let (to, left) = (
+                    tile.rb_mut().subrows_mut(triangle, rows - triangle),
+                    left.subrows(triangle, rows - triangle),
+                );
+                matmul(to, Accum::Add, left, right.transpose(), -1.0, Par::Seq);
+            }
+        }
+    }
+}
+
+/// Eliminated block columns.
+struct Source<'a> {
+    /// Block that the values begin with.
+    first: usize,
+    blocks: Range<usize>,
+    values: &'a [f64],
+}
+
+impl Source<'_> {
+    fn block(&self, layout: Trapezoid, block: usize) -> MatRef<'_, f64> {
+        let start = layout.start(self.first);
+        let values = &self.values[layout.start(block) - start..layout.start(block + 1) - start];
+        let columns = layout.columns_of(block);
+        MatRef::from_column_major_slice(values, layout.rows - columns.start, columns.len())
+    }
+}
+
+/// Writes the kept triangle of a block back.
+fn put_back(kept: &[f64], mut block: MatMut<'_, f64>) {
+    let mut kept = kept.iter();
+    let n = block.nrows();
+    for j in 0..n {
+        let column = block.rb_mut().col_mut(j).subrows_mut(j, n - j);
+        column.iter_mut().zip(&mut kept).for_each(|(x, k)| *x = *k);
+    }
+}
+
+/// The block column where half of the entries of some are reached.
+pub(super) fn half(layout: Trapezoid, blocks: &Range<usize>) -> usize {
+    let (first, last) = (layout.start(blocks.start), layout.start(blocks.end));
+    let middle = first + (last - first) / 2;
+    (blocks.start + 1..blocks.end - 1).find(|&b| layout.start(b) >= middle).unwrap_or(blocks.end - 1)
+}
+
+/// `A₂₁ L₁₁⁻ᵀ`.
+fn divide_rows(first: MatRef<'_, f64>, mut rows: MatMut<'_, f64>, parallel: bool) {
+    if rows.nrows() > TILE {
+        let middle = rows.nrows() / 2;
+        let (upper, lower) = rows.split_at_row_mut(middle);
+        both(parallel, || divide_rows(first, upper, parallel), || divide_rows(first, lower, parallel));
+    } else if rows.nrows() > 0 {
+        solve_lower_triangular_in_place(first, rows.rb_mut().transpose_mut(), Par::Seq);
+    }
+}

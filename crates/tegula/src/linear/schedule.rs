@@ -1,0 +1,123 @@
+//! Which part of the elimination is worked off when: tasks, and the order in which threads take them up.
+//!
+//! A task is a subtree that one thread works off, or a front above such subtrees, in which threads work together. A
+//! free thread takes the first task, in the order of the elimination, whose children are done. So what waits is little
+//! more than with one thread: were the tree halved between threads, one of them would begin with what is needed last.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::ops::Range;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use rayon::Scope;
+
+use super::FactorError;
+use super::assembly_tree::AssemblyTree;
+
+/// Consecutive fronts.
+#[derive(Debug, Clone)]
+pub(super) struct Task {
+    /// The last of them is the one that passes something on.
+    pub fronts: Range<usize>,
+    /// The task that takes it.
+    parent: Option<u32>,
+    /// Tasks whose fronts are children of the first front.
+    pub children: Vec<u32>,
+}
+
+impl Task {
+    /// Tasks in the order of the elimination. Fronts that are `split` are tasks of their own.
+    pub fn all(tree: &AssemblyTree, split: &[bool]) -> Vec<Self> {
+        let mut tasks: Vec<Self> = Vec::new();
+        let mut task_of = vec![0_u32; tree.fronts.len()];
+        for (f, front) in tree.fronts.iter().enumerate() {
+            if !split[f] && front.parent.is_some_and(|p| !split[p as usize]) {
+                continue;
+            }
+            let number = tasks.len() as u32;
+            task_of[f] = number;
+            let mut task = Self { fronts: front.leaf..f + 1, parent: None, children: Vec::new() };
+            if split[f] {
+                task.fronts.start = f;
+                task.children = tree.children[f].iter().map(|&c| task_of[c as usize]).collect();
+                for &c in &task.children {
+                    tasks[c as usize].parent = Some(number);
+                }
+            }
+            tasks.push(task);
+        }
+        tasks
+    }
+}
+
+/// Tasks that are ready, and what others wait for.
+struct State {
+    ready: BinaryHeap<Reverse<u32>>,
+    /// Children of each task that are not done.
+    missing: Vec<usize>,
+    /// Threads at work.
+    workers: usize,
+    error: Option<FactorError>,
+}
+
+/// Tasks that threads work off.
+struct Schedule<'a, F> {
+    tasks: &'a [Task],
+    threads: usize,
+    state: Mutex<State>,
+    run: F,
+}
+
+/// Runs all tasks, each after its children.
+///
+/// # Errors
+/// That of a task; others may be left undone then.
+pub(super) fn run_all(
+    tasks: &[Task],
+    threads: usize,
+    run: impl Fn(usize) -> Result<(), FactorError> + Sync,
+) -> Result<(), FactorError> {
+    let missing: Vec<usize> = tasks.iter().map(|t| t.children.len()).collect();
+    let ready = (0..tasks.len() as u32).filter(|&t| missing[t as usize] == 0).map(Reverse).collect();
+    let state = State { ready, missing, workers: 1, error: None };
+    let schedule = Schedule { tasks, threads, state: Mutex::new(state), run };
+    rayon::scope(|scope| schedule.work(scope));
+    schedule.state.into_inner().unwrap_or_else(PoisonError::into_inner).error.map_or(Ok(()), Err)
+}
+
+impl<'a, F: Fn(usize) -> Result<(), FactorError> + Sync> Schedule<'a, F> {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes up one task after another while there are any.
+    fn work<'s>(&'s self, scope: &Scope<'s>) {
+        loop {
+            let mut state = self.state();
+            let next = if state.error.is_none() { state.ready.pop() } else { None };
+            let Some(Reverse(task)) = next else {
+                state.workers -= 1;
+                return;
+            };
+            let more = state.ready.len().min(self.threads.saturating_sub(state.workers));
+            state.workers += more;
+            drop(state);
+            for _ in 0..more {
+                scope.spawn(|scope| self.work(scope));
+            }
+            let done = (self.run)(task as usize);
+            let mut state = self.state();
+            match done {
+                Err(error) => state.error = Some(error),
+                Ok(()) => {
+                    if let Some(parent) = self.tasks[task as usize].parent {
+                        state.missing[parent as usize] -= 1;
+                        if state.missing[parent as usize] == 0 {
+                            state.ready.push(Reverse(parent));
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
