@@ -6,6 +6,7 @@ pub mod lanczos;
 mod multifrontal;
 mod ordering;
 mod pivoted;
+pub mod substructures;
 
 pub use cholesky::{SparseCholesky, SymmetricPattern};
 

@@ -31,7 +31,7 @@ const GRAIN: f64 = 2e7;
 
 /// Why a factorisation ended early.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Stop {
+pub(in crate::linear) enum Stop {
     /// A pivot is not positive.
     NotPositive,
     /// Not enough memory.
@@ -276,7 +276,7 @@ impl Numeric<'_> {
         }
         let par = if self.stacks.len() > 1 { Par::rayon(self.stacks.len()) } else { Par::Seq };
         let Some(dense) = self.kernels.get(&f) else { return Err(Stop::Memory) };
-        eliminate(front, panel, out, &mut locked(dense), par)
+        eliminate((front.width, front.rows.len()), panel, out, &mut locked(dense), par)
     }
 
     /// Factors subtrees that have one parent, halves of them in parallel.
@@ -336,7 +336,7 @@ impl Numeric<'_> {
                 add(front, child, &held[at..at + size], panel, next);
                 at += size;
             }
-            eliminate(front, panel, next, dense, Par::Seq)?;
+            eliminate((front.width, front.rows.len()), panel, next, dense, Par::Seq)?;
             if s != f && children > 0 {
                 stack.copy_within(top..top + own, top - children);
             }
@@ -412,15 +412,15 @@ fn add_run(target: &mut [f64], source: &[f64]) {
     }
 }
 
-/// Eliminates the columns of a front: `L₁₁ L₁₁ᵀ = A₁₁`, `L₂₁ = A₂₁ L₁₁⁻ᵀ`, and passes on `C − L₂₁ L₂₁ᵀ`.
-fn eliminate(
-    front: &Front,
+/// Eliminates the columns of a front with `width` columns and `below` rows beneath them: `L₁₁ L₁₁ᵀ = A₁₁`, `L₂₁ = A₂₁ L₁₁⁻ᵀ`, and passes on `C − L₂₁ L₂₁ᵀ`.
+pub(super) fn eliminate(
+    (width, below): (usize, usize),
     panel: &mut [f64],
     out: &mut [f64],
     dense: &mut MemBuffer,
     par: Par,
 ) -> Result<(), Stop> {
-    let (width, below, height) = (front.width, front.rows.len(), front.height());
+    let height = width + below;
     let panel = MatMut::from_column_major_slice_with_stride_mut(panel, height, width, height);
     let (mut first, mut second) = panel.split_at_row_mut(width);
     cholesky_in_place(first.rb_mut(), Default::default(), par, MemStack::new(dense), Default::default())

@@ -147,6 +147,37 @@ impl Assembly {
         rayon::join(work, || ());
     }
 
+    /// Internal forces of a motion; the tangent is not summed but handed over, the lower blocks of one element or load that
+    /// follows the motion after the other. Otherwise like [`forces_and_tangent`](Self::forces_and_tangent).
+    pub fn forces_and_blocks(
+        &mut self,
+        system: &System,
+        k: &Kinematics,
+        parts: &TangentParts,
+        (extrapolated, prescribed): (bool, Option<&[Nodal]>),
+        out: &mut [Nodal],
+        mut take: impl FnMut(&[f64]) + Send,
+    ) {
+        let work = || {
+            let mut first = 0;
+            self.portions(system, k, parts, (extrapolated, prescribed), |elements, blocks, _| match elements {
+                Some((group, _)) => blocks.chunks(9 * pairs(group.vectors_per_element())).for_each(&mut take),
+                None => {
+                    let loads = system.followers[first..].iter().take(PORTION);
+                    let mut at = 0;
+                    for load in loads {
+                        let n = 9 * pairs(load.vectors().len());
+                        take(&blocks[at..at + n]);
+                        at += n;
+                    }
+                    first += PORTION;
+                }
+            });
+            self.gather_forces(out);
+        };
+        rayon::join(work, || ());
+    }
+
     /// Only the element work of [`forces_and_tangent`](Self::forces_and_tangent), to see what it takes.
     pub fn element_work(&mut self, system: &System, k: &Kinematics, parts: &TangentParts, out: &mut [Nodal]) {
         let work = || {

@@ -7,6 +7,7 @@ mod inversion;
 pub mod lumping;
 pub mod numbering;
 pub mod pattern;
+mod terms;
 
 use std::ops::Range;
 

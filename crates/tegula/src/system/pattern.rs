@@ -343,7 +343,7 @@ impl Pattern {
             return;
         }
         let i = self.row[block] as usize;
-        rotate(&mut k, i, j, numbering);
+        numbering.rotate(&mut k, i, j);
         let rows = numbering.of(i);
         for (c, number) in numbering.of(j).into_iter().enumerate() {
             if number == CONSTRAINED {
@@ -429,25 +429,5 @@ impl Pattern {
     /// Multiplies the mass of all blocks.
     pub fn scale_mass(&mut self, factor: f64) {
         self.mass.iter_mut().for_each(|m| *m *= factor);
-    }
-}
-
-/// Turns a block to the axes of its vectors: `Qᵢᵀ K Qⱼ`.
-fn rotate(k: &mut [f64; 9], i: usize, j: usize, numbering: &Numbering) {
-    let (q_i, q_j) = (numbering.frame(i), numbering.frame(j));
-    if q_i.is_none() && q_j.is_none() {
-        return;
-    }
-    let mut m = crate::Mat3::from_row_slice(k);
-    if let Some(q) = q_i {
-        m = q.transpose() * m;
-    }
-    if let Some(q) = q_j {
-        m *= q;
-    }
-    for r in 0..3 {
-        for c in 0..3 {
-            k[3 * r + c] = m[(r, c)];
-        }
     }
 }
