@@ -62,7 +62,7 @@ fn main() {
     let factored = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let mut x = load.clone();
-    let c = s.solve(&mut x, &Wanted { relative: 1e-10, absolute: 0.0, iterations: 200 });
+    let c = s.solve(&mut x, &Wanted { relative: 1e-10, absolute: 0.0, share: 1.0, iterations: 200 });
     let solved = start.elapsed().as_secs_f64();
     println!(
         "{shape} {slenderness} {n} size {size} reach {reach} {scaling:?}: pieces {} border {} coarse {}; build {build:.2} setup {setup:.2} assemble {assembled:.2} factor {factored:.2} solve {solved:.2} {:.0} MB; {c:?}",

@@ -14,13 +14,14 @@
 //! Int. J. Numer. Meth. Engng 109 (2017) 1237–1262).
 
 use crate::element::{Kinematics, Motion, Nodal};
-use crate::linear::{Factor as _, FactorError, SparseCholesky, SymmetricPattern};
+use crate::linear::SparseCholesky;
 use crate::model::NewtonMethod;
 use crate::system::assembly::TangentParts;
 use crate::system::{Assembly, Numbering, System, VectorKind, dot};
-use crate::{Error, Result, Vec3};
+use crate::{Result, Vec3};
 
 use super::Observer;
+use super::solver::{self, TangentSolver};
 
 /// The equation of one step: `rest(q) − force · f_int(q) = 0`.
 pub trait Equation {
@@ -72,11 +73,11 @@ pub struct Diverged {
 }
 
 /// Solver and buffers, made once for an analysis.
-pub struct Newton {
+pub struct Newton<S = SparseCholesky> {
     /// Element buffers and tangent.
     pub assembly: Assembly,
     /// Linear solver.
-    pub solver: SparseCholesky,
+    pub solver: S,
     method: NewtonMethod,
     internal: Vec<Nodal>,
     residual: Vec<Nodal>,
@@ -90,26 +91,20 @@ pub struct Newton {
 }
 
 impl Newton {
-    /// Analyses the pattern and makes the buffers. Without a method it takes the one that suits the materials.
+    /// Analyses the pattern for the direct solver and makes the buffers. Without a method it takes the one that suits the materials.
     ///
     /// # Errors
-    /// The factor does not fit in memory, or the system was compiled for explicit integration.
+    /// The factor does not fit in memory, or the system was compiled without a pattern of the tangent.
     pub fn new(system: &System, method: Option<NewtonMethod>) -> Result<Self> {
-        if system.explicit {
-            return Err(Error::model(
-                "analysis.scheme",
-                "the system was compiled for explicit integration: it has no pattern of a tangent",
-                "compile the model with the scheme that it is run with",
-            ));
-        }
-        let pattern =
-            SymmetricPattern::new(system.pattern.column_pointers.clone(), system.pattern.row_indices.clone());
-        let solver = SparseCholesky::new(pattern).map_err(|e| Error::Singular {
-            what: format!("The matrix of {} unknowns cannot be factored: {e}.", system.unknowns()),
-            help: "Use a coarser mesh or a machine with more memory.".into(),
-        })?;
+        Ok(Self::with_solver(system, method, solver::direct(system)?))
+    }
+}
+
+impl<S: TangentSolver> Newton<S> {
+    /// The same with another linear solver.
+    pub fn with_solver(system: &System, method: Option<NewtonMethod>, solver: S) -> Self {
         let n = system.vectors();
-        Ok(Self {
+        Self {
             assembly: Assembly::new(system),
             solver,
             method: method.unwrap_or(if system.yields() {
@@ -125,7 +120,7 @@ impl Newton {
             solution: vec![0.0; system.unknowns()],
             energies: Vec::with_capacity(64),
             factored: None,
-        })
+        }
     }
 
     /// Iterates an equation to convergence.
@@ -141,6 +136,7 @@ impl Newton {
     ) -> std::result::Result<Converged, Diverged> {
         let mixed = self.method == NewtonMethod::Mixed && !system.linear;
         self.energies.clear();
+        self.solver.begin_step();
         for iteration in 1..=tolerances.max_iterations {
             let diverged = |reason: String| Diverged { iterations: iteration, reason };
             if observer.interrupted() {
@@ -157,20 +153,14 @@ impl Newton {
                     self.assembly.forces(system, &k, &mut self.internal);
                 } else {
                     let prescribed = has_prescribed.then_some(self.increment.as_slice());
-                    self.assembly.forces_and_tangent(
-                        system,
-                        &k,
-                        &parts,
-                        mixed,
-                        prescribed,
-                        &mut self.internal,
-                    );
+                    let Self { solver, assembly, internal, .. } = self;
+                    solver.assemble(assembly, system, &k, &parts, (mixed, prescribed), internal);
                 }
             }
             equation.rest(system, &mut self.residual);
             if !reuse {
                 let k = equation.kinematics(system);
-                self.assembly.add_curvature(system, &k, &parts.weights, &self.residual);
+                self.solver.add_curvature(&mut self.assembly, system, &k, &parts.weights, &self.residual);
             }
             if has_prescribed && parts.mass != 0.0 {
                 system.pattern.add_mass_product(-parts.mass, &self.increment, &mut self.residual);
@@ -194,17 +184,13 @@ impl Newton {
             let mut negative_pivots = 0;
             if !reuse {
                 self.factored = None;
-                let inertia = self.solver.factor(&self.assembly.values).map_err(|e| match e {
-                    FactorError::Singular => diverged("the tangent is singular".into()),
-                    e => diverged(e.to_string()),
-                })?;
-                negative_pivots = inertia.negative;
+                negative_pivots = self.solver.prepare(&self.assembly).map_err(diverged)?;
                 if system.linear && !has_prescribed {
                     self.factored = Some(parts);
                 }
             }
             self.solution.copy_from_slice(&self.right_side);
-            self.solver.solve(&mut self.solution);
+            self.solver.solve_tangent(&mut self.solution).map_err(diverged)?;
             let energy = self.solution.iter().zip(&self.right_side).map(|(a, b)| a * b).sum::<f64>().abs();
             expand_free(&self.assembly.numbering, &self.solution, has_prescribed, &mut self.increment);
             if !energy.is_finite() {

@@ -266,10 +266,9 @@ impl Assembly {
         if k.linear {
             return;
         }
-        for unit in &self.numbering.unit {
-            let v = unit.vector as usize;
-            let shift = weights.direction * current_vector(system, k, v).dot(&Vec3::from(rest[v]));
-            system.pattern.add_to_diagonal(v, shift, &self.numbering, &mut self.values);
+        let Self { numbering, values, .. } = self;
+        for (v, shift) in curvature(system, numbering, k, weights, rest) {
+            system.pattern.add_to_diagonal(v, shift, numbering, values);
         }
     }
 
@@ -434,6 +433,20 @@ impl Assembly {
         }
         self.energies.iter().sum()
     }
+}
+
+/// Curvature of the sphere of each vector that keeps its length, under the forces `rest` that act on it from outside.
+pub fn curvature<'a>(
+    system: &'a System,
+    numbering: &'a Numbering,
+    k: &'a Kinematics,
+    weights: &'a TangentWeights,
+    rest: &'a [Nodal],
+) -> impl Iterator<Item = (usize, f64)> + 'a {
+    numbering.unit.iter().map(|unit| {
+        let v = unit.vector as usize;
+        (v, weights.direction * current_vector(system, k, v).dot(&Vec3::from(rest[v])))
+    })
 }
 
 /// Blocks of the lower triangle of `vectors` nodal vectors.

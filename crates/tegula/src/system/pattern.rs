@@ -71,6 +71,8 @@ pub struct PatternBuilder {
     /// Elements and blocks in the last portion.
     elements: usize,
     blocks: u32,
+    /// Whether the tangent is wanted, not only the mass.
+    tangent: bool,
 }
 
 fn key(a: u32, b: u32) -> u64 {
@@ -78,6 +80,11 @@ fn key(a: u32, b: u32) -> u64 {
 }
 
 impl PatternBuilder {
+    /// For the tangent and the mass, or for the mass alone.
+    pub fn new(tangent: bool) -> Self {
+        Self { tangent, ..Self::default() }
+    }
+
     /// The elements that come next are not of the same portion as those before.
     pub fn end_portion(&mut self) {
         (self.elements, self.blocks) = (0, 0);
@@ -85,6 +92,12 @@ impl PatternBuilder {
 
     /// Adds an element whose lower blocks come next in the buffer.
     pub fn element(&mut self, vectors: &[u32], mass: &[f64]) {
+        if !self.tangent {
+            let pairs = vectors.iter().enumerate().flat_map(|(a, &va)| vectors[..=a].iter().map(move |&vb| (va, vb)));
+            let with_mass = pairs.zip(mass).filter(|(_, m)| **m != 0.0);
+            self.masses.extend(with_mass.map(|((va, vb), &m)| (key(va, vb), m)));
+            return;
+        }
         if self.elements == PORTION {
             self.end_portion();
         }
@@ -160,7 +173,7 @@ impl PatternBuilder {
         column_pointers.push(0);
         let mut row_indices = Vec::new();
         let mut value_start = Vec::with_capacity(vectors + 1);
-        for j in 0..vectors {
+        for j in (0..vectors).filter(|_| self.tangent) {
             value_start.push(row_indices.len());
             let blocks = column_start[j] as usize..column_start[j + 1] as usize;
             let mut below = 0;

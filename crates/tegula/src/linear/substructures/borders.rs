@@ -73,6 +73,11 @@ impl Borders {
         self.len() - self.dual
     }
 
+    /// How many pieces share an unknown.
+    pub fn pieces(&self, unknown: u32) -> usize {
+        self.sources(unknown as usize).len()
+    }
+
     fn sources(&self, unknown: usize) -> &[(u32, u32)] {
         &self.sources[self.start[unknown] as usize..self.start[unknown + 1] as usize]
     }

@@ -40,8 +40,10 @@ impl Vectors {
 pub struct Wanted {
     /// Error relative to the solution, both in the energy norm.
     pub relative: f64,
-    /// Error in the energy norm that is small enough in any case.
+    /// Error in the energy norm that is small enough where it is this `share` of the solution as well.
     pub absolute: f64,
+    /// See `absolute`.
+    pub share: f64,
     /// Iterations at most.
     pub iterations: usize,
 }
@@ -113,7 +115,8 @@ impl Substructures {
             self.precondition(r, z);
             let mut rz = positive(dot(r, z, sums))?;
             let first = *start.get_or_insert(rz);
-            let goal = (wanted.relative.powi(2) * first).max(wanted.absolute.powi(2));
+            let enough = wanted.absolute.powi(2).min(wanted.share.powi(2) * first);
+            let goal = (wanted.relative.powi(2) * first).max(enough);
             let outcome = |rz: f64| Convergence {
                 iterations,
                 error: rz.sqrt(),

@@ -189,6 +189,8 @@ pub struct Substructures {
     works: Vec<Work>,
     borders: Borders,
     coarse: Coarse,
+    /// What is added to the diagonal of nodal vectors; empty: nothing is.
+    shifts: Vec<f64>,
     unknowns: usize,
     scaling: Scaling,
     vectors: conjugate_gradients::Vectors,
@@ -268,7 +270,8 @@ impl Substructures {
             .collect();
         let vectors = conjugate_gradients::Vectors::new(borders.len());
         let scaling = options.scaling;
-        Ok(Self { pieces, slots, works, borders, coarse, unknowns: numbering.unknowns, scaling, vectors })
+        let unknowns = numbering.unknowns;
+        Ok(Self { pieces, slots, works, borders, coarse, shifts: Vec::new(), unknowns, scaling, vectors })
     }
 
     /// Number of pieces.
@@ -297,6 +300,13 @@ impl Substructures {
         for work in &mut self.works {
             work.factored = None;
         }
+        self.shifts.clear();
+    }
+
+    /// Adds multiples of the unit matrix to the blocks of nodal vectors, of which there are `count`, with themselves.
+    pub fn shift(&mut self, count: usize, shifts: impl Iterator<Item = (usize, f64)>) {
+        self.shifts.resize(count, 0.0);
+        shifts.for_each(|(v, shift)| self.shifts[v] += shift);
     }
 
     /// Takes the lower blocks of a term, along the global axes.
@@ -314,17 +324,19 @@ impl Substructures {
     /// # Errors
     /// The matrix is not positive definite as far as the pieces can tell, or there is not enough memory.
     pub fn factor(&mut self, numbering: &Numbering) -> Result<(), SubstructureError> {
-        let Self { pieces, works, .. } = self;
+        let Self { pieces, works, borders, shifts, .. } = self;
         let done: Vec<Result<(), Refused>> = works
             .par_iter_mut()
             .with_max_len(1)
             .zip(pieces.as_slice())
-            .map_init(Scratch::default, |scratch, (work, piece)| {
+            .zip(&borders.of_piece)
+            .map_init(Scratch::default, |scratch, ((work, piece), of)| {
                 let blocks = std::mem::take(&mut work.blocks);
                 if !blocks.iter().all(|b| b.is_finite()) {
                     return Err(Refused::Factor(FactorError::NotFinite));
                 }
-                work.factored = Some(piece.factor(&blocks, numbering, scratch)?);
+                let shifts = piece.shifts(shifts, |k| borders.pieces(of[k]));
+                work.factored = Some(piece.factor(&blocks, numbering, &shifts, scratch)?);
                 Ok(())
             })
             .collect();

@@ -242,6 +242,22 @@ impl Piece {
         self.terms[term][0] as usize
     }
 
+    /// What is added to the diagonal of this piece: shifts of nodal vectors, divided by the number of pieces where they are
+    /// shared. `pieces` gives that for an unknown of the border. Empty: nothing is.
+    pub fn shifts(&self, shifts: &[f64], pieces: impl Fn(usize) -> usize) -> Vec<f64> {
+        if shifts.is_empty() {
+            return Vec::new();
+        }
+        let mut out = vec![0.0; self.unknowns.len()];
+        for (v, places) in &self.vectors {
+            for p in places.iter().filter(|p| **p != NONE).map(|&p| p as usize) {
+                let share = if p < self.inner { 1 } else { pieces(p - self.inner) };
+                out[p] = shifts[*v as usize] / share as f64;
+            }
+        }
+        out
+    }
+
     /// Adds the blocks of a leaf's terms to its columns and to what it passes on.
     fn enter(
         &self,
@@ -297,6 +313,7 @@ impl Piece {
         &self,
         blocks: &[f64],
         numbering: &Numbering,
+        shifts: &[f64],
         scratch: &mut Scratch,
     ) -> Result<Factored, Refused> {
         let mut panels = zeros(self.panels).map_err(Refused::from)?;
@@ -333,6 +350,9 @@ impl Piece {
                     add(&self.fronts[c].rows, place, from, (width, below), panel, next);
                 }
             }
+            if let Some(shifts) = shifts.get(front.first..front.first + width) {
+                shifts.iter().enumerate().for_each(|(j, shift)| panel[j * height + j] += shift);
+            }
             if width > 0 {
                 let need = cholesky_in_place_scratch::<f64>(width, Par::Seq, Default::default());
                 let dense = dense.hold(need)?;
@@ -345,6 +365,9 @@ impl Piece {
                 stack.copy_within(top..top + own, top - passed);
                 top = top - passed + own;
             }
+        }
+        if let Some(shifts) = shifts.get(self.inner..) {
+            shifts.iter().enumerate().for_each(|(j, shift)| square[j * border + j] += shift);
         }
         let corners = self.corners();
         let mut coarse = vec![0.0; corners * corners];
