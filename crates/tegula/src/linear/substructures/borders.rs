@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::averages::Group;
 use super::piece::Piece;
 use super::{Scaling, Work};
 
@@ -20,7 +21,8 @@ pub(super) struct Borders {
 }
 
 impl Borders {
-    pub fn new(pieces: &[Piece], unknowns: usize) -> Self {
+    /// The dual unknowns of `groups` come first, group by group.
+    pub fn new(pieces: &[Piece], unknowns: usize, groups: &[Group]) -> Self {
         // 1: dual, 2: corner.
         let mut kind = vec![0_u8; unknowns];
         for piece in pieces {
@@ -31,7 +33,10 @@ impl Borders {
         let of_kind = |wanted: u8| {
             kind.iter().enumerate().filter(move |(_, k)| **k == wanted).map(|(u, _)| u as u32)
         };
-        let mut list: Vec<u32> = of_kind(1).collect();
+        let mut list: Vec<u32> = groups.iter().flat_map(|g| &g.unknowns).copied().collect();
+        let mut grouped = vec![false; unknowns];
+        list.iter().for_each(|&u| grouped[u as usize] = true);
+        list.extend(of_kind(1).filter(|&u| !grouped[u as usize]));
         let dual = list.len();
         list.extend(of_kind(2));
         let mut number = vec![u32::MAX; unknowns];
@@ -78,7 +83,8 @@ impl Borders {
         self.sources(unknown as usize).len()
     }
 
-    fn sources(&self, unknown: usize) -> &[(u32, u32)] {
+    /// Pieces that hold an unknown, and its places in their borders.
+    pub fn sources(&self, unknown: usize) -> &[(u32, u32)] {
         &self.sources[self.start[unknown] as usize..self.start[unknown + 1] as usize]
     }
 
@@ -95,7 +101,7 @@ impl Borders {
     pub fn weigh(&self, pieces: &[Piece], works: &mut [Work], scaling: Scaling) {
         for work in works.iter_mut() {
             match (scaling, &work.factored) {
-                (Scaling::Stiffness, Some(factored)) => {
+                (Scaling::Stiffness | Scaling::Deluxe, Some(factored)) => {
                     work.y.iter_mut().zip(factored.interface.diagonal()).for_each(|(y, d)| *y = d);
                 }
                 _ => work.y.fill(1.0),

@@ -6,7 +6,10 @@ use super::{Convergence, SubstructureError, Substructures};
 
 /// Vector entries that one task sums.
 const CHUNK: usize = 8192;
-/// Restarts that do not take the residual down to this share have met rounding.
+/// A true residual of this share of the first one (of their squares in the energy norm) that the recurrence takes to be
+/// smaller is rounding of the factors. The caller knows the forces better, and corrects.
+const ROUNDING: f64 = 1e-10;
+/// Restarts that do not take the residual down to this share have no use.
 const PROGRESS: f64 = 0.3;
 
 /// Vectors of the unknowns of all borders.
@@ -110,6 +113,7 @@ impl Substructures {
         let mut coefficients = Vec::new();
         let mut start = None;
         let mut last = f64::INFINITY;
+        let mut converged = false;
         loop {
             // (Re)start from the true residual.
             self.precondition(r, z);
@@ -117,18 +121,11 @@ impl Substructures {
             let first = *start.get_or_insert(rz);
             let enough = wanted.absolute.powi(2).min(wanted.share.powi(2) * first);
             let goal = (wanted.relative.powi(2) * first).max(enough);
-            let outcome = |rz: f64| Convergence {
-                iterations,
-                error: rz.sqrt(),
-                start: first.sqrt(),
-                condition: condition(&coefficients),
-            };
-            let small = rz <= goal || rz == 0.0;
+            let small = rz <= goal || (iterations > 0 && converged && rz <= ROUNDING * first);
             if small || rz > PROGRESS * last || iterations >= wanted.iterations {
-                // What is left is rounding if only a restart shows it.
-                let rounding = rz > PROGRESS * last && last < 1e-10 * first;
-                if small || rounding {
-                    return Ok(outcome(rz));
+                if small {
+                    let condition = condition(&coefficients);
+                    return Ok(Convergence { iterations, error: rz.sqrt(), start: first.sqrt(), condition });
                 }
                 let residual = (rz / first).sqrt();
                 let tolerance = (goal / first).sqrt();
@@ -136,7 +133,8 @@ impl Substructures {
             }
             last = rz;
             p.copy_from_slice(z);
-            coefficients.clear();
+            let begin = iterations;
+            converged = false;
             while iterations < wanted.iterations {
                 self.product(p, sp);
                 let curvature = dot(p, sp, sums);
@@ -154,8 +152,11 @@ impl Substructures {
                 let old = rz;
                 rz = positive(dot(r, z, sums))?;
                 let beta = rz / old;
-                coefficients.push((alpha, beta));
+                if begin == 0 {
+                    coefficients.push((alpha, beta));
+                }
                 if rz <= goal {
+                    converged = true;
                     break;
                 }
                 p.par_iter_mut().with_min_len(CHUNK).zip(z.as_slice()).for_each(|(p, z)| *p = z + beta * *p);
@@ -186,12 +187,18 @@ impl Substructures {
 
     /// `z = M⁻¹ r`.
     fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
+        self.averages.share(r);
+        let averages = &self.averages;
         let each = |works: &mut Vec<super::Work>| {
             works.par_iter_mut().with_max_len(4).zip(&self.pieces).zip(&self.borders.of_piece).for_each(
                 |((work, piece), of)| {
                     let Some(factored) = &work.factored else { return };
                     for (k, (y, &n)) in work.y.iter_mut().zip(of).enumerate() {
-                        *y = if k < piece.dual { work.weights[k] * r[n as usize] } else { 0.0 };
+                        *y = if k >= piece.dual {
+                            0.0
+                        } else {
+                            averages.part(n, piece.number, r).unwrap_or_else(|| work.weights[k] * r[n as usize])
+                        };
                     }
                     factored.interface.forward(&mut work.y);
                 },
@@ -211,13 +218,16 @@ impl Substructures {
                     *y = z_corners[n as usize - dual];
                 }
                 factored.interface.backward(&mut work.y);
-                for (y, w) in work.y.iter_mut().zip(&work.weights) {
-                    *y *= w;
+                let grouped = averages.len();
+                for ((y, w), &n) in work.y.iter_mut().zip(&work.weights).zip(of) {
+                    *y *= if (n as usize) < grouped { 1.0 } else { *w };
                 }
             },
         );
-        z_dual.fill(0.0);
-        self.borders.add(&self.works, 0, z_dual);
+        let (z_groups, z_rest) = z_dual.split_at_mut(averages.len());
+        averages.average(&self.works, z_groups);
+        z_rest.fill(0.0);
+        self.borders.add(&self.works, averages.len(), z_rest);
     }
 }
 

@@ -5,6 +5,7 @@
 //! unknowns: a position and a director leave a piece no motion but rotation about the director, and the second node
 //! takes that one.
 
+use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
 
 use super::division::node_graph;
@@ -14,8 +15,6 @@ use crate::system::numbering::CONSTRAINED;
 
 /// Pieces of the nodal vectors.
 pub(super) struct Sharing {
-    /// A piece of each vector; `u32::MAX` for vectors without elements.
-    pub first: Vec<u32>,
     /// Pieces of the vectors that lie in several, ascending.
     pub shared: BTreeMap<u32, Vec<u32>>,
 }
@@ -43,18 +42,26 @@ impl Sharing {
             shared.entry(v).or_insert_with(|| vec![first[v as usize]]).push(piece);
         }
         shared.values_mut().for_each(|pieces| pieces.sort_unstable());
-        Self { first, shared }
+        Self { shared }
     }
 }
 
-/// Nodes of the borders that are tied firmly.
+/// The nodes of the borders.
+pub(super) struct Corners {
+    /// Those that are tied firmly.
+    pub tied: BTreeSet<u32>,
+    /// The others: connected stretches of nodes between the same pieces, by node.
+    pub stretches: HashMap<u32, u32>,
+}
+
+/// Finds the corners; no node is farther than `reach` elements from one along its border.
 pub(super) fn corners(
     quads: &Quads<'_>,
     sharing: &Sharing,
     node_of: &[u32],
     numbering: &Numbering,
     reach: usize,
-) -> BTreeSet<u32> {
+) -> Corners {
     let mut sets: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     let mut free: BTreeSet<u32> = BTreeSet::new();
     for (&v, pieces) in &sharing.shared {
@@ -110,7 +117,25 @@ pub(super) fn corners(
             fill(members, &around, |n| border.get(&n) == Some(&number), reach, &mut tied);
         }
     }
-    tied.intersection(&free).copied().collect()
+    let mut stretches = HashMap::new();
+    let mut count = 0;
+    for &node in sets.keys().filter(|n| !tied.contains(n)) {
+        if stretches.contains_key(&node) {
+            continue;
+        }
+        stretches.insert(node, count);
+        let mut waiting = vec![node];
+        while let Some(n) = waiting.pop() {
+            for m in around(n).filter(|&m| same(n, m) && !tied.contains(&m)) {
+                if let Entry::Vacant(place) = stretches.entry(m) {
+                    place.insert(count);
+                    waiting.push(m);
+                }
+            }
+        }
+        count += 1;
+    }
+    Corners { tied: tied.intersection(&free).copied().collect(), stretches }
 }
 
 /// Ties nodes of a border until none is farther than `reach` from a tied one.

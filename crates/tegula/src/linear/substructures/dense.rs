@@ -87,6 +87,16 @@ impl Interface {
         (0..self.size).map(|i| self.square[i * self.size + i])
     }
 
+    /// Adds the rows and columns of some unknowns to the lower triangle of `out`, by columns.
+    pub fn add_minor(&self, unknowns: &[u32], out: &mut [f64]) {
+        let m = unknowns.len();
+        for (j, &b) in unknowns.iter().enumerate() {
+            for (i, &a) in unknowns.iter().enumerate().skip(j) {
+                out[j * m + i] += self.square[(a.min(b) as usize) * self.size + a.max(b) as usize];
+            }
+        }
+    }
+
     /// Numbers stored.
     pub fn entries(&self) -> usize {
         self.square.len() + self.inverse.len()

@@ -19,6 +19,7 @@
 //! `S̃` is the matrix of the pieces tied at corners only: a restriction of it is the matrix of the whole. So if all its pivots
 //! are positive, those of the whole are, too.
 
+mod averages;
 mod borders;
 mod coarse;
 mod conjugate_gradients;
@@ -27,14 +28,13 @@ mod dense;
 mod division;
 mod piece;
 
-use std::collections::BTreeSet;
-
 use rayon::prelude::*;
 
 pub use self::conjugate_gradients::Wanted;
+use self::averages::Averages;
 use self::borders::Borders;
 use self::coarse::Coarse;
-use self::corners::{Sharing, corners};
+use self::corners::{Corners, Sharing, corners};
 use self::piece::{Factored, Piece, Refused, Roles, Scratch};
 use super::FactorError;
 use crate::Vec3;
@@ -126,11 +126,13 @@ pub enum Scaling {
     Alike,
     /// By the diagonal of their matrices of the border.
     Stiffness,
+    /// By those matrices themselves, stretch by stretch.
+    Deluxe,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { size: 256, reach: 5, scaling: Scaling::Stiffness }
+        Self { size: 256, reach: 5, scaling: Scaling::Deluxe }
     }
 }
 
@@ -188,6 +190,7 @@ pub struct Substructures {
     slots: Vec<(u32, u32)>,
     works: Vec<Work>,
     borders: Borders,
+    averages: Averages,
     coarse: Coarse,
     /// What is added to the diagonal of nodal vectors; empty: nothing is.
     shifts: Vec<f64>,
@@ -226,7 +229,7 @@ impl Substructures {
         let (piece_of, count) = division::divide(&quads, options.size.clamp(1, 4096));
         let of_term = |t: usize| piece_of[terms.quads[t] as usize];
         let sharing = Sharing::new(terms, of_term, node_of.len());
-        let tied: BTreeSet<u32> = corners(&quads, &sharing, node_of, numbering, options.reach);
+        let Corners { tied, stretches } = corners(&quads, &sharing, node_of, numbering, options.reach);
         let mut cells: Vec<Vec<u32>> = vec![Vec::new(); count];
         for (q, &p) in piece_of.iter().enumerate() {
             cells[p as usize].push(q as u32);
@@ -256,13 +259,20 @@ impl Substructures {
             .collect();
         let mut slots = vec![(0, 0); terms.len()];
         let mut pieces = Vec::with_capacity(count);
-        for (p, (piece, order)) in made.into_iter().enumerate() {
+        for (p, (mut piece, order)) in made.into_iter().enumerate() {
+            piece.number = p as u32;
             for (k, t) in order.into_iter().enumerate() {
                 slots[t as usize] = (p as u32, piece.block(k) as u32);
             }
             pieces.push(piece);
         }
-        let borders = Borders::new(&pieces, numbering.unknowns);
+        let groups = if options.scaling == Scaling::Deluxe {
+            averages::groups(&sharing, &stretches, node_of, numbering)
+        } else {
+            Vec::new()
+        };
+        let borders = Borders::new(&pieces, numbering.unknowns, &groups);
+        let averages = Averages::new(&groups, &borders);
         let coarse = Coarse::new(&pieces, &borders)?;
         let works = pieces
             .iter()
@@ -271,7 +281,7 @@ impl Substructures {
         let vectors = conjugate_gradients::Vectors::new(borders.len());
         let scaling = options.scaling;
         let unknowns = numbering.unknowns;
-        Ok(Self { pieces, slots, works, borders, coarse, shifts: Vec::new(), unknowns, scaling, vectors })
+        Ok(Self { pieces, slots, works, borders, averages, coarse, shifts: Vec::new(), unknowns, scaling, vectors })
     }
 
     /// Number of pieces.
@@ -292,7 +302,7 @@ impl Substructures {
     /// Memory of the factors (bytes).
     pub fn bytes(&self) -> usize {
         let numbers: usize = self.works.iter().filter_map(|w| w.factored.as_ref()).map(Factored::entries).sum();
-        8 * (numbers + self.coarse.entries())
+        8 * (numbers + self.coarse.entries() + self.averages.entries())
     }
 
     /// Begins a new matrix: the old factors make room.
@@ -350,6 +360,7 @@ impl Substructures {
             })?;
         }
         self.borders.weigh(&self.pieces, &mut self.works, self.scaling);
+        self.averages.weigh(&self.works)?;
         self.coarse.factor(&self.works)
     }
 }

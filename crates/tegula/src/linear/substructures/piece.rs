@@ -49,6 +49,8 @@ struct Front {
 /// What does not change with the matrix.
 #[derive(Debug)]
 pub(super) struct Piece {
+    /// Its number.
+    pub number: u32,
     fronts: Vec<Front>,
     /// Terms in the order of the tree: where their blocks begin, and where their vectors do.
     terms: Vec<[u32; 2]>,
@@ -140,6 +142,7 @@ impl Piece {
             columns[b].push(n as u16);
         }
         let mut out = Self {
+            number: 0,
             fronts: Vec::with_capacity(branches.len()),
             terms: Vec::with_capacity(order.len()),
             term_vectors: Vec::new(),
