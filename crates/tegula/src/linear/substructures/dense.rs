@@ -18,14 +18,6 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
 }
 
-/// `y += a x`.
-#[inline]
-fn add(a: f64, x: &[f64], y: &mut [f64]) {
-    for (y, x) in y.iter_mut().zip(x) {
-        *y += a * x;
-    }
-}
-
 /// `y += a x`, and `x · z`.
 #[inline]
 fn add_and_dot(a: f64, x: &[f64], y: &mut [f64], z: &[f64]) -> f64 {
@@ -49,11 +41,26 @@ fn add_and_dot(a: f64, x: &[f64], y: &mut [f64], z: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
+/// `a · b` of a rounded row, in full precision.
+#[inline]
+fn dot_rounded(a: &[f32], b: &[f64]) -> f64 {
+    let mut sums = [0.0; LANES];
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    for (a, b) in a.iter().zip(b) {
+        for k in 0..LANES {
+            sums[k] += f64::from(a[k]) * b[k];
+        }
+    }
+    sums.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| f64::from(*a) * b).sum::<f64>()
+}
+
 /// A symmetric matrix `S` whose first rows, the dual ones, are factored: `S_DD = L Lᵀ`, `L_CD = S_CD L⁻ᵀ`.
 #[derive(Debug, Default)]
 pub(super) struct Interface {
-    /// `S` on and below the diagonal; above it `Lᵀ`, and beside that `L_CDᵀ`.
-    square: Vec<f64>,
+    /// Lower triangle of `S`, by columns.
+    matrix: Vec<f64>,
+    /// Rows of `L` before the diagonal, then those of `L_CD`, rounded.
+    factor: Vec<f32>,
     /// One over the diagonal of `L`.
     inverse: Vec<f64>,
     /// Order of `S`.
@@ -61,30 +68,35 @@ pub(super) struct Interface {
 }
 
 impl Interface {
-    /// From the lower triangle of `S` (by columns) and that of a copy of which the first `inverse.len()` columns are factored.
-    pub fn new(mut square: Vec<f64>, factor: &[f64], dual: usize) -> Result<Self, FactorError> {
+    /// From the lower triangle of `S` (by columns of a square) and that of a copy of which the first `dual` columns are factored.
+    pub fn new(square: &[f64], factor: &[f64], dual: usize) -> Result<Self, FactorError> {
         let size = (square.len() as f64).sqrt().round() as usize;
         let inverse: Vec<f64> = (0..dual).map(|i| 1.0 / factor[i * size + i]).collect();
         if !inverse.iter().all(|v| v.is_finite()) {
             return Err(FactorError::Singular);
         }
-        // In tiles, since one of the two is walked across its columns.
-        const TILE: usize = 16;
-        for first in (0..size).step_by(TILE) {
-            for top in (0..dual.min(first + TILE)).step_by(TILE) {
-                for j in first..(first + TILE).min(size) {
-                    for i in top..(top + TILE).min(dual).min(j) {
-                        square[j * size + i] = factor[i * size + j];
-                    }
-                }
-            }
+        let mut matrix = Vec::new();
+        matrix.try_reserve_exact(size * (size + 1) / 2).map_err(|_| FactorError::TooLarge)?;
+        for j in 0..size {
+            matrix.extend_from_slice(&square[j * size + j..(j + 1) * size]);
         }
-        Ok(Self { square, inverse, size })
+        let count = dual * dual.saturating_sub(1) / 2 + dual * (size - dual);
+        let mut rows = Vec::new();
+        rows.try_reserve_exact(count).map_err(|_| FactorError::TooLarge)?;
+        for j in 0..size {
+            rows.extend((0..j.min(dual)).map(|i| factor[i * size + j] as f32));
+        }
+        Ok(Self { matrix, factor: rows, inverse, size })
     }
 
     /// Diagonal of `S`.
     pub fn diagonal(&self) -> impl Iterator<Item = f64> + '_ {
-        (0..self.size).map(|i| self.square[i * self.size + i])
+        (0..self.size).map(|j| self.matrix[self.column(j)])
+    }
+
+    /// Where a column of `S` begins.
+    fn column(&self, j: usize) -> usize {
+        j * (2 * self.size + 1 - j) / 2
     }
 
     /// Adds the rows and columns of some unknowns to the lower triangle of `out`, by columns.
@@ -92,47 +104,56 @@ impl Interface {
         let m = unknowns.len();
         for (j, &b) in unknowns.iter().enumerate() {
             for (i, &a) in unknowns.iter().enumerate().skip(j) {
-                out[j * m + i] += self.square[(a.min(b) as usize) * self.size + a.max(b) as usize];
+                let (row, column) = (a.max(b) as usize, a.min(b) as usize);
+                out[j * m + i] += self.matrix[self.column(column) + row - column];
             }
         }
     }
 
-    /// Numbers stored.
-    pub fn entries(&self) -> usize {
-        self.square.len() + self.inverse.len()
+    /// Memory (bytes).
+    pub fn bytes(&self) -> usize {
+        8 * (self.matrix.len() + self.inverse.len()) + 4 * self.factor.len()
     }
 
     /// `y = S x`.
     pub fn product(&self, x: &[f64], y: &mut [f64]) {
-        let n = self.size;
         y.fill(0.0);
-        for j in 0..n {
-            let column = &self.square[j * n + j..(j + 1) * n];
+        let mut rest = self.matrix.as_slice();
+        for j in 0..self.size {
+            let (column, others) = rest.split_at(self.size - j);
             let below = add_and_dot(x[j], &column[1..], &mut y[j + 1..], &x[j + 1..]);
             y[j] += column[0] * x[j] + below;
+            rest = others;
         }
     }
 
     /// `L y = b` for the dual rows, `−L_CD y` for the others, in place.
     pub fn forward(&self, x: &mut [f64]) {
-        let (n, dual) = (self.size, self.inverse.len());
-        for j in 0..n {
-            let above = j.min(dual);
-            let sum = dot(&self.square[j * n..j * n + above], &x[..above]);
+        let dual = self.inverse.len();
+        let mut rest = self.factor.as_slice();
+        for j in 0..self.size {
+            let (row, others) = rest.split_at(j.min(dual));
+            let sum = dot_rounded(row, &x[..row.len()]);
             x[j] = if j < dual { (x[j] - sum) * self.inverse[j] } else { -sum };
+            rest = others;
         }
     }
 
     /// `Lᵀ x_D = y − L_CDᵀ x_C` in place; the other rows hold `x_C`.
     pub fn backward(&self, x: &mut [f64]) {
-        let (n, dual) = (self.size, self.inverse.len());
-        for j in (0..n).rev() {
-            let above = j.min(dual);
+        let dual = self.inverse.len();
+        let mut rest = self.factor.as_slice();
+        for j in (0..self.size).rev() {
+            let (others, row) = rest.split_at(rest.len() - j.min(dual));
             if j < dual {
                 x[j] *= self.inverse[j];
             }
-            let (before, rest) = x.split_at_mut(j);
-            add(-rest[0], &self.square[j * n..j * n + above], before);
+            let (before, after) = x.split_at_mut(j);
+            let value = after[0];
+            for (x, r) in before.iter_mut().zip(row) {
+                *x -= value * f64::from(*r);
+            }
+            rest = others;
         }
     }
 }

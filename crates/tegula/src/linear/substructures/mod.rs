@@ -301,8 +301,8 @@ impl Substructures {
 
     /// Memory of the factors (bytes).
     pub fn bytes(&self) -> usize {
-        let numbers: usize = self.works.iter().filter_map(|w| w.factored.as_ref()).map(Factored::entries).sum();
-        8 * (numbers + self.coarse.entries() + self.averages.entries())
+        let pieces: usize = self.works.iter().filter_map(|w| w.factored.as_ref()).map(Factored::bytes).sum();
+        pieces + 8 * (self.coarse.entries() + self.averages.entries())
     }
 
     /// Begins a new matrix: the old factors make room.

@@ -320,14 +320,15 @@ impl Piece {
         scratch: &mut Scratch,
     ) -> Result<Factored, Refused> {
         let mut panels = zeros(self.panels).map_err(Refused::from)?;
-        let Scratch { stack, place, dense, .. } = scratch;
+        let Scratch { stack, place, dense, factor, square } = scratch;
         if stack.len() < self.stack {
             *stack = zeros(self.stack)?;
         }
         place.clear();
         place.resize(self.unknowns.len(), NONE);
         let border = self.border();
-        let mut square = zeros(border * border)?;
+        square.clear();
+        square.resize(border * border, 0.0);
         let mut top = 0;
         let last = self.fronts.len() - 1;
         for (f, front) in self.fronts.iter().enumerate() {
@@ -378,7 +379,6 @@ impl Piece {
             let from = (self.dual + j) * border + self.dual;
             coarse[j * corners + j..(j + 1) * corners].copy_from_slice(&square[from + j..from + corners]);
         }
-        let factor = &mut scratch.factor;
         factor.clear();
         factor.extend_from_slice(&square[..self.dual * border]);
         if self.dual > 0 {
@@ -487,9 +487,9 @@ pub(super) struct Factored {
 }
 
 impl Factored {
-    /// Numbers stored.
-    pub fn entries(&self) -> usize {
-        self.panels.len() + self.interface.entries() + self.coarse.len()
+    /// Memory (bytes).
+    pub fn bytes(&self) -> usize {
+        8 * (self.panels.len() + self.coarse.len()) + self.interface.bytes()
     }
 }
 
@@ -498,6 +498,8 @@ impl Factored {
 pub(super) struct Scratch {
     stack: Vec<f64>,
     place: Vec<u32>,
+    /// Matrix of the border, and its factor.
+    square: Vec<f64>,
     factor: Vec<f64>,
     dense: Dense,
 }
