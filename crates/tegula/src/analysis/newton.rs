@@ -212,6 +212,7 @@ impl<S: TangentSolver> Newton<S> {
                 )));
             }
             let energy_scale = equation.energy_scale(system, &mut self.assembly);
+            self.solver.note_energy(energy_scale);
             let size_scale = equation.displacement_scale(system);
             let relative = energy / energy_scale.max(f64::MIN_POSITIVE);
             observer.on_iteration(iteration, relative, size / size_scale.max(f64::MIN_POSITIVE));

@@ -7,11 +7,11 @@ use crate::system::assembly::{TangentParts, curvature};
 use crate::system::{Assembly, System};
 use crate::{Error, Result};
 
-/// Error of a linear solution in the energy norm, relative to the largest solution of the step: Newton's method
-/// converges as with a direct solver.
+/// Error of a linear solution in the energy norm, over its own size or the square root of the energy to which increments are
+/// compared: the iteration to equilibrium does not notice.
 const TOLERANCE: f64 = 1e-10;
 /// A correction is solved to this share of itself at least.
-const SHARE: f64 = 1e-2;
+const SHARE: f64 = 1e-3;
 /// Iterations after which a linear system is given up.
 const MOST_ITERATIONS: usize = 500;
 
@@ -19,6 +19,8 @@ const MOST_ITERATIONS: usize = 500;
 pub trait TangentSolver {
     /// A new step begins.
     fn begin_step(&mut self) {}
+    /// Tells the energy to which increments are compared.
+    fn note_energy(&mut self, _scale: f64) {}
     /// Forces of a motion, and the elements' part of its tangent: as
     /// [`Assembly::forces_and_tangent`].
     fn assemble(
@@ -129,8 +131,8 @@ pub struct Iterative {
     pieces: Substructures,
     tangents: usize,
     iterations: u64,
-    /// Largest solution of the step in the energy norm.
-    largest: f64,
+    /// Energy to which increments are compared; 0 before the first iteration of a step.
+    energy: f64,
 }
 
 impl Iterative {
@@ -143,7 +145,7 @@ impl Iterative {
             what: format!("The mesh of {} unknowns cannot be divided: {e}.", system.unknowns()),
             help: "Use a coarser mesh or a machine with more memory.".into(),
         })?;
-        Ok(Self { pieces, tangents: 0, iterations: 0, largest: 0.0 })
+        Ok(Self { pieces, tangents: 0, iterations: 0, energy: 0.0 })
     }
 
     /// The pieces.
@@ -154,7 +156,11 @@ impl Iterative {
 
 impl TangentSolver for Iterative {
     fn begin_step(&mut self) {
-        self.largest = 0.0;
+        self.energy = 0.0;
+    }
+
+    fn note_energy(&mut self, scale: f64) {
+        self.energy = scale;
     }
 
     fn assemble(
@@ -197,13 +203,12 @@ impl TangentSolver for Iterative {
     fn solve_tangent(&mut self, x: &mut [f64]) -> std::result::Result<(), String> {
         let wanted = Wanted {
             relative: TOLERANCE,
-            absolute: TOLERANCE * self.largest,
+            absolute: TOLERANCE * self.energy.max(0.0).sqrt(),
             share: SHARE,
             iterations: MOST_ITERATIONS,
         };
         let convergence = self.pieces.solve(x, &wanted).map_err(explain)?;
         self.iterations += convergence.iterations as u64;
-        self.largest = self.largest.max(convergence.start);
         Ok(())
     }
 

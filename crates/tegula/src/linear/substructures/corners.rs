@@ -13,6 +13,10 @@ use super::{Quads, Terms};
 use crate::system::Numbering;
 use crate::system::numbering::CONSTRAINED;
 
+/// Nodes at which a piece is tied at least, where it has so many. Two take all rigid motions; three also where they lie
+/// close together.
+const FEWEST: usize = 3;
+
 /// Pieces of the nodal vectors.
 pub(super) struct Sharing {
     /// Pieces of the vectors that lie in several, ascending.
@@ -117,6 +121,7 @@ pub(super) fn corners(
             fill(members, &around, |n| border.get(&n) == Some(&number), reach, &mut tied);
         }
     }
+    hold(quads, &sets, &mut tied);
     let mut stretches = HashMap::new();
     let mut count = 0;
     for &node in sets.keys().filter(|n| !tied.contains(n)) {
@@ -136,6 +141,27 @@ pub(super) fn corners(
         count += 1;
     }
     Corners { tied: tied.intersection(&free).copied().collect(), stretches }
+}
+
+/// Ties more nodes of pieces that are tied at fewer than [`FEWEST`], far from those that are.
+fn hold(quads: &Quads<'_>, sets: &BTreeMap<u32, Vec<u32>>, tied: &mut BTreeSet<u32>) {
+    let mut nodes: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for (&node, set) in sets {
+        set.iter().for_each(|&piece| nodes.entry(piece).or_default().push(node));
+    }
+    let at = |n: u32| quads.positions[n as usize];
+    for nodes in nodes.values() {
+        let mut held: Vec<u32> = nodes.iter().copied().filter(|n| tied.contains(n)).collect();
+        while held.len() < FEWEST.min(nodes.len()) {
+            let distance = |n: u32| held.iter().map(|&h| (at(n) - at(h)).norm()).fold(f64::INFINITY, f64::min);
+            let free = nodes.iter().copied().filter(|n| !held.contains(n));
+            let Some(farthest) = free.max_by(|&a, &b| distance(a).total_cmp(&distance(b)).then(b.cmp(&a))) else {
+                break;
+            };
+            held.push(farthest);
+            tied.insert(farthest);
+        }
+    }
 }
 
 /// Ties nodes of a border until none is farther than `reach` from a tied one.

@@ -28,6 +28,8 @@ mod dense;
 mod division;
 mod piece;
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 use rayon::prelude::*;
 
 pub use self::conjugate_gradients::Wanted;
@@ -132,7 +134,7 @@ pub enum Scaling {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { size: 256, reach: 5, scaling: Scaling::Deluxe }
+        Self { size: 256, reach: 3, scaling: Scaling::Deluxe }
     }
 }
 
@@ -335,18 +337,22 @@ impl Substructures {
     /// The matrix is not positive definite as far as the pieces can tell, or there is not enough memory.
     pub fn factor(&mut self, numbering: &Numbering) -> Result<(), SubstructureError> {
         let Self { pieces, works, borders, shifts, .. } = self;
+        let scratches: Mutex<Vec<Scratch>> = Mutex::default();
         let done: Vec<Result<(), Refused>> = works
             .par_iter_mut()
             .with_max_len(1)
             .zip(pieces.as_slice())
             .zip(&borders.of_piece)
-            .map_init(Scratch::default, |scratch, ((work, piece), of)| {
+            .map(|((work, piece), of)| {
                 let blocks = std::mem::take(&mut work.blocks);
                 if !blocks.iter().all(|b| b.is_finite()) {
                     return Err(Refused::Factor(FactorError::NotFinite));
                 }
                 let shifts = piece.shifts(shifts, |k| borders.pieces(of[k]));
-                work.factored = Some(piece.factor(&blocks, numbering, &shifts, scratch)?);
+                let mut scratch = locked(&scratches).pop().unwrap_or_default();
+                let factored = piece.factor(&blocks, numbering, &shifts, &mut scratch);
+                locked(&scratches).push(scratch);
+                work.factored = Some(factored?);
                 Ok(())
             })
             .collect();
@@ -363,4 +369,8 @@ impl Substructures {
         self.averages.weigh(&self.works)?;
         self.coarse.factor(&self.works)
     }
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
