@@ -5,6 +5,8 @@ use super::super::FactorError;
 
 /// Numbers that are summed side by side.
 const LANES: usize = 8;
+/// Rows that are worked off together.
+const ROWS: usize = 4;
 
 #[inline]
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -142,18 +144,45 @@ impl Interface {
     /// `Lᵀ x_D = y − L_CDᵀ x_C` in place; the other rows hold `x_C`.
     pub fn backward(&self, x: &mut [f64]) {
         let dual = self.inverse.len();
-        let mut rest = self.factor.as_slice();
-        for j in (0..self.size).rev() {
-            let (others, row) = rest.split_at(rest.len() - j.min(dual));
-            if j < dual {
-                x[j] *= self.inverse[j];
+        let mut end = self.size;
+        while end > 0 {
+            // Some rows together: what stands before them is read and written once.
+            let first = end.saturating_sub(ROWS);
+            let before = first.min(dual);
+            let mut values = [0.0; ROWS];
+            let mut rows: [&[f32]; ROWS] = [&[]; ROWS];
+            for j in (first..end).rev() {
+                if j < dual {
+                    x[j] *= self.inverse[j];
+                }
+                let row = self.row(j);
+                for (i, r) in row.iter().enumerate().skip(before) {
+                    x[i] -= x[j] * f64::from(*r);
+                }
+                (values[j - first], rows[j - first]) = (x[j], &row[..before]);
             }
-            let (before, after) = x.split_at_mut(j);
-            let value = after[0];
-            for (x, r) in before.iter_mut().zip(row) {
-                *x -= value * f64::from(*r);
+            if end - first == ROWS {
+                subtract(values, rows, &mut x[..before]);
             }
-            rest = others;
+            end = first;
         }
+    }
+
+    /// A row of `L` before the diagonal, or of `L_CD`.
+    fn row(&self, j: usize) -> &[f32] {
+        let dual = self.inverse.len();
+        let length = j.min(dual);
+        let start = length * length.saturating_sub(1) / 2 + (j - length) * dual;
+        &self.factor[start..start + length]
+    }
+}
+
+/// `x −= Σ vₖ rₖ`.
+#[inline]
+fn subtract(v: [f64; ROWS], rows: [&[f32]; ROWS], x: &mut [f64]) {
+    let n = x.len();
+    let [a, b, c, d] = rows.map(|r| &r[..n]);
+    for i in 0..n {
+        x[i] -= v[0] * f64::from(a[i]) + v[1] * f64::from(b[i]) + v[2] * f64::from(c[i]) + v[3] * f64::from(d[i]);
     }
 }
