@@ -17,8 +17,8 @@ use std::time::Instant;
 use tegula::analysis::{Silent, statics};
 use tegula::mesh::generators::generate;
 use tegula::model::{
-    Analysis, Condition, CylinderMesh, Grid, Isotropic, LinearSolver, Load, MeshSource, Model, OnSet, PlateMesh,
-    StaticAnalysis, VectorLoad, build,
+    Analysis, Condition, CylinderMesh, Grid, Isotropic, LinearSolver, Load, MeshSource, Model, OnSet,
+    PlateMesh, StaticAnalysis, VectorLoad, build,
 };
 
 fn main() {

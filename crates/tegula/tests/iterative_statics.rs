@@ -101,8 +101,13 @@ fn all_elements_agree_with_the_direct_solver_in_large_rotations() {
     m.loads = vec![Load::Force(vector_load("u_max_v_max", [0.0, 0.0, -20.0]))];
     // Directors of `mitc4` have two unknowns, along axes that turn; `ancf-full` has gradients, and groups of its own for
     // each integration point.
-    let kinds =
-        [ElementKind::Ems, ElementKind::Cm, ElementKind::Mitc4, ElementKind::SolidShell, ElementKind::AncfFull];
+    let kinds = [
+        ElementKind::Ems,
+        ElementKind::Cm,
+        ElementKind::Mitc4,
+        ElementKind::SolidShell,
+        ElementKind::AncfFull,
+    ];
     for element in kinds {
         m.sections[0].element = element;
         same(&m);
@@ -138,9 +143,14 @@ fn what_is_accepted_is_stable() {
         for (factor, stable) in [(0.5, true), (1.1, false), (1.5, false)] {
             m.loads = vec![Load::Edge(vector_load("u_max", [-factor * euler / 0.2, 0.0, 0.0]))];
             match run(&m, ITERATIVE) {
-                Ok(o) => assert!(stable && o.negative_pivots == 0, "{elements:?}: {factor} times Euler's load"),
+                Ok(o) => {
+                    assert!(stable && o.negative_pivots == 0, "{elements:?}: {factor} times Euler's load")
+                }
                 Err(Error::NotConverged { reason, .. }) => {
-                    assert!(!stable && reason.contains("positive definite"), "{elements:?} {factor}: {reason}");
+                    assert!(
+                        !stable && reason.contains("positive definite"),
+                        "{elements:?} {factor}: {reason}"
+                    );
                     assert!(reason.contains("direct"), "{reason}");
                 }
                 other => panic!("{other:?}"),

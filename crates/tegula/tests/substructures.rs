@@ -68,7 +68,14 @@ impl Problem {
             pieces.put(term, blocks);
             term += 1;
         };
-        Assembly::new(&self.system).forces_and_blocks(&self.system, &k, &parts(), (false, None), &mut forces, take);
+        Assembly::new(&self.system).forces_and_blocks(
+            &self.system,
+            &k,
+            &parts(),
+            (false, None),
+            &mut forces,
+            take,
+        );
     }
 
     fn solve(&mut self, wanted: &Wanted) -> Result<(Vec<f64>, Convergence), SubstructureError> {
@@ -178,7 +185,8 @@ fn units_do_not_change_the_iteration() {
         c.length *= 1000.0;
     }
     millimetres.sections[0].thickness *= 1000.0;
-    let iterations = |model: &Model| problem(model).solve(&Wanted { relative: 1e-8, ..TIGHT }).unwrap().1.iterations;
+    let iterations =
+        |model: &Model| problem(model).solve(&Wanted { relative: 1e-8, ..TIGHT }).unwrap().1.iterations;
     assert_eq!(iterations(&metres), iterations(&millimetres));
 }
 
@@ -208,7 +216,8 @@ fn what_is_accepted_is_positive_definite() {
         p.pieces.shift(vectors, (0..vectors).map(|v| (v, shift)));
         let found = p.solve(&TIGHT);
         let mut shifted = stiffness.clone();
-        (0..vectors).for_each(|v| p.system.pattern.add_to_diagonal(v, shift, &p.system.numbering, &mut shifted));
+        (0..vectors)
+            .for_each(|v| p.system.pattern.add_to_diagonal(v, shift, &p.system.numbering, &mut shifted));
         let mut direct = SparseCholesky::new(p.pattern.clone()).unwrap();
         let negative = direct.factor(&shifted).unwrap().negative;
         match found {

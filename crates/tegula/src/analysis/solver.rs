@@ -80,7 +80,9 @@ pub fn direct(system: &System) -> Result<SparseCholesky> {
         SymmetricPattern::new(system.pattern.column_pointers.clone(), system.pattern.row_indices.clone());
     SparseCholesky::new(pattern).map_err(|e| Error::Singular {
         what: format!("The matrix of {} unknowns cannot be factored: {e}.", system.unknowns()),
-        help: "Use a coarser mesh, a machine with more memory, or in statics `linear_solver = \"iterative\"`.".into(),
+        help:
+            "Use a coarser mesh, a machine with more memory, or in statics `linear_solver = \"iterative\"`."
+                .into(),
     })
 }
 

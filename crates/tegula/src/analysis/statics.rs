@@ -142,7 +142,9 @@ fn steps<S: TangentSolver>(
         max_iterations: options.max_iterations,
     };
     let largest = 1.0 / f64::from(options.load_steps.max(1));
-    let smallest = largest * 0.5_f64.powi(options.max_cutbacks as i32);
+    // The tangent of a linear model is the same in smaller steps: they cannot help.
+    let cutbacks = if system.linear { 0 } else { options.max_cutbacks as i32 };
+    let smallest = largest * 0.5_f64.powi(cutbacks);
     let mut statistics = Statistics { steps: state.step, ..Statistics::default() };
     let mut balance = Balance::default();
     let mut negative_pivots = 0;

@@ -158,23 +158,28 @@ impl Assembly {
         out: &mut [Nodal],
         mut take: impl FnMut(&[f64]) + Send,
     ) {
-        let work = || {
-            let mut first = 0;
-            self.portions(system, k, parts, (extrapolated, prescribed), |elements, blocks, _| match elements {
-                Some((group, _)) => blocks.chunks(9 * pairs(group.vectors_per_element())).for_each(&mut take),
-                None => {
-                    let loads = system.followers[first..].iter().take(PORTION);
-                    let mut at = 0;
-                    for load in loads {
-                        let n = 9 * pairs(load.vectors().len());
-                        take(&blocks[at..at + n]);
-                        at += n;
+        let work =
+            || {
+                let mut first = 0;
+                self.portions(system, k, parts, (extrapolated, prescribed), |elements, blocks, _| {
+                    match elements {
+                        Some((group, _)) => {
+                            blocks.chunks(9 * pairs(group.vectors_per_element())).for_each(&mut take)
+                        }
+                        None => {
+                            let loads = system.followers[first..].iter().take(PORTION);
+                            let mut at = 0;
+                            for load in loads {
+                                let n = 9 * pairs(load.vectors().len());
+                                take(&blocks[at..at + n]);
+                                at += n;
+                            }
+                            first += PORTION;
+                        }
                     }
-                    first += PORTION;
-                }
-            });
-            self.gather_forces(out);
-        };
+                });
+                self.gather_forces(out);
+            };
         rayon::join(work, || ());
     }
 

@@ -93,7 +93,8 @@ impl PatternBuilder {
     /// Adds an element whose lower blocks come next in the buffer.
     pub fn element(&mut self, vectors: &[u32], mass: &[f64]) {
         if !self.tangent {
-            let pairs = vectors.iter().enumerate().flat_map(|(a, &va)| vectors[..=a].iter().map(move |&vb| (va, vb)));
+            let pairs =
+                vectors.iter().enumerate().flat_map(|(a, &va)| vectors[..=a].iter().map(move |&vb| (va, vb)));
             let with_mass = pairs.zip(mass).filter(|(_, m)| **m != 0.0);
             self.masses.extend(with_mass.map(|((va, vb), &m)| (key(va, vb), m)));
             return;

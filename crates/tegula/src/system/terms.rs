@@ -1,8 +1,8 @@
 //! What contributes to the tangent, for solvers that divide the mesh.
 
 use super::{System, VectorKind};
-use crate::linear::substructures::{Options, Quads, SubstructureError, Substructures, Terms};
 use crate::Vec3;
+use crate::linear::substructures::{Options, Quads, SubstructureError, Substructures, Terms};
 
 impl System {
     /// A solver that divides the mesh of this system into pieces. Its terms are the elements of all groups, then the

@@ -40,7 +40,9 @@ pub(super) fn groups(
 ) -> Vec<Group> {
     let mut found: BTreeMap<(u32, [u32; 2]), Vec<u32>> = BTreeMap::new();
     for (&v, pieces) in &sharing.shared {
-        let (Some(&stretch), &[a, b]) = (stretches.get(&node_of[v as usize]), pieces.as_slice()) else { continue };
+        let (Some(&stretch), &[a, b]) = (stretches.get(&node_of[v as usize]), pieces.as_slice()) else {
+            continue;
+        };
         let free = numbering.of(v as usize).into_iter().filter(|&n| n != CONSTRAINED);
         found.entry((stretch, [a, b])).or_default().extend(free);
     }
@@ -74,7 +76,8 @@ impl Averages {
                 let start = first.len();
                 first.resize(start + g.unknowns.len(), g.pieces[0]);
                 let places = g.pieces.map(|piece| {
-                    let place = |n: usize| borders.sources(n).iter().find(|s| s.0 == piece).map_or(0, |s| s.1);
+                    let place =
+                        |n: usize| borders.sources(n).iter().find(|s| s.0 == piece).map_or(0, |s| s.1);
                     (start..first.len()).map(place).collect()
                 });
                 Member { pieces: g.pieces, places, matrix: Vec::new() }

@@ -30,9 +30,8 @@ impl Borders {
                 kind[u as usize] = if k < piece.dual { 1 } else { 2 };
             }
         }
-        let of_kind = |wanted: u8| {
-            kind.iter().enumerate().filter(move |(_, k)| **k == wanted).map(|(u, _)| u as u32)
-        };
+        let of_kind =
+            |wanted: u8| kind.iter().enumerate().filter(move |(_, k)| **k == wanted).map(|(u, _)| u as u32);
         let mut list: Vec<u32> = groups.iter().flat_map(|g| &g.unknowns).copied().collect();
         let mut grouped = vec![false; unknowns];
         list.iter().for_each(|&u| grouped[u as usize] = true);

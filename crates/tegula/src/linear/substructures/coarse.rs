@@ -72,7 +72,9 @@ impl Coarse {
             }
         }
         if solver.factor(&self.values)?.negative > 0 {
-            return Err(SubstructureError::Indefinite("the pieces of the shell, held at their corners, are unstable"));
+            return Err(SubstructureError::Indefinite(
+                "the pieces of the shell, held at their corners, are unstable",
+            ));
         }
         Ok(())
     }

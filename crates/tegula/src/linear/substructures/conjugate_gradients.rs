@@ -142,7 +142,9 @@ impl Substructures {
                     return Err(SubstructureError::NotFinite);
                 }
                 if curvature <= 0.0 {
-                    return Err(SubstructureError::Indefinite("the iteration met a direction without stiffness"));
+                    return Err(SubstructureError::Indefinite(
+                        "the iteration met a direction without stiffness",
+                    ));
                 }
                 let alpha = rz / curvature;
                 add(alpha, p, solution);
@@ -197,7 +199,9 @@ impl Substructures {
                         *y = if k >= piece.dual {
                             0.0
                         } else {
-                            averages.part(n, piece.number, r).unwrap_or_else(|| work.weights[k] * r[n as usize])
+                            averages
+                                .part(n, piece.number, r)
+                                .unwrap_or_else(|| work.weights[k] * r[n as usize])
                         };
                     }
                     factored.interface.forward(&mut work.y);

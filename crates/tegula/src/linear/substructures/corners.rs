@@ -153,9 +153,11 @@ fn hold(quads: &Quads<'_>, sets: &BTreeMap<u32, Vec<u32>>, tied: &mut BTreeSet<u
     for nodes in nodes.values() {
         let mut held: Vec<u32> = nodes.iter().copied().filter(|n| tied.contains(n)).collect();
         while held.len() < FEWEST.min(nodes.len()) {
-            let distance = |n: u32| held.iter().map(|&h| (at(n) - at(h)).norm()).fold(f64::INFINITY, f64::min);
+            let distance =
+                |n: u32| held.iter().map(|&h| (at(n) - at(h)).norm()).fold(f64::INFINITY, f64::min);
             let free = nodes.iter().copied().filter(|n| !held.contains(n));
-            let Some(farthest) = free.max_by(|&a, &b| distance(a).total_cmp(&distance(b)).then(b.cmp(&a))) else {
+            let Some(farthest) = free.max_by(|&a, &b| distance(a).total_cmp(&distance(b)).then(b.cmp(&a)))
+            else {
                 break;
             };
             held.push(farthest);
@@ -188,13 +190,11 @@ fn fill<I: Iterator<Item = u32>>(
             queue.push_back((n, start));
         }
         // Starts at 0 come first.
-        let mut list: Vec<_> = queue.into_iter().collect();
-        list.sort_by_key(|&(n, d)| (d, n));
-        let mut queue: VecDeque<_> = list.into();
+        queue.make_contiguous().sort_by_key(|&(n, d)| (d, n));
         while let Some((n, d)) = queue.pop_front() {
             for m in around(n).filter(|&m| within(m)) {
-                if !distance.contains_key(&m) {
-                    distance.insert(m, d + 1);
+                if let Entry::Vacant(place) = distance.entry(m) {
+                    place.insert(d + 1);
                     queue.push_back((m, d + 1));
                 }
             }

@@ -183,6 +183,7 @@ fn subtract(v: [f64; ROWS], rows: [&[f32]; ROWS], x: &mut [f64]) {
     let n = x.len();
     let [a, b, c, d] = rows.map(|r| &r[..n]);
     for i in 0..n {
-        x[i] -= v[0] * f64::from(a[i]) + v[1] * f64::from(b[i]) + v[2] * f64::from(c[i]) + v[3] * f64::from(d[i]);
+        x[i] -=
+            v[0] * f64::from(a[i]) + v[1] * f64::from(b[i]) + v[2] * f64::from(c[i]) + v[3] * f64::from(d[i]);
     }
 }

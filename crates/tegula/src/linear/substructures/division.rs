@@ -242,13 +242,7 @@ pub(super) fn tree(quads: &Quads<'_>, cells: &mut [u32], leaf: usize) -> Vec<Bra
     out
 }
 
-fn grow(
-    quads: &Quads<'_>,
-    cells: &mut [u32],
-    first: usize,
-    leaf: usize,
-    out: &mut Vec<Branch>,
-) -> usize {
+fn grow(quads: &Quads<'_>, cells: &mut [u32], first: usize, leaf: usize, out: &mut Vec<Branch>) -> usize {
     let whole = first..first + cells.len();
     let mut halves = None;
     if cells.len() > leaf {

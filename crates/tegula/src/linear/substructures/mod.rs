@@ -32,10 +32,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
-pub use self::conjugate_gradients::Wanted;
 use self::averages::Averages;
 use self::borders::Borders;
 use self::coarse::Coarse;
+pub use self::conjugate_gradients::Wanted;
 use self::corners::{Corners, Sharing, corners};
 use self::piece::{Factored, Piece, Refused, Roles, Scratch};
 use super::FactorError;
@@ -151,7 +151,9 @@ pub enum SubstructureError {
     #[error("the factors of the pieces do not fit in memory")]
     TooLarge,
     /// Not accurate enough; the solution is not returned.
-    #[error("not converged after {iterations} iterations: relative residual {residual:.1e} for {tolerance:.1e}")]
+    #[error(
+        "not converged after {iterations} iterations: relative residual {residual:.1e} for {tolerance:.1e}"
+    )]
     NotConverged {
         /// Iterations.
         iterations: usize,
@@ -248,8 +250,7 @@ impl Substructures {
             list[next[q as usize] as usize] = t as u32;
             next[q as usize] += 1;
         }
-        let terms_of =
-            |q: u32| list[start[q as usize] as usize..start[q as usize + 1] as usize].to_vec();
+        let terms_of = |q: u32| list[start[q as usize] as usize..start[q as usize + 1] as usize].to_vec();
         let shared = |v: u32| sharing.shared.contains_key(&v);
         let corner = |v: u32| tied.contains(&node_of[v as usize]);
         let made: Vec<(Piece, Vec<u32>)> = cells
@@ -283,7 +284,18 @@ impl Substructures {
         let vectors = conjugate_gradients::Vectors::new(borders.len());
         let scaling = options.scaling;
         let unknowns = numbering.unknowns;
-        Ok(Self { pieces, slots, works, borders, averages, coarse, shifts: Vec::new(), unknowns, scaling, vectors })
+        Ok(Self {
+            pieces,
+            slots,
+            works,
+            borders,
+            averages,
+            coarse,
+            shifts: Vec::new(),
+            unknowns,
+            scaling,
+            vectors,
+        })
     }
 
     /// Number of pieces.
@@ -358,10 +370,12 @@ impl Substructures {
             .collect();
         for result in done {
             result.map_err(|refused| match refused {
-                Refused::Inner => SubstructureError::Indefinite("a piece of the shell is unstable within itself"),
-                Refused::Border => {
-                    SubstructureError::Indefinite("a piece of the shell is unstable when only its corners are held")
+                Refused::Inner => {
+                    SubstructureError::Indefinite("a piece of the shell is unstable within itself")
                 }
+                Refused::Border => SubstructureError::Indefinite(
+                    "a piece of the shell is unstable when only its corners are held",
+                ),
                 Refused::Factor(e) => e.into(),
             })?;
         }
