@@ -1,14 +1,15 @@
 //! How time and memory of static analyses with the iterative linear solver grow with the mesh.
 //!
 //! ```text
-//! cargo run --release --example growth_iterative -- [plate|cylinder [SLENDERNESS [SIDES...]]]
+//! cargo run --release --example growth_iterative -- [plate|cylinder [SLENDERNESS [iterative|direct [SIDES...]]]]
 //! ```
 //!
-//! SIDES × SIDES elements (128, 256, 512 and 1000 unless given) of a square plate or a quarter cylinder, clamped at one edge
-//! and loaded at the other, length over thickness SLENDERNESS (100 unless given), under small displacements. Each
-//! mesh is computed on two threads in a process of its own, so that its peak memory is its own. Times are from the compiled model to equilibrium; processor
-//! time is that of all threads, user and system. The exponents are those of the least-squares lines through the
-//! logarithms.
+//! SIDES × SIDES elements (128, 256, 512 and 1000 unless given) of a square plate or a quarter cylinder, clamped at
+//! one edge and loaded at the other, length over thickness SLENDERNESS (100 unless given), under small
+//! displacements, with the iterative or, to compare, the direct solver. Each mesh is computed on two threads in a
+//! process of its own, so that its peak memory is its own. Times are from the compiled model to equilibrium;
+//! processor time is that of all threads, user and system. The exponents are those of the least-squares lines
+//! through the logarithms.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
 use std::process::Command;
@@ -25,10 +26,11 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let argument = |k: usize, otherwise: &str| arguments.get(k).cloned().unwrap_or(otherwise.into());
     if argument(0, "") == "--child" {
-        return measure(&arguments[1], arguments[2].parse().unwrap(), arguments[3].parse().unwrap());
+        let (slenderness, side) = (arguments[2].parse().unwrap(), arguments[4].parse().unwrap());
+        return measure(&arguments[1], slenderness, &arguments[3], side);
     }
-    let (shape, slenderness) = (argument(0, "plate"), argument(1, "100"));
-    let mut sides: Vec<u32> = arguments.iter().skip(2).map(|a| a.parse().unwrap()).collect();
+    let (shape, slenderness, solver) = (argument(0, "plate"), argument(1, "100"), argument(2, "iterative"));
+    let mut sides: Vec<u32> = arguments.iter().skip(3).map(|a| a.parse().unwrap()).collect();
     if sides.is_empty() {
         sides = vec![128, 256, 512, 1000];
     }
@@ -39,7 +41,7 @@ fn main() {
     let mut points = [Vec::new(), Vec::new(), Vec::new()];
     for side in sides {
         let child = Command::new(std::env::current_exe().unwrap())
-            .args(["--child", &shape, &slenderness, &side.to_string()])
+            .args(["--child", &shape, &slenderness, &solver, &side.to_string()])
             .env("RAYON_NUM_THREADS", "2")
             .output()
             .unwrap();
@@ -91,9 +93,12 @@ fn mesh(shape: &str, side: u32) -> MeshSource {
     })
 }
 
-fn measure(shape: &str, slenderness: f64, side: u32) {
+fn measure(shape: &str, slenderness: f64, solver: &str, side: u32) {
     let started = Instant::now();
-    let linear_solver = LinearSolver::Iterative;
+    let linear_solver = match solver {
+        "direct" => LinearSolver::Direct,
+        _ => LinearSolver::Iterative,
+    };
     let options = StaticAnalysis { linear: true, linear_solver, ..Default::default() };
     let material = Isotropic::new(2.1e11, 0.3, 1.0);
     let analysis = Analysis::Static(options.clone());

@@ -328,12 +328,12 @@ fn pendulum_statistics() {
         lines.push(format!("automatic {:?}", outcome.statistics));
     }
     insta::assert_snapshot!(lines.join("\n"), @r"
-    Statistics { steps: 30, iterations: 90, factorizations: 91, cutbacks: 0, linear_iterations: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
-    automatic Statistics { steps: 18, iterations: 56, factorizations: 57, cutbacks: 0, linear_iterations: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
-    Statistics { steps: 30, iterations: 90, factorizations: 91, cutbacks: 0, linear_iterations: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
-    automatic Statistics { steps: 19, iterations: 59, factorizations: 60, cutbacks: 0, linear_iterations: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
-    Statistics { steps: 30, iterations: 182, factorizations: 183, cutbacks: 0, linear_iterations: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
-    automatic Statistics { steps: 17, iterations: 127, factorizations: 128, cutbacks: 1, linear_iterations: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
+    Statistics { steps: 30, iterations: 90, factorizations: 91, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
+    automatic Statistics { steps: 18, iterations: 56, factorizations: 57, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
+    Statistics { steps: 30, iterations: 90, factorizations: 91, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
+    automatic Statistics { steps: 19, iterations: 59, factorizations: 60, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
+    Statistics { steps: 30, iterations: 182, factorizations: 183, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
+    automatic Statistics { steps: 17, iterations: 127, factorizations: 128, cutbacks: 1, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
     ");
 }
 

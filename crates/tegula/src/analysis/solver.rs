@@ -7,8 +7,8 @@ use crate::system::assembly::{TangentParts, curvature};
 use crate::system::{Assembly, System};
 use crate::{Error, Result};
 
-/// Error of a linear solution in the energy norm, over its own size or the square root of the energy to which increments are
-/// compared: the iteration to equilibrium does not notice.
+/// Error of a linear solution in the energy norm, over its own size or the square root of the energy to which
+/// increments are compared: the iteration to equilibrium does not notice.
 const TOLERANCE: f64 = 1e-10;
 /// A correction is solved to this share of itself at least.
 const SHARE: f64 = 1e-3;
@@ -65,15 +65,15 @@ pub trait TangentSolver {
 /// The factor does not fit in memory, or the system was compiled without a pattern of the tangent.
 pub fn direct(system: &System) -> Result<SparseCholesky> {
     if !system.has_tangent_pattern {
-        let (key, what) = if system.explicit {
-            ("analysis.scheme", "explicit integration")
+        let (key, what, word) = if system.explicit {
+            ("analysis.scheme", "explicit integration", "scheme")
         } else {
-            ("analysis.linear_solver", "the iterative linear solver")
+            ("analysis.linear_solver", "the iterative linear solver", "linear solver")
         };
         return Err(Error::model(
             key,
             format!("the system was compiled for {what}: it has no pattern of a tangent"),
-            "compile the model with the analysis that it is run with",
+            format!("compile the model with the {word} that it is run with"),
         ));
     }
     let pattern =

@@ -44,9 +44,9 @@ pub fn plate(size: [f64; 2], elements: [u32; 2], distortion: f64) -> MeshSource 
     })
 }
 
-/// A wavy square of side 1 in n × n squares, each cut into two triangles along alternating diagonals, each of those cut into three
-/// quads: nodes have 3 to 8 neighbours. Edge sets `u_min` and `u_max` at x = 0 and 1, quad sets `half` and
-/// `other_half`.
+/// A wavy square of side 1 in n × n squares, each cut into two triangles along alternating diagonals, each of those
+/// cut into three quads: nodes have 3 to 8 neighbours. Edge sets `u_min` and `u_max` at x = 0 and 1, quad sets
+/// `half` and `other_half`.
 pub fn irregular(n: usize) -> Mesh {
     let mut mesh = Mesh::default();
     let mut numbers = std::collections::HashMap::new();

@@ -1,16 +1,17 @@
 //! Averages over the borders of two pieces, weighed by the matrices of both.
 //!
-//! On a stretch of border between corners the pieces 1 and 2 have the matrices `S₁` and `S₂`. Their values there are averaged as
+//! On a stretch of border between corners the pieces 1 and 2 have the matrices `S₁` and `S₂`. Their values there
+//! are averaged as
 //!
 //! ```text
 //! u = D u₁ + (1 − D) u₂,   D = (S₁ + S₂)⁻¹ S₁
 //! ```
 //!
-//! and forces are shared with the transposed of it. On regular meshes that is the mean. Where elements are distorted the directors and positions
-//! of a thin shell must be weighed together, or the average shears.
+//! and forces are shared with the transposed of it. On regular meshes that is the mean. Where elements are
+//! distorted the directors and positions of a thin shell must be weighed together, or the average shears.
 //!
-//! C. R. Dohrmann, O. B. Widlund, *A BDDC algorithm with deluxe scaling for three-dimensional H(curl) problems*, Comm. Pure
-//! Appl. Math. 69 (2016) 745–770.
+//! C. R. Dohrmann, O. B. Widlund, *A BDDC algorithm with deluxe scaling for three-dimensional H(curl) problems*,
+//! Comm. Pure Appl. Math. 69 (2016) 745–770.
 
 use std::collections::{BTreeMap, HashMap};
 

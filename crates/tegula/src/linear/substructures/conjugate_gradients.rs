@@ -6,8 +6,8 @@ use super::{Convergence, SubstructureError, Substructures};
 
 /// Vector entries that one task sums.
 const CHUNK: usize = 8192;
-/// A true residual of this share of the first one (of their squares in the energy norm) that the recurrence takes to be
-/// smaller is rounding of the factors. The caller knows the forces better, and corrects.
+/// A true residual of this share of the first one (of their squares in the energy norm) that the recurrence takes
+/// to be smaller is rounding of the factors. The caller knows the forces better, and corrects.
 const ROUNDING: f64 = 1e-10;
 /// Restarts that do not take the residual down to this share have no use.
 const PROGRESS: f64 = 0.3;

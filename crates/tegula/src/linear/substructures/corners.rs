@@ -1,9 +1,9 @@
 //! Which unknowns pieces share, and at which nodes of their borders they are tied firmly.
 //!
-//! The border between two pieces is tied at its ends, where it meets other borders or the edge of the model, and at nodes
-//! in between such that none is farther than a given number of elements from one. A node is tied with all of its
-//! unknowns: a position and a director leave a piece no motion but rotation about the director, and the second node
-//! takes that one.
+//! The border between two pieces is tied at its ends, where it meets other borders or the edge of the model, and at
+//! nodes in between such that none is farther than a given number of elements from one. A node is tied with all of
+//! its unknowns: a position and a director leave a piece no motion but rotation about the director, and the second
+//! node takes that one.
 
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
@@ -13,8 +13,8 @@ use super::{Quads, Terms};
 use crate::system::Numbering;
 use crate::system::numbering::CONSTRAINED;
 
-/// Nodes at which a piece is tied at least, where it has so many. Two take all rigid motions; three also where they lie
-/// close together.
+/// Nodes at which a piece is tied at least, where it has so many. Two take all rigid motions; three also where they
+/// lie close together.
 const FEWEST: usize = 3;
 
 /// Pieces of the nodal vectors.

@@ -1,5 +1,5 @@
-//! Kernels on the dense matrices of the interfaces: one square holds the matrix `S` on and below its diagonal, and above
-//! it the transposed factor of its first rows.
+//! Kernels on the dense matrices of the interfaces: one square holds the matrix `S` on and below its diagonal, and
+//! above it the transposed factor of its first rows.
 
 use super::super::FactorError;
 
@@ -70,7 +70,8 @@ pub(super) struct Interface {
 }
 
 impl Interface {
-    /// From the lower triangle of `S` (by columns of a square) and that of a copy of which the first `dual` columns are factored.
+    /// From the lower triangle of `S` (by columns of a square) and that of a copy of which the first `dual` columns
+    /// are factored.
     pub fn new(square: &[f64], factor: &[f64], dual: usize) -> Result<Self, FactorError> {
         let size = (square.len() as f64).sqrt().round() as usize;
         let inverse: Vec<f64> = (0..dual).map(|i| 1.0 / factor[i * size + i]).collect();

@@ -1,9 +1,9 @@
-//! Division of a shell mesh into connected pieces of about equal size, and of a piece into the tree by which its unknowns
-//! are eliminated.
+//! Division of a shell mesh into connected pieces of about equal size, and of a piece into the tree by which its
+//! unknowns are eliminated.
 //!
-//! A piece is cut across the direction in which it is longest. The sides of the element in its middle are tried first,
-//! then the principal axis of its elements' centres. The cut goes where there is a gap between the centres, so that on regular meshes it follows
-//! the lines of the mesh.
+//! A piece is cut across the direction in which it is longest. The sides of the element in its middle are tried
+//! first, then the principal axis of its elements' centres. The cut goes where there is a gap between the centres,
+//! so that on regular meshes it follows the lines of the mesh.
 
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
@@ -111,8 +111,8 @@ fn split(quads: &Quads<'_>, order: &mut [u32], share: f64) -> usize {
         .clamp(1, n - 1)
 }
 
-/// Makes every piece connected through sides of elements: what hangs on otherwise becomes a piece of its own or, where
-/// it is small, goes to the neighbour with which it shares most sides.
+/// Makes every piece connected through sides of elements: what hangs on otherwise becomes a piece of its own or,
+/// where it is small, goes to the neighbour with which it shares most sides.
 fn connect(quads: &Quads<'_>, piece: &mut [u32], count: usize, size: usize) -> (Vec<u32>, usize) {
     let neighbours = neighbours(quads);
     // Connected parts of the pieces.

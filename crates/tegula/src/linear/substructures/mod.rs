@@ -1,23 +1,24 @@
 //! Conjugate gradients on the borders of the pieces of a shell, for models too large to be factored whole.
 //!
-//! The mesh is divided into pieces of constant size. Each eliminates its inner unknowns; what is left is
-//! `S u = g` on the borders, `S = Σ Rᵀ S_p R` with the dense matrices `S_p` of the pieces. The preconditioner is
-//! balancing domain decomposition by constraints: the pieces are tied at corners only, which leaves a matrix that can be
+//! The mesh is divided into pieces of constant size. Each eliminates its inner unknowns; what is left is `S u = g`
+//! on the borders, `S = Σ Rᵀ S_p R` with the dense matrices `S_p` of the pieces. The preconditioner is balancing
+//! domain decomposition by constraints: the pieces are tied at corners only, which leaves a matrix that can be
 //! solved piece by piece with a small coarse one for the corners; its solution is averaged where pieces touch,
 //!
 //! ```text
 //! M⁻¹ = Dᵀ S̃⁻¹ D,   κ(M⁻¹ S) = O(1 + log³(H/h))
 //! ```
 //!
-//! with `H` the size of a piece and `h` that of an element, for Reissner–Mindlin plates of MITC elements whatever their
-//! thickness.
+//! with `H` the size of a piece and `h` that of an element, for Reissner–Mindlin plates of MITC elements whatever
+//! their thickness.
 //!
-//! C. R. Dohrmann, *A preconditioner for substructuring based on constrained energy minimization*, SIAM J. Sci. Comput. 25
-//! (2003) 246–258; L. Beirão da Veiga, C. Chinosi, C. Lovadina, L. F. Pavarino, *Robust BDDC preconditioners for
-//! Reissner–Mindlin plate bending problems and MITC elements*, SIAM J. Numer. Anal. 47 (2010) 4214–4238.
+//! C. R. Dohrmann, *A preconditioner for substructuring based on constrained energy minimization*, SIAM J. Sci.
+//! Comput. 25 (2003) 246–258; L. Beirão da Veiga, C. Chinosi, C. Lovadina, L. F. Pavarino, *Robust BDDC
+//! preconditioners for Reissner–Mindlin plate bending problems and MITC elements*, SIAM J. Numer. Anal. 47 (2010)
+//! 4214–4238.
 //!
-//! `S̃` is the matrix of the pieces tied at corners only: a restriction of it is the matrix of the whole. So if all its pivots
-//! are positive, those of the whole are, too.
+//! `S̃` is the matrix of the pieces tied at corners only: a restriction of it is the matrix of the whole. So if all
+//! its pivots are positive, those of the whole are, too.
 
 mod averages;
 mod borders;

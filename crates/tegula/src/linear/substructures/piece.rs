@@ -1,9 +1,9 @@
-//! A piece of a shell: its unknowns in the order of their elimination, the fronts in which the inner ones are eliminated,
-//! and what is left at its border.
+//! A piece of a shell: its unknowns in the order of their elimination, the fronts in which the inner ones are
+//! eliminated, and what is left at its border.
 //!
-//! The elements of a piece are halved again and again. A nodal vector is eliminated in the smallest half in which all of
-//! its elements lie; the rest goes up the tree. What reaches the root are the unknowns of the border with the matrix
-//! `S = K_BB − K_BI K_II⁻¹ K_IB`.
+//! The elements of a piece are halved again and again. A nodal vector is eliminated in the smallest half in which
+//! all of its elements lie; the rest goes up the tree. What reaches the root are the unknowns of the border with
+//! the matrix `S = K_BB − K_BI K_II⁻¹ K_IB`.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -82,8 +82,8 @@ pub(super) struct Roles<'a> {
 }
 
 impl Piece {
-    /// Analyses the piece of some elements; `terms_of` gives the terms of an element. Returns with it, for each term in
-    /// order, its number.
+    /// Analyses the piece of some elements; `terms_of` gives the terms of an element. Returns with it, for each
+    /// term in order, its number.
     pub fn new(
         quads: &Quads<'_>,
         terms: &Terms,
@@ -245,8 +245,8 @@ impl Piece {
         self.terms[term][0] as usize
     }
 
-    /// What is added to the diagonal of this piece: shifts of nodal vectors, divided by the number of pieces where they are
-    /// shared. `pieces` gives that for an unknown of the border. Empty: nothing is.
+    /// What is added to the diagonal of this piece: shifts of nodal vectors, divided by the number of pieces where
+    /// they are shared. `pieces` gives that for an unknown of the border. Empty: nothing is.
     pub fn shifts(&self, shifts: &[f64], pieces: impl Fn(usize) -> usize) -> Vec<f64> {
         if shifts.is_empty() {
             return Vec::new();
