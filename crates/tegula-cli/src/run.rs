@@ -78,6 +78,9 @@ pub fn print(summary: &Summary, folder: &Path) {
     if let Some(error) = s.energy_error {
         say!("  energy balance kept to {error:.1e} of the largest energy");
     }
+    if let Some(n) = s.linear_iterations {
+        say!("  {n} iterations of conjugate gradients for {} tangents", s.factorizations);
+    }
     for (name, point) in &s.points {
         let [x, y, z] = point.displacement;
         say!("  {name}: displacement ({x:.6e}, {y:.6e}, {z:.6e})");

@@ -176,6 +176,7 @@ impl<'a> Recorder<'a> {
             (totals.iterations, totals.factorizations, totals.cutbacks);
         s.critical_step = Some(totals.critical_step).filter(|&step| step > 0.0);
         s.energy_error = s.critical_step.map(|_| totals.energy_error);
+        s.linear_iterations = (totals.linear_iterations > 0).then_some(totals.linear_iterations);
         s.time = self.memory.state.time;
         s.energy = (&self.memory.balance).into();
         if !self.memory.state.u.is_empty() {
@@ -280,6 +281,7 @@ impl<'a> Recorder<'a> {
             iterations: totals.iterations,
             factorizations: totals.factorizations,
             cutbacks: totals.cutbacks,
+            linear_iterations: totals.linear_iterations,
             wall_s: before.wall_s + self.started.elapsed().as_secs_f64(),
             cpu_s: self.cpu(),
             ..before

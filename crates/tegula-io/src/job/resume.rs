@@ -39,6 +39,9 @@ pub(super) struct Notes {
     pub factorizations: u64,
     /// Repeated steps so far.
     pub cutbacks: u64,
+    /// Iterations of the linear solver so far.
+    #[serde(default)]
+    pub linear_iterations: u64,
     /// Time on the clock so far (s).
     pub wall_s: f64,
     /// Processor time so far (s).
@@ -57,6 +60,7 @@ impl Notes {
             cutbacks: self.cutbacks + part.cutbacks,
             critical_step: part.critical_step,
             energy_error: part.energy_error,
+            linear_iterations: self.linear_iterations + part.linear_iterations,
         }
     }
 }

@@ -136,6 +136,7 @@ pub(super) fn summary(deck: &Deck, prepared: &Prepared, start: &Start) -> Summar
         cutbacks: 0,
         critical_step: None,
         energy_error: None,
+        linear_iterations: None,
         energy: Energy::default(),
         points: Default::default(),
         frequencies_hz: None,

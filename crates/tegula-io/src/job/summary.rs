@@ -105,6 +105,9 @@ pub struct Summary {
     /// Largest error of the energy balance of an explicit scheme over the largest kinetic or strain energy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy_error: Option<f64>,
+    /// Iterations of the iterative linear solver, where it was used.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub linear_iterations: Option<u64>,
     /// Energies at the end.
     pub energy: Energy,
     /// Recorded points at the end.

@@ -4,6 +4,7 @@ pub mod chord;
 pub mod dynamics;
 pub mod modal;
 pub mod newton;
+pub mod solver;
 pub mod statics;
 
 use crate::Result;
@@ -93,6 +94,8 @@ pub struct Statistics {
     pub factorizations: u64,
     /// Steps repeated smaller.
     pub cutbacks: u64,
+    /// Iterations of the iterative linear solver; 0 with the direct one.
+    pub linear_iterations: u64,
     /// Last lower bound of the critical step of an explicit scheme (time); 0 for others.
     pub critical_step: f64,
     /// Largest error of the energy balance that an explicit scheme met, over the largest kinetic or strain energy

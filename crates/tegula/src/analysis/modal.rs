@@ -253,9 +253,7 @@ pub fn run(
         steps: modes.len() as u64,
         iterations: applications,
         factorizations: newton.solver.factorizations() as u64,
-        cutbacks: 0,
-        critical_step: 0.0,
-        energy_error: 0.0,
+        ..Statistics::default()
     };
     Ok(ModalOutcome { modes, statistics, sturm_checked })
 }

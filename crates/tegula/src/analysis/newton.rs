@@ -14,13 +14,14 @@
 //! Int. J. Numer. Meth. Engng 109 (2017) 1237–1262).
 
 use crate::element::{Kinematics, Motion, Nodal};
-use crate::linear::{Factor as _, FactorError, SparseCholesky, SymmetricPattern};
+use crate::linear::SparseCholesky;
 use crate::model::NewtonMethod;
 use crate::system::assembly::TangentParts;
 use crate::system::{Assembly, Numbering, System, Turning, VectorKind, dot};
-use crate::{Error, Result, Vec3};
+use crate::{Result, Vec3};
 
 use super::chord::{self, Increment, Increments, LaggedTangent};
+use super::solver::{self, TangentSolver};
 use super::{Observer, State};
 
 /// The equation of one step: `rest(q) − force · f_int(q) = 0`.
@@ -77,11 +78,11 @@ pub struct Diverged {
 }
 
 /// Solver and buffers, made once for an analysis.
-pub struct Newton {
+pub struct Newton<S = SparseCholesky> {
     /// Element buffers and tangent.
     pub assembly: Assembly,
     /// Linear solver.
-    pub solver: SparseCholesky,
+    pub solver: S,
     method: NewtonMethod,
     internal: Vec<Nodal>,
     residual: Vec<Nodal>,
@@ -116,28 +117,23 @@ enum Held {
 }
 
 impl Newton {
-    /// Analyses the pattern and makes the buffers. Without a method it takes the one that suits the materials.
+    /// Analyses the pattern for the direct solver and makes the buffers. Without a method it takes the one that suits
+    /// the materials.
     ///
     /// # Errors
-    /// The factor does not fit in memory, or the system was compiled for explicit integration.
+    /// The factor does not fit in memory, or the system was compiled without a pattern of the tangent.
     pub fn new(system: &System, method: Option<NewtonMethod>) -> Result<Self> {
-        if system.explicit {
-            return Err(Error::model(
-                "analysis.scheme",
-                "the system was compiled for explicit integration: it has no pattern of a tangent",
-                "compile the model with the scheme that it is run with",
-            ));
-        }
-        let pattern =
-            SymmetricPattern::new(system.pattern.column_pointers.clone(), system.pattern.row_indices.clone());
-        let solver = SparseCholesky::new(pattern).map_err(|e| Error::Singular {
-            what: format!("The matrix of {} unknowns cannot be factored: {e}.", system.unknowns()),
-            help: "Use a coarser mesh or a machine with more memory.".into(),
-        })?;
+        Ok(Self::with_solver(system, method, solver::direct(system)?))
+    }
+}
+
+impl<S: TangentSolver> Newton<S> {
+    /// The same with another linear solver.
+    pub fn with_solver(system: &System, method: Option<NewtonMethod>, solver: S) -> Self {
         let n = system.vectors();
-        let price = chord::price(solver.operations(), solver.factor_entries());
+        let price = solver.price();
         let assembly = Assembly::new(system);
-        Ok(Self {
+        Self {
             history: assembly.history.clone(),
             assembly,
             solver,
@@ -158,7 +154,7 @@ impl Newton {
             axes: system.numbering.clone(),
             turning: None,
             price,
-        })
+        }
     }
 
     /// Sees to it that a factor is at hand for a time step of length `dt` from a state: that of an earlier step, or a
@@ -210,9 +206,10 @@ impl Newton {
         self.axes.copy_axes(&self.assembly.numbering);
         self.history.copy_from_slice(&self.assembly.history);
         self.assembly.history.copy_from_slice(&at.history);
-        self.assembly.forces_and_tangent(system, &k, &parts, false, None, &mut self.internal);
+        let Self { solver, assembly, internal, .. } = self;
+        solver.assemble(assembly, system, &k, &parts, (false, None), internal);
         self.assembly.history.copy_from_slice(&self.history);
-        if self.solver.factor(&self.assembly.values).is_ok() {
+        if self.solver.prepare(&self.assembly).is_ok() {
             self.held = Held::Lagged;
         }
         self.held == Held::Lagged
@@ -238,6 +235,7 @@ impl Newton {
         let mixed = self.method == NewtonMethod::Mixed && !system.linear;
         self.energies.clear();
         self.increments.clear();
+        self.solver.begin_step();
         let lagged = self.held == Held::Lagged;
         if self.held == Held::Iterate {
             self.held = Held::Nothing;
@@ -271,20 +269,14 @@ impl Newton {
                     self.assembly.forces(system, &k, &mut self.internal);
                 } else {
                     let prescribed = has_prescribed.then_some(self.increment.as_slice());
-                    self.assembly.forces_and_tangent(
-                        system,
-                        &k,
-                        &parts,
-                        mixed,
-                        prescribed,
-                        &mut self.internal,
-                    );
+                    let Self { solver, assembly, internal, .. } = self;
+                    solver.assemble(assembly, system, &k, &parts, (mixed, prescribed), internal);
                 }
             }
             equation.rest(system, &mut self.residual);
             if !reuse {
                 let k = equation.kinematics(system);
-                self.assembly.add_curvature(system, &k, &parts.weights, &self.residual);
+                self.solver.add_curvature(&mut self.assembly, system, &k, &parts.weights, &self.residual);
             }
             if has_prescribed && parts.mass != 0.0 {
                 system.pattern.add_mass_product(-parts.mass, &self.increment, &mut self.residual);
@@ -318,15 +310,11 @@ impl Newton {
             if !reuse {
                 self.held = Held::Nothing;
                 tangents += 1;
-                let inertia = self.solver.factor(&self.assembly.values).map_err(|e| match e {
-                    FactorError::Singular => diverged("the tangent is singular".into()),
-                    e => diverged(e.to_string()),
-                })?;
-                negative_pivots = inertia.negative;
+                negative_pivots = self.solver.prepare(&self.assembly).map_err(diverged)?;
                 self.held = if system.linear { Held::Linear(parts) } else { Held::Iterate };
             }
             self.solution.copy_from_slice(&self.right_side);
-            self.solver.solve(&mut self.solution);
+            self.solver.solve_tangent(&mut self.solution).map_err(diverged)?;
             let energy = self.solution.iter().zip(&self.right_side).map(|(a, b)| a * b).sum::<f64>().abs();
             expand_free(&self.axes, &self.solution, has_prescribed, &mut self.increment);
             if let Some(turning) = turning {
@@ -352,6 +340,7 @@ impl Newton {
                 )));
             }
             let energy_scale = equation.energy_scale(system, &mut self.assembly);
+            self.solver.note_energy(energy_scale);
             let size_scale = equation.displacement_scale(system);
             let relative = energy / energy_scale.max(f64::MIN_POSITIVE);
             observer.on_iteration(iteration, relative, size / size_scale.max(f64::MIN_POSITIVE));

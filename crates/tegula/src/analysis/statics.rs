@@ -1,10 +1,10 @@
 //! Static equilibrium: load steps with cut-back.
 
 use super::newton::{Diverged, Equation, Newton, Tolerances};
+use super::solver::{Iterative, TangentSolver};
 use super::{Balance, Observer, State, Statistics, Step};
 use crate::element::{Kinematics, Motion, Nodal, TangentWeights};
-use crate::linear::Factor as _;
-use crate::model::StaticAnalysis;
+use crate::model::{LinearSolver, StaticAnalysis};
 use crate::system::assembly::{TangentParts, add_follower_loads};
 use crate::system::{Assembly, System, dot, inside_out};
 use crate::{Error, Result};
@@ -113,7 +113,22 @@ pub fn run(
     start: Option<State>,
     observer: &mut dyn Observer,
 ) -> Result<StaticOutcome> {
-    let mut newton = Newton::new(system, options.method)?;
+    match options.linear_solver {
+        LinearSolver::Direct => steps(Newton::new(system, options.method)?, system, options, start, observer),
+        LinearSolver::Iterative => {
+            let newton = Newton::with_solver(system, options.method, Iterative::new(system)?);
+            steps(newton, system, options, start, observer)
+        }
+    }
+}
+
+fn steps<S: TangentSolver>(
+    mut newton: Newton<S>,
+    system: &System,
+    options: &StaticAnalysis,
+    start: Option<State>,
+    observer: &mut dyn Observer,
+) -> Result<StaticOutcome> {
     let n = system.vectors();
     let mut state = start.unwrap_or_else(|| State {
         next_step: 1.0 / f64::from(options.load_steps.max(1)),
@@ -127,7 +142,9 @@ pub fn run(
         max_iterations: options.max_iterations,
     };
     let largest = 1.0 / f64::from(options.load_steps.max(1));
-    let smallest = largest * 0.5_f64.powi(options.max_cutbacks as i32);
+    // The tangent of a linear model is the same in smaller steps: they cannot help.
+    let cutbacks = if system.linear { 0 } else { options.max_cutbacks as i32 };
+    let smallest = largest * 0.5_f64.powi(cutbacks);
     let mut statistics = Statistics { steps: state.step, ..Statistics::default() };
     let mut balance = Balance::default();
     let mut negative_pivots = 0;
@@ -141,7 +158,8 @@ pub fn run(
         }
         let mut equation = StaticEquation { u: state.u.clone(), time: target };
         let result = newton.solve(system, &mut equation, &tolerances, observer);
-        statistics.factorizations = newton.solver.factorizations() as u64;
+        statistics.factorizations = newton.solver.tangents() as u64;
+        statistics.linear_iterations = newton.solver.linear_iterations();
         let inverted = result.is_ok().then(|| inside_out(system, &equation.u)).flatten();
         let failure = match result {
             Ok(c) if inverted.is_some() => {

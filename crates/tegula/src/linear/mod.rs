@@ -9,6 +9,7 @@ mod ordering;
 mod pivoted;
 mod schedule;
 mod substitution;
+pub mod substructures;
 mod trapezoid;
 
 pub use cholesky::{SparseCholesky, SymmetricPattern};

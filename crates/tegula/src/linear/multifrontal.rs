@@ -213,7 +213,7 @@ impl Multifrontal {
 }
 
 /// Memory that is not touched before it is used.
-fn zeros(n: usize) -> Result<Vec<f64>, FactorError> {
+pub(super) fn zeros(n: usize) -> Result<Vec<f64>, FactorError> {
     // Asks first: where there is not enough, `vec!` would end the program.
     Vec::<f64>::new().try_reserve_exact(n).map_err(|_| FactorError::TooLarge)?;
     Ok(vec![0.0; n])

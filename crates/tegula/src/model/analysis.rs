@@ -39,6 +39,21 @@ pub struct StaticAnalysis {
     /// Accept an equilibrium at which the structure would buckle (tangent with negative pivots).
     #[serde(default)]
     pub allow_unstable: bool,
+    /// Solver of the linear systems.
+    #[serde(default)]
+    pub linear_solver: LinearSolver,
+}
+
+/// Solver of the linear systems.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum LinearSolver {
+    /// Factors the matrix: fast while the factor fits in memory, and also for unstable equilibria.
+    #[default]
+    Direct,
+    /// Conjugate gradients over pieces of the mesh that are factored: for large meshes and stable equilibria. Time and
+    /// memory grow in proportion to the number of elements.
+    Iterative,
 }
 
 impl Default for StaticAnalysis {
@@ -50,6 +65,7 @@ impl Default for StaticAnalysis {
             max_iterations: thirty(),
             max_cutbacks: twelve(),
             allow_unstable: false,
+            linear_solver: LinearSolver::Direct,
         }
     }
 }

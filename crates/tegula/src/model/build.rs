@@ -6,7 +6,7 @@ use super::actions::{
     added_masses, contradictions, dead_loads, follower_loads, initial_velocity, lost_moments, supports,
 };
 use super::sections::Elements;
-use super::{Analysis, Model, Scheme, TransientAnalysis};
+use super::{Analysis, LinearSolver, Model, Scheme, StaticAnalysis, TransientAnalysis};
 use super::{check, course, mechanism};
 use crate::element::Nodal;
 use crate::element::geometry::tangents;
@@ -145,7 +145,13 @@ fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
     let followers = follower_loads(model, mesh, &vectors, &names);
     issues.extend(lost_moments(&followers, &vectors, mesh));
     let added = added_masses(model, mesh, &vectors);
-    let mut builder = PatternBuilder::default();
+    // The iterative solver takes the elements' own blocks.
+    let iterative = matches!(
+        model.analysis,
+        Analysis::Static(StaticAnalysis { linear_solver: LinearSolver::Iterative, .. })
+    );
+    let has_tangent_pattern = explicit.is_none() && !iterative;
+    let mut builder = PatternBuilder::new(has_tangent_pattern);
     // Explicit steps need no tangent: their pattern has but the diagonal, for the lumped mass.
     if explicit.is_none() {
         for group in &elements.groups {
@@ -195,6 +201,7 @@ fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
         amplitudes,
         pattern,
         explicit: explicit.is_some(),
+        has_tangent_pattern,
         mass_damping: model.damping.mass,
         length: mesh.extent(),
         linear,

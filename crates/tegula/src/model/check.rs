@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::course;
 use super::mechanism::parts;
-use super::{AddedMass, Analysis, Condition, Load, Model, Scheme};
+use super::{AddedMass, Analysis, Condition, LinearSolver, Load, Model, Scheme};
 use crate::mesh::Mesh;
 use crate::system::System;
 use crate::{Issue, Vec3};
@@ -473,6 +473,13 @@ impl Checker {
                     if value == 0 {
                         self.add(format!("analysis.{key}"), format!("`{key}` is 0"), "give at least 1");
                     }
+                }
+                if s.linear_solver == LinearSolver::Iterative && s.allow_unstable {
+                    self.add(
+                        "analysis.allow_unstable",
+                        "the iterative linear solver finds stable equilibria only",
+                        "set linear_solver = \"direct\", or leave `allow_unstable` out",
+                    );
                 }
                 if model.loads.is_empty()
                     && model.prescribed_strains.is_empty()

@@ -147,6 +147,42 @@ impl Assembly {
         rayon::join(work, || ());
     }
 
+    /// Internal forces of a motion; the tangent is not summed but handed over, the lower blocks of one element or load that
+    /// follows the motion after the other. Otherwise like [`forces_and_tangent`](Self::forces_and_tangent).
+    pub fn forces_and_blocks(
+        &mut self,
+        system: &System,
+        k: &Kinematics,
+        parts: &TangentParts,
+        (extrapolated, prescribed): (bool, Option<&[Nodal]>),
+        out: &mut [Nodal],
+        mut take: impl FnMut(&[f64]) + Send,
+    ) {
+        let work =
+            || {
+                let mut first = 0;
+                self.portions(system, k, parts, (extrapolated, prescribed), |elements, blocks, _| {
+                    match elements {
+                        Some((group, _)) => {
+                            blocks.chunks(9 * pairs(group.vectors_per_element())).for_each(&mut take)
+                        }
+                        None => {
+                            let loads = system.followers[first..].iter().take(PORTION);
+                            let mut at = 0;
+                            for load in loads {
+                                let n = 9 * pairs(load.vectors().len());
+                                take(&blocks[at..at + n]);
+                                at += n;
+                            }
+                            first += PORTION;
+                        }
+                    }
+                });
+                self.gather_forces(out);
+            };
+        rayon::join(work, || ());
+    }
+
     /// Only the element work of [`forces_and_tangent`](Self::forces_and_tangent), to see what it takes.
     pub fn element_work(&mut self, system: &System, k: &Kinematics, parts: &TangentParts, out: &mut [Nodal]) {
         let work = || {
@@ -235,10 +271,9 @@ impl Assembly {
         if k.linear {
             return;
         }
-        for unit in &self.numbering.unit {
-            let v = unit.vector as usize;
-            let shift = weights.direction * current_vector(system, k, v).dot(&Vec3::from(rest[v]));
-            system.pattern.add_to_diagonal(v, shift, &self.numbering, &mut self.values);
+        let Self { numbering, values, .. } = self;
+        for (v, shift) in curvature(system, numbering, k, weights, rest) {
+            system.pattern.add_to_diagonal(v, shift, numbering, values);
         }
     }
 
@@ -403,6 +438,20 @@ impl Assembly {
         }
         self.energies.iter().sum()
     }
+}
+
+/// Curvature of the sphere of each vector that keeps its length, under the forces `rest` that act on it from outside.
+pub fn curvature<'a>(
+    system: &'a System,
+    numbering: &'a Numbering,
+    k: &'a Kinematics,
+    weights: &'a TangentWeights,
+    rest: &'a [Nodal],
+) -> impl Iterator<Item = (usize, f64)> + 'a {
+    numbering.unit.iter().map(|unit| {
+        let v = unit.vector as usize;
+        (v, weights.direction * current_vector(system, k, v).dot(&Vec3::from(rest[v])))
+    })
 }
 
 /// Blocks of the lower triangle of `vectors` nodal vectors.

@@ -7,6 +7,7 @@ mod inversion;
 pub mod lumping;
 pub mod numbering;
 pub mod pattern;
+mod terms;
 pub mod turning;
 
 use std::ops::Range;
@@ -109,6 +110,8 @@ pub struct System {
     pub pattern: Pattern,
     /// Compiled for explicit integration: lumped mass, and no pattern of a tangent.
     pub explicit: bool,
+    /// The pattern holds the tangent: not for explicit steps nor for the iterative linear solver, which need none.
+    pub has_tangent_pattern: bool,
     /// Rayleigh factor of the mass.
     pub mass_damping: f64,
     /// Size of the model: largest side of its bounding box (length).

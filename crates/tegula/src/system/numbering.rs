@@ -247,6 +247,27 @@ impl Numbering {
         }
     }
 
+    /// Turns a block of a matrix (by rows) to the axes of its vectors: `Qᵢᵀ K Qⱼ`.
+    #[inline]
+    pub fn rotate(&self, k: &mut [f64; 9], i: usize, j: usize) {
+        let (q_i, q_j) = (self.frame(i), self.frame(j));
+        if q_i.is_none() && q_j.is_none() {
+            return;
+        }
+        let mut m = Mat3::from_row_slice(k);
+        if let Some(q) = q_i {
+            m = q.transpose() * m;
+        }
+        if let Some(q) = q_j {
+            m *= q;
+        }
+        for r in 0..3 {
+            for c in 0..3 {
+                k[3 * r + c] = m[(r, c)];
+            }
+        }
+    }
+
     /// Free coordinates of a field.
     pub fn reduce(&self, field: &[Nodal], free: &mut [f64]) {
         for (v, value) in field.iter().enumerate() {

@@ -73,6 +73,8 @@ pub struct PatternBuilder {
     /// Elements and blocks in the last portion.
     elements: usize,
     blocks: u32,
+    /// Whether the tangent is wanted, not only the mass.
+    tangent: bool,
 }
 
 fn key(a: u32, b: u32) -> u64 {
@@ -80,6 +82,11 @@ fn key(a: u32, b: u32) -> u64 {
 }
 
 impl PatternBuilder {
+    /// For the tangent and the mass, or for the mass alone.
+    pub fn new(tangent: bool) -> Self {
+        Self { tangent, ..Self::default() }
+    }
+
     /// The elements that come next are not of the same portion as those before.
     pub fn end_portion(&mut self) {
         (self.elements, self.blocks) = (0, 0);
@@ -110,6 +117,13 @@ impl PatternBuilder {
 
     /// Adds an element whose lower blocks come next in the buffer.
     pub fn element(&mut self, vectors: &[u32], mass: &[f64]) {
+        if !self.tangent {
+            let pairs =
+                vectors.iter().enumerate().flat_map(|(a, &va)| vectors[..=a].iter().map(move |&vb| (va, vb)));
+            let with_mass = pairs.zip(mass).filter(|(_, m)| **m != 0.0);
+            self.masses.extend(with_mass.map(|((va, vb), &m)| (key(va, vb), m)));
+            return;
+        }
         if self.elements == PORTION {
             self.end_portion();
         }
@@ -172,7 +186,7 @@ impl PatternBuilder {
         column_pointers.push(0);
         let mut row_indices = Vec::new();
         let mut value_start = Vec::with_capacity(vectors + 1);
-        for j in 0..vectors {
+        for j in (0..vectors).filter(|_| self.tangent) {
             value_start.push(row_indices.len());
             let blocks = column_start[j] as usize..column_start[j + 1] as usize;
             let mut below = 0;
@@ -350,7 +364,7 @@ impl Pattern {
             return;
         }
         let i = self.row[block] as usize;
-        rotate(&mut k, i, j, numbering);
+        numbering.rotate(&mut k, i, j);
         let rows = numbering.of(i);
         for (c, number) in numbering.of(j).into_iter().enumerate() {
             if number == CONSTRAINED {
@@ -436,25 +450,5 @@ impl Pattern {
     /// Multiplies the mass of all blocks.
     pub fn scale_mass(&mut self, factor: f64) {
         self.mass.iter_mut().for_each(|m| *m *= factor);
-    }
-}
-
-/// Turns a block to the axes of its vectors: `Qᵢᵀ K Qⱼ`.
-fn rotate(k: &mut [f64; 9], i: usize, j: usize, numbering: &Numbering) {
-    let (q_i, q_j) = (numbering.frame(i), numbering.frame(j));
-    if q_i.is_none() && q_j.is_none() {
-        return;
-    }
-    let mut m = crate::Mat3::from_row_slice(k);
-    if let Some(q) = q_i {
-        m = q.transpose() * m;
-    }
-    if let Some(q) = q_j {
-        m *= q;
-    }
-    for r in 0..3 {
-        for c in 0..3 {
-            k[3 * r + c] = m[(r, c)];
-        }
     }
 }

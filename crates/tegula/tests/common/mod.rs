@@ -44,6 +44,46 @@ pub fn plate(size: [f64; 2], elements: [u32; 2], distortion: f64) -> MeshSource 
     })
 }
 
+/// A wavy square of side 1 in n × n squares, each cut into two triangles along alternating diagonals, each of those
+/// cut into three quads: nodes have 3 to 8 neighbours. Edge sets `u_min` and `u_max` at x = 0 and 1, quad sets
+/// `half` and `other_half`.
+pub fn irregular(n: usize) -> Mesh {
+    let mut mesh = Mesh::default();
+    let mut numbers = std::collections::HashMap::new();
+    // Coordinates in sixths of a square are whole numbers.
+    let mut node = |mesh: &mut Mesh, p: [usize; 2]| {
+        *numbers.entry(p).or_insert_with(|| {
+            let [x, y] = p.map(|c| c as f64 / (6 * n) as f64);
+            mesh.positions.push(Vec3::new(x, y, 0.1 * (3.0 * x).sin() * (2.0 * y).cos()));
+            (mesh.positions.len() - 1) as u32
+        })
+    };
+    for i in 0..n {
+        for j in 0..n {
+            let [a, b, c, d] = [[0, 0], [6, 0], [6, 6], [0, 6]].map(|[x, y]| [6 * i + x, 6 * j + y]);
+            let triangles = if (i + j) % 3 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
+            for t in triangles {
+                let middle = |p: [usize; 2], q: [usize; 2]| [(p[0] + q[0]) / 2, (p[1] + q[1]) / 2];
+                let centre = std::array::from_fn(|k| (t[0][k] + t[1][k] + t[2][k]) / 3);
+                for k in 0..3 {
+                    let (before, here, after) = (t[(k + 2) % 3], t[k], t[(k + 1) % 3]);
+                    let corners = [here, middle(here, after), centre, middle(before, here)];
+                    let quad = corners.map(|p| node(&mut mesh, p));
+                    let set = if i < n / 2 { "half" } else { "other_half" };
+                    mesh.quad_sets.entry(set.into()).or_default().push(mesh.quads.len() as u32);
+                    mesh.quads.push(quad);
+                }
+            }
+        }
+    }
+    for (set, x) in [("u_min", 0), ("u_max", 6 * n)] {
+        let edges = (0..2 * n).map(|k| [node(&mut mesh, [x, 3 * k]), node(&mut mesh, [x, 3 * k + 3])]);
+        let edges: Vec<[u32; 2]> = edges.collect();
+        mesh.edge_sets.insert(set.into(), edges);
+    }
+    mesh
+}
+
 /// The mesh and system of a model.
 pub fn compile(model: &Model) -> (Mesh, System) {
     let mesh = generate(&model.mesh).unwrap();

@@ -1,0 +1,247 @@
+//! Solvers of the linear systems of Newton's method.
+
+use super::chord;
+use crate::element::{Kinematics, Nodal, TangentWeights};
+use crate::linear::substructures::{Options, SubstructureError, Substructures, Wanted};
+use crate::linear::{Factor, FactorError, SparseCholesky, SymmetricPattern};
+use crate::system::assembly::{TangentParts, curvature};
+use crate::system::{Assembly, System};
+use crate::{Error, Result};
+
+/// Error of a linear solution in the energy norm, over its own size or the square root of the energy to which
+/// increments are compared: the iteration to equilibrium does not notice.
+const TOLERANCE: f64 = 1e-10;
+/// A correction is solved to this share of itself at least.
+const SHARE: f64 = 1e-3;
+/// Iterations after which a linear system is given up.
+const MOST_ITERATIONS: usize = 500;
+
+/// Solves the linear systems of Newton's method.
+pub trait TangentSolver {
+    /// A new step begins.
+    fn begin_step(&mut self) {}
+    /// Tells the energy to which increments are compared.
+    fn note_energy(&mut self, _scale: f64) {}
+    /// Forces of a motion, and the elements' part of its tangent: as
+    /// [`Assembly::forces_and_tangent`].
+    fn assemble(
+        &mut self,
+        assembly: &mut Assembly,
+        system: &System,
+        k: &Kinematics,
+        parts: &TangentParts,
+        extrapolated_and_prescribed: (bool, Option<&[Nodal]>),
+        out: &mut [Nodal],
+    );
+    /// Adds the curvature of the sphere of unit vectors: as [`Assembly::add_curvature`].
+    fn add_curvature(
+        &mut self,
+        assembly: &mut Assembly,
+        system: &System,
+        k: &Kinematics,
+        weights: &TangentWeights,
+        rest: &[Nodal],
+    );
+    /// Prepares solutions with the tangent that was assembled. Returns its negative pivots.
+    ///
+    /// # Errors
+    /// There is no solution, or this solver cannot find it; why, for people.
+    fn prepare(&mut self, assembly: &Assembly) -> std::result::Result<usize, String>;
+    /// Solves in place.
+    ///
+    /// # Errors
+    /// No solution of the wanted accuracy was found; why, for people.
+    fn solve_tangent(&mut self, x: &mut [f64]) -> std::result::Result<(), String>;
+    /// Price of preparing a tangent in iterations with an old one; 0: an old one never serves.
+    fn price(&self) -> f64 {
+        0.0
+    }
+    /// Tangents prepared so far.
+    fn tangents(&self) -> usize;
+    /// Iterations of all solutions so far; 0 where there are none.
+    fn linear_iterations(&self) -> u64 {
+        0
+    }
+}
+
+/// The direct solver of a system.
+///
+/// # Errors
+/// The factor does not fit in memory, or the system was compiled without a pattern of the tangent.
+pub fn direct(system: &System) -> Result<SparseCholesky> {
+    if !system.has_tangent_pattern {
+        let (key, what, word) = if system.explicit {
+            ("analysis.scheme", "explicit integration", "scheme")
+        } else {
+            ("analysis.linear_solver", "the iterative linear solver", "linear solver")
+        };
+        return Err(Error::model(
+            key,
+            format!("the system was compiled for {what}: it has no pattern of a tangent"),
+            format!("compile the model with the {word} that it is run with"),
+        ));
+    }
+    let pattern =
+        SymmetricPattern::new(system.pattern.column_pointers.clone(), system.pattern.row_indices.clone());
+    SparseCholesky::new(pattern).map_err(|e| Error::Singular {
+        what: format!("The matrix of {} unknowns cannot be factored: {e}.", system.unknowns()),
+        help:
+            "Use a coarser mesh, a machine with more memory, or in statics `linear_solver = \"iterative\"`."
+                .into(),
+    })
+}
+
+impl TangentSolver for SparseCholesky {
+    fn assemble(
+        &mut self,
+        assembly: &mut Assembly,
+        system: &System,
+        k: &Kinematics,
+        parts: &TangentParts,
+        (extrapolated, prescribed): (bool, Option<&[Nodal]>),
+        out: &mut [Nodal],
+    ) {
+        assembly.forces_and_tangent(system, k, parts, extrapolated, prescribed, out);
+    }
+
+    fn add_curvature(
+        &mut self,
+        assembly: &mut Assembly,
+        system: &System,
+        k: &Kinematics,
+        weights: &TangentWeights,
+        rest: &[Nodal],
+    ) {
+        assembly.add_curvature(system, k, weights, rest);
+    }
+
+    fn prepare(&mut self, assembly: &Assembly) -> std::result::Result<usize, String> {
+        let inertia = self.factor(&assembly.values).map_err(|e| match e {
+            FactorError::Singular => "the tangent is singular".into(),
+            e => e.to_string(),
+        })?;
+        Ok(inertia.negative)
+    }
+
+    fn solve_tangent(&mut self, x: &mut [f64]) -> std::result::Result<(), String> {
+        self.solve(x);
+        Ok(())
+    }
+
+    fn price(&self) -> f64 {
+        chord::price(self.operations(), self.factor_entries())
+    }
+
+    fn tangents(&self) -> usize {
+        self.factorizations()
+    }
+}
+
+/// Conjugate gradients over the pieces of the mesh.
+pub struct Iterative {
+    pieces: Substructures,
+    tangents: usize,
+    iterations: u64,
+    /// Energy to which increments are compared; 0 before the first iteration of a step.
+    energy: f64,
+}
+
+impl Iterative {
+    /// Divides the mesh of a system.
+    ///
+    /// # Errors
+    /// There is not enough memory.
+    pub fn new(system: &System) -> Result<Self> {
+        let pieces = system.substructures(&Options::default()).map_err(|e| Error::Singular {
+            what: format!("The mesh of {} unknowns cannot be divided: {e}.", system.unknowns()),
+            help: "Use a coarser mesh or a machine with more memory.".into(),
+        })?;
+        Ok(Self { pieces, tangents: 0, iterations: 0, energy: 0.0 })
+    }
+
+    /// The pieces.
+    pub fn pieces(&self) -> &Substructures {
+        &self.pieces
+    }
+}
+
+impl TangentSolver for Iterative {
+    fn begin_step(&mut self) {
+        self.energy = 0.0;
+    }
+
+    fn note_energy(&mut self, scale: f64) {
+        self.energy = scale;
+    }
+
+    fn assemble(
+        &mut self,
+        assembly: &mut Assembly,
+        system: &System,
+        k: &Kinematics,
+        parts: &TangentParts,
+        how: (bool, Option<&[Nodal]>),
+        out: &mut [Nodal],
+    ) {
+        self.pieces.begin();
+        let (pieces, mut term) = (&mut self.pieces, 0);
+        assembly.forces_and_blocks(system, k, parts, how, out, |blocks| {
+            pieces.put(term, blocks);
+            term += 1;
+        });
+    }
+
+    fn add_curvature(
+        &mut self,
+        assembly: &mut Assembly,
+        system: &System,
+        k: &Kinematics,
+        weights: &TangentWeights,
+        rest: &[Nodal],
+    ) {
+        if !k.linear && !assembly.numbering.unit.is_empty() {
+            self.pieces.shift(system.vectors(), curvature(system, &assembly.numbering, k, weights, rest));
+        }
+    }
+
+    fn prepare(&mut self, assembly: &Assembly) -> std::result::Result<usize, String> {
+        self.tangents += 1;
+        self.pieces.factor(&assembly.numbering).map_err(explain)?;
+        // All pivots of a matrix of which the tangent is a restriction are positive.
+        Ok(0)
+    }
+
+    fn solve_tangent(&mut self, x: &mut [f64]) -> std::result::Result<(), String> {
+        let wanted = Wanted {
+            relative: TOLERANCE,
+            absolute: TOLERANCE * self.energy.max(0.0).sqrt(),
+            share: SHARE,
+            iterations: MOST_ITERATIONS,
+        };
+        let convergence = self.pieces.solve(x, &wanted).map_err(explain)?;
+        self.iterations += convergence.iterations as u64;
+        Ok(())
+    }
+
+    fn tangents(&self) -> usize {
+        self.tangents
+    }
+
+    fn linear_iterations(&self) -> u64 {
+        self.iterations
+    }
+}
+
+fn explain(error: SubstructureError) -> String {
+    match error {
+        SubstructureError::Indefinite(what) => format!(
+            "the tangent cannot be shown to be positive definite: {what}. Either the equilibrium is unstable, or \
+             supports are missing, or pieces of it would be unstable alone; `linear_solver = \"direct\"` can tell"
+        ),
+        SubstructureError::NotConverged { iterations, residual, tolerance } => format!(
+            "the linear system was not solved after {iterations} iterations of conjugate gradients (error \
+             {residual:.1e}, wanted {tolerance:.1e}); take `linear_solver = \"direct\"`"
+        ),
+        other => other.to_string(),
+    }
+}

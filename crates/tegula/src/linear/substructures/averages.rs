@@ -1,0 +1,184 @@
+//! Averages over the borders of two pieces, weighed by the matrices of both.
+//!
+//! On a stretch of border between corners the pieces 1 and 2 have the matrices `S₁` and `S₂`. Their values there
+//! are averaged as
+//!
+//! ```text
+//! u = D u₁ + (1 − D) u₂,   D = (S₁ + S₂)⁻¹ S₁
+//! ```
+//!
+//! and forces are shared with the transposed of it. On regular meshes that is the mean. Where elements are
+//! distorted the directors and positions of a thin shell must be weighed together, or the average shears.
+//!
+//! C. R. Dohrmann, O. B. Widlund, *A BDDC algorithm with deluxe scaling for three-dimensional H(curl) problems*,
+//! Comm. Pure Appl. Math. 69 (2016) 745–770.
+
+use std::collections::{BTreeMap, HashMap};
+
+use faer::linalg::solvers::{Llt, Solve as _};
+use faer::{MatMut, Side};
+use rayon::prelude::*;
+
+use super::borders::Borders;
+use super::corners::Sharing;
+use super::{SubstructureError, Work};
+use crate::system::Numbering;
+use crate::system::numbering::CONSTRAINED;
+
+/// Unknowns of a stretch of border between two pieces.
+pub(super) struct Group {
+    /// Free coordinates.
+    pub unknowns: Vec<u32>,
+    pieces: [u32; 2],
+}
+
+/// Finds the groups among the unknowns that two pieces share.
+pub(super) fn groups(
+    sharing: &Sharing,
+    stretches: &HashMap<u32, u32>,
+    node_of: &[u32],
+    numbering: &Numbering,
+) -> Vec<Group> {
+    let mut found: BTreeMap<(u32, [u32; 2]), Vec<u32>> = BTreeMap::new();
+    for (&v, pieces) in &sharing.shared {
+        let (Some(&stretch), &[a, b]) = (stretches.get(&node_of[v as usize]), pieces.as_slice()) else {
+            continue;
+        };
+        let free = numbering.of(v as usize).into_iter().filter(|&n| n != CONSTRAINED);
+        found.entry((stretch, [a, b])).or_default().extend(free);
+    }
+    let groups = found.into_iter().map(|((_, pieces), unknowns)| Group { unknowns, pieces });
+    groups.filter(|g| !g.unknowns.is_empty()).collect()
+}
+
+/// The averages.
+pub(super) struct Averages {
+    members: Vec<Member>,
+    /// First piece of each unknown of a group.
+    first: Vec<u32>,
+    /// What the first piece takes of a force.
+    shares: Vec<f64>,
+}
+
+struct Member {
+    /// Pieces, and places of the unknowns in their borders.
+    pieces: [u32; 2],
+    places: [Vec<u32>; 2],
+    /// `D`, by columns.
+    matrix: Vec<f64>,
+}
+
+impl Averages {
+    pub fn new(groups: &[Group], borders: &Borders) -> Self {
+        let mut first = Vec::new();
+        let members = groups
+            .iter()
+            .map(|g| {
+                let start = first.len();
+                first.resize(start + g.unknowns.len(), g.pieces[0]);
+                let places = g.pieces.map(|piece| {
+                    let place =
+                        |n: usize| borders.sources(n).iter().find(|s| s.0 == piece).map_or(0, |s| s.1);
+                    (start..first.len()).map(place).collect()
+                });
+                Member { pieces: g.pieces, places, matrix: Vec::new() }
+            })
+            .collect();
+        let shares = vec![0.0; first.len()];
+        Self { members, first, shares }
+    }
+
+    /// Unknowns of all groups: the first of the dual ones.
+    pub fn len(&self) -> usize {
+        self.first.len()
+    }
+
+    /// Numbers stored.
+    pub fn entries(&self) -> usize {
+        self.members.iter().map(|m| m.matrix.len()).sum()
+    }
+
+    /// Computes the matrices `D`.
+    pub fn weigh(&mut self, works: &[Work]) -> Result<(), SubstructureError> {
+        let done: Vec<Option<()>> = self
+            .members
+            .par_iter_mut()
+            .map(|member| {
+                let n = member.places[0].len();
+                let mut minors = [vec![0.0; n * n], vec![0.0; n * n]];
+                for k in 0..2 {
+                    let factored = works[member.pieces[k] as usize].factored.as_ref()?;
+                    factored.interface.add_minor(&member.places[k], &mut minors[k]);
+                }
+                let [mut first, mut sum] = minors;
+                for j in 0..n {
+                    for i in j..n {
+                        sum[j * n + i] += first[j * n + i];
+                        first[i * n + j] = first[j * n + i];
+                    }
+                }
+                let sum = MatMut::from_column_major_slice_mut(&mut sum, n, n);
+                let factor = Llt::new(sum.as_ref(), Side::Lower).ok()?;
+                factor.solve_in_place(MatMut::from_column_major_slice_mut(&mut first, n, n));
+                member.matrix = first;
+                Some(())
+            })
+            .collect();
+        if done.iter().all(Option::is_some) {
+            Ok(())
+        } else {
+            Err(SubstructureError::Indefinite("a border between two pieces of the shell is unstable"))
+        }
+    }
+
+    /// Shares forces between first and second pieces.
+    pub fn share(&mut self, r: &[f64]) {
+        let mut rest = self.shares.as_mut_slice();
+        let mut at = 0;
+        let mut work = Vec::with_capacity(self.members.len());
+        for member in &self.members {
+            let n = member.places[0].len();
+            let (mine, others) = rest.split_at_mut(n);
+            work.push((member, mine, &r[at..at + n]));
+            rest = others;
+            at += n;
+        }
+        work.into_par_iter().with_min_len(64).for_each(|(member, shares, r)| {
+            let n = r.len();
+            for (i, share) in shares.iter_mut().enumerate() {
+                *share = super::dense::dot(&member.matrix[i * n..(i + 1) * n], r);
+            }
+        });
+    }
+
+    /// The part of the force on an unknown that a piece takes; none where the unknown is in no group.
+    pub fn part(&self, unknown: u32, piece: u32, r: &[f64]) -> Option<f64> {
+        let n = unknown as usize;
+        let first = *self.first.get(n)?;
+        Some(if first == piece { self.shares[n] } else { r[n] - self.shares[n] })
+    }
+
+    /// Averages the values that the pieces hold in `y`.
+    pub fn average(&self, works: &[Work], out: &mut [f64]) {
+        let mut rest = out;
+        let mut work = Vec::with_capacity(self.members.len());
+        for member in &self.members {
+            let (mine, others) = rest.split_at_mut(member.places[0].len());
+            work.push((member, mine));
+            rest = others;
+        }
+        work.into_par_iter().with_min_len(64).for_each(|(member, out)| {
+            let n = out.len();
+            let [a, b] = member.pieces.map(|p| &works[p as usize].y);
+            for (out, &q) in out.iter_mut().zip(&member.places[1]) {
+                *out = b[q as usize];
+            }
+            for (j, (&p, &q)) in member.places[0].iter().zip(&member.places[1]).enumerate() {
+                let difference = a[p as usize] - b[q as usize];
+                for (out, d) in out.iter_mut().zip(&member.matrix[j * n..(j + 1) * n]) {
+                    *out += d * difference;
+                }
+            }
+        });
+    }
+}

@@ -1,0 +1,88 @@
+//! The coarse matrix: what the pieces leave at the corners.
+
+use super::borders::Borders;
+use super::piece::Piece;
+use super::{SubstructureError, Work};
+use crate::linear::{Factor as _, SparseCholesky, SymmetricPattern};
+
+pub(super) struct Coarse {
+    solver: Option<SparseCholesky>,
+    values: Vec<f64>,
+    /// For each piece, where the lower triangle of its corners goes, column by column.
+    places: Vec<Vec<u32>>,
+}
+
+impl Coarse {
+    pub fn new(pieces: &[Piece], borders: &Borders) -> Result<Self, SubstructureError> {
+        let n = borders.corners();
+        if n == 0 {
+            return Ok(Self { solver: None, values: Vec::new(), places: vec![Vec::new(); pieces.len()] });
+        }
+        let corners = |p: usize| {
+            let dual = borders.dual() as u32;
+            borders.of_piece[p][pieces[p].dual..].iter().map(move |&u| u - dual)
+        };
+        let mut columns: Vec<Vec<u32>> = (0..n as u32).map(|j| vec![j]).collect();
+        for p in 0..pieces.len() {
+            let of: Vec<u32> = corners(p).collect();
+            for (k, &j) in of.iter().enumerate() {
+                columns[j as usize].extend(&of[k + 1..]);
+                columns[j as usize].sort_unstable();
+                columns[j as usize].dedup();
+            }
+        }
+        let mut pointers = vec![0];
+        let mut rows: Vec<u32> = Vec::new();
+        for column in &columns {
+            rows.extend(column);
+            pointers.push(rows.len());
+        }
+        let places = (0..pieces.len())
+            .map(|p| {
+                let of: Vec<u32> = corners(p).collect();
+                let mut out = Vec::with_capacity(of.len() * (of.len() + 1) / 2);
+                for (k, &j) in of.iter().enumerate() {
+                    let start = pointers[j as usize];
+                    let column = &rows[start..pointers[j as usize + 1]];
+                    out.extend(of[k..].iter().map(|&i| (start + column.partition_point(|&r| r < i)) as u32));
+                }
+                out
+            })
+            .collect();
+        let values = vec![0.0; rows.len()];
+        let solver = SparseCholesky::new(SymmetricPattern::new(pointers, rows))?;
+        Ok(Self { solver: Some(solver), values, places })
+    }
+
+    /// Numbers stored.
+    pub fn entries(&self) -> usize {
+        self.values.len() + self.solver.as_ref().map_or(0, |s| s.factor_entries())
+    }
+
+    /// Sums and factors.
+    pub fn factor(&mut self, works: &[Work]) -> Result<(), SubstructureError> {
+        let Some(solver) = &mut self.solver else { return Ok(()) };
+        self.values.fill(0.0);
+        for (work, places) in works.iter().zip(&self.places) {
+            let Some(factored) = &work.factored else { continue };
+            let n = (factored.coarse.len() as f64).sqrt().round() as usize;
+            let lower = (0..n).flat_map(|j| &factored.coarse[j * n + j..(j + 1) * n]);
+            for (&at, value) in places.iter().zip(lower) {
+                self.values[at as usize] += value;
+            }
+        }
+        if solver.factor(&self.values)?.negative > 0 {
+            return Err(SubstructureError::Indefinite(
+                "the pieces of the shell, held at their corners, are unstable",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Solves in place.
+    pub fn solve(&mut self, x: &mut [f64]) {
+        if let Some(solver) = &mut self.solver {
+            solver.solve(x);
+        }
+    }
+}

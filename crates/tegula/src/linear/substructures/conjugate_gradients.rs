@@ -1,0 +1,279 @@
+//! The iteration on the borders.
+
+use rayon::prelude::*;
+
+use super::{Convergence, SubstructureError, Substructures};
+
+/// Vector entries that one task sums.
+const CHUNK: usize = 8192;
+/// A true residual of this share of the first one (of their squares in the energy norm) that the recurrence takes
+/// to be smaller is rounding of the factors. The caller knows the forces better, and corrects.
+const ROUNDING: f64 = 1e-10;
+/// Restarts that do not take the residual down to this share have no use.
+const PROGRESS: f64 = 0.3;
+
+/// Vectors of the unknowns of all borders.
+pub(super) struct Vectors {
+    right: Vec<f64>,
+    solution: Vec<f64>,
+    r: Vec<f64>,
+    z: Vec<f64>,
+    p: Vec<f64>,
+    sp: Vec<f64>,
+    sums: Vec<f64>,
+}
+
+impl Vectors {
+    pub fn new(n: usize) -> Self {
+        let zero = || vec![0.0; n];
+        Self {
+            right: zero(),
+            solution: zero(),
+            r: zero(),
+            z: zero(),
+            p: zero(),
+            sp: zero(),
+            sums: vec![0.0; n.div_ceil(CHUNK)],
+        }
+    }
+}
+
+/// What is wanted of a solution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wanted {
+    /// Error relative to the solution, both in the energy norm.
+    pub relative: f64,
+    /// Error in the energy norm that is small enough where it is this `share` of the solution as well.
+    pub absolute: f64,
+    /// See `absolute`.
+    pub share: f64,
+    /// Iterations at most.
+    pub iterations: usize,
+}
+
+impl Substructures {
+    /// Solves in place with the last factors.
+    ///
+    /// # Errors
+    /// The matrix is not positive definite, or the iterations did not suffice; `x` is unchanged then.
+    pub fn solve(&mut self, x: &mut [f64], wanted: &Wanted) -> Result<Convergence, SubstructureError> {
+        if x.len() != self.unknowns || !x.iter().all(|v| v.is_finite()) {
+            return Err(SubstructureError::NotFinite);
+        }
+        let mut vectors = std::mem::replace(&mut self.vectors, Vectors::new(0));
+        let result = self.solve_with(x, wanted, &mut vectors);
+        self.vectors = vectors;
+        result
+    }
+
+    fn solve_with(
+        &mut self,
+        x: &mut [f64],
+        wanted: &Wanted,
+        vectors: &mut Vectors,
+    ) -> Result<Convergence, SubstructureError> {
+        let right_side: &[f64] = x;
+        self.works.par_iter_mut().with_max_len(4).zip(&self.pieces).for_each(|(work, piece)| {
+            let Some(factored) = &work.factored else { return };
+            for (x, &u) in work.x.iter_mut().zip(&piece.unknowns[..piece.inner]) {
+                *x = right_side[u as usize];
+            }
+            work.x[piece.inner..].fill(0.0);
+            piece.forward(factored, &mut work.x, &mut work.rows);
+            work.y.copy_from_slice(&work.x[piece.inner..]);
+        });
+        for (g, &u) in vectors.right.iter_mut().zip(&self.borders.unknowns) {
+            *g = x[u as usize];
+        }
+        self.borders.add(&self.works, 0, &mut vectors.right);
+        let convergence = self.iterate(wanted, vectors)?;
+        let solution = &vectors.solution;
+        self.works.par_iter_mut().with_max_len(4).zip(&self.pieces).zip(&self.borders.of_piece).for_each(
+            |((work, piece), of)| {
+                let Some(factored) = &work.factored else { return };
+                for (x, &n) in work.x[piece.inner..].iter_mut().zip(of) {
+                    *x = solution[n as usize];
+                }
+                piece.backward(factored, &mut work.x, &mut work.rows);
+            },
+        );
+        for (work, piece) in self.works.iter().zip(&self.pieces) {
+            for (value, &u) in work.x.iter().zip(&piece.unknowns) {
+                x[u as usize] = *value;
+            }
+        }
+        Ok(convergence)
+    }
+
+    fn iterate(&mut self, wanted: &Wanted, vectors: &mut Vectors) -> Result<Convergence, SubstructureError> {
+        let Vectors { right, solution, r, z, p, sp, sums } = vectors;
+        solution.fill(0.0);
+        r.copy_from_slice(right);
+        let mut iterations = 0;
+        let mut coefficients = Vec::new();
+        let mut start = None;
+        let mut last = f64::INFINITY;
+        let mut converged = false;
+        loop {
+            // (Re)start from the true residual.
+            self.precondition(r, z);
+            let mut rz = positive(dot(r, z, sums))?;
+            let first = *start.get_or_insert(rz);
+            let enough = wanted.absolute.powi(2).min(wanted.share.powi(2) * first);
+            let goal = (wanted.relative.powi(2) * first).max(enough);
+            let small = rz <= goal || (iterations > 0 && converged && rz <= ROUNDING * first);
+            if small || rz > PROGRESS * last || iterations >= wanted.iterations {
+                if small {
+                    let condition = condition(&coefficients);
+                    return Ok(Convergence { iterations, error: rz.sqrt(), start: first.sqrt(), condition });
+                }
+                let residual = (rz / first).sqrt();
+                let tolerance = (goal / first).sqrt();
+                return Err(SubstructureError::NotConverged { iterations, residual, tolerance });
+            }
+            last = rz;
+            p.copy_from_slice(z);
+            let begin = iterations;
+            converged = false;
+            while iterations < wanted.iterations {
+                self.product(p, sp);
+                let curvature = dot(p, sp, sums);
+                if !curvature.is_finite() {
+                    return Err(SubstructureError::NotFinite);
+                }
+                if curvature <= 0.0 {
+                    return Err(SubstructureError::Indefinite(
+                        "the iteration met a direction without stiffness",
+                    ));
+                }
+                let alpha = rz / curvature;
+                add(alpha, p, solution);
+                add(-alpha, sp, r);
+                iterations += 1;
+                self.precondition(r, z);
+                let old = rz;
+                rz = positive(dot(r, z, sums))?;
+                let beta = rz / old;
+                if begin == 0 {
+                    coefficients.push((alpha, beta));
+                }
+                if rz <= goal {
+                    converged = true;
+                    break;
+                }
+                p.par_iter_mut().with_min_len(CHUNK).zip(z.as_slice()).for_each(|(p, z)| *p = z + beta * *p);
+            }
+            self.product(solution, sp);
+            for ((r, b), s) in r.iter_mut().zip(right.iter()).zip(sp.iter()) {
+                *r = b - s;
+            }
+        }
+    }
+
+    /// `out = S x`.
+    fn product(&mut self, x: &[f64], out: &mut [f64]) {
+        self.works.par_iter_mut().with_max_len(4).zip(&self.pieces).zip(&self.borders.of_piece).for_each(
+            |((work, piece), of)| {
+                let Some(factored) = &work.factored else { return };
+                // Inner unknowns wait in `x` for the end of the iteration; the places of the border are free.
+                let local = &mut work.x[piece.inner..];
+                for (l, &n) in local.iter_mut().zip(of) {
+                    *l = x[n as usize];
+                }
+                factored.interface.product(local, &mut work.y);
+            },
+        );
+        out.fill(0.0);
+        self.borders.add(&self.works, 0, out);
+    }
+
+    /// `z = M⁻¹ r`.
+    fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
+        self.averages.share(r);
+        let averages = &self.averages;
+        let each = |works: &mut Vec<super::Work>| {
+            works.par_iter_mut().with_max_len(4).zip(&self.pieces).zip(&self.borders.of_piece).for_each(
+                |((work, piece), of)| {
+                    let Some(factored) = &work.factored else { return };
+                    for (k, (y, &n)) in work.y.iter_mut().zip(of).enumerate() {
+                        *y = if k >= piece.dual {
+                            0.0
+                        } else {
+                            averages
+                                .part(n, piece.number, r)
+                                .unwrap_or_else(|| work.weights[k] * r[n as usize])
+                        };
+                    }
+                    factored.interface.forward(&mut work.y);
+                },
+            );
+        };
+        each(&mut self.works);
+        let dual = self.borders.dual();
+        let (z_dual, z_corners) = z.split_at_mut(dual);
+        z_corners.copy_from_slice(&r[dual..]);
+        self.borders.add(&self.works, dual, z_corners);
+        self.coarse.solve(z_corners);
+        let z_corners: &[f64] = z_corners;
+        self.works.par_iter_mut().with_max_len(4).zip(&self.pieces).zip(&self.borders.of_piece).for_each(
+            |((work, piece), of)| {
+                let Some(factored) = &work.factored else { return };
+                for (y, &n) in work.y[piece.dual..].iter_mut().zip(&of[piece.dual..]) {
+                    *y = z_corners[n as usize - dual];
+                }
+                factored.interface.backward(&mut work.y);
+                let grouped = averages.len();
+                for ((y, w), &n) in work.y.iter_mut().zip(&work.weights).zip(of) {
+                    *y *= if (n as usize) < grouped { 1.0 } else { *w };
+                }
+            },
+        );
+        let (z_groups, z_rest) = z_dual.split_at_mut(averages.len());
+        averages.average(&self.works, z_groups);
+        z_rest.fill(0.0);
+        self.borders.add(&self.works, averages.len(), z_rest);
+    }
+}
+
+/// A positive definite matrix has a positive definite preconditioner.
+fn positive(rz: f64) -> Result<f64, SubstructureError> {
+    if !rz.is_finite() {
+        Err(SubstructureError::NotFinite)
+    } else if rz < 0.0 {
+        Err(SubstructureError::Indefinite("the preconditioner is not positive"))
+    } else {
+        Ok(rz)
+    }
+}
+
+/// Condition of the tridiagonal matrix that conjugate gradients make of the preconditioned one.
+fn condition(coefficients: &[(f64, f64)]) -> f64 {
+    let n = coefficients.len();
+    if n == 0 {
+        return 1.0;
+    }
+    let mut t = nalgebra::DMatrix::zeros(n, n);
+    for (k, &(alpha, beta)) in coefficients.iter().enumerate() {
+        t[(k, k)] += 1.0 / alpha;
+        if k + 1 < n {
+            t[(k + 1, k + 1)] += beta / alpha;
+            t[(k, k + 1)] = beta.sqrt() / alpha;
+            t[(k + 1, k)] = t[(k, k + 1)];
+        }
+    }
+    let eigenvalues = t.symmetric_eigenvalues();
+    eigenvalues.max() / eigenvalues.min()
+}
+
+/// Scalar product in a fixed order whatever the number of threads; `sums` is scratch.
+fn dot(a: &[f64], b: &[f64], sums: &mut [f64]) -> f64 {
+    sums.par_iter_mut().zip(a.par_chunks(CHUNK).zip(b.par_chunks(CHUNK))).for_each(|(sum, (a, b))| {
+        *sum = super::dense::dot(a, b);
+    });
+    sums.iter().sum()
+}
+
+/// `y += a x`.
+fn add(a: f64, x: &[f64], y: &mut [f64]) {
+    y.par_iter_mut().with_min_len(CHUNK).zip(x).for_each(|(y, x)| *y += a * x);
+}

@@ -1,0 +1,215 @@
+//! Which unknowns pieces share, and at which nodes of their borders they are tied firmly.
+//!
+//! The border between two pieces is tied at its ends, where it meets other borders or the edge of the model, and at
+//! nodes in between such that none is farther than a given number of elements from one. A node is tied with all of
+//! its unknowns: a position and a director leave a piece no motion but rotation about the director, and the second
+//! node takes that one.
+
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
+
+use super::division::node_graph;
+use super::{Quads, Terms};
+use crate::system::Numbering;
+use crate::system::numbering::CONSTRAINED;
+
+/// Nodes at which a piece is tied at least, where it has so many. Two take all rigid motions; three also where they
+/// lie close together.
+const FEWEST: usize = 3;
+
+/// Pieces of the nodal vectors.
+pub(super) struct Sharing {
+    /// Pieces of the vectors that lie in several, ascending.
+    pub shared: BTreeMap<u32, Vec<u32>>,
+}
+
+impl Sharing {
+    /// From the pieces of the terms.
+    pub fn new(terms: &Terms, piece_of_term: impl Fn(usize) -> u32, vectors: usize) -> Self {
+        let mut first = vec![u32::MAX; vectors];
+        let mut more = Vec::new();
+        for t in 0..terms.len() {
+            let piece = piece_of_term(t);
+            for &v in terms.vectors(t) {
+                let known = &mut first[v as usize];
+                if *known == u32::MAX {
+                    *known = piece;
+                } else if *known != piece {
+                    more.push((v, piece));
+                }
+            }
+        }
+        more.sort_unstable();
+        more.dedup();
+        let mut shared: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for (v, piece) in more {
+            shared.entry(v).or_insert_with(|| vec![first[v as usize]]).push(piece);
+        }
+        shared.values_mut().for_each(|pieces| pieces.sort_unstable());
+        Self { shared }
+    }
+}
+
+/// The nodes of the borders.
+pub(super) struct Corners {
+    /// Those that are tied firmly.
+    pub tied: BTreeSet<u32>,
+    /// The others: connected stretches of nodes between the same pieces, by node.
+    pub stretches: HashMap<u32, u32>,
+}
+
+/// Finds the corners; no node is farther than `reach` elements from one along its border.
+pub(super) fn corners(
+    quads: &Quads<'_>,
+    sharing: &Sharing,
+    node_of: &[u32],
+    numbering: &Numbering,
+    reach: usize,
+) -> Corners {
+    let mut sets: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    let mut free: BTreeSet<u32> = BTreeSet::new();
+    for (&v, pieces) in &sharing.shared {
+        let node = node_of[v as usize];
+        let set = sets.entry(node).or_default();
+        set.extend(pieces);
+        set.sort_unstable();
+        set.dedup();
+        if numbering.of(v as usize).iter().any(|&n| n != CONSTRAINED) {
+            free.insert(node);
+        }
+    }
+    let graph = node_graph(quads, |n| sets.contains_key(&n));
+    let none = Vec::new();
+    let around = |n: u32| graph.get(&n).unwrap_or(&none).iter().copied();
+    // Connected borders between the same pieces.
+    let mut border: HashMap<u32, usize> = HashMap::new();
+    let mut borders: Vec<Vec<u32>> = Vec::new();
+    for (&node, set) in &sets {
+        if border.contains_key(&node) {
+            continue;
+        }
+        let mut members = vec![node];
+        border.insert(node, borders.len());
+        let mut at = 0;
+        while at < members.len() {
+            for n in around(members[at]) {
+                if !border.contains_key(&n) && sets.get(&n) == Some(set) {
+                    border.insert(n, borders.len());
+                    members.push(n);
+                }
+            }
+            at += 1;
+        }
+        borders.push(members);
+    }
+    let same = |a: u32, b: u32| border.get(&a) == border.get(&b);
+    let is_end = |n: u32| around(n).filter(|&m| same(n, m)).count() < 2;
+    // Whatever is wholly supported ties as well.
+    let mut tied: BTreeSet<u32> = sets.keys().copied().filter(|n| !free.contains(n)).collect();
+    for many in [true, false] {
+        for (number, members) in borders.iter().enumerate() {
+            if (sets[&members[0]].len() > 2) != many {
+                continue;
+            }
+            let mut ends: Vec<u32> = members.iter().copied().filter(|&n| is_end(n)).collect();
+            ends.sort_unstable();
+            for n in ends {
+                if many || !around(n).any(|m| tied.contains(&m)) {
+                    tied.insert(n);
+                }
+            }
+            fill(members, &around, |n| border.get(&n) == Some(&number), reach, &mut tied);
+        }
+    }
+    hold(quads, &sets, &mut tied);
+    let mut stretches = HashMap::new();
+    let mut count = 0;
+    for &node in sets.keys().filter(|n| !tied.contains(n)) {
+        if stretches.contains_key(&node) {
+            continue;
+        }
+        stretches.insert(node, count);
+        let mut waiting = vec![node];
+        while let Some(n) = waiting.pop() {
+            for m in around(n).filter(|&m| same(n, m) && !tied.contains(&m)) {
+                if let Entry::Vacant(place) = stretches.entry(m) {
+                    place.insert(count);
+                    waiting.push(m);
+                }
+            }
+        }
+        count += 1;
+    }
+    Corners { tied: tied.intersection(&free).copied().collect(), stretches }
+}
+
+/// Ties more nodes of pieces that are tied at fewer than [`FEWEST`], far from those that are.
+fn hold(quads: &Quads<'_>, sets: &BTreeMap<u32, Vec<u32>>, tied: &mut BTreeSet<u32>) {
+    let mut nodes: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for (&node, set) in sets {
+        set.iter().for_each(|&piece| nodes.entry(piece).or_default().push(node));
+    }
+    let at = |n: u32| quads.positions[n as usize];
+    for nodes in nodes.values() {
+        let mut held: Vec<u32> = nodes.iter().copied().filter(|n| tied.contains(n)).collect();
+        while held.len() < FEWEST.min(nodes.len()) {
+            let distance =
+                |n: u32| held.iter().map(|&h| (at(n) - at(h)).norm()).fold(f64::INFINITY, f64::min);
+            let free = nodes.iter().copied().filter(|n| !held.contains(n));
+            let Some(farthest) = free.max_by(|&a, &b| distance(a).total_cmp(&distance(b)).then(b.cmp(&a)))
+            else {
+                break;
+            };
+            held.push(farthest);
+            tied.insert(farthest);
+        }
+    }
+}
+
+/// Ties nodes of a border until none is farther than `reach` from a tied one.
+fn fill<I: Iterator<Item = u32>>(
+    members: &[u32],
+    around: &impl Fn(u32) -> I,
+    within: impl Fn(u32) -> bool,
+    reach: usize,
+    tied: &mut BTreeSet<u32>,
+) {
+    let mut added = 0;
+    loop {
+        let mut distance: HashMap<u32, usize> = HashMap::new();
+        let mut queue = VecDeque::new();
+        for &n in members {
+            let start = if tied.contains(&n) {
+                0
+            } else if around(n).any(|m| !within(m) && tied.contains(&m)) {
+                1
+            } else {
+                continue;
+            };
+            distance.insert(n, start);
+            queue.push_back((n, start));
+        }
+        // Starts at 0 come first.
+        queue.make_contiguous().sort_by_key(|&(n, d)| (d, n));
+        while let Some((n, d)) = queue.pop_front() {
+            for m in around(n).filter(|&m| within(m)) {
+                if let Entry::Vacant(place) = distance.entry(m) {
+                    place.insert(d + 1);
+                    queue.push_back((m, d + 1));
+                }
+            }
+        }
+        let far = |n: u32| distance.get(&n).copied().unwrap_or(usize::MAX);
+        let Some(&farthest) = members.iter().max_by(|&&a, &&b| far(a).cmp(&far(b)).then(b.cmp(&a))) else {
+            return;
+        };
+        // A border that meets nothing is a ring: three nodes hold it.
+        let ring = added > 0 && added < 3 && far(farthest) > 1;
+        if far(farthest) == usize::MAX || far(farthest) > reach || ring {
+            added += usize::from(far(farthest) == usize::MAX || added > 0);
+            tied.insert(farthest);
+        } else {
+            return;
+        }
+    }
+}

@@ -1,0 +1,392 @@
+//! Conjugate gradients on the borders of the pieces of a shell, for models too large to be factored whole.
+//!
+//! The mesh is divided into pieces of constant size. Each eliminates its inner unknowns; what is left is `S u = g`
+//! on the borders, `S = Σ Rᵀ S_p R` with the dense matrices `S_p` of the pieces. The preconditioner is balancing
+//! domain decomposition by constraints: the pieces are tied at corners only, which leaves a matrix that can be
+//! solved piece by piece with a small coarse one for the corners; its solution is averaged where pieces touch,
+//!
+//! ```text
+//! M⁻¹ = Dᵀ S̃⁻¹ D,   κ(M⁻¹ S) = O(1 + log³(H/h))
+//! ```
+//!
+//! with `H` the size of a piece and `h` that of an element, for Reissner–Mindlin plates of MITC elements whatever
+//! their thickness.
+//!
+//! C. R. Dohrmann, *A preconditioner for substructuring based on constrained energy minimization*, SIAM J. Sci.
+//! Comput. 25 (2003) 246–258; L. Beirão da Veiga, C. Chinosi, C. Lovadina, L. F. Pavarino, *Robust BDDC
+//! preconditioners for Reissner–Mindlin plate bending problems and MITC elements*, SIAM J. Numer. Anal. 47 (2010)
+//! 4214–4238.
+//!
+//! `S̃` is the matrix of the pieces tied at corners only: a restriction of it is the matrix of the whole. So if all
+//! its pivots are positive, those of the whole are, too.
+
+mod averages;
+mod borders;
+mod coarse;
+mod conjugate_gradients;
+mod corners;
+mod dense;
+mod division;
+mod front;
+mod piece;
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use rayon::prelude::*;
+
+use self::averages::Averages;
+use self::borders::Borders;
+use self::coarse::Coarse;
+pub use self::conjugate_gradients::Wanted;
+use self::corners::{Corners, Sharing, corners};
+use self::piece::{Factored, Piece, Refused, Roles, Scratch};
+use super::FactorError;
+use crate::Vec3;
+use crate::system::Numbering;
+
+/// Quadrilaterals of a mesh, and where their nodes are.
+#[derive(Debug, Clone, Copy)]
+pub struct Quads<'a> {
+    /// Four nodes of each, around it.
+    pub nodes: &'a [[u32; 4]],
+    /// Positions of the nodes.
+    pub positions: &'a [Vec3],
+}
+
+impl Quads<'_> {
+    fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    fn corner(&self, quad: u32, corner: usize) -> Vec3 {
+        self.positions[self.nodes[quad as usize][corner] as usize]
+    }
+
+    fn centre(&self, quad: u32) -> Vec3 {
+        (0..4).map(|a| self.corner(quad, a)).sum::<Vec3>() * 0.25
+    }
+
+    fn sides(&self, quad: u32) -> [(u32, u32); 4] {
+        let n = self.nodes[quad as usize];
+        std::array::from_fn(|a| (n[a], n[(a + 1) % 4]))
+    }
+
+    /// Unit vectors from side to opposite side.
+    fn directions(&self, quad: u32) -> [Vec3; 2] {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.corner(quad, k));
+        [b + c - a - d, c + d - a - b].map(|v| v.try_normalize(0.0).unwrap_or_else(Vec3::x))
+    }
+}
+
+/// What contributes to the matrix, term by term: the nodal vectors of each and the quadrilateral it belongs to.
+#[derive(Debug, Clone, Default)]
+pub struct Terms {
+    start: Vec<u32>,
+    vectors: Vec<u32>,
+    quads: Vec<u32>,
+}
+
+impl Terms {
+    /// Adds a term.
+    pub fn push(&mut self, vectors: &[u32], quad: u32) {
+        if self.start.is_empty() {
+            self.start.push(0);
+        }
+        self.vectors.extend_from_slice(vectors);
+        self.start.push(self.vectors.len() as u32);
+        self.quads.push(quad);
+    }
+
+    /// Number of terms.
+    pub fn len(&self) -> usize {
+        self.quads.len()
+    }
+
+    /// True if there are none.
+    pub fn is_empty(&self) -> bool {
+        self.quads.is_empty()
+    }
+
+    fn vectors(&self, term: usize) -> &[u32] {
+        &self.vectors[self.start[term] as usize..self.start[term + 1] as usize]
+    }
+}
+
+/// How pieces are cut and tied.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Elements of a piece.
+    pub size: usize,
+    /// Elements along a border from any node to the next corner at most.
+    pub reach: usize,
+    /// How borders are averaged.
+    pub scaling: Scaling,
+}
+
+/// How what pieces say about their common border is averaged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scaling {
+    /// All alike.
+    Alike,
+    /// By the diagonal of their matrices of the border.
+    Stiffness,
+    /// By those matrices themselves, stretch by stretch.
+    Deluxe,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { size: 256, reach: 3, scaling: Scaling::Deluxe }
+    }
+}
+
+/// A linear system that was not solved.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SubstructureError {
+    /// The matrix or the right side hold values that are not numbers.
+    #[error("the matrix or the right side holds values that are not numbers")]
+    NotFinite,
+    /// A piece, the coarse matrix or a search direction shows that the matrix is not positive definite, or nearly so.
+    #[error("{0}")]
+    Indefinite(&'static str),
+    /// Not enough memory.
+    #[error("the factors of the pieces do not fit in memory")]
+    TooLarge,
+    /// Not accurate enough; the solution is not returned.
+    #[error(
+        "not converged after {iterations} iterations: relative residual {residual:.1e} for {tolerance:.1e}"
+    )]
+    NotConverged {
+        /// Iterations.
+        iterations: usize,
+        /// Residual that was reached.
+        residual: f64,
+        /// Residual that was wanted.
+        tolerance: f64,
+    },
+}
+
+impl From<FactorError> for SubstructureError {
+    fn from(e: FactorError) -> Self {
+        match e {
+            FactorError::NotFinite => Self::NotFinite,
+            FactorError::Singular => Self::Indefinite("a matrix of a piece is singular"),
+            FactorError::TooLarge => Self::TooLarge,
+        }
+    }
+}
+
+/// How a system was solved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Convergence {
+    /// Iterations.
+    pub iterations: usize,
+    /// `√(r·M⁻¹r)` of the true residual at the end: a bound of the error in the energy norm.
+    pub error: f64,
+    /// The same at the start: about the size of the solution.
+    pub start: f64,
+    /// Estimate of the condition of the preconditioned matrix from the coefficients of the iteration.
+    pub condition: f64,
+}
+
+/// Solver for the matrix of one mesh and its supports.
+pub struct Substructures {
+    pieces: Vec<Piece>,
+    /// Piece of each term, and where its blocks begin there.
+    slots: Vec<(u32, u32)>,
+    works: Vec<Work>,
+    borders: Borders,
+    averages: Averages,
+    coarse: Coarse,
+    /// What is added to the diagonal of nodal vectors; empty: nothing is.
+    shifts: Vec<f64>,
+    unknowns: usize,
+    scaling: Scaling,
+    vectors: conjugate_gradients::Vectors,
+}
+
+/// What a piece works with.
+#[derive(Default)]
+struct Work {
+    /// Blocks of its terms until they are factored.
+    blocks: Vec<f64>,
+    factored: Option<Factored>,
+    /// All its unknowns.
+    x: Vec<f64>,
+    /// Those of its border.
+    y: Vec<f64>,
+    /// Its share of the dual unknowns.
+    weights: Vec<f64>,
+    rows: Vec<f64>,
+}
+
+impl Substructures {
+    /// Divides a mesh. `node_of` gives the node of every nodal vector.
+    ///
+    /// # Errors
+    /// The coarse matrix would be too large.
+    pub fn new(
+        quads: Quads<'_>,
+        terms: &Terms,
+        node_of: &[u32],
+        numbering: &Numbering,
+        options: &Options,
+    ) -> Result<Self, SubstructureError> {
+        let (piece_of, count) = division::divide(&quads, options.size.clamp(1, 4096));
+        let of_term = |t: usize| piece_of[terms.quads[t] as usize];
+        let sharing = Sharing::new(terms, of_term, node_of.len());
+        let Corners { tied, stretches } = corners(&quads, &sharing, node_of, numbering, options.reach);
+        let mut cells: Vec<Vec<u32>> = vec![Vec::new(); count];
+        for (q, &p) in piece_of.iter().enumerate() {
+            cells[p as usize].push(q as u32);
+        }
+        // Terms of each element.
+        let mut start = vec![0_u32; quads.len() + 1];
+        terms.quads.iter().for_each(|&q| start[q as usize + 1] += 1);
+        for q in 0..quads.len() {
+            start[q + 1] += start[q];
+        }
+        let mut list = vec![0_u32; terms.len()];
+        let mut next = start.clone();
+        for (t, &q) in terms.quads.iter().enumerate() {
+            list[next[q as usize] as usize] = t as u32;
+            next[q as usize] += 1;
+        }
+        let terms_of = |q: u32| list[start[q as usize] as usize..start[q as usize + 1] as usize].to_vec();
+        let shared = |v: u32| sharing.shared.contains_key(&v);
+        let corner = |v: u32| tied.contains(&node_of[v as usize]);
+        let made: Vec<(Piece, Vec<u32>)> = cells
+            .into_par_iter()
+            .map(|cells| {
+                let roles = Roles { numbering, shared: &shared, corner: &corner };
+                Piece::new(&quads, terms, &terms_of, cells, &roles)
+            })
+            .collect();
+        let mut slots = vec![(0, 0); terms.len()];
+        let mut pieces = Vec::with_capacity(count);
+        for (p, (mut piece, order)) in made.into_iter().enumerate() {
+            piece.number = p as u32;
+            for (k, t) in order.into_iter().enumerate() {
+                slots[t as usize] = (p as u32, piece.block(k) as u32);
+            }
+            pieces.push(piece);
+        }
+        let groups = if options.scaling == Scaling::Deluxe {
+            averages::groups(&sharing, &stretches, node_of, numbering)
+        } else {
+            Vec::new()
+        };
+        let borders = Borders::new(&pieces, numbering.unknowns, &groups);
+        let averages = Averages::new(&groups, &borders);
+        let coarse = Coarse::new(&pieces, &borders)?;
+        let works = pieces
+            .iter()
+            .map(|p| Work { x: vec![0.0; p.unknowns.len()], y: vec![0.0; p.border()], ..Work::default() })
+            .collect();
+        let vectors = conjugate_gradients::Vectors::new(borders.len());
+        let scaling = options.scaling;
+        let unknowns = numbering.unknowns;
+        Ok(Self {
+            pieces,
+            slots,
+            works,
+            borders,
+            averages,
+            coarse,
+            shifts: Vec::new(),
+            unknowns,
+            scaling,
+            vectors,
+        })
+    }
+
+    /// Number of pieces.
+    pub fn pieces(&self) -> usize {
+        self.pieces.len()
+    }
+
+    /// Unknowns of the borders, those of the corners among them.
+    pub fn border_unknowns(&self) -> usize {
+        self.borders.len()
+    }
+
+    /// Unknowns of the coarse matrix.
+    pub fn coarse_unknowns(&self) -> usize {
+        self.borders.corners()
+    }
+
+    /// Memory of the factors (bytes).
+    pub fn bytes(&self) -> usize {
+        let pieces: usize = self.works.iter().filter_map(|w| w.factored.as_ref()).map(Factored::bytes).sum();
+        pieces + 8 * (self.coarse.entries() + self.averages.entries())
+    }
+
+    /// Begins a new matrix: the old factors make room.
+    pub fn begin(&mut self) {
+        for work in &mut self.works {
+            work.factored = None;
+        }
+        self.shifts.clear();
+    }
+
+    /// Adds multiples of the unit matrix to the blocks of nodal vectors, of which there are `count`, with themselves.
+    pub fn shift(&mut self, count: usize, shifts: impl Iterator<Item = (usize, f64)>) {
+        self.shifts.resize(count, 0.0);
+        shifts.for_each(|(v, shift)| self.shifts[v] += shift);
+    }
+
+    /// Takes the lower blocks of a term, along the global axes.
+    pub fn put(&mut self, term: usize, blocks: &[f64]) {
+        let (piece, at) = self.slots[term];
+        let work = &mut self.works[piece as usize];
+        if work.blocks.is_empty() {
+            work.blocks.resize(self.pieces[piece as usize].blocks, 0.0);
+        }
+        work.blocks[at as usize..at as usize + blocks.len()].copy_from_slice(blocks);
+    }
+
+    /// Factors the pieces and the coarse matrix.
+    ///
+    /// # Errors
+    /// The matrix is not positive definite as far as the pieces can tell, or there is not enough memory.
+    pub fn factor(&mut self, numbering: &Numbering) -> Result<(), SubstructureError> {
+        let Self { pieces, works, borders, shifts, .. } = self;
+        let scratches: Mutex<Vec<Scratch>> = Mutex::default();
+        let done: Vec<Result<(), Refused>> = works
+            .par_iter_mut()
+            .with_max_len(1)
+            .zip(pieces.as_slice())
+            .zip(&borders.of_piece)
+            .map(|((work, piece), of)| {
+                let blocks = std::mem::take(&mut work.blocks);
+                if !blocks.iter().all(|b| b.is_finite()) {
+                    return Err(Refused::Factor(FactorError::NotFinite));
+                }
+                let shifts = piece.shifts(shifts, |k| borders.pieces(of[k]));
+                let mut scratch = locked(&scratches).pop().unwrap_or_default();
+                let factored = piece.factor(&blocks, numbering, &shifts, &mut scratch);
+                locked(&scratches).push(scratch);
+                work.factored = Some(factored?);
+                Ok(())
+            })
+            .collect();
+        for result in done {
+            result.map_err(|refused| match refused {
+                Refused::Inner => {
+                    SubstructureError::Indefinite("a piece of the shell is unstable within itself")
+                }
+                Refused::Border => SubstructureError::Indefinite(
+                    "a piece of the shell is unstable when only its corners are held",
+                ),
+                Refused::Factor(e) => e.into(),
+            })?;
+        }
+        self.borders.weigh(&self.pieces, &mut self.works, self.scaling);
+        self.averages.weigh(&self.works)?;
+        self.coarse.factor(&self.works)
+    }
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

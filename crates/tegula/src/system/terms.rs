@@ -1,0 +1,85 @@
+//! What contributes to the tangent, for solvers that divide the mesh.
+
+use super::{System, VectorKind};
+use crate::Vec3;
+use crate::linear::substructures::{Options, Quads, SubstructureError, Substructures, Terms};
+
+impl System {
+    /// A solver that divides the mesh of this system into pieces. Its terms are the elements of all groups, then the
+    /// loads that follow the motion.
+    ///
+    /// # Errors
+    /// There is not enough memory.
+    pub fn substructures(&self, options: &Options) -> Result<Substructures, SubstructureError> {
+        let positions: Vec<Vec3> = self
+            .position_of
+            .iter()
+            .map(|&p| self.reference.get(p as usize).map_or_else(Vec3::zeros, |r| Vec3::from(*r)))
+            .collect();
+        let mut quads = vec![[0; 4]; self.shells.len()];
+        let mut shell_of: Vec<Vec<u32>> = self.groups.iter().map(|g| vec![u32::MAX; g.len()]).collect();
+        for (s, (shell, quad)) in self.shells.iter().zip(&mut quads).enumerate() {
+            for group in shell.groups.clone() {
+                shell_of[group][shell.member] = s as u32;
+            }
+            let Some(group) = self.groups.get(shell.groups.start) else { continue };
+            let corners = group.vectors(shell.member).iter().map(|&v| v as usize);
+            let corners = corners.filter(|&v| self.kinds[v] == VectorKind::Position);
+            quad.iter_mut().zip(corners).for_each(|(n, v)| *n = self.nodes[v]);
+        }
+        let quads_of = ByNode::new(&quads, positions.len());
+        // What is no shell goes to the shell that holds most of its vectors.
+        let home = |vectors: &[u32]| {
+            let around = |v: &u32| quads_of.of(self.nodes[*v as usize]).iter().copied();
+            let held = |q: u32| {
+                let holds = |s: usize, v: u32| {
+                    let shell = &self.shells[s];
+                    shell.groups.clone().any(|g| self.groups[g].vectors(shell.member).contains(&v))
+                };
+                vectors.iter().filter(|&&v| holds(q as usize, v)).count()
+            };
+            vectors.iter().flat_map(around).max_by_key(|&q| (held(q), std::cmp::Reverse(q))).unwrap_or(0)
+        };
+        let mut terms = Terms::default();
+        for (group, shells) in self.groups.iter().zip(&shell_of) {
+            for (e, &shell) in shells.iter().enumerate() {
+                let vectors = group.vectors(e);
+                terms.push(vectors, if shell == u32::MAX { home(vectors) } else { shell });
+            }
+        }
+        for load in &self.followers {
+            terms.push(load.vectors(), home(load.vectors()));
+        }
+        let quads = Quads { nodes: &quads, positions: &positions };
+        Substructures::new(quads, &terms, &self.nodes, &self.numbering, options)
+    }
+}
+
+/// Quadrilaterals around each node.
+struct ByNode {
+    start: Vec<u32>,
+    list: Vec<u32>,
+}
+
+impl ByNode {
+    fn new(quads: &[[u32; 4]], nodes: usize) -> Self {
+        let mut start = vec![0; nodes + 1];
+        quads.iter().flatten().for_each(|&n| start[n as usize + 1] += 1);
+        for n in 0..nodes {
+            start[n + 1] += start[n];
+        }
+        let mut next = start.clone();
+        let mut list = vec![0; 4 * quads.len()];
+        for (q, quad) in quads.iter().enumerate() {
+            for &n in quad {
+                list[next[n as usize] as usize] = q as u32;
+                next[n as usize] += 1;
+            }
+        }
+        Self { start, list }
+    }
+
+    fn of(&self, node: u32) -> &[u32] {
+        &self.list[self.start[node as usize] as usize..self.start[node as usize + 1] as usize]
+    }
+}

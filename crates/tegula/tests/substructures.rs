@@ -1,0 +1,248 @@
+//! Pieces of shells tied at corners: iterations, accuracy and refusals.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use std::time::Instant;
+
+use common::{compile, irregular, model, plate, quarter_cylinder, vector_load};
+use tegula::System;
+use tegula::analysis::statics::state_kinematics;
+use tegula::element::TangentWeights;
+use tegula::linear::substructures::{Convergence, Options, SubstructureError, Substructures, Wanted};
+use tegula::linear::{Factor as _, SparseCholesky, SymmetricPattern};
+use tegula::model::build::build;
+use tegula::model::*;
+use tegula::system::Assembly;
+use tegula::system::assembly::TangentParts;
+
+const TIGHT: Wanted = Wanted { relative: 1e-10, absolute: 0.0, share: 1.0, iterations: 100 };
+
+/// Clamped on one edge, loaded on the other.
+fn shell(curved: bool, n: u32, slenderness: f64, distortion: f64) -> Model {
+    let mut m = if curved {
+        quarter_cylinder(n, 2.1e11)
+    } else {
+        model(plate([1.0, 1.0], [n, n], distortion), 2.1e11, 0.01)
+    };
+    m.sections[0].thickness = 1.0 / slenderness;
+    m.loads = vec![Load::Edge(vector_load("u_max", [0.0, 1.0, -1.0]))];
+    m
+}
+
+/// Stiffness in pieces, load, and stiffness as a whole.
+struct Problem {
+    system: System,
+    pieces: Substructures,
+    load: Vec<f64>,
+    pattern: SymmetricPattern,
+    values: Vec<f64>,
+}
+
+impl Problem {
+    fn new(system: System, options: &Options) -> Self {
+        let pieces = system.substructures(options).unwrap();
+        let mut load = vec![0.0; system.unknowns()];
+        let mut field = vec![[0.0; 3]; system.vectors()];
+        system.add_dead_loads(1.0, 1.0, &mut field);
+        system.numbering.reduce(&field, &mut load);
+        let mut assembly = Assembly::new(&system);
+        let u = vec![[0.0; 3]; system.vectors()];
+        let k = state_kinematics(&system, &u, 1.0);
+        assembly.forces_and_tangent(&system, &k, &parts(), false, None, &mut field);
+        let (pointers, rows) = (&system.pattern.column_pointers, &system.pattern.row_indices);
+        let pattern = SymmetricPattern::new(pointers.clone(), rows.clone());
+        let mut out = Self { pieces, load, pattern, values: assembly.values, system };
+        out.assemble();
+        out
+    }
+
+    fn assemble(&mut self) {
+        let u = vec![[0.0; 3]; self.system.vectors()];
+        let k = state_kinematics(&self.system, &u, 1.0);
+        let (mut term, mut forces) = (0, u.clone());
+        self.pieces.begin();
+        let pieces = &mut self.pieces;
+        let take = |blocks: &[f64]| {
+            pieces.put(term, blocks);
+            term += 1;
+        };
+        Assembly::new(&self.system).forces_and_blocks(
+            &self.system,
+            &k,
+            &parts(),
+            (false, None),
+            &mut forces,
+            take,
+        );
+    }
+
+    fn solve(&mut self, wanted: &Wanted) -> Result<(Vec<f64>, Convergence), SubstructureError> {
+        self.pieces.factor(&self.system.numbering)?;
+        let mut x = self.load.clone();
+        let convergence = self.pieces.solve(&mut x, wanted)?;
+        Ok((x, convergence))
+    }
+
+    fn energy(&self, x: &[f64]) -> f64 {
+        let mut y = vec![0.0; x.len()];
+        self.pattern.add_product(&self.values, x, &mut y);
+        x.iter().zip(&y).map(|(x, y)| x * y).sum()
+    }
+
+    /// Difference from the direct solution relative to it, in the energy norm.
+    fn difference(&self, x: &[f64]) -> f64 {
+        let mut direct = SparseCholesky::new(self.pattern.clone()).unwrap();
+        direct.factor(&self.values).unwrap();
+        let mut exact = self.load.clone();
+        direct.solve(&mut exact);
+        let e: Vec<f64> = x.iter().zip(&exact).map(|(a, b)| a - b).collect();
+        (self.energy(&e).abs() / self.energy(&exact)).sqrt()
+    }
+}
+
+fn parts() -> TangentParts {
+    let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
+    TangentParts { weights, mass: 0.0, time: 1.0 }
+}
+
+fn problem(model: &Model) -> Problem {
+    Problem::new(compile(model).1, &Options::default())
+}
+
+#[test]
+#[ignore = "prints the table of the book; a minute"]
+fn table() {
+    for (curved, distortion) in [(false, 0.0), (false, 0.3), (true, 0.0)] {
+        for slenderness in [10.0, 100.0, 1000.0] {
+            for n in [32, 64, 128, 256] {
+                let mut p = problem(&shell(curved, n, slenderness, distortion));
+                let start = Instant::now();
+                let (x, c) = p.solve(&TIGHT).unwrap();
+                let time = start.elapsed().as_secs_f64();
+                println!(
+                    "curved {curved} distorted {distortion} L/h {slenderness} n {n}: {} iterations, condition {:.1}, \
+                     {} pieces, coarse {}, {:.0} MB, {time:.2} s, difference {:.1e}",
+                    c.iterations,
+                    c.condition,
+                    p.pieces.pieces(),
+                    p.pieces.coarse_unknowns(),
+                    p.pieces.bytes() as f64 / 1e6,
+                    p.difference(&x)
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn iterations_grow_neither_with_the_mesh_nor_with_slenderness() {
+    for (curved, distortion) in [(false, 0.0), (false, 0.3), (true, 0.0)] {
+        for slenderness in [10.0, 100.0, 1000.0] {
+            for n in [32, 96] {
+                let mut p = problem(&shell(curved, n, slenderness, distortion));
+                let (_, c) = p.solve(&TIGHT).unwrap();
+                let what = format!("curved {curved}, distorted {distortion}, L/h {slenderness}, {n}: {c:?}");
+                assert!(c.iterations <= 25 && c.condition < 8.0, "{what}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_error_is_what_was_wanted() {
+    for relative in [1e-2, 1e-5, 1e-8] {
+        let mut p = problem(&shell(true, 48, 30.0, 0.0));
+        let (x, c) = p.solve(&Wanted { relative, ..TIGHT }).unwrap();
+        let found = p.difference(&x);
+        assert!(found <= 1.1 * c.error / c.start && c.error <= relative * c.start, "{found:e} {c:?}");
+    }
+}
+
+#[test]
+fn pieces_of_any_size_give_the_same_solution() {
+    let mut m = model(plate([1.0, 1.0], [1, 1], 0.0), 2.1e11, 0.01);
+    m.loads = vec![Load::Edge(vector_load("u_max", [0.0, 1.0, -1.0]))];
+    let mesh = irregular(10);
+    for (size, reach) in [(1, 1), (2, 3), (5, 1), (17, 2), (60, 9), (60, 1000), (10_000, 3)] {
+        let options = Options { size, reach, ..Options::default() };
+        let mut p = Problem::new(build(&m, &mesh).unwrap(), &options);
+        let wanted = Wanted { iterations: 300, ..TIGHT };
+        let (x, c) = p.solve(&wanted).unwrap_or_else(|e| panic!("size {size}, reach {reach}: {e}"));
+        let off = p.difference(&x);
+        assert!(off < 1e-8, "size {size}, reach {reach}: {off:e}, {c:?}");
+    }
+}
+
+#[test]
+fn units_do_not_change_the_iteration() {
+    let metres = shell(true, 40, 100.0, 0.0);
+    let mut millimetres = metres.clone();
+    if let MeshSource::Cylinder(c) = &mut millimetres.mesh {
+        c.center = c.center.map(|x| 1000.0 * x);
+        c.radius *= 1000.0;
+        c.length *= 1000.0;
+    }
+    millimetres.sections[0].thickness *= 1000.0;
+    let iterations =
+        |model: &Model| problem(model).solve(&Wanted { relative: 1e-8, ..TIGHT }).unwrap().1.iterations;
+    assert_eq!(iterations(&metres), iterations(&millimetres));
+}
+
+#[test]
+fn too_few_iterations_are_an_error_and_leave_the_right_side() {
+    let mut p = problem(&shell(false, 48, 100.0, 0.0));
+    p.pieces.factor(&p.system.numbering).unwrap();
+    let mut x = p.load.clone();
+    match p.pieces.solve(&mut x, &Wanted { iterations: 3, ..TIGHT }) {
+        Err(SubstructureError::NotConverged { iterations: 3, residual, .. }) => {
+            assert!(residual > 1e-10 && residual < 1.0);
+        }
+        other => panic!("{other:?}"),
+    }
+    assert_eq!(x, p.load);
+}
+
+#[test]
+fn what_is_accepted_is_positive_definite() {
+    let mut p = problem(&shell(true, 40, 100.0, 0.0));
+    let (stiffness, vectors) = (p.values.clone(), p.system.vectors());
+    let scale = p.pattern.diagonal(&stiffness).fold(0.0, f64::max);
+    let (mut accepted, mut refused) = (0, 0);
+    for exponent in 4..40 {
+        let shift = -scale * 0.5_f64.powi(exponent);
+        p.assemble();
+        p.pieces.shift(vectors, (0..vectors).map(|v| (v, shift)));
+        let found = p.solve(&TIGHT);
+        let mut shifted = stiffness.clone();
+        (0..vectors)
+            .for_each(|v| p.system.pattern.add_to_diagonal(v, shift, &p.system.numbering, &mut shifted));
+        let mut direct = SparseCholesky::new(p.pattern.clone()).unwrap();
+        let negative = direct.factor(&shifted).unwrap().negative;
+        match found {
+            Ok((x, _)) => {
+                assert_eq!(negative, 0, "shift {shift:e}");
+                p.values = shifted;
+                let off = p.difference(&x);
+                assert!(off < 1e-7, "shift {shift:e}: {off:e}");
+                accepted += 1;
+            }
+            Err(SubstructureError::Indefinite(_)) => refused += 1,
+            other => panic!("{other:?}"),
+        }
+    }
+    assert!(accepted > 10 && refused > 10, "{accepted} {refused}");
+}
+
+#[test]
+fn wrong_input_is_refused() {
+    let mut p = problem(&shell(false, 20, 100.0, 0.0));
+    p.pieces.factor(&p.system.numbering).unwrap();
+    assert_eq!(p.pieces.solve(&mut [1.0], &TIGHT), Err(SubstructureError::NotFinite));
+    let mut x = vec![f64::NAN; p.load.len()];
+    assert_eq!(p.pieces.solve(&mut x, &TIGHT), Err(SubstructureError::NotFinite));
+    p.assemble();
+    p.pieces.put(7, &[f64::INFINITY; 9]);
+    assert_eq!(p.pieces.factor(&p.system.numbering), Err(SubstructureError::NotFinite));
+}
