@@ -117,16 +117,16 @@ fn quarter_cylinder_of_section_5_2() {
             outcome.statistics.iterations
         })
         .collect();
-    assert!(iterations.iter().all(|&i| i <= 16), "one load step takes {iterations:?} iterations");
+    assert!(iterations.iter().all(|&i| i <= 10), "one load step takes {iterations:?} iterations");
     insta::assert_debug_snapshot!(iterations, @r"
     [
-        11,
-        13,
-        11,
+        9,
+        9,
+        9,
         6,
         4,
         4,
-        13,
+        9,
         5,
         5,
     ]
@@ -136,9 +136,10 @@ fn quarter_cylinder_of_section_5_2() {
 /// A step that Newton's method cannot take is halved, and the end is the right one.
 #[test]
 fn cut_back_ends_at_the_right_equilibrium() {
-    // Without assumed thickness strain the path is rough.
+    // Without assumed thickness strain the path is rough: in one step it takes ten iterations.
     let mut notes = Notes::default();
-    let m = with_remedies(corner_force(8), [true, false, true]);
+    let mut m = with_remedies(corner_force(8), [true, false, true]);
+    m.analysis = Analysis::Static(StaticAnalysis { max_iterations: 7, ..StaticAnalysis::default() });
     let (mesh, system) = compile(&m);
     let outcome = statics::run(&system, &static_options(&m), None, &mut notes).unwrap();
     let u = displacement(&mesh, &system, &outcome.state.u, "u_max_v_max");
@@ -380,9 +381,10 @@ fn an_equilibrium_turned_inside_out_is_refused() {
         grid: Grid::uniform(3, 2),
     });
     let mut m = common::model(mesh, 1e3, 0.02);
-    m.loads = vec![Load::Edge(VectorLoad { on: "u_max".into(), value: [-1e8, 0.0, 0.0], amplitude: None })];
+    m.loads = vec![Load::Edge(VectorLoad { on: "u_max".into(), value: [-62.5, 0.0, 0.0], amplitude: None })];
     let mesh = generate(&m.mesh).unwrap();
     let system = build(&m, &mesh).unwrap();
-    let error = statics::run(&system, &StaticAnalysis::default(), None, &mut Silent).unwrap_err();
+    let options = StaticAnalysis { max_cutbacks: 0, ..StaticAnalysis::default() };
+    let error = statics::run(&system, &options, None, &mut Silent).unwrap_err();
     assert!(error.to_string().contains("inside out"), "{error}");
 }

@@ -36,6 +36,11 @@ pub trait Equation {
     fn apply(&mut self, system: &System, increment: &[Nodal]);
     /// Increment that brings the supported coordinates to their prescribed values; false if there is none.
     fn prescribed(&self, system: &System, increment: &mut [Nodal]) -> bool;
+    /// Largest turn (rad) of the first increment, if it is limited: an increment of all coordinates can be scaled where
+    /// the step begins with an equilibrium, since that is the answer to a part of the load.
+    fn first_turn(&self, _system: &System) -> Option<f64> {
+        None
+    }
     /// Energy to which the energy of an increment is compared.
     fn energy_scale(&self, system: &System, assembly: &mut Assembly) -> f64;
     /// Size of the displacement of the step or of the state, to which increments are compared.
@@ -323,6 +328,11 @@ impl<S: TangentSolver> Newton<S> {
             if !energy.is_finite() {
                 return Err(diverged("the increment is not a number".into()));
             }
+            if iteration == 1
+                && let Some(turn) = equation.first_turn(system)
+            {
+                shorten(system, turn, &mut self.increment);
+            }
             extrapolated = mixed && !reuse;
             if extrapolated {
                 let k = equation.kinematics(system);
@@ -388,6 +398,18 @@ impl<S: TangentSolver> Newton<S> {
                 largest(system, &self.assembly.numbering, &self.residual)
             ),
         })
+    }
+}
+
+/// Shortens an increment that turns a director, or carries a node over the model's length, by more than this.
+fn shorten(system: &System, turn: f64, increment: &mut [Nodal]) {
+    let size = |(d, kind): (&Nodal, &VectorKind)| {
+        let length = if *kind == VectorKind::Position { system.length } else { 1.0 };
+        dot(&[*d], &[*d]).sqrt() / length
+    };
+    let largest = increment.iter().zip(&system.kinds).map(size).fold(0.0, f64::max);
+    if largest > turn {
+        increment.iter_mut().for_each(|d| *d = d.map(|x| x * (turn / largest)));
     }
 }
 
