@@ -50,8 +50,7 @@ impl Bench {
         // A scheme of second order: twice the step makes four times the error.
         let uncertainty =
             distance(&Course::of(&implicit, &twice)?.0.positions, &positions) / (3.0 * implicit.length);
-        let reference =
-            Reference { transient, unknowns: implicit.unknowns(), price, step, uncertainty };
+        let reference = Reference { transient, unknowns: implicit.unknowns(), price, step, uncertainty };
         Ok(Self { transient, implicit, explicit, reference, positions })
     }
 
@@ -151,9 +150,9 @@ impl Observer for Course {
             let s = ((time - old.0) / h).min(1.0);
             let a = s * s * (3.0 - 2.0 * s);
             let (rise, fall) = (h * s * (1.0 - s) * (1.0 - s), -h * s * s * (1.0 - s));
-            self.positions.extend((0..nodes).map(|n| {
-                old.1[n] * (1.0 - a) + new.1[n] * a + old.2[n] * rise + new.2[n] * fall
-            }));
+            self.positions.extend(
+                (0..nodes).map(|n| old.1[n] * (1.0 - a) + new.1[n] * a + old.2[n] * rise + new.2[n] * fall),
+            );
         }
         self.last = new;
         Ok(())
