@@ -332,8 +332,8 @@ fn pendulum_statistics() {
     automatic Statistics { steps: 19, iterations: 91, factorizations: 51, cutbacks: 0, critical_step: 0.0, energy_error: 0.0 }
     Statistics { steps: 30, iterations: 125, factorizations: 56, cutbacks: 0, critical_step: 0.0, energy_error: 0.0 }
     automatic Statistics { steps: 20, iterations: 94, factorizations: 47, cutbacks: 0, critical_step: 0.0, energy_error: 0.0 }
-    Statistics { steps: 30, iterations: 204, factorizations: 120, cutbacks: 0, critical_step: 0.0, energy_error: 0.0 }
-    automatic Statistics { steps: 18, iterations: 143, factorizations: 88, cutbacks: 0, critical_step: 0.0, energy_error: 0.0 }
+    Statistics { steps: 30, iterations: 186, factorizations: 117, cutbacks: 0, critical_step: 0.0, energy_error: 0.0 }
+    automatic Statistics { steps: 18, iterations: 132, factorizations: 72, cutbacks: 0, critical_step: 0.0, energy_error: 0.0 }
     ");
 }
 

@@ -93,7 +93,7 @@ pub fn markdown(references: &[Reference], rows: &[Row]) -> String {
             };
             let _ = writeln!(
                 out,
-                "| {name} | {steps} | {} | {} | {iterations} | {} | {work} | {:.2} | {:.1e} |",
+                "| {name} | {steps} | {} | {} | {iterations} | {} | {work} | {:.3} | {:.1e} |",
                 s.steps, s.cutbacks, s.factorizations, r.seconds, r.error
             );
         }
