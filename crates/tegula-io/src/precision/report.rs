@@ -31,6 +31,15 @@ fn stepping_value(stepping: Stepping) -> f64 {
     }
 }
 
+/// For people.
+fn steps(stepping: Stepping) -> String {
+    match stepping {
+        Stepping::Fixed(step) => format!("{:.4} ms", 1e3 * step),
+        Stepping::Tolerance(tolerance) => format!("tolerance {tolerance:.0e}"),
+        Stepping::Critical(part) => format!("{part} of the critical step"),
+    }
+}
+
 /// All rows as comma-separated values.
 pub fn csv(rows: &[Row]) -> String {
     let mut out = String::from(
@@ -67,7 +76,7 @@ pub fn markdown(references: &[Reference], rows: &[Row]) -> String {
             "{}**{}**: {} unknowns, a factorisation at the price of {:.1} iterations; the reference has steps of \
              {:.2e} ms and an error of about {:.0e}\n\n\
              | scheme | steps | taken | repeated | iterations | factorisations | work | CPU s | error |\n\
-             |---|---|---:|---:|---:|---:|---:|---:|---:|",
+             |:--|:--|---:|---:|---:|---:|---:|---:|---:|",
             if out.is_empty() { "" } else { "\n" },
             reference.transient.title(),
             reference.unknowns,
@@ -76,11 +85,7 @@ pub fn markdown(references: &[Reference], rows: &[Row]) -> String {
             reference.uncertainty
         );
         for r in rows.iter().filter(|r| r.transient == reference.transient) {
-            let steps = match r.stepping {
-                Stepping::Fixed(step) => format!("{:.4} ms", 1e3 * step),
-                Stepping::Tolerance(tolerance) => format!("tolerance {tolerance:.0e}"),
-                Stepping::Critical(part) => format!("{part} of the critical step"),
-            };
+            let steps = steps(r.stepping);
             let name = scheme_name(r.scheme);
             if !r.failure.is_empty() {
                 let _ = writeln!(out, "| {name} | {steps} | – | – | – | – | – | – | failed |");
@@ -132,6 +137,10 @@ pub fn picture(path: &Path, transient: Transient, rows: &[Row], cost: Cost) -> R
             series.push(Series { name, points, style: Style::Both });
         }
     }
+    let mut note = "Lower left is better. Against the same mesh with a much shorter step.".to_string();
+    for r in rows.iter().filter(|r| r.transient == transient && !r.failure.is_empty()) {
+        let _ = write!(note, " {} with {} failed.", scheme_name(r.scheme), steps(r.stepping));
+    }
     let plot = LinePlot {
         title: format!("Error and cost: {}", transient.title()),
         x_label: match cost {
@@ -142,7 +151,7 @@ pub fn picture(path: &Path, transient: Transient, rows: &[Row], cost: Cost) -> R
         series,
         x_log: true,
         y_log: true,
-        note: "Lower left is better. Against the same mesh with a much shorter step.".into(),
+        note,
     };
     lines(path, &plot)
 }
