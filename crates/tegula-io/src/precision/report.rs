@@ -34,7 +34,10 @@ fn stepping_value(stepping: Stepping) -> f64 {
 /// For people.
 fn steps(stepping: Stepping) -> String {
     match stepping {
-        Stepping::Fixed(step) => format!("{:.4} ms", 1e3 * step),
+        Stepping::Fixed(step) => {
+            let step = format!("{:.4}", 1e3 * step);
+            format!("{} ms", step.trim_end_matches('0').trim_end_matches('.'))
+        }
         Stepping::Tolerance(tolerance) => format!("tolerance {tolerance:.0e}"),
         Stepping::Critical(part) => format!("{part} of the critical step"),
     }
