@@ -6,4 +6,5 @@ pub mod locking;
 pub mod mesh;
 pub mod out;
 pub mod plot;
+pub mod precision;
 pub mod verify;

@@ -328,12 +328,12 @@ fn pendulum_statistics() {
         lines.push(format!("automatic {:?}", outcome.statistics));
     }
     insta::assert_snapshot!(lines.join("\n"), @r"
-    Statistics { steps: 30, iterations: 134, factorizations: 68, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
-    automatic Statistics { steps: 19, iterations: 94, factorizations: 56, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
-    Statistics { steps: 30, iterations: 130, factorizations: 68, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
-    automatic Statistics { steps: 20, iterations: 96, factorizations: 56, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
-    Statistics { steps: 30, iterations: 217, factorizations: 128, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
-    automatic Statistics { steps: 18, iterations: 155, factorizations: 92, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
+    Statistics { steps: 30, iterations: 134, factorizations: 61, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
+    automatic Statistics { steps: 19, iterations: 91, factorizations: 51, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
+    Statistics { steps: 30, iterations: 125, factorizations: 56, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
+    automatic Statistics { steps: 20, iterations: 94, factorizations: 47, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
+    Statistics { steps: 30, iterations: 204, factorizations: 120, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
+    automatic Statistics { steps: 18, iterations: 143, factorizations: 88, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
     ");
 }
 

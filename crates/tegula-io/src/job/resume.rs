@@ -73,6 +73,7 @@ impl Memory {
             ("u", s.u.concat()),
             ("v", s.v.concat()),
             ("a", s.a.concat()),
+            ("mean a", s.mean_a.concat()),
             ("stress", s.stress.clone()),
             ("history", s.history.clone()),
             ("scalars", vec![s.time, s.next_step, s.last_step, s.work, s.dissipated, s.energy_scale]),
@@ -138,12 +139,17 @@ impl Memory {
                 return Err(wrong("tangent v"));
             }
         }
+        let mean_a = vectors(&array("mean a", None)?);
+        if !mean_a.is_empty() && mean_a.len() != n {
+            return Err(wrong("mean a"));
+        }
         let state = State {
             time: scalars[0],
             step: checkpoint.step,
             u: vectors(&fixed("u", 3 * n)?),
             v: vectors(&fixed("v", 3 * n)?),
             a: vectors(&fixed("a", 3 * n)?),
+            mean_a,
             stress: fixed("stress", samples)?,
             history: fixed("history", history)?,
             next_step: scalars[1],

@@ -12,7 +12,7 @@ mod inside;
 mod large_cantilever;
 mod macneal_beams;
 mod macneal_plates;
-mod model;
+pub(crate) mod model;
 mod paper;
 mod patch;
 mod pendulum;

@@ -25,6 +25,9 @@ pub struct State {
     pub v: Vec<Nodal>,
     /// Accelerations.
     pub a: Vec<Nodal>,
+    /// Mean accelerations of the last finished time step of a nonlinear model, from which the next one is predicted;
+    /// empty before and for other analyses.
+    pub mean_a: Vec<Nodal>,
     /// Extrapolated stress resultants of the element groups.
     pub stress: Vec<f64>,
     /// Enhanced parameters and internal variables of the materials.

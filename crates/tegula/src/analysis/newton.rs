@@ -354,7 +354,7 @@ impl<S: TangentSolver> Newton<S> {
             let size_scale = equation.displacement_scale(system);
             let relative = energy / energy_scale.max(f64::MIN_POSITIVE);
             observer.on_iteration(iteration, relative, size / size_scale.max(f64::MIN_POSITIVE));
-            let rest = if reuse && !system.linear { chord::REST } else { 1.0 };
+            let rest = if reuse && !system.linear { chord::rest(parts.mass != 0.0) } else { 1.0 };
             let excess = (relative / (rest * tolerances.energy))
                 .sqrt()
                 .max(size / (size_scale * tolerances.increment));

@@ -14,6 +14,7 @@
 //! The exact tangent `½ S(q_mid)ᵀ H S(q₁)` is slightly unsymmetric; `S(q_mid)` on both sides is
 //! symmetric, costs an iteration more and gives the same result.
 
+use super::predictor::predict;
 use super::{Exchange, Integrator, copy_supported, step_size, work};
 use crate::analysis::State;
 use crate::analysis::newton::{Equation, Tolerances};
@@ -130,11 +131,7 @@ impl Integrator for EnergyMomentum {
         self.v_old.copy_from_slice(&state.v);
         self.a_old.copy_from_slice(&state.a);
         self.energy_scale = state.energy_scale;
-        for (n, u) in self.u.iter_mut().enumerate() {
-            for i in 0..3 {
-                u[i] = state.u[n][i] + dt * state.v[n][i];
-            }
-        }
+        predict(state, dt, &mut self.u);
         copy_supported(system, &state.u, &mut self.u);
         self.update_rates();
     }
@@ -193,7 +190,7 @@ impl Integrator for EnergyMomentum {
     }
 
     fn tolerances(&self, max_iterations: u32) -> Tolerances {
-        // Energy is kept to the tolerance of the iteration: go to the rounding floor.
+        // Energy and momenta are kept to what the iteration leaves over of the forces: go to the rounding floor.
         Tolerances { energy: 1e-20, increment: 1e-8, max_iterations }
     }
 }

@@ -5,6 +5,7 @@ pub mod energy_momentum;
 mod explicit;
 mod explicit_run;
 pub mod newmark;
+mod predictor;
 pub mod step_control;
 
 use super::newton::{Diverged, Equation, Newton, Tolerances};
@@ -119,6 +120,7 @@ pub fn run(
             end: options.end_time,
         })?;
     }
+    let mut old_velocities = vec![[0.0; 3]; system.vectors()];
     // A step that failed with an old factor is repeated without.
     let mut own_tangents = false;
     while state.time < options.end_time {
@@ -182,7 +184,11 @@ pub fn run(
                             (ends.1, ends.0),
                         );
                     state.dissipated += exchange.dissipated;
+                    old_velocities.copy_from_slice(&state.v);
                     scheme.finish(system, &mut state);
+                    if !system.linear {
+                        predictor::remember(&old_velocities, dt, &mut state);
+                    }
                     state.last_step = dt;
                     state.time = if last { options.end_time } else { state.time + dt };
                     state.step += 1;

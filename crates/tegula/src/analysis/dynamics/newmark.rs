@@ -14,6 +14,7 @@
 //! Unconditionally stable for linear problems if 2β ≥ γ ≥ ½; not so for large rotations, where
 //! automatic steps or the energy–momentum scheme are needed.
 
+use super::predictor::predict;
 use super::{Exchange, Integrator, copy_supported, curve_unit_vectors, step_size, work};
 use crate::analysis::State;
 use crate::analysis::newton::{Equation, Tolerances};
@@ -171,12 +172,7 @@ impl Integrator for Newmark {
             system.pattern.add_mass_product(-system.mass_damping, &state.v, &mut self.old_rest);
             self.add_old_constraint_forces(system, assembly, &k, &state.a);
         }
-        // Free flight; the accelerations of stiff modes would only spoil the prediction.
-        for (n, u) in self.u.iter_mut().enumerate() {
-            for i in 0..3 {
-                u[i] = state.u[n][i] + dt * state.v[n][i];
-            }
-        }
+        predict(state, dt, &mut self.u);
         copy_supported(system, &state.u, &mut self.u);
         self.update_rates(system);
     }
