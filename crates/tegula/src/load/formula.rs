@@ -49,7 +49,13 @@ fn formula(text: &str) -> Result<TimeFunction, (String, String)> {
             "give a table of times and values instead, or split the load into several".into(),
         ));
     }
-    let value = exmex::parse::<f64>(text).map_err(wrong)?;
+    let Some(readable) = with_usual_signs(text) else {
+        return Err((
+            format!("the expression \"{text}\" has a sign behind an operator and before a power"),
+            "put brackets where they are meant, such as \"2*(-t)^2\" or \"2*(-(t^2))\"".into(),
+        ));
+    };
+    let value = exmex::parse::<f64>(&readable).map_err(wrong)?;
     let names = value.var_names();
     if let Some(other) = names.iter().find(|n| *n != "t") {
         return Err((format!("the expression \"{text}\" has an unknown variable \"{other}\""), remedy()));
@@ -65,6 +71,30 @@ fn formula(text: &str) -> Result<TimeFunction, (String, String)> {
     } else {
         Err((format!("the expression \"{text}\" has no value at t = 0"), remedy()))
     }
+}
+
+/// A formula in which −a^b is −(a^b), as usual, for a parser that takes it as (−a)^b: a minus sign at the start of the
+/// formula or of a bracket is taken off zero. None where a sign stands behind an operator and a power may follow.
+fn with_usual_signs(text: &str) -> Option<String> {
+    let mut out = String::new();
+    let mut before = '(';
+    let mut signed = false;
+    for c in text.chars() {
+        if c == '-' && before == '(' {
+            out.push('0');
+        }
+        match c {
+            '-' | '+' if "+-*/^".contains(before) => signed = true,
+            '^' if signed => return None,
+            '+' | '-' | '*' | '/' => signed = false,
+            _ => {}
+        }
+        out.push(c);
+        if !c.is_whitespace() {
+            before = c;
+        }
+    }
+    Some(out)
 }
 
 /// Why a text is no formula, in words; what the parser says is about its insides.
@@ -158,5 +188,24 @@ mod tests {
         }
         let long = (1..=100).map(|i| format!("{i}*sin({i}*t)")).collect::<Vec<_>>().join("+");
         assert!(read(&long).unwrap_err().0.contains("characters"));
+    }
+
+    #[test]
+    fn a_minus_sign_is_weaker_than_a_power() {
+        for (text, exact) in [
+            ("-t^2", -9.0),
+            ("(-t^2) + 1", -8.0),
+            ("exp(-((t-1)/2)^2)", (-1.0_f64).exp()),
+            ("2 - t^2", -7.0),
+            ("- t", -3.0),
+            ("2*-t", -6.0),
+            ("(-t)^2", 9.0),
+        ] {
+            assert!((read(text).unwrap().value(3.0) - exact).abs() < 1e-14, "{text}");
+        }
+        for text in ["2*-t^2", "t + -t^2"] {
+            let (message, help) = read(text).err().unwrap();
+            assert!(message.contains(text) && help.contains("brackets"), "{message}");
+        }
     }
 }
