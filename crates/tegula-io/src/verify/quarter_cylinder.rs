@@ -65,7 +65,7 @@ fn compare(report: &mut Report, finest: u32) -> Result<()> {
             report.relative(CASE, &format!("{name}: {quantity}"), &mesh, value, record.number(column), 1e-6);
         }
         if variant == "EMS" {
-            let (steps, iterations) = if name == "S1" { (1.0, 16.0) } else { (2.0, 32.0) };
+            let (steps, iterations) = if name == "S1" { (1.0, 12.0) } else { (2.0, 20.0) };
             report.at_most(
                 CASE,
                 &format!("{name}: load steps"),
