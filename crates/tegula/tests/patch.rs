@@ -127,7 +127,7 @@ fn resultants(system: &System, u: &[[f64; 3]]) -> Vec<([f64; 3], f64, [f64; 3])>
         let inside = Inside::new(&snapshot, shell).unwrap();
         for (i, n) in inside.station_stresses().into_iter().enumerate() {
             let element = &system.sections[shell.section].element;
-            let point = element.operator(&shell.geometry, i, 0.0).unwrap();
+            let point = element.operator(&system.geometry(shell), i, 0.0).unwrap();
             let global = |xx: f64, yy: f64, xy: f64| {
                 let a = point.frame.fixed_view::<2, 2>(0, 0);
                 let t = a * nalgebra::Matrix2::new(xx, xy, xy, yy) * a.transpose();

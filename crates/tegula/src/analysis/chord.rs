@@ -18,8 +18,7 @@ use crate::element::Nodal;
 /// Newton's method leaves next to nothing of an error; an old factor leaves a part of it, which must be this much below
 /// the tolerance of energy: a thousandth in the norm of energy in statics.
 const REST: f64 = 1e-6;
-/// The same in time steps, where the error of the integration is far above: a tenth. A thousandth takes 4 to 29 % more
-/// work and changes no error of constant steps by more than 0.3 % (see the book, *Which integrator?*).
+/// The same in time steps, where the error of the integration is far above: a tenth.
 const REST_IN_TIME: f64 = 1e-2;
 
 /// Operations of the dense kernels in the time in which a solve moves one entry of the factor, measured on shell
@@ -81,17 +80,22 @@ impl LaggedTangent {
         self.valid && self.dt == dt && (self.steps == 0 || f64::from(self.last) <= average)
     }
 
+    /// It does not serve: steps are made with tangents of their own for a while.
+    pub fn fail(&mut self) {
+        self.valid = false;
+        self.pause = self.next_pause.max(1);
+        self.next_pause = (2 * self.pause).min(LONGEST_PAUSE);
+    }
+
     /// Counts a finished step, which took `tangents` of its own.
     pub fn served(&mut self, iterations: u32, tangents: u32) {
         if self.pause > 0 {
             self.pause -= 1;
         } else if tangents > 0 && self.valid {
-            self.pause = self.next_pause.max(1);
-            self.next_pause = (2 * self.pause).min(LONGEST_PAUSE);
+            self.fail();
         } else {
             self.next_pause = 1;
         }
-        self.valid &= tangents == 0;
         self.steps += 1;
         self.iterations += iterations;
         self.last = iterations;
@@ -143,11 +147,22 @@ impl Increments {
         if last.fresh { 2.0 * ratio } else { ratio }
     }
 
-    /// Whether the factor at hand should serve for the next increment of an iteration that begins with it in time
-    /// steps (`lagged`) or with a new one.
-    pub fn old_factor_serves(&self, lagged: bool, price: f64, left: u32) -> bool {
-        let Some(last) = self.list.last().filter(|_| self.list.len() > 1) else { return lagged };
-        if !lagged {
+    /// Some(false): the last three energies did not shrink; Some(true): nor did those of the last twelve.
+    pub fn stagnation(&self) -> Option<bool> {
+        let stuck = |k: usize| {
+            let Some(first) = self.list.len().checked_sub(k).filter(|first| *first > 0) else { return false };
+            let least = |part: &[Increment]| part.iter().map(|i| i.energy).fold(f64::INFINITY, f64::min);
+            least(&self.list[first..]) > 0.5 * least(&self.list[..first])
+        };
+        if stuck(12) { Some(true) } else { stuck(3).then_some(false) }
+    }
+
+    /// Whether the factor at hand should serve for the next increment, with `left` further iterations allowed. In time
+    /// steps the second increment is always made with the factor of the first: a step changes little. Static steps
+    /// change much, so there the factor serves for the last increments only.
+    pub fn old_factor_serves(&self, in_time: bool, price: f64, left: u32) -> bool {
+        let Some(last) = self.list.last().filter(|_| self.list.len() > 1) else { return in_time };
+        if !in_time {
             let since = self.list.iter().rposition(|i| i.fresh).unwrap_or(0);
             let moved: f64 = self.list[since..].iter().map(|i| i.energy).sum();
             if moved.is_nan() || moved > SAME_EQUILIBRIUM {

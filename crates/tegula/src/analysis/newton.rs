@@ -21,7 +21,7 @@ use crate::system::{Assembly, Numbering, System, Turning, VectorKind, dot};
 use crate::{Result, Vec3};
 
 use super::chord::{self, Increment, Increments, LaggedTangent};
-use super::solver::{self, TangentSolver};
+use super::solver::{self, Linearization, TangentSolver};
 use super::{Observer, State};
 
 /// The equation of one step: `rest(q) − force · f_int(q) = 0`.
@@ -96,8 +96,6 @@ pub struct Newton<S = SparseCholesky> {
     solution: Vec<f64>,
     /// Memory of the materials, while a tangent of another state is taken.
     history: Vec<f64>,
-    /// Energies of the increments of the present step.
-    energies: Vec<f64>,
     increments: Increments,
     held: Held,
     /// Axes of the vectors where the tangent was taken.
@@ -153,7 +151,6 @@ impl<S: TangentSolver> Newton<S> {
             increment: vec![[0.0; 3]; n],
             right_side: vec![0.0; system.unknowns()],
             solution: vec![0.0; system.unknowns()],
-            energies: Vec::with_capacity(64),
             increments: Increments::default(),
             held: Held::Nothing,
             axes: system.numbering.clone(),
@@ -212,7 +209,9 @@ impl<S: TangentSolver> Newton<S> {
         self.history.copy_from_slice(&self.assembly.history);
         self.assembly.history.copy_from_slice(&at.history);
         let Self { solver, assembly, internal, .. } = self;
-        solver.assemble(assembly, system, &k, &parts, (false, None), internal);
+        let at =
+            Linearization { system, motion: &k, parts: &parts, extrapolated: false, prescribed: None };
+        solver.assemble(assembly, &at, internal);
         self.assembly.history.copy_from_slice(&self.history);
         if self.solver.prepare(&self.assembly).is_ok() {
             self.held = Held::Lagged;
@@ -220,10 +219,10 @@ impl<S: TangentSolver> Newton<S> {
         self.held == Held::Lagged
     }
 
-    /// Gives up the factor at hand.
+    /// Gives up the factor at hand, which has failed.
     pub fn forget(&mut self, state: &mut State) {
         self.held = Held::Nothing;
-        state.tangent.valid = false;
+        state.tangent.fail();
     }
 
     /// Iterates an equation to convergence.
@@ -238,7 +237,6 @@ impl<S: TangentSolver> Newton<S> {
         observer: &mut dyn Observer,
     ) -> std::result::Result<Converged, Diverged> {
         let mixed = self.method == NewtonMethod::Mixed && !system.linear;
-        self.energies.clear();
         self.increments.clear();
         self.solver.begin_step();
         let lagged = self.held == Held::Lagged;
@@ -267,21 +265,19 @@ impl<S: TangentSolver> Newton<S> {
             if mixed && !reuse && !extrapolated {
                 self.assembly.reset_stress(system, &equation.kinematics(system));
             }
+            equation.rest(system, &mut self.residual);
             {
                 let k = equation.kinematics(system);
                 self.assembly.follow(system, &k);
+                let Self { solver, assembly, internal, .. } = self;
                 if reuse {
-                    self.assembly.forces(system, &k, &mut self.internal);
+                    assembly.forces(system, &k, internal);
                 } else {
                     let prescribed = has_prescribed.then_some(self.increment.as_slice());
-                    let Self { solver, assembly, internal, .. } = self;
-                    solver.assemble(assembly, system, &k, &parts, (mixed, prescribed), internal);
+                    let at = Linearization { system, motion: &k, parts: &parts, extrapolated: mixed, prescribed };
+                    solver.assemble(assembly, &at, internal);
+                    solver.add_curvature(assembly, &at, &self.residual);
                 }
-            }
-            equation.rest(system, &mut self.residual);
-            if !reuse {
-                let k = equation.kinematics(system);
-                self.solver.add_curvature(&mut self.assembly, system, &k, &parts.weights, &self.residual);
             }
             if has_prescribed && parts.mass != 0.0 {
                 system.pattern.add_mass_product(-parts.mass, &self.increment, &mut self.residual);
@@ -371,8 +367,7 @@ impl<S: TangentSolver> Newton<S> {
             if converged || (energy == 0.0 && size == 0.0) {
                 return Ok(Converged { iterations: iteration, tangents, negative_pivots, floor: false });
             }
-            self.energies.push(energy);
-            if let Some(floor) = stagnation(&self.energies) {
+            if let Some(floor) = self.increments.stagnation() {
                 // Near a rigid motion there is next to no energy to compare with: increments that are
                 // nothing but rounding are enough then.
                 // So are increments without any energy beside that of stresses that support each other: there the
@@ -411,15 +406,6 @@ fn shorten(system: &System, turn: f64, increment: &mut [Nodal]) {
     if largest > turn {
         increment.iter_mut().for_each(|d| *d = d.map(|x| x * (turn / largest)));
     }
-}
-
-/// Some(false): the last three energies did not shrink; Some(true): nor did those of the last ten.
-fn stagnation(history: &[f64]) -> Option<bool> {
-    let n = history.len();
-    let best_before = |k: usize| history[..n - k].iter().copied().fold(f64::INFINITY, f64::min);
-    let best_since = |k: usize| history[n - k..].iter().copied().fold(f64::INFINITY, f64::min);
-    let stuck = |k: usize| n > k && best_since(k) > 0.5 * best_before(k);
-    if stuck(12) { Some(true) } else { stuck(3).then_some(false) }
 }
 
 /// Free coordinates of the increment; the prescribed ones stay where there are some.

@@ -1,7 +1,7 @@
 //! Solvers of the linear systems of Newton's method.
 
 use super::chord;
-use crate::element::{Kinematics, Nodal, TangentWeights};
+use crate::element::{Kinematics, Nodal};
 use crate::linear::substructures::{Options, SubstructureError, Substructures, Wanted};
 use crate::linear::{Factor, FactorError, SparseCholesky, SymmetricPattern};
 use crate::system::assembly::{TangentParts, curvature};
@@ -16,32 +16,30 @@ const SHARE: f64 = 1e-3;
 /// Iterations after which a linear system is given up.
 const MOST_ITERATIONS: usize = 500;
 
+/// Where a tangent is taken, and of what.
+pub struct Linearization<'a> {
+    /// The compiled model.
+    pub system: &'a System,
+    /// The motion.
+    pub motion: &'a Kinematics<'a>,
+    /// Parts of the tangent.
+    pub parts: &'a TangentParts,
+    /// The geometric part takes the extrapolated stress.
+    pub extrapolated: bool,
+    /// Increment whose product with the tangent is added to the forces.
+    pub prescribed: Option<&'a [Nodal]>,
+}
+
 /// Solves the linear systems of Newton's method.
 pub trait TangentSolver {
     /// A new step begins.
     fn begin_step(&mut self) {}
     /// Tells the energy to which increments are compared.
     fn note_energy(&mut self, _scale: f64) {}
-    /// Forces of a motion, and the elements' part of its tangent: as
-    /// [`Assembly::forces_and_tangent`].
-    fn assemble(
-        &mut self,
-        assembly: &mut Assembly,
-        system: &System,
-        k: &Kinematics,
-        parts: &TangentParts,
-        extrapolated_and_prescribed: (bool, Option<&[Nodal]>),
-        out: &mut [Nodal],
-    );
+    /// Forces, and the elements' part of the tangent: as [`Assembly::forces_and_tangent`].
+    fn assemble(&mut self, assembly: &mut Assembly, at: &Linearization, out: &mut [Nodal]);
     /// Adds the curvature of the sphere of unit vectors: as [`Assembly::add_curvature`].
-    fn add_curvature(
-        &mut self,
-        assembly: &mut Assembly,
-        system: &System,
-        k: &Kinematics,
-        weights: &TangentWeights,
-        rest: &[Nodal],
-    );
+    fn add_curvature(&mut self, assembly: &mut Assembly, at: &Linearization, rest: &[Nodal]);
     /// Prepares solutions with the tangent that was assembled. Returns its negative pivots.
     ///
     /// # Errors
@@ -92,27 +90,12 @@ pub fn direct(system: &System) -> Result<SparseCholesky> {
 }
 
 impl TangentSolver for SparseCholesky {
-    fn assemble(
-        &mut self,
-        assembly: &mut Assembly,
-        system: &System,
-        k: &Kinematics,
-        parts: &TangentParts,
-        (extrapolated, prescribed): (bool, Option<&[Nodal]>),
-        out: &mut [Nodal],
-    ) {
-        assembly.forces_and_tangent(system, k, parts, extrapolated, prescribed, out);
+    fn assemble(&mut self, assembly: &mut Assembly, at: &Linearization, out: &mut [Nodal]) {
+        assembly.forces_and_tangent(at.system, at.motion, at.parts, at.extrapolated, at.prescribed, out);
     }
 
-    fn add_curvature(
-        &mut self,
-        assembly: &mut Assembly,
-        system: &System,
-        k: &Kinematics,
-        weights: &TangentWeights,
-        rest: &[Nodal],
-    ) {
-        assembly.add_curvature(system, k, weights, rest);
+    fn add_curvature(&mut self, assembly: &mut Assembly, at: &Linearization, rest: &[Nodal]) {
+        assembly.add_curvature(at.system, at.motion, &at.parts.weights, rest);
     }
 
     fn prepare(&mut self, assembly: &Assembly) -> std::result::Result<usize, String> {
@@ -158,11 +141,6 @@ impl Iterative {
         })?;
         Ok(Self { pieces, tangents: 0, iterations: 0, energy: 0.0 })
     }
-
-    /// The pieces.
-    pub fn pieces(&self) -> &Substructures {
-        &self.pieces
-    }
 }
 
 impl TangentSolver for Iterative {
@@ -174,33 +152,20 @@ impl TangentSolver for Iterative {
         self.energy = scale;
     }
 
-    fn assemble(
-        &mut self,
-        assembly: &mut Assembly,
-        system: &System,
-        k: &Kinematics,
-        parts: &TangentParts,
-        how: (bool, Option<&[Nodal]>),
-        out: &mut [Nodal],
-    ) {
+    fn assemble(&mut self, assembly: &mut Assembly, at: &Linearization, out: &mut [Nodal]) {
         self.pieces.begin();
         let (pieces, mut term) = (&mut self.pieces, 0);
-        assembly.forces_and_blocks(system, k, parts, how, out, |blocks| {
+        let how = (at.extrapolated, at.prescribed);
+        assembly.forces_and_blocks(at.system, at.motion, at.parts, how, out, |blocks| {
             pieces.put(term, blocks);
             term += 1;
         });
     }
 
-    fn add_curvature(
-        &mut self,
-        assembly: &mut Assembly,
-        system: &System,
-        k: &Kinematics,
-        weights: &TangentWeights,
-        rest: &[Nodal],
-    ) {
-        if !k.linear && !assembly.numbering.unit.is_empty() {
-            self.pieces.shift(system.vectors(), curvature(system, &assembly.numbering, k, weights, rest));
+    fn add_curvature(&mut self, assembly: &mut Assembly, at: &Linearization, rest: &[Nodal]) {
+        if !at.motion.linear && !assembly.numbering.unit.is_empty() {
+            let shift = curvature(at.system, &assembly.numbering, at.motion, &at.parts.weights, rest);
+            self.pieces.shift(at.system.vectors(), shift);
         }
     }
 

@@ -351,8 +351,8 @@ impl Elements {
                 quad: q,
                 groups: first_group..first_group,
                 member: members,
-                geometry: g,
                 section: self.sections.len(),
+                shape: first.unwrap_or(members),
                 prescribed: if acts { fields.iter().map(|f| f.contains(&q)).collect() } else { Vec::new() },
             });
             members += 1;

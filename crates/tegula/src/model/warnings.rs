@@ -2,9 +2,9 @@
 
 use super::course::amplitude_of;
 use super::{Analysis, Condition, Load, Model, PrescribedStrain};
-use crate::element::registry;
+use crate::element::{ShellGeometry, registry};
 use crate::mesh::Mesh;
-use crate::system::{Shell, System};
+use crate::system::System;
 use crate::{Issue, Vec3};
 
 /// Thickness over the size of the largest element, above which units are most likely mixed up.
@@ -17,10 +17,12 @@ pub fn warnings(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
     found.extend(idle_switches(model));
     for (i, section) in model.sections.iter().enumerate() {
         let shells = || system.shells.iter().filter(|shell| shell.section == i);
-        let worst = shells().map(|shell| (curvature(shell), shell)).max_by(|a, b| a.0.total_cmp(&b.0));
+        let worst = shells()
+            .map(|shell| (curvature(&system.geometry(shell)), shell))
+            .max_by(|a, b| a.0.total_cmp(&b.0));
         let Some((curvature, shell)) = worst else { continue };
         let key = format!("sections[{i}].thickness");
-        let largest = shells().map(size).fold(0.0, f64::max);
+        let largest = shells().map(|shell| size(&system.geometry(shell))).fold(0.0, f64::max);
         let h = section.whole_thickness();
         if h * curvature > 1.0 {
             found.push(Issue::new(
@@ -122,14 +124,14 @@ fn zero_loads(model: &Model) -> Vec<Issue> {
 }
 
 /// Largest curvature along the sides of an element [1/length]: change of the director over the length of the side.
-fn curvature(shell: &Shell) -> f64 {
-    let (x, d) = (&shell.geometry.positions, &shell.geometry.directors);
+fn curvature(g: &ShellGeometry) -> f64 {
+    let (x, d) = (&g.positions, &g.directors);
     let along = |a: usize, b: usize| -> f64 { Vec3::norm(&(d[a] - d[b])) / Vec3::norm(&(x[a] - x[b])) };
     (0..4).map(|a| along(a, (a + 1) % 4)).fold(0.0, f64::max)
 }
 
 /// Longer diagonal of an element (length).
-fn size(shell: &Shell) -> f64 {
-    let x = &shell.geometry.positions;
+fn size(g: &ShellGeometry) -> f64 {
+    let x = &g.positions;
     (x[2] - x[0]).norm().max((x[3] - x[1]).norm())
 }

@@ -1,12 +1,15 @@
 //! Strains and stresses inside of one element at a state.
 
+use std::sync::Arc;
+
 use nalgebra::{DVector, Matrix6, Vector6};
 
 use crate::Mat3;
 use crate::analysis::State;
 use crate::analysis::statics::state_kinematics;
-use crate::element::shell::{Station, StationResponse, condense};
-use crate::element::{Interior, Kinematics};
+use crate::element::geometry::cross_section_frame;
+use crate::element::shell::{Condensed, Station, StationResponse, condense};
+use crate::element::{Interior, Kinematics, ShellGeometry};
 use crate::model::PrescribedStrain;
 use crate::section::CompiledSection;
 use crate::section::compiled::Layer;
@@ -61,16 +64,51 @@ impl<'a> Snapshot<'a> {
     }
 }
 
+/// What elements of one shape have in common.
+pub struct Shape {
+    section: usize,
+    number: usize,
+    /// Terms of the energy, in the order of [`CompiledSection::stations`].
+    pub stations: Vec<Station>,
+    /// Frames of the points of the mid-surface, relative to that of the centre.
+    pub frames: Vec<Mat3>,
+    /// How enhanced parameters follow from the samples, where all materials are linear.
+    recovery: Option<Condensed>,
+}
+
+impl Shape {
+    /// `None` where the element's geometry is invalid.
+    fn new(
+        system: &System,
+        shell: &Shell,
+        geometry: &ShellGeometry,
+        prescribed: &[Option<&PrescribedStrain>],
+    ) -> Option<Self> {
+        let of = &system.sections[shell.section];
+        let (section, element) = (&of.section, of.element.as_ref());
+        let stations = section.stations(element, geometry, prescribed).ok()?;
+        let recovery = if element.parameters() > 0 && section.is_linear() {
+            Some(condense(&stations, element.samples(), element.parameters(), prescribed.len()).ok()?)
+        } else {
+            None
+        };
+        let centre = cross_section_frame(&geometry.base(0.0, 0.0, 0.0))?;
+        let frame = |point| Some(centre.tr_mul(&element.operator(geometry, point, 0.0).ok()?.frame));
+        let frames = (0..element.surface_points()).map(frame).collect::<Option<_>>()?;
+        Some(Self { section: shell.section, number: shell.shape, stations, frames, recovery })
+    }
+}
+
 /// The inside of an element.
 pub struct Inside<'a> {
     section: &'a CompiledSection,
-    shell: &'a Shell,
+    geometry: ShellGeometry,
     element: &'a dyn crate::element::ShellElement,
     prescribed: Vec<Option<&'a PrescribedStrain>>,
     factors: &'a [f64],
     history: &'a [f64],
-    /// Terms of its energy, in the order of [`CompiledSection::stations`].
-    pub stations: Vec<Station>,
+    /// What it shares with others.
+    pub shape: Arc<Shape>,
     samples: DVector<f64>,
     parameters: DVector<f64>,
 }
@@ -89,6 +127,15 @@ pub struct PointStrain {
 impl<'a> Inside<'a> {
     /// `None` where the element's geometry is invalid, which a built system excludes.
     pub fn new(snapshot: &'a Snapshot<'a>, shell: &'a Shell) -> Option<Self> {
+        Self::after(snapshot, shell, &mut None)
+    }
+
+    /// The same after another element, which often has the same shape.
+    pub fn after(
+        snapshot: &'a Snapshot<'a>,
+        shell: &'a Shell,
+        last: &mut Option<Arc<Shape>>,
+    ) -> Option<Self> {
         let system = snapshot.system;
         let of = &system.sections[shell.section];
         let (section, element) = (&of.section, of.element.as_ref());
@@ -105,15 +152,19 @@ impl<'a> Inside<'a> {
             .flat_map(|g| system.groups[g].sampled_strains(shell.member, &snapshot.kinematics(g)))
             .collect();
         let samples = DVector::from_vec(samples);
-        let stations = section.stations(element, &shell.geometry, &prescribed).ok()?;
+        let geometry = system.geometry(shell);
+        let shape = match last.take() {
+            Some(shape) if (shape.section, shape.number) == (shell.section, shell.shape) => shape,
+            _ => Arc::new(Shape::new(system, shell, &geometry, &prescribed)?),
+        };
+        *last = Some(shape.clone());
         let first = shell.groups.start;
         let n = system.groups[first].history_per_element();
         let history = snapshot.history[first].get(n * shell.member..n * (shell.member + 1)).unwrap_or(&[]);
         let parameters = if element.parameters() == 0 {
             DVector::zeros(0)
-        } else if section.is_linear() {
-            let c = condense(&stations, element.samples(), element.parameters(), factors.len()).ok()?;
-            let mut alpha = c.recovery * &samples;
+        } else if let Some(c) = &shape.recovery {
+            let mut alpha = &c.recovery * &samples;
             for (factor, field) in factors.iter().zip(&c.prescribed_parameters) {
                 alpha += field * *factor;
             }
@@ -121,7 +172,7 @@ impl<'a> Inside<'a> {
         } else {
             DVector::from_column_slice(history.get(..element.parameters())?)
         };
-        Some(Self { section, shell, element, prescribed, factors, history, stations, samples, parameters })
+        Some(Self { section, geometry, element, prescribed, factors, history, shape, samples, parameters })
     }
 
     /// Strain of a station, prescribed strains taken off.
@@ -136,7 +187,8 @@ impl<'a> Inside<'a> {
     /// Stress of each station with respect to its strains.
     pub fn station_stresses(&self) -> Vec<DVector<f64>> {
         let mut at = self.parameters.len();
-        self.stations
+        self.shape
+            .stations
             .iter()
             .map(|s| {
                 let strain = self.station_strain(s);
@@ -162,7 +214,8 @@ impl<'a> Inside<'a> {
     /// Internal variables of the stations that have some, with the number of the law.
     pub fn station_history(&self) -> Vec<(usize, &'a [f64])> {
         let mut at = self.parameters.len();
-        self.stations
+        self.shape
+            .stations
             .iter()
             .filter_map(|s| match s.response {
                 StationResponse::Linear(_) => None,
@@ -178,7 +231,7 @@ impl<'a> Inside<'a> {
 
     /// Strain at the height `z` over a point of the mid-surface.
     pub fn strain(&self, point: usize, z: f64, layer: &Layer) -> Option<PointStrain> {
-        let o = self.element.operator(&self.shell.geometry, point, z).ok()?;
+        let o = self.element.operator(&self.geometry, point, z).ok()?;
         let total = &o.samples * &self.samples + &o.enhanced * &self.parameters;
         let mut strain = Vector6::from_column_slice(total.as_slice());
         for (factor, field) in self.factors.iter().zip(&self.prescribed) {
@@ -228,7 +281,7 @@ impl<'a> Inside<'a> {
         let nearest =
             (0..heights.len()).min_by(|&a, &b| (heights[a] - z).abs().total_cmp(&(heights[b] - z).abs()))?;
         let stress = stresses.get(first + nearest)?;
-        let frame = self.element.operator(&self.shell.geometry, point, heights[nearest]).ok()?.frame;
+        let frame = self.element.operator(&self.geometry, point, heights[nearest]).ok()?.frame;
         Some((Vector6::from_column_slice(stress.as_slice()), frame))
     }
 }

@@ -14,16 +14,21 @@
 //! middle             σ = n/h,  τ = 1.5 q/h   (parabola over the thickness)
 //! ```
 
+use std::sync::Arc;
+
 use nalgebra::{DVector, Vector6};
 use rayon::prelude::*;
 
-use super::inside::{Inside, Snapshot};
+use super::inside::{Inside, Shape, Snapshot};
 use crate::Mat3;
 use crate::analysis::State;
 use crate::element::geometry::{cross_section_frame, nodal_areas};
 use crate::section::CompiledSection;
 use crate::section::compiled::Layer;
 use crate::system::{Shell, System};
+
+/// Elements below which threads do not share the work.
+const CHUNK: usize = 64;
 
 /// Quantities of one shell element.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -54,24 +59,30 @@ pub fn recover(system: &System, state: &State) -> Vec<ShellResult> {
     system
         .shells
         .par_iter()
-        .map(|shell| element(&snapshot, shell, energy(shell)).unwrap_or_default())
+        .with_min_len(CHUNK)
+        .map_init(|| None, |last, shell| element(&snapshot, shell, last, energy(shell)).unwrap_or_default())
         .collect()
 }
 
 /// One element. Its geometry was valid when the system was built, so nothing fails here.
-fn element(snapshot: &Snapshot, shell: &Shell, energy: f64) -> Option<ShellResult> {
+fn element(
+    snapshot: &Snapshot,
+    shell: &Shell,
+    last: &mut Option<Arc<Shape>>,
+    energy: f64,
+) -> Option<ShellResult> {
     let of = &snapshot.system.sections[shell.section];
     let (section, shell_element) = (&of.section, of.element.as_ref());
-    let inside = Inside::new(snapshot, shell)?;
-    let centre = cross_section_frame(&shell.geometry.base(0.0, 0.0, 0.0))?;
+    let geometry = snapshot.system.geometry(shell);
+    let inside = Inside::after(snapshot, shell, last)?;
+    let centre = cross_section_frame(&geometry.base(0.0, 0.0, 0.0))?;
     let mut out = ShellResult::default();
     let points = shell_element.surface_points();
     let stresses = inside.station_stresses();
     let per_point = stresses.len() / points;
     let share = 1.0 / points as f64;
     for point in 0..points {
-        let operator = shell_element.operator(&shell.geometry, point, 0.0).ok()?;
-        let turn = Turn::between(&operator.frame, &centre);
+        let turn = Turn::between(&inside.shape.frames[point], &Mat3::identity());
         let r = resultants(
             section,
             shell_element.is_solid(),
@@ -88,7 +99,7 @@ fn element(snapshot: &Snapshot, shell: &Shell, energy: f64) -> Option<ShellResul
             out.shear[i] += share * shear[i];
         }
     }
-    out.area = nodal_areas(&shell.geometry.positions).iter().sum();
+    out.area = nodal_areas(&geometry.positions).iter().sum();
     if out.area > 0.0 {
         out.energy_density = energy / out.area;
     }

@@ -301,7 +301,7 @@ impl Assembly {
                 }
                 let shell =
                     system.shells.iter().find(|s| s.groups.contains(&index) && s.member == element)?;
-                let (label, c) = (system.quad_label(shell.quad), shell.geometry.centre());
+                let (label, c) = (system.quad_label(shell.quad), system.geometry(shell).centre());
                 return Some(format!("element {label} at ({:.4}, {:.4}, {:.4})", c.x, c.y, c.z));
             }
         }

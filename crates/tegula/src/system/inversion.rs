@@ -25,15 +25,15 @@ pub fn inside_out(system: &System, u: &[Nodal]) -> Option<String> {
             Vec3::from(system.reference[v]) + Vec3::from(u[v])
         };
         let (positions, directors) = (std::array::from_fn(current), std::array::from_fn(|a| current(4 + a)));
+        let g = system.geometry(shell);
         GAUSS_POINTS.iter().any(|&[xi, eta]| {
             let now = covariant_base(&positions, &directors, xi, eta).determinant();
-            let reference =
-                covariant_base(&shell.geometry.positions, &shell.geometry.directors, xi, eta).determinant();
+            let reference = covariant_base(&g.positions, &g.directors, xi, eta).determinant();
             now * reference <= 0.0
         })
     };
     let shell = system.shells.par_iter().with_min_len(CHUNK).find_first(|s| turned(s))?;
-    let c = shell.geometry.centre();
+    let c = system.geometry(shell).centre();
     let label = system.quad_label(shell.quad);
     Some(format!("element {label} at ({:.4}, {:.4}, {:.4}) is turned inside out", c.x, c.y, c.z))
 }

@@ -46,10 +46,10 @@ pub struct Shell {
     pub groups: Range<usize>,
     /// Its number in each of them.
     pub member: usize,
-    /// Reference geometry.
-    pub geometry: ShellGeometry,
     /// Section.
     pub section: usize,
+    /// The first element of the section of the same shape, by its number in the groups.
+    pub shape: usize,
     /// Which fields of prescribed strain act on it; empty: none.
     pub prescribed: Vec<bool>,
 }
@@ -127,6 +127,13 @@ pub struct System {
 }
 
 impl System {
+    /// Reference geometry of a shell.
+    pub fn geometry(&self, shell: &Shell) -> ShellGeometry {
+        let vectors = self.groups[shell.groups.start].vectors(shell.member);
+        let at = |a: usize| Vec3::from(self.reference[vectors[a] as usize]);
+        ShellGeometry::new(std::array::from_fn(at), std::array::from_fn(|a| at(4 + a)))
+    }
+
     /// Number of nodal vectors.
     pub fn vectors(&self) -> usize {
         self.reference.len()

@@ -3,10 +3,8 @@
 //! A shell that moves without much deformation keeps its tangent but for the turning of its parts: `K ≈ R K₀ Rᵀ`, with
 //! a rotation for each node. The rotation of a node is the one nearest to the change of its vectors and of the edges to
 //! its neighbours, `Σ (x_j − x_i) ⊗ (X_j − X_i)/|X_j − X_i|² + Σ d ⊗ D`.
-//!
-//! M. Müller, J. Bender, N. Chentanez, M. Macklin, *A robust method to extract the rotational part of deformations*,
-//! Motion in Games 2016, 55–60.
 
+use nalgebra::Rotation3;
 use rayon::prelude::*;
 
 use super::numbering::CONSTRAINED;
@@ -104,25 +102,7 @@ impl Turning {
 
 /// The rotation nearest to a matrix, found from the identity on.
 fn nearest_rotation(m: &Mat3) -> Mat3 {
-    let mut r = Mat3::identity();
-    for _ in 0..ITERATIONS {
-        let column = |i: usize| (r.column(i).into_owned(), m.column(i).into_owned());
-        let (mut moment, mut stiffness) = (Vec3::zeros(), 0.0);
-        for i in 0..3 {
-            let (a, b) = column(i);
-            moment += a.cross(&b);
-            stiffness += a.dot(&b);
-        }
-        let turn = moment / stiffness.abs().max(f64::MIN_POSITIVE);
-        if !turn.iter().all(|x| x.is_finite()) {
-            return Mat3::identity();
-        }
-        r = nalgebra::Rotation3::new(turn).matrix() * r;
-        if turn.norm_squared() < ACCURACY * ACCURACY {
-            break;
-        }
-    }
-    r
+    Rotation3::from_matrix_eps(m, ACCURACY, ITERATIONS, Rotation3::identity()).into_inner()
 }
 
 #[cfg(test)]
@@ -131,7 +111,7 @@ mod tests {
 
     #[test]
     fn the_nearest_rotation_of_a_stretched_rotation_is_the_rotation() {
-        let q = *nalgebra::Rotation3::new(Vec3::new(0.7, -1.1, 0.4)).matrix();
+        let q = *Rotation3::new(Vec3::new(0.7, -1.1, 0.4)).matrix();
         let stretch = Mat3::new(1.3, 0.1, 0.0, 0.1, 0.8, -0.05, 0.0, -0.05, 1.1);
         assert!((nearest_rotation(&(q * stretch)) - q).norm() < 10.0 * ACCURACY);
         assert_eq!(nearest_rotation(&Mat3::zeros()), Mat3::identity());

@@ -48,7 +48,7 @@ fn near(found: f64, expected: f64, scale: f64, what: &str) {
 
 /// The cross-section frame follows r,η of distorted elements: back to the axes of the plate.
 fn along_x(system: &System, shell: usize, values: [f64; 3]) -> [f64; 3] {
-    let g = &system.shells[shell].geometry.positions;
+    let g = system.geometry(&system.shells[shell]).positions;
     let j = (g[3] - g[0] + g[2] - g[1]).normalize();
     let (c, s) = (j.y, -j.x);
     let [x, y, xy] = values;
