@@ -57,6 +57,11 @@ def density(n):
     return PENDULUM["mass"] / (n * chord * THICKNESS)
 
 
+def reference_of(peer, job):
+    """Name of the fine solution of a pendulum, which has the same scheme: Kratos computes with two."""
+    return "pendulum " + peer + (" Newmark" if peer == "Kratos" and job["alpha"] == 0.0 else "")
+
+
 def samples():
     """Times at which the motion is compared."""
     count = round(PENDULUM["end"] / PENDULUM["every"])

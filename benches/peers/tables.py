@@ -3,6 +3,8 @@
 import csv
 import math
 
+from problems import reference_of
+
 BEGIN, END = "<!-- peers:begin -->", "<!-- peers:end -->"
 
 
@@ -62,7 +64,7 @@ def pendulum_rows(runs, references):
     rows = []
     for run in runs:
         row = head(run)
-        history, fine = run["result"].get("history"), references.get("pendulum " + run["peer"])
+        history, fine = run["result"].get("history"), references.get(reference_of(run["peer"], run["job"]))
         if history and fine and not row["failure"]:
             pairs = [(a[p], b[p]) for a, b in zip(history, fine["history"]) for p in a]
             row["error"] = math.sqrt(sum(distance(a, b)**2 for a, b in pairs) / len(pairs))
@@ -149,6 +151,8 @@ def write_tables(tables, runs, about, folder, page):
             versions[run["peer"]] = run["result"]["version"].replace('"', "").split("--")[0].strip()
     parts.append("Versions: " + ", ".join("%s %s" % item for item in versions.items()) + ".")
     parts.append("Computed on %s: %s." % (about["date"], about["machine"]))
+    parts.append("A run that takes no more than 10 s on the clock counts with the fewest CPU seconds of %d; longer ones "
+                 "are computed once." % about["repeat"])
     if about["note"]:
         parts.append(about["note"])
     text = "\n".join(parts)

@@ -10,9 +10,12 @@
 //! is that of the least-squares line through the logarithms of time per step and number of elements.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
-use std::process::Command;
+#[path = "growth/mod.rs"]
+mod growth;
+
 use std::time::Instant;
 
+use growth::{child, cpu_seconds, peak_memory, refuse, slope};
 use tegula::Result;
 use tegula::analysis::{Observer, Step, dynamics};
 use tegula::mesh::generators::generate;
@@ -27,8 +30,12 @@ fn main() {
         let numbers: Vec<u32> = std::env::args().skip(2).map(|a| a.parse().unwrap()).collect();
         return measure(numbers[0], u64::from(numbers[1]));
     }
-    let steps: u64 = arguments.next().map_or(20, |a| a.parse().unwrap());
-    let mut sides: Vec<u32> = arguments.map(|a| a.parse().unwrap()).collect();
+    let number = |a: String| match a.parse::<u32>() {
+        Ok(n) if n > 0 => n,
+        _ => refuse(&format!("\"{a}\" is no number of steps, or of elements along a side")),
+    };
+    let steps = u64::from(arguments.next().map_or(20, number));
+    let mut sides: Vec<u32> = arguments.map(number).collect();
     if sides.is_empty() {
         sides = vec![32, 128, 512, 1000];
     }
@@ -41,16 +48,7 @@ fn main() {
         // Small meshes take as many steps as make their time measurable.
         let elements = f64::from(side) * f64::from(side);
         let many = steps.max((2e6 / elements) as u64);
-        let child = Command::new(std::env::current_exe().unwrap())
-            .args(["--child", &side.to_string(), &many.to_string()])
-            .output()
-            .unwrap();
-        let text = String::from_utf8(child.stdout).unwrap();
-        let found: Vec<f64> = text.split_whitespace().filter_map(|w| w.parse().ok()).collect();
-        let [setup, taken, cpu, memory] = found[..] else {
-            eprintln!("{side} × {side}: {}", String::from_utf8_lossy(&child.stderr));
-            std::process::exit(1);
-        };
+        let [setup, taken, cpu, memory] = child(&[&side.to_string(), &many.to_string()], None);
         println!(
             "| {elements:.0} | {setup:.2} | {taken:.0} | {cpu:.4e} | {:.3} | {:.0} | {:.2} |",
             1e6 * cpu / elements,
@@ -62,14 +60,6 @@ fn main() {
     if points.len() > 1 {
         println!("CPU per step grows with the number of elements to the power {:.3}", slope(&points));
     }
-}
-
-/// Slope of the least-squares line.
-fn slope(points: &[(f64, f64)]) -> f64 {
-    let n = points.len() as f64;
-    let (x, y) = (points.iter().map(|p| p.0).sum::<f64>() / n, points.iter().map(|p| p.1).sum::<f64>() / n);
-    let sum = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>();
-    sum(&|p| (p.0 - x) * (p.1 - y)) / sum(&|p| (p.0 - x).powi(2))
 }
 
 /// Processor time between the reports of an analysis.
@@ -124,19 +114,4 @@ fn measure(side: u32, steps: u64) {
         (end - start) / (last - first) as f64,
         peak_memory()
     );
-}
-
-/// Processor time of all threads, user and system (s): `/proc/self/stat`, in hundredths of a second.
-fn cpu_seconds() -> f64 {
-    let text = std::fs::read_to_string("/proc/self/stat").unwrap();
-    let after_name = text.rsplit(')').next().unwrap();
-    let ticks: f64 = after_name.split_whitespace().skip(11).take(2).map(|t| t.parse::<f64>().unwrap()).sum();
-    ticks / 100.0
-}
-
-/// Largest memory of the process (bytes).
-fn peak_memory() -> f64 {
-    let text = std::fs::read_to_string("/proc/self/status").unwrap();
-    let line = text.lines().find(|l| l.starts_with("VmHWM")).unwrap();
-    1024.0 * line.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap()
 }

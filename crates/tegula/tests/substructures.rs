@@ -4,8 +4,6 @@
 
 mod common;
 
-use std::time::Instant;
-
 use common::{compile, irregular, model, plate, quarter_cylinder, vector_load};
 use tegula::System;
 use tegula::analysis::statics::state_kinematics;
@@ -109,31 +107,6 @@ fn parts() -> TangentParts {
 
 fn problem(model: &Model) -> Problem {
     Problem::new(compile(model).1, &Options::default())
-}
-
-#[test]
-#[ignore = "prints the table of the book; a minute"]
-fn table() {
-    for (curved, distortion) in [(false, 0.0), (false, 0.3), (true, 0.0)] {
-        for slenderness in [10.0, 100.0, 1000.0] {
-            for n in [32, 64, 128, 256] {
-                let mut p = problem(&shell(curved, n, slenderness, distortion));
-                let start = Instant::now();
-                let (x, c) = p.solve(&TIGHT).unwrap();
-                let time = start.elapsed().as_secs_f64();
-                println!(
-                    "curved {curved} distorted {distortion} L/h {slenderness} n {n}: {} iterations, condition {:.1}, \
-                     {} pieces, coarse {}, {:.0} MB, {time:.2} s, difference {:.1e}",
-                    c.iterations,
-                    c.condition,
-                    p.pieces.pieces(),
-                    p.pieces.coarse_unknowns(),
-                    p.pieces.bytes() as f64 / 1e6,
-                    p.difference(&x)
-                );
-            }
-        }
-    }
 }
 
 #[test]

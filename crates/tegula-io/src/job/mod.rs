@@ -20,7 +20,7 @@ mod modal;
 mod modes;
 mod pictures;
 mod prepare;
-mod process;
+pub(crate) mod process;
 mod recorder;
 mod resume;
 mod run;

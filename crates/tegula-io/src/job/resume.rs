@@ -40,7 +40,6 @@ pub(super) struct Notes {
     /// Repeated steps so far.
     pub cutbacks: u64,
     /// Iterations of the linear solver so far.
-    #[serde(default)]
     pub linear_iterations: u64,
     /// Time on the clock so far (s).
     pub wall_s: f64,

@@ -19,7 +19,7 @@ use std::path::Path;
 use super::file::{OutputError, write_whole};
 
 const MAGIC: &[u8; 8] = b"TEGULACP";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Magic, version, reserved word, length of the body.
 const HEADER: usize = 24;
 
@@ -224,11 +224,14 @@ mod tests {
         let message = Checkpoint::load_for(&path, 1).unwrap_err().to_string();
         assert!(message.contains("another model") && message.contains("anew"), "{message}");
         assert!(Checkpoint::load_for(&path, fingerprint("model")).is_ok());
-        let mut newer = fs::read(&path).unwrap();
-        newer[8] = 2;
-        fs::write(&path, newer).unwrap();
-        let message = Checkpoint::load(&path).unwrap_err().to_string();
-        assert!(message.contains("format version 2"), "{message}");
+        for other in [VERSION - 1, VERSION + 1] {
+            let mut bytes = fs::read(&path).unwrap();
+            bytes[8..12].copy_from_slice(&other.to_le_bytes());
+            fs::write(&path, bytes).unwrap();
+            let message = Checkpoint::load(&path).unwrap_err().to_string();
+            assert!(message.contains(&format!("format version {other}")), "{message}");
+            assert!(message.contains(&format!("reads version {VERSION}")), "{message}");
+        }
     }
 
     #[test]

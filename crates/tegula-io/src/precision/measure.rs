@@ -1,11 +1,13 @@
 //! Error and cost of one run.
 
-use tegula::analysis::{Observer, Silent, Statistics, Step, chord, dynamics};
-use tegula::linear::{SparseCholesky, SymmetricPattern};
+use tegula::analysis::solver::{TangentSolver as _, direct};
+use tegula::analysis::{Observer, Silent, Statistics, Step, dynamics};
 use tegula::model::{Analysis, EnergyMomentumScheme, Model, Scheme, TransientAnalysis};
 use tegula::{Error, Result, System, Vec3};
 
 use super::{Reference, Row, Stepping, Transient};
+use crate::job::process::cpu_seconds;
+use crate::verify::history::cubic;
 use crate::verify::model::Compiled;
 
 /// Times at which positions are compared; the last one is the end.
@@ -19,19 +21,18 @@ pub(super) struct Bench {
     implicit: System,
     explicit: System,
     pub(super) reference: Reference,
+    /// End of the motion (s).
+    pub(super) end: f64,
     positions: Vec<Vec3>,
 }
 
 impl Bench {
     /// Compiles a transient and computes its reference with steps `finer` times as short as the shortest constant ones.
     pub(super) fn new(transient: Transient, side: Option<u32>, finer: f64) -> Result<Self> {
-        let model = transient.model(side)?;
-        let step = transient.shortest() / finer;
-        let options = TransientAnalysis {
-            time_step: Some(step),
-            scheme: REFERENCE,
-            ..TransientAnalysis::new(transient.end())
-        };
+        let (model, end) = transient.model(side)?;
+        let step = transient.shortest(end) / finer;
+        let options =
+            TransientAnalysis { time_step: Some(step), scheme: REFERENCE, ..TransientAnalysis::new(end) };
         let compile = |options: &TransientAnalysis| {
             let analysis = Analysis::Transient(options.clone());
             Ok::<_, Error>(Compiled::new(&Model { analysis, ..model.clone() })?.system)
@@ -39,19 +40,15 @@ impl Bench {
         let implicit = compile(&options)?;
         let explicit =
             compile(&TransientAnalysis { scheme: Scheme::Explicit(Default::default()), ..options.clone() })?;
-        let pattern = SymmetricPattern::new(
-            implicit.pattern.column_pointers.clone(),
-            implicit.pattern.row_indices.clone(),
-        );
-        let solver = SparseCholesky::new(pattern).map_err(|e| Error::Outside(e.to_string()))?;
-        let price = chord::price(solver.operations(), tegula::linear::Factor::factor_entries(&solver));
-        let positions = Course::of(&implicit, &options)?.0.positions;
+        let price = direct(&implicit)?.price();
+        let mut positions = Course::of(&implicit, &options)?.0.positions;
         let twice = TransientAnalysis { time_step: Some(2.0 * step), ..options };
+        let twice = Course::of(&implicit, &twice)?.0.positions;
+        let uncertainty = distance(&twice, &positions) / (3.0 * implicit.length);
         // A scheme of second order: twice the step makes four times the error.
-        let uncertainty =
-            distance(&Course::of(&implicit, &twice)?.0.positions, &positions) / (3.0 * implicit.length);
+        positions.iter_mut().zip(&twice).for_each(|(x, x_2h)| *x += (*x - x_2h) / 3.0);
         let reference = Reference { transient, unknowns: implicit.unknowns(), price, step, uncertainty };
-        Ok(Self { transient, implicit, explicit, reference, positions })
+        Ok(Self { transient, implicit, explicit, reference, end, positions })
     }
 
     /// Runs a scheme `repetitions` times.
@@ -61,7 +58,7 @@ impl Bench {
     pub(super) fn measure(&self, scheme: Scheme, stepping: Stepping, repetitions: u32) -> Result<Row> {
         let explicit = matches!(scheme, Scheme::Explicit(_));
         let system = if explicit { &self.explicit } else { &self.implicit };
-        let mut options = TransientAnalysis { scheme, ..TransientAnalysis::new(self.transient.end()) };
+        let mut options = TransientAnalysis { scheme, ..TransientAnalysis::new(self.end) };
         match stepping {
             Stepping::Fixed(step) => options.time_step = Some(step),
             Stepping::Tolerance(tolerance) => options.tolerance = tolerance,
@@ -83,7 +80,7 @@ impl Bench {
             failure: String::new(),
         };
         for _ in 0..repetitions {
-            let begin = processor_seconds();
+            let begin = cpu_seconds();
             let (course, statistics) = match Course::of(system, &options) {
                 Ok(done) => done,
                 Err(e) => {
@@ -91,7 +88,8 @@ impl Bench {
                     return Ok(row);
                 }
             };
-            row.seconds = row.seconds.min(processor_seconds() - begin);
+            let spent = cpu_seconds().zip(begin).map(|(now, then)| now - then);
+            row.seconds = spent.map_or(f64::NAN, |spent| row.seconds.min(spent));
             row.error = distance(&course.positions, &self.positions) / system.length;
             row.statistics = statistics;
         }
@@ -114,7 +112,7 @@ fn distance(a: &[Vec3], b: &[Vec3]) -> f64 {
     (sum / a.len().max(1) as f64).sqrt()
 }
 
-/// Displacements of all nodes at even times, cubic in each step.
+/// Displacements of all nodes at even times, cubic between reports.
 struct Course {
     /// Nodal vectors of the positions.
     vectors: Vec<usize>,
@@ -148,25 +146,12 @@ impl Observer for Course {
             }
             let (old, h) = (&self.last, new.0 - self.last.0);
             let s = ((time - old.0) / h).min(1.0);
-            let a = s * s * (3.0 - 2.0 * s);
-            let (rise, fall) = (h * s * (1.0 - s) * (1.0 - s), -h * s * s * (1.0 - s));
-            self.positions.extend(
-                (0..nodes).map(|n| old.1[n] * (1.0 - a) + new.1[n] * a + old.2[n] * rise + new.2[n] * fall),
-            );
+            self.positions
+                .extend((0..nodes).map(|n| cubic(h, s, (old.1[n], old.2[n]), (new.1[n], new.2[n]))));
         }
         self.last = new;
         Ok(())
     }
-}
-
-/// Processor time of all threads of the process (s); not a number where the system does not tell.
-fn processor_seconds() -> f64 {
-    let Ok(tasks) = std::fs::read_dir("/proc/self/task") else { return f64::NAN };
-    let nanoseconds = |path: std::path::PathBuf| -> Option<f64> {
-        let text = std::fs::read_to_string(path.join("schedstat")).ok()?;
-        text.split_whitespace().next()?.parse().ok()
-    };
-    1e-9 * tasks.flatten().filter_map(|task| nanoseconds(task.path())).sum::<f64>()
 }
 
 #[cfg(test)]

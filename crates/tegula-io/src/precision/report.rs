@@ -76,8 +76,8 @@ pub fn markdown(references: &[Reference], rows: &[Row]) -> String {
     for reference in references {
         let _ = writeln!(
             out,
-            "{}**{}**: {} unknowns, a factorisation at the price of {:.1} iterations; the reference has steps of \
-             {:.2e} ms and an error of about {:.0e}\n\n\
+            "{}**{}**: {} unknowns, a factorisation at the price of {:.1} iterations; the reference is extrapolated \
+             from steps of {:.2e} ms and twice that, which moves it by {:.0e}\n\n\
              | scheme | steps | taken | repeated | iterations | factorisations | work | CPU s | error |\n\
              |:--|:--|---:|---:|---:|---:|---:|---:|---:|",
             if out.is_empty() { "" } else { "\n" },

@@ -1,15 +1,17 @@
 //! Motions of different character.
 
-use tegula::Result;
-use tegula::model::{Model, Scheme};
+use tegula::model::{Analysis, Model, Scheme};
+use tegula::{Error, Result};
 
 use super::Stepping;
-use crate::verify::model::{read, refine};
+use crate::verify::model::{grid, read};
 
 const PENDULUM: &str = include_str!("../../../../examples/quarter_cylinder_pendulum.toml");
 const PLATE: &str = include_str!("../../../../verification/models/vibrating_plate.toml");
 const TUMBLING: &str = include_str!("../../../../verification/models/tumbling_plate.toml");
 
+/// The part of the pendulum's motion that is looked at (s).
+const PENDULUM_END: f64 = 0.5;
 /// Parts of the critical step that the explicit scheme takes.
 const CRITICAL: [f64; 2] = [0.9, 0.45];
 
@@ -46,70 +48,58 @@ impl Transient {
         }
     }
 
-    /// End of the motion (s).
-    pub fn end(self) -> f64 {
-        match self {
-            Self::Pendulum => 0.5,
-            Self::Plate => 0.04,
-            Self::Tumbling => 1.0,
-        }
-    }
-
-    /// Elements along its sides where `side` are wanted along the longer one.
-    pub fn elements(self, side: Option<u32>) -> [u32; 2] {
-        match self {
-            Self::Pendulum => [side.unwrap_or(16); 2],
-            Self::Plate => [side.unwrap_or(16); 2],
-            Self::Tumbling => {
-                let n = side.unwrap_or(20).max(2);
-                [n, (3 * n).div_ceil(5)]
-            }
-        }
-    }
-
-    /// The model, but for its analysis.
+    /// The model, and the end of its motion (s). `side` elements are along the first side, and along the other one as
+    /// many more or less as in the model file; those of the file where it is not given.
     ///
     /// # Errors
-    /// It cannot be read.
-    pub(super) fn model(self, side: Option<u32>) -> Result<Model> {
+    /// The model file cannot be read, or is not a transient on a generated mesh.
+    pub(super) fn model(self, side: Option<u32>) -> Result<(Model, f64)> {
         let mut model = read(match self {
             Self::Pendulum => PENDULUM,
             Self::Plate => PLATE,
             Self::Tumbling => TUMBLING,
         })?;
-        refine(&mut model, self.elements(side));
-        Ok(model)
+        let unfit = || Error::Outside(format!("the model of {} is no transient on a grid", self.name()));
+        let end = match &model.analysis {
+            Analysis::Transient(_) if self == Self::Pendulum => PENDULUM_END,
+            Analysis::Transient(options) => options.end_time,
+            _ => return Err(unfit()),
+        };
+        let grid = grid(&mut model.mesh).ok_or_else(unfit)?;
+        if let Some(n) = side {
+            let [u, v] = grid.elements;
+            grid.elements = [n, (v * n).div_ceil(u)];
+        }
+        Ok((model, end))
     }
 
     /// Constant steps: parts of the end time, the longest first.
     fn divisions(self) -> &'static [u32] {
         match self {
             Self::Pendulum => &[25, 50, 100, 200, 400, 800],
-            Self::Plate => &[50, 100, 200, 400, 800, 1600],
-            Self::Tumbling => &[50, 100, 200, 400, 800, 1600],
+            Self::Plate | Self::Tumbling => &[50, 100, 200, 400, 800, 1600],
         }
     }
 
     /// Tolerances of automatic steps, the largest first.
     fn tolerances(self) -> &'static [f64] {
         match self {
-            Self::Pendulum => &[1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7],
+            Self::Pendulum | Self::Tumbling => &[1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7],
             Self::Plate => &[1e-5, 3e-6, 1e-6, 3e-7, 1e-7, 3e-8],
-            Self::Tumbling => &[1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7],
         }
     }
 
-    /// Shortest constant step (s).
-    pub(super) fn shortest(self) -> f64 {
-        self.end() / f64::from(self.divisions().last().copied().unwrap_or(1))
+    /// Shortest constant step (s) of a motion up to `end`.
+    pub(super) fn shortest(self, end: f64) -> f64 {
+        end / f64::from(self.divisions().last().copied().unwrap_or(1))
     }
 
-    /// The steps of a scheme; every other one where `coarse`.
-    pub(super) fn steppings(self, scheme: Scheme, coarse: bool) -> Vec<Stepping> {
+    /// The steps of a scheme in a motion up to `end`; every other one where `coarse`.
+    pub(super) fn steppings(self, scheme: Scheme, end: f64, coarse: bool) -> Vec<Stepping> {
         if matches!(scheme, Scheme::Explicit(_)) {
             return CRITICAL.map(Stepping::Critical).to_vec();
         }
-        let fixed = self.divisions().iter().map(|&n| Stepping::Fixed(self.end() / f64::from(n)));
+        let fixed = self.divisions().iter().map(|&n| Stepping::Fixed(end / f64::from(n)));
         let automatic = self.tolerances().iter().map(|&t| Stepping::Tolerance(t));
         let every = if coarse { 2 } else { 1 };
         fixed.step_by(every).chain(automatic.step_by(every)).collect()

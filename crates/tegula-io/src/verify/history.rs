@@ -36,15 +36,19 @@ impl History {
     pub fn at(&self, t: f64) -> Vec3 {
         let i = self.rows.partition_point(|r| r.0 < t).clamp(1, self.rows.len() - 1);
         let ((t0, x0, v0), (t1, x1, v1)) = (self.rows[i - 1], self.rows[i]);
-        let (h, s) = (t1 - t0, (t - t0) / (t1 - t0));
-        let a = s * s * (3.0 - 2.0 * s);
-        x0 * (1.0 - a) + x1 * a + (v0 * (1.0 - s) - v1 * s) * (h * s * (1.0 - s))
+        cubic(t1 - t0, (t - t0) / (t1 - t0), (x0, v0), (x1, v1))
     }
 
     /// Times of the steps.
     pub fn times(&self) -> impl Iterator<Item = f64> + '_ {
         self.rows.iter().map(|r| r.0)
     }
+}
+
+/// The cubic that has these positions and velocities at the ends of a step of length `h`, at the part `s` of it.
+pub fn cubic(h: f64, s: f64, (x0, v0): (Vec3, Vec3), (x1, v1): (Vec3, Vec3)) -> Vec3 {
+    let a = s * s * (3.0 - 2.0 * s);
+    x0 * (1.0 - a) + x1 * a + (v0 * (1.0 - s) - v1 * s) * (h * s * (1.0 - s))
 }
 
 /// The larger of two values; not a number if one of them is none, which no comparison passes.

@@ -1,13 +1,14 @@
 //! Verification: the paper's examples and benchmarks of the literature, computed and compared.
 //!
 //! A case is a function that adds rows to a [`Report`]. Reference numbers are tables in
-//! `verification/reference/`, models are model files in `verification/models/`.
+//! `verification/reference/`, models are model files in `verification/models/` (which has two motions of the study
+//! [`precision`](crate::precision), too).
 //! Adding a case: a function in a file of `verify/` and a line in [`CASES`].
 
 mod benchmarks;
 mod composites;
 mod frequencies;
-mod history;
+pub(crate) mod history;
 mod inside;
 mod large_cantilever;
 mod macneal_beams;

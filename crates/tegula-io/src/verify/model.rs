@@ -26,7 +26,8 @@ pub fn refine(model: &mut Model, elements: [u32; 2]) {
     }
 }
 
-fn grid(mesh: &mut MeshSource) -> Option<&mut Grid> {
+/// The grid of a generated mesh.
+pub fn grid(mesh: &mut MeshSource) -> Option<&mut Grid> {
     match mesh {
         MeshSource::Plate(m) => Some(&mut m.grid),
         MeshSource::Cylinder(m) => Some(&mut m.grid),
