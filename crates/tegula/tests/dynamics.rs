@@ -7,7 +7,6 @@ mod common;
 use common::{
     Notes, compile, distance, model, move_in_time as run, on, plate, quarter_cylinder, vector_load,
 };
-use tegula::Vec3;
 use tegula::analysis::dynamics;
 use tegula::analysis::statics::state_kinematics;
 use tegula::element::{Kinematics, Motion};
