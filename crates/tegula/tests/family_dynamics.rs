@@ -8,7 +8,6 @@ use std::f64::consts::PI;
 
 use common::{Notes, compile, distance, model, move_in_time as run, on, orthotropic, plate, vector_load};
 use tegula::analysis::{Silent, dynamics, modal, statics};
-use tegula::element::Nodal;
 use tegula::material::NeoHookeanForm;
 use tegula::model::*;
 use tegula::{System, Vec3};
