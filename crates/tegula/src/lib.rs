@@ -4,6 +4,7 @@ pub mod analysis;
 pub mod element;
 pub mod error;
 pub mod linear;
+mod lists;
 pub mod load;
 pub mod material;
 pub mod mesh;

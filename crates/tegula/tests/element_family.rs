@@ -153,7 +153,7 @@ fn difference<T>(h: f64, f: impl Fn(f64) -> T, combine: impl Fn(&mut T, T, f64),
 fn force_is_the_derivative_of_the_energy_and_tangent_that_of_the_force() {
     for (i, section) in sections().iter().enumerate() {
         let mut random = Random::new(100 + i as u64);
-        let e = element(section, geometry(&mut random, 0.12));
+        let e = element(section, geometry(&mut random, [1.0, 1.0], 0.12));
         let u = e.displacement(&mut random);
         let (force, tangent) = (e.force(&u), e.tangent(&u));
         let size = force.iter().fold(0.0_f64, |a, f| a.max(f.abs()));
@@ -187,7 +187,7 @@ fn rigid_motions_cost_nothing_and_turn_forces() {
     let q = rotation([0.3, -0.8, 0.5], 2.1);
     for (i, section) in sections().iter().enumerate() {
         let mut random = Random::new(200 + i as u64);
-        let e = element(section, geometry(&mut random, 0.12));
+        let e = element(section, geometry(&mut random, [1.0, 1.0], 0.12));
         for u in [vec![[0.0; 3]; e.kinds.len()], e.displacement(&mut random)] {
             let (energy, force) = (e.energy(&u), e.force(&u));
             let moved: Vec<Nodal> = (0..u.len())
@@ -219,7 +219,7 @@ fn rigid_motions_cost_nothing_and_turn_forces() {
 fn exactly_six_motions_are_free_of_energy() {
     for (i, section) in sections().iter().enumerate() {
         let mut random = Random::new(300 + i as u64);
-        let e = element(section, geometry(&mut random, 0.12));
+        let e = element(section, geometry(&mut random, [1.0, 1.0], 0.12));
         let n = 3 * e.kinds.len();
         let mut k = e.tangent(&vec![[0.0; 3]; e.kinds.len()]);
         if e.shell.unit_directors() {
@@ -246,7 +246,7 @@ fn exactly_six_motions_are_free_of_energy() {
 fn mass_is_that_of_the_volume_and_moves_rigidly() {
     for (i, section) in sections().iter().enumerate() {
         let mut random = Random::new(400 + i as u64);
-        let e = element(section, geometry(&mut random, 0.0));
+        let e = element(section, geometry(&mut random, [1.0, 1.0], 0.0));
         let m = e.kinds.len();
         let mass = e.groups.iter().fold(vec![0.0; m * (m + 1) / 2], |mut sum, g| {
             sum.iter_mut().zip(g.mass(0)).for_each(|(s, m)| *s += m);

@@ -37,6 +37,20 @@ impl Matrix {
         SymmetricPattern::new(self.pointers.clone(), self.rows.clone())
     }
 
+    /// By a dense solver.
+    fn eigenvalues(&self) -> nalgebra::DVector<f64> {
+        let n = self.pointers.len() - 1;
+        let mut dense = nalgebra::DMatrix::zeros(n, n);
+        for j in 0..n {
+            for k in self.pointers[j]..self.pointers[j + 1] {
+                let i = self.rows[k] as usize;
+                dense[(i, j)] = self.values[k];
+                dense[(j, i)] = self.values[k];
+            }
+        }
+        dense.symmetric_eigenvalues()
+    }
+
     /// Inertia, and the residual of a solution over what it is made of.
     fn solve(&self) -> Result<(Inertia, f64), FactorError> {
         let pattern = self.pattern();
@@ -198,17 +212,9 @@ fn few_negative_eigenvalues_are_counted_and_cost_no_digits() {
 
 /// Signs of the eigenvalues by a dense solver.
 fn dense_inertia(m: &Matrix) -> (usize, usize) {
-    let n = m.pointers.len() - 1;
-    let mut dense = nalgebra::DMatrix::zeros(n, n);
-    for j in 0..n {
-        for k in m.pointers[j]..m.pointers[j + 1] {
-            dense[(m.rows[k] as usize, j)] = m.values[k];
-            dense[(j, m.rows[k] as usize)] = m.values[k];
-        }
-    }
-    let eigenvalues = dense.symmetric_eigenvalues();
+    let eigenvalues = m.eigenvalues();
     let negative = eigenvalues.iter().filter(|e| **e < 0.0).count();
-    (n - negative, negative)
+    (eigenvalues.len() - negative, negative)
 }
 
 /// Two full saddle points `[[D, 0, 0], [0, 0, M], [0, Mᵀ, 0]]`, each one front that is wider than a block and has no
@@ -329,14 +335,7 @@ proptest! {
         let mut entries: Vec<(usize, usize, f64)> = diagonal.into_iter().enumerate().map(|(i, d)| (i, i, d)).collect();
         entries.extend(edges.into_iter().map(|(a, b, v)| (a % n, b % n, v)));
         let m = Matrix::new(n, &entries);
-        let mut dense = nalgebra::DMatrix::zeros(n, n);
-        for j in 0..n {
-            for k in m.pointers[j]..m.pointers[j + 1] {
-                dense[(m.rows[k] as usize, j)] = m.values[k];
-                dense[(j, m.rows[k] as usize)] = m.values[k];
-            }
-        }
-        let eigenvalues = dense.symmetric_eigenvalues();
+        let eigenvalues = m.eigenvalues();
         // Near a singular matrix signs are up to rounding.
         prop_assume!(eigenvalues.iter().all(|e| e.abs() > 1e-3));
         let (inertia, residual) = m.solve().unwrap();

@@ -187,7 +187,7 @@ fn name(s: &Section, fields: bool) -> String {
 #[test]
 fn forces_are_derivatives_of_energies_and_tangents_those_of_forces() {
     for (section, fields, mut random) in cases() {
-        let e = element(&section, &geometry(&mut random, 0.12), fields);
+        let e = element(&section, &geometry(&mut random, [1.0, 1.0], 0.12), fields);
         let u = displacement(e.kinds.len(), &mut random);
         let (force, tangent) = (e.force(&u), e.tangent(&u));
         let label = name(&section, fields);
@@ -217,7 +217,7 @@ fn forces_are_derivatives_of_energies_and_tangents_those_of_forces() {
 fn rigid_motions_change_no_energy_and_turn_forces() {
     let q = rotation([0.3, -0.8, 0.5], 2.1);
     for (section, fields, mut random) in cases() {
-        let e = element(&section, &geometry(&mut random, 0.12), fields);
+        let e = element(&section, &geometry(&mut random, [1.0, 1.0], 0.12), fields);
         let u = displacement(e.kinds.len(), &mut random);
         let moved: Vec<Nodal> = (0..u.len())
             .map(|v| {
@@ -241,7 +241,7 @@ fn rigid_motions_change_no_energy_and_turn_forces() {
 #[test]
 fn numbering_of_corners_does_not_matter() {
     for (section, fields, mut random) in cases() {
-        let g = geometry(&mut random, 0.12);
+        let g = geometry(&mut random, [1.0, 1.0], 0.12);
         let e = element(&section, &g, fields);
         let u = displacement(e.kinds.len(), &mut random);
         let (energy, force) = (e.energy(&u), e.force(&u));

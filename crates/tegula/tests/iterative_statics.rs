@@ -13,25 +13,35 @@ use tegula::{Error, Mesh, Result};
 
 const ITERATIVE: LinearSolver = LinearSolver::Iterative;
 
-fn run_on(mesh: &Mesh, model: &Model, linear_solver: LinearSolver) -> Result<StaticOutcome> {
+fn run_on(
+    mesh: &Mesh,
+    model: &Model,
+    linear_solver: LinearSolver,
+    notes: &mut Notes,
+) -> Result<StaticOutcome> {
     let options = StaticAnalysis { linear_solver, ..static_options(model) };
     let model = Model { analysis: Analysis::Static(options.clone()), ..model.clone() };
-    statics::run(&build(&model, mesh)?, &options, None, &mut Notes::default())
+    statics::run(&build(&model, mesh)?, &options, None, notes)
 }
 
 fn run(model: &Model, solver: LinearSolver) -> Result<StaticOutcome> {
-    run_on(&generate(&model.mesh).unwrap(), model, solver)
+    run_on(&generate(&model.mesh).unwrap(), model, solver, &mut Notes::default())
 }
 
-/// Largest difference of displacements relative to the largest displacement.
-fn difference(mesh: &Mesh, model: &Model) -> f64 {
-    let direct = run_on(mesh, model, LinearSolver::Direct).unwrap();
-    let iterative = run_on(mesh, model, ITERATIVE).unwrap();
+/// Largest difference of displacements relative to the largest displacement. With `may_cut` the iterative solver may meet
+/// a tangent that is not positive definite on the way, and take shorter load steps.
+fn difference(mesh: &Mesh, model: &Model, may_cut: bool) -> f64 {
+    let mut notes = Notes::default();
+    let direct = run_on(mesh, model, LinearSolver::Direct, &mut Notes::default()).unwrap();
+    let iterative = run_on(mesh, model, ITERATIVE, &mut notes).unwrap();
     assert_eq!(direct.statistics.linear_iterations, 0);
     assert!(iterative.statistics.linear_iterations > 0);
-    // The iteration does not notice, but for tangents on the way that are not positive definite.
     let (a, b) = (direct.statistics.iterations, iterative.statistics.iterations);
-    assert!(a.abs_diff(b) <= 1 || iterative.statistics.cutbacks > 0, "{a} iterations, {b}");
+    let cut = iterative.statistics.cutbacks > 0;
+    assert!(direct.statistics.cutbacks == 0 && (may_cut || !cut), "{:?}", iterative.statistics);
+    assert!(notes.events.iter().all(|e| e.contains("positive definite")), "{:?}", notes.events);
+    // The iteration does not notice.
+    assert!(cut || a.abs_diff(b) <= 1, "{a} iterations, {b}");
     let all = |o: &StaticOutcome| o.state.u.as_flattened().to_vec();
     let (a, b) = (all(&direct), all(&iterative));
     let largest = a.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
@@ -39,7 +49,7 @@ fn difference(mesh: &Mesh, model: &Model) -> f64 {
 }
 
 fn same(model: &Model) {
-    let off = difference(&generate(&model.mesh).unwrap(), model);
+    let off = difference(&generate(&model.mesh).unwrap(), model, false);
     assert!(off < 1e-9, "{off:e}");
 }
 
@@ -110,7 +120,10 @@ fn all_elements_agree_with_the_direct_solver_in_large_rotations() {
     ];
     for element in kinds {
         m.sections[0].element = element;
-        same(&m);
+        // Its increments lead through a tangent that cannot be shown to be positive definite.
+        let may_cut = element == ElementKind::Mitc4;
+        let off = difference(&generate(&m.mesh).unwrap(), &m, may_cut);
+        assert!(off < 1e-9, "{element:?}: {off:e}");
     }
 }
 
@@ -128,7 +141,7 @@ fn irregular_meshes_with_several_sections_and_pressure_agree_with_the_direct_sol
         Load::Pressure(PressureLoad { on: "all".into(), value: 2.0, amplitude: None }),
         Load::Gravity(GravityLoad { value: [0.0, 0.0, -9.8], amplitude: None }),
     ];
-    let off = difference(&mesh, &m);
+    let off = difference(&mesh, &m, false);
     assert!(off < 1e-9, "{off:e}");
 }
 

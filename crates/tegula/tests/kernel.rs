@@ -7,7 +7,7 @@ mod common;
 
 use std::collections::BTreeMap;
 
-use common::{Random, geometry, ply, strains};
+use common::{Random, geometry, ply, rotation, strains};
 use tegula::element::shell::{GroupSetup, Member};
 use tegula::element::{
     ElementGroup, Interior, Kinematics, Motion, Nodal, TangentRequest, TangentWeights, registry,
@@ -16,6 +16,8 @@ use tegula::model::*;
 
 const THICKNESS: f64 = 0.07;
 const VECTORS: usize = 8;
+/// Unlike, so that no side stands for the other.
+const SIDES: [f64; 2] = [1.3, 0.8];
 const FACTORS: [f64; 2] = [0.8, -0.4];
 const WEIGHTS: TangentWeights = TangentWeights { stress: 0.7, direction: 0.9, force: 1.3, rate: 2.5 };
 
@@ -26,21 +28,44 @@ struct Elements {
     general: Box<dyn ElementGroup>,
 }
 
-fn elements(section: &Section, count: usize, distortion: f64, random: &mut Random) -> Elements {
+/// How copies of an earlier element lie.
+#[derive(Clone, Copy, PartialEq)]
+enum Copies {
+    Shifted,
+    /// Nothing may refer to a direction of space then.
+    Turned,
+}
+
+fn elements(
+    section: &Section,
+    copies: Copies,
+    count: usize,
+    distortion: f64,
+    random: &mut Random,
+) -> Elements {
     let steel = Material::Isotropic(Isotropic { expansion: 1e-3, ..Isotropic::new(1e3, 0.3, 2.0) });
     let materials = BTreeMap::from([("steel".to_string(), steel), ("ply".to_string(), ply())]);
     let compiled = section.compile(&materials).unwrap();
     let shell = registry::shell(section, THICKNESS);
     let strains = strains();
-    let prescribed: Vec<_> = strains[..FACTORS.len()].iter().map(Some).collect();
-    let mut shapes: Vec<_> = (0..count).map(|_| geometry(random, distortion)).collect();
+    let prescribed: Vec<_> = strains[..FACTORS.len()]
+        .iter()
+        .map(|p| (copies == Copies::Shifted || p.direction().is_none()).then_some(p))
+        .collect();
+    assert!(prescribed.iter().any(Option::is_some));
+    let mut shapes: Vec<_> = (0..count).map(|_| geometry(random, SIDES, distortion)).collect();
     // Some are earlier ones moved elsewhere: they share what their shape has.
     let like = |e: usize| (e % 3 == 2 && e >= 5).then(|| e - 3);
     for e in 0..count {
         if let Some(first) = like(e) {
             let shift = random.vector();
+            let turn = match copies {
+                Copies::Shifted => rotation([1.0, 0.0, 0.0], 0.0),
+                Copies::Turned => rotation(random.vector().into(), 3.0 * random.next()),
+            };
             shapes[e] = shapes[first];
-            shapes[e].positions.iter_mut().for_each(|x| *x += shift);
+            shapes[e].positions.iter_mut().for_each(|x| *x = turn * *x + shift);
+            shapes[e].directors.iter_mut().for_each(|d| *d = turn * *d);
         }
     }
     let group = |reference_kernel| {
@@ -112,11 +137,14 @@ fn both_kernels_agree() {
         ..Layup::default()
     });
     for element in [ElementKind::Ems, ElementKind::Cm, ElementKind::Mitc4, ElementKind::SolidShell] {
-        for section in [Section::new("steel", THICKNESS), uneven.clone()] {
+        let steel = || Section::new("steel", THICKNESS);
+        for (section, copies) in
+            [(steel(), Copies::Shifted), (steel(), Copies::Turned), (uneven.clone(), Copies::Shifted)]
+        {
             let section = Section { element, ..section };
             // Flat and regular elements couple fewer forms; no, one and several registers, and parts of one.
             for (count, distortion) in [(1, 0.0), (7, 0.1), (8, 0.0), (19, 0.1), (130, 0.1)] {
-                let e = elements(&section, count, distortion, &mut random);
+                let e = elements(&section, copies, count, distortion, &mut random);
                 // They are not the same kernel: one works in forms, the other in samples.
                 if element != ElementKind::Mitc4 {
                     assert_ne!(e.fast.stresses_per_element(), e.general.stresses_per_element());
@@ -160,7 +188,7 @@ fn both_kernels_agree() {
 #[test]
 fn parts_are_evaluated_alike() {
     let mut random = Random::new(32);
-    let e = elements(&Section::new("steel", THICKNESS), 30, 0.1, &mut random);
+    let e = elements(&Section::new("steel", THICKNESS), Copies::Shifted, 30, 0.1, &mut random);
     let u = field(e.reference.len(), 0.05, &mut random);
     let motion = Motion::State { u: &u, velocity: None };
     let mut k = Kinematics::new(&e.reference, motion, false, 0.0);

@@ -74,18 +74,21 @@ fn formula(text: &str) -> Result<TimeFunction, (String, String)> {
 }
 
 /// A formula in which −a^b is −(a^b), as usual, for a parser that takes it as (−a)^b: a minus sign at the start of the
-/// formula or of a bracket is taken off zero. None where a sign stands behind an operator and a power may follow.
+/// formula or of a bracket is taken off zero. None where a minus sign stands behind an operator and before a power.
 fn with_usual_signs(text: &str) -> Option<String> {
     let mut out = String::new();
     let mut before = '(';
-    let mut signed = false;
+    // Whether a minus sign stands before the operand at hand, and the same in the brackets around.
+    let (mut signed, mut around) = (false, Vec::new());
     for c in text.chars() {
         if c == '-' && before == '(' {
             out.push('0');
         }
         match c {
-            '-' | '+' if "+-*/^".contains(before) => signed = true,
+            '(' => around.push(std::mem::take(&mut signed)),
+            ')' => signed = around.pop().unwrap_or(false),
             '^' if signed => return None,
+            '+' | '-' if "+-*/^".contains(before) => signed |= c == '-',
             '+' | '-' | '*' | '/' => signed = false,
             _ => {}
         }
@@ -200,10 +203,26 @@ mod tests {
             ("- t", -3.0),
             ("2*-t", -6.0),
             ("(-t)^2", 9.0),
+            ("2*-(t^2+1)", -20.0),
+            ("2*-(t^2+1)*t^2", -180.0),
+            ("2*-sin(t^2)", -2.0 * 9.0_f64.sin()),
+            ("2^-t + t^2", 9.125),
+            ("2*+t^2", 18.0),
+            ("(t+1)^-1 + 1^2", 1.25),
         ] {
             assert!((read(text).unwrap().value(3.0) - exact).abs() < 1e-14, "{text}");
         }
-        for text in ["2*-t^2", "t + -t^2"] {
+        for text in [
+            "2*-t^2",
+            "t + -t^2",
+            "2*-(t+1)^2",
+            "2*-(t+1) ^2",
+            "3*-sin(2*t)^2",
+            "2*-sin(t+1)^2",
+            "2*-sin(t+(t-1))^2",
+            "exp(2*-(t+1)^2)",
+            "2*-+t^2",
+        ] {
             let (message, help) = read(text).err().unwrap();
             assert!(message.contains(text) && help.contains("brackets"), "{message}");
         }

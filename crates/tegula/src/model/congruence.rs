@@ -58,28 +58,40 @@ impl Shape {
 /// The shapes met so far among the elements of a section.
 #[derive(Default)]
 pub(super) struct Congruence {
-    known: HashMap<(Vec<i64>, Vec<bool>), (usize, Shape)>,
+    known: HashMap<Key, (usize, Shape)>,
+}
+
+type Key = (Vec<i64>, Vec<bool>);
+
+/// A shape that was not met before.
+pub(super) struct NewShape(Key, Shape);
+
+/// What is known of the shape of an element.
+pub(super) enum Likeness {
+    /// That of an earlier element.
+    Like(usize),
+    /// Not met before.
+    New(NewShape),
+    /// It cannot be told, or is nearly that of another element but not quite.
+    Alone,
 }
 
 impl Congruence {
-    /// The first element with the shape of this one and the same `directions` relative to it, under the same `acting`
-    /// fields of prescribed strain. An element without one becomes the first, as number `member`.
-    pub fn first_like(
-        &mut self,
-        g: &ShellGeometry,
-        directions: &[Vec3],
-        acting: &[bool],
-        member: usize,
-    ) -> Option<usize> {
-        let shape = Shape::new(g, directions)?;
+    /// Looks for an earlier element with the shape of this one and the same `directions` relative to it, under the same
+    /// `acting` fields of prescribed strain.
+    pub fn look_up(&self, g: &ShellGeometry, directions: &[Vec3], acting: &[bool]) -> Likeness {
+        let Some(shape) = Shape::new(g, directions) else { return Likeness::Alone };
         let key = shape.key(acting);
         match self.known.get(&key) {
-            Some((first, known)) => known.is(&shape).then_some(*first),
-            None => {
-                self.known.insert(key, (member, shape));
-                None
-            }
+            Some((first, known)) if known.is(&shape) => Likeness::Like(*first),
+            Some(_) => Likeness::Alone,
+            None => Likeness::New(NewShape(key, shape)),
         }
+    }
+
+    /// Notes that element number `member` has a new shape. Only elements that were accepted have numbers.
+    pub fn register(&mut self, NewShape(key, shape): NewShape, member: usize) {
+        self.known.insert(key, (member, shape));
     }
 }
 
@@ -94,27 +106,51 @@ mod tests {
         ShellGeometry::new(positions, [0.0, 0.1, 0.2, 0.3].map(|x| q * Vec3::new(x, 0.1, 1.0).normalize()))
     }
 
+    /// The first like this one, which is registered under its number where it is new.
+    fn first_like(
+        shapes: &mut Congruence,
+        g: &ShellGeometry,
+        (directions, acting): (&[Vec3], &[bool]),
+        member: usize,
+    ) -> Option<usize> {
+        match shapes.look_up(g, directions, acting) {
+            Likeness::Like(first) => return Some(first),
+            Likeness::New(shape) => shapes.register(shape, member),
+            Likeness::Alone => {}
+        }
+        None
+    }
+
     #[test]
     fn moved_elements_are_congruent_and_others_are_not() {
         let mut shapes = Congruence::default();
         let origin = Vec3::new(3.0, -1.0, 2.0);
-        assert_eq!(shapes.first_like(&element(Vec3::zeros(), 0.0, 1.0), &[], &[], 0), None);
+        assert_eq!(first_like(&mut shapes, &element(Vec3::zeros(), 0.0, 1.0), (&[], &[]), 0), None);
         for k in 1..20 {
             let g = element(origin * f64::from(k), 0.3 * f64::from(k), 1.0);
-            assert_eq!(shapes.first_like(&g, &[], &[], k as usize), Some(0), "{k}");
+            assert_eq!(first_like(&mut shapes, &g, (&[], &[]), k as usize), Some(0), "{k}");
         }
-        assert_eq!(shapes.first_like(&element(origin, 0.4, 1.0 + 1e-7), &[], &[], 20), None);
-        assert_eq!(shapes.first_like(&element(origin, 0.4, 1.0), &[], &[true], 21), None);
+        assert_eq!(first_like(&mut shapes, &element(origin, 0.4, 1.0 + 1e-7), (&[], &[]), 20), None);
+        assert_eq!(first_like(&mut shapes, &element(origin, 0.4, 1.0), (&[], &[true]), 21), None);
     }
 
     #[test]
     fn directions_in_space_count() {
         let mut shapes = Congruence::default();
         let first = |shapes: &mut Congruence, turn: f64, n| {
-            shapes.first_like(&element(Vec3::zeros(), turn, 1.0), &[Vec3::x()], &[], n)
+            first_like(shapes, &element(Vec3::zeros(), turn, 1.0), (&[Vec3::x()], &[]), n)
         };
         assert_eq!(first(&mut shapes, 0.0, 0), None);
         assert_eq!(first(&mut shapes, 0.5, 1), None);
         assert_eq!(first(&mut shapes, 0.5, 2), Some(1));
+    }
+
+    #[test]
+    fn what_was_not_accepted_is_not_found() {
+        let shapes = Congruence::default();
+        for _ in 0..3 {
+            let likeness = shapes.look_up(&element(Vec3::zeros(), 0.0, 1.0), &[], &[]);
+            assert!(matches!(likeness, Likeness::New(_)));
+        }
     }
 }

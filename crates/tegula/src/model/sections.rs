@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::build::Vectors;
-use super::congruence::Congruence;
+use super::congruence::{Congruence, Likeness};
 use super::{Material, Model, Section, StackedPly};
 use crate::element::constitution::LinearConstitution;
 use crate::element::geometry::cross_section_frame;
@@ -315,8 +315,9 @@ impl Elements {
                 Vec::new()
             };
             let acting: Vec<bool> = prescribed.iter().map(Option::is_some).collect();
-            let first = shapes.as_mut().and_then(|s| s.first_like(&g, &directions, &acting, members));
-            let shared = first.is_some_and(|first| builder.push_like(first, &connectivity, &g));
+            let likeness = shapes.as_ref().map_or(Likeness::Alone, |s| s.look_up(&g, &directions, &acting));
+            let shared =
+                matches!(likeness, Likeness::Like(first) if builder.push_like(first, &connectivity, &g));
             let result = if shared {
                 Ok(())
             } else {
@@ -339,6 +340,10 @@ impl Elements {
                     "repair the mesh there",
                 ));
                 continue;
+            }
+            // Only now has the element its number.
+            if let (Some(shapes), Likeness::New(shape)) = (&mut shapes, likeness) {
+                shapes.register(shape, members);
             }
             for (d, area) in corners.into_iter().zip(crate::element::geometry::nodal_areas(&g.positions)) {
                 let v = vectors.of_director[d as usize];

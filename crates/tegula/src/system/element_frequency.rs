@@ -187,7 +187,7 @@ pub fn of_followers(system: &System, shares: &MassShares, mass: &[f64], u: &[Nod
 }
 
 /// Numbers in the lower blocks of `vectors` nodal vectors.
-fn block_values(vectors: usize) -> usize {
+pub fn block_values(vectors: usize) -> usize {
     9 * vectors * (vectors + 1) / 2
 }
 

@@ -9,11 +9,12 @@
 //! highest one of the positions of any element. This adds a rotary inertia of about the element size squared, which
 //! vanishes with the mesh.
 
-use super::assembly::TangentParts;
-use super::element_frequency::{MassShares, of_elements, row_sums};
-use super::{Assembly, System, VectorKind};
+use super::assembly::ElementBlocks;
+use super::element_frequency::{MassShares, block_values, of_elements, row_sums};
+use super::pattern::PORTION;
+use super::{System, VectorKind};
 use crate::Issue;
-use crate::element::{Kinematics, Motion, TangentWeights};
+use crate::element::{Interior, Kinematics, Motion, TangentRequest, TangentWeights};
 
 /// Coupled mass below this part of the mean of both masses is rounding.
 const ROUNDING: f64 = 1e-10;
@@ -88,14 +89,8 @@ fn unsuitable(system: &System) -> Option<(&'static str, &'static str)> {
 /// Raises the mass of directors until the bound of their frequencies in every element is at most the highest one of
 /// positions.
 fn raise_directors(system: &System, shares: &MassShares, mass: &mut [f64]) {
-    let rest = vec![[0.0; 3]; system.vectors()];
-    // Of the material only: prescribed strains would add their stress.
-    let weights = TangentWeights { stress: 1.0, direction: 0.0, force: 1.0, rate: 0.0 };
-    let parts = TangentParts { weights, mass: 0.0, time: 0.0 };
     let (mut membrane, mut directors) = (0.0_f64, Vec::new());
-    let motion = Motion::State { u: &rest, velocity: None };
-    let k = Kinematics::new(&system.reference, motion, system.linear, parts.time);
-    Assembly::new(system).for_each_element(system, &k, &parts, |part| {
+    at_rest(system, |part| {
         let of = |kind| of_elements(system, shares, mass, part, move |k| k == kind);
         membrane = of(VectorKind::Position).into_iter().fold(membrane, f64::max);
         directors.extend(of(VectorKind::Director));
@@ -109,5 +104,31 @@ fn raise_directors(system: &System, shares: &MassShares, mass: &mut [f64]) {
             }
         }
         mass.iter_mut().zip(raise).for_each(|(m, r)| *m *= r);
+    }
+}
+
+/// Hands the stiffness of all elements in the reference configuration to `take`, some at a time, group by group.
+fn at_rest(system: &System, mut take: impl FnMut(ElementBlocks)) {
+    let rest = vec![[0.0; 3]; system.vectors()];
+    let factors: Vec<f64> =
+        system.prescribed_strains.iter().map(|f| system.amplitude(f.amplitude, 0.0)).collect();
+    // Of the material only: prescribed strains would add their stress.
+    let weights = TangentWeights { stress: 1.0, direction: 0.0, force: 1.0, rate: 0.0 };
+    let motion = Motion::State { u: &rest, velocity: None };
+    let k = Kinematics::new(&system.reference, motion, system.linear, 0.0);
+    for group in system.groups.iter().map(AsRef::as_ref) {
+        let history = vec![0.0; group.len() * group.history_per_element()];
+        let interior = Interior { history: &history, factors: &factors };
+        let k = Kinematics { interior, unit: &system.unit, ..k };
+        let m = group.vectors_per_element();
+        let mut forces = vec![0.0; 3 * m * group.len().min(PORTION)];
+        let mut blocks = vec![0.0; block_values(m) * group.len().min(PORTION)];
+        for first in (0..group.len()).step_by(PORTION) {
+            let count = (group.len() - first).min(PORTION);
+            let blocks = &mut blocks[..block_values(m) * count];
+            let request = TangentRequest { weights, stress: None, prescribed: None, blocks: &mut *blocks };
+            group.evaluate(&k, first, &mut forces[..3 * m * count], Some(request));
+            take(ElementBlocks { group, first, blocks });
+        }
     }
 }

@@ -117,20 +117,15 @@ impl PatternBuilder {
 
     /// Adds an element whose lower blocks come next in the buffer.
     pub fn element(&mut self, vectors: &[u32], mass: &[f64]) {
-        if !self.tangent {
-            let pairs =
-                vectors.iter().enumerate().flat_map(|(a, &va)| vectors[..=a].iter().map(move |&vb| (va, vb)));
-            let with_mass = pairs.zip(mass).filter(|(_, m)| **m != 0.0);
-            self.masses.extend(with_mass.map(|((va, vb), &m)| (key(va, vb), m)));
-            return;
-        }
         if self.elements == PORTION {
             self.end_portion();
         }
         let mut pair = 0;
         for (a, &va) in vectors.iter().enumerate() {
             for &vb in &vectors[..=a] {
-                self.entries.push((key(va, vb), 2 * self.blocks + u32::from(va < vb)));
+                if self.tangent {
+                    self.entries.push((key(va, vb), 2 * self.blocks + u32::from(va < vb)));
+                }
                 if let Some(&m) = mass.get(pair)
                     && m != 0.0
                 {

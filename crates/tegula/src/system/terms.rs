@@ -3,6 +3,7 @@
 use super::{System, VectorKind};
 use crate::Vec3;
 use crate::linear::substructures::{Options, Quads, SubstructureError, Substructures, Terms};
+use crate::lists::Lists;
 
 impl System {
     /// A solver that divides the mesh of this system into pieces. Its terms are the elements of all groups, then the
@@ -27,10 +28,11 @@ impl System {
             let corners = corners.filter(|&v| self.kinds[v] == VectorKind::Position);
             quad.iter_mut().zip(corners).for_each(|(n, v)| *n = self.nodes[v]);
         }
-        let quads_of = ByNode::new(&quads, positions.len());
+        let around = quads.iter().enumerate().flat_map(|(q, quad)| quad.iter().map(move |&n| (n, q as u32)));
+        let quads_of = Lists::by_key(positions.len(), around);
         // What is no shell goes to the shell that holds most of its vectors.
         let home = |vectors: &[u32]| {
-            let around = |v: &u32| quads_of.of(self.nodes[*v as usize]).iter().copied();
+            let around = |v: &u32| quads_of.of(self.nodes[*v as usize] as usize).iter().copied();
             let held = |q: u32| {
                 let holds = |s: usize, v: u32| {
                     let shell = &self.shells[s];
@@ -52,34 +54,5 @@ impl System {
         }
         let quads = Quads { nodes: &quads, positions: &positions };
         Substructures::new(quads, &terms, &self.nodes, &self.numbering, options)
-    }
-}
-
-/// Quadrilaterals around each node.
-struct ByNode {
-    start: Vec<u32>,
-    list: Vec<u32>,
-}
-
-impl ByNode {
-    fn new(quads: &[[u32; 4]], nodes: usize) -> Self {
-        let mut start = vec![0; nodes + 1];
-        quads.iter().flatten().for_each(|&n| start[n as usize + 1] += 1);
-        for n in 0..nodes {
-            start[n + 1] += start[n];
-        }
-        let mut next = start.clone();
-        let mut list = vec![0; 4 * quads.len()];
-        for (q, quad) in quads.iter().enumerate() {
-            for &n in quad {
-                list[next[n as usize] as usize] = q as u32;
-                next[n as usize] += 1;
-            }
-        }
-        Self { start, list }
-    }
-
-    fn of(&self, node: u32) -> &[u32] {
-        &self.list[self.start[node as usize] as usize..self.start[node as usize + 1] as usize]
     }
 }

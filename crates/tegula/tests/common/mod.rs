@@ -2,13 +2,17 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 use nalgebra::{Rotation3, Unit};
+use tegula::analysis::dynamics::{self, TransientOutcome};
+use tegula::analysis::solver::TangentSolver;
 use tegula::analysis::statics::{self, StaticOutcome};
 use tegula::analysis::{Observer, State, Step};
-use tegula::element::{Nodal, ShellGeometry};
+use tegula::element::{Kinematics, Nodal, ShellGeometry, TangentWeights};
+use tegula::linear::SparseCholesky;
 use tegula::mesh::generators::generate;
 use tegula::model::build::build;
 use tegula::model::*;
-use tegula::system::VectorKind;
+use tegula::system::assembly::TangentParts;
+use tegula::system::{Assembly, VectorKind};
 use tegula::{Mesh, System, Vec3};
 
 /// A static model of one section on a mesh, clamped at `u_min`.
@@ -106,6 +110,19 @@ pub fn solve(model: &Model) -> (Mesh, System, StaticOutcome) {
     (mesh, system, outcome)
 }
 
+/// Motion of a model.
+pub fn move_in_time(m: &Model, options: &TransientAnalysis, notes: &mut Notes) -> (System, TransientOutcome) {
+    let m = Model { analysis: Analysis::Transient(options.clone()), ..m.clone() };
+    let (_, system) = compile(&m);
+    let outcome = dynamics::run(&system, options, None, notes).unwrap();
+    (system, outcome)
+}
+
+/// Norm of the difference of two fields.
+pub fn distance(a: &[Nodal], b: &[Nodal]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (Vec3::from(*a) - Vec3::from(*b)).norm_squared()).sum::<f64>().sqrt()
+}
+
 /// A load by its vector.
 pub fn vector_load(on: &str, value: [f64; 3]) -> VectorLoad {
     VectorLoad { on: on.into(), value, amplitude: None }
@@ -165,10 +182,10 @@ impl Random {
     }
 }
 
-/// A distorted unit square with directors near its normals.
-pub fn geometry(random: &mut Random, noise: f64) -> ShellGeometry {
-    let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-    let flat = square.map(|[x, y]| Vec3::new(x, y, 0.0) + random.vector() * noise);
+/// A distorted rectangle with directors near its normals.
+pub fn geometry(random: &mut Random, [a, b]: [f64; 2], noise: f64) -> ShellGeometry {
+    let rectangle = [[0.0, 0.0], [a, 0.0], [a, b], [0.0, b]];
+    let flat = rectangle.map(|[x, y]| Vec3::new(x, y, 0.0) + random.vector() * noise);
     let directors = std::array::from_fn(|a| {
         let normal = (flat[(a + 1) % 4] - flat[a]).cross(&(flat[(a + 3) % 4] - flat[a])).normalize();
         (normal + random.vector() * noise).normalize()
@@ -178,11 +195,16 @@ pub fn geometry(random: &mut Random, noise: f64) -> ShellGeometry {
 
 /// A unidirectional ply.
 pub fn ply() -> Material {
+    orthotropic([3e3, 6e2, 5e2], [4e2, 3e2, 2e2], 0.7)
+}
+
+/// An orthotropic material that expands with heat.
+pub fn orthotropic(young: [f64; 3], shear: [f64; 3], density: f64) -> Material {
     Material::Orthotropic(Orthotropic {
-        young: [3e3, 6e2, 5e2],
+        young,
         poisson: [0.3, 0.25, 0.2],
-        shear: [4e2, 3e2, 2e2],
-        density: 0.7,
+        shear,
+        density,
         expansion: [1e-3, 4e-3, 4e-3],
         strength: None,
     })
@@ -269,5 +291,45 @@ impl Observer for Notes {
 
     fn on_event(&mut self, message: &str) {
         self.events.push(message.to_string());
+    }
+}
+
+/// The direct solver, to which a new tangent has no price: an old one never serves.
+pub struct Fresh(pub SparseCholesky);
+
+impl TangentSolver for Fresh {
+    fn assemble(
+        &mut self,
+        assembly: &mut Assembly,
+        system: &System,
+        k: &Kinematics,
+        parts: &TangentParts,
+        how: (bool, Option<&[Nodal]>),
+        out: &mut [Nodal],
+    ) {
+        self.0.assemble(assembly, system, k, parts, how, out);
+    }
+
+    fn add_curvature(
+        &mut self,
+        assembly: &mut Assembly,
+        system: &System,
+        k: &Kinematics,
+        weights: &TangentWeights,
+        rest: &[Nodal],
+    ) {
+        self.0.add_curvature(assembly, system, k, weights, rest);
+    }
+
+    fn prepare(&mut self, assembly: &Assembly) -> Result<usize, String> {
+        self.0.prepare(assembly)
+    }
+
+    fn solve_tangent(&mut self, x: &mut [f64]) -> Result<(), String> {
+        self.0.solve_tangent(x)
+    }
+
+    fn tangents(&self) -> usize {
+        self.0.tangents()
     }
 }

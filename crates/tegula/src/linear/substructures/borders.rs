@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::averages::Group;
 use super::piece::Piece;
 use super::{Scaling, Work};
+use crate::lists::Lists;
 
 /// Unknowns of the borders: dual ones first, then those of corners.
 pub(super) struct Borders {
@@ -12,10 +13,8 @@ pub(super) struct Borders {
     pub unknowns: Vec<u32>,
     /// How many are dual.
     dual: usize,
-    /// First source of each.
-    start: Vec<u32>,
-    /// Piece, and place in its border.
-    sources: Vec<(u32, u32)>,
+    /// Pieces that hold each, and its places in their borders.
+    sources: Lists<(u32, u32)>,
     /// For each piece, the unknowns of its border.
     pub of_piece: Vec<Vec<u32>>,
 }
@@ -46,20 +45,12 @@ impl Borders {
             .iter()
             .map(|p| p.unknowns[p.inner..].iter().map(|&u| number[u as usize]).collect())
             .collect();
-        let mut start = vec![0; list.len() + 1];
-        of_piece.iter().flatten().for_each(|&n| start[n as usize + 1] += 1);
-        for n in 0..list.len() {
-            start[n + 1] += start[n];
-        }
-        let mut next = start.clone();
-        let mut sources = vec![(0, 0); of_piece.iter().map(Vec::len).sum()];
-        for (p, of) in of_piece.iter().enumerate() {
-            for (k, &n) in of.iter().enumerate() {
-                sources[next[n as usize] as usize] = (p as u32, k as u32);
-                next[n as usize] += 1;
-            }
-        }
-        Self { unknowns: list, dual, start, sources, of_piece }
+        let places = of_piece
+            .iter()
+            .enumerate()
+            .flat_map(|(p, of)| of.iter().enumerate().map(move |(k, &n)| (n, (p as u32, k as u32))));
+        let sources = Lists::by_key(list.len(), places);
+        Self { unknowns: list, dual, sources, of_piece }
     }
 
     /// Unknowns of the borders.
@@ -84,7 +75,7 @@ impl Borders {
 
     /// Pieces that hold an unknown, and its places in their borders.
     pub fn sources(&self, unknown: usize) -> &[(u32, u32)] {
-        &self.sources[self.start[unknown] as usize..self.start[unknown + 1] as usize]
+        self.sources.of(unknown)
     }
 
     /// Adds what the pieces hold in `y` for the unknowns from `first` on.

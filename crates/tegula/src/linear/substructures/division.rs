@@ -9,6 +9,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
 use super::Quads;
+use crate::lists::Lists;
 use crate::{Mat3, Vec3};
 
 /// Share of the elements around the wanted place of a cut in which a gap is looked for.
@@ -128,7 +129,7 @@ fn connect(quads: &Quads<'_>, piece: &mut [u32], count: usize, size: usize) -> (
         part[first as usize] = number as u32;
         let mut at = 0;
         while at < members.len() {
-            for &q in neighbours.of(members[at]) {
+            for &q in neighbours.of(members[at] as usize) {
                 if part[q as usize] == u32::MAX && piece[q as usize] == piece[first as usize] {
                     part[q as usize] = number as u32;
                     members.push(q);
@@ -164,7 +165,7 @@ fn connect(quads: &Quads<'_>, piece: &mut [u32], count: usize, size: usize) -> (
             }
             let mut shared: BTreeMap<u32, usize> = BTreeMap::new();
             for &q in &parts[p] {
-                for &other in neighbours.of(q) {
+                for &other in neighbours.of(q as usize) {
                     let n = number[part[other as usize] as usize];
                     if n != u32::MAX {
                         *shared.entry(n).or_default() += 1;
@@ -190,18 +191,7 @@ fn connect(quads: &Quads<'_>, piece: &mut [u32], count: usize, size: usize) -> (
 }
 
 /// Elements that share a side with each element.
-pub(super) struct Neighbours {
-    start: Vec<u32>,
-    list: Vec<u32>,
-}
-
-impl Neighbours {
-    fn of(&self, quad: u32) -> &[u32] {
-        &self.list[self.start[quad as usize] as usize..self.start[quad as usize + 1] as usize]
-    }
-}
-
-fn neighbours(quads: &Quads<'_>) -> Neighbours {
+fn neighbours(quads: &Quads<'_>) -> Lists<u32> {
     let mut sides: Vec<(u32, u32, u32)> = Vec::with_capacity(4 * quads.len());
     for q in 0..quads.len() as u32 {
         for (a, b) in quads.sides(q) {
@@ -217,14 +207,7 @@ fn neighbours(quads: &Quads<'_>) -> Neighbours {
     }
     pairs.sort_unstable();
     pairs.dedup();
-    let mut start = vec![0; quads.len() + 1];
-    for p in &pairs {
-        start[p.0 as usize + 1] += 1;
-    }
-    for q in 0..quads.len() {
-        start[q + 1] += start[q];
-    }
-    Neighbours { start, list: pairs.into_iter().map(|p| p.1).collect() }
+    Lists::by_key(quads.len(), pairs.into_iter())
 }
 
 /// A part of a piece: its elements in the order of the tree, and what it is made of.

@@ -42,6 +42,7 @@ use self::corners::{Corners, Sharing, corners};
 use self::piece::{Factored, Piece, Refused, Roles, Scratch};
 use super::FactorError;
 use crate::Vec3;
+use crate::lists::Lists;
 use crate::system::Numbering;
 
 /// Quadrilaterals of a mesh, and where their nodes are.
@@ -240,19 +241,8 @@ impl Substructures {
         for (q, &p) in piece_of.iter().enumerate() {
             cells[p as usize].push(q as u32);
         }
-        // Terms of each element.
-        let mut start = vec![0_u32; quads.len() + 1];
-        terms.quads.iter().for_each(|&q| start[q as usize + 1] += 1);
-        for q in 0..quads.len() {
-            start[q + 1] += start[q];
-        }
-        let mut list = vec![0_u32; terms.len()];
-        let mut next = start.clone();
-        for (t, &q) in terms.quads.iter().enumerate() {
-            list[next[q as usize] as usize] = t as u32;
-            next[q as usize] += 1;
-        }
-        let terms_of = |q: u32| list[start[q as usize] as usize..start[q as usize + 1] as usize].to_vec();
+        let of_quad = Lists::by_key(quads.len(), terms.quads.iter().zip(0..).map(|(&q, t)| (q, t)));
+        let terms_of = |q: u32| of_quad.of(q as usize).to_vec();
         let shared = |v: u32| sharing.shared.contains_key(&v);
         let corner = |v: u32| tied.contains(&node_of[v as usize]);
         let made: Vec<(Piece, Vec<u32>)> = cells
