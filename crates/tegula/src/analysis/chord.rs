@@ -161,6 +161,9 @@ impl Increments {
     /// steps the second increment is always made with the factor of the first: a step changes little. Static steps
     /// change much, so there the factor serves for the last increments only.
     pub fn old_factor_serves(&self, in_time: bool, price: f64, left: u32) -> bool {
+        if price == 0.0 {
+            return false;
+        }
         let Some(last) = self.list.last().filter(|_| self.list.len() > 1) else { return in_time };
         if !in_time {
             let since = self.list.iter().rposition(|i| i.fresh).unwrap_or(0);

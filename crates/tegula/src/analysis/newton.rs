@@ -209,8 +209,7 @@ impl<S: TangentSolver> Newton<S> {
         self.history.copy_from_slice(&self.assembly.history);
         self.assembly.history.copy_from_slice(&at.history);
         let Self { solver, assembly, internal, .. } = self;
-        let at =
-            Linearization { system, motion: &k, parts: &parts, extrapolated: false, prescribed: None };
+        let at = Linearization { system, motion: &k, parts: &parts, extrapolated: false, prescribed: None };
         solver.assemble(assembly, &at, internal);
         self.assembly.history.copy_from_slice(&self.history);
         if self.solver.prepare(&self.assembly).is_ok() {
@@ -274,7 +273,8 @@ impl<S: TangentSolver> Newton<S> {
                     assembly.forces(system, &k, internal);
                 } else {
                     let prescribed = has_prescribed.then_some(self.increment.as_slice());
-                    let at = Linearization { system, motion: &k, parts: &parts, extrapolated: mixed, prescribed };
+                    let at =
+                        Linearization { system, motion: &k, parts: &parts, extrapolated: mixed, prescribed };
                     solver.assemble(assembly, &at, internal);
                     solver.add_curvature(assembly, &at, &self.residual);
                 }

@@ -18,7 +18,7 @@ use std::collections::HashMap;
 use pulp::{Arch, Scalar, Simd};
 use rayon::prelude::*;
 
-use super::bilinear_kernel::{LanesTangent, Measure, Workspace, dot};
+use super::bilinear_kernel::{LanesTangent, Measure, StrainAndStress, Workspace, dot, strain_and_stress};
 use super::constitution::energy_of_fields;
 use super::forms::{BASIS, Forms, MOST, QUADRATIC, VECTORS, shares};
 use super::geometry::ShellGeometry;
@@ -266,16 +266,18 @@ struct Forces<'a> {
 }
 
 impl LaneWork for Forces<'_> {
-    type Space<S: Simd> = ();
+    type Space<S: Simd> = StrainAndStress<S>;
 
     #[inline(always)]
-    fn space<S: Simd>(_: S) {}
+    fn space<S: Simd>(simd: S) -> StrainAndStress<S> {
+        strain_and_stress(simd)
+    }
 
     #[inline(always)]
-    fn work<S: Simd>(&mut self, l: Lanes<S>, offset: usize, (): &mut ()) {
+    fn work<S: Simd>(&mut self, l: Lanes<S>, offset: usize, forms: &mut StrainAndStress<S>) {
         let end = (offset + S::F64_LANES).min(self.forces.len() / COORDINATES);
         let forces = &mut self.forces[offset * COORDINATES..end * COORDINATES];
-        self.group.force_lanes(l, self.k, forces);
+        self.group.force_lanes(l, self.k, forces, forms);
     }
 }
 
@@ -331,28 +333,35 @@ struct PerElement<'a> {
 }
 
 impl LaneWork for PerElement<'_> {
-    type Space<S: Simd> = ();
+    type Space<S: Simd> = StrainAndStress<S>;
 
     #[inline(always)]
-    fn space<S: Simd>(_: S) {}
+    fn space<S: Simd>(simd: S) -> StrainAndStress<S> {
+        strain_and_stress(simd)
+    }
 
     #[inline(always)]
-    fn work<S: Simd>(&mut self, l: Lanes<S>, offset: usize, (): &mut ()) {
+    fn work<S: Simd>(&mut self, l: Lanes<S>, offset: usize, [strain, n]: &mut StrainAndStress<S>) {
         let (g, k) = (self.group, self.k);
         let end = (offset + S::F64_LANES).min(self.out.len() / self.count);
         let out = &mut self.out[offset * self.count..end * self.count];
         match self.wanted {
             Wanted::Stress(increment) => {
-                let (acting, mut strain) = g.strained(l, k, Measure::Effective);
+                let acting = g.strained(l, k, Measure::Effective, strain);
                 if let Some((increment, factor)) = increment {
-                    g.add_products(l, &g.basis(l, increment), &acting, factor, &mut strain);
+                    let products = g.products(l, &g.basis(l, increment), &acting);
+                    let factor = l.splat(factor);
+                    for (s, product) in strain.iter_mut().zip(products) {
+                        *s = l.mul_add(factor, product, *s);
+                    }
                 }
-                l.write(&g.stress(l, &strain, k.interior.factors), self.count, out);
+                g.stress(l, strain, k.interior.factors, n);
+                l.write(n, self.count, out);
             }
             Wanted::Energy => {
-                let (_, s) = g.strained(l, k, Measure::End);
-                let half = l.mul(l.splat(0.5), dot(l, &s, &g.multiply(l, &s)));
-                l.write(&[l.add(half, g.potential(l, &s, k.interior.factors))], 1, out);
+                g.strained(l, k, Measure::End, strain);
+                let half = l.mul(l.splat(0.5), dot(l, strain, &g.multiply(l, strain)));
+                l.write(&[l.add(half, g.potential(l, strain, k.interior.factors))], 1, out);
             }
         }
     }
@@ -444,7 +453,8 @@ impl ElementGroup for BilinearGroup {
 
     fn sampled_strains(&self, element: usize, k: &Kinematics) -> Vec<f64> {
         let l = Lanes { simd: Scalar::new(), first: element };
-        let (_, forms) = self.strained(l, k, Measure::End);
+        let mut forms = [0.0; MOST];
+        self.strained(l, k, Measure::End, &mut forms);
         (&self.forms.samples * nalgebra::DVector::from_column_slice(&forms)).as_slice().to_vec()
     }
 
@@ -463,7 +473,8 @@ impl ElementGroup for BilinearGroup {
         }
         power.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(element, power)| {
             let l = Lanes { simd: Scalar::new(), first: element };
-            let (_, rate) = self.strained(l, k, Measure::Rate);
+            let mut rate = [0.0; MOST];
+            self.strained(l, k, Measure::Rate, &mut rate);
             *power = self.retardation_time * dot(l, &rate, &self.multiply(l, &rate));
         });
     }

@@ -22,6 +22,15 @@ pub type Basis<S> = [Triple<S>; BASIS];
 /// A number per form.
 pub type PerForm<S> = [<S as Simd>::f64s; MOST];
 
+/// Strains and stress resultants: memory that is used again and again, since clearing it would take time.
+pub type StrainAndStress<S> = [PerForm<S>; 2];
+
+/// That memory.
+#[inline(always)]
+pub fn strain_and_stress<S: Simd>(simd: S) -> StrainAndStress<S> {
+    [[simd.splat_f64s(0.0); MOST]; 2]
+}
+
 /// A measure of the deformation of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measure {
@@ -35,6 +44,7 @@ pub enum Measure {
 
 /// What the tangent of the elements of a register is made in.
 pub struct Workspace<S: Simd> {
+    forms: StrainAndStress<S>,
     /// Rows of H S.
     hs: [Triple<S>; MOST + ROWS],
     /// Lower blocks in the basis.
@@ -48,7 +58,13 @@ impl<S: Simd> Workspace<S> {
     /// Memory for the registers of an instruction set.
     pub fn new(simd: S) -> Self {
         let zero = simd.splat_f64s(0.0);
-        Self { hs: [[zero; 3]; MOST + ROWS], basis: [[zero; 9]; BASIS_BLOCKS], nodal: [[zero; 9]; BLOCKS] }
+        let forms = strain_and_stress(simd);
+        Self {
+            forms,
+            hs: [[zero; 3]; MOST + ROWS],
+            basis: [[zero; 9]; BASIS_BLOCKS],
+            nodal: [[zero; 9]; BLOCKS],
+        }
     }
 }
 
@@ -62,18 +78,14 @@ impl BilinearGroup {
     /// Vectors of the basis of a field.
     #[inline(always)]
     pub fn basis<S: Simd>(&self, l: Lanes<S>, field: &[Nodal]) -> Basis<S> {
-        let mut nodal = [[l.splat(0.0); 3]; VECTORS];
-        let flat: &mut [f64] = bytemuck::cast_slice_mut(nodal.as_flattened_mut());
-        for lane in 0..Lanes::<S>::LANES {
-            // Lanes without an element repeat the last one.
-            let own = &self.vectors[(l.first + lane).min(self.vectors.len() - 1)];
-            for (a, &v) in own.iter().enumerate() {
-                let value = field[v as usize];
-                for i in 0..3 {
-                    flat[(3 * a + i) * Lanes::<S>::LANES + lane] = value[i];
-                }
-            }
-        }
+        // Lanes without an element repeat the last one.
+        let last = self.vectors.len() - 1;
+        let vectors: [&[u32; VECTORS]; BATCH] =
+            std::array::from_fn(|lane| &self.vectors[(l.first + lane.min(Lanes::<S>::LANES - 1)).min(last)]);
+        let nodal: [Triple<S>; VECTORS] = std::array::from_fn(|a| {
+            let values: [&Nodal; BATCH] = std::array::from_fn(|lane| &field[vectors[lane][a] as usize]);
+            std::array::from_fn(|i| l.gather(|lane| values[lane][i]))
+        });
         let mut out = [[l.splat(0.0); 3]; BASIS];
         for i in 0..3 {
             let (a, b, c, d) = (nodal[0][i], nodal[1][i], nodal[2][i], nodal[3][i]);
@@ -91,27 +103,14 @@ impl BilinearGroup {
         out
     }
 
-    /// Adds `factor · Σ a·b` of the terms of each form, with a of `left` and b of `right`.
+    /// `Σ a·b` of the terms of each form, with a of `left` and b of `right`.
     #[inline(always)]
-    pub fn add_products<S: Simd>(
-        &self,
-        l: Lanes<S>,
-        left: &Basis<S>,
-        right: &Basis<S>,
-        factor: f64,
-        out: &mut PerForm<S>,
-    ) {
-        let factor = l.splat(factor);
-        let mut scaled = *left;
-        for v in &mut scaled {
-            for v in v {
-                *v = l.mul(factor, *v);
-            }
-        }
+    pub fn products<S: Simd>(&self, l: Lanes<S>, left: &Basis<S>, right: &Basis<S>) -> PerForm<S> {
+        let mut out = [l.splat(0.0); MOST];
         macro_rules! add {
             ($form:literal, $a:ident, $b:ident) => {
                 for i in 0..3 {
-                    out[$form] = l.mul_add(scaled[$a][i], right[$b][i], out[$form]);
+                    out[$form] = l.mul_add(left[$a][i], right[$b][i], out[$form]);
                 }
             };
         }
@@ -119,11 +118,18 @@ impl BilinearGroup {
         if self.quadratic {
             quadratic_terms!(add);
         }
+        out
     }
 
     /// Strains of a motion, and the vectors of the basis on which its stress acts.
     #[inline(always)]
-    pub fn strained<S: Simd>(&self, l: Lanes<S>, k: &Kinematics, wanted: Measure) -> (Basis<S>, PerForm<S>) {
+    pub fn strained<S: Simd>(
+        &self,
+        l: Lanes<S>,
+        k: &Kinematics,
+        wanted: Measure,
+        strain: &mut PerForm<S>,
+    ) -> Basis<S> {
         let tau = self.retardation_time;
         // Fields, their share in the directions on which the stress acts, and in the result. The last field of a state
         // is a velocity.
@@ -150,18 +156,20 @@ impl BilinearGroup {
             }
         }
         let mut acting = p0;
-        let mut strain = [l.splat(0.0); MOST];
         for (at, field) in fields.into_iter().enumerate() {
             let Some(field) = field else { continue };
             let p = self.basis(l, field);
             // The change of P·Q from the reference is p·(Q₀ + q/2) + q·(P₀ + p/2): no difference of large numbers.
             let other = if rate && at == 1 { acting } else { advanced(l, p0, &p, 0.5 * nonlinear) };
-            self.add_products(l, &p, &other, weights[at], &mut strain);
+            let (products, weight) = (self.products(l, &p, &other), l.splat(weights[at]));
+            for (s, product) in strain.iter_mut().zip(products) {
+                *s = if at == 0 { l.mul(weight, product) } else { l.mul_add(weight, product, *s) };
+            }
             if !(rate && at == 1) {
                 acting = advanced(l, acting, &p, share * nonlinear);
             }
         }
-        (acting, strain)
+        acting
     }
 
     /// `H s`.
@@ -177,27 +185,25 @@ impl BilinearGroup {
 
     /// The same with the usual sizes of blocks written out.
     #[inline(always)]
-    fn multiply_fast<S: Simd>(&self, l: Lanes<S>, s: &PerForm<S>) -> PerForm<S> {
+    fn multiply_fast<S: Simd>(&self, l: Lanes<S>, s: &PerForm<S>, out: &mut PerForm<S>) {
         let h = self.of_shape(l, &self.h, self.entries);
-        let mut out = [l.splat(0.0); MOST];
         for c in &self.coupled {
             macro_rules! by_size {
                 ($($n:literal)*) => {
                     match c.forms.len() {
-                        $($n => multiply_block::<S, $n>(l, c, h, s, &mut out),)*
-                        _ => multiply_large(l, c, h, s, &mut out),
+                        $($n => multiply_block::<S, $n>(l, c, h, s, out),)*
+                        _ => multiply_large(l, c, h, s, out),
                     }
                 };
             }
             by_size!(1 2 3 4 6 8 14);
         }
-        out
     }
 
-    /// Stress resultants of strains under the prescribed strains.
+    /// Stress resultants of strains under the prescribed strains; those of forms that the elements do not need stay.
     #[inline(always)]
-    pub fn stress<S: Simd>(&self, l: Lanes<S>, strain: &PerForm<S>, factors: &[f64]) -> PerForm<S> {
-        let mut n = self.multiply_fast(l, strain);
+    pub fn stress<S: Simd>(&self, l: Lanes<S>, strain: &PerForm<S>, factors: &[f64], n: &mut PerForm<S>) {
+        self.multiply_fast(l, strain, n);
         if self.fields != 0 {
             let fields = self.of_shape(l, &self.prescribed, self.fields * MOST);
             for (field, &factor) in factors.iter().enumerate() {
@@ -207,7 +213,6 @@ impl BilinearGroup {
                 }
             }
         }
-        n
     }
 
     /// Potential of the prescribed strains, −Σ f n₀·s.
@@ -330,10 +335,16 @@ impl BilinearGroup {
 
     /// Internal forces of the elements of a register.
     #[inline(always)]
-    pub fn force_lanes<S: Simd>(&self, l: Lanes<S>, k: &Kinematics, forces: &mut [f64]) {
-        let (acting, strain) = self.strained(l, k, Measure::Effective);
-        let n = self.stress(l, &strain, k.interior.factors);
-        l.write(self.forces(l, &acting, &n).as_flattened(), COORDINATES, forces);
+    pub fn force_lanes<S: Simd>(
+        &self,
+        l: Lanes<S>,
+        k: &Kinematics,
+        forces: &mut [f64],
+        [strain, n]: &mut StrainAndStress<S>,
+    ) {
+        let acting = self.strained(l, k, Measure::Effective, strain);
+        self.stress(l, strain, k.interior.factors, n);
+        l.write(self.forces(l, &acting, n).as_flattened(), COORDINATES, forces);
     }
 
     /// Internal forces and tangent of the elements of a register.
@@ -346,9 +357,12 @@ impl BilinearGroup {
         tangent: LanesTangent,
         work: &mut Workspace<S>,
     ) {
-        let (acting, strain) = self.strained(l, k, Measure::Effective);
-        let mut n = self.stress(l, &strain, k.interior.factors);
-        l.write(self.forces(l, &acting, &n).as_flattened(), COORDINATES, forces);
+        let [strain, n] = &mut work.forms;
+        let acting = self.strained(l, k, Measure::Effective, strain);
+        self.stress(l, strain, k.interior.factors, n);
+        l.write(self.forces(l, &acting, n).as_flattened(), COORDINATES, forces);
+        // What is read from the store must not stay in the workspace.
+        let mut n = *n;
         let LanesTangent { weights: w, stress, prescribed, blocks } = tangent;
         if let Some(stored) = stress {
             l.read(stored, self.stored, &mut n);

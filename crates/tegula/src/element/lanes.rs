@@ -89,6 +89,13 @@ impl<S: Simd> Lanes<S> {
         entry * Self::PARTS + self.first % BATCH / Self::LANES
     }
 
+    /// A number of each lane.
+    #[inline(always)]
+    pub fn gather(self, of_lane: impl Fn(usize) -> f64) -> S::f64s {
+        let values: [f64; BATCH] = std::array::from_fn(of_lane);
+        S::as_simd_f64s(&values[..Self::LANES]).0[0]
+    }
+
     /// Reads values stored one element after another, `count` each, into lanes.
     #[inline(always)]
     pub fn read(self, values: &[f64], count: usize, to: &mut [S::f64s]) {

@@ -7,20 +7,17 @@
 //! definite is eliminated [with pivots](super::pivoted) of its own; where it has none, all columns of the front from there
 //! on are eliminated at once, with pivots chosen among all of them.
 
-use std::mem::MaybeUninit;
 use std::ops::Range;
 
-use dyn_stack::MemStack;
-use faer::linalg::cholesky::llt::factor::cholesky_in_place;
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::prelude::{Reborrow, ReborrowMut};
+use faer::prelude::ReborrowMut;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 
 use super::FactorError;
 use super::pivoted::Pivots;
 use super::trapezoid::{BLOCK, Trapezoid};
+use super::triangle::Triangle;
 
 /// Rows of a tile from which on it is cut in two.
 const TILE: usize = 512;
@@ -57,9 +54,6 @@ pub(super) fn both<A: Send, B: Send>(
     if parallel { rayon::join(a, b) } else { (a(), b()) }
 }
 
-/// Entries of the triangle of a block.
-pub(super) const KEPT: usize = BLOCK * (BLOCK + 1) / 2;
-
 /// A front whose columns are eliminated.
 pub(super) struct Elimination<'a> {
     /// Its columns.
@@ -67,7 +61,7 @@ pub(super) struct Elimination<'a> {
     /// Pivots of its blocks.
     pub pivots: &'a mut FrontPivots,
     /// Memory for a block.
-    pub kept: &'a mut Vec<f64>,
+    pub triangle: &'a mut Triangle,
     /// Tiles are worked off in parallel.
     pub parallel: bool,
     /// Pivots are chosen among all columns, even if they are positive definite.
@@ -90,10 +84,10 @@ impl Elimination<'_> {
         }
     }
 
-    /// Takes what was eliminated off what is passed on, `C − L₂₁ L₂₁ᵀ`.
+    /// What the eliminated columns pass on, `−L₂₁ L₂₁ᵀ`, whatever was there.
     pub fn rest(&self, panel: &[f64], out: &mut [f64]) {
         let to = Trapezoid::triangle(self.layout.rows - self.layout.columns);
-        let from = Source { first: 0, blocks: 0..self.layout.blocks(), values: panel };
+        let from = Source { first: 0, blocks: 0..self.layout.blocks(), values: panel, alone: true };
         self.take_off(&from, to, self.layout.columns, 0..to.blocks(), out);
     }
 
@@ -109,7 +103,7 @@ impl Elimination<'_> {
             Err(Stop::Singular(block)) => block,
             Err(Stop::Failed(_)) => return done,
         };
-        let from = Source { first: blocks.start, blocks: blocks.start..last, values: left };
+        let from = Source { first: blocks.start, blocks: blocks.start..last, values: left, alone: false };
         self.take_off(&from, self.layout, 0, middle..blocks.end, right);
         done?;
         self.blocks(middle..blocks.end, right)
@@ -144,25 +138,11 @@ impl Elimination<'_> {
         let height = self.layout.rows - block * BLOCK;
         let matrix = MatMut::from_column_major_slice_mut(values, height, width);
         let (mut first, second) = matrix.split_at_row_mut(width);
-        // A matrix that is not positive definite is found out when it is half destroyed.
-        self.kept.clear();
-        for j in 0..width {
-            let column = first.rb().col(j).subrows(j, width - j);
-            match column.try_as_col_major() {
-                Some(column) => self.kept.extend_from_slice(column.as_slice()),
-                None => self.kept.extend(column.iter()),
-            }
-        }
-        let mut memory = [const { MaybeUninit::<u8>::uninit() }; 2 * BLOCK * size_of::<f64>()];
-        let stack = MemStack::new(&mut memory);
-        let definite =
-            cholesky_in_place(first.rb_mut(), Default::default(), Par::Seq, stack, Default::default())
-                .is_ok();
-        if definite {
-            divide_rows(first.rb(), second, self.parallel);
+        if self.triangle.factor(first.rb_mut()) {
+            divide_rows(self.triangle, second, self.parallel);
             return Ok(());
         }
-        put_back(self.kept, first.rb_mut());
+        let kept = first.to_owned();
         match Pivots::new(first.rb_mut(), second) {
             Ok(pivots) => {
                 self.pivots.push(PivotedBlocks { blocks: block..block + 1, pivots });
@@ -170,7 +150,7 @@ impl Elimination<'_> {
             }
             // The rows below are as they were.
             Err(FactorError::Singular) if block + 1 < self.layout.blocks() => {
-                put_back(self.kept, first);
+                first.copy_from(&kept);
                 Err(Stop::Singular(block))
             }
             Err(error) => Err(Stop::Failed(error)),
@@ -220,6 +200,7 @@ impl Elimination<'_> {
         let (rows, width) = (tile.nrows(), tile.ncols());
         let triangle = if row == column { width } else { 0 };
         for block in from.blocks.clone() {
+            let accum = if from.alone && block == from.blocks.start { Accum::Replace } else { Accum::Add };
             let source = from.block(self.layout, block);
             let first = block * BLOCK;
             let left = source.subrows(row - first, rows);
@@ -241,7 +222,7 @@ impl Elimination<'_> {
                 triangular_matmul(
                     tile.rb_mut().subrows_mut(0, triangle),
                     BlockStructure::TriangularLower,
-                    Accum::Add,
+                    accum,
                     left.subrows(0, triangle),
                     BlockStructure::Rectangular,
                     right.transpose(),
@@ -255,7 +236,7 @@ impl Elimination<'_> {
                     tile.rb_mut().subrows_mut(triangle, rows - triangle),
                     left.subrows(triangle, rows - triangle),
                 );
-                matmul(to, Accum::Add, left, right.transpose(), -1.0, Par::Seq);
+                matmul(to, accum, left, right.transpose(), -1.0, Par::Seq);
             }
         }
     }
@@ -267,6 +248,8 @@ struct Source<'a> {
     first: usize,
     blocks: Range<usize>,
     values: &'a [f64],
+    /// What they are taken off has no value yet.
+    alone: bool,
 }
 
 impl Source<'_> {
@@ -278,16 +261,6 @@ impl Source<'_> {
     }
 }
 
-/// Writes the kept triangle of a block back.
-fn put_back(kept: &[f64], mut block: MatMut<'_, f64>) {
-    let mut kept = kept.iter();
-    let n = block.nrows();
-    for j in 0..n {
-        let column = block.rb_mut().col_mut(j).subrows_mut(j, n - j);
-        column.iter_mut().zip(&mut kept).for_each(|(x, k)| *x = *k);
-    }
-}
-
 /// The block column where half of the entries of some are reached.
 pub(super) fn half(layout: Trapezoid, blocks: &Range<usize>) -> usize {
     let (first, last) = (layout.start(blocks.start), layout.start(blocks.end));
@@ -296,12 +269,12 @@ pub(super) fn half(layout: Trapezoid, blocks: &Range<usize>) -> usize {
 }
 
 /// `A₂₁ L₁₁⁻ᵀ`.
-fn divide_rows(first: MatRef<'_, f64>, mut rows: MatMut<'_, f64>, parallel: bool) {
+fn divide_rows(triangle: &Triangle, rows: MatMut<'_, f64>, parallel: bool) {
     if rows.nrows() > TILE {
         let middle = rows.nrows() / 2;
         let (upper, lower) = rows.split_at_row_mut(middle);
-        both(parallel, || divide_rows(first, upper, parallel), || divide_rows(first, lower, parallel));
-    } else if rows.nrows() > 0 {
-        solve_lower_triangular_in_place(first, rows.rb_mut().transpose_mut(), Par::Seq);
+        both(parallel, || divide_rows(triangle, upper, parallel), || divide_rows(triangle, lower, parallel));
+    } else {
+        triangle.divide(rows);
     }
 }

@@ -11,6 +11,7 @@ mod schedule;
 mod substitution;
 pub mod substructures;
 mod trapezoid;
+mod triangle;
 
 pub use cholesky::{SparseCholesky, SymmetricPattern};
 

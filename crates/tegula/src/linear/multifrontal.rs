@@ -12,12 +12,15 @@
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use pulp::Arch;
+
 use super::assembly_tree::{AssemblyTree, Front};
-use super::elimination::{Elimination, FrontPivots, KEPT, half};
+use super::elimination::{Elimination, FrontPivots, half};
 use super::ordering::Quotient;
 use super::schedule::{Task, run_all};
 use super::substitution::Solver;
 use super::trapezoid::{BLOCK, Trapezoid};
+use super::triangle::Triangle;
 use super::{FactorError, Inertia};
 
 /// Work (operations) below which a subtree is not split.
@@ -46,7 +49,7 @@ pub(super) struct Multifrontal {
 /// What waits in a subtree that one thread works off, and memory for a block.
 struct Stack {
     values: Vec<f64>,
-    kept: Vec<f64>,
+    triangle: Triangle,
 }
 
 impl Multifrontal {
@@ -64,7 +67,7 @@ impl Multifrontal {
             .collect();
         let tasks = Task::all(&tree, &split);
         let stack = stack_size(&tree, &split);
-        let stack = || Ok(Stack { values: zeros(stack)?, kept: Vec::with_capacity(KEPT) });
+        let stack = || Ok(Stack { values: zeros(stack)?, triangle: Triangle::new() });
         let stacks = (0..threads).map(|_| stack().map(Mutex::new)).collect::<Result<_, _>>()?;
         Ok(Self {
             factor: zeros(tree.size)?,
@@ -156,7 +159,7 @@ impl Multifrontal {
     fn factor_once(&mut self, values: &[f64], wary: bool) -> Result<usize, FactorError> {
         self.pivots.iter_mut().for_each(Vec::clear);
         let Self { tree, split, tasks, stacks, factor, pivots, .. } = self;
-        let numeric = Numeric { tree, stacks, values, wary };
+        let numeric = Numeric { tree, stacks, values, wary, arch: Arch::new() };
         let mut rest = Part { panels: factor, pivots };
         let mut take = |task: &Task| {
             let size = task.fronts.clone().map(|f| tree.fronts[f].layout().size()).sum();
@@ -265,6 +268,7 @@ struct Numeric<'a> {
     values: &'a [f64],
     /// See [`Elimination`].
     wary: bool,
+    arch: Arch,
 }
 
 impl Numeric<'_> {
@@ -279,18 +283,14 @@ impl Numeric<'_> {
         let front = &self.tree.fronts[f];
         let (layout, passed) = (front.layout(), front.passed());
         let Part { panels: panel, pivots } = part;
-        *out = zeros(passed.size())?;
-        rayon::join(
-            || self.assemble(f, &from, (layout, 0), 0..layout.blocks(), panel),
-            || self.assemble(f, &from, (passed, front.width), 0..passed.blocks(), out),
-        );
-        drop(from);
+        self.assemble(f, &from, (layout, 0), 0..layout.blocks(), panel);
         self.tree.enter(f, self.values, panel);
-        let mut kept = Vec::with_capacity(KEPT);
-        let mut work =
-            Elimination { layout, pivots: &mut pivots[0], kept: &mut kept, parallel: true, wary: self.wary };
+        let (pivots, triangle) = (&mut pivots[0], &mut Triangle::new());
+        let mut work = Elimination { layout, pivots, triangle, parallel: true, wary: self.wary };
         work.columns(panel)?;
+        *out = zeros(passed.size())?;
         work.rest(panel, out);
+        self.assemble(f, &from, (passed, front.width), 0..passed.blocks(), out);
         Ok(())
     }
 
@@ -316,7 +316,7 @@ impl Numeric<'_> {
             values.fill(0.0);
         }
         for (&c, from) in self.tree.children[f].iter().zip(from) {
-            add(&self.tree.fronts[c as usize], from, (to, offset), &blocks, values);
+            self.add(&self.tree.fronts[c as usize], from, (to, offset), &blocks, values);
         }
     }
 
@@ -330,8 +330,8 @@ impl Numeric<'_> {
         let fronts = &self.tree.fronts;
         let leaf = subtree.start;
         let start = fronts[leaf].panel;
-        let mut memory = self.stack();
-        let Stack { values: stack, kept } = &mut *memory;
+        let mut stack = self.stack();
+        let Stack { values: stack, triangle } = &mut *stack;
         let mut top = 0;
         for s in subtree.clone() {
             let front = &fronts[s];
@@ -345,35 +345,47 @@ impl Numeric<'_> {
                 *out = zeros(own)?;
                 &mut out[..]
             } else {
-                free[..own].fill(0.0);
                 &mut free[..own]
             };
+            let from_children = |to: Trapezoid, offset, values: &mut [f64]| {
+                let mut at = top - children;
+                for &c in &self.tree.children[s] {
+                    let child = &fronts[c as usize];
+                    self.add(child, &held[at..], (to, offset), &(0..to.blocks()), values);
+                    at += child.passed().size();
+                }
+            };
             panel.fill(0.0);
-            let mut at = top - children;
-            for &c in &self.tree.children[s] {
-                let child = &fronts[c as usize];
-                let size = child.passed().size();
-                let from = &held[at..at + size];
-                add(child, from, (layout, 0), &(0..layout.blocks()), panel);
-                add(child, from, (passed, front.width), &(0..passed.blocks()), next);
-                at += size;
-            }
+            from_children(layout, 0, panel);
             self.tree.enter(s, self.values, panel);
             let mut work = Elimination {
                 layout,
                 pivots: &mut part.pivots[s - leaf],
-                kept,
+                triangle,
                 parallel: false,
                 wary: self.wary,
             };
             work.columns(panel)?;
             work.rest(panel, next);
+            from_children(passed, front.width, next);
             if !last && children > 0 {
                 stack.copy_within(top..top + own, top - children);
             }
             top = top - children + own;
         }
         Ok(())
+    }
+
+    /// As [`add`], with the registers of this machine.
+    fn add(
+        &self,
+        child: &Front,
+        from: &[f64],
+        to: (Trapezoid, usize),
+        blocks: &Range<usize>,
+        values: &mut [f64],
+    ) {
+        self.arch.dispatch(|| add(child, from, to, blocks, values));
     }
 
     /// The stack of this thread. While it is held no other work is waited for.
@@ -399,6 +411,7 @@ pub(super) fn halves(tree: &AssemblyTree, children: &[u32]) -> usize {
 
 /// Adds what a child passes on to block columns of its parent: of a trapezoid whose first column has the number `offset`
 /// there. `values` are those block columns.
+#[inline(always)]
 fn add(
     child: &Front,
     from: &[f64],
@@ -427,7 +440,7 @@ fn add(
     }
 }
 
-#[inline]
+#[inline(always)]
 fn add_run(target: &mut [f64], source: &[f64]) {
     for (t, s) in target.iter_mut().zip(source) {
         *t += s;

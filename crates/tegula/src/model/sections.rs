@@ -316,8 +316,8 @@ impl Elements {
             };
             let acting: Vec<bool> = prescribed.iter().map(Option::is_some).collect();
             let likeness = shapes.as_ref().map_or(Likeness::Alone, |s| s.look_up(&g, &directions, &acting));
-            let shared =
-                matches!(likeness, Likeness::Like(first) if builder.push_like(first, &connectivity, &g));
+            let shape = if let Likeness::Like(first) = likeness { first } else { members };
+            let shared = shape != members && builder.push_like(shape, &connectivity, &g);
             let result = if shared {
                 Ok(())
             } else {
@@ -342,8 +342,8 @@ impl Elements {
                 continue;
             }
             // Only now has the element its number.
-            if let (Some(shapes), Likeness::New(shape)) = (&mut shapes, likeness) {
-                shapes.register(shape, members);
+            if let (Some(shapes), Likeness::New(new)) = (&mut shapes, likeness) {
+                shapes.register(new, members);
             }
             for (d, area) in corners.into_iter().zip(crate::element::geometry::nodal_areas(&g.positions)) {
                 let v = vectors.of_director[d as usize];
@@ -357,7 +357,7 @@ impl Elements {
                 groups: first_group..first_group,
                 member: members,
                 section: self.sections.len(),
-                shape: first.unwrap_or(members),
+                shape,
                 prescribed: if acts { fields.iter().map(|f| f.contains(&q)).collect() } else { Vec::new() },
             });
             members += 1;

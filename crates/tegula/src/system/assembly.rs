@@ -6,6 +6,7 @@ use super::pattern::PORTION;
 use super::{Numbering, System};
 use crate::Vec3;
 use crate::element::{ElementGroup, Interior, Kinematics, Motion, Nodal, TangentRequest, TangentWeights};
+use crate::lists::Lists;
 
 /// What a tangent is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,9 +50,8 @@ pub struct Assembly {
     factors: Vec<f64>,
     /// Supports, and axes of the vectors that keep their length at their present values.
     pub numbering: Numbering,
-    /// For each nodal vector, where in `element_forces` (in units of nodal vectors) its parts are.
-    force_start: Vec<usize>,
-    force_sources: Vec<u32>,
+    /// Where in `element_forces` (in units of nodal vectors) the parts of each nodal vector are.
+    force_sources: Lists<u32>,
 }
 
 impl Assembly {
@@ -72,14 +72,6 @@ impl Assembly {
             elements += group.len();
         }
         let element_forces = vec![0.0; 3 * sources.len()];
-        sources.sort_unstable();
-        let mut force_start = vec![0; system.vectors() + 1];
-        for &(v, _) in &sources {
-            force_start[v as usize + 1] += 1;
-        }
-        for v in 0..system.vectors() {
-            force_start[v + 1] += force_start[v];
-        }
         Self {
             element_forces,
             blocks: vec![0.0; 9 * largest_portion(system)],
@@ -90,8 +82,7 @@ impl Assembly {
             new_history: vec![0.0; history],
             factors: vec![0.0; system.prescribed_strains.len()],
             numbering: system.numbering.clone(),
-            force_start,
-            force_sources: sources.into_iter().map(|s| s.1).collect(),
+            force_sources: Lists::by_key(system.vectors(), sources.into_iter()),
         }
     }
 
@@ -280,7 +271,7 @@ impl Assembly {
     fn gather_forces(&self, out: &mut [Nodal]) {
         out.par_iter_mut().with_min_len(256).enumerate().for_each(|(v, f)| {
             *f = [0.0; 3];
-            for &source in &self.force_sources[self.force_start[v]..self.force_start[v + 1]] {
+            for &source in self.force_sources.of(v) {
                 let at = 3 * source as usize;
                 for i in 0..3 {
                     f[i] += self.element_forces[at + i];
@@ -455,7 +446,7 @@ pub fn curvature<'a>(
 }
 
 /// Blocks of the lower triangle of `vectors` nodal vectors.
-fn pairs(vectors: usize) -> usize {
+pub(super) fn pairs(vectors: usize) -> usize {
     vectors * (vectors + 1) / 2
 }
 

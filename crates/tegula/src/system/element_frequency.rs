@@ -10,7 +10,7 @@
 use rayon::prelude::*;
 
 use super::System;
-use super::assembly::ElementBlocks;
+use super::assembly::{ElementBlocks, pairs};
 use super::numbering::VectorKind;
 use crate::Vec3;
 use crate::element::{ElementGroup, Nodal};
@@ -106,7 +106,7 @@ pub fn of_elements(
     ElementBlocks { group, first, blocks }: ElementBlocks,
     wanted: impl Fn(VectorKind) -> bool + Sync,
 ) -> Vec<f64> {
-    let size = block_values(group.vectors_per_element());
+    let size = 9 * pairs(group.vectors_per_element());
     let mut out = vec![0.0; blocks.len() / size];
     out.par_chunks_mut(CHUNK).zip(blocks.par_chunks(CHUNK * size)).enumerate().for_each(
         |(chunk, (out, blocks))| {
@@ -138,7 +138,7 @@ pub fn of_part(
     mass: &[f64],
     ElementBlocks { group, first, blocks }: ElementBlocks,
 ) -> f64 {
-    let size = block_values(group.vectors_per_element());
+    let size = 9 * pairs(group.vectors_per_element());
     blocks
         .par_chunks(CHUNK * size)
         .enumerate()
@@ -177,18 +177,13 @@ pub fn of_followers(system: &System, shares: &MassShares, mass: &[f64], u: &[Nod
             part[a] = mass[v] / f64::from(shares.loads[v].max(1));
         }
         // −∂f/∂x: what is added to the stiffness.
-        load.stiffness(&x[..n], &mut blocks[..block_values(n)]);
+        load.stiffness(&x[..n], &mut blocks[..9 * pairs(n)]);
         let factor = system.amplitude(load.amplitude(), time);
         blocks.iter_mut().for_each(|k| *k *= factor);
-        square.fill(&blocks[..block_values(n)], &part[..n], |_| true);
+        square.fill(&blocks[..9 * pairs(n)], &part[..n], |_| true);
         highest = larger(highest, square.bound(highest));
     }
     highest
-}
-
-/// Numbers in the lower blocks of `vectors` nodal vectors.
-pub fn block_values(vectors: usize) -> usize {
-    9 * vectors * (vectors + 1) / 2
 }
 
 /// The larger of two values; not a number if one of them is none.

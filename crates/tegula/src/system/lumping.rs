@@ -9,8 +9,8 @@
 //! highest one of the positions of any element. This adds a rotary inertia of about the element size squared, which
 //! vanishes with the mesh.
 
-use super::assembly::ElementBlocks;
-use super::element_frequency::{MassShares, block_values, of_elements, row_sums};
+use super::assembly::{ElementBlocks, pairs};
+use super::element_frequency::{MassShares, of_elements, row_sums};
 use super::pattern::PORTION;
 use super::{System, VectorKind};
 use crate::Issue;
@@ -122,10 +122,10 @@ fn at_rest(system: &System, mut take: impl FnMut(ElementBlocks)) {
         let k = Kinematics { interior, unit: &system.unit, ..k };
         let m = group.vectors_per_element();
         let mut forces = vec![0.0; 3 * m * group.len().min(PORTION)];
-        let mut blocks = vec![0.0; block_values(m) * group.len().min(PORTION)];
+        let mut blocks = vec![0.0; 9 * pairs(m) * group.len().min(PORTION)];
         for first in (0..group.len()).step_by(PORTION) {
             let count = (group.len() - first).min(PORTION);
-            let blocks = &mut blocks[..block_values(m) * count];
+            let blocks = &mut blocks[..9 * pairs(m) * count];
             let request = TangentRequest { weights, stress: None, prescribed: None, blocks: &mut *blocks };
             group.evaluate(&k, first, &mut forces[..3 * m * count], Some(request));
             take(ElementBlocks { group, first, blocks });

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use super::numbering::CONSTRAINED;
 use super::{System, VectorKind};
 use crate::element::Nodal;
+use crate::lists::Lists;
 use crate::{Mat3, Vec3};
 
 /// Accuracy (rad) of the rotations: they turn an approximate tangent.
@@ -19,10 +20,8 @@ const ITERATIONS: usize = 30;
 
 /// Rotations of the nodes, and what they are found from.
 pub struct Turning {
-    /// First partner of each node.
-    start: Vec<u32>,
-    /// Nodal vectors: of positions of the neighbours, and of directors of the node itself.
-    partners: Vec<u32>,
+    /// Nodal vectors by node: of positions of the neighbours, and of directors of the node itself.
+    partners: Lists<u32>,
     /// Rotation of each node.
     rotations: Vec<Mat3>,
     /// Vectors that are free to turn.
@@ -48,11 +47,6 @@ impl Turning {
         pairs.sort_unstable();
         pairs.dedup();
         let nodes = system.position_of.len();
-        let mut start = vec![0; nodes + 1];
-        pairs.iter().for_each(|&(node, _)| start[node as usize + 1] += 1);
-        for n in 0..nodes {
-            start[n + 1] += start[n];
-        }
         // A vector that keeps its length is free to turn, though it has but two free coordinates.
         let mut free: Vec<bool> =
             (0..system.vectors()).map(|v| system.numbering.of(v).iter().all(|&n| n != CONSTRAINED)).collect();
@@ -60,12 +54,12 @@ impl Turning {
             free[unit.vector as usize] = unit.fixed.is_none();
         }
         let rotations = vec![Mat3::identity(); nodes];
-        Self { start, partners: pairs.into_iter().map(|p| p.1).collect(), rotations, free }
+        Self { partners: Lists::by_key(nodes, pairs.into_iter()), rotations, free }
     }
 
     /// Finds the rotations between two states with displacements `from` and `to`.
     pub fn find(&mut self, system: &System, from: &[Nodal], to: &[Nodal]) {
-        let Self { start, partners, rotations, .. } = self;
+        let Self { partners, rotations, .. } = self;
         let at = |u: &[Nodal], v: u32| {
             let v = v as usize;
             Vec3::from(system.reference[v]) + Vec3::from(u[v])
@@ -73,7 +67,7 @@ impl Turning {
         rotations.par_iter_mut().with_min_len(64).enumerate().for_each(|(node, rotation)| {
             let own = system.position_of[node];
             let mut change = Mat3::zeros();
-            for &p in &partners[start[node] as usize..start[node + 1] as usize] {
+            for &p in partners.of(node) {
                 let (mut old, mut new) = (at(from, p), at(to, p));
                 if system.kinds[p as usize] == VectorKind::Position {
                     old -= at(from, own);

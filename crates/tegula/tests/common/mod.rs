@@ -3,15 +3,14 @@
 
 use nalgebra::{Rotation3, Unit};
 use tegula::analysis::dynamics::{self, TransientOutcome};
-use tegula::analysis::solver::TangentSolver;
+use tegula::analysis::solver::{Linearization, TangentSolver};
 use tegula::analysis::statics::{self, StaticOutcome};
 use tegula::analysis::{Observer, State, Step};
-use tegula::element::{Kinematics, Nodal, ShellGeometry, TangentWeights};
+use tegula::element::{Nodal, ShellGeometry};
 use tegula::linear::SparseCholesky;
 use tegula::mesh::generators::generate;
 use tegula::model::build::build;
 use tegula::model::*;
-use tegula::system::assembly::TangentParts;
 use tegula::system::{Assembly, VectorKind};
 use tegula::{Mesh, System, Vec3};
 
@@ -298,27 +297,12 @@ impl Observer for Notes {
 pub struct Fresh(pub SparseCholesky);
 
 impl TangentSolver for Fresh {
-    fn assemble(
-        &mut self,
-        assembly: &mut Assembly,
-        system: &System,
-        k: &Kinematics,
-        parts: &TangentParts,
-        how: (bool, Option<&[Nodal]>),
-        out: &mut [Nodal],
-    ) {
-        self.0.assemble(assembly, system, k, parts, how, out);
+    fn assemble(&mut self, assembly: &mut Assembly, at: &Linearization, out: &mut [Nodal]) {
+        self.0.assemble(assembly, at, out);
     }
 
-    fn add_curvature(
-        &mut self,
-        assembly: &mut Assembly,
-        system: &System,
-        k: &Kinematics,
-        weights: &TangentWeights,
-        rest: &[Nodal],
-    ) {
-        self.0.add_curvature(assembly, system, k, weights, rest);
+    fn add_curvature(&mut self, assembly: &mut Assembly, at: &Linearization, rest: &[Nodal]) {
+        self.0.add_curvature(assembly, at, rest);
     }
 
     fn prepare(&mut self, assembly: &Assembly) -> Result<usize, String> {

@@ -1,0 +1,355 @@
+//! Cholesky factorisation of a block on the diagonal and division of the rows below it, in vector registers.
+//!
+//! Rows are worked off in chunks of a few registers, columns in strips of a few: a chunk of rows of a strip stays in
+//! registers while all columns before it are taken off. The triangle is kept strip by strip, in the order in which it
+//! is read. What happens to a row does not depend on the rows beside it, so rows may be shared between threads as they
+//! like. At the widths of fronts, 20 to 128 columns, this is faster than the recursive kernels for large matrices.
+
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{ContiguousFwd, MatMut, MatRef};
+use pulp::{Arch, Simd, WithSimd, bytemuck};
+
+use super::trapezoid::BLOCK;
+
+/// Columns of the widest strip.
+const WIDEST: usize = 8;
+
+/// Factor `L₁₁` of a block of up to [`BLOCK`] columns, ready to divide rows by its transpose.
+pub(super) struct Triangle {
+    arch: Arch,
+    width: usize,
+    /// Strips of columns: first the entries of their rows in the columns before them, then their own triangle, with
+    /// reciprocals on the diagonal. What is beyond the block is that of a unit matrix.
+    strips: Vec<f64>,
+}
+
+impl Triangle {
+    /// Memory for one.
+    pub fn new() -> Self {
+        let blocks = BLOCK / 4 + 1;
+        Self { arch: Arch::new(), width: 0, strips: Vec::with_capacity(8 * blocks * (blocks + 1)) }
+    }
+
+    /// Factors the lower triangle of a block in place; false if it is not positive definite, and stays as it is then.
+    pub fn factor(&mut self, block: MatMut<'_, f64>) -> bool {
+        self.width = block.nrows();
+        self.strips.clear();
+        let Some(block) = block.try_as_col_major_mut() else { return false };
+        self.arch.dispatch(Factorization { strips: &mut self.strips, block })
+    }
+
+    /// `A L₁₁⁻ᵀ` in place of the rows A.
+    pub fn divide(&self, rows: MatMut<'_, f64>) {
+        debug_assert_eq!(rows.ncols(), self.width);
+        if rows.nrows() > 0 {
+            self.arch.dispatch(Division { strips: &self.strips, rows });
+        }
+    }
+}
+
+/// A chunk of rows: registers of R · lanes rows by column.
+type Chunk<S, const R: usize> = [[<S as Simd>::f64s; R]; BLOCK + WIDEST];
+
+/// A matrix whose columns are slices.
+type Columns<'a> = MatMut<'a, f64, usize, usize, ContiguousFwd>;
+
+/// Strips of C columns and chunks of R registers.
+struct Kernel<S, const R: usize, const C: usize> {
+    simd: S,
+}
+
+impl<S: Simd, const R: usize, const C: usize> Kernel<S, R, C> {
+    /// Rows of a chunk.
+    const ROWS: usize = R * S::F64_LANES;
+
+    #[inline(always)]
+    fn chunk(&self) -> Chunk<S, R> {
+        [[self.simd.splat_f64s(0.0); R]; BLOCK + WIDEST]
+    }
+
+    /// Takes the columns before a strip off its columns, which begin at `at`: `A − X L₂₁ᵀ`.
+    #[inline(always)]
+    fn take_off(&self, chunk: &mut [[S::f64s; R]], before: &[f64], at: usize) {
+        let mut sum = [[self.simd.splat_f64s(0.0); R]; C];
+        for (x, l) in chunk[..at].iter().zip(before.chunks_exact(C)) {
+            for c in 0..C {
+                let l = self.simd.splat_f64s(l[c]);
+                for r in 0..R {
+                    sum[c][r] = self.simd.mul_add_e_f64s(x[r], l, sum[c][r]);
+                }
+            }
+        }
+        for (column, sum) in chunk[at..at + C].iter_mut().zip(&sum) {
+            for r in 0..R {
+                column[r] = self.simd.sub_f64s(column[r], sum[r]);
+            }
+        }
+    }
+
+    /// Divides the columns of a strip by the transpose of its own triangle.
+    #[inline(always)]
+    fn solve(&self, chunk: &mut [[S::f64s; R]], own: &[f64], at: usize) {
+        let mut x = [[self.simd.splat_f64s(0.0); R]; C];
+        x.copy_from_slice(&chunk[at..at + C]);
+        for (c, row) in own.chunks_exact(C).enumerate().take(C) {
+            for d in 0..c {
+                let l = self.simd.splat_f64s(-row[d]);
+                for r in 0..R {
+                    x[c][r] = self.simd.mul_add_e_f64s(x[d][r], l, x[c][r]);
+                }
+            }
+            let reciprocal = self.simd.splat_f64s(row[c]);
+            for r in 0..R {
+                x[c][r] = self.simd.mul_f64s(x[c][r], reciprocal);
+            }
+        }
+        chunk[at..at + C].copy_from_slice(&x);
+    }
+
+    /// Divides a chunk by all strips there are; tells how many columns these have.
+    #[inline(always)]
+    fn divide(&self, chunk: &mut [[S::f64s; R]], strips: &[f64]) -> usize {
+        let (mut at, mut rest) = (0, strips);
+        while !rest.is_empty() {
+            let (before, own) = rest.split_at(C * at);
+            let (own, others) = own.split_at(C * C);
+            self.take_off(chunk, before, at);
+            self.solve(chunk, own, at);
+            (at, rest) = (at + C, others);
+        }
+        at
+    }
+
+    /// Reads rows from `first` on into a chunk.
+    #[inline(always)]
+    fn read(&self, rows: MatRef<'_, f64>, first: usize, chunk: &mut [[S::f64s; R]]) {
+        let count = (rows.nrows() - first).min(Self::ROWS);
+        for (column, to) in rows.subrows(first, count).col_iter().zip(chunk) {
+            let to: &mut [f64] = bytemuck::cast_slice_mut(to);
+            match column.try_as_col_major() {
+                Some(column) if count == Self::ROWS => to.copy_from_slice(column.as_slice()),
+                Some(column) => to[..count].copy_from_slice(column.as_slice()),
+                None => to.iter_mut().zip(column.iter()).for_each(|(to, x)| *to = *x),
+            }
+        }
+    }
+
+    /// Writes a chunk back.
+    #[inline(always)]
+    fn write(&self, chunk: &[[S::f64s; R]], first: usize, rows: MatMut<'_, f64>) {
+        let count = (rows.nrows() - first).min(Self::ROWS);
+        for (mut column, from) in rows.subrows_mut(first, count).col_iter_mut().zip(chunk) {
+            let from: &[f64] = bytemuck::cast_slice(from);
+            match column.rb_mut().try_as_col_major_mut() {
+                Some(column) if count == Self::ROWS => column.as_slice_mut().copy_from_slice(from),
+                Some(column) => column.as_slice_mut().copy_from_slice(&from[..count]),
+                None => column.iter_mut().zip(from).for_each(|(x, from)| *x = *from),
+            }
+        }
+    }
+
+    /// Factors the triangle of a strip that begins with row `row` of the chunk and column `at`, of which `width` are in
+    /// the block, and adds it to the strips.
+    #[inline(always)]
+    fn own(
+        &self,
+        chunk: &[[S::f64s; R]],
+        (row, at, width): (usize, usize, usize),
+        strips: &mut Vec<f64>,
+    ) -> bool {
+        let mut l = [[0.0; C]; C];
+        for c in 0..C {
+            let column: &[f64] = bytemuck::cast_slice(&chunk[at + c]);
+            for r in c..C {
+                l[r][c] = if at + r < width { column[row + r] } else { f64::from(u8::from(r == c)) };
+            }
+        }
+        for c in 0..C {
+            for d in 0..c {
+                for r in c..C {
+                    l[r][c] -= l[r][d] * l[c][d];
+                }
+            }
+            let pivot = l[c][c];
+            if !(pivot > 0.0 && pivot < f64::INFINITY) {
+                return false;
+            }
+            let reciprocal = pivot.sqrt().recip();
+            for r in c + 1..C {
+                l[r][c] *= reciprocal;
+            }
+            l[c][c] = reciprocal;
+        }
+        l.iter().for_each(|row| strips.extend_from_slice(row));
+        true
+    }
+
+    #[inline(always)]
+    fn factor(&self, strips: &mut Vec<f64>, block: Columns<'_>) -> bool {
+        let width = block.nrows();
+        let mut chunk = self.chunk();
+        for first in (0..width).step_by(Self::ROWS) {
+            let columns = (first + Self::ROWS).min(width);
+            self.read(block.rb().subcols(0, columns).as_dyn_stride(), first, &mut chunk);
+            self.divide(&mut chunk, strips);
+            for row in (0..Self::ROWS).step_by(C) {
+                let at = first + row;
+                if at >= width {
+                    break;
+                }
+                let before = strips.len();
+                for column in &chunk[..at] {
+                    let column: &[f64] = bytemuck::cast_slice(column);
+                    strips.extend_from_slice(&column[row..row + C]);
+                }
+                self.take_off(&mut chunk, &strips[before..], at);
+                let own = strips.len();
+                if !self.own(&chunk, (row, at, width), strips) {
+                    return false;
+                }
+                self.solve(&mut chunk, &strips[own..], at);
+            }
+        }
+        self.unpack(strips, block);
+        true
+    }
+
+    /// Writes the factor from its strips.
+    #[inline(always)]
+    fn unpack(&self, strips: &[f64], block: Columns<'_>) {
+        let width = block.nrows();
+        for (j, column) in block.col_iter_mut().enumerate() {
+            let (first, within, column) = (j / C * C, j % C, column.as_slice_mut());
+            // Strips before this one have C, 2C, ... rows of C.
+            let own = &strips[first * (first + C) / 2 + C * first..][..C * C];
+            column[j] = own[C * within + within].recip();
+            for r in within + 1..C.min(width - first) {
+                column[first + r] = own[C * r + within];
+            }
+            for at in (first + C..width).step_by(C) {
+                let row = &strips[at * (at + C) / 2 + C * j..][..C];
+                let count = C.min(width - at);
+                column[at..at + count].copy_from_slice(&row[..count]);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn divide_all(&self, strips: &[f64], mut rows: MatMut<'_, f64>) {
+        let mut chunk = self.chunk();
+        for first in (0..rows.nrows()).step_by(Self::ROWS) {
+            self.read(rows.rb(), first, &mut chunk);
+            self.divide(&mut chunk, strips);
+            self.write(&chunk, first, rows.rb_mut());
+        }
+    }
+}
+
+/// Calls a method of the kernel that suits the registers: one that fills them with sums, and no more.
+macro_rules! with_kernel {
+    ($simd:expr, $S:ident, $method:ident($($argument:expr),*)) => {
+        if $S::F64_LANES >= 8 {
+            Kernel::<$S, 2, 8> { simd: $simd }.$method($($argument),*)
+        } else if $S::F64_LANES == 4 {
+            Kernel::<$S, 2, 4> { simd: $simd }.$method($($argument),*)
+        } else {
+            Kernel::<$S, 4, 4> { simd: $simd }.$method($($argument),*)
+        }
+    };
+}
+
+struct Factorization<'a> {
+    strips: &'a mut Vec<f64>,
+    block: Columns<'a>,
+}
+
+impl WithSimd for Factorization<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        with_kernel!(simd, S, factor(self.strips, self.block))
+    }
+}
+
+struct Division<'a> {
+    strips: &'a [f64],
+    rows: MatMut<'a, f64>,
+}
+
+impl WithSimd for Division<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        with_kernel!(simd, S, divide_all(self.strips, self.rows))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use faer::Mat;
+
+    fn matrix(n: usize, rows: usize) -> (Mat<f64>, Mat<f64>) {
+        let entry = |i: usize, j: usize| ((i * 7 + j * 13) % 17) as f64 / 17.0 - 0.4;
+        let b = Mat::from_fn(n, n, entry);
+        let a = &b * b.transpose() + Mat::<f64>::identity(n, n);
+        (a, Mat::from_fn(rows, n, |i, j| entry(i + 3, 2 * j)))
+    }
+
+    #[test]
+    fn factors_and_divides_blocks_of_any_size() {
+        let mut triangle = Triangle::new();
+        for n in (1..=40).chain([63, 64, 65, 100, 120, 127, 128]) {
+            for rows in [0, 1, 7, 8, 17, 100] {
+                let (a, c) = matrix(n, rows);
+                let (mut l, mut x) = (a.clone(), c.clone());
+                for j in 1..n {
+                    (0..j).for_each(|i| l[(i, j)] = f64::NAN);
+                }
+                assert!(triangle.factor(l.as_mut()), "{n}");
+                triangle.divide(x.as_mut());
+                let lower = Mat::from_fn(n, n, |i, j| if i >= j { l[(i, j)] } else { 0.0 });
+                let scale = a.norm_max();
+                assert!((&lower * lower.transpose() - &a).norm_max() <= 1e-14 * n as f64 * scale, "{n}");
+                if rows > 0 {
+                    assert!((&x * lower.transpose() - &c).norm_max() <= 1e-14 * n as f64 * scale, "{n}");
+                }
+                assert!(
+                    (0..n).all(|j| (0..j).all(|i| l[(i, j)].is_nan())),
+                    "the upper triangle is not written"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn every_instruction_set_gives_the_same_factor() {
+        let (a, c) = matrix(77, 50);
+        let run = |arch| {
+            let mut triangle = Triangle { arch, ..Triangle::new() };
+            let (mut l, mut x) = (a.clone(), c.clone());
+            assert!(triangle.factor(l.as_mut()));
+            triangle.divide(x.as_mut());
+            x
+        };
+        let (fast, plain) = (run(Arch::new()), run(Arch::Scalar));
+        assert!((&fast - &plain).norm_max() <= 1e-13 * plain.norm_max());
+    }
+
+    #[test]
+    fn a_block_that_is_not_positive_definite_is_found_out() {
+        let mut triangle = Triangle::new();
+        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            for at in [0, 7, 8, 30, 44] {
+                let (mut a, _) = matrix(45, 0);
+                for i in 0..45 {
+                    (a[(i, at)], a[(at, i)]) = (0.0, 0.0);
+                }
+                a[(at, at)] = bad;
+                assert!(!triangle.factor(a.as_mut()), "{bad} {at}");
+            }
+        }
+    }
+}
