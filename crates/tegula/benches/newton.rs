@@ -1,5 +1,5 @@
 //! Where the time of one Newton iteration goes, on the quarter cylinder of Sect. 5.2 at 64×64:
-//! element work, scatter, factorisation, solve.
+//! element work, scatter, factorisation, solve; and what time steps of a pendulum take.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 #[path = "../tests/common/mod.rs"]
@@ -7,12 +7,13 @@ mod common;
 
 use std::hint::black_box;
 
-use common::loaded_quarter_cylinder;
+use common::{compile, loaded_quarter_cylinder, pendulum};
 use criterion::{Criterion, criterion_group, criterion_main};
 use tegula::analysis::statics::state_kinematics;
+use tegula::analysis::{Silent, dynamics};
 use tegula::element::TangentWeights;
-use tegula::linear::{Factor, SparseCholesky, SymmetricPattern};
-use tegula::model::ElementKind;
+use tegula::linear::{Factor, SparseCholesky};
+use tegula::model::{Analysis, ElementKind, Model, TransientAnalysis};
 use tegula::system::Assembly;
 use tegula::system::assembly::TangentParts;
 
@@ -37,15 +38,26 @@ fn iteration(c: &mut Criterion) {
     let zero = vec![[0.0; 3]; system.vectors()];
     let k = state_kinematics(&system, &zero, 1.0);
     assembly.forces_and_tangent(&system, &k, &parts, false, None, &mut forces);
-    let pattern =
-        || SymmetricPattern::new(system.pattern.column_pointers.clone(), system.pattern.row_indices.clone());
-    let mut solver = SparseCholesky::new(pattern()).unwrap();
+    let pattern = system.tangent_pattern();
+    let mut solver = SparseCholesky::new(&pattern).unwrap();
     group.bench_function("factorisation", |b| b.iter(|| solver.factor(black_box(&assembly.values)).unwrap()));
     let mut x = vec![1.0; system.unknowns()];
     group.bench_function("solve", |b| b.iter(|| solver.solve(black_box(&mut x))));
-    group.bench_function("ordering-and-analysis", |b| b.iter(|| SparseCholesky::new(pattern()).unwrap()));
+    group.bench_function("ordering-and-analysis", |b| b.iter(|| SparseCholesky::new(&pattern).unwrap()));
     group.finish();
 }
 
-criterion_group!(benches, iteration);
+/// Ten steps of 1 ms of the pendulum of Sect. 5.4, started from rest: with one tangent for several of them.
+fn steps(c: &mut Criterion) {
+    let options = TransientAnalysis { time_step: Some(1e-3), ..TransientAnalysis::new(0.01) };
+    let (_, system) = compile(&Model { analysis: Analysis::Transient(options.clone()), ..pendulum(64) });
+    let mut group = c.benchmark_group("pendulum-64x64");
+    group.sample_size(10);
+    group.bench_function("ten-steps", |b| {
+        b.iter(|| dynamics::run(&system, &options, None, &mut Silent).unwrap());
+    });
+    group.finish();
+}
+
+criterion_group!(benches, iteration, steps);
 criterion_main!(benches);

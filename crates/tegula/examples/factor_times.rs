@@ -21,7 +21,7 @@ use std::time::Instant;
 use common::loaded_quarter_cylinder;
 use tegula::analysis::statics::state_kinematics;
 use tegula::element::TangentWeights;
-use tegula::linear::{Factor, SparseCholesky, SymmetricPattern};
+use tegula::linear::{Factor, SparseCholesky};
 use tegula::model::ElementKind;
 use tegula::system::Assembly;
 use tegula::system::assembly::TangentParts;
@@ -42,7 +42,8 @@ fn main() {
     let parts = TangentParts { weights, mass: 0.0, time: 1.0 };
     let k = state_kinematics(&system, &u, 1.0);
     assembly.forces_and_tangent(&system, &k, &parts, false, None, &mut forces);
-    let (pointers, rows) = (&system.pattern.column_pointers, &system.pattern.row_indices);
+    let pattern = system.tangent_pattern();
+    let (pointers, rows) = pattern.columns();
     if let Some(file) = arguments.get(2) {
         let mut bytes = Vec::new();
         let sizes = [system.unknowns(), rows.len()];
@@ -55,9 +56,8 @@ fn main() {
         bytes.extend(assembly.values.iter().flat_map(|v| v.to_le_bytes()));
         std::fs::write(file, bytes).unwrap();
     }
-    let pattern = SymmetricPattern::new(pointers.clone(), rows.clone());
     let start = Instant::now();
-    let mut solver = SparseCholesky::new(pattern).unwrap();
+    let mut solver = SparseCholesky::new(&pattern).unwrap();
     let analysis = start.elapsed().as_secs_f64();
     let best = |times: &mut dyn FnMut()| {
         (0..5)

@@ -24,7 +24,7 @@ use tegula::System;
 use tegula::analysis::statics::state_kinematics;
 use tegula::element::TangentWeights;
 use tegula::linear::substructures::{Convergence, Options, Wanted};
-use tegula::linear::{Factor as _, SparseCholesky, SymmetricPattern};
+use tegula::linear::{Factor as _, SparseCholesky};
 use tegula::system::Assembly;
 use tegula::system::assembly::TangentParts;
 
@@ -87,9 +87,8 @@ fn solve(system: &System) -> (Convergence, f64) {
     let convergence = pieces.solve(&mut x, &WANTED).unwrap();
 
     assembly.forces_and_tangent(system, &k, &parts, false, None, &mut field);
-    let (pointers, rows) = (&system.pattern.column_pointers, &system.pattern.row_indices);
-    let pattern = SymmetricPattern::new(pointers.clone(), rows.clone());
-    let mut direct = SparseCholesky::new(pattern.clone()).unwrap();
+    let pattern = system.tangent_pattern();
+    let mut direct = SparseCholesky::new(&pattern).unwrap();
     direct.factor(&assembly.values).unwrap();
     let mut exact = load;
     direct.solve(&mut exact);

@@ -5,7 +5,7 @@
 mod common;
 
 use common::{
-    Notes, compile, distance, model, move_in_time as run, on, plate, quarter_cylinder, vector_load,
+    Notes, compile, distance, model, move_in_time as run, pendulum, plate, quarter_cylinder, vector_load,
 };
 use tegula::analysis::dynamics;
 use tegula::analysis::statics::state_kinematics;
@@ -304,10 +304,7 @@ fn a_finished_run_can_be_continued() {
 /// Sect. 5.4 on 4 × 4: 5 kg swing on a corner; statistics of the first 30 steps.
 #[test]
 fn pendulum_statistics() {
-    let mut m = quarter_cylinder(4, 2.1e7);
-    m.conditions = vec![Condition::Spherical(on("u_min_v_min"))];
-    m.sections[0].total_mass = Some(5.0);
-    m.loads = vec![Load::Gravity(GravityLoad { value: [0.0, 0.0, -9.81], amplitude: None })];
+    let m = pendulum(4);
     let mut lines = Vec::new();
     for scheme in [NEWMARK, HHT, ENERGY_MOMENTUM] {
         let mut notes = Notes::default();

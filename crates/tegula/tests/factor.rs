@@ -54,7 +54,7 @@ impl Matrix {
     /// Inertia, and the residual of a solution over what it is made of.
     fn solve(&self) -> Result<(Inertia, f64), FactorError> {
         let pattern = self.pattern();
-        let mut factor = SparseCholesky::new(pattern.clone())?;
+        let mut factor = SparseCholesky::new(&pattern)?;
         let inertia = factor.factor(&self.values)?;
         let n = pattern.size();
         let exact: Vec<f64> = (0..n).map(|i| (1.0 + i as f64).sin()).collect();
@@ -191,7 +191,7 @@ fn few_negative_eigenvalues_are_counted_and_cost_no_digits() {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
                 let (inertia, residual) = m.solve().unwrap();
-                let mut factor = SparseCholesky::new(m.pattern()).unwrap();
+                let mut factor = SparseCholesky::new(&m.pattern()).unwrap();
                 factor.factor(&m.values).unwrap();
                 let mut x: Vec<f64> = (0..m.pointers.len() - 1).map(|i| (i as f64).cos()).collect();
                 factor.solve(&mut x);
@@ -265,7 +265,7 @@ fn wide_fronts_find_pivots_outside_of_their_blocks() {
 #[test]
 fn what_cannot_be_factored_is_refused_and_leaves_no_solution() {
     let m = Matrix::new(3, &[(0, 0, 1.0), (1, 1, 0.0), (2, 2, 1.0)]);
-    let mut factor = SparseCholesky::new(m.pattern()).unwrap();
+    let mut factor = SparseCholesky::new(&m.pattern()).unwrap();
     assert_eq!(factor.factor(&m.values), Err(FactorError::Singular));
     let mut x = [1.0; 3];
     factor.solve(&mut x);
@@ -285,7 +285,7 @@ fn solutions_do_not_depend_on_where_threads_meet() {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let mut factor = SparseCholesky::new(m.pattern()).unwrap();
+            let mut factor = SparseCholesky::new(&m.pattern()).unwrap();
             let mut out = Vec::new();
             for _ in 0..3 {
                 factor.factor(&m.values).unwrap();

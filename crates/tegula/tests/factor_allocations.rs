@@ -43,7 +43,7 @@ fn solving_allocates_nothing() {
     // Eigenvalues 4 − 2 cos(iπ/(n+1)) − 2 cos(jπ/(n+1)): the second matrix has negative ones.
     for (shift, negative) in [(0.0, false), (0.5, true)] {
         let (pattern, values) = grid(40, shift);
-        let mut factor = SparseCholesky::new(pattern.clone()).unwrap();
+        let mut factor = SparseCholesky::new(&pattern).unwrap();
         assert_eq!(factor.factor(&values).unwrap().negative > 0, negative);
         let mut x = vec![1.0; pattern.size()];
         // The harness has a thread of its own that may allocate meanwhile, but not every time.

@@ -4,11 +4,10 @@
 
 mod common;
 
-use common::{Notes, Random, compile, distance, move_in_time, on, quarter_cylinder, rotation};
+use common::{Notes, Random, compile, distance, move_in_time, pendulum, quarter_cylinder, rotation};
 use tegula::analysis::dynamics::{self, TransientOutcome};
 use tegula::analysis::statics::state_kinematics;
 use tegula::element::{Nodal, TangentWeights};
-use tegula::linear::SymmetricPattern;
 use tegula::model::*;
 use tegula::system::assembly::TangentParts;
 use tegula::system::{Assembly, Turning, VectorKind};
@@ -19,15 +18,6 @@ const HHT: Scheme = Scheme::Hht(HhtScheme { alpha: -0.1 });
 const ENERGY_MOMENTUM: Scheme = Scheme::EnergyMomentum(EnergyMomentumScheme {});
 const STEPS: u32 = 150;
 
-/// The pendulum of Sect. 5.4: 5 kg swing on a corner.
-fn pendulum() -> Model {
-    let mut m = quarter_cylinder(16, 2.1e7);
-    m.conditions = vec![Condition::Spherical(on("u_min_v_min"))];
-    m.sections[0].total_mass = Some(5.0);
-    m.loads = vec![Load::Gravity(GravityLoad { value: [0.0, 0.0, -9.81], amplitude: None })];
-    m
-}
-
 fn options(scheme: Scheme) -> TransientAnalysis {
     let dt = 0.003;
     TransientAnalysis { scheme, time_step: Some(dt), ..TransientAnalysis::new(f64::from(STEPS) * dt) }
@@ -36,7 +26,7 @@ fn options(scheme: Scheme) -> TransientAnalysis {
 /// The run of a pendulum, with all its states.
 fn swing(scheme: Scheme) -> (System, TransientOutcome, Notes) {
     let mut notes = Notes::keeping();
-    let (system, outcome) = move_in_time(&pendulum(), &options(scheme), &mut notes);
+    let (system, outcome) = move_in_time(&pendulum(16), &options(scheme), &mut notes);
     (system, outcome, notes)
 }
 
@@ -128,7 +118,6 @@ fn the_rotations_of_a_turned_shell_are_its_rotation() {
             let x = Vec3::from(*x);
             (Vec3::from(*y) - q * x).norm() / x.norm()
         };
-        // Rotations are sought until one more turn is below 1e-6; about as much is left.
         let worst = field.iter().zip(&out).map(off).fold(0.0, f64::max);
         assert!(worst < 2e-6, "turned by {angle}: {worst:e}");
         turning.turn(&system, true, &mut out);
@@ -141,8 +130,7 @@ fn the_tangent_of_a_turned_shell_is_the_turned_tangent() {
     let (system, _, [from, to]) = turned_shell(2.0);
     let mut turning = Turning::new(&system);
     turning.find(&system, &from, &to);
-    let pattern =
-        SymmetricPattern::new(system.pattern.column_pointers.clone(), system.pattern.row_indices.clone());
+    let pattern = system.tangent_pattern();
     let product = |u: &[Nodal], x: &[Nodal]| {
         let mut assembly = Assembly::new(&system);
         let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };

@@ -49,8 +49,7 @@ impl Problem {
         let u = vec![[0.0; 3]; system.vectors()];
         let k = state_kinematics(&system, &u, 1.0);
         assembly.forces_and_tangent(&system, &k, &parts(), false, None, &mut field);
-        let (pointers, rows) = (&system.pattern.column_pointers, &system.pattern.row_indices);
-        let pattern = SymmetricPattern::new(pointers.clone(), rows.clone());
+        let pattern = system.tangent_pattern();
         let mut out = Self { pieces, load, pattern, values: assembly.values, system };
         out.assemble();
         out
@@ -91,7 +90,7 @@ impl Problem {
 
     /// Difference from the direct solution relative to it, in the energy norm.
     fn difference(&self, x: &[f64]) -> f64 {
-        let mut direct = SparseCholesky::new(self.pattern.clone()).unwrap();
+        let mut direct = SparseCholesky::new(&self.pattern).unwrap();
         direct.factor(&self.values).unwrap();
         let mut exact = self.load.clone();
         direct.solve(&mut exact);
@@ -191,7 +190,7 @@ fn what_is_accepted_is_positive_definite() {
         let mut shifted = stiffness.clone();
         (0..vectors)
             .for_each(|v| p.system.pattern.add_to_diagonal(v, shift, &p.system.numbering, &mut shifted));
-        let mut direct = SparseCholesky::new(p.pattern.clone()).unwrap();
+        let mut direct = SparseCholesky::new(&p.pattern).unwrap();
         let negative = direct.factor(&shifted).unwrap().negative;
         match found {
             Ok((x, _)) => {

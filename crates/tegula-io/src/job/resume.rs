@@ -1,5 +1,7 @@
 //! The state of a run as arrays of a checkpoint, and back.
 
+use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -68,33 +70,36 @@ impl Memory {
     /// Saves it for the model with this fingerprint.
     pub fn save(&self, path: &Path, model_fingerprint: u64) -> Result<(), OutputError> {
         let (s, b) = (&self.state, &self.balance);
-        let mut arrays: std::collections::BTreeMap<String, Vec<f64>> = [
-            ("u", s.u.concat()),
-            ("v", s.v.concat()),
-            ("a", s.a.concat()),
-            ("mean a", s.mean_a.concat()),
-            ("stress", s.stress.clone()),
-            ("history", s.history.clone()),
-            ("scalars", vec![s.time, s.next_step, s.last_step, s.work, s.dissipated, s.energy_scale]),
-            ("energies", vec![b.kinetic, b.strain, b.potential, b.work, b.dissipated, b.total]),
-            ("momenta", [b.momentum, b.angular_momentum].concat()),
+        let scalars = [s.time, s.next_step, s.last_step, s.work, s.dissipated, s.energy_scale];
+        let energies = [b.kinetic, b.strain, b.potential, b.work, b.dissipated, b.total];
+        let momenta = [b.momentum, b.angular_momentum];
+        let mut arrays: BTreeMap<String, Cow<[f64]>> = [
+            ("u", s.u.as_flattened()),
+            ("v", s.v.as_flattened()),
+            ("a", s.a.as_flattened()),
+            ("mean a", s.mean_a.as_flattened()),
+            ("stress", &s.stress),
+            ("history", &s.history),
+            ("scalars", &scalars),
+            ("energies", &energies),
+            ("momenta", momenta.as_flattened()),
         ]
         .into_iter()
-        .map(|(name, values)| (name.to_owned(), values))
+        .map(|(name, values)| (name.to_owned(), values.into()))
         .collect();
         let t = &s.tangent;
         let counts =
             [u32::from(t.valid), t.steps, t.iterations, t.last, t.pause, t.next_pause].map(f64::from);
-        arrays.insert("tangent".into(), [&[t.time, t.dt], counts.as_slice()].concat());
+        arrays.insert("tangent".into(), [&[t.time, t.dt], counts.as_slice()].concat().into());
         if t.valid {
-            arrays.insert("tangent u".into(), t.u.concat());
-            arrays.insert("tangent v".into(), t.v.concat());
-            arrays.insert("tangent history".into(), t.history.clone());
+            arrays.insert("tangent u".into(), t.u.as_flattened().into());
+            arrays.insert("tangent v".into(), t.v.as_flattened().into());
+            arrays.insert("tangent history".into(), t.history.as_slice().into());
         }
         for (i, kept) in self.kept.iter().enumerate() {
-            arrays.insert(format!("picture {i} time"), vec![kept.time]);
-            arrays.insert(format!("picture {i} displacements"), kept.displacements.concat());
-            arrays.insert(format!("picture {i} values"), kept.values.clone());
+            arrays.insert(format!("picture {i} time"), vec![kept.time].into());
+            arrays.insert(format!("picture {i} displacements"), kept.displacements.as_flattened().into());
+            arrays.insert(format!("picture {i} values"), kept.values.as_slice().into());
         }
         let notes = serde_json::to_value(self.notes)
             .map_err(|e| OutputError::refused(path, format!("its notes cannot be written: {e}")))?;
@@ -109,7 +114,7 @@ impl Memory {
         };
         let array = |name: &str, length: Option<usize>| {
             let found = checkpoint.arrays.get(name).ok_or_else(|| wrong(name))?;
-            if length.is_some_and(|n| n != found.len()) { Err(wrong(name)) } else { Ok(found.clone()) }
+            if length.is_some_and(|n| n != found.len()) { Err(wrong(name)) } else { Ok(found.to_vec()) }
         };
         let n = system.vectors();
         let samples = system.groups.iter().map(|g| g.len() * g.stresses_per_element()).sum();

@@ -13,7 +13,9 @@
 //! Texts and arrays are led by their length. Numbers are stored bit by bit, so a resumed run repeats the
 //! original exactly.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::io::{self, Write};
 use std::path::Path;
 
 use super::file::{OutputError, write_whole};
@@ -25,7 +27,7 @@ const HEADER: usize = 24;
 
 /// The state of a run at the end of a step.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Checkpoint {
+pub struct Checkpoint<'a> {
     /// [`fingerprint`] of the model's text: a checkpoint serves no other model.
     pub model_fingerprint: u64,
     /// Number of the last completed step.
@@ -33,7 +35,7 @@ pub struct Checkpoint {
     /// Time at the end of that step.
     pub time: f64,
     /// Named arrays: positions, velocities, multipliers, history variables.
-    pub arrays: BTreeMap<String, Vec<f64>>,
+    pub arrays: BTreeMap<String, Cow<'a, [f64]>>,
     /// Whatever else must be remembered, for example how many rows each history has.
     pub notes: serde_json::Value,
 }
@@ -45,47 +47,74 @@ pub fn fingerprint(data: impl AsRef<[u8]>) -> u64 {
 
 /// Fowler–Noll–Vo hash 1a with the standard 64-bit basis and prime.
 fn fnv1a(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
+    fnv1a_from(FNV_BASIS, bytes)
 }
 
-impl Checkpoint {
+const FNV_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
+
+/// The hash with more bytes after those that gave `hash`.
+fn fnv1a_from(hash: u64, bytes: &[u8]) -> u64 {
+    bytes.iter().fold(hash, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
+}
+
+/// Passes bytes on and hashes them: the arrays of a large model are not copied.
+struct Hashing<W> {
+    writer: W,
+    hash: u64,
+}
+
+impl<W: Write> Write for Hashing<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.writer.write(bytes)?;
+        self.hash = fnv1a_from(self.hash, &bytes[..count]);
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush()
+    }
+}
+
+impl Checkpoint<'_> {
     /// Writes the checkpoint, whole or not at all.
     pub fn save(&self, path: &Path) -> Result<(), OutputError> {
         let notes = serde_json::to_vec(&self.notes)
             .map_err(|e| OutputError::refused(path, format!("its notes cannot be written: {e}")))?;
-        let mut body = Vec::new();
-        for number in [self.model_fingerprint, self.step, self.time.to_bits()] {
-            body.extend(number.to_le_bytes());
-        }
-        put_text(&mut body, &notes);
-        body.extend((self.arrays.len() as u64).to_le_bytes());
-        for (name, values) in &self.arrays {
-            put_text(&mut body, name.as_bytes());
-            body.extend((values.len() as u64).to_le_bytes());
-            body.extend(values.iter().flat_map(|x| x.to_le_bytes()));
-        }
-
-        let mut bytes = Vec::with_capacity(HEADER + body.len() + 8);
-        bytes.extend(MAGIC);
-        bytes.extend(VERSION.to_le_bytes());
-        bytes.extend(0_u32.to_le_bytes());
-        bytes.extend((body.len() as u64).to_le_bytes());
-        bytes.extend(body);
-        bytes.extend(fnv1a(&bytes).to_le_bytes());
-        write_whole(path, |w| w.write_all(&bytes))
+        let lengths = self.arrays.iter().map(|(name, values)| 16 + name.len() + 8 * values.len());
+        let body = 5 * 8 + notes.len() + lengths.sum::<usize>();
+        write_whole(path, |w| {
+            let (mut w, mut bytes) = (Hashing { writer: w, hash: FNV_BASIS }, Vec::new());
+            w.write_all(MAGIC)?;
+            w.write_all(&VERSION.to_le_bytes())?;
+            w.write_all(&0_u32.to_le_bytes())?;
+            for number in [body as u64, self.model_fingerprint, self.step, self.time.to_bits()] {
+                w.write_all(&number.to_le_bytes())?;
+            }
+            put_text(&mut w, &notes)?;
+            w.write_all(&(self.arrays.len() as u64).to_le_bytes())?;
+            for (name, values) in &self.arrays {
+                put_text(&mut w, name.as_bytes())?;
+                w.write_all(&(values.len() as u64).to_le_bytes())?;
+                for some in values.chunks(512) {
+                    bytes.clear();
+                    bytes.extend(some.iter().flat_map(|x| x.to_le_bytes()));
+                    w.write_all(&bytes)?;
+                }
+            }
+            let hash = w.hash;
+            w.write_all(&hash.to_le_bytes())
+        })
     }
 
     /// Reads a checkpoint.
-    pub fn load(path: &Path) -> Result<Self, OutputError> {
+    pub fn load(path: &Path) -> Result<Checkpoint<'static>, OutputError> {
         let bytes = std::fs::read(path).map_err(|cause| OutputError::read(path, cause))?;
         parse(&bytes).map_err(|(problem, remedy)| OutputError::damaged(path, problem, remedy))
     }
 
     /// Reads a checkpoint of the model with this fingerprint, and refuses that of any other.
-    pub fn load_for(path: &Path, model_fingerprint: u64) -> Result<Self, OutputError> {
-        let checkpoint = Self::load(path)?;
+    pub fn load_for(path: &Path, model_fingerprint: u64) -> Result<Checkpoint<'static>, OutputError> {
+        let checkpoint = Checkpoint::load(path)?;
         let found = checkpoint.model_fingerprint;
         if found != model_fingerprint {
             let path = path.to_path_buf();
@@ -95,15 +124,15 @@ impl Checkpoint {
     }
 }
 
-fn put_text(body: &mut Vec<u8>, text: &[u8]) {
-    body.extend((text.len() as u64).to_le_bytes());
-    body.extend(text);
+fn put_text(w: &mut impl Write, text: &[u8]) -> io::Result<()> {
+    w.write_all(&(text.len() as u64).to_le_bytes())?;
+    w.write_all(text)
 }
 
 const EARLIER: &str = "Resume from an earlier checkpoint, or start the analysis anew";
 
 /// The checkpoint in these bytes, or the problem and its remedy.
-fn parse(bytes: &[u8]) -> Result<Checkpoint, (String, &'static str)> {
+fn parse(bytes: &[u8]) -> Result<Checkpoint<'static>, (String, &'static str)> {
     let start = &bytes[..bytes.len().min(MAGIC.len())];
     if !MAGIC.starts_with(start) || bytes.is_empty() {
         return Err(("it is not a checkpoint of tegula".into(), "Check the name"));
@@ -125,7 +154,7 @@ fn parse(bytes: &[u8]) -> Result<Checkpoint, (String, &'static str)> {
     parse_body(body).ok_or_else(damaged)
 }
 
-fn parse_body(body: &[u8]) -> Option<Checkpoint> {
+fn parse_body(body: &[u8]) -> Option<Checkpoint<'static>> {
     let mut reader = Reader { rest: body };
     let model_fingerprint = reader.u64()?;
     let step = reader.u64()?;
@@ -136,8 +165,8 @@ fn parse_body(body: &[u8]) -> Option<Checkpoint> {
     for _ in 0..count {
         let name = String::from_utf8(reader.text()?.to_vec()).ok()?;
         let length = usize::try_from(reader.u64()?).ok()?.checked_mul(8)?;
-        let values = reader.take(length)?.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
-        arrays.insert(name, values);
+        let values = reader.take(length)?.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b));
+        arrays.insert(name, values.collect());
     }
     reader.rest.is_empty().then_some(Checkpoint { model_fingerprint, step, time, arrays, notes })
 }
@@ -169,10 +198,10 @@ mod tests {
     use super::*;
     use std::fs;
 
-    fn sample() -> Checkpoint {
+    fn sample() -> Checkpoint<'static> {
         let arrays = BTreeMap::from([
-            ("q".to_owned(), vec![0.1, -0.0, f64::INFINITY, f64::MIN_POSITIVE / 2.0]),
-            ("empty".to_owned(), vec![]),
+            ("q".to_owned(), vec![0.1, -0.0, f64::INFINITY, f64::MIN_POSITIVE / 2.0].into()),
+            ("empty".to_owned(), vec![].into()),
             ("λ".to_owned(), (0..1000).map(|i| f64::from(i).sin()).collect()),
         ]);
         let notes = serde_json::json!({"rows": {"energy.csv": 12}, "word": "é"});
@@ -187,7 +216,7 @@ mod tests {
         checkpoint.save(&path).unwrap();
         assert_eq!(Checkpoint::load(&path).unwrap(), checkpoint);
         let odd_nan = f64::from_bits(0x7ff8_0000_dead_beef);
-        checkpoint.arrays.insert("q".into(), vec![odd_nan]);
+        checkpoint.arrays.insert("q".into(), vec![odd_nan].into());
         checkpoint.save(&path).unwrap();
         assert_eq!(Checkpoint::load(&path).unwrap().arrays["q"][0].to_bits(), odd_nan.to_bits());
     }

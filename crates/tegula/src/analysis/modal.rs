@@ -12,7 +12,7 @@ use crate::analysis::newton::Newton;
 use crate::analysis::statics::state_kinematics;
 use crate::element::{Nodal, TangentWeights};
 use crate::linear::lanczos::{BlockLanczos, SymmetricOperator};
-use crate::linear::{Factor as _, SparseCholesky};
+use crate::linear::{Factor as _, SparseCholesky, SymmetricPattern};
 use crate::model::NewtonMethod;
 use crate::system::assembly::{TangentParts, add_follower_loads};
 use crate::system::{System, VectorKind};
@@ -51,6 +51,7 @@ pub struct ModalOutcome {
 
 struct ShiftInvert<'a> {
     solver: &'a mut SparseCholesky,
+    pattern: &'a SymmetricPattern,
     mass: &'a [f64],
     watch: &'a dyn Observer,
     applications: u64,
@@ -58,7 +59,7 @@ struct ShiftInvert<'a> {
 
 impl SymmetricOperator for ShiftInvert<'_> {
     fn size(&self) -> usize {
-        self.solver.pattern().size()
+        self.pattern.size()
     }
 
     fn apply(&mut self, m_x: &[f64], out: &mut [f64]) {
@@ -69,7 +70,7 @@ impl SymmetricOperator for ShiftInvert<'_> {
 
     fn inner(&self, x: &[f64], out: &mut [f64]) {
         out.fill(0.0);
-        self.solver.pattern().add_product(self.mass, x, out);
+        self.pattern.add_product(self.mass, x, out);
     }
 
     fn stopped(&self) -> bool {
@@ -125,9 +126,10 @@ pub fn run(
         solver.factor(&values)
     };
 
+    let pattern = system.tangent_pattern();
     let wanted = wanted.min(system.unknowns());
     let extra = (wanted + 4).min(system.unknowns());
-    let mut shift = first_shift(&newton.solver, &stiffness, &mass)?;
+    let mut shift = first_shift(&pattern, &stiffness, &mass)?;
     let mut attempts = 0;
     go_on(observer)?;
     while !shifted(&mut newton.solver, shift).is_ok_and(|i| i.negative == 0) {
@@ -146,8 +148,13 @@ pub fn run(
     let block = wanted.clamp(2, 8);
     let mut applications;
     {
-        let mut operator =
-            ShiftInvert { solver: &mut newton.solver, mass: &mass, watch: &*observer, applications: 0 };
+        let mut operator = ShiftInvert {
+            solver: &mut newton.solver,
+            pattern: &pattern,
+            mass: &mass,
+            watch: &*observer,
+            applications: 0,
+        };
         let mut lanczos = BlockLanczos::new(&mut operator, block);
         while lanczos.len() < (2 * wanted + 8).min(system.unknowns()) && lanczos.expand(&mut operator) > 0 {}
         go_on(observer)?;
@@ -167,8 +174,13 @@ pub fn run(
     let mut lanczos;
     let mut sturm_rounds = 0;
     {
-        let mut operator =
-            ShiftInvert { solver: &mut newton.solver, mass: &mass, watch: &*observer, applications: 0 };
+        let mut operator = ShiftInvert {
+            solver: &mut newton.solver,
+            pattern: &pattern,
+            mass: &mass,
+            watch: &*observer,
+            applications: 0,
+        };
         lanczos = BlockLanczos::new(&mut operator, block);
         applications += operator.applications;
     }
@@ -176,8 +188,13 @@ pub fn run(
     let limit = (BASIS_PER_MODE * extra + 200).min(system.unknowns());
     let (pairs, sturm_checked) = loop {
         loop {
-            let mut operator =
-                ShiftInvert { solver: &mut newton.solver, mass: &mass, watch: &*observer, applications: 0 };
+            let mut operator = ShiftInvert {
+                solver: &mut newton.solver,
+                pattern: &pattern,
+                mass: &mass,
+                watch: &*observer,
+                applications: 0,
+            };
             let added = lanczos.expand(&mut operator);
             applications += operator.applications;
             go_on(observer)?;
@@ -222,8 +239,13 @@ pub fn run(
         if !shifted(&mut newton.solver, shift).is_ok_and(|i| i.negative == 0) {
             return Err(Error::Outside("the shifted matrix changed between two factorisations".into()));
         }
-        let mut operator =
-            ShiftInvert { solver: &mut newton.solver, mass: &mass, watch: &*observer, applications: 0 };
+        let mut operator = ShiftInvert {
+            solver: &mut newton.solver,
+            pattern: &pattern,
+            mass: &mass,
+            watch: &*observer,
+            applications: 0,
+        };
         lanczos.add_random(&mut operator);
         applications += operator.applications;
         go_on(observer)?;
@@ -266,8 +288,7 @@ fn energy_is_quadratic(system: &System) -> bool {
 }
 
 /// A shift far below the lowest elastic eigenvalue that still makes the matrix positive definite.
-fn first_shift(solver: &SparseCholesky, stiffness: &[f64], mass: &[f64]) -> Result<f64> {
-    let pattern = solver.pattern();
+fn first_shift(pattern: &SymmetricPattern, stiffness: &[f64], mass: &[f64]) -> Result<f64> {
     let lowest = pattern
         .diagonal(stiffness)
         .zip(pattern.diagonal(mass))

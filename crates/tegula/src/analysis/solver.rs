@@ -3,7 +3,7 @@
 use super::chord;
 use crate::element::{Kinematics, Nodal};
 use crate::linear::substructures::{Options, SubstructureError, Substructures, Wanted};
-use crate::linear::{Factor, FactorError, SparseCholesky, SymmetricPattern};
+use crate::linear::{Factor, FactorError, SparseCholesky};
 use crate::system::assembly::{TangentParts, curvature};
 use crate::system::{Assembly, System};
 use crate::{Error, Result};
@@ -79,9 +79,7 @@ pub fn direct(system: &System) -> Result<SparseCholesky> {
             format!("compile the model with the {word} that it is run with"),
         ));
     }
-    let pattern =
-        SymmetricPattern::new(system.pattern.column_pointers.clone(), system.pattern.row_indices.clone());
-    SparseCholesky::new(pattern).map_err(|e| Error::Singular {
+    SparseCholesky::new(&system.tangent_pattern()).map_err(|e| Error::Singular {
         what: format!("The matrix of {} unknowns cannot be factored: {e}.", system.unknowns()),
         help:
             "Use a coarser mesh, a machine with more memory, or in statics `linear_solver = \"iterative\"`."

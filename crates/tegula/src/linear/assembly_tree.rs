@@ -133,6 +133,26 @@ impl AssemblyTree {
         }
     }
 
+    /// Calls `f` with the number of each value of the matrix, its row and its column; which is which does not matter.
+    pub fn each_entry(&self, mut f: impl FnMut(usize, usize, usize)) {
+        for (number, front) in self.fronts.iter().enumerate() {
+            let layout = front.layout();
+            let end = self.fronts.get(number + 1).map_or(self.entries.len(), |next| next.entries);
+            for run in &self.entries[front.entries..end] {
+                for k in 0..run.length() {
+                    let at = run.at + k * (run.step_and_length >> 8);
+                    let (row, column) = layout.place(at as usize);
+                    let unknown = |local: usize| {
+                        let below = local.checked_sub(front.width);
+                        let place = below.map_or(front.first + local, |b| front.rows[b] as usize);
+                        self.order[place] as usize
+                    };
+                    f((run.value + k) as usize, unknown(row), unknown(column));
+                }
+            }
+        }
+    }
+
     fn number(
         quotient: &Quotient,
         drafts: Vec<Draft>,

@@ -9,17 +9,17 @@ use std::sync::Arc;
 use super::multifrontal::Multifrontal;
 use super::{Factor, FactorError, Inertia};
 
-/// Lower triangle of a symmetric matrix in compressed columns, without its values. Copies share their memory.
+/// Lower triangle of a symmetric matrix in compressed columns, without its values.
 #[derive(Debug, Clone)]
 pub struct SymmetricPattern {
     pointers: Arc<Vec<usize>>,
-    rows: Arc<Vec<u32>>,
+    rows: Vec<u32>,
 }
 
 impl SymmetricPattern {
     /// From column pointers and row numbers (ascending within a column, the first on the diagonal).
-    pub fn new(column_pointers: impl Into<Arc<Vec<usize>>>, row_indices: impl Into<Arc<Vec<u32>>>) -> Self {
-        let (pointers, rows) = (column_pointers.into(), row_indices.into());
+    pub fn new(column_pointers: impl Into<Arc<Vec<usize>>>, rows: Vec<u32>) -> Self {
+        let pointers = column_pointers.into();
         debug_assert_eq!(pointers.last(), Some(&rows.len()));
         Self { pointers, rows }
     }
@@ -29,9 +29,9 @@ impl SymmetricPattern {
         self.pointers.len() - 1
     }
 
-    /// Stored entries.
-    pub fn entries(&self) -> usize {
-        self.rows.len()
+    /// Column pointers and row numbers.
+    pub fn columns(&self) -> (&[usize], &[u32]) {
+        (&self.pointers, &self.rows)
     }
 
     /// Diagonal of the matrix with these values.
@@ -55,7 +55,8 @@ impl SymmetricPattern {
 
 /// Sparse Cholesky factorisation of matrices of one pattern.
 pub struct SparseCholesky {
-    pattern: SymmetricPattern,
+    /// Number of the first value of each column, that on the diagonal.
+    pointers: Arc<Vec<usize>>,
     fronts: Multifrontal,
     /// Whether there is a factor to solve with.
     factored: bool,
@@ -67,19 +68,14 @@ impl SparseCholesky {
     ///
     /// # Errors
     /// The factor would be too large.
-    pub fn new(pattern: SymmetricPattern) -> Result<Self, FactorError> {
+    pub fn new(pattern: &SymmetricPattern) -> Result<Self, FactorError> {
         let fronts = Multifrontal::new(&pattern.pointers, &pattern.rows)?;
-        Ok(Self { pattern, fronts, factored: false, factorizations: 0 })
+        Ok(Self { pointers: pattern.pointers.clone(), fronts, factored: false, factorizations: 0 })
     }
 
     /// Operations (additions and multiplications) of a factorisation.
     pub fn operations(&self) -> f64 {
         self.fronts.operations()
-    }
-
-    /// The pattern.
-    pub fn pattern(&self) -> &SymmetricPattern {
-        &self.pattern
     }
 }
 
@@ -90,8 +86,7 @@ impl Factor for SparseCholesky {
             return Err(FactorError::NotFinite);
         }
         self.factorizations += 1;
-        let pattern = (self.pattern.pointers.as_slice(), self.pattern.rows.as_slice());
-        let (inertia, repeated) = self.fronts.factor(pattern, values)?;
+        let (inertia, repeated) = self.fronts.factor(&self.pointers, values)?;
         self.factorizations += usize::from(repeated);
         self.factored = true;
         Ok(inertia)

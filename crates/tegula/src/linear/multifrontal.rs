@@ -39,11 +39,10 @@ pub(super) struct Multifrontal {
     tasks: Vec<Task>,
     /// Whether the subtree of a front is split between threads.
     split: Vec<bool>,
-    /// Stacks of the subtrees at work, one for each thread.
+    /// Stacks of the subtrees at work, one for each thread. Solutions take the first for the sums of all rows.
     stacks: Vec<Mutex<Stack>>,
-    /// Vectors of all columns and of all rows.
+    /// Vector of all columns.
     columns: Vec<f64>,
-    rows: Vec<f64>,
 }
 
 /// What waits in a subtree that one thread works off, and memory for a block.
@@ -67,13 +66,16 @@ impl Multifrontal {
             .collect();
         let tasks = Task::all(&tree, &split);
         let stack = stack_size(&tree, &split);
-        let stack = || Ok(Stack { values: zeros(stack)?, triangle: Triangle::new() });
-        let stacks = (0..threads).map(|_| stack().map(Mutex::new)).collect::<Result<_, _>>()?;
+        let stacks = (0..threads)
+            .map(|thread| {
+                let values = zeros(if thread == 0 { stack.max(tree.rows) } else { stack })?;
+                Ok(Mutex::new(Stack { values, triangle: Triangle::new() }))
+            })
+            .collect::<Result<_, _>>()?;
         Ok(Self {
             factor: zeros(tree.size)?,
             pivots: (0..n).map(|_| Vec::new()).collect(),
             columns: zeros(pointers.len() - 1)?,
-            rows: zeros(tree.rows)?,
             tree,
             tasks,
             split,
@@ -97,14 +99,10 @@ impl Multifrontal {
     ///
     /// # Errors
     /// The matrix is singular, or the memory does not suffice.
-    pub fn factor(
-        &mut self,
-        (pointers, rows): (&[usize], &[u32]),
-        values: &[f64],
-    ) -> Result<(Inertia, bool), FactorError> {
+    pub fn factor(&mut self, pointers: &[usize], values: &[f64]) -> Result<(Inertia, bool), FactorError> {
         let negative = match self.factor_once(values, false) {
             Err(FactorError::Singular) => None,
-            other => Some(other?).filter(|&n| n == 0 || !self.pivots_grew((pointers, rows), values)),
+            other => Some(other?).filter(|&n| n == 0 || !self.pivots_grew(pointers, values)),
         };
         let repeated = negative.is_none();
         let negative = match negative {
@@ -115,7 +113,7 @@ impl Multifrontal {
     }
 
     /// Whether a pivot is larger than `GROWTH` times the entries of its row.
-    fn pivots_grew(&self, (pointers, rows): (&[usize], &[u32]), values: &[f64]) -> bool {
+    fn pivots_grew(&self, pointers: &[usize], values: &[f64]) -> bool {
         let n = self.columns.len();
         let mut size = vec![0.0; n];
         for (front, pivots) in self.tree.fronts.iter().zip(&self.pivots) {
@@ -139,14 +137,11 @@ impl Multifrontal {
         let mut scale = vec![1.0; n];
         for _ in 0..4 {
             let mut largest = vec![0.0_f64; n];
-            for j in 0..n {
-                for k in pointers[j]..pointers[j + 1] {
-                    let i = rows[k] as usize;
-                    let entry = values[k].abs() / (scale[i] * scale[j]);
-                    largest[i] = largest[i].max(entry);
-                    largest[j] = largest[j].max(entry);
-                }
-            }
+            self.tree.each_entry(|k, i, j| {
+                let entry = values[k].abs() / (scale[i] * scale[j]);
+                largest[i] = largest[i].max(entry);
+                largest[j] = largest[j].max(entry);
+            });
             for (s, l) in scale.iter_mut().zip(largest).filter(|(_, l)| *l > 0.0) {
                 *s *= l.sqrt();
             }
@@ -195,12 +190,14 @@ impl Multifrontal {
 
     /// Solves in place with the factor.
     pub fn solve(&mut self, right_side: &mut [f64]) {
-        let Self { tree, factor, split, columns, rows, pivots, .. } = self;
+        let Self { tree, factor, split, columns, stacks, pivots, .. } = self;
+        let Some(stack) = stacks.first_mut() else { return };
+        let rows = &mut stack.get_mut().unwrap_or_else(PoisonError::into_inner).values[..tree.rows];
         for (x, &old) in columns.iter_mut().zip(&tree.order) {
             *x = right_side[old as usize];
         }
         let solver = Solver { tree, factor, split, pivots };
-        let (mut x, mut y) = (columns.as_mut_slice(), rows.as_mut_slice());
+        let (mut x, mut y) = (columns.as_mut_slice(), rows);
         for (f, front) in tree.fronts.iter().enumerate().filter(|(_, front)| front.parent.is_none()) {
             let (x_mine, x_rest) = x.split_at_mut(front.first + front.width - tree.fronts[front.leaf].first);
             let (y_mine, y_rest) =

@@ -57,7 +57,8 @@ struct State {
     missing: Vec<usize>,
     /// Threads at work.
     workers: usize,
-    error: Option<FactorError>,
+    /// The first task that failed, and why.
+    error: Option<(u32, FactorError)>,
 }
 
 /// Tasks that threads work off.
@@ -82,7 +83,12 @@ pub(super) fn run_all(
     let state = State { ready, missing, workers: 1, error: None };
     let schedule = Schedule { tasks, threads, state: Mutex::new(state), run };
     rayon::scope(|scope| schedule.work(scope));
-    schedule.state.into_inner().unwrap_or_else(PoisonError::into_inner).error.map_or(Ok(()), Err)
+    schedule
+        .state
+        .into_inner()
+        .unwrap_or_else(PoisonError::into_inner)
+        .error
+        .map_or(Ok(()), |(_, error)| Err(error))
 }
 
 impl<'a, F: Fn(usize) -> Result<(), FactorError> + Sync> Schedule<'a, F> {
@@ -108,7 +114,11 @@ impl<'a, F: Fn(usize) -> Result<(), FactorError> + Sync> Schedule<'a, F> {
             let done = (self.run)(task as usize);
             let mut state = self.state();
             match done {
-                Err(error) => state.error = Some(error),
+                // That of the first task, whichever thread was faster.
+                Err(error) if state.error.as_ref().is_none_or(|(first, _)| task < *first) => {
+                    state.error = Some((task, error));
+                }
+                Err(_) => {}
                 Ok(()) => {
                     if let Some(parent) = self.tasks[task as usize].parent {
                         state.missing[parent as usize] -= 1;

@@ -39,6 +39,18 @@ impl Trapezoid {
         before + rest * (self.rows - whole * BLOCK)
     }
 
+    /// Row and column of an entry.
+    pub fn place(&self, at: usize) -> (usize, usize) {
+        let (mut low, mut high) = (0, self.blocks());
+        while high - low > 1 {
+            let middle = (low + high) / 2;
+            if self.start(middle) <= at { low = middle } else { high = middle }
+        }
+        let (first, within) = (low * BLOCK, at - self.start(low));
+        let height = self.rows - first;
+        (first + within % height, first + within / height)
+    }
+
     /// Stored entries.
     pub fn size(&self) -> usize {
         self.start(self.blocks())
@@ -65,6 +77,8 @@ mod tests {
             for j in 0..columns {
                 let first = j / BLOCK * BLOCK;
                 assert_eq!(t.diagonal(j), end + j - first, "{rows} {columns} {j}");
+                assert_eq!(t.place(t.diagonal(j)), (j, j));
+                assert_eq!(t.place(t.diagonal(j) + rows - 1 - j), (rows - 1, j));
                 end += rows - first;
             }
             assert_eq!(t.size(), end);

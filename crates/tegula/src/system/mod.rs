@@ -15,6 +15,7 @@ use std::ops::Range;
 use crate::Vec3;
 use crate::element::shell::ShellElement;
 use crate::element::{ElementGroup, Nodal, ShellGeometry};
+use crate::linear::SymmetricPattern;
 use crate::load::{FollowerLoad, TimeFunction};
 use crate::mesh::Labels;
 use crate::model::PrescribedStrain;
@@ -127,6 +128,11 @@ pub struct System {
 }
 
 impl System {
+    /// Pattern of the tangent and of the mass of the free coordinates.
+    pub fn tangent_pattern(&self) -> SymmetricPattern {
+        self.pattern.compressed(&self.numbering)
+    }
+
     /// Reference geometry of a shell.
     pub fn geometry(&self, shell: &Shell) -> ShellGeometry {
         let vectors = self.groups[shell.groups.start].vectors(shell.member);

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::numbering::{CONSTRAINED, Numbering};
 use crate::element::Nodal;
+use crate::linear::SymmetricPattern;
 
 /// Elements of a portion: their blocks stay in a processor's cache until they are summed. A multiple of
 /// [`ALIGNMENT`](crate::element::group::ALIGNMENT).
@@ -37,8 +38,6 @@ pub struct Pattern {
     value_start: Vec<usize>,
     /// Column pointers of the free coordinates.
     pub column_pointers: Arc<Vec<usize>>,
-    /// Row numbers of the free coordinates.
-    pub row_indices: Arc<Vec<u32>>,
 }
 
 /// Contributions of a portion of the elements.
@@ -179,10 +178,10 @@ impl PatternBuilder {
         let mut tail = vec![0; keys.len()];
         let mut column_pointers = Vec::with_capacity(numbering.unknowns + 1);
         column_pointers.push(0);
-        let mut row_indices = Vec::new();
+        let mut values = 0;
         let mut value_start = Vec::with_capacity(vectors + 1);
         for j in (0..vectors).filter(|_| self.tangent) {
-            value_start.push(row_indices.len());
+            value_start.push(values);
             let blocks = column_start[j] as usize..column_start[j + 1] as usize;
             let mut below = 0;
             for block in blocks.clone().rev() {
@@ -191,15 +190,11 @@ impl PatternBuilder {
                 tail[block] = below;
             }
             for number in numbering.of(j).into_iter().filter(|&n| n != CONSTRAINED) {
-                for &i in &row[blocks.clone()] {
-                    let rows = numbering.of(i as usize);
-                    row_indices.extend(rows.iter().filter(|&&r| r != CONSTRAINED && r >= number));
-                }
-                column_pointers.push(row_indices.len());
+                values += rows_below(&row[blocks.clone()], numbering, number).count();
+                column_pointers.push(values);
             }
         }
-        value_start.push(row_indices.len());
-        row_indices.shrink_to_fit();
+        value_start.push(values);
         Pattern {
             column_start,
             row,
@@ -209,9 +204,18 @@ impl PatternBuilder {
             portions,
             value_start,
             column_pointers: column_pointers.into(),
-            row_indices: row_indices.into(),
         }
     }
+}
+
+/// Rows of a column of the free coordinates, from its diagonal on: those of the blocks with these block rows.
+fn rows_below<'a>(
+    rows: &'a [u32],
+    numbering: &'a Numbering,
+    column: u32,
+) -> impl Iterator<Item = u32> + use<'a> {
+    let numbers = rows.iter().flat_map(|&i| numbering.of(i as usize));
+    numbers.filter(move |&r| r != CONSTRAINED && r >= column)
 }
 
 impl Portion {
@@ -264,7 +268,18 @@ impl Portion {
 impl Pattern {
     /// Number of stored values: lower triangle of the free coordinates.
     pub fn values(&self) -> usize {
-        self.row_indices.len()
+        self.column_pointers.last().copied().unwrap_or(0)
+    }
+
+    /// The pattern in compressed columns. Its row numbers are found anew each time: few need them for long.
+    pub fn compressed(&self, numbering: &Numbering) -> SymmetricPattern {
+        let mut rows = Vec::with_capacity(self.values());
+        for j in 0..self.vectors() {
+            for number in numbering.of(j).into_iter().filter(|&n| n != CONSTRAINED) {
+                rows.extend(rows_below(&self.row[self.blocks(j)], numbering, number));
+            }
+        }
+        SymmetricPattern::new(self.column_pointers.clone(), rows)
     }
 
     /// Number of nodal vectors.

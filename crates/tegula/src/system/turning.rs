@@ -13,8 +13,8 @@ use crate::element::Nodal;
 use crate::lists::Lists;
 use crate::{Mat3, Vec3};
 
-/// Accuracy (rad) of the rotations: they turn an approximate tangent.
-const ACCURACY: f64 = 1e-6;
+/// Turn (rad) below which the search for a rotation ends: it turns an approximate tangent.
+const ACCURACY: f64 = 1e-7;
 /// Iterations for a rotation at most.
 const ITERATIONS: usize = 30;
 

@@ -36,6 +36,15 @@ pub fn quarter_cylinder(n: u32, young: f64) -> Model {
     model(mesh, young, 0.01)
 }
 
+/// The pendulum of Sect. 5.4: a quarter cylinder of 5 kg swings on a corner.
+pub fn pendulum(n: u32) -> Model {
+    let mut m = quarter_cylinder(n, 2.1e7);
+    m.conditions = vec![Condition::Spherical(on("u_min_v_min"))];
+    m.sections[0].total_mass = Some(5.0);
+    m.loads = vec![Load::Gravity(GravityLoad { value: [0.0, 0.0, -9.81], amplitude: None })];
+    m
+}
+
 /// A plate in the plane z = 0 from the origin.
 pub fn plate(size: [f64; 2], elements: [u32; 2], distortion: f64) -> MeshSource {
     MeshSource::Plate(PlateMesh {

@@ -50,7 +50,7 @@ impl Coarse {
             })
             .collect();
         let values = vec![0.0; rows.len()];
-        let solver = SparseCholesky::new(SymmetricPattern::new(pointers, rows))?;
+        let solver = SparseCholesky::new(&SymmetricPattern::new(pointers, rows))?;
         Ok(Self { solver: Some(solver), values, places })
     }
 
