@@ -50,6 +50,8 @@ pub trait TangentSolver {
     /// # Errors
     /// No solution of the wanted accuracy was found; why, for people.
     fn solve_tangent(&mut self, x: &mut [f64]) -> std::result::Result<(), String>;
+    /// Gives back the memory of the factor: there will be no more solutions.
+    fn release(&mut self) {}
     /// Price of preparing a tangent in iterations with an old one; 0: an old one never serves.
     fn price(&self) -> f64 {
         0.0
@@ -107,6 +109,10 @@ impl TangentSolver for SparseCholesky {
     fn solve_tangent(&mut self, x: &mut [f64]) -> std::result::Result<(), String> {
         self.solve(x);
         Ok(())
+    }
+
+    fn release(&mut self) {
+        SparseCholesky::release(self);
     }
 
     fn price(&self) -> f64 {

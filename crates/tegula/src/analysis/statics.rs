@@ -210,6 +210,10 @@ fn steps<S: TangentSolver>(
                 newton.assembly.reset_stress(system, &k);
                 state.stress.copy_from_slice(&newton.assembly.stress);
                 statistics.steps = state.step;
+                if state.time >= 1.0 {
+                    // What is written at the end needs memory, too.
+                    newton.solver.release();
+                }
                 balance = energies(system, &mut newton.assembly, &state);
                 observer.on_step(&Step {
                     state: &state,

@@ -73,6 +73,12 @@ impl SparseCholesky {
         Ok(Self { pointers: pattern.pointers.clone(), fronts, factored: false, factorizations: 0 })
     }
 
+    /// Gives back the memory of the factor; the next factorisation takes it anew.
+    pub fn release(&mut self) {
+        self.factored = false;
+        self.fronts.release();
+    }
+
     /// Operations (additions and multiplications) of a factorisation.
     pub fn operations(&self) -> f64 {
         self.fronts.operations()

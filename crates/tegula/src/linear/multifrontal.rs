@@ -17,7 +17,7 @@ use pulp::Arch;
 use super::assembly_tree::{AssemblyTree, Front};
 use super::elimination::{Elimination, FrontPivots, half};
 use super::ordering::Quotient;
-use super::schedule::{Task, run_all};
+use super::schedule::{Direction, Task, locked, run_all};
 use super::substitution::Solver;
 use super::trapezoid::{BLOCK, Trapezoid};
 use super::triangle::Triangle;
@@ -81,6 +81,11 @@ impl Multifrontal {
             split,
             stacks,
         })
+    }
+
+    /// Gives back the memory of the factor.
+    pub fn release(&mut self) {
+        self.factor = Vec::new();
     }
 
     /// Entries of the factor.
@@ -153,6 +158,9 @@ impl Multifrontal {
     /// Factors the matrix and tells how many pivots are negative.
     fn factor_once(&mut self, values: &[f64], wary: bool) -> Result<usize, FactorError> {
         self.pivots.iter_mut().for_each(Vec::clear);
+        if self.factor.is_empty() {
+            self.factor = zeros(self.tree.size)?;
+        }
         let Self { tree, split, tasks, stacks, factor, pivots, .. } = self;
         let numeric = Numeric { tree, stacks, values, wary, arch: Arch::new() };
         let mut rest = Part { panels: factor, pivots };
@@ -170,7 +178,7 @@ impl Multifrontal {
             // What belongs to each task, and what it passes on while that waits.
             let slots: Vec<_> =
                 tasks.iter().map(|task| (Mutex::new(take(task)), Mutex::new(Vec::new()))).collect();
-            run_all(tasks, stacks.len(), |t| {
+            run_all(tasks, stacks.len(), Direction::Up, |t| {
                 let task = &tasks[t];
                 let part = std::mem::take(&mut *locked(&slots[t].0));
                 let mut out = Vec::new();
@@ -190,22 +198,13 @@ impl Multifrontal {
 
     /// Solves in place with the factor.
     pub fn solve(&mut self, right_side: &mut [f64]) {
-        let Self { tree, factor, split, columns, stacks, pivots, .. } = self;
+        let Self { tree, factor, tasks, split, columns, stacks, pivots } = self;
         let Some(stack) = stacks.first_mut() else { return };
         let rows = &mut stack.get_mut().unwrap_or_else(PoisonError::into_inner).values[..tree.rows];
         for (x, &old) in columns.iter_mut().zip(&tree.order) {
             *x = right_side[old as usize];
         }
-        let solver = Solver { tree, factor, split, pivots };
-        let (mut x, mut y) = (columns.as_mut_slice(), rows);
-        for (f, front) in tree.fronts.iter().enumerate().filter(|(_, front)| front.parent.is_none()) {
-            let (x_mine, x_rest) = x.split_at_mut(front.first + front.width - tree.fronts[front.leaf].first);
-            let (y_mine, y_rest) =
-                y.split_at_mut(front.row_start + front.rows.len() - tree.fronts[front.leaf].row_start);
-            solver.forward(f, x_mine, y_mine);
-            solver.backward(f, x_mine, y_mine);
-            (x, y) = (x_rest, y_rest);
-        }
+        Solver { tree, factor, tasks, split, pivots }.solve(columns, rows);
         for (x, &old) in columns.iter().zip(&tree.order) {
             right_side[old as usize] = *x;
         }
@@ -252,10 +251,6 @@ impl Part<'_> {
         let (a, b) = self.pivots.split_at_mut(pivots);
         (Self { panels: p, pivots: a }, Self { panels: q, pivots: b })
     }
-}
-
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// What all fronts need to be factored.
@@ -390,20 +385,6 @@ impl Numeric<'_> {
         let own = rayon::current_thread_index().unwrap_or(0);
         locked(&self.stacks[own % self.stacks.len()])
     }
-}
-
-/// How many of the children of a front make up half of their work.
-pub(super) fn halves(tree: &AssemblyTree, children: &[u32]) -> usize {
-    let work = |c: &u32| tree.fronts[*c as usize].work;
-    let total: f64 = children.iter().map(work).sum();
-    let mut sum = 0.0;
-    for (k, c) in children.iter().enumerate() {
-        if sum + 0.5 * work(c) > 0.5 * total {
-            return k.clamp(1, children.len() - 1);
-        }
-        sum += work(c);
-    }
-    children.len() - 1
 }
 
 /// Adds what a child passes on to block columns of its parent: of a trapezoid whose first column has the number `offset`

@@ -1,5 +1,8 @@
 //! Solution with a multifrontal factor: forward through the tree, backward again, independent subtrees in parallel.
 
+use std::ops::Range;
+use std::sync::Mutex;
+
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place,
@@ -10,10 +13,7 @@ use faer::{Accum, MatMut, MatRef, Par};
 
 use super::assembly_tree::{AssemblyTree, Front};
 use super::elimination::{FrontPivots, PivotedBlocks};
-use super::multifrontal::halves;
-
-/// Work on a subtree: its front, its columns, its rows.
-type Sweep<'a> = fn(&Solver<'a>, usize, &mut [f64], &mut [f64]);
+use super::schedule::{Direction, Task, locked, run_all};
 
 /// Parts of a block column, and what it is pivoted with.
 type Block<'a> = (MatRef<'a, f64>, MatRef<'a, f64>, MatRef<'a, f64>, Option<&'a PivotedBlocks>);
@@ -22,12 +22,14 @@ type Block<'a> = (MatRef<'a, f64>, MatRef<'a, f64>, MatRef<'a, f64>, Option<&'a 
 pub(super) struct Solver<'a> {
     pub tree: &'a AssemblyTree,
     pub factor: &'a [f64],
+    /// What is worked off at a time.
+    pub tasks: &'a [Task],
     /// Whether the subtree of a front is split between threads.
     pub split: &'a [bool],
     pub pivots: &'a [FrontPivots],
 }
 
-impl<'a> Solver<'a> {
+impl Solver<'_> {
     /// Block on the diagonal, rows below it that are columns of the front, rows that it passes on, and pivots.
     fn block(&self, f: usize, block: usize) -> Block<'_> {
         let front = &self.tree.fronts[f];
@@ -40,40 +42,85 @@ impl<'a> Solver<'a> {
         (first, later, below, self.pivots[f].iter().find(|p| p.blocks.contains(&block)))
     }
 
-    /// `L y = b` in a subtree; `x` are its columns, `y` the sums of its rows.
-    pub fn forward(&self, f: usize, x: &mut [f64], y: &mut [f64]) {
-        let fronts = &self.tree.fronts;
-        let begin = &fronts[fronts[f].leaf];
-        if self.split[f] {
-            let front = &fronts[f];
-            let (x_below, x_own) = x.split_at_mut(front.first - begin.first);
-            let (y_below, y_own) = y.split_at_mut(front.row_start - begin.row_start);
-            self.each(&self.tree.children[f], x_below, y_below, Self::forward);
-            self.forward_front(f, x_own, y_own, y_below, begin.row_start);
-        } else {
-            for s in fronts[f].leaf..=f {
-                let front = &fronts[s];
-                let x_own = &mut x[front.first - begin.first..][..front.width];
-                let (y_below, y_own) = y.split_at_mut(front.row_start - begin.row_start);
-                self.forward_front(s, x_own, &mut y_own[..front.rows.len()], y_below, begin.row_start);
+    /// `L Lᵀ x = b` in place of `x`, by columns in the order of the elimination. `y` is memory for all rows.
+    pub fn solve(&self, mut x: &mut [f64], mut y: &mut [f64]) {
+        let mut take = |task: &Task| {
+            let fronts = &self.tree.fronts[task.fronts.clone()];
+            let sizes = fronts.iter().map(|f| (f.width, f.rows.len()));
+            let (columns, rows) = sizes.fold((0, 0), |sum, f| (sum.0 + f.0, sum.1 + f.1));
+            let (x_own, x_rest) = std::mem::take(&mut x).split_at_mut(columns);
+            let (y_own, y_rest) = std::mem::take(&mut y).split_at_mut(rows);
+            (x, y) = (x_rest, y_rest);
+            (x_own, y_own)
+        };
+        if !self.split.contains(&true) {
+            for task in self.tasks {
+                let (x, y) = take(task);
+                self.forward(task.fronts.clone(), x, y);
+                self.backward(task.fronts.clone(), x, y);
             }
+            return;
+        }
+        let slots: Vec<_> = self.tasks.iter().map(|task| Mutex::new(take(task))).collect();
+        let threads = rayon::current_num_threads();
+        let up = run_all(self.tasks, threads, Direction::Up, |t| {
+            let (task, mut own) = (&self.tasks[t], locked(&slots[t]));
+            let (x, y) = &mut *own;
+            if self.split[task.fronts.start] {
+                let f = task.fronts.start;
+                y.fill(0.0);
+                for (&c, &child) in task.children.iter().zip(&self.tree.children[f]) {
+                    let child = &self.tree.fronts[child as usize];
+                    let below = &locked(&slots[c as usize]).1;
+                    add_sums(child, &below[below.len() - child.rows.len()..], &self.tree.fronts[f], x, y);
+                }
+                self.forward_front(f, x, y);
+            } else {
+                self.forward(task.fronts.clone(), x, y);
+            }
+            Ok(())
+        });
+        let down = run_all(self.tasks, threads, Direction::Down, |t| {
+            let (task, mut own) = (&self.tasks[t], locked(&slots[t]));
+            let (x, y) = &mut *own;
+            if self.split[task.fronts.start] {
+                let f = task.fronts.start;
+                self.backward_front(f, x, y);
+                for (&c, &child) in task.children.iter().zip(&self.tree.children[f]) {
+                    let child = &self.tree.fronts[child as usize];
+                    let below = &mut locked(&slots[c as usize]).1;
+                    let rows = below.len() - child.rows.len();
+                    pass_on(&self.tree.fronts[f], x, y, child, &mut below[rows..]);
+                }
+            } else {
+                self.backward(task.fronts.clone(), x, y);
+            }
+            Ok(())
+        });
+        debug_assert!(up.is_ok() && down.is_ok(), "substitutions do not fail");
+    }
+
+    /// `L y = b` in a subtree, front by front; `x` are its columns, `y` the sums of its rows.
+    fn forward(&self, subtree: Range<usize>, x: &mut [f64], y: &mut [f64]) {
+        let fronts = &self.tree.fronts;
+        let begin = &fronts[subtree.start];
+        for f in subtree {
+            let front = &fronts[f];
+            let x = &mut x[front.first - begin.first..][..front.width];
+            let (below, y) = y.split_at_mut(front.row_start - begin.row_start);
+            let y = &mut y[..front.rows.len()];
+            y.fill(0.0);
+            for &c in &self.tree.children[f] {
+                let child = &fronts[c as usize];
+                let sums = &below[child.row_start - begin.row_start..][..child.rows.len()];
+                add_sums(child, sums, front, x, y);
+            }
+            self.forward_front(f, x, y);
         }
     }
 
-    fn forward_front(&self, f: usize, x: &mut [f64], y: &mut [f64], below: &[f64], start: usize) {
+    fn forward_front(&self, f: usize, x: &mut [f64], y: &mut [f64]) {
         let front = &self.tree.fronts[f];
-        y.fill(0.0);
-        for &c in &self.tree.children[f] {
-            let child = &self.tree.fronts[c as usize];
-            let from = &below[child.row_start - start..][..child.rows.len()];
-            for &[here, there, length] in &child.runs {
-                let (here, length) = (here as usize, length as usize);
-                let target = place(front, x, y, there as usize, length);
-                for (t, s) in target.iter_mut().zip(&from[here..here + length]) {
-                    *t += s;
-                }
-            }
-        }
         let layout = front.layout();
         for block in 0..layout.blocks() {
             let (first, later, rows, pivots) = self.block(f, block);
@@ -101,26 +148,24 @@ impl<'a> Solver<'a> {
     }
 
     /// `Lᵀ x = y` in a subtree whose `y` holds the solution at the rows of its last front.
-    pub fn backward(&self, f: usize, x: &mut [f64], y: &mut [f64]) {
+    fn backward(&self, subtree: Range<usize>, x: &mut [f64], y: &mut [f64]) {
         let fronts = &self.tree.fronts;
-        let begin = &fronts[fronts[f].leaf];
-        if self.split[f] {
+        let begin = &fronts[subtree.start];
+        for f in subtree.rev() {
             let front = &fronts[f];
-            let (x_below, x_own) = x.split_at_mut(front.first - begin.first);
-            let (y_below, y_own) = y.split_at_mut(front.row_start - begin.row_start);
-            self.backward_front(f, x_own, y_own, y_below, begin.row_start);
-            self.each(&self.tree.children[f], x_below, y_below, Self::backward);
-        } else {
-            for s in (fronts[f].leaf..=f).rev() {
-                let front = &fronts[s];
-                let x_own = &mut x[front.first - begin.first..][..front.width];
-                let (y_below, y_own) = y.split_at_mut(front.row_start - begin.row_start);
-                self.backward_front(s, x_own, &mut y_own[..front.rows.len()], y_below, begin.row_start);
+            let x = &mut x[front.first - begin.first..][..front.width];
+            let (below, y) = y.split_at_mut(front.row_start - begin.row_start);
+            let y = &mut y[..front.rows.len()];
+            self.backward_front(f, x, y);
+            for &c in &self.tree.children[f] {
+                let child = &fronts[c as usize];
+                let to = &mut below[child.row_start - begin.row_start..][..child.rows.len()];
+                pass_on(front, x, y, child, to);
             }
         }
     }
 
-    fn backward_front(&self, f: usize, x: &mut [f64], y: &mut [f64], below: &mut [f64], start: usize) {
+    fn backward_front(&self, f: usize, x: &mut [f64], y: &mut [f64]) {
         let front = &self.tree.fronts[f];
         let layout = front.layout();
         for block in (0..layout.blocks()).rev() {
@@ -150,31 +195,25 @@ impl<'a> Solver<'a> {
                 p.pivots.restore(&mut x[p.columns(front.width)]);
             }
         }
-        for &c in &self.tree.children[f] {
-            let child = &self.tree.fronts[c as usize];
-            let to = &mut below[child.row_start - start..][..child.rows.len()];
-            for &[here, there, length] in &child.runs {
-                let (here, length) = (here as usize, length as usize);
-                to[here..here + length].copy_from_slice(place(front, x, y, there as usize, length));
-            }
+    }
+}
+
+/// Adds the sums of a child's rows to those of its parent.
+fn add_sums(child: &Front, sums: &[f64], front: &Front, x: &mut [f64], y: &mut [f64]) {
+    for &[here, there, length] in &child.runs {
+        let (here, length) = (here as usize, length as usize);
+        let target = place(front, x, y, there as usize, length);
+        for (t, s) in target.iter_mut().zip(&sums[here..here + length]) {
+            *t += s;
         }
     }
+}
 
-    /// Works on the subtrees of one parent, halves of them in parallel.
-    fn each(&self, children: &[u32], x: &mut [f64], y: &mut [f64], work: Sweep<'a>) {
-        match children {
-            [] => {}
-            &[c] => work(self, c as usize, x, y),
-            _ => {
-                let (a, b) = children.split_at(halves(self.tree, children));
-                let (Some(&begin), Some(&middle)) = (a.first(), b.first()) else { return };
-                let leaf = |c: u32| &self.tree.fronts[self.tree.fronts[c as usize].leaf];
-                let (begin, middle) = (leaf(begin), leaf(middle));
-                let (x_a, x_b) = x.split_at_mut(middle.first - begin.first);
-                let (y_a, y_b) = y.split_at_mut(middle.row_start - begin.row_start);
-                rayon::join(|| self.each(a, x_a, y_a, work), || self.each(b, x_b, y_b, work));
-            }
-        }
+/// Tells a child the solution at its rows.
+fn pass_on(front: &Front, x: &mut [f64], y: &mut [f64], child: &Front, to: &mut [f64]) {
+    for &[here, there, length] in &child.runs {
+        let (here, length) = (here as usize, length as usize);
+        to[here..here + length].copy_from_slice(place(front, x, y, there as usize, length));
     }
 }
 
