@@ -55,15 +55,16 @@ impl Problem {
         out
     }
 
-    fn assemble(&mut self) {
+    /// Gives the terms to the pieces; returns how many numbers each has.
+    fn assemble(&mut self) -> Vec<usize> {
         let u = vec![[0.0; 3]; self.system.vectors()];
         let k = state_kinematics(&self.system, &u, 1.0);
-        let (mut term, mut forces) = (0, u.clone());
+        let (mut size, mut forces) = (Vec::new(), u.clone());
         self.pieces.begin();
         let pieces = &mut self.pieces;
         let take = |blocks: &[f64]| {
-            pieces.put(term, blocks);
-            term += 1;
+            pieces.put(size.len(), blocks);
+            size.push(blocks.len());
         };
         Assembly::new(&self.system).forces_and_blocks(
             &self.system,
@@ -73,6 +74,13 @@ impl Problem {
             &mut forces,
             take,
         );
+        size
+    }
+
+    fn solve_factored(&mut self) -> Result<Vec<f64>, SubstructureError> {
+        let mut x = self.load.clone();
+        self.pieces.solve(&mut x, &TIGHT)?;
+        Ok(x)
     }
 
     fn solve(&mut self, wanted: &Wanted) -> Result<(Vec<f64>, Convergence), SubstructureError> {
@@ -133,12 +141,22 @@ fn the_error_is_what_was_wanted() {
 }
 
 #[test]
+fn rounding_of_very_thin_shells_is_accepted_and_told() {
+    for (slenderness, limit) in [(1e3, 1.5e-8), (1e4, 1e-5)] {
+        let mut p = problem(&shell(true, 48, slenderness, 0.0));
+        let (_, c) = p.solve(&TIGHT).unwrap();
+        let reached = c.error / c.start;
+        assert!(reached > TIGHT.relative && reached <= limit, "L/h {slenderness}: {c:?}");
+    }
+}
+
+#[test]
 fn pieces_of_any_size_give_the_same_solution() {
     let mut m = model(plate([1.0, 1.0], [1, 1], 0.0), 2.1e11, 0.01);
     m.loads = vec![Load::Edge(vector_load("u_max", [0.0, 1.0, -1.0]))];
     let mesh = irregular(10);
     for (size, reach) in [(1, 1), (2, 3), (5, 1), (17, 2), (60, 9), (60, 1000), (10_000, 3)] {
-        let options = Options { size, reach, ..Options::default() };
+        let options = Options { size, reach };
         let mut p = Problem::new(build(&m, &mesh).unwrap(), &options);
         let wanted = Wanted { iterations: 300, ..TIGHT };
         let (x, c) = p.solve(&wanted).unwrap_or_else(|e| panic!("size {size}, reach {reach}: {e}"));
@@ -208,13 +226,90 @@ fn what_is_accepted_is_positive_definite() {
 }
 
 #[test]
-fn wrong_input_is_refused() {
+fn numbers_that_are_none_are_refused() {
     let mut p = problem(&shell(false, 20, 100.0, 0.0));
     p.pieces.factor(&p.system.numbering).unwrap();
-    assert_eq!(p.pieces.solve(&mut [1.0], &TIGHT), Err(SubstructureError::NotFinite));
     let mut x = vec![f64::NAN; p.load.len()];
     assert_eq!(p.pieces.solve(&mut x, &TIGHT), Err(SubstructureError::NotFinite));
-    p.assemble();
-    p.pieces.put(7, &[f64::INFINITY; 9]);
+    let size = p.assemble();
+    p.pieces.put(7, &vec![f64::INFINITY; size[7]]);
     assert_eq!(p.pieces.factor(&p.system.numbering), Err(SubstructureError::NotFinite));
+    assert_eq!(p.solve_factored(), Err(SubstructureError::NotFactored));
+    p.assemble();
+    p.pieces.shift(p.system.vectors(), std::iter::once((0, f64::NAN)));
+    assert_eq!(p.pieces.factor(&p.system.numbering), Err(SubstructureError::NotFinite));
+}
+
+#[test]
+fn nothing_is_solved_without_the_factors_of_a_whole_matrix() {
+    let mut p = problem(&shell(false, 20, 100.0, 0.0));
+    let terms = p.assemble().len();
+    let missing = |missing| Err(SubstructureError::Incomplete { missing, terms });
+    // Assembled, but not factored.
+    assert_eq!(p.solve_factored(), Err(SubstructureError::NotFactored));
+    p.pieces.factor(&p.system.numbering).unwrap();
+    let first = p.solve_factored().unwrap();
+    // What was given is used up; the factors are gone with the attempt.
+    assert_eq!(p.pieces.factor(&p.system.numbering), missing(terms));
+    assert_eq!(p.solve_factored(), Err(SubstructureError::NotFactored));
+    // Begun, and nothing or a part given.
+    p.assemble();
+    p.pieces.factor(&p.system.numbering).unwrap();
+    p.pieces.begin();
+    assert_eq!(p.solve_factored(), Err(SubstructureError::NotFactored));
+    assert_eq!(p.pieces.factor(&p.system.numbering), missing(terms));
+    let size = p.assemble();
+    p.pieces.begin();
+    p.pieces.put(3, &vec![0.0; size[3]]);
+    assert_eq!(p.pieces.factor(&p.system.numbering), missing(terms - 1));
+    // An indefinite matrix leaves no factors, and no shift for the next one.
+    p.assemble();
+    let vectors = p.system.vectors();
+    let scale = p.pattern.diagonal(&p.values).fold(0.0, f64::max);
+    p.pieces.shift(vectors, (0..vectors).map(|v| (v, -scale)));
+    let refused = p.pieces.factor(&p.system.numbering);
+    assert!(matches!(refused, Err(SubstructureError::Indefinite(_))), "{refused:?}");
+    assert_eq!(p.solve_factored(), Err(SubstructureError::NotFactored));
+    p.assemble();
+    p.pieces.factor(&p.system.numbering).unwrap();
+    assert_eq!(p.solve_factored().unwrap(), first);
+}
+
+#[test]
+fn nothing_is_solved_that_was_never_given() {
+    let (_, system) = compile(&shell(false, 20, 100.0, 0.0));
+    let mut pieces = system.substructures(&Options::default()).unwrap();
+    let mut x = vec![1.0; system.unknowns()];
+    assert_eq!(pieces.solve(&mut x, &TIGHT), Err(SubstructureError::NotFactored));
+    let refused = pieces.factor(&system.numbering);
+    assert!(matches!(refused, Err(SubstructureError::Incomplete { missing, terms }) if missing == terms));
+}
+
+#[test]
+fn what_belongs_to_another_mesh_is_refused() {
+    let mut p = problem(&shell(false, 20, 100.0, 0.0));
+    let wrong = |what, found, expected| SubstructureError::WrongSize { what, found, expected };
+    p.pieces.factor(&p.system.numbering).unwrap();
+    let unknowns = p.load.len();
+    assert_eq!(p.pieces.solve(&mut [1.0], &TIGHT), Err(wrong("the right side", 1, unknowns)));
+    let size = p.assemble();
+    p.pieces.put(size.len(), &[1.0; 9]);
+    let refused = wrong("the list of terms", size.len() + 1, size.len());
+    assert_eq!(p.pieces.factor(&p.system.numbering), Err(refused));
+    for length in [9, size[7] + 9] {
+        p.assemble();
+        p.pieces.put(7, &vec![1.0; length]);
+        assert_eq!(p.pieces.factor(&p.system.numbering), Err(wrong("a term", length, size[7])));
+    }
+    let vectors = p.system.vectors();
+    for (count, vector) in [(vectors - 1, 0), (vectors, vectors)] {
+        p.assemble();
+        p.pieces.shift(count, std::iter::once((vector, 1.0)));
+        let refused = p.pieces.factor(&p.system.numbering);
+        assert!(matches!(refused, Err(SubstructureError::WrongSize { expected, .. }) if expected == vectors));
+    }
+    let (_, other) = compile(&shell(false, 21, 100.0, 0.0));
+    p.assemble();
+    let refused = wrong("the numbering", other.unknowns(), unknowns);
+    assert_eq!(p.pieces.factor(&other.numbering), Err(refused));
 }

@@ -25,6 +25,9 @@ use super::{SubstructureError, Work};
 use crate::system::Numbering;
 use crate::system::numbering::CONSTRAINED;
 
+/// Members that one task works on.
+const TOGETHER: usize = 64;
+
 /// Unknowns of a stretch of border between two pieces.
 pub(super) struct Group {
     /// Free coordinates.
@@ -61,11 +64,19 @@ pub(super) struct Averages {
 }
 
 struct Member {
+    /// Where its unknowns begin among those of all groups.
+    start: usize,
     /// Pieces, and places of the unknowns in their borders.
     pieces: [u32; 2],
     places: [Vec<u32>; 2],
     /// `D`, by columns.
     matrix: Vec<f64>,
+}
+
+impl Member {
+    fn len(&self) -> usize {
+        self.places[0].len()
+    }
 }
 
 impl Averages {
@@ -81,7 +92,7 @@ impl Averages {
                         |n: usize| borders.sources(n).iter().find(|s| s.0 == piece).map_or(0, |s| s.1);
                     (start..first.len()).map(place).collect()
                 });
-                Member { pieces: g.pieces, places, matrix: Vec::new() }
+                Member { start, pieces: g.pieces, places, matrix: Vec::new() }
             })
             .collect();
         let shares = vec![0.0; first.len()];
@@ -93,18 +104,13 @@ impl Averages {
         self.first.len()
     }
 
-    /// Numbers stored.
-    pub fn entries(&self) -> usize {
-        self.members.iter().map(|m| m.matrix.len()).sum()
-    }
-
     /// Computes the matrices `D`.
     pub fn weigh(&mut self, works: &[Work]) -> Result<(), SubstructureError> {
         let done: Vec<Option<()>> = self
             .members
             .par_iter_mut()
             .map(|member| {
-                let n = member.places[0].len();
+                let n = member.len();
                 let mut minors = [vec![0.0; n * n], vec![0.0; n * n]];
                 for k in 0..2 {
                     let factored = works[member.pieces[k] as usize].factored.as_ref()?;
@@ -133,20 +139,11 @@ impl Averages {
 
     /// Shares forces between first and second pieces.
     pub fn share(&mut self, r: &[f64]) {
-        let mut rest = self.shares.as_mut_slice();
-        let mut at = 0;
-        let mut work = Vec::with_capacity(self.members.len());
-        for member in &self.members {
-            let n = member.places[0].len();
-            let (mine, others) = rest.split_at_mut(n);
-            work.push((member, mine, &r[at..at + n]));
-            rest = others;
-            at += n;
-        }
-        work.into_par_iter().with_min_len(64).for_each(|(member, shares, r)| {
-            let n = r.len();
-            for (i, share) in shares.iter_mut().enumerate() {
-                *share = super::dense::dot(&member.matrix[i * n..(i + 1) * n], r);
+        each(&self.members, &mut self.shares, &|member, shares| {
+            let n = member.len();
+            let r = &r[member.start..member.start + n];
+            for (share, column) in shares.iter_mut().zip(member.matrix.chunks_exact(n)) {
+                *share = super::dense::dot(column, r);
             }
         });
     }
@@ -160,15 +157,8 @@ impl Averages {
 
     /// Averages the values that the pieces hold in `y`.
     pub fn average(&self, works: &[Work], out: &mut [f64]) {
-        let mut rest = out;
-        let mut work = Vec::with_capacity(self.members.len());
-        for member in &self.members {
-            let (mine, others) = rest.split_at_mut(member.places[0].len());
-            work.push((member, mine));
-            rest = others;
-        }
-        work.into_par_iter().with_min_len(64).for_each(|(member, out)| {
-            let n = out.len();
+        each(&self.members, out, &|member, out| {
+            let n = member.len();
             let [a, b] = member.pieces.map(|p| &works[p as usize].y);
             for (out, &q) in out.iter_mut().zip(&member.places[1]) {
                 *out = b[q as usize];
@@ -181,4 +171,21 @@ impl Averages {
             }
         });
     }
+}
+
+/// Works on all members, each with its own part of the values of the groups: halved again and again, so that nothing is
+/// allocated while iterating.
+fn each(members: &[Member], values: &mut [f64], work: &(impl Fn(&Member, &mut [f64]) + Sync)) {
+    if members.len() <= TOGETHER {
+        let mut rest = values;
+        for member in members {
+            let (own, others) = rest.split_at_mut(member.len());
+            work(member, own);
+            rest = others;
+        }
+        return;
+    }
+    let (a, b) = members.split_at(members.len() / 2);
+    let (of_a, of_b) = values.split_at_mut(b[0].start - a[0].start);
+    rayon::join(|| each(a, of_a, work), || each(b, of_b, work));
 }

@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
+use super::Work;
 use super::averages::Group;
 use super::piece::Piece;
-use super::{Scaling, Work};
 use crate::lists::Lists;
 
 /// Unknowns of the borders: dual ones first, then those of corners.
@@ -87,15 +87,11 @@ impl Borders {
         });
     }
 
-    /// Finds the shares of the pieces in the dual unknowns. They add up to one.
-    pub fn weigh(&self, pieces: &[Piece], works: &mut [Work], scaling: Scaling) {
+    /// Finds the shares of the pieces in the dual unknowns, by the diagonals of their matrices. They add up to one.
+    pub fn weigh(&self, pieces: &[Piece], works: &mut [Work]) {
         for work in works.iter_mut() {
-            match (scaling, &work.factored) {
-                (Scaling::Stiffness | Scaling::Deluxe, Some(factored)) => {
-                    work.y.iter_mut().zip(factored.interface.diagonal()).for_each(|(y, d)| *y = d);
-                }
-                _ => work.y.fill(1.0),
-            }
+            let Some(factored) = &work.factored else { continue };
+            work.y.iter_mut().zip(factored.interface.diagonal()).for_each(|(y, d)| *y = d);
         }
         let mut sums = vec![0.0; self.dual];
         self.add(works, 0, &mut sums);

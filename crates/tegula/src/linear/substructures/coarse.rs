@@ -54,20 +54,12 @@ impl Coarse {
         Ok(Self { solver: Some(solver), values, places })
     }
 
-    /// Numbers stored.
-    pub fn entries(&self) -> usize {
-        self.values.len() + self.solver.as_ref().map_or(0, |s| s.factor_entries())
-    }
-
-    /// Sums and factors.
-    pub fn factor(&mut self, works: &[Work]) -> Result<(), SubstructureError> {
+    /// Sums what the pieces leave at their corners, which is used up, and factors it.
+    pub fn factor(&mut self, works: &mut [Work]) -> Result<(), SubstructureError> {
         let Some(solver) = &mut self.solver else { return Ok(()) };
         self.values.fill(0.0);
-        for (work, places) in works.iter().zip(&self.places) {
-            let Some(factored) = &work.factored else { continue };
-            let n = (factored.coarse.len() as f64).sqrt().round() as usize;
-            let lower = (0..n).flat_map(|j| &factored.coarse[j * n + j..(j + 1) * n]);
-            for (&at, value) in places.iter().zip(lower) {
+        for (work, places) in works.iter_mut().zip(&self.places) {
+            for (&at, value) in places.iter().zip(std::mem::take(&mut work.corners)) {
                 self.values[at as usize] += value;
             }
         }

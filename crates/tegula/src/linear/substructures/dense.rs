@@ -70,10 +70,9 @@ pub(super) struct Interface {
 }
 
 impl Interface {
-    /// From the lower triangle of `S` (by columns of a square) and that of a copy of which the first `dual` columns
-    /// are factored.
-    pub fn new(square: &[f64], factor: &[f64], dual: usize) -> Result<Self, FactorError> {
-        let size = (square.len() as f64).sqrt().round() as usize;
+    /// From the lower triangle of `S` of order `size` (by columns of a square) and that of a copy of which the first
+    /// `dual` columns are factored.
+    pub fn new(square: &[f64], factor: &[f64], (size, dual): (usize, usize)) -> Result<Self, FactorError> {
         let inverse: Vec<f64> = (0..dual).map(|i| 1.0 / factor[i * size + i]).collect();
         if !inverse.iter().all(|v| v.is_finite()) {
             return Err(FactorError::Singular);
@@ -111,11 +110,6 @@ impl Interface {
                 out[j * m + i] += self.matrix[self.column(column) + row - column];
             }
         }
-    }
-
-    /// Memory (bytes).
-    pub fn bytes(&self) -> usize {
-        8 * (self.matrix.len() + self.inverse.len()) + 4 * self.factor.len()
     }
 
     /// `y = S x`.

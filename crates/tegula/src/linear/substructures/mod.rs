@@ -29,6 +29,7 @@ mod dense;
 mod division;
 mod front;
 mod piece;
+mod tridiagonal;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -47,7 +48,7 @@ use crate::system::Numbering;
 
 /// Quadrilaterals of a mesh, and where their nodes are.
 #[derive(Debug, Clone, Copy)]
-pub struct Quads<'a> {
+pub(crate) struct Quads<'a> {
     /// Four nodes of each, around it.
     pub nodes: &'a [[u32; 4]],
     /// Positions of the nodes.
@@ -81,7 +82,7 @@ impl Quads<'_> {
 
 /// What contributes to the matrix, term by term: the nodal vectors of each and the quadrilateral it belongs to.
 #[derive(Debug, Clone, Default)]
-pub struct Terms {
+pub(crate) struct Terms {
     start: Vec<u32>,
     vectors: Vec<u32>,
     quads: Vec<u32>,
@@ -103,11 +104,6 @@ impl Terms {
         self.quads.len()
     }
 
-    /// True if there are none.
-    pub fn is_empty(&self) -> bool {
-        self.quads.is_empty()
-    }
-
     fn vectors(&self, term: usize) -> &[u32] {
         &self.vectors[self.start[term] as usize..self.start[term + 1] as usize]
     }
@@ -116,28 +112,15 @@ impl Terms {
 /// How pieces are cut and tied.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Elements of a piece.
+    /// Elements of a piece, 1 to 4096; what is less or more is taken as the nearest of these.
     pub size: usize,
     /// Elements along a border from any node to the next corner at most.
     pub reach: usize,
-    /// How borders are averaged.
-    pub scaling: Scaling,
-}
-
-/// How what pieces say about their common border is averaged.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scaling {
-    /// All alike.
-    Alike,
-    /// By the diagonal of their matrices of the border.
-    Stiffness,
-    /// By those matrices themselves, stretch by stretch.
-    Deluxe,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { size: 256, reach: 3, scaling: Scaling::Deluxe }
+        Self { size: 256, reach: 3 }
     }
 }
 
@@ -150,9 +133,33 @@ pub enum SubstructureError {
     /// A piece, the coarse matrix or a search direction shows that the matrix is not positive definite, or nearly so.
     #[error("{0}")]
     Indefinite(&'static str),
-    /// Not enough memory.
+    /// Not enough memory, or more than can be indexed.
     #[error("the factors of the pieces do not fit in memory")]
     TooLarge,
+    /// There is nothing to solve with: no matrix was factored since the last one was begun, or the last one was refused.
+    #[error("there is no factored matrix to solve with; give the blocks of all terms and factor them first")]
+    NotFactored,
+    /// The matrix is not complete.
+    #[error(
+        "the blocks of {missing} of the {terms} terms of the matrix were not given; give those of every term before \
+         the matrix is factored"
+    )]
+    Incomplete {
+        /// Terms without blocks.
+        missing: usize,
+        /// Terms of the mesh.
+        terms: usize,
+    },
+    /// Blocks of a term, shifts or a right side do not belong to this mesh.
+    #[error("{what} has {found} entries where the mesh has {expected}; use those of the same system")]
+    WrongSize {
+        /// What was given.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// What it should be.
+        expected: usize,
+    },
     /// Not accurate enough; the solution is not returned.
     #[error(
         "not converged after {iterations} iterations: relative residual {residual:.1e} for {tolerance:.1e}"
@@ -190,19 +197,27 @@ pub struct Convergence {
     pub condition: f64,
 }
 
-/// Solver for the matrix of one mesh and its supports.
+/// Solver for the matrix of one mesh and its supports: [`Self::begin`] a matrix, [`Self::put`] the blocks of all
+/// terms, [`Self::factor`] it and [`Self::solve`] as often as needed.
 pub struct Substructures {
     pieces: Vec<Piece>,
-    /// Piece of each term, and where its blocks begin there.
+    /// Piece of each term, and its place there.
     slots: Vec<(u32, u32)>,
     works: Vec<Work>,
     borders: Borders,
     averages: Averages,
     coarse: Coarse,
+    /// Terms whose blocks were given since the last matrix was factored.
+    given: Vec<bool>,
+    /// What was wrong with what was given, until the next matrix begins.
+    fault: Option<SubstructureError>,
+    /// The factors are those of one matrix, all of them.
+    ready: bool,
     /// What is added to the diagonal of nodal vectors; empty: nothing is.
     shifts: Vec<f64>,
+    /// Nodal vectors.
+    nodal: usize,
     unknowns: usize,
-    scaling: Scaling,
     vectors: conjugate_gradients::Vectors,
 }
 
@@ -212,6 +227,8 @@ struct Work {
     /// Blocks of its terms until they are factored.
     blocks: Vec<f64>,
     factored: Option<Factored>,
+    /// What is left at its corners, until the coarse matrix is factored: lower triangle by columns.
+    corners: Vec<f64>,
     /// All its unknowns.
     x: Vec<f64>,
     /// Those of its border.
@@ -225,8 +242,8 @@ impl Substructures {
     /// Divides a mesh. `node_of` gives the node of every nodal vector.
     ///
     /// # Errors
-    /// The coarse matrix would be too large.
-    pub fn new(
+    /// A piece or the coarse matrix would be too large.
+    pub(crate) fn new(
         quads: Quads<'_>,
         terms: &Terms,
         node_of: &[u32],
@@ -245,7 +262,7 @@ impl Substructures {
         let terms_of = |q: u32| of_quad.of(q as usize).to_vec();
         let shared = |v: u32| sharing.shared.contains_key(&v);
         let corner = |v: u32| tied.contains(&node_of[v as usize]);
-        let made: Vec<(Piece, Vec<u32>)> = cells
+        let made: Vec<Result<(Piece, Vec<u32>), FactorError>> = cells
             .into_par_iter()
             .map(|cells| {
                 let roles = Roles { numbering, shared: &shared, corner: &corner };
@@ -254,18 +271,15 @@ impl Substructures {
             .collect();
         let mut slots = vec![(0, 0); terms.len()];
         let mut pieces = Vec::with_capacity(count);
-        for (p, (mut piece, order)) in made.into_iter().enumerate() {
+        for (p, made) in made.into_iter().enumerate() {
+            let (mut piece, order) = made?;
             piece.number = p as u32;
             for (k, t) in order.into_iter().enumerate() {
-                slots[t as usize] = (p as u32, piece.block(k) as u32);
+                slots[t as usize] = (p as u32, k as u32);
             }
             pieces.push(piece);
         }
-        let groups = if options.scaling == Scaling::Deluxe {
-            averages::groups(&sharing, &stretches, node_of, numbering)
-        } else {
-            Vec::new()
-        };
+        let groups = averages::groups(&sharing, &stretches, node_of, numbering);
         let borders = Borders::new(&pieces, numbering.unknowns, &groups);
         let averages = Averages::new(&groups, &borders);
         let coarse = Coarse::new(&pieces, &borders)?;
@@ -274,72 +288,119 @@ impl Substructures {
             .map(|p| Work { x: vec![0.0; p.unknowns.len()], y: vec![0.0; p.border()], ..Work::default() })
             .collect();
         let vectors = conjugate_gradients::Vectors::new(borders.len());
-        let scaling = options.scaling;
-        let unknowns = numbering.unknowns;
         Ok(Self {
             pieces,
+            given: vec![false; slots.len()],
             slots,
             works,
             borders,
             averages,
             coarse,
+            fault: None,
+            ready: false,
             shifts: Vec::new(),
-            unknowns,
-            scaling,
+            nodal: node_of.len(),
+            unknowns: numbering.unknowns,
             vectors,
         })
     }
 
-    /// Number of pieces.
-    pub fn pieces(&self) -> usize {
-        self.pieces.len()
-    }
-
-    /// Unknowns of the borders, those of the corners among them.
-    pub fn border_unknowns(&self) -> usize {
-        self.borders.len()
-    }
-
-    /// Unknowns of the coarse matrix.
-    pub fn coarse_unknowns(&self) -> usize {
-        self.borders.corners()
-    }
-
-    /// Memory of the factors (bytes).
-    pub fn bytes(&self) -> usize {
-        let pieces: usize = self.works.iter().filter_map(|w| w.factored.as_ref()).map(Factored::bytes).sum();
-        pieces + 8 * (self.coarse.entries() + self.averages.entries())
-    }
-
     /// Begins a new matrix: the old factors make room.
     pub fn begin(&mut self) {
+        self.clear();
+        self.fault = None;
+    }
+
+    /// Drops the factors and all that was given.
+    fn clear(&mut self) {
         for work in &mut self.works {
             work.factored = None;
+            work.blocks = Vec::new();
+            work.corners = Vec::new();
         }
+        self.given.fill(false);
         self.shifts.clear();
+        self.ready = false;
     }
 
     /// Adds multiples of the unit matrix to the blocks of nodal vectors, of which there are `count`, with themselves.
+    /// A `count` that is not that of the mesh, or a vector beyond it, makes [`Self::factor`] fail.
     pub fn shift(&mut self, count: usize, shifts: impl Iterator<Item = (usize, f64)>) {
-        self.shifts.resize(count, 0.0);
-        shifts.for_each(|(v, shift)| self.shifts[v] += shift);
-    }
-
-    /// Takes the lower blocks of a term, along the global axes.
-    pub fn put(&mut self, term: usize, blocks: &[f64]) {
-        let (piece, at) = self.slots[term];
-        let work = &mut self.works[piece as usize];
-        if work.blocks.is_empty() {
-            work.blocks.resize(self.pieces[piece as usize].blocks, 0.0);
+        self.shifts.resize(self.nodal, 0.0);
+        let mut found = count;
+        for (v, shift) in shifts {
+            match self.shifts.get_mut(v) {
+                Some(sum) => *sum += shift,
+                None => found = found.max(v + 1),
+            }
         }
-        work.blocks[at as usize..at as usize + blocks.len()].copy_from_slice(blocks);
+        self.expect("the diagonal that is added", found, self.nodal);
     }
 
-    /// Factors the pieces and the coarse matrix.
+    /// Takes the lower blocks of a term, along the global axes. A term that the mesh has not, or blocks of another
+    /// size than its own, make [`Self::factor`] fail.
+    pub fn put(&mut self, term: usize, blocks: &[f64]) {
+        let Some(&(number, at)) = self.slots.get(term) else {
+            self.expect("the list of terms", term + 1, self.slots.len());
+            return;
+        };
+        let (piece, work) = (&self.pieces[number as usize], &mut self.works[number as usize]);
+        if work.blocks.is_empty() {
+            work.blocks.resize(piece.blocks(), 0.0);
+        }
+        let own = piece.term(at as usize);
+        let expected = own.len();
+        if blocks.len() == expected {
+            work.blocks[own].copy_from_slice(blocks);
+            self.given[term] = true;
+        }
+        self.expect("a term", blocks.len(), expected);
+    }
+
+    /// Notes the first size that is wrong.
+    fn expect(&mut self, what: &'static str, found: usize, expected: usize) {
+        if found != expected && self.fault.is_none() {
+            self.fault = Some(SubstructureError::WrongSize { what, found, expected });
+        }
+    }
+
+    /// Factors the pieces and the coarse matrix. What was given is used up: the next matrix needs all its terms again.
     ///
     /// # Errors
-    /// The matrix is not positive definite as far as the pieces can tell, or there is not enough memory.
+    /// Terms are missing or of a wrong size, the matrix is not positive definite as far as the pieces can tell, or
+    /// there is not enough memory. Nothing can be solved then until another matrix is factored.
     pub fn factor(&mut self, numbering: &Numbering) -> Result<(), SubstructureError> {
+        let result = self.check(numbering).and_then(|()| self.factor_all(numbering));
+        if result.is_ok() {
+            self.given.fill(false);
+            self.shifts.clear();
+            self.ready = true;
+        } else {
+            self.clear();
+        }
+        result
+    }
+
+    /// Is the matrix complete, and that of the mesh?
+    fn check(&self, numbering: &Numbering) -> Result<(), SubstructureError> {
+        if let Some(fault) = &self.fault {
+            return Err(fault.clone());
+        }
+        if numbering.unknowns != self.unknowns {
+            let (found, expected) = (numbering.unknowns, self.unknowns);
+            return Err(SubstructureError::WrongSize { what: "the numbering", found, expected });
+        }
+        let missing = self.given.iter().filter(|given| !**given).count();
+        if missing > 0 {
+            return Err(SubstructureError::Incomplete { missing, terms: self.given.len() });
+        }
+        if !self.shifts.iter().all(|s| s.is_finite()) {
+            return Err(SubstructureError::NotFinite);
+        }
+        Ok(())
+    }
+
+    fn factor_all(&mut self, numbering: &Numbering) -> Result<(), SubstructureError> {
         let Self { pieces, works, borders, shifts, .. } = self;
         let scratches: Mutex<Vec<Scratch>> = Mutex::default();
         let done: Vec<Result<(), Refused>> = works
@@ -356,7 +417,8 @@ impl Substructures {
                 let mut scratch = locked(&scratches).pop().unwrap_or_default();
                 let factored = piece.factor(&blocks, numbering, &shifts, &mut scratch);
                 locked(&scratches).push(scratch);
-                work.factored = Some(factored?);
+                let (factored, corners) = factored?;
+                (work.factored, work.corners) = (Some(factored), corners);
                 Ok(())
             })
             .collect();
@@ -371,9 +433,9 @@ impl Substructures {
                 Refused::Factor(e) => e.into(),
             })?;
         }
-        self.borders.weigh(&self.pieces, &mut self.works, self.scaling);
+        self.borders.weigh(&self.pieces, &mut self.works);
         self.averages.weigh(&self.works)?;
-        self.coarse.factor(&self.works)
+        self.coarse.factor(&mut self.works)
     }
 }
 

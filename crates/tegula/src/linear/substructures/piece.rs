@@ -53,10 +53,10 @@ pub(super) struct Piece {
     /// Its number.
     pub number: u32,
     fronts: Vec<Front>,
-    /// Terms in the order of the tree: where their blocks begin, and where their vectors do.
+    /// Terms in the order of the tree: where their blocks begin, and where their vectors do; then the ends.
     terms: Vec<[u32; 2]>,
     /// Vectors of the terms, as numbers in `vectors`.
-    term_vectors: Vec<u16>,
+    term_vectors: Vec<u32>,
     /// Nodal vectors with free coordinates, and the places of those coordinates; the last one stands for all without.
     vectors: Vec<(u32, [u32; 3])>,
     /// Free coordinate at each place: inner ones, then dual ones, then those of the corners.
@@ -67,8 +67,6 @@ pub(super) struct Piece {
     pub dual: usize,
     /// Numbers in the panels of all fronts.
     panels: usize,
-    /// Numbers in the blocks of all terms.
-    pub blocks: usize,
     /// Largest stack of what waits to be passed on.
     stack: usize,
 }
@@ -85,13 +83,16 @@ pub(super) struct Roles<'a> {
 impl Piece {
     /// Analyses the piece of some elements; `terms_of` gives the terms of an element. Returns with it, for each
     /// term in order, its number.
+    ///
+    /// # Errors
+    /// Its blocks are too many to be indexed.
     pub fn new(
         quads: &Quads<'_>,
         terms: &Terms,
         terms_of: &dyn Fn(u32) -> Vec<u32>,
         mut cells: Vec<u32>,
         roles: &Roles<'_>,
-    ) -> (Self, Vec<u32>) {
+    ) -> Result<(Self, Vec<u32>), FactorError> {
         let branches = tree(quads, &mut cells, LEAF);
         let mut order = Vec::new();
         let mut term_start = vec![0];
@@ -100,10 +101,10 @@ impl Piece {
             term_start.push(order.len());
         }
         // Vectors with free coordinates, and first and last of the cells that touch them.
-        let mut number: HashMap<u32, u16> = HashMap::new();
+        let mut number: HashMap<u32, u32> = HashMap::new();
         let mut vectors: Vec<u32> = Vec::new();
         let mut span: Vec<(usize, usize)> = Vec::new();
-        let mut touched: Vec<Vec<u16>> = vec![Vec::new(); cells.len()];
+        let mut touched: Vec<Vec<u32>> = vec![Vec::new(); cells.len()];
         for (c, touched) in touched.iter_mut().enumerate() {
             for &t in &order[term_start[c]..term_start[c + 1]] {
                 for &v in terms.vectors(t as usize) {
@@ -113,7 +114,7 @@ impl Piece {
                     let n = *number.entry(v).or_insert_with(|| {
                         vectors.push(v);
                         span.push((c, c));
-                        (vectors.len() - 1) as u16
+                        (vectors.len() - 1) as u32
                     });
                     span[n as usize].1 = c;
                     touched.push(n);
@@ -124,7 +125,7 @@ impl Piece {
         }
         let shared: Vec<bool> = vectors.iter().map(|&v| (roles.shared)(v)).collect();
         // The branch in which each vector is eliminated.
-        let mut columns: Vec<Vec<u16>> = vec![Vec::new(); branches.len()];
+        let mut columns: Vec<Vec<u32>> = vec![Vec::new(); branches.len()];
         for (n, &(low, high)) in span.iter().enumerate() {
             if shared[n] {
                 continue;
@@ -140,7 +141,7 @@ impl Piece {
                     break;
                 }
             }
-            columns[b].push(n as u16);
+            columns[b].push(n as u32);
         }
         let mut out = Self {
             number: 0,
@@ -152,7 +153,6 @@ impl Piece {
             inner: 0,
             dual: 0,
             panels: 0,
-            blocks: 0,
             stack: 0,
         };
         let mut bounds = Vec::with_capacity(branches.len());
@@ -163,7 +163,7 @@ impl Piece {
         }
         out.inner = out.unknowns.len();
         let border = |corner: bool| {
-            let mut of: Vec<u16> = (0..vectors.len() as u16)
+            let mut of: Vec<u32> = (0..vectors.len() as u32)
                 .filter(|&n| shared[n as usize] && (roles.corner)(vectors[n as usize]) == corner)
                 .collect();
             of.sort_unstable_by_key(|&n| vectors[n as usize]);
@@ -207,19 +207,21 @@ impl Piece {
             out.fronts.push(Front { first, width, rows, terms, halves: branch.halves, panel });
         }
         // One more for the vectors without free coordinates.
-        let without = out.vectors.len() as u16;
+        let without = out.vectors.len() as u32;
         out.vectors.push((0, [NONE; 3]));
+        let index = |n: usize| u32::try_from(n).map_err(|_| FactorError::TooLarge);
+        let mut blocks = 0;
         for &t in &order {
-            out.terms.push([out.blocks as u32, out.term_vectors.len() as u32]);
+            out.terms.push([index(blocks)?, index(out.term_vectors.len())?]);
             let of = terms.vectors(t as usize);
             out.term_vectors.extend(of.iter().map(|v| number.get(v).copied().unwrap_or(without)));
-            out.blocks += 9 * of.len() * (of.len() + 1) / 2;
+            blocks += 9 * of.len() * (of.len() + 1) / 2;
         }
-        out.terms.push([out.blocks as u32, out.term_vectors.len() as u32]);
-        (out, order)
+        out.terms.push([index(blocks)?, index(out.term_vectors.len())?]);
+        Ok((out, order))
     }
 
-    fn place(&mut self, vectors: impl Iterator<Item = u16>, numbering: &Numbering) {
+    fn place(&mut self, vectors: impl Iterator<Item = u32>, numbering: &Numbering) {
         for n in vectors {
             let (v, places) = &mut self.vectors[n as usize];
             for (place, number) in places.iter_mut().zip(numbering.of(*v as usize)) {
@@ -241,9 +243,14 @@ impl Piece {
         self.border() - self.dual
     }
 
-    /// Where the blocks of a term begin.
-    pub fn block(&self, term: usize) -> usize {
-        self.terms[term][0] as usize
+    /// Numbers in the blocks of all terms.
+    pub fn blocks(&self) -> usize {
+        self.terms.last().map_or(0, |end| end[0] as usize)
+    }
+
+    /// Those of one term.
+    pub fn term(&self, term: usize) -> Range<usize> {
+        self.terms[term][0] as usize..self.terms[term + 1][0] as usize
     }
 
     /// What is added to the diagonal of this piece: shifts of nodal vectors, divided by the number of pieces where
@@ -309,7 +316,8 @@ impl Piece {
         }
     }
 
-    /// Eliminates the inner unknowns and factors what is left at the border.
+    /// Eliminates the inner unknowns and factors what is left at the border. Returns with the factors what is left at
+    /// the corners when the dual unknowns are eliminated, too: lower triangle by columns.
     ///
     /// # Errors
     /// A pivot is not positive, or the memory does not suffice.
@@ -319,9 +327,9 @@ impl Piece {
         numbering: &Numbering,
         shifts: &[f64],
         scratch: &mut Scratch,
-    ) -> Result<Factored, Refused> {
+    ) -> Result<(Factored, Vec<f64>), Refused> {
         let mut panels = zeros(self.panels).map_err(Refused::from)?;
-        let Scratch { stack, place, dense, factor, square } = scratch;
+        let Scratch { stack, place, dense, factor, square, coarse } = scratch;
         if stack.len() < self.stack {
             *stack = zeros(self.stack)?;
         }
@@ -372,7 +380,8 @@ impl Piece {
             shifts.iter().enumerate().for_each(|(j, shift)| square[j * border + j] += shift);
         }
         let corners = self.corners();
-        let mut coarse = vec![0.0; corners * corners];
+        coarse.clear();
+        coarse.resize(corners * corners, 0.0);
         for j in 0..corners {
             let from = (self.dual + j) * border + self.dual;
             coarse[j * corners + j..(j + 1) * corners].copy_from_slice(&square[from + j..from + corners]);
@@ -382,11 +391,11 @@ impl Piece {
         if self.dual > 0 {
             let need = cholesky_in_place_scratch::<f64>(self.dual, Par::Seq, Default::default());
             let dense = dense.hold(need)?;
-            eliminate((self.dual, corners), factor, &mut coarse, dense)
-                .map_err(|NotPositive| Refused::Border)?;
+            eliminate((self.dual, corners), factor, coarse, dense).map_err(|NotPositive| Refused::Border)?;
         }
-        let interface = Interface::new(square, factor, self.dual)?;
-        Ok(Factored { panels, interface, coarse })
+        let interface = Interface::new(square, factor, (border, self.dual))?;
+        let left = (0..corners).flat_map(|j| &coarse[j * corners + j..(j + 1) * corners]).copied().collect();
+        Ok((Factored { panels, interface }, left))
     }
 
     /// `L y = b` for the inner unknowns; what they leave at the border is taken off there.
@@ -480,15 +489,6 @@ pub(super) struct Factored {
     panels: Vec<f64>,
     /// Matrix of the border.
     pub interface: Interface,
-    /// What is left at the corners when the dual unknowns are eliminated: lower triangle by columns.
-    pub coarse: Vec<f64>,
-}
-
-impl Factored {
-    /// Memory (bytes).
-    pub fn bytes(&self) -> usize {
-        8 * (self.panels.len() + self.coarse.len()) + self.interface.bytes()
-    }
 }
 
 /// Memory of a thread.
@@ -496,9 +496,10 @@ impl Factored {
 pub(super) struct Scratch {
     stack: Vec<f64>,
     place: Vec<u32>,
-    /// Matrix of the border, and its factor.
+    /// Matrix of the border, its factor, and what is left at the corners.
     square: Vec<f64>,
     factor: Vec<f64>,
+    coarse: Vec<f64>,
     dense: Dense,
 }
 
