@@ -21,9 +21,14 @@ const REST: f64 = 1e-6;
 /// The same in time steps, where the error of the integration is far above: a tenth.
 const REST_IN_TIME: f64 = 1e-2;
 
-/// Operations of the dense kernels in the time in which a solve moves one entry of the factor, measured on shell
-/// matrices of 2 000 to 400 000 unknowns.
-const OPERATIONS_PER_ENTRY: f64 = 17.0;
+/// Operations of the dense kernels in the time that an iteration with an old factor takes for one entry of it. While the
+/// factor is in the processor's cache, a solution takes the time of 11 to 13 operations an entry (quarter cylinders of
+/// 16² and 32² elements), forces and vectors take the rest; ...
+const OPERATIONS_IN_CACHE: f64 = 17.0;
+/// ... beyond, a solution waits for memory, as long as 39, 64 and 71 operations take (64², 128², 256²).
+const OPERATIONS_BEYOND: f64 = 50.0;
+/// Entries of a factor that stay in a processor's cache: 16 MB.
+const ENTRIES_IN_CACHE: usize = 2_000_000;
 /// Assembly of a tangent in iterations with an old factor.
 const ASSEMBLY_PRICE: f64 = 1.5;
 /// Increments that shrink less than this ask for a new tangent.
@@ -40,7 +45,8 @@ pub fn rest(in_time: bool) -> f64 {
 /// Price of a tangent and its factor, in iterations with an old factor: from the operations of a factorisation and the
 /// entries of the factor.
 pub fn price(operations: f64, entries: usize) -> f64 {
-    ASSEMBLY_PRICE + operations / (OPERATIONS_PER_ENTRY * entries.max(1) as f64)
+    let per_entry = if entries > ENTRIES_IN_CACHE { OPERATIONS_BEYOND } else { OPERATIONS_IN_CACHE };
+    ASSEMBLY_PRICE + operations / (per_entry * entries.max(1) as f64)
 }
 
 /// The tangent whose factor serves several time steps, as the state it was taken at, and what it has served for.

@@ -16,8 +16,9 @@ const ENERGY_TOLERANCE: f64 = 1e-18;
 const INCREMENT_TOLERANCE: f64 = 1e-6;
 
 /// Largest turn (rad) of the first increment of a load step. The answer of the undeformed shell to the whole load leads
-/// thin shells so far astray that the way back takes longer: on the quarter cylinders of Sect. 5.2 this limit saves a
-/// third of the factorisations. Prescribed strains bend shells without load, and full increments find the way best.
+/// thin shells so far astray that the way back takes longer: on the quarter cylinder of Sect. 5.2 with 64 × 64 elements
+/// limits of 0.3 to 0.5 take 8 tangents, 0.2 and 0.6 take 9, and 0.8 takes 13. Prescribed strains bend shells without
+/// load, and full increments find the way best.
 const FIRST_TURN: f64 = 0.4;
 
 /// Equilibrium at a load factor: `F(λ) − f_int(u) = 0`.
