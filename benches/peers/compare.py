@@ -152,7 +152,8 @@ def compute(name, job, limit, results=RESULTS):
             words.append("results cannot be read: %r" % error)
     cpu = usage.ru_utime + usage.ru_stime
     if not (folder / "result.json").exists():
-        last = words[-1].strip() if words else "ended with %d" % process.returncode
+        errors = [x for x in words if x.startswith("error: ")]
+        last = (errors or words or ["ended with %d" % process.returncode])[-1].strip()
         return {"failure": last[:120], "cpu": cpu, "wall": wall}
     return {**json.loads((folder / "result.json").read_text()), "cpu": cpu, "wall": wall}
 

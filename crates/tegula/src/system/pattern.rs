@@ -13,9 +13,10 @@ use super::numbering::{CONSTRAINED, Numbering};
 use crate::element::Nodal;
 use crate::linear::SymmetricPattern;
 
-/// Elements of a portion: their blocks stay in a processor's cache until they are summed. A multiple of
-/// [`ALIGNMENT`](crate::element::group::ALIGNMENT).
-pub const PORTION: usize = 1024;
+/// Elements of a portion: their blocks (10 MB) stay in the last cache of a processor until they are summed. With 1024, in a
+/// nearer one, a thread takes 3 % less time, but two take 23 % more, as they wait for each other after every portion. A
+/// multiple of [`ALIGNMENT`](crate::element::group::ALIGNMENT).
+pub const PORTION: usize = 4096;
 /// Blocks below which a task is not split further.
 const GRAIN: usize = 1024;
 
