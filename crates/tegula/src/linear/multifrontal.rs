@@ -17,7 +17,7 @@ use pulp::Arch;
 use super::assembly_tree::{AssemblyTree, Front};
 use super::elimination::{Elimination, FrontPivots, half};
 use super::ordering::Quotient;
-use super::schedule::{Direction, Task, locked, run_all};
+use super::schedule::{Task, locked, run_all};
 use super::substitution::Solver;
 use super::trapezoid::{BLOCK, Trapezoid};
 use super::triangle::Triangle;
@@ -178,7 +178,7 @@ impl Multifrontal {
             // What belongs to each task, and what it passes on while that waits.
             let slots: Vec<_> =
                 tasks.iter().map(|task| (Mutex::new(take(task)), Mutex::new(Vec::new()))).collect();
-            run_all(tasks, stacks.len(), Direction::Up, |t| {
+            run_all(tasks, stacks.len(), |t| {
                 let task = &tasks[t];
                 let part = std::mem::take(&mut *locked(&slots[t].0));
                 let mut out = Vec::new();
@@ -198,13 +198,13 @@ impl Multifrontal {
 
     /// Solves in place with the factor.
     pub fn solve(&mut self, right_side: &mut [f64]) {
-        let Self { tree, factor, tasks, split, columns, stacks, pivots } = self;
+        let Self { tree, factor, split, columns, stacks, pivots, .. } = self;
         let Some(stack) = stacks.first_mut() else { return };
         let rows = &mut stack.get_mut().unwrap_or_else(PoisonError::into_inner).values[..tree.rows];
         for (x, &old) in columns.iter_mut().zip(&tree.order) {
             *x = right_side[old as usize];
         }
-        Solver { tree, factor, tasks, split, pivots }.solve(columns, rows);
+        Solver { tree, factor, split, pivots }.solve(columns, rows);
         for (x, &old) in columns.iter().zip(&tree.order) {
             right_side[old as usize] = *x;
         }

@@ -50,25 +50,6 @@ impl Task {
     }
 }
 
-/// In which order tasks depend on each other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Direction {
-    /// Each after its children, the first ones first.
-    Up,
-    /// Each after its parent, the last ones first.
-    Down,
-}
-
-impl Direction {
-    /// Tasks of low rank are taken first.
-    fn rank(self, task: u32) -> u32 {
-        match self {
-            Self::Up => task,
-            Self::Down => u32::MAX - task,
-        }
-    }
-}
-
 /// Holds what a mutex holds, also after a panic elsewhere.
 pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
@@ -76,9 +57,8 @@ pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 /// Tasks that are ready, and what others wait for.
 struct State {
-    /// Rank and number.
-    ready: BinaryHeap<Reverse<(u32, u32)>>,
-    /// How many others each task waits for.
+    ready: BinaryHeap<Reverse<u32>>,
+    /// Children of each task that are not done.
     missing: Vec<usize>,
     /// Threads at work.
     workers: usize,
@@ -90,32 +70,23 @@ struct State {
 struct Schedule<'a, F> {
     tasks: &'a [Task],
     threads: usize,
-    direction: Direction,
     state: Mutex<State>,
     run: F,
 }
 
-/// Runs all tasks.
+/// Runs all tasks, each after its children.
 ///
 /// # Errors
 /// That of a task; others may be left undone then.
 pub(super) fn run_all(
     tasks: &[Task],
     threads: usize,
-    direction: Direction,
     run: impl Fn(usize) -> Result<(), FactorError> + Sync,
 ) -> Result<(), FactorError> {
-    let missing: Vec<usize> = tasks
-        .iter()
-        .map(|t| match direction {
-            Direction::Up => t.children.len(),
-            Direction::Down => usize::from(t.parent.is_some()),
-        })
-        .collect();
-    let ready = (0..tasks.len() as u32).filter(|&t| missing[t as usize] == 0);
-    let ready = ready.map(|t| Reverse((direction.rank(t), t))).collect();
+    let missing: Vec<usize> = tasks.iter().map(|t| t.children.len()).collect();
+    let ready = (0..tasks.len() as u32).filter(|&t| missing[t as usize] == 0).map(Reverse).collect();
     let state = State { ready, missing, workers: 1, error: None };
-    let schedule = Schedule { tasks, threads, direction, state: Mutex::new(state), run };
+    let schedule = Schedule { tasks, threads, state: Mutex::new(state), run };
     rayon::scope(|scope| schedule.work(scope));
     schedule
         .state
@@ -135,7 +106,7 @@ impl<'a, F: Fn(usize) -> Result<(), FactorError> + Sync> Schedule<'a, F> {
         loop {
             let mut state = self.state();
             let next = if state.error.is_none() { state.ready.pop() } else { None };
-            let Some(Reverse((_, task))) = next else {
+            let Some(Reverse(task)) = next else {
                 state.workers -= 1;
                 return;
             };
@@ -154,15 +125,10 @@ impl<'a, F: Fn(usize) -> Result<(), FactorError> + Sync> Schedule<'a, F> {
                 }
                 Err(_) => {}
                 Ok(()) => {
-                    let task = &self.tasks[task as usize];
-                    let waiting = match self.direction {
-                        Direction::Up => task.parent.as_slice(),
-                        Direction::Down => &task.children,
-                    };
-                    for &next in waiting {
-                        state.missing[next as usize] -= 1;
-                        if state.missing[next as usize] == 0 {
-                            state.ready.push(Reverse((self.direction.rank(next), next)));
+                    if let Some(parent) = self.tasks[task as usize].parent {
+                        state.missing[parent as usize] -= 1;
+                        if state.missing[parent as usize] == 0 {
+                            state.ready.push(Reverse(parent));
                         }
                     }
                 }

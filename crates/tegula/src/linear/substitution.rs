@@ -1,8 +1,5 @@
 //! Solution with a multifrontal factor: forward through the tree, backward again, independent subtrees in parallel.
 
-use std::ops::Range;
-use std::sync::Mutex;
-
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place,
@@ -13,7 +10,9 @@ use faer::{Accum, MatMut, MatRef, Par};
 
 use super::assembly_tree::{AssemblyTree, Front};
 use super::elimination::{FrontPivots, PivotedBlocks};
-use super::schedule::{Direction, Task, locked, run_all};
+
+/// Work on a subtree: its last front, its columns, its rows.
+type Sweep<S> = fn(&S, usize, &mut [f64], &mut [f64]);
 
 /// Parts of a block column, and what it is pivoted with.
 type Block<'a> = (MatRef<'a, f64>, MatRef<'a, f64>, MatRef<'a, f64>, Option<&'a PivotedBlocks>);
@@ -22,8 +21,6 @@ type Block<'a> = (MatRef<'a, f64>, MatRef<'a, f64>, MatRef<'a, f64>, Option<&'a 
 pub(super) struct Solver<'a> {
     pub tree: &'a AssemblyTree,
     pub factor: &'a [f64],
-    /// What is worked off at a time.
-    pub tasks: &'a [Task],
     /// Whether the subtree of a front is split between threads.
     pub split: &'a [bool],
     pub pivots: &'a [FrontPivots],
@@ -44,79 +41,64 @@ impl Solver<'_> {
 
     /// `L Lᵀ x = b` in place of `x`, by columns in the order of the elimination. `y` is memory for all rows.
     pub fn solve(&self, mut x: &mut [f64], mut y: &mut [f64]) {
-        let mut take = |task: &Task| {
-            let fronts = &self.tree.fronts[task.fronts.clone()];
-            let sizes = fronts.iter().map(|f| (f.width, f.rows.len()));
-            let (columns, rows) = sizes.fold((0, 0), |sum, f| (sum.0 + f.0, sum.1 + f.1));
-            let (x_own, x_rest) = std::mem::take(&mut x).split_at_mut(columns);
-            let (y_own, y_rest) = std::mem::take(&mut y).split_at_mut(rows);
+        let fronts = &self.tree.fronts;
+        for (f, front) in fronts.iter().enumerate().filter(|(_, front)| front.parent.is_none()) {
+            let (x_own, x_rest) = x.split_at_mut(front.first + front.width - fronts[front.leaf].first);
+            let (y_own, y_rest) =
+                y.split_at_mut(front.row_start + front.rows.len() - fronts[front.leaf].row_start);
+            self.forward(f, x_own, y_own);
+            self.backward(f, x_own, y_own);
             (x, y) = (x_rest, y_rest);
-            (x_own, y_own)
-        };
-        if !self.split.contains(&true) {
-            for task in self.tasks {
-                let (x, y) = take(task);
-                self.forward(task.fronts.clone(), x, y);
-                self.backward(task.fronts.clone(), x, y);
-            }
-            return;
         }
-        let slots: Vec<_> = self.tasks.iter().map(|task| Mutex::new(take(task))).collect();
-        let threads = rayon::current_num_threads();
-        let up = run_all(self.tasks, threads, Direction::Up, |t| {
-            let (task, mut own) = (&self.tasks[t], locked(&slots[t]));
-            let (x, y) = &mut *own;
-            if self.split[task.fronts.start] {
-                let f = task.fronts.start;
-                y.fill(0.0);
-                for (&c, &child) in task.children.iter().zip(&self.tree.children[f]) {
-                    let child = &self.tree.fronts[child as usize];
-                    let below = &locked(&slots[c as usize]).1;
-                    add_sums(child, &below[below.len() - child.rows.len()..], &self.tree.fronts[f], x, y);
-                }
-                self.forward_front(f, x, y);
-            } else {
-                self.forward(task.fronts.clone(), x, y);
-            }
-            Ok(())
-        });
-        let down = run_all(self.tasks, threads, Direction::Down, |t| {
-            let (task, mut own) = (&self.tasks[t], locked(&slots[t]));
-            let (x, y) = &mut *own;
-            if self.split[task.fronts.start] {
-                let f = task.fronts.start;
-                self.backward_front(f, x, y);
-                for (&c, &child) in task.children.iter().zip(&self.tree.children[f]) {
-                    let child = &self.tree.fronts[child as usize];
-                    let below = &mut locked(&slots[c as usize]).1;
-                    let rows = below.len() - child.rows.len();
-                    pass_on(&self.tree.fronts[f], x, y, child, &mut below[rows..]);
-                }
-            } else {
-                self.backward(task.fronts.clone(), x, y);
-            }
-            Ok(())
-        });
-        debug_assert!(up.is_ok() && down.is_ok(), "substitutions do not fail");
     }
 
-    /// `L y = b` in a subtree, front by front; `x` are its columns, `y` the sums of its rows.
-    fn forward(&self, subtree: Range<usize>, x: &mut [f64], y: &mut [f64]) {
-        let fronts = &self.tree.fronts;
-        let begin = &fronts[subtree.start];
-        for f in subtree {
-            let front = &fronts[f];
-            let x = &mut x[front.first - begin.first..][..front.width];
-            let (below, y) = y.split_at_mut(front.row_start - begin.row_start);
-            let y = &mut y[..front.rows.len()];
-            y.fill(0.0);
-            for &c in &self.tree.children[f] {
-                let child = &fronts[c as usize];
-                let sums = &below[child.row_start - begin.row_start..][..child.rows.len()];
-                add_sums(child, sums, front, x, y);
+    /// A split front, then its child, and so on down as long as just one child is split. Trees of long strips are such
+    /// chains: they are walked, since threads have not the stack to descend them. What branches off is small, or below
+    /// the end of the chain, where the work divides.
+    fn chain(&self, f: usize) -> Vec<usize> {
+        let mut chain = vec![f];
+        let mut at = f;
+        loop {
+            let mut large = self.tree.children[at].iter().filter(|&&c| self.split[c as usize]);
+            match (large.next(), large.next()) {
+                (Some(&only), None) => at = only as usize,
+                _ => return chain,
             }
-            self.forward_front(f, x, y);
+            chain.push(at);
         }
+    }
+
+    /// `L y = b` in a subtree; `x` are its columns, `y` the sums of its rows.
+    fn forward(&self, f: usize, x: &mut [f64], y: &mut [f64]) {
+        let fronts = &self.tree.fronts;
+        let leaf = fronts[f].leaf;
+        let own = |f: usize, x: &mut [f64], y: &mut [f64]| self.forward_after_children(f, leaf, x, y);
+        if !self.split[f] {
+            (leaf..=f).for_each(|s| own(s, x, y));
+            return;
+        }
+        let chain = self.chain(f);
+        for (k, &front) in chain.iter().enumerate().rev() {
+            let below = chain.get(k + 1).map(|&c| c as u32);
+            self.each(leaf, &self.tree.children[front], below, x, y, Self::forward);
+            own(front, x, y);
+        }
+    }
+
+    /// One front of the subtree that begins with `leaf`.
+    fn forward_after_children(&self, f: usize, leaf: usize, x: &mut [f64], y: &mut [f64]) {
+        let fronts = &self.tree.fronts;
+        let (front, begin) = (&fronts[f], &fronts[leaf]);
+        let x = &mut x[front.first - begin.first..][..front.width];
+        let (below, y) = y.split_at_mut(front.row_start - begin.row_start);
+        let y = &mut y[..front.rows.len()];
+        y.fill(0.0);
+        for &c in &self.tree.children[f] {
+            let child = &fronts[c as usize];
+            let sums = &below[child.row_start - begin.row_start..][..child.rows.len()];
+            add_sums(child, sums, front, x, y);
+        }
+        self.forward_front(f, x, y);
     }
 
     fn forward_front(&self, f: usize, x: &mut [f64], y: &mut [f64]) {
@@ -148,21 +130,86 @@ impl Solver<'_> {
     }
 
     /// `Lᵀ x = y` in a subtree whose `y` holds the solution at the rows of its last front.
-    fn backward(&self, subtree: Range<usize>, x: &mut [f64], y: &mut [f64]) {
+    fn backward(&self, f: usize, x: &mut [f64], y: &mut [f64]) {
         let fronts = &self.tree.fronts;
-        let begin = &fronts[subtree.start];
-        for f in subtree.rev() {
-            let front = &fronts[f];
-            let x = &mut x[front.first - begin.first..][..front.width];
-            let (below, y) = y.split_at_mut(front.row_start - begin.row_start);
-            let y = &mut y[..front.rows.len()];
-            self.backward_front(f, x, y);
-            for &c in &self.tree.children[f] {
-                let child = &fronts[c as usize];
-                let to = &mut below[child.row_start - begin.row_start..][..child.rows.len()];
-                pass_on(front, x, y, child, to);
+        let leaf = fronts[f].leaf;
+        let own = |f: usize, x: &mut [f64], y: &mut [f64]| self.backward_before_children(f, leaf, x, y);
+        if !self.split[f] {
+            (leaf..=f).rev().for_each(|s| own(s, x, y));
+            return;
+        }
+        let chain = self.chain(f);
+        for (k, &front) in chain.iter().enumerate() {
+            own(front, x, y);
+            let below = chain.get(k + 1).map(|&c| c as u32);
+            self.each(leaf, &self.tree.children[front], below, x, y, Self::backward);
+        }
+    }
+
+    /// One front of the subtree that begins with `leaf`.
+    fn backward_before_children(&self, f: usize, leaf: usize, x: &mut [f64], y: &mut [f64]) {
+        let fronts = &self.tree.fronts;
+        let (front, begin) = (&fronts[f], &fronts[leaf]);
+        let x = &mut x[front.first - begin.first..][..front.width];
+        let (below, y) = y.split_at_mut(front.row_start - begin.row_start);
+        let y = &mut y[..front.rows.len()];
+        self.backward_front(f, x, y);
+        for &c in &self.tree.children[f] {
+            let child = &fronts[c as usize];
+            let to = &mut below[child.row_start - begin.row_start..][..child.rows.len()];
+            pass_on(front, x, y, child, to);
+        }
+    }
+
+    /// Works on the subtrees of some children but one, halves of them in parallel. `x` and `y` are those of the subtree
+    /// that begins with `leaf`.
+    fn each(
+        &self,
+        leaf: usize,
+        children: &[u32],
+        but: Option<u32>,
+        x: &mut [f64],
+        y: &mut [f64],
+        work: Sweep<Self>,
+    ) {
+        let fronts = &self.tree.fronts;
+        match children {
+            [] => {}
+            &[c] if but == Some(c) => {}
+            &[c] => {
+                let (front, first, begin) =
+                    (&fronts[c as usize], &fronts[fronts[c as usize].leaf], &fronts[leaf]);
+                let x = &mut x[first.first - begin.first..front.first + front.width - begin.first];
+                let y = &mut y[first.row_start - begin.row_start..]
+                    [..front.row_start + front.rows.len() - first.row_start];
+                work(self, c as usize, x, y);
+            }
+            _ => {
+                let (a, b) = children.split_at(self.half(children));
+                let Some(&middle) = b.first() else { return };
+                let (middle, begin) = (fronts[middle as usize].leaf, &fronts[leaf]);
+                let (x_a, x_b) = x.split_at_mut(fronts[middle].first - begin.first);
+                let (y_a, y_b) = y.split_at_mut(fronts[middle].row_start - begin.row_start);
+                rayon::join(
+                    || self.each(leaf, a, but, x_a, y_a, work),
+                    || self.each(middle, b, but, x_b, y_b, work),
+                );
             }
         }
+    }
+
+    /// How many of some children make up half of their work.
+    fn half(&self, children: &[u32]) -> usize {
+        let work = |c: &u32| self.tree.fronts[*c as usize].work;
+        let total: f64 = children.iter().map(work).sum();
+        let mut sum = 0.0;
+        for (k, c) in children.iter().enumerate() {
+            if sum + 0.5 * work(c) > 0.5 * total {
+                return k.clamp(1, children.len() - 1);
+            }
+            sum += work(c);
+        }
+        children.len() - 1
     }
 
     fn backward_front(&self, f: usize, x: &mut [f64], y: &mut [f64]) {
