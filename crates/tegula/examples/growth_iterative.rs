@@ -16,14 +16,11 @@
 mod common;
 #[path = "growth/mod.rs"]
 mod growth;
-#[path = "growth/shell.rs"]
-mod shell;
 
 use std::time::Instant;
 
-use common::compile;
+use common::{compile, edge_loaded_shell};
 use growth::{child, cpu_seconds, peak_memory, refuse, slope};
-use shell::shell;
 use tegula::analysis::{Silent, statics};
 use tegula::model::{Analysis, LinearSolver, StaticAnalysis};
 
@@ -87,7 +84,7 @@ fn main() {
 fn measure(curved: bool, slenderness: f64, linear_solver: LinearSolver, side: u32) {
     let started = Instant::now();
     let options = StaticAnalysis { linear: true, linear_solver, ..Default::default() };
-    let mut model = shell(curved, side, slenderness, 0.0);
+    let mut model = edge_loaded_shell(curved, side, slenderness, 0.0);
     model.analysis = Analysis::Static(options.clone());
     let system = compile(&model).1;
     let setup = started.elapsed().as_secs_f64();

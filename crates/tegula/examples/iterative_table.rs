@@ -14,12 +14,9 @@
 mod common;
 #[path = "growth/mod.rs"]
 mod growth;
-#[path = "growth/shell.rs"]
-mod shell;
 
-use common::compile;
+use common::{compile, edge_loaded_shell};
 use growth::refuse;
-use shell::shell;
 use tegula::System;
 use tegula::analysis::statics::state_kinematics;
 use tegula::element::TangentWeights;
@@ -52,7 +49,8 @@ fn main() {
         for slenderness in [10.0, 100.0, 1000.0] {
             let mut cells = Vec::new();
             for &n in &sides {
-                let (convergence, difference) = solve(&compile(&shell(curved, n, slenderness, distortion)).1);
+                let (convergence, difference) =
+                    solve(&compile(&edge_loaded_shell(curved, n, slenderness, distortion)).1);
                 cells.push(format!("{} ({:.1})", convergence.iterations, convergence.condition));
                 largest = largest.max(difference);
             }

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{compile, irregular, model, plate, quarter_cylinder, vector_load};
+use common::{compile, edge_loaded_shell, irregular, model, plate, vector_load};
 use tegula::System;
 use tegula::analysis::statics::state_kinematics;
 use tegula::element::TangentWeights;
@@ -16,18 +16,6 @@ use tegula::system::Assembly;
 use tegula::system::assembly::TangentParts;
 
 const TIGHT: Wanted = Wanted { relative: 1e-10, absolute: 0.0, share: 1.0, iterations: 100 };
-
-/// Clamped on one edge, loaded on the other.
-fn shell(curved: bool, n: u32, slenderness: f64, distortion: f64) -> Model {
-    let mut m = if curved {
-        quarter_cylinder(n, 2.1e11)
-    } else {
-        model(plate([1.0, 1.0], [n, n], distortion), 2.1e11, 0.01)
-    };
-    m.sections[0].thickness = 1.0 / slenderness;
-    m.loads = vec![Load::Edge(vector_load("u_max", [0.0, 1.0, -1.0]))];
-    m
-}
 
 /// Stiffness in pieces, load, and stiffness as a whole.
 struct Problem {
@@ -121,7 +109,7 @@ fn iterations_grow_neither_with_the_mesh_nor_with_slenderness() {
     for (curved, distortion) in [(false, 0.0), (false, 0.3), (true, 0.0)] {
         for slenderness in [10.0, 100.0, 1000.0] {
             for n in [32, 96] {
-                let mut p = problem(&shell(curved, n, slenderness, distortion));
+                let mut p = problem(&edge_loaded_shell(curved, n, slenderness, distortion));
                 let (_, c) = p.solve(&TIGHT).unwrap();
                 let what = format!("curved {curved}, distorted {distortion}, L/h {slenderness}, {n}: {c:?}");
                 assert!(c.iterations <= 25 && c.condition < 8.0, "{what}");
@@ -133,7 +121,7 @@ fn iterations_grow_neither_with_the_mesh_nor_with_slenderness() {
 #[test]
 fn the_error_is_what_was_wanted() {
     for relative in [1e-2, 1e-5, 1e-8] {
-        let mut p = problem(&shell(true, 48, 30.0, 0.0));
+        let mut p = problem(&edge_loaded_shell(true, 48, 30.0, 0.0));
         let (x, c) = p.solve(&Wanted { relative, ..TIGHT }).unwrap();
         let found = p.difference(&x);
         assert!(found <= 1.1 * c.error / c.start && c.error <= relative * c.start, "{found:e} {c:?}");
@@ -143,7 +131,7 @@ fn the_error_is_what_was_wanted() {
 #[test]
 fn rounding_of_very_thin_shells_is_accepted_and_told() {
     for (slenderness, limit) in [(1e3, 1.5e-8), (1e4, 1e-5)] {
-        let mut p = problem(&shell(true, 48, slenderness, 0.0));
+        let mut p = problem(&edge_loaded_shell(true, 48, slenderness, 0.0));
         let (_, c) = p.solve(&TIGHT).unwrap();
         let reached = c.error / c.start;
         assert!(reached > TIGHT.relative && reached <= limit, "L/h {slenderness}: {c:?}");
@@ -167,7 +155,7 @@ fn pieces_of_any_size_give_the_same_solution() {
 
 #[test]
 fn units_do_not_change_the_iteration() {
-    let metres = shell(true, 40, 100.0, 0.0);
+    let metres = edge_loaded_shell(true, 40, 100.0, 0.0);
     let mut millimetres = metres.clone();
     if let MeshSource::Cylinder(c) = &mut millimetres.mesh {
         c.center = c.center.map(|x| 1000.0 * x);
@@ -182,7 +170,7 @@ fn units_do_not_change_the_iteration() {
 
 #[test]
 fn too_few_iterations_are_an_error_and_leave_the_right_side() {
-    let mut p = problem(&shell(false, 48, 100.0, 0.0));
+    let mut p = problem(&edge_loaded_shell(false, 48, 100.0, 0.0));
     p.pieces.factor(&p.system.numbering).unwrap();
     let mut x = p.load.clone();
     match p.pieces.solve(&mut x, &Wanted { iterations: 3, ..TIGHT }) {
@@ -196,7 +184,7 @@ fn too_few_iterations_are_an_error_and_leave_the_right_side() {
 
 #[test]
 fn what_is_accepted_is_positive_definite() {
-    let mut p = problem(&shell(true, 40, 100.0, 0.0));
+    let mut p = problem(&edge_loaded_shell(true, 40, 100.0, 0.0));
     let (stiffness, vectors) = (p.values.clone(), p.system.vectors());
     let scale = p.pattern.diagonal(&stiffness).fold(0.0, f64::max);
     let (mut accepted, mut refused) = (0, 0);
@@ -227,7 +215,7 @@ fn what_is_accepted_is_positive_definite() {
 
 #[test]
 fn numbers_that_are_none_are_refused() {
-    let mut p = problem(&shell(false, 20, 100.0, 0.0));
+    let mut p = problem(&edge_loaded_shell(false, 20, 100.0, 0.0));
     p.pieces.factor(&p.system.numbering).unwrap();
     let mut x = vec![f64::NAN; p.load.len()];
     assert_eq!(p.pieces.solve(&mut x, &TIGHT), Err(SubstructureError::NotFinite));
@@ -242,7 +230,7 @@ fn numbers_that_are_none_are_refused() {
 
 #[test]
 fn nothing_is_solved_without_the_factors_of_a_whole_matrix() {
-    let mut p = problem(&shell(false, 20, 100.0, 0.0));
+    let mut p = problem(&edge_loaded_shell(false, 20, 100.0, 0.0));
     let terms = p.assemble().len();
     let missing = |missing| Err(SubstructureError::Incomplete { missing, terms });
     // Assembled, but not factored.
@@ -277,7 +265,7 @@ fn nothing_is_solved_without_the_factors_of_a_whole_matrix() {
 
 #[test]
 fn nothing_is_solved_that_was_never_given() {
-    let (_, system) = compile(&shell(false, 20, 100.0, 0.0));
+    let (_, system) = compile(&edge_loaded_shell(false, 20, 100.0, 0.0));
     let mut pieces = system.substructures(&Options::default()).unwrap();
     let mut x = vec![1.0; system.unknowns()];
     assert_eq!(pieces.solve(&mut x, &TIGHT), Err(SubstructureError::NotFactored));
@@ -287,7 +275,7 @@ fn nothing_is_solved_that_was_never_given() {
 
 #[test]
 fn what_belongs_to_another_mesh_is_refused() {
-    let mut p = problem(&shell(false, 20, 100.0, 0.0));
+    let mut p = problem(&edge_loaded_shell(false, 20, 100.0, 0.0));
     let wrong = |what, found, expected| SubstructureError::WrongSize { what, found, expected };
     p.pieces.factor(&p.system.numbering).unwrap();
     let unknowns = p.load.len();
@@ -308,7 +296,7 @@ fn what_belongs_to_another_mesh_is_refused() {
         let refused = p.pieces.factor(&p.system.numbering);
         assert!(matches!(refused, Err(SubstructureError::WrongSize { expected, .. }) if expected == vectors));
     }
-    let (_, other) = compile(&shell(false, 21, 100.0, 0.0));
+    let (_, other) = compile(&edge_loaded_shell(false, 21, 100.0, 0.0));
     p.assemble();
     let refused = wrong("the numbering", other.unknowns(), unknowns);
     assert_eq!(p.pieces.factor(&other.numbering), Err(refused));

@@ -21,13 +21,13 @@ const REST: f64 = 1e-6;
 /// The same in time steps, where the error of the integration is far above: a tenth.
 const REST_IN_TIME: f64 = 1e-2;
 
-/// Operations of the dense kernels in the time that an iteration with an old factor takes for one entry of it. While the
-/// factor is in the processor's cache, a solution takes the time of 11 to 13 operations an entry (quarter cylinders of
-/// 16² and 32² elements), forces and vectors take the rest; ...
+/// Operations of the dense kernels in the time that an iteration with an old factor takes for one entry of it, where the
+/// factor stays in the processor's cache. A solution takes 11 and 13 of them on the quarter cylinders of 16² and 32²
+/// elements (last number of the example `factor_times`); the rest is for forces and vectors.
 const OPERATIONS_IN_CACHE: f64 = 17.0;
-/// ... beyond, a solution waits for memory, as long as 39, 64 and 71 operations take (64², 128², 256²).
+/// The same for larger factors, which a solution waits for: 39, 64 and 71 on 64², 128² and 256².
 const OPERATIONS_BEYOND: f64 = 50.0;
-/// Entries of a factor that stay in a processor's cache: 16 MB.
+/// Entries of the largest factor that stays in the cache: between the 0.9 million of 32² and the 4.8 million of 64².
 const ENTRIES_IN_CACHE: usize = 2_000_000;
 /// Assembly of a tangent in iterations with an old factor.
 const ASSEMBLY_PRICE: f64 = 1.5;

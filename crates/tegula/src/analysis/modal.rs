@@ -57,6 +57,17 @@ struct ShiftInvert<'a> {
     applications: u64,
 }
 
+impl<'a> ShiftInvert<'a> {
+    /// With a factored matrix, and pattern and values of the mass.
+    fn new(
+        solver: &'a mut SparseCholesky,
+        (pattern, mass): (&'a SymmetricPattern, &'a [f64]),
+        watch: &'a dyn Observer,
+    ) -> Self {
+        Self { solver, pattern, mass, watch, applications: 0 }
+    }
+}
+
 impl SymmetricOperator for ShiftInvert<'_> {
     fn size(&self) -> usize {
         self.pattern.size()
@@ -148,13 +159,7 @@ pub fn run(
     let block = wanted.clamp(2, 8);
     let mut applications;
     {
-        let mut operator = ShiftInvert {
-            solver: &mut newton.solver,
-            pattern: &pattern,
-            mass: &mass,
-            watch: &*observer,
-            applications: 0,
-        };
+        let mut operator = ShiftInvert::new(&mut newton.solver, (&pattern, &mass), &*observer);
         let mut lanczos = BlockLanczos::new(&mut operator, block);
         while lanczos.len() < (2 * wanted + 8).min(system.unknowns()) && lanczos.expand(&mut operator) > 0 {}
         go_on(observer)?;
@@ -174,13 +179,7 @@ pub fn run(
     let mut lanczos;
     let mut sturm_rounds = 0;
     {
-        let mut operator = ShiftInvert {
-            solver: &mut newton.solver,
-            pattern: &pattern,
-            mass: &mass,
-            watch: &*observer,
-            applications: 0,
-        };
+        let mut operator = ShiftInvert::new(&mut newton.solver, (&pattern, &mass), &*observer);
         lanczos = BlockLanczos::new(&mut operator, block);
         applications += operator.applications;
     }
@@ -188,13 +187,7 @@ pub fn run(
     let limit = (BASIS_PER_MODE * extra + 200).min(system.unknowns());
     let (pairs, sturm_checked) = loop {
         loop {
-            let mut operator = ShiftInvert {
-                solver: &mut newton.solver,
-                pattern: &pattern,
-                mass: &mass,
-                watch: &*observer,
-                applications: 0,
-            };
+            let mut operator = ShiftInvert::new(&mut newton.solver, (&pattern, &mass), &*observer);
             let added = lanczos.expand(&mut operator);
             applications += operator.applications;
             go_on(observer)?;
@@ -239,13 +232,7 @@ pub fn run(
         if !shifted(&mut newton.solver, shift).is_ok_and(|i| i.negative == 0) {
             return Err(Error::Outside("the shifted matrix changed between two factorisations".into()));
         }
-        let mut operator = ShiftInvert {
-            solver: &mut newton.solver,
-            pattern: &pattern,
-            mass: &mass,
-            watch: &*observer,
-            applications: 0,
-        };
+        let mut operator = ShiftInvert::new(&mut newton.solver, (&pattern, &mass), &*observer);
         lanczos.add_random(&mut operator);
         applications += operator.applications;
         go_on(observer)?;

@@ -116,6 +116,11 @@ impl AssemblyTree {
         Self::number(quotient, fronts, pointers, rows)
     }
 
+    /// Operations of a factorisation.
+    pub fn operations(&self) -> f64 {
+        self.fronts.iter().filter(|f| f.parent.is_none()).map(|f| f.work).sum()
+    }
+
     /// Entries that the children of a front pass on.
     pub fn passed_by_children(&self, f: usize) -> usize {
         self.children[f].iter().map(|&c| self.fronts[c as usize].passed().size()).sum()

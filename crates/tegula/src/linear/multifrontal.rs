@@ -4,8 +4,8 @@
 //! columns and passes on the rest, `C − L₂₁ L₂₁ᵀ`. Subtrees do not know of each other: large ones are [split between
 //! threads](super::schedule), small ones are worked off one front after another with what waits on a stack. Children are
 //! added in a fixed order and dense work is cut at fixed places, so the result is the same to the bit for any number of
-//! threads. Beyond the factor, memory is taken for what waits for a parent that is split between threads, until it is
-//! added there, and for the pivots of blocks that are not positive definite.
+//! threads. Beyond the factor, memory is taken where threads share a front, for its triangle and for what it passes on until
+//! that is added to its parent, and for the pivots of blocks that are not positive definite.
 //!
 //! J. W. H. Liu, *The multifrontal method for sparse matrix solution*, SIAM Review 34 (1992) 82–109.
 
@@ -59,8 +59,7 @@ impl Multifrontal {
         let tree = AssemblyTree::new(&quotient, &order, pointers, rows)?;
         let n = tree.fronts.len();
         let threads = rayon::current_num_threads();
-        let total: f64 = tree.fronts.iter().filter(|f| f.parent.is_none()).map(|f| f.work).sum();
-        let grain = (total / (8.0 * threads as f64)).max(GRAIN);
+        let grain = (tree.operations() / (8.0 * threads as f64)).max(GRAIN);
         let split: Vec<bool> = (0..n)
             .map(|f| threads > 1 && tree.fronts[f].work > grain && !tree.children[f].is_empty())
             .collect();
@@ -95,7 +94,7 @@ impl Multifrontal {
 
     /// Operations of a factorisation.
     pub fn operations(&self) -> f64 {
-        self.tree.fronts.iter().filter(|f| f.parent.is_none()).map(|f| f.work).sum()
+        self.tree.operations()
     }
 
     /// Factors the matrix with the given values and tells its inertia, and whether it took two factorisations: a positive

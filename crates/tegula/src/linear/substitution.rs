@@ -52,51 +52,57 @@ impl Solver<'_> {
         }
     }
 
-    /// A split front, then its child, and so on down as long as just one child is split. Trees of long strips are such
-    /// chains: they are walked, since threads have not the stack to descend them. What branches off is small, or below
-    /// the end of the chain, where the work divides.
-    fn chain(&self, f: usize) -> Vec<usize> {
-        let mut chain = vec![f];
-        let mut at = f;
-        loop {
-            let mut large = self.tree.children[at].iter().filter(|&&c| self.split[c as usize]);
-            match (large.next(), large.next()) {
-                (Some(&only), None) => at = only as usize,
-                _ => return chain,
-            }
-            chain.push(at);
-        }
+    /// The child of a split front that is the only one to be split, if there is just one. Trees of long strips are chains
+    /// of such fronts: they are walked, since threads have not the stack to descend them. What branches off is small, or
+    /// below the end of the chain, where the work divides.
+    fn only_split_child(&self, f: usize) -> Option<usize> {
+        let mut split = self.tree.children[f].iter().map(|&c| c as usize).filter(|&c| self.split[c]);
+        split.next().filter(|_| split.next().is_none())
+    }
+
+    /// Columns and rows of a front of the subtree that begins with `leaf`, and the rows of the fronts before it.
+    fn parts<'b>(
+        &self,
+        f: usize,
+        leaf: usize,
+        x: &'b mut [f64],
+        y: &'b mut [f64],
+    ) -> (&'b mut [f64], &'b mut [f64], &'b mut [f64]) {
+        let (front, begin) = (&self.tree.fronts[f], &self.tree.fronts[leaf]);
+        let (below, y) = y.split_at_mut(front.row_start - begin.row_start);
+        (&mut x[front.first - begin.first..][..front.width], &mut y[..front.rows.len()], below)
     }
 
     /// `L y = b` in a subtree; `x` are its columns, `y` the sums of its rows.
     fn forward(&self, f: usize, x: &mut [f64], y: &mut [f64]) {
-        let fronts = &self.tree.fronts;
-        let leaf = fronts[f].leaf;
-        let own = |f: usize, x: &mut [f64], y: &mut [f64]| self.forward_after_children(f, leaf, x, y);
+        let leaf = self.tree.fronts[f].leaf;
         if !self.split[f] {
-            (leaf..=f).for_each(|s| own(s, x, y));
+            (leaf..=f).for_each(|s| self.forward_after_children(s, leaf, x, y));
             return;
         }
-        let chain = self.chain(f);
-        for (k, &front) in chain.iter().enumerate().rev() {
-            let below = chain.get(k + 1).map(|&c| c as u32);
-            self.each(leaf, &self.tree.children[front], below, x, y, Self::forward);
-            own(front, x, y);
+        let mut at = f;
+        while let Some(child) = self.only_split_child(at) {
+            at = child;
+        }
+        let mut done = None;
+        loop {
+            self.each(leaf, &self.tree.children[at], done, x, y, Self::forward);
+            self.forward_after_children(at, leaf, x, y);
+            let Some(parent) = self.tree.fronts[at].parent.filter(|_| at != f) else { return };
+            done = Some(at as u32);
+            at = parent as usize;
         }
     }
 
     /// One front of the subtree that begins with `leaf`.
     fn forward_after_children(&self, f: usize, leaf: usize, x: &mut [f64], y: &mut [f64]) {
         let fronts = &self.tree.fronts;
-        let (front, begin) = (&fronts[f], &fronts[leaf]);
-        let x = &mut x[front.first - begin.first..][..front.width];
-        let (below, y) = y.split_at_mut(front.row_start - begin.row_start);
-        let y = &mut y[..front.rows.len()];
+        let (x, y, below) = self.parts(f, leaf, x, y);
         y.fill(0.0);
         for &c in &self.tree.children[f] {
             let child = &fronts[c as usize];
-            let sums = &below[child.row_start - begin.row_start..][..child.rows.len()];
-            add_sums(child, sums, front, x, y);
+            let sums = &below[child.row_start - fronts[leaf].row_start..][..child.rows.len()];
+            add_sums(child, sums, &fronts[f], x, y);
         }
         self.forward_front(f, x, y);
     }
@@ -131,33 +137,28 @@ impl Solver<'_> {
 
     /// `Lᵀ x = y` in a subtree whose `y` holds the solution at the rows of its last front.
     fn backward(&self, f: usize, x: &mut [f64], y: &mut [f64]) {
-        let fronts = &self.tree.fronts;
-        let leaf = fronts[f].leaf;
-        let own = |f: usize, x: &mut [f64], y: &mut [f64]| self.backward_before_children(f, leaf, x, y);
+        let leaf = self.tree.fronts[f].leaf;
         if !self.split[f] {
-            (leaf..=f).rev().for_each(|s| own(s, x, y));
+            (leaf..=f).rev().for_each(|s| self.backward_before_children(s, leaf, x, y));
             return;
         }
-        let chain = self.chain(f);
-        for (k, &front) in chain.iter().enumerate() {
-            own(front, x, y);
-            let below = chain.get(k + 1).map(|&c| c as u32);
-            self.each(leaf, &self.tree.children[front], below, x, y, Self::backward);
+        let mut next = Some(f);
+        while let Some(at) = next {
+            self.backward_before_children(at, leaf, x, y);
+            next = self.only_split_child(at);
+            self.each(leaf, &self.tree.children[at], next.map(|c| c as u32), x, y, Self::backward);
         }
     }
 
     /// One front of the subtree that begins with `leaf`.
     fn backward_before_children(&self, f: usize, leaf: usize, x: &mut [f64], y: &mut [f64]) {
         let fronts = &self.tree.fronts;
-        let (front, begin) = (&fronts[f], &fronts[leaf]);
-        let x = &mut x[front.first - begin.first..][..front.width];
-        let (below, y) = y.split_at_mut(front.row_start - begin.row_start);
-        let y = &mut y[..front.rows.len()];
+        let (x, y, below) = self.parts(f, leaf, x, y);
         self.backward_front(f, x, y);
         for &c in &self.tree.children[f] {
             let child = &fronts[c as usize];
-            let to = &mut below[child.row_start - begin.row_start..][..child.rows.len()];
-            pass_on(front, x, y, child, to);
+            let to = &mut below[child.row_start - fronts[leaf].row_start..][..child.rows.len()];
+            pass_on(&fronts[f], x, y, child, to);
         }
     }
 
