@@ -158,3 +158,23 @@ fn the_tangent_of_a_turned_shell_is_the_turned_tangent() {
     assert!(off < 1e-6, "{off:e}");
     assert!(distance(&exact, &product(&from, &x)) > 0.1 * size);
 }
+
+/// The equations of large steps have several solutions, most of them with wrinkles that have nothing to do with the
+/// motion. There the steps would become many.
+#[test]
+fn old_factors_do_not_lead_large_steps_to_other_solutions() {
+    let nothing = |system: &System| vec![[0.0; 3]; system.vectors()];
+    for scheme in [NEWMARK, HHT] {
+        let run = |tolerance: f64| {
+            let options = TransientAnalysis { scheme, tolerance, ..TransientAnalysis::new(1.0) };
+            move_in_time(&pendulum(8), &options, &mut Notes::default())
+        };
+        let (system, fine) = run(1e-5);
+        let (_, coarse) = run(1e-3);
+        let off = distance(&coarse.state.u, &fine.state.u) / distance(&fine.state.u, &nothing(&system));
+        println!("{scheme:?}: {off}, {:?}", coarse.statistics);
+        assert_eq!(coarse.statistics.cutbacks, 0, "{scheme:?}");
+        assert!(coarse.statistics.steps < fine.statistics.steps / 4, "{scheme:?}: {:?}", coarse.statistics);
+        assert!(off < 0.1, "{scheme:?}: {off}");
+    }
+}

@@ -5,7 +5,9 @@
 //!
 //! - **Within a step** the contraction is measured from the energies `e = δ·R` of the increments. The error after an
 //!   increment δ is θ|δ|, so with an old factor `1 + ln(θ|δ|/tolerance)/ln(1/θ)` further iterations are needed. A new
-//!   tangent is taken if that is more than it costs, or if increments do not halve.
+//!   tangent is taken if that is more than it costs, or if increments do not halve. An increment that shows this is not
+//!   made: the equations of large time steps have several solutions, and an old factor may lead to one that has nothing
+//!   to do with the motion. If the factor is that of an earlier step, the step begins anew with tangents of its own.
 //! - **From step to step** the tangent at the start of an earlier step stays until a step takes more iterations than
 //!   the average one since then, the price of the factor included: the average would rise from there on. Where steps
 //!   need tangents of their own all the same, none is kept for some steps, twice as many each time.
@@ -33,6 +35,9 @@ const ENTRIES_IN_CACHE: usize = 2_000_000;
 const ASSEMBLY_PRICE: f64 = 1.5;
 /// Increments that shrink less than this ask for a new tangent.
 const SLOWEST: f64 = 0.5;
+/// The first increment with an old factor is made if it is at most this part of the one before, which the tangent itself
+/// found. A larger one is the mark of a tangent that has changed much.
+const MOST_AFTER_FRESH: f64 = 0.1;
 /// Energy of the increments since a tangent, over the model's energy, below which its pivots tell the stability of an
 /// equilibrium: a thousandth in the norm of energy.
 const SAME_EQUILIBRIUM: f64 = 1e-6;
@@ -119,6 +124,8 @@ pub struct Increment {
     pub excess: f64,
     /// Whether it was found with the tangent of its iterate.
     pub fresh: bool,
+    /// Energy and size themselves.
+    pub absolute: [f64; 2],
 }
 
 /// Increments of the present step.
@@ -151,6 +158,14 @@ impl Increments {
         let ratio = (last.energy / before.energy).sqrt().max(last.size / before.size);
         // An error that a new tangent has made small shrinks more slowly from there on.
         if last.fresh { 2.0 * ratio } else { ratio }
+    }
+
+    /// Whether an increment of this energy and size, found with an old factor, is too large beside the one before to be
+    /// made.
+    pub fn too_large(&self, energy: f64, size: f64) -> bool {
+        let Some(last) = self.list.last() else { return false };
+        let ratio = (energy / last.absolute[0]).sqrt().max(size / last.absolute[1]);
+        ratio.is_nan() || ratio > if last.fresh { MOST_AFTER_FRESH } else { SLOWEST }
     }
 
     /// Some(false): the last three energies did not shrink; Some(true): nor did those of the last twelve.
@@ -196,7 +211,7 @@ mod tests {
         let mut out = Increments::default();
         list.iter().for_each(|&(e, fresh)| {
             let size = e.sqrt();
-            out.push(Increment { energy: e, size, excess: size / 1e-6, fresh });
+            out.push(Increment { energy: e, size, excess: size / 1e-6, fresh, absolute: [e, size] });
         });
         out
     }
@@ -219,6 +234,18 @@ mod tests {
                 "{last}"
             );
         }
+    }
+
+    #[test]
+    fn increments_with_an_old_factor_are_made_only_if_they_shrink() {
+        let fresh = increments(&[(1.0, true)]);
+        assert!(
+            !fresh.too_large(0.0099, 0.099) && fresh.too_large(0.0099, 0.11) && fresh.too_large(0.011, 0.09)
+        );
+        let old = increments(&[(1.0, true), (0.01, false)]);
+        assert!(!old.too_large(0.0024, 0.049) && old.too_large(0.0026, 0.04) && old.too_large(0.001, 0.051));
+        assert!(old.too_large(f64::NAN, 0.01));
+        assert!(!increments(&[]).too_large(1e9, 1e9), "the first one has none to be compared with");
     }
 
     #[test]

@@ -324,6 +324,18 @@ impl<S: TangentSolver> Newton<S> {
             if !energy.is_finite() {
                 return Err(diverged("the increment is not a number".into()));
             }
+            // Where large steps have several solutions, an old factor must not lead to another one.
+            if reuse && !system.linear {
+                let size = system.norm(&self.increment);
+                let matters = size > tolerances.increment * equation.displacement_scale(system);
+                if matters && self.increments.too_large(energy, size) {
+                    if self.held == Held::Lagged {
+                        return Err(diverged("with an old tangent the increments do not shrink".into()));
+                    }
+                    self.held = Held::Nothing;
+                    continue;
+                }
+            }
             if iteration == 1
                 && let Some(turn) = equation.first_turn(system)
             {
@@ -359,6 +371,7 @@ impl<S: TangentSolver> Newton<S> {
                 size: size / size_scale,
                 excess,
                 fresh: !reuse,
+                absolute: [energy, size],
             });
             let left = if rest < 1.0 { self.increments.contraction().powi(2).min(1.0) } else { 1.0 };
             let converged = energy <= tolerances.energy * energy_scale
