@@ -1,6 +1,9 @@
 //! The factorisation on a zoo of matrices: solutions, inertia, refusals, the same bits on any number of threads.
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
+use common::Random;
 use proptest::prelude::*;
 use tegula::linear::{Factor, FactorError, Inertia, SparseCholesky, SymmetricPattern};
 
@@ -322,6 +325,122 @@ fn long_strips_do_not_exhaust_the_stack() {
     assert!(residual < 1e-12, "{residual:e}");
 }
 
+/// A grid of springs with constraints `Σ c x = 0`, each over a few unknowns at random places.
+fn constrained(n: usize, constraints: usize, ground: f64, random: &mut Random) -> Matrix {
+    let springs = grid(n, n, 3, ground);
+    let unknowns = springs.pointers.len() - 1;
+    let mut entries = Vec::new();
+    for j in 0..unknowns {
+        for k in springs.pointers[j]..springs.pointers[j + 1] {
+            entries.push((springs.rows[k] as usize, j, springs.values[k]));
+        }
+    }
+    for c in 0..constraints {
+        for _ in 0..2 + c % 4 {
+            let at = ((0.5 + 0.5 * random.next()) * unknowns as f64) as usize;
+            entries.push((unknowns + c, at.min(unknowns - 1), 1.0 + 0.5 * random.next()));
+        }
+    }
+    Matrix::new(unknowns + constraints, &entries)
+}
+
+/// Multipliers have zeros on the diagonal, and few neighbours: they are eliminated early if nothing is done about it.
+#[test]
+fn constraints_delay_their_pivots() {
+    let mut random = Random::new(3);
+    for (n, constraints, ground, small) in [
+        (12, 60, 1e-2, 0.0),
+        (12, 200, 1e-2, 0.0),
+        (10, 40, 0.0, 0.0),
+        (10, 90, 1e-6, 1e-13),
+        (10, 90, 1e-2, -1e-9),
+    ] {
+        let mut m = constrained(n, constraints, ground, &mut random);
+        let unknowns = 3 * n * n;
+        for c in 0..constraints {
+            m.values[m.pointers[unknowns + c]] = small;
+        }
+        let (inertia, residual) = m.solve().unwrap();
+        let what = format!("{n} {constraints} {ground} {small}");
+        assert_eq!((inertia.positive, inertia.negative), (unknowns, constraints), "{what}");
+        assert_eq!((inertia.positive, inertia.negative), dense_inertia(&m), "{what}");
+        assert!(residual < 1e-12, "{what}: {residual:e}");
+    }
+}
+
+/// The structure that was found serves on, on any number of threads.
+#[test]
+fn later_matrices_find_their_pivots_at_once() {
+    let n = 60;
+    let m = constrained(n, 500, 1e-2, &mut Random::new(5));
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mut factor = SparseCholesky::new(&m.pattern()).unwrap();
+            let inertia = factor.factor(&m.values).unwrap();
+            assert_eq!((inertia.positive, inertia.negative), (3 * n * n, 500));
+            let first = factor.factorizations();
+            assert!((3..=12).contains(&first), "{first} factorisations");
+            assert_eq!(factor.factor(&m.values).unwrap(), inertia);
+            assert_eq!(factor.factorizations(), first + 1);
+            let mut x: Vec<f64> = (0..m.pointers.len() - 1).map(|i| (i as f64).cos()).collect();
+            factor.solve(&mut x);
+            x
+        })
+    };
+    let one = run(1);
+    assert!([2, 3].map(run).iter().all(|x| *x == one));
+}
+
+/// Matrices without any entries on the diagonal: chains, and pairs of unknowns that hold each other.
+#[test]
+fn matrices_without_diagonal_are_factored() {
+    for n in [2, 40, 398] {
+        let chain: Vec<_> = (1..n).map(|i| (i, i - 1, 1.0 + 0.3 * (i as f64).sin())).collect();
+        let (inertia, residual) = Matrix::new(n, &chain).solve().unwrap();
+        assert_eq!((inertia.positive, inertia.negative), (n / 2, n / 2));
+        assert!(residual < 1e-13, "{n}: {residual:e}");
+        // An odd number has an eigenvalue of zero.
+        assert_eq!(
+            Matrix::new(n + 1, &[&chain[..], &[(n, n - 1, 2.0)]].concat()).solve().err(),
+            Some(FactorError::Singular)
+        );
+    }
+    // [[0, S], [S, 0]] with a grid S.
+    let springs = grid(8, 8, 2, 1e-2);
+    let half = springs.pointers.len() - 1;
+    let mut entries = Vec::new();
+    for j in 0..half {
+        for k in springs.pointers[j]..springs.pointers[j + 1] {
+            let (i, v) = (springs.rows[k] as usize, springs.values[k]);
+            entries.push((half + i, j, v));
+            if i != j {
+                entries.push((half + j, i, v));
+            }
+        }
+    }
+    let m = Matrix::new(2 * half, &entries);
+    let (inertia, residual) = m.solve().unwrap();
+    assert_eq!((inertia.positive, inertia.negative), (half, half));
+    assert!(residual < 1e-12, "{residual:e}");
+}
+
+#[test]
+fn redundant_constraints_are_singular() {
+    let mut m = constrained(8, 20, 1e-2, &mut Random::new(9));
+    assert_eq!(m.solve().unwrap().0.negative, 20);
+    // One that binds nothing.
+    let last = m.pointers.len() - 2;
+    for j in 0..last {
+        for k in m.pointers[j]..m.pointers[j + 1] {
+            if m.rows[k] as usize == last {
+                m.values[k] = 0.0;
+            }
+        }
+    }
+    assert_eq!(m.solve().err(), Some(FactorError::Singular));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
 
@@ -341,6 +460,18 @@ proptest! {
         let (inertia, residual) = Matrix::new(n, &entries).solve().unwrap();
         prop_assert_eq!(inertia.positive, n);
         prop_assert!(residual < 1e-12, "{:e}", residual);
+    }
+
+    /// Any saddle point: as many negative pivots as independent constraints.
+    #[test]
+    fn saddle_points_have_a_negative_pivot_for_each_constraint(seed in 0_u64..1000, constraints in 1_usize..60) {
+        let m = constrained(6, constraints, 1e-1, &mut Random::new(seed));
+        let eigenvalues = m.eigenvalues();
+        // Constraints at random may depend on each other.
+        prop_assume!(eigenvalues.iter().all(|e| e.abs() > 1e-6));
+        let (inertia, residual) = m.solve().unwrap();
+        prop_assert_eq!((inertia.positive, inertia.negative), (108, constraints));
+        prop_assert!(residual < 1e-10, "{:e}", residual);
     }
 
     /// Any indefinite matrix: the signs of the pivots are those of the eigenvalues.

@@ -158,7 +158,8 @@ impl AssemblyTree {
         }
     }
 
-    fn number(
+    /// Numbers the columns in the order of the fronts, and finds where everything goes.
+    pub fn number(
         quotient: &Quotient,
         drafts: Vec<Draft>,
         pointers: &[usize],
@@ -324,15 +325,15 @@ fn runs(rows: &[u32], parent: &Front) -> Vec<[u32; 3]> {
 
 /// A front in terms of groups.
 #[derive(Debug, Clone, Default)]
-struct Draft {
-    columns: Vec<u32>,
-    rows: Vec<u32>,
-    parent: Option<u32>,
+pub(super) struct Draft {
+    pub columns: Vec<u32>,
+    pub rows: Vec<u32>,
+    pub parent: Option<u32>,
     /// Number of unknowns in columns and rows.
-    width: usize,
-    below: usize,
+    pub width: usize,
+    pub below: usize,
     /// Entries of the trapezoid that are zero.
-    zeros: f64,
+    pub zeros: f64,
 }
 
 fn trapezoid(width: usize, below: usize) -> f64 {
@@ -510,13 +511,18 @@ fn join(mut fronts: Vec<Draft>) -> Vec<Draft> {
             children[p].extend(grandchildren);
         }
     }
-    let mut number = vec![0_u32; n];
+    keep(fronts, &gone)
+}
+
+/// The fronts that are not gone. None of them has a parent that is.
+pub(super) fn keep(fronts: Vec<Draft>, gone: &[bool]) -> Vec<Draft> {
+    let mut number = vec![0_u32; fronts.len()];
     let mut kept = 0;
-    for f in 0..n {
-        number[f] = kept;
-        kept += u32::from(!gone[f]);
+    for (number, gone) in number.iter_mut().zip(gone) {
+        *number = kept;
+        kept += u32::from(!gone);
     }
-    let mut out: Vec<Draft> = fronts.into_iter().zip(&gone).filter(|(_, g)| !**g).map(|(f, _)| f).collect();
+    let mut out: Vec<Draft> = fronts.into_iter().zip(gone).filter(|(_, g)| !**g).map(|(f, _)| f).collect();
     for f in &mut out {
         f.parent = f.parent.map(|p| number[p as usize]);
     }
@@ -525,7 +531,7 @@ fn join(mut fronts: Vec<Draft>) -> Vec<Draft> {
 
 /// Orders the fronts depth first, so that subtrees stand together and the parts that wait are small: children by
 /// what they need at their worst less what they leave.
-fn sort_for_little_memory(fronts: &mut Vec<Draft>) {
+pub(super) fn sort_for_little_memory(fronts: &mut Vec<Draft>) {
     let n = fronts.len();
     let mut children: Vec<Vec<u32>> = vec![Vec::new(); n];
     let mut roots = Vec::new();

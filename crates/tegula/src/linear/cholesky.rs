@@ -92,8 +92,8 @@ impl Factor for SparseCholesky {
             return Err(FactorError::NotFinite);
         }
         self.factorizations += 1;
-        let (inertia, repeated) = self.fronts.factor(&self.pointers, values)?;
-        self.factorizations += usize::from(repeated);
+        let (inertia, times) = self.fronts.factor(&self.pointers, values)?;
+        self.factorizations += times - 1;
         self.factored = true;
         Ok(inertia)
     }

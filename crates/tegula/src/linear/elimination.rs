@@ -5,7 +5,8 @@
 //! eliminated. What is taken off is cut into tiles whose bounds depend on the sizes alone, so that the result is the same
 //! to the bit whether tiles are worked off one after another or in parallel. A block on the diagonal that is not positive
 //! definite is eliminated [with pivots](super::pivoted) of its own; where it has none, all columns of the front from there
-//! on are eliminated at once, with pivots chosen among all of them.
+//! on are eliminated at once, with pivots chosen among all of them. Columns that have none there either are
+//! [delayed](super::delayed).
 
 use std::ops::Range;
 
@@ -15,6 +16,7 @@ use faer::prelude::ReborrowMut;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 
 use super::FactorError;
+use super::delayed::{GROWTH, without_pivots};
 use super::pivoted::Pivots;
 use super::trapezoid::{BLOCK, Trapezoid};
 use super::triangle::Triangle;
@@ -22,8 +24,27 @@ use super::triangle::Triangle;
 /// Rows of a tile from which on it is cut in two.
 const TILE: usize = 512;
 
-/// Blocks of a front that are not positive definite, ascending.
-pub(super) type FrontPivots = Vec<PivotedBlocks>;
+/// Pivots of a front.
+#[derive(Default)]
+pub(super) struct FrontPivots {
+    /// Blocks that are not positive definite, ascending.
+    pub blocks: Vec<PivotedBlocks>,
+    /// Columns that have no pivots. The front is not eliminated where there are any.
+    pub delayed: Vec<u32>,
+}
+
+impl FrontPivots {
+    /// Forgets them.
+    pub fn clear(&mut self) {
+        self.blocks.clear();
+        self.delayed.clear();
+    }
+
+    /// Those of a block, if it is not positive definite.
+    pub fn of(&self, block: usize) -> Option<&PivotedBlocks> {
+        self.blocks.iter().find(|p| p.blocks.contains(&block))
+    }
+}
 
 /// Blocks that share their pivots.
 pub(super) struct PivotedBlocks {
@@ -64,8 +85,9 @@ pub(super) struct Elimination<'a> {
     pub triangle: &'a mut Triangle,
     /// Tiles are worked off in parallel.
     pub parallel: bool,
-    /// Pivots are chosen among all columns, even if they are positive definite.
-    pub wary: bool,
+    /// Scales of the rows. Where they are given, pivots are chosen among all columns, even if they are positive definite,
+    /// and columns whose pivots would let entries grow beyond the scales are told.
+    pub wary: Option<Vec<f64>>,
 }
 
 impl Elimination<'_> {
@@ -74,7 +96,7 @@ impl Elimination<'_> {
     /// # Errors
     /// The columns are singular, or there is no memory for pivots.
     pub fn columns(&mut self, panel: &mut [f64]) -> Result<(), FactorError> {
-        if self.wary && self.layout.columns > 0 {
+        if self.wary.is_some() {
             return self.all_from(0, panel);
         }
         match self.blocks(0..self.layout.blocks(), panel) {
@@ -115,21 +137,40 @@ impl Elimination<'_> {
         let blocks = first..layout.blocks();
         let start = first * BLOCK;
         let (rows, columns) = (layout.rows - start, layout.columns - start);
-        let mut matrix = Mat::zeros(rows, columns);
-        for j in 0..columns {
-            let at = layout.diagonal(start + j);
-            let column = matrix.col_mut(j).subrows_mut(j, rows - j);
-            column.iter_mut().zip(&panel[at..]).for_each(|(x, value)| *x = *value);
-        }
+        let mut matrix = self.matrix(first, panel);
         let (upper, lower) = matrix.as_mut().split_at_row_mut(columns);
-        let pivots = Pivots::new(upper, lower)?;
+        let pivots = Pivots::new(upper, lower);
+        if let Some(scale) = &self.wary {
+            let below = matrix.as_ref().subrows(columns, rows - columns);
+            let stable = pivots.as_ref().is_ok_and(|p| p.growth(below, &scale[columns..]) <= GROWTH);
+            if !stable {
+                self.pivots.delayed = without_pivots(self.matrix(first, panel), scale);
+                if !self.pivots.delayed.is_empty() {
+                    return Ok(());
+                }
+            }
+        }
+        let pivots = pivots?;
         for j in 0..columns {
             let at = layout.diagonal(start + j);
             let column = matrix.col(j).subrows(j, rows - j);
             column.iter().zip(&mut panel[at..]).for_each(|(x, value)| *value = *x);
         }
-        self.pivots.push(PivotedBlocks { blocks, pivots });
+        self.pivots.blocks.push(PivotedBlocks { blocks, pivots });
         Ok(())
+    }
+
+    /// The lower triangle of the columns from a block on.
+    fn matrix(&self, first: usize, panel: &[f64]) -> Mat<f64> {
+        let start = first * BLOCK;
+        let (rows, columns) = (self.layout.rows - start, self.layout.columns - start);
+        let mut matrix = Mat::zeros(rows, columns);
+        for j in 0..columns {
+            let at = self.layout.diagonal(start + j);
+            let column = matrix.col_mut(j).subrows_mut(j, rows - j);
+            column.iter_mut().zip(&panel[at..]).for_each(|(x, value)| *x = *value);
+        }
+        matrix
     }
 
     /// Eliminates one block.
@@ -145,7 +186,7 @@ impl Elimination<'_> {
         let kept = first.to_owned();
         match Pivots::new(first.rb_mut(), second) {
             Ok(pivots) => {
-                self.pivots.push(PivotedBlocks { blocks: block..block + 1, pivots });
+                self.pivots.blocks.push(PivotedBlocks { blocks: block..block + 1, pivots });
                 Ok(())
             }
             // The rows below are as they were.
@@ -206,7 +247,7 @@ impl Elimination<'_> {
             let left = source.subrows(row - first, rows);
             let right = source.subrows(column - first, width);
             let scaled;
-            let right = match self.pivots.iter().find(|p| p.blocks.contains(&block)) {
+            let right = match self.pivots.of(block) {
                 None => right,
                 Some(pivoted) => {
                     let start = pivoted.blocks.start * BLOCK;

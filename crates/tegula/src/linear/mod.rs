@@ -2,6 +2,7 @@
 
 mod assembly_tree;
 mod cholesky;
+mod delayed;
 mod elimination;
 pub mod lanczos;
 mod multifrontal;

@@ -15,6 +15,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use pulp::Arch;
 
 use super::assembly_tree::{AssemblyTree, Front};
+use super::delayed::GROWTH;
 use super::elimination::{Elimination, FrontPivots, half};
 use super::ordering::Quotient;
 use super::schedule::{Task, locked, run_all};
@@ -25,8 +26,6 @@ use super::{FactorError, Inertia};
 
 /// Work (operations) below which a subtree is not split.
 const GRAIN: f64 = 2e7;
-/// Growth of pivots beyond the entries of their rows at which too many digits are lost.
-const GROWTH: f64 = 1e3;
 
 /// Factor of matrices of one pattern.
 pub(super) struct Multifrontal {
@@ -56,7 +55,10 @@ impl Multifrontal {
     pub fn new(pointers: &[usize], rows: &[u32]) -> Result<Self, FactorError> {
         let quotient = Quotient::new(pointers, rows);
         let order = quotient.minimum_degree()?;
-        let tree = AssemblyTree::new(&quotient, &order, pointers, rows)?;
+        Self::of_tree(AssemblyTree::new(&quotient, &order, pointers, rows)?)
+    }
+
+    fn of_tree(tree: AssemblyTree) -> Result<Self, FactorError> {
         let n = tree.fronts.len();
         let threads = rayon::current_num_threads();
         let grain = (tree.operations() / (8.0 * threads as f64)).max(GRAIN);
@@ -73,8 +75,8 @@ impl Multifrontal {
             .collect::<Result<_, _>>()?;
         Ok(Self {
             factor: zeros(tree.size)?,
-            pivots: (0..n).map(|_| Vec::new()).collect(),
-            columns: zeros(pointers.len() - 1)?,
+            pivots: (0..n).map(|_| FrontPivots::default()).collect(),
+            columns: zeros(tree.order.len())?,
             tree,
             tasks,
             split,
@@ -97,23 +99,52 @@ impl Multifrontal {
         self.tree.operations()
     }
 
-    /// Factors the matrix with the given values and tells its inertia, and whether it took two factorisations: a positive
+    /// Factors the matrix with the given values and tells its inertia, and how many factorisations it took: a positive
     /// pivot that is tiny beside the entries of its column does no harm to a definite matrix, but to one that turns out
-    /// indefinite. Then all pivots are chosen anew, with care.
+    /// indefinite. Then all pivots are chosen anew, with care, and once more for columns that had to be
+    /// [delayed](super::delayed).
     ///
     /// # Errors
     /// The matrix is singular, or the memory does not suffice.
-    pub fn factor(&mut self, pointers: &[usize], values: &[f64]) -> Result<(Inertia, bool), FactorError> {
-        let negative = match self.factor_once(values, false) {
+    pub fn factor(&mut self, pointers: &[usize], values: &[f64]) -> Result<(Inertia, usize), FactorError> {
+        let mut times = 1;
+        let done = match self.factor_once(values, None) {
             Err(FactorError::Singular) => None,
             other => Some(other?).filter(|&n| n == 0 || !self.pivots_grew(pointers, values)),
         };
-        let repeated = negative.is_none();
-        let negative = match negative {
-            Some(n) => n,
-            None => self.factor_once(values, true)?,
+        let negative = match done {
+            Some(negative) => negative,
+            None => {
+                let scales = self.scales(values);
+                loop {
+                    times += 1;
+                    let negative = self.factor_once(values, Some(&scales))?;
+                    let delayed = self.delayed();
+                    if delayed.is_empty() {
+                        break negative;
+                    }
+                    let tree = self.tree.delay(&delayed, pointers)?;
+                    self.release();
+                    *self = Self::of_tree(tree)?;
+                }
+            }
         };
-        Ok((Inertia { positive: self.columns.len() - negative, negative, zero: 0 }, repeated))
+        Ok((Inertia { positive: self.columns.len() - negative, negative, zero: 0 }, times))
+    }
+
+    /// Columns that are without pivots, in the order of elimination. What became of the fronts above them says nothing.
+    fn delayed(&self) -> Vec<u32> {
+        let mut out = Vec::new();
+        let mut above = vec![false; self.tree.fronts.len()];
+        for (f, (front, pivots)) in self.tree.fronts.iter().zip(&self.pivots).enumerate() {
+            if !above[f] {
+                out.extend(pivots.delayed.iter().map(|j| front.first as u32 + j));
+            }
+            if let Some(parent) = front.parent {
+                above[parent as usize] |= above[f] || !pivots.delayed.is_empty();
+            }
+        }
+        out
     }
 
     /// Whether a pivot is larger than `GROWTH` times the entries of its row.
@@ -126,7 +157,7 @@ impl Multifrontal {
             for (j, &old) in old.iter().enumerate() {
                 size[old as usize] = self.factor[front.panel + layout.diagonal(j)].powi(2);
             }
-            for pivoted in pivots {
+            for pivoted in &pivots.blocks {
                 let columns = pivoted.columns(front.width);
                 for (&old, s) in old[columns].iter().zip(pivoted.pivots.sizes()) {
                     size[old as usize] = s;
@@ -136,8 +167,15 @@ impl Multifrontal {
         if (0..n).all(|i| size[i] <= GROWTH * values[pointers[i]].abs()) {
             return false;
         }
-        // Scales of the unknowns with which the largest entry of every row becomes about one: D. Ruiz, A scaling
-        // algorithm to equilibrate both rows and columns norms in matrices, RAL-TR-2001-034 (2001).
+        let scales = self.scales(values);
+        // Not a number: grew, too.
+        !(0..n).all(|i| size[i] <= GROWTH * scales[i] * scales[i])
+    }
+
+    /// Scales of the unknowns with which the largest entry of every row becomes about one: D. Ruiz, A scaling
+    /// algorithm to equilibrate both rows and columns norms in matrices, RAL-TR-2001-034 (2001).
+    fn scales(&self, values: &[f64]) -> Vec<f64> {
+        let n = self.columns.len();
         let mut scale = vec![1.0; n];
         for _ in 0..4 {
             let mut largest = vec![0.0_f64; n];
@@ -150,13 +188,12 @@ impl Multifrontal {
                 *s *= l.sqrt();
             }
         }
-        // Not a number: grew, too.
-        !(0..n).all(|i| size[i] <= GROWTH * scale[i] * scale[i])
+        scale
     }
 
-    /// Factors the matrix and tells how many pivots are negative.
-    fn factor_once(&mut self, values: &[f64], wary: bool) -> Result<usize, FactorError> {
-        self.pivots.iter_mut().for_each(Vec::clear);
+    /// Factors the matrix and tells how many pivots are negative. With scales of the unknowns pivots are chosen with care.
+    fn factor_once(&mut self, values: &[f64], wary: Option<&[f64]>) -> Result<usize, FactorError> {
+        self.pivots.iter_mut().for_each(FrontPivots::clear);
         if self.factor.is_empty() {
             self.factor = zeros(self.tree.size)?;
         }
@@ -192,7 +229,7 @@ impl Multifrontal {
                 Ok(())
             })?;
         }
-        Ok(self.pivots.iter().flatten().map(|p| p.pivots.inertia().negative).sum())
+        Ok(self.pivots.iter().flat_map(|front| &front.blocks).map(|p| p.pivots.inertia().negative).sum())
     }
 
     /// Solves in place with the factor.
@@ -257,8 +294,8 @@ struct Numeric<'a> {
     tree: &'a AssemblyTree,
     stacks: &'a [Mutex<Stack>],
     values: &'a [f64],
-    /// See [`Elimination`].
-    wary: bool,
+    /// Scales of the unknowns, where pivots are chosen with care.
+    wary: Option<&'a [f64]>,
     arch: Arch,
 }
 
@@ -277,7 +314,7 @@ impl Numeric<'_> {
         self.assemble(f, &from, (layout, 0), 0..layout.blocks(), panel);
         self.tree.enter(f, self.values, panel);
         let (pivots, triangle) = (&mut pivots[0], &mut Triangle::new());
-        let mut work = Elimination { layout, pivots, triangle, parallel: true, wary: self.wary };
+        let mut work = Elimination { layout, pivots, triangle, parallel: true, wary: self.scales(f) };
         work.columns(panel)?;
         *out = zeros(passed.size())?;
         work.rest(panel, out);
@@ -354,7 +391,7 @@ impl Numeric<'_> {
                 pivots: &mut part.pivots[s - leaf],
                 triangle,
                 parallel: false,
-                wary: self.wary,
+                wary: self.scales(s),
             };
             work.columns(panel)?;
             work.rest(panel, next);
@@ -365,6 +402,14 @@ impl Numeric<'_> {
             top = top - children + own;
         }
         Ok(())
+    }
+
+    /// Scales of the rows of a front, where pivots are chosen with care.
+    fn scales(&self, f: usize) -> Option<Vec<f64>> {
+        let front = &self.tree.fronts[f];
+        let scale = |place: usize| Some(self.wary?[self.tree.order[place] as usize]);
+        let columns = front.first..front.first + front.width;
+        columns.chain(front.rows.iter().map(|&row| row as usize)).map(scale).collect()
     }
 
     /// As [`add`], with the registers of this machine.

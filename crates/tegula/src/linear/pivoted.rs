@@ -16,7 +16,7 @@ use faer::linalg::cholesky::lblt::factor::{
 };
 use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
 use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{Auto, Mat, MatMut, Par};
+use faer::{Auto, Mat, MatMut, MatRef, Par};
 
 use super::trapezoid::BLOCK;
 use super::{FactorError, Inertia};
@@ -98,6 +98,30 @@ impl Pivots {
         }
         self.restore(&mut out);
         out
+    }
+
+    /// The most that a pivot may change an entry below the block, by the rows of `L₂₁` and their scales: the largest entry
+    /// of `abs(L) abs(B) abs(Lᵀ)`, or a bound of it where a pivot has two columns.
+    pub fn growth(&self, rows: MatRef<'_, f64>, scale: &[f64]) -> f64 {
+        let largest = |j: usize| {
+            rows.col(j)
+                .iter()
+                .zip(scale)
+                .map(|(l, s)| (l / s).abs())
+                .fold(0.0, |most, l| if l.is_finite() { l.max(most) } else { f64::INFINITY })
+        };
+        let mut most = 0.0_f64;
+        self.each(|j, pivot| {
+            let grown: f64 = match pivot {
+                Pivot::Single(d) => d.abs() * largest(j).powi(2),
+                Pivot::Pair([a, b, c]) => {
+                    let (l, next) = (largest(j), largest(j + 1));
+                    a.abs() * l * l + 2.0 * b.abs() * l * next + c.abs() * next * next
+                }
+            };
+            most = grown.max(most);
+        });
+        most
     }
 
     /// Some columns of `rows · B`, for rows of `L₂₁` whose entries `at` tells by row and column.
@@ -193,4 +217,49 @@ fn solve_pair([a, b, c]: [f64; 3], [x, y]: [f64; 2]) -> [f64; 2] {
     let (a, c, x, y) = (a / b, c / b, x / b, y / b);
     let determinant = a * c - 1.0;
     [(c * x - y) / determinant, (a * y - x) / determinant]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sparse matrices with zeros on the diagonal, reconstructed from their factors.
+    #[test]
+    fn factors_make_up_the_matrix() {
+        let mut state = 1_u64;
+        let mut random = move || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for n in (2..=140).chain([150, 200, 300]) {
+            for density in [0.05, 0.1, 0.3, 0.6, 1.0] {
+                let mut matrix = Mat::<f64>::zeros(n, n);
+                for j in 0..n {
+                    for i in j..n {
+                        if random() < density && (i != j || random() < 0.5) {
+                            matrix[(i, j)] = 2.0 * random() - 1.0;
+                        }
+                    }
+                }
+                let mut l = matrix.clone();
+                let Ok(pivots) = Pivots::new(l.as_mut(), Mat::zeros(0, n).as_mut()) else { continue };
+                for j in 0..n {
+                    l[(j, j)] = 1.0;
+                    (0..j).for_each(|i| l[(i, j)] = 0.0);
+                }
+                let lb = pivots.multiply(n, 0..n, |i, j| l[(i, j)]);
+                let product = &lb * l.transpose();
+                let mut order: Vec<f64> = (0..n).map(|i| i as f64).collect();
+                pivots.permute(&mut order);
+                let worst = (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| {
+                    let (a, b) = (order[i] as usize, order[j] as usize);
+                    (product[(i, j)] - matrix[(a.max(b), a.min(b))]).abs()
+                });
+                let worst = worst.fold(0.0, f64::max);
+                assert!(worst < 1e-11, "{n} {density}: {worst:e}");
+            }
+        }
+    }
 }

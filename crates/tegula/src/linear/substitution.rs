@@ -36,7 +36,7 @@ impl Solver<'_> {
         let matrix = MatRef::from_column_major_slice(values, layout.rows - columns.start, columns.len());
         let (first, rest) = matrix.split_at_row(columns.len());
         let (later, below) = rest.split_at_row(front.width - columns.end);
-        (first, later, below, self.pivots[f].iter().find(|p| p.blocks.contains(&block)))
+        (first, later, below, self.pivots[f].of(block))
     }
 
     /// `L Lᵀ x = b` in place of `x`, by columns in the order of the elimination. `y` is memory for all rows.
