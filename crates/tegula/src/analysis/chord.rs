@@ -164,8 +164,9 @@ impl Increments {
     /// made.
     pub fn too_large(&self, energy: f64, size: f64) -> bool {
         let Some(last) = self.list.last() else { return false };
-        let ratio = (energy / last.absolute[0]).sqrt().max(size / last.absolute[1]);
-        ratio.is_nan() || ratio > if last.fresh { MOST_AFTER_FRESH } else { SLOWEST }
+        let most = if last.fresh { MOST_AFTER_FRESH } else { SLOWEST };
+        // What is not a number is too large.
+        !(energy <= most * most * last.absolute[0] && size <= most * last.absolute[1])
     }
 
     /// Some(false): the last three energies did not shrink; Some(true): nor did those of the last twelve.

@@ -210,9 +210,14 @@ impl<S: TangentSolver> Newton<S> {
         self.assembly.history.copy_from_slice(&at.history);
         let Self { solver, assembly, internal, .. } = self;
         let at = Linearization { system, motion: &k, parts: &parts, extrapolated: false, prescribed: None };
-        solver.assemble(assembly, &at, internal);
+        let prepared = loop {
+            solver.assemble(assembly, &at, internal);
+            if let Some(done) = solver.prepare(assembly).transpose() {
+                break done;
+            }
+        };
         self.assembly.history.copy_from_slice(&self.history);
-        if self.solver.prepare(&self.assembly).is_ok() {
+        if prepared.is_ok() {
             self.held = Held::Lagged;
         }
         self.held == Held::Lagged
@@ -265,6 +270,7 @@ impl<S: TangentSolver> Newton<S> {
                 self.assembly.reset_stress(system, &equation.kinematics(system));
             }
             equation.rest(system, &mut self.residual);
+            let mut prepared = Ok(0);
             {
                 let k = equation.kinematics(system);
                 self.assembly.follow(system, &k);
@@ -275,8 +281,18 @@ impl<S: TangentSolver> Newton<S> {
                     let prescribed = has_prescribed.then_some(self.increment.as_slice());
                     let at =
                         Linearization { system, motion: &k, parts: &parts, extrapolated: mixed, prescribed };
-                    solver.assemble(assembly, &at, internal);
-                    solver.add_curvature(assembly, &at, &self.residual);
+                    self.held = Held::Nothing;
+                    prepared = loop {
+                        solver.assemble(assembly, &at, internal);
+                        solver.add_curvature(assembly, &at, &self.residual);
+                        // Without finite forces there is more to be told than that there is no factor.
+                        if !internal.iter().flatten().all(|f| f.is_finite()) {
+                            break Ok(0);
+                        }
+                        if let Some(done) = solver.prepare(assembly).transpose() {
+                            break done;
+                        }
+                    };
                 }
             }
             if has_prescribed && parts.mass != 0.0 {
@@ -309,9 +325,8 @@ impl<S: TangentSolver> Newton<S> {
                 return Err(diverged(reason));
             }
             if !reuse {
-                self.held = Held::Nothing;
                 tangents += 1;
-                negative_pivots = self.solver.prepare(&self.assembly).map_err(diverged)?;
+                negative_pivots = prepared.map_err(diverged)?;
                 self.held = if system.linear { Held::Linear(parts) } else { Held::Iterate };
             }
             self.solution.copy_from_slice(&self.right_side);

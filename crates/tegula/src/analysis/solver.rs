@@ -40,11 +40,12 @@ pub trait TangentSolver {
     fn assemble(&mut self, assembly: &mut Assembly, at: &Linearization, out: &mut [Nodal]);
     /// Adds the curvature of the sphere of unit vectors: as [`Assembly::add_curvature`].
     fn add_curvature(&mut self, assembly: &mut Assembly, at: &Linearization, rest: &[Nodal]);
-    /// Prepares solutions with the tangent that was assembled. Returns its negative pivots.
+    /// Prepares solutions with the tangent that was assembled, whose memory it may use up. Returns its negative pivots, or
+    /// nothing if it must be assembled once more.
     ///
     /// # Errors
     /// There is no solution, or this solver cannot find it; why, for people.
-    fn prepare(&mut self, assembly: &Assembly) -> std::result::Result<usize, String>;
+    fn prepare(&mut self, assembly: &mut Assembly) -> std::result::Result<Option<usize>, String>;
     /// Solves in place.
     ///
     /// # Errors
@@ -91,6 +92,9 @@ pub fn direct(system: &System) -> Result<SparseCholesky> {
 
 impl TangentSolver for SparseCholesky {
     fn assemble(&mut self, assembly: &mut Assembly, at: &Linearization, out: &mut [Nodal]) {
+        if assembly.values.is_empty() {
+            assembly.values = self.take_back();
+        }
         assembly.forces_and_tangent(at.system, at.motion, at.parts, at.extrapolated, at.prescribed, out);
     }
 
@@ -98,12 +102,12 @@ impl TangentSolver for SparseCholesky {
         assembly.add_curvature(at.system, at.motion, &at.parts.weights, rest);
     }
 
-    fn prepare(&mut self, assembly: &Assembly) -> std::result::Result<usize, String> {
-        let inertia = self.factor(&assembly.values).map_err(|e| match e {
+    fn prepare(&mut self, assembly: &mut Assembly) -> std::result::Result<Option<usize>, String> {
+        let inertia = self.factor_values(&mut assembly.values).map_err(|e| match e {
             FactorError::Singular => "the tangent is singular".into(),
             e => e.to_string(),
         })?;
-        Ok(inertia.negative)
+        Ok(inertia.map(|i| i.negative))
     }
 
     fn solve_tangent(&mut self, x: &mut [f64]) -> std::result::Result<(), String> {
@@ -173,11 +177,11 @@ impl TangentSolver for Iterative {
         }
     }
 
-    fn prepare(&mut self, assembly: &Assembly) -> std::result::Result<usize, String> {
+    fn prepare(&mut self, assembly: &mut Assembly) -> std::result::Result<Option<usize>, String> {
         self.tangents += 1;
         self.pieces.factor(&assembly.numbering).map_err(explain)?;
         // All pivots of a matrix of which the tangent is a restriction are positive.
-        Ok(0)
+        Ok(Some(0))
     }
 
     fn solve_tangent(&mut self, x: &mut [f64]) -> std::result::Result<(), String> {

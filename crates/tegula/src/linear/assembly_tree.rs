@@ -4,11 +4,9 @@
 //! equal structure are one front; small fronts are joined with their parents where that adds few zeros.
 
 use super::FactorError;
+use super::drafts::{Draft, fundamental_fronts, join, sort_for_little_memory};
 use super::ordering::Quotient;
 use super::trapezoid::Trapezoid;
-
-/// Zeros that joining a front with its parent may add, as a share of the joined front, by its number of columns.
-const MOST_ZEROS: [(usize, f64); 3] = [(24, 0.8), (64, 0.15), (usize::MAX, 0.04)];
 
 /// A front: a dense symmetric matrix of columns that are eliminated in it and of rows that it passes on.
 #[derive(Debug, Clone, Default)]
@@ -69,6 +67,16 @@ impl EntryRun {
         self.step_and_length & 255
     }
 
+    /// Adds its entries, the first of these values, to a panel.
+    #[inline]
+    fn add(self, values: &[f64], panel: &mut [f64]) {
+        let (step, mut at) = ((self.step_and_length >> 8) as usize, self.at as usize);
+        for value in &values[..self.length() as usize] {
+            panel[at] += value;
+            at += step;
+        }
+    }
+
     /// Whether the entry with the next value belongs to the run, which then holds it.
     fn take(&mut self, at: u32) -> bool {
         let length = self.length();
@@ -126,24 +134,59 @@ impl AssemblyTree {
         self.children[f].iter().map(|&c| self.fronts[c as usize].passed().size()).sum()
     }
 
+    /// Runs of entries of the matrix in a front.
+    fn runs_of(&self, f: usize) -> &[EntryRun] {
+        let end = self.fronts.get(f + 1).map_or(self.entries.len(), |next| next.entries);
+        &self.entries[self.fronts[f].entries..end]
+    }
+
     /// Adds the entries of the matrix to the panel of a front.
     pub fn enter(&self, f: usize, values: &[f64], panel: &mut [f64]) {
-        let end = self.fronts.get(f + 1).map_or(self.entries.len(), |next| next.entries);
-        for run in &self.entries[self.fronts[f].entries..end] {
-            let (step, mut at) = ((run.step_and_length >> 8) as usize, run.at as usize);
-            for value in &values[run.value as usize..][..run.length() as usize] {
-                panel[at] += value;
-                at += step;
-            }
+        for run in self.runs_of(f) {
+            run.add(&values[run.value as usize..], panel);
         }
+    }
+
+    /// Number of entries of the matrix in a front.
+    pub fn number_of_entries(&self, f: usize) -> usize {
+        self.runs_of(f).iter().map(|run| run.length() as usize).sum()
+    }
+
+    /// Collects the entries of the matrix in a front.
+    pub fn collect_entries(&self, f: usize, values: &[f64], out: &mut Vec<f64>) {
+        for run in self.runs_of(f) {
+            out.extend_from_slice(&values[run.value as usize..][..run.length() as usize]);
+        }
+    }
+
+    /// As [`enter`](Self::enter), with what was collected.
+    pub fn enter_collected(&self, f: usize, mut collected: &[f64], panel: &mut [f64]) {
+        for run in self.runs_of(f) {
+            run.add(collected, panel);
+            collected = &collected[run.length() as usize..];
+        }
+    }
+
+    /// Gives the panels of the fronts their places in the factor: those of late fronts come behind the others. Returns the
+    /// number of entries of the others.
+    pub fn place_panels(&mut self, late: &[bool]) -> usize {
+        let mut next = 0;
+        let mut others = 0;
+        for wanted in [false, true] {
+            for (front, _) in self.fronts.iter_mut().zip(late).filter(|(_, late)| **late == wanted) {
+                front.panel = next;
+                next += front.layout().size();
+            }
+            others = if wanted { others } else { next };
+        }
+        others
     }
 
     /// Calls `f` with the number of each value of the matrix, its row and its column; which is which does not matter.
     pub fn each_entry(&self, mut f: impl FnMut(usize, usize, usize)) {
         for (number, front) in self.fronts.iter().enumerate() {
             let layout = front.layout();
-            let end = self.fronts.get(number + 1).map_or(self.entries.len(), |next| next.entries);
-            for run in &self.entries[front.entries..end] {
+            for run in self.runs_of(number) {
                 for k in 0..run.length() {
                     let at = run.at + k * (run.step_and_length >> 8);
                     let (row, column) = layout.place(at as usize);
@@ -321,256 +364,4 @@ fn runs(rows: &[u32], parent: &Front) -> Vec<[u32; 3]> {
         }
     }
     out
-}
-
-/// A front in terms of groups.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Draft {
-    pub columns: Vec<u32>,
-    pub rows: Vec<u32>,
-    pub parent: Option<u32>,
-    /// Number of unknowns in columns and rows.
-    pub width: usize,
-    pub below: usize,
-    /// Entries of the trapezoid that are zero.
-    pub zeros: f64,
-}
-
-fn trapezoid(width: usize, below: usize) -> f64 {
-    let (w, m) = (width as f64, below as f64);
-    w * (w + 1.0) / 2.0 + w * m
-}
-
-/// Fronts of columns of equal structure, children before parents.
-fn fundamental_fronts(quotient: &Quotient, order: &[u32]) -> Vec<Draft> {
-    let n = quotient.len();
-    const NONE: u32 = u32::MAX;
-    let mut position = vec![0_u32; n];
-    for (k, &g) in order.iter().enumerate() {
-        position[g as usize] = k as u32;
-    }
-    // Elimination tree by paths that are shortened as they are walked.
-    let (mut parent, mut ancestor) = (vec![NONE; n], vec![NONE; n]);
-    for (i, &g) in order.iter().enumerate() {
-        for &h in &quotient.neighbours[g as usize] {
-            let mut r = position[h as usize];
-            if r as usize >= i {
-                continue;
-            }
-            loop {
-                let next = ancestor[r as usize];
-                if next == i as u32 {
-                    break;
-                }
-                ancestor[r as usize] = i as u32;
-                if next == NONE {
-                    parent[r as usize] = i as u32;
-                    break;
-                }
-                r = next;
-            }
-        }
-    }
-    let postorder = postorder(&parent);
-    let mut rank = vec![0_u32; n];
-    for (k, &node) in postorder.iter().enumerate() {
-        rank[node as usize] = k as u32;
-    }
-    let weight = |g: u32| quotient.members[g as usize].len();
-    let mut mark = vec![NONE; n];
-    let mut structure: Vec<Vec<u32>> = vec![Vec::new(); n];
-    let mut children: Vec<Vec<u32>> = vec![Vec::new(); n];
-    let mut fronts: Vec<Draft> = Vec::new();
-    // The front of each node, and the node it began with.
-    let mut front_of = vec![0_u32; n];
-    for (k, &node) in postorder.iter().enumerate() {
-        let g = order[node as usize];
-        let mut rows = Vec::new();
-        mark[g as usize] = k as u32;
-        let later = quotient.neighbours[g as usize].iter().copied().filter(|&h| position[h as usize] > node);
-        for h in later.chain(children[k].iter().flat_map(|&c| structure[c as usize].iter().copied())) {
-            if mark[h as usize] != k as u32 {
-                mark[h as usize] = k as u32;
-                rows.push(h);
-            }
-        }
-        let only = children[k].last().copied();
-        let below: usize = rows.iter().map(|&h| weight(h)).sum();
-        for &c in &children[k] {
-            structure[c as usize] = Vec::new();
-        }
-        let same = only.filter(|&c| {
-            c as usize + 1 == k && fronts[front_of[c as usize] as usize].below == below + weight(g)
-        });
-        let front = if let Some(c) = same {
-            let f = front_of[c as usize];
-            fronts[f as usize].columns.push(g);
-            f
-        } else {
-            fronts.push(Draft { columns: vec![g], ..Draft::default() });
-            fronts.len() as u32 - 1
-        };
-        front_of[k] = front;
-        let draft = &mut fronts[front as usize];
-        draft.width += weight(g);
-        draft.below = below;
-        draft.rows.clone_from(&rows);
-        structure[k] = rows;
-        if parent[node as usize] != NONE {
-            children[rank[parent[node as usize] as usize] as usize].push(k as u32);
-        }
-    }
-    for (k, &node) in postorder.iter().enumerate() {
-        let p = parent[node as usize];
-        if p != NONE {
-            let up = front_of[rank[p as usize] as usize];
-            if up != front_of[k] {
-                fronts[front_of[k] as usize].parent = Some(up);
-            }
-        }
-    }
-    fronts
-}
-
-/// Nodes of a forest, children before parents.
-fn postorder(parent: &[u32]) -> Vec<u32> {
-    const NONE: u32 = u32::MAX;
-    let n = parent.len();
-    let (mut first, mut next) = (vec![NONE; n], vec![NONE; n]);
-    let mut roots = Vec::new();
-    for v in (0..n).rev() {
-        match parent[v] {
-            NONE => roots.push(v as u32),
-            p => {
-                next[v] = first[p as usize];
-                first[p as usize] = v as u32;
-            }
-        }
-    }
-    let mut out = Vec::with_capacity(n);
-    let mut stack = Vec::new();
-    for root in roots.into_iter().rev() {
-        stack.push(root);
-        while let Some(&v) = stack.last() {
-            let child = first[v as usize];
-            if child == NONE {
-                out.push(v);
-                stack.pop();
-            } else {
-                first[v as usize] = next[child as usize];
-                stack.push(child);
-            }
-        }
-    }
-    out
-}
-
-/// Joins fronts with their parents where that adds few zeros.
-fn join(mut fronts: Vec<Draft>) -> Vec<Draft> {
-    let n = fronts.len();
-    let mut children: Vec<Vec<u32>> = vec![Vec::new(); n];
-    for (f, front) in fronts.iter().enumerate() {
-        if let Some(p) = front.parent {
-            children[p as usize].push(f as u32);
-        }
-    }
-    let mut gone = vec![false; n];
-    for p in 0..n {
-        // The child with the largest structure first: it adds the fewest zeros.
-        loop {
-            let parent = &fronts[p];
-            let joined = |c: u32| {
-                let child = &fronts[c as usize];
-                let all = trapezoid(child.width + parent.width, parent.below);
-                let zeros = all - trapezoid(child.width, child.below) - trapezoid(parent.width, parent.below)
-                    + child.zeros
-                    + parent.zeros;
-                (zeros, zeros / all)
-            };
-            let best = children[p].iter().copied().min_by(|&a, &b| joined(a).1.total_cmp(&joined(b).1));
-            let Some(c) = best else { break };
-            let (zeros, share) = joined(c);
-            let width = fronts[c as usize].width + parent.width;
-            let allowed = MOST_ZEROS.iter().find(|(w, _)| width <= *w).map_or(0.0, |z| z.1);
-            if share > allowed {
-                break;
-            }
-            let child = std::mem::take(&mut fronts[c as usize]);
-            gone[c as usize] = true;
-            let parent = &mut fronts[p];
-            parent.width = width;
-            parent.zeros = zeros;
-            let mut columns = child.columns;
-            columns.append(&mut parent.columns);
-            parent.columns = columns;
-            children[p].retain(|&x| x != c);
-            let grandchildren = std::mem::take(&mut children[c as usize]);
-            for &x in &grandchildren {
-                fronts[x as usize].parent = Some(p as u32);
-            }
-            children[p].extend(grandchildren);
-        }
-    }
-    keep(fronts, &gone)
-}
-
-/// The fronts that are not gone. None of them has a parent that is.
-pub(super) fn keep(fronts: Vec<Draft>, gone: &[bool]) -> Vec<Draft> {
-    let mut number = vec![0_u32; fronts.len()];
-    let mut kept = 0;
-    for (number, gone) in number.iter_mut().zip(gone) {
-        *number = kept;
-        kept += u32::from(!gone);
-    }
-    let mut out: Vec<Draft> = fronts.into_iter().zip(gone).filter(|(_, g)| !**g).map(|(f, _)| f).collect();
-    for f in &mut out {
-        f.parent = f.parent.map(|p| number[p as usize]);
-    }
-    out
-}
-
-/// Orders the fronts depth first, so that subtrees stand together and the parts that wait are small: children by
-/// what they need at their worst less what they leave.
-pub(super) fn sort_for_little_memory(fronts: &mut Vec<Draft>) {
-    let n = fronts.len();
-    let mut children: Vec<Vec<u32>> = vec![Vec::new(); n];
-    let mut roots = Vec::new();
-    for (f, front) in fronts.iter().enumerate() {
-        match front.parent {
-            Some(p) => children[p as usize].push(f as u32),
-            None => roots.push(f as u32),
-        }
-    }
-    let left = |f: u32| (fronts[f as usize].below as f64).powi(2);
-    let mut peak = vec![0.0_f64; n];
-    for f in 0..n {
-        let mut mine = std::mem::take(&mut children[f]);
-        mine.sort_by(|&a, &b| (peak[b as usize] - left(b)).total_cmp(&(peak[a as usize] - left(a))));
-        let mut held = 0.0;
-        for &c in &mine {
-            peak[f] = peak[f].max(held + peak[c as usize]);
-            held += left(c);
-        }
-        peak[f] = peak[f].max(held + left(f as u32));
-        children[f] = mine;
-    }
-    let mut out = Vec::with_capacity(n);
-    let mut number = vec![0_u32; n];
-    let mut stack: Vec<(u32, usize)> = Vec::new();
-    for root in roots {
-        stack.push((root, 0));
-        while let Some((f, next)) = stack.pop() {
-            if let Some(&c) = children[f as usize].get(next) {
-                stack.push((f, next + 1));
-                stack.push((c, 0));
-            } else {
-                number[f as usize] = out.len() as u32;
-                out.push(std::mem::take(&mut fronts[f as usize]));
-            }
-        }
-    }
-    for f in &mut out {
-        f.parent = f.parent.map(|p| number[p as usize]);
-    }
-    *fronts = out;
 }

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use super::multifrontal::Multifrontal;
+use super::multifrontal::{Attempt, Multifrontal, Values};
 use super::{Factor, FactorError, Inertia};
 
 /// Lower triangle of a symmetric matrix in compressed columns, without its values.
@@ -79,6 +79,35 @@ impl SparseCholesky {
         self.fronts.release();
     }
 
+    /// Factors the matrix with these values and uses up their memory: it becomes part of the factor. Without an inertia
+    /// they are needed once more, in other memory.
+    ///
+    /// # Errors
+    /// Those of [`factor`](Factor::factor).
+    pub fn factor_values(&mut self, values: &mut Vec<f64>) -> Result<Option<Inertia>, FactorError> {
+        check_finite(values)?;
+        self.attempt(Values::Given(std::mem::take(values)))
+    }
+
+    /// Ends the factor and gives back the memory that [`factor_values`](Self::factor_values) has used, or none.
+    pub fn take_back(&mut self) -> Vec<f64> {
+        self.factored = false;
+        self.fronts.take_back()
+    }
+
+    fn attempt(&mut self, values: Values) -> Result<Option<Inertia>, FactorError> {
+        self.factored = false;
+        let (attempt, new) = self.fronts.factor(&self.pointers, values)?;
+        self.factorizations += usize::from(new);
+        Ok(match attempt {
+            Attempt::Done(inertia) => {
+                self.factored = true;
+                Some(inertia)
+            }
+            Attempt::Again => None,
+        })
+    }
+
     /// Operations (additions and multiplications) of a factorisation.
     pub fn operations(&self) -> f64 {
         self.fronts.operations()
@@ -88,20 +117,16 @@ impl SparseCholesky {
 impl Factor for SparseCholesky {
     fn factor(&mut self, values: &[f64]) -> Result<Inertia, FactorError> {
         self.factored = false;
-        if !values.iter().all(|v| v.is_finite()) {
-            return Err(FactorError::NotFinite);
+        check_finite(values)?;
+        loop {
+            if let Some(inertia) = self.attempt(Values::Kept(values))? {
+                return Ok(inertia);
+            }
         }
-        self.factorizations += 1;
-        let (inertia, times) = self.fronts.factor(&self.pointers, values)?;
-        self.factorizations += times - 1;
-        self.factored = true;
-        Ok(inertia)
     }
 
     fn solve(&mut self, right_side: &mut [f64]) {
-        if self.factored {
-            self.fronts.solve(right_side);
-        } else {
+        if !self.factored || self.fronts.solve(right_side).is_err() {
             // Without a factor there is no solution; what is returned must not look like one.
             right_side.fill(f64::NAN);
         }
@@ -114,4 +139,8 @@ impl Factor for SparseCholesky {
     fn factor_entries(&self) -> usize {
         self.fronts.entries()
     }
+}
+
+fn check_finite(values: &[f64]) -> Result<(), FactorError> {
+    if values.iter().all(|v| v.is_finite()) { Ok(()) } else { Err(FactorError::NotFinite) }
 }

@@ -10,7 +10,8 @@
 use faer::Mat;
 
 use super::FactorError;
-use super::assembly_tree::{AssemblyTree, Draft, keep, sort_for_little_memory};
+use super::assembly_tree::AssemblyTree;
+use super::drafts::{Draft, keep, sort_for_little_memory};
 use super::ordering::Quotient;
 
 /// Growth, over the scale of its row, that a pivot may cause on the diagonal of a row.

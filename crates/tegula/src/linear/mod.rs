@@ -3,11 +3,14 @@
 mod assembly_tree;
 mod cholesky;
 mod delayed;
+mod drafts;
 mod elimination;
 pub mod lanczos;
 mod multifrontal;
+mod numeric;
 mod ordering;
 mod pivoted;
+mod pool;
 mod schedule;
 mod substitution;
 pub mod substructures;

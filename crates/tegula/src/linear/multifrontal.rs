@@ -10,17 +10,18 @@
 //! J. W. H. Liu, *The multifrontal method for sparse matrix solution*, SIAM Review 34 (1992) 82–109.
 
 use std::ops::Range;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 
 use pulp::Arch;
 
-use super::assembly_tree::{AssemblyTree, Front};
+use super::assembly_tree::AssemblyTree;
 use super::delayed::GROWTH;
-use super::elimination::{Elimination, FrontPivots, half};
+use super::elimination::FrontPivots;
+use super::numeric::{Entries, Numeric, Part};
 use super::ordering::Quotient;
+use super::pool::{Pool, zeros};
 use super::schedule::{Task, locked, run_all};
 use super::substitution::Solver;
-use super::trapezoid::{BLOCK, Trapezoid};
 use super::triangle::Triangle;
 use super::{FactorError, Inertia};
 
@@ -30,24 +31,76 @@ const GRAIN: f64 = 2e7;
 /// Factor of matrices of one pattern.
 pub(super) struct Multifrontal {
     tree: AssemblyTree,
-    /// Panels of all fronts, by block columns.
+    /// Panels of all fronts but the late ones, by block columns.
     factor: Vec<f64>,
+    /// Their entries.
+    others: usize,
+    late: Late,
+    care: Care,
+    /// Diagonal of the matrix.
+    diagonal: Vec<f64>,
     /// Pivots of all fronts.
     pivots: Vec<FrontPivots>,
     /// What is worked off at a time.
     tasks: Vec<Task>,
     /// Whether the subtree of a front is split between threads.
     split: Vec<bool>,
-    /// Stacks of the subtrees at work, one for each thread. Solutions take the first for the sums of all rows.
-    stacks: Vec<Mutex<Stack>>,
+    /// What waits at most in each task that is a subtree.
+    stacks: Vec<usize>,
+    /// Memory for a block, one for each thread.
+    triangles: Vec<Mutex<Triangle>>,
+    /// Memory for what waits, and for the sums of all rows.
+    pool: Pool,
     /// Vector of all columns.
     columns: Vec<f64>,
 }
 
-/// What waits in a subtree that one thread works off, and memory for a block.
-struct Stack {
-    values: Vec<f64>,
-    triangle: Triangle,
+/// Fronts whose panels take the memory of the values of the matrix: the last ones, when no others need values any more.
+#[derive(Default)]
+struct Late {
+    /// Their numbers, ascending, and the first of the entries of each among those of all of them.
+    fronts: Vec<(usize, usize)>,
+    /// The entries of the matrix in them, set aside.
+    entries: Vec<f64>,
+    /// Their panels.
+    panels: Vec<f64>,
+    /// Entries of their panels.
+    size: usize,
+}
+
+/// How pivots are chosen.
+enum Care {
+    /// Among the columns of a block, as long as it has some.
+    Little,
+    /// As before, if these sizes of the pivots are not too large; so many are negative.
+    InDoubt(Vec<f64>, usize),
+    /// Among all columns of a front.
+    Much,
+}
+
+/// What a factorisation came to.
+pub(super) enum Attempt {
+    /// It is done.
+    Done(Inertia),
+    /// Once more, with the same values.
+    Again,
+}
+
+/// Values of the matrix.
+pub(super) enum Values<'a> {
+    /// To be read.
+    Kept(&'a [f64]),
+    /// To be used up.
+    Given(Vec<f64>),
+}
+
+impl Values<'_> {
+    fn all(&self) -> &[f64] {
+        match self {
+            Self::Kept(values) => values,
+            Self::Given(values) => values,
+        }
+    }
 }
 
 impl Multifrontal {
@@ -55,38 +108,56 @@ impl Multifrontal {
     pub fn new(pointers: &[usize], rows: &[u32]) -> Result<Self, FactorError> {
         let quotient = Quotient::new(pointers, rows);
         let order = quotient.minimum_degree()?;
-        Self::of_tree(AssemblyTree::new(&quotient, &order, pointers, rows)?)
+        Self::of_tree(AssemblyTree::new(&quotient, &order, pointers, rows)?, rows.len())
     }
 
-    fn of_tree(tree: AssemblyTree) -> Result<Self, FactorError> {
+    /// For a matrix with so many values.
+    fn of_tree(mut tree: AssemblyTree, values: usize) -> Result<Self, FactorError> {
         let n = tree.fronts.len();
         let threads = rayon::current_num_threads();
         let grain = (tree.operations() / (8.0 * threads as f64)).max(GRAIN);
         let split: Vec<bool> = (0..n)
             .map(|f| threads > 1 && tree.fronts[f].work > grain && !tree.children[f].is_empty())
             .collect();
-        let tasks = Task::all(&tree, &split);
-        let stack = stack_size(&tree, &split);
-        let stacks = (0..threads)
-            .map(|thread| {
-                let values = zeros(if thread == 0 { stack.max(tree.rows) } else { stack })?;
-                Ok(Mutex::new(Stack { values, triangle: Triangle::new() }))
-            })
-            .collect::<Result<_, _>>()?;
+        let mut tasks = Task::all(&tree, &split);
+        let (late, others) = Late::new(&mut tree, &split, values)?;
+        for task in &mut tasks {
+            task.late = late.is_late(task.fronts.start);
+        }
+        let stacks = tasks.iter().map(|task| stack_size(&tree, &task.fronts)).collect();
+        let triangles = (0..threads).map(|_| Mutex::new(Triangle::new())).collect();
         Ok(Self {
-            factor: zeros(tree.size)?,
+            factor: zeros(others)?,
+            others,
+            late,
+            care: Care::Little,
+            diagonal: zeros(tree.order.len())?,
             pivots: (0..n).map(|_| FrontPivots::default()).collect(),
             columns: zeros(tree.order.len())?,
             tree,
             tasks,
             split,
             stacks,
+            triangles,
+            pool: Pool::default(),
         })
     }
 
     /// Gives back the memory of the factor.
     pub fn release(&mut self) {
         self.factor = Vec::new();
+        self.late.panels = Vec::new();
+        self.pool.release();
+        self.care = Care::Little;
+    }
+
+    /// Ends the factor and gives back the memory that came with the values, unless the factor is in doubt.
+    pub fn take_back(&mut self) -> Vec<f64> {
+        if matches!(self.care, Care::InDoubt(..)) {
+            Vec::new()
+        } else {
+            std::mem::take(&mut self.late.panels)
+        }
     }
 
     /// Entries of the factor.
@@ -99,37 +170,74 @@ impl Multifrontal {
         self.tree.operations()
     }
 
-    /// Factors the matrix with the given values and tells its inertia, and how many factorisations it took: a positive
-    /// pivot that is tiny beside the entries of its column does no harm to a definite matrix, but to one that turns out
-    /// indefinite. Then all pivots are chosen anew, with care, and once more for columns that had to be
-    /// [delayed](super::delayed).
+    /// Factors the matrix with the given values, or asks for them once more: a positive pivot that is tiny beside the
+    /// entries of its column does no harm to a definite matrix, but to one that turns out indefinite. Then all pivots are
+    /// chosen anew, with care, and again for columns that had to be [delayed](super::delayed). Returns also whether a
+    /// factorisation was made, and not only what was in doubt judged.
     ///
     /// # Errors
     /// The matrix is singular, or the memory does not suffice.
-    pub fn factor(&mut self, pointers: &[usize], values: &[f64]) -> Result<(Inertia, usize), FactorError> {
-        let mut times = 1;
-        let done = match self.factor_once(values, None) {
-            Err(FactorError::Singular) => None,
-            other => Some(other?).filter(|&n| n == 0 || !self.pivots_grew(pointers, values)),
+    pub fn factor(&mut self, pointers: &[usize], values: Values) -> Result<(Attempt, bool), FactorError> {
+        let done = |negative: usize| {
+            Attempt::Done(Inertia { positive: pointers.len() - 1 - negative, negative, zero: 0 })
         };
-        let negative = match done {
-            Some(negative) => negative,
-            None => {
-                let scales = self.scales(values);
-                loop {
-                    times += 1;
-                    let negative = self.factor_once(values, Some(&scales))?;
-                    let delayed = self.delayed();
-                    if delayed.is_empty() {
-                        break negative;
+        match std::mem::replace(&mut self.care, Care::Little) {
+            Care::Little => {
+                for (d, &first) in self.diagonal.iter_mut().zip(pointers) {
+                    *d = values.all()[first];
+                }
+                match self.factor_once(values, None) {
+                    Ok(0) => Ok((done(0), true)),
+                    Ok(negative) => {
+                        let sizes = self.pivot_sizes();
+                        if sizes.iter().zip(&self.diagonal).all(|(size, d)| *size <= GROWTH * d.abs()) {
+                            return Ok((done(negative), true));
+                        }
+                        self.care = Care::InDoubt(sizes, negative);
+                        Ok((Attempt::Again, true))
                     }
-                    let tree = self.tree.delay(&delayed, pointers)?;
-                    self.release();
-                    *self = Self::of_tree(tree)?;
+                    Err(FactorError::Singular) => {
+                        self.care = Care::Much;
+                        Ok((Attempt::Again, true))
+                    }
+                    Err(error) => Err(error),
                 }
             }
-        };
-        Ok((Inertia { positive: self.columns.len() - negative, negative, zero: 0 }, times))
+            Care::InDoubt(sizes, negative) => {
+                let scales = self.scales(values.all());
+                // Not a number: grew, too.
+                if sizes.iter().zip(&scales).all(|(size, s)| *size <= GROWTH * s * s) {
+                    return Ok((done(negative), false));
+                }
+                self.with_care(pointers, values, &scales, done)
+            }
+            Care::Much => {
+                let scales = self.scales(values.all());
+                self.with_care(pointers, values, &scales, done)
+            }
+        }
+    }
+
+    fn with_care(
+        &mut self,
+        pointers: &[usize],
+        values: Values,
+        scales: &[f64],
+        done: impl Fn(usize) -> Attempt,
+    ) -> Result<(Attempt, bool), FactorError> {
+        let number = values.all().len();
+        let negative = self.factor_once(values, Some(scales))?;
+        let delayed = self.delayed();
+        if delayed.is_empty() {
+            return Ok((done(negative), true));
+        }
+        let tree = self.tree.delay(&delayed, pointers)?;
+        let memory = std::mem::take(&mut self.late.panels);
+        self.release();
+        *self = Self::of_tree(tree, number)?;
+        self.late.panels = memory;
+        self.care = Care::Much;
+        Ok((Attempt::Again, true))
     }
 
     /// Columns that are without pivots, in the order of elimination. What became of the fronts above them says nothing.
@@ -147,15 +255,14 @@ impl Multifrontal {
         out
     }
 
-    /// Whether a pivot is larger than `GROWTH` times the entries of its row.
-    fn pivots_grew(&self, pointers: &[usize], values: &[f64]) -> bool {
-        let n = self.columns.len();
-        let mut size = vec![0.0; n];
-        for (front, pivots) in self.tree.fronts.iter().zip(&self.pivots) {
-            let layout = front.layout();
+    /// Sizes of the pivots, by unknown.
+    fn pivot_sizes(&self) -> Vec<f64> {
+        let mut size = vec![0.0; self.columns.len()];
+        for (f, (front, pivots)) in self.tree.fronts.iter().zip(&self.pivots).enumerate() {
+            let (layout, panel) = (front.layout(), self.panel(f));
             let old = &self.tree.order[front.first..front.first + front.width];
             for (j, &old) in old.iter().enumerate() {
-                size[old as usize] = self.factor[front.panel + layout.diagonal(j)].powi(2);
+                size[old as usize] = panel[layout.diagonal(j)].powi(2);
             }
             for pivoted in &pivots.blocks {
                 let columns = pivoted.columns(front.width);
@@ -164,12 +271,12 @@ impl Multifrontal {
                 }
             }
         }
-        if (0..n).all(|i| size[i] <= GROWTH * values[pointers[i]].abs()) {
-            return false;
-        }
-        let scales = self.scales(values);
-        // Not a number: grew, too.
-        !(0..n).all(|i| size[i] <= GROWTH * scales[i] * scales[i])
+        size
+    }
+
+    /// Panel of a front.
+    fn panel(&self, f: usize) -> &[f64] {
+        panel(&self.factor, &self.late.panels, self.tree.fronts[f].panel)
     }
 
     /// Scales of the unknowns with which the largest entry of every row becomes about one: D. Ruiz, A scaling
@@ -192,279 +299,131 @@ impl Multifrontal {
     }
 
     /// Factors the matrix and tells how many pivots are negative. With scales of the unknowns pivots are chosen with care.
-    fn factor_once(&mut self, values: &[f64], wary: Option<&[f64]>) -> Result<usize, FactorError> {
+    fn factor_once(&mut self, values: Values, wary: Option<&[f64]>) -> Result<usize, FactorError> {
         self.pivots.iter_mut().for_each(FrontPivots::clear);
         if self.factor.is_empty() {
-            self.factor = zeros(self.tree.size)?;
+            self.factor = zeros(self.others)?;
         }
-        let Self { tree, split, tasks, stacks, factor, pivots, .. } = self;
-        let numeric = Numeric { tree, stacks, values, wary, arch: Arch::new() };
-        let mut rest = Part { panels: factor, pivots };
+        let Self { tree, split, tasks, stacks, triangles, pool, factor, late, pivots, .. } = self;
+        let (mut panels, mut left) = (factor.as_mut_slice(), pivots.as_mut_slice());
+        // What belongs to a task, one after another. Panels of late ones come when there is memory for them.
         let mut take = |task: &Task| {
-            let size = task.fronts.clone().map(|f| tree.fronts[f].layout().size()).sum();
-            let (mine, others) = std::mem::take(&mut rest).split_at(size, task.fronts.len());
-            rest = others;
-            mine
+            let size = if task.late { 0 } else { panel_sizes(tree, task) };
+            let pivots = left.split_off_mut(..task.fronts.len()).unwrap_or_default();
+            Part { panels: panels.split_off_mut(..size).unwrap_or_default(), pivots }
         };
+        let arch = Arch::new();
+        let numeric = Numeric { tree, pool, triangles, entries: Entries::All(values.all()), wary, arch };
         if !split.contains(&true) {
-            for task in tasks {
-                numeric.one_after_another(task.fronts.clone(), take(task), &mut Vec::new())?;
+            for (task, stack) in tasks.iter().zip(stacks) {
+                numeric.one_after_another(task.fronts.clone(), *stack, take(task))?;
+            }
+            if let Values::Given(values) = values {
+                late.panels = values;
             }
         } else {
-            // What belongs to each task, and what it passes on while that waits.
-            let slots: Vec<_> =
-                tasks.iter().map(|task| (Mutex::new(take(task)), Mutex::new(Vec::new()))).collect();
-            run_all(tasks, stacks.len(), |t| {
+            let parts: Vec<_> = tasks.iter().map(|task| Mutex::new(take(task))).collect();
+            // What each task passes on, while that waits.
+            let passed: Vec<_> = tasks.iter().map(|_| Mutex::new(Vec::new())).collect();
+            let run = |numeric: &Numeric, t: usize| {
                 let task = &tasks[t];
-                let part = std::mem::take(&mut *locked(&slots[t].0));
-                let mut out = Vec::new();
-                if split[task.fronts.start] {
+                let part = std::mem::take(&mut *locked(&parts[t]));
+                *locked(&passed[t]) = if split[task.fronts.start] {
                     let from =
-                        task.children.iter().map(|&c| std::mem::take(&mut *locked(&slots[c as usize].1)));
-                    numeric.together(task.fronts.start, part, from.collect(), &mut out)?;
+                        task.children.iter().map(|&c| std::mem::take(&mut *locked(&passed[c as usize])));
+                    numeric.together(task.fronts.start, part, from.collect())?
                 } else {
-                    numeric.one_after_another(task.fronts.clone(), part, &mut out)?;
-                }
-                *locked(&slots[t].1) = out;
+                    numeric.one_after_another(task.fronts.clone(), stacks[t], part)?
+                };
                 Ok(())
-            })?;
+            };
+            run_all(tasks, false, triangles.len(), |t| run(&numeric, t))?;
+            late.entries.clear();
+            for &(f, _) in &late.fronts {
+                tree.collect_entries(f, values.all(), &mut late.entries);
+            }
+            if let Values::Given(values) = values {
+                late.panels = values;
+            } else if late.panels.len() < late.size {
+                late.panels = zeros(late.size)?;
+            }
+            let mut panels = late.panels.as_mut_slice();
+            for (task, part) in tasks.iter().zip(&parts).filter(|(task, _)| task.late) {
+                locked(part).panels = panels.split_off_mut(..panel_sizes(tree, task)).unwrap_or_default();
+            }
+            let entries = Entries::Collected(&late.fronts, &late.entries);
+            let numeric = Numeric { tree, pool, triangles, entries, wary, arch };
+            run_all(tasks, true, triangles.len(), |t| run(&numeric, t))?;
         }
         Ok(self.pivots.iter().flat_map(|front| &front.blocks).map(|p| p.pivots.inertia().negative).sum())
     }
 
     /// Solves in place with the factor.
-    pub fn solve(&mut self, right_side: &mut [f64]) {
-        let Self { tree, factor, split, columns, stacks, pivots, .. } = self;
-        let Some(stack) = stacks.first_mut() else { return };
-        let rows = &mut stack.get_mut().unwrap_or_else(PoisonError::into_inner).values[..tree.rows];
+    ///
+    /// # Errors
+    /// There is no memory for the sums of the rows.
+    pub fn solve(&mut self, right_side: &mut [f64]) -> Result<(), FactorError> {
+        let Self { tree, factor, late, split, columns, pool, pivots, .. } = self;
+        let mut rows = pool.take(tree.rows)?;
         for (x, &old) in columns.iter_mut().zip(&tree.order) {
             *x = right_side[old as usize];
         }
-        Solver { tree, factor, split, pivots }.solve(columns, rows);
+        Solver { tree, factor, late: &late.panels, split, pivots }.solve(columns, &mut rows[..tree.rows]);
         for (x, &old) in columns.iter().zip(&tree.order) {
             right_side[old as usize] = *x;
         }
+        pool.put(rows);
+        Ok(())
     }
 }
 
-/// Memory that is not touched before it is used.
-pub(super) fn zeros(n: usize) -> Result<Vec<f64>, FactorError> {
-    // Asks first: where there is not enough, `vec!` would end the program.
-    Vec::<f64>::new().try_reserve_exact(n).map_err(|_| FactorError::TooLarge)?;
-    Ok(vec![0.0; n])
+impl Late {
+    /// The last front, for which all others must be done anyway, if it is split between threads and there is enough memory;
+    /// and the entries of the panels of all others.
+    fn new(tree: &mut AssemblyTree, split: &[bool], values: usize) -> Result<(Self, usize), FactorError> {
+        let mut late = vec![false; tree.fronts.len()];
+        let mut size = 0;
+        if let (Some(last), Some(true)) = (tree.fronts.last(), split.last()) {
+            size = last.layout().size();
+            if size <= values
+                && let Some(late) = late.last_mut()
+            {
+                *late = true;
+            }
+        }
+        let others = tree.place_panels(&late);
+        let (mut fronts, mut first) = (Vec::new(), 0);
+        for f in (0..late.len()).filter(|&f| late[f]) {
+            fronts.push((f, first));
+            first += tree.number_of_entries(f);
+        }
+        Ok((Self { fronts, entries: Vec::with_capacity(first), panels: Vec::new(), size }, others))
+    }
+
+    fn is_late(&self, f: usize) -> bool {
+        self.fronts.binary_search_by_key(&f, |late| late.0).is_ok()
+    }
 }
 
-/// Largest stack of a subtree that is not split: what waits, and what the front at work makes.
-fn stack_size(tree: &AssemblyTree, split: &[bool]) -> usize {
+/// The panel, and what follows it, that begins with this entry of the factor; that of late fronts comes behind the others.
+pub(super) fn panel<'a>(factor: &'a [f64], late: &'a [f64], first: usize) -> &'a [f64] {
+    if first < factor.len() { &factor[first..] } else { &late[first - factor.len()..] }
+}
+
+/// Entries of the panels of a task.
+fn panel_sizes(tree: &AssemblyTree, task: &Task) -> usize {
+    task.fronts.clone().map(|f| tree.fronts[f].layout().size()).sum()
+}
+
+/// What waits at most in a subtree that one thread works off, together with what the front at work makes.
+fn stack_size(tree: &AssemblyTree, subtree: &Range<usize>) -> usize {
     let mut most = 0;
     let mut held = 0_usize;
-    for (f, front) in tree.fronts.iter().enumerate() {
-        if split[f] {
-            continue;
-        }
-        if front.parent.is_none_or(|p| split[p as usize]) {
-            // What it passes on does not go to the stack.
-            held = 0;
-            continue;
-        }
-        let own = front.passed().size();
+    // What the last one passes on does not go to the stack.
+    for f in subtree.start..subtree.end - 1 {
+        let own = tree.fronts[f].passed().size();
         most = most.max(held + own);
         held = held + own - tree.passed_by_children(f);
     }
     most
-}
-
-/// What belongs to consecutive fronts: panels and pivots.
-#[derive(Default)]
-struct Part<'a> {
-    panels: &'a mut [f64],
-    pivots: &'a mut [FrontPivots],
-}
-
-impl Part<'_> {
-    fn split_at(self, panels: usize, pivots: usize) -> (Self, Self) {
-        let (p, q) = self.panels.split_at_mut(panels);
-        let (a, b) = self.pivots.split_at_mut(pivots);
-        (Self { panels: p, pivots: a }, Self { panels: q, pivots: b })
-    }
-}
-
-/// What all fronts need to be factored.
-struct Numeric<'a> {
-    tree: &'a AssemblyTree,
-    stacks: &'a [Mutex<Stack>],
-    values: &'a [f64],
-    /// Scales of the unknowns, where pivots are chosen with care.
-    wary: Option<&'a [f64]>,
-    arch: Arch,
-}
-
-impl Numeric<'_> {
-    /// Factors a front, threads together; `from` is what its children pass on, `out` receives what it passes on itself.
-    fn together(
-        &self,
-        f: usize,
-        part: Part<'_>,
-        from: Vec<Vec<f64>>,
-        out: &mut Vec<f64>,
-    ) -> Result<(), FactorError> {
-        let front = &self.tree.fronts[f];
-        let (layout, passed) = (front.layout(), front.passed());
-        let Part { panels: panel, pivots } = part;
-        self.assemble(f, &from, (layout, 0), 0..layout.blocks(), panel);
-        self.tree.enter(f, self.values, panel);
-        let (pivots, triangle) = (&mut pivots[0], &mut Triangle::new());
-        let mut work = Elimination { layout, pivots, triangle, parallel: true, wary: self.scales(f) };
-        work.columns(panel)?;
-        *out = zeros(passed.size())?;
-        work.rest(panel, out);
-        self.assemble(f, &from, (passed, front.width), 0..passed.blocks(), out);
-        Ok(())
-    }
-
-    /// Adds what the children of a front pass on to some of its block columns, halves of them in parallel.
-    fn assemble(
-        &self,
-        f: usize,
-        from: &[Vec<f64>],
-        (to, offset): (Trapezoid, usize),
-        blocks: Range<usize>,
-        values: &mut [f64],
-    ) {
-        if blocks.len() > 1 {
-            let middle = half(to, &blocks);
-            let (left, right) = values.split_at_mut(to.start(middle) - to.start(blocks.start));
-            rayon::join(
-                || self.assemble(f, from, (to, offset), blocks.start..middle, left),
-                || self.assemble(f, from, (to, offset), middle..blocks.end, right),
-            );
-            return;
-        }
-        if offset == 0 {
-            values.fill(0.0);
-        }
-        for (&c, from) in self.tree.children[f].iter().zip(from) {
-            self.add(&self.tree.fronts[c as usize], from, (to, offset), &blocks, values);
-        }
-    }
-
-    /// Factors a subtree front by front.
-    fn one_after_another(
-        &self,
-        subtree: Range<usize>,
-        part: Part<'_>,
-        out: &mut Vec<f64>,
-    ) -> Result<(), FactorError> {
-        let fronts = &self.tree.fronts;
-        let leaf = subtree.start;
-        let start = fronts[leaf].panel;
-        let mut stack = self.stack();
-        let Stack { values: stack, triangle } = &mut *stack;
-        let mut top = 0;
-        for s in subtree.clone() {
-            let front = &fronts[s];
-            let last = s + 1 == subtree.end;
-            let (layout, passed) = (front.layout(), front.passed());
-            let own = passed.size();
-            let panel = &mut part.panels[front.panel - start..][..layout.size()];
-            let children = self.tree.passed_by_children(s);
-            let (held, free) = stack.split_at_mut(top);
-            let next = if last {
-                *out = zeros(own)?;
-                &mut out[..]
-            } else {
-                &mut free[..own]
-            };
-            let from_children = |to: Trapezoid, offset, values: &mut [f64]| {
-                let mut at = top - children;
-                for &c in &self.tree.children[s] {
-                    let child = &fronts[c as usize];
-                    self.add(child, &held[at..], (to, offset), &(0..to.blocks()), values);
-                    at += child.passed().size();
-                }
-            };
-            panel.fill(0.0);
-            from_children(layout, 0, panel);
-            self.tree.enter(s, self.values, panel);
-            let mut work = Elimination {
-                layout,
-                pivots: &mut part.pivots[s - leaf],
-                triangle,
-                parallel: false,
-                wary: self.scales(s),
-            };
-            work.columns(panel)?;
-            work.rest(panel, next);
-            from_children(passed, front.width, next);
-            if !last && children > 0 {
-                stack.copy_within(top..top + own, top - children);
-            }
-            top = top - children + own;
-        }
-        Ok(())
-    }
-
-    /// Scales of the rows of a front, where pivots are chosen with care.
-    fn scales(&self, f: usize) -> Option<Vec<f64>> {
-        let front = &self.tree.fronts[f];
-        let scale = |place: usize| Some(self.wary?[self.tree.order[place] as usize]);
-        let columns = front.first..front.first + front.width;
-        columns.chain(front.rows.iter().map(|&row| row as usize)).map(scale).collect()
-    }
-
-    /// As [`add`], with the registers of this machine.
-    fn add(
-        &self,
-        child: &Front,
-        from: &[f64],
-        to: (Trapezoid, usize),
-        blocks: &Range<usize>,
-        values: &mut [f64],
-    ) {
-        self.arch.dispatch(|| add(child, from, to, blocks, values));
-    }
-
-    /// The stack of this thread. While it is held no other work is waited for.
-    fn stack(&self) -> MutexGuard<'_, Stack> {
-        let own = rayon::current_thread_index().unwrap_or(0);
-        locked(&self.stacks[own % self.stacks.len()])
-    }
-}
-
-/// Adds what a child passes on to block columns of its parent: of a trapezoid whose first column has the number `offset`
-/// there. `values` are those block columns.
-#[inline(always)]
-fn add(
-    child: &Front,
-    from: &[f64],
-    (to, offset): (Trapezoid, usize),
-    blocks: &Range<usize>,
-    values: &mut [f64],
-) {
-    let source = child.passed();
-    let start = to.start(blocks.start);
-    let first = offset + blocks.start * BLOCK;
-    let end = offset + (blocks.end * BLOCK).min(to.columns);
-    for (k, &[here, there, length]) in child.runs.iter().enumerate() {
-        let (here, there, length) = (here as usize, there as usize, length as usize);
-        for place in there.max(first)..(there + length).min(end) {
-            let column = here + place - there;
-            let source = &from[source.diagonal(column)..];
-            let target = &mut values[to.diagonal(place - offset) - start..];
-            // The rest of this run, then the runs below.
-            let rest = there + length - place;
-            add_run(&mut target[..rest], &source[..rest]);
-            for &[here, there, length] in &child.runs[k + 1..] {
-                let (here, there, length) = (here as usize, there as usize, length as usize);
-                add_run(&mut target[there - place..][..length], &source[here - column..][..length]);
-            }
-        }
-    }
-}
-
-#[inline(always)]
-fn add_run(target: &mut [f64], source: &[f64]) {
-    for (t, s) in target.iter_mut().zip(source) {
-        *t += s;
-    }
 }

@@ -10,6 +10,7 @@ use faer::{Accum, MatMut, MatRef, Par};
 
 use super::assembly_tree::{AssemblyTree, Front};
 use super::elimination::{FrontPivots, PivotedBlocks};
+use super::multifrontal::panel;
 
 /// Work on a subtree: its last front, its columns, its rows.
 type Sweep<S> = fn(&S, usize, &mut [f64], &mut [f64]);
@@ -21,6 +22,8 @@ type Block<'a> = (MatRef<'a, f64>, MatRef<'a, f64>, MatRef<'a, f64>, Option<&'a 
 pub(super) struct Solver<'a> {
     pub tree: &'a AssemblyTree,
     pub factor: &'a [f64],
+    /// Panels of late fronts.
+    pub late: &'a [f64],
     /// Whether the subtree of a front is split between threads.
     pub split: &'a [bool],
     pub pivots: &'a [FrontPivots],
@@ -32,7 +35,8 @@ impl Solver<'_> {
         let front = &self.tree.fronts[f];
         let layout = front.layout();
         let columns = layout.columns_of(block);
-        let values = &self.factor[front.panel..][layout.start(block)..layout.start(block + 1)];
+        let values =
+            &panel(self.factor, self.late, front.panel)[layout.start(block)..layout.start(block + 1)];
         let matrix = MatRef::from_column_major_slice(values, layout.rows - columns.start, columns.len());
         let (first, rest) = matrix.split_at_row(columns.len());
         let (later, below) = rest.split_at_row(front.width - columns.end);

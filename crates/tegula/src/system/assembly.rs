@@ -125,6 +125,7 @@ impl Assembly {
         prescribed: Option<&[Nodal]>,
         out: &mut [Nodal],
     ) {
+        self.values.resize(system.pattern.values(), 0.0);
         // As one piece of work of the thread pool: from outside, each of the many small ones would wait to be taken.
         let work = || {
             system.pattern.begin(parts.mass, &self.numbering, &mut self.values);

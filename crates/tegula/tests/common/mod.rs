@@ -328,7 +328,7 @@ impl TangentSolver for Fresh {
         self.0.add_curvature(assembly, at, rest);
     }
 
-    fn prepare(&mut self, assembly: &Assembly) -> Result<usize, String> {
+    fn prepare(&mut self, assembly: &mut Assembly) -> Result<Option<usize>, String> {
         self.0.prepare(assembly)
     }
 

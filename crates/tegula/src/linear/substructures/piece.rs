@@ -16,7 +16,7 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, MatRef, Par};
 
 use super::super::FactorError;
-use super::super::multifrontal::zeros;
+use super::super::pool::zeros;
 use super::dense::Interface;
 use super::division::tree;
 use super::front::{NotPositive, eliminate};
