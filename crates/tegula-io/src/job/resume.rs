@@ -78,7 +78,6 @@ impl Memory {
             ("v", s.v.as_flattened()),
             ("a", s.a.as_flattened()),
             ("mean a", s.mean_a.as_flattened()),
-            ("stress", &s.stress),
             ("history", &s.history),
             ("scalars", &scalars),
             ("energies", &energies),
@@ -117,7 +116,6 @@ impl Memory {
             if length.is_some_and(|n| n != found.len()) { Err(wrong(name)) } else { Ok(found.to_vec()) }
         };
         let n = system.vectors();
-        let samples = system.groups.iter().map(|g| g.len() * g.stresses_per_element()).sum();
         let history = system.groups.iter().map(|g| g.len() * g.history_per_element()).sum();
         let fixed = |name: &str, length: usize| array(name, Some(length));
         let scalars = fixed("scalars", 6)?;
@@ -154,7 +152,6 @@ impl Memory {
             v: vectors(&fixed("v", 3 * n)?),
             a: vectors(&fixed("a", 3 * n)?),
             mean_a,
-            stress: fixed("stress", samples)?,
             history: fixed("history", history)?,
             next_step: scalars[1],
             last_step: scalars[2],

@@ -28,8 +28,6 @@ pub struct State {
     /// Mean accelerations of the last finished time step of a nonlinear model, from which the next one is predicted;
     /// empty before and for other analyses.
     pub mean_a: Vec<Nodal>,
-    /// Extrapolated stress resultants of the element groups.
-    pub stress: Vec<f64>,
     /// Enhanced parameters and internal variables of the materials.
     pub history: Vec<f64>,
     /// Length of the next time step (load step).
@@ -50,16 +48,8 @@ impl State {
     /// The reference configuration at rest.
     pub fn at_rest(system: &System) -> Self {
         let zero = vec![[0.0; 3]; system.vectors()];
-        let samples = system.groups.iter().map(|g| g.len() * g.stresses_per_element()).sum();
         let history = system.groups.iter().map(|g| g.len() * g.history_per_element()).sum();
-        Self {
-            u: zero.clone(),
-            v: zero.clone(),
-            a: zero,
-            stress: vec![0.0; samples],
-            history: vec![0.0; history],
-            ..Self::default()
-        }
+        Self { u: zero.clone(), v: zero.clone(), a: zero, history: vec![0.0; history], ..Self::default() }
     }
 }
 

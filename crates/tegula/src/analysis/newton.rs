@@ -22,6 +22,7 @@ use crate::{Result, Vec3};
 
 use super::chord::{self, Increment, Increments, LaggedTangent};
 use super::solver::{self, Linearization, TangentSolver};
+use super::statics::state_kinematics;
 use super::{Observer, State};
 
 /// The equation of one step: `rest(q) − force · f_int(q) = 0`.
@@ -221,6 +222,12 @@ impl<S: TangentSolver> Newton<S> {
             self.held = Held::Lagged;
         }
         self.held == Held::Lagged
+    }
+
+    /// Begins anew at a state: memory of its materials, and the stresses that the first tangent takes.
+    pub fn restore(&mut self, system: &System, state: &State) {
+        self.assembly.history.copy_from_slice(&state.history);
+        self.assembly.reset_stress(system, &state_kinematics(system, &state.u, state.time));
     }
 
     /// Gives up the factor at hand, which has failed.

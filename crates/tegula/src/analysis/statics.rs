@@ -144,8 +144,7 @@ fn steps<S: TangentSolver>(
         next_step: 1.0 / f64::from(options.load_steps.max(1)),
         ..State::at_rest(system)
     });
-    newton.assembly.stress.copy_from_slice(&state.stress);
-    newton.assembly.history.copy_from_slice(&state.history);
+    newton.restore(system, &state);
     let tolerances = Tolerances {
         energy: ENERGY_TOLERANCE,
         increment: INCREMENT_TOLERANCE,
@@ -209,7 +208,6 @@ fn steps<S: TangentSolver>(
                 state.dissipated += newton.assembly.commit(system, &k);
                 state.history.copy_from_slice(&newton.assembly.history);
                 newton.assembly.reset_stress(system, &k);
-                state.stress.copy_from_slice(&newton.assembly.stress);
                 statistics.steps = state.step;
                 if state.time >= 1.0 {
                     // What is written at the end needs memory, too.
@@ -252,7 +250,7 @@ fn steps<S: TangentSolver>(
         statistics.cutbacks += 1;
         observer.on_repeat(&statistics);
         observer.on_event(&format!("load factor {target:.6} not reached: {failure}; the step is halved"));
-        newton.assembly.stress.copy_from_slice(&state.stress);
+        newton.restore(system, &state);
         state.next_step = step;
     }
     Ok(StaticOutcome { state, balance, statistics, negative_pivots })

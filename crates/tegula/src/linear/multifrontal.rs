@@ -19,8 +19,8 @@ use super::delayed::GROWTH;
 use super::elimination::FrontPivots;
 use super::numeric::{Entries, Numeric, Part};
 use super::ordering::Quotient;
-use super::pool::{Pool, zeros};
-use super::schedule::{Task, locked, run_all};
+use super::pool::{Pool, Rehearsal, zeros};
+use super::schedule::{Task, locked, rehearse, run_all};
 use super::substitution::Solver;
 use super::triangle::Triangle;
 use super::{FactorError, Inertia};
@@ -124,7 +124,8 @@ impl Multifrontal {
         for task in &mut tasks {
             task.late = late.is_late(task.fronts.start);
         }
-        let stacks = tasks.iter().map(|task| stack_size(&tree, &task.fronts)).collect();
+        let stacks: Vec<usize> = tasks.iter().map(|task| stack_size(&tree, &task.fronts)).collect();
+        let pool = plan(&tree, &tasks, &stacks, threads);
         let triangles = (0..threads).map(|_| Mutex::new(Triangle::new())).collect();
         Ok(Self {
             factor: zeros(others)?,
@@ -139,7 +140,7 @@ impl Multifrontal {
             split,
             stacks,
             triangles,
-            pool: Pool::default(),
+            pool,
         })
     }
 
@@ -305,6 +306,7 @@ impl Multifrontal {
             self.factor = zeros(self.others)?;
         }
         let Self { tree, split, tasks, stacks, triangles, pool, factor, late, pivots, .. } = self;
+        pool.prepare()?;
         let (mut panels, mut left) = (factor.as_mut_slice(), pivots.as_mut_slice());
         // What belongs to a task, one after another. Panels of late ones come when there is memory for them.
         let mut take = |task: &Task| {
@@ -364,7 +366,7 @@ impl Multifrontal {
     /// There is no memory for the sums of the rows.
     pub fn solve(&mut self, right_side: &mut [f64]) -> Result<(), FactorError> {
         let Self { tree, factor, late, split, columns, pool, pivots, .. } = self;
-        let mut rows = pool.take(tree.rows)?;
+        let mut rows = pool.take_alone(tree.rows)?;
         for (x, &old) in columns.iter_mut().zip(&tree.order) {
             *x = right_side[old as usize];
         }
@@ -413,6 +415,28 @@ pub(super) fn panel<'a>(factor: &'a [f64], late: &'a [f64], first: usize) -> &'a
 /// Entries of the panels of a task.
 fn panel_sizes(tree: &AssemblyTree, task: &Task) -> usize {
     task.fronts.clone().map(|f| tree.fronts[f].layout().size()).sum()
+}
+
+/// The memory that a factorisation will want for what waits, all of it taken beforehand: pieces that come and go leave gaps.
+fn plan(tree: &AssemblyTree, tasks: &[Task], stacks: &[usize], threads: usize) -> Pool {
+    let mut rehearsal = Rehearsal::default();
+    let passed = |t: usize| tree.fronts[tasks[t].fronts.end - 1].passed().size();
+    let work = |task: &Task| {
+        let last = task.fronts.end - 1;
+        let below = task.children.iter().map(|&c| tree.fronts[tasks[c as usize].fronts.end - 1].work);
+        tree.fronts[last].work - below.sum::<f64>()
+    };
+    let mut lent = vec![(0, 0); tasks.len()];
+    rehearse(tasks, threads, work, |t, begins| {
+        if begins {
+            lent[t].0 = rehearsal.take(stacks[t]);
+        } else {
+            lent[t].1 = rehearsal.take(passed(t));
+            rehearsal.put(lent[t].0);
+            tasks[t].children.iter().for_each(|&c| rehearsal.put(lent[c as usize].1));
+        }
+    });
+    Pool::rehearsed(rehearsal)
 }
 
 /// What waits at most in a subtree that one thread works off, together with what the front at work makes.

@@ -53,6 +53,39 @@ impl Task {
     }
 }
 
+/// Calls `event` with the number of each task, when it begins (`true`) and when it is done, as threads would take the tasks
+/// up if each took as long as it has `work`.
+pub(super) fn rehearse(
+    tasks: &[Task],
+    threads: usize,
+    work: impl Fn(&Task) -> f64,
+    mut event: impl FnMut(usize, bool),
+) {
+    let mut missing: Vec<usize> = tasks.iter().map(|t| t.children.len()).collect();
+    let mut ready: BinaryHeap<_> = (0..tasks.len()).filter(|&t| missing[t] == 0).map(Reverse).collect();
+    // Tasks at work, and when they are done.
+    let mut busy: Vec<(f64, usize)> = Vec::new();
+    let mut now = 0.0;
+    loop {
+        while busy.len() < threads
+            && let Some(Reverse(t)) = ready.pop()
+        {
+            event(t, true);
+            busy.push((now + work(&tasks[t]), t));
+        }
+        let Some(first) = (0..busy.len()).min_by(|&a, &b| busy[a].0.total_cmp(&busy[b].0)) else { return };
+        let (end, t) = busy.swap_remove(first);
+        now = end;
+        event(t, false);
+        if let Some(parent) = tasks[t].parent {
+            missing[parent as usize] -= 1;
+            if missing[parent as usize] == 0 {
+                ready.push(Reverse(parent as usize));
+            }
+        }
+    }
+}
+
 /// Holds what a mutex holds, also after a panic elsewhere.
 pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)

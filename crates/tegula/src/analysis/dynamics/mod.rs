@@ -103,8 +103,7 @@ pub fn run(
         }
     };
     statistics.steps = state.step;
-    newton.assembly.stress.copy_from_slice(&state.stress);
-    newton.assembly.history.copy_from_slice(&state.history);
+    newton.restore(system, &state);
     let control = StepControl::new(options);
     if fresh {
         state.next_step = control.first(system, &state);
@@ -159,7 +158,7 @@ pub fn run(
                 state.time
             ));
             newton.forget(&mut state);
-            newton.assembly.stress.copy_from_slice(&state.stress);
+            newton.restore(system, &state);
             own_tangents = true;
             continue;
         }
@@ -198,7 +197,6 @@ pub fn run(
                     state.dissipated += newton.assembly.commit(system, &k);
                     state.history.copy_from_slice(&newton.assembly.history);
                     newton.assembly.reset_stress(system, &k);
-                    state.stress.copy_from_slice(&newton.assembly.stress);
                     balance = self::balance(system, &mut newton.assembly, &state);
                     state.energy_scale = state.energy_scale.max(balance.kinetic).max(balance.strain);
                     statistics.steps = state.step;
@@ -245,7 +243,7 @@ pub fn run(
             "time {:.6e}: a step of {dt:.3e} is repeated with {:.3e}: {failure}",
             state.time, state.next_step
         ));
-        newton.assembly.stress.copy_from_slice(&state.stress);
+        newton.restore(system, &state);
     }
     Ok(TransientOutcome { state, balance, statistics })
 }
@@ -274,7 +272,6 @@ fn advice(system: &System, options: &TransientAnalysis, inaccurate: bool) -> Str
 fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
     let n = system.vectors();
     let (mut state, rest) = start(system, &mut newton.assembly);
-    newton.assembly.reset_stress(system, &state_with_rates(system, &state));
     let mut mass = vec![0.0; system.pattern.values()];
     newton.assembly.mass_values(system, &mut mass);
     let inertia = newton.solver.factor(&mass);
@@ -294,7 +291,6 @@ fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
             s[i] += a[i];
         }
     }
-    state.stress.copy_from_slice(&newton.assembly.stress);
     state.energy_scale = system.kinetic_energy(&state.v);
     Ok(state)
 }
