@@ -39,8 +39,8 @@ const SLOWEST: f64 = 0.5;
 /// found. A larger one is the mark of a tangent that has changed much.
 const MOST_AFTER_FRESH: f64 = 0.1;
 /// Energy of the increments since a tangent, over the model's energy, below which its pivots tell the stability of an
-/// equilibrium: a thousandth in the norm of energy.
-const SAME_EQUILIBRIUM: f64 = 1e-6;
+/// equilibrium: three thousandths in the norm of energy.
+const SAME_EQUILIBRIUM: f64 = 1e-5;
 
 /// What an old factor may leave over of the tolerance of energy, in time steps or in statics.
 pub fn rest(in_time: bool) -> f64 {
