@@ -1,6 +1,7 @@
 //! Linear solvers for the symmetric tangent.
 
 mod assembly_tree;
+mod block_column;
 mod cholesky;
 mod delayed;
 mod drafts;

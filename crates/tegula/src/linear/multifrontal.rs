@@ -370,7 +370,9 @@ impl Multifrontal {
         for (x, &old) in columns.iter_mut().zip(&tree.order) {
             *x = right_side[old as usize];
         }
-        Solver { tree, factor, late: &late.panels, split, pivots }.solve(columns, &mut rows[..tree.rows]);
+        let arch = Arch::new();
+        Solver { tree, factor, late: &late.panels, split, pivots, arch }
+            .solve(columns, &mut rows[..tree.rows]);
         for (x, &old) in columns.iter().zip(&tree.order) {
             right_side[old as usize] = *x;
         }

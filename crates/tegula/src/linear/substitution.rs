@@ -1,22 +1,14 @@
 //! Solution with a multifrontal factor: forward through the tree, backward again, independent subtrees in parallel.
 
-use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::{
-    solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place,
-    solve_unit_upper_triangular_in_place, solve_upper_triangular_in_place,
-};
-use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{Accum, MatMut, MatRef, Par};
+use pulp::Arch;
 
 use super::assembly_tree::{AssemblyTree, Front};
+use super::block_column::{Backward, BlockColumn, Forward};
 use super::elimination::{FrontPivots, PivotedBlocks};
 use super::multifrontal::panel;
 
 /// Work on a subtree: its last front, its columns, its rows.
 type Sweep<S> = fn(&S, usize, &mut [f64], &mut [f64]);
-
-/// Parts of a block column, and what it is pivoted with.
-type Block<'a> = (MatRef<'a, f64>, MatRef<'a, f64>, MatRef<'a, f64>, Option<&'a PivotedBlocks>);
 
 /// What the solution with the factor needs.
 pub(super) struct Solver<'a> {
@@ -27,20 +19,18 @@ pub(super) struct Solver<'a> {
     /// Whether the subtree of a front is split between threads.
     pub split: &'a [bool],
     pub pivots: &'a [FrontPivots],
+    pub arch: Arch,
 }
 
 impl Solver<'_> {
-    /// Block on the diagonal, rows below it that are columns of the front, rows that it passes on, and pivots.
-    fn block(&self, f: usize, block: usize) -> Block<'_> {
+    /// A block column, and what it is pivoted with.
+    fn block(&self, f: usize, block: usize) -> (BlockColumn<'_>, Option<&PivotedBlocks>) {
         let front = &self.tree.fronts[f];
         let layout = front.layout();
-        let columns = layout.columns_of(block);
         let values =
             &panel(self.factor, self.late, front.panel)[layout.start(block)..layout.start(block + 1)];
-        let matrix = MatRef::from_column_major_slice(values, layout.rows - columns.start, columns.len());
-        let (first, rest) = matrix.split_at_row(columns.len());
-        let (later, below) = rest.split_at_row(front.width - columns.end);
-        (first, later, below, self.pivots[f].of(block))
+        let pivots = self.pivots[f].of(block);
+        (BlockColumn { values, width: layout.columns_of(block).len(), unit: pivots.is_some() }, pivots)
     }
 
     /// `L Lᵀ x = b` in place of `x`, by columns in the order of the elimination. `y` is memory for all rows.
@@ -115,27 +105,14 @@ impl Solver<'_> {
         let front = &self.tree.fronts[f];
         let layout = front.layout();
         for block in 0..layout.blocks() {
-            let (first, later, rows, pivots) = self.block(f, block);
-            let columns = layout.columns_of(block);
+            let (values, pivots) = self.block(f, block);
             if let Some(p) = pivots
                 && p.blocks.start == block
             {
                 p.pivots.permute(&mut x[p.columns(front.width)]);
             }
-            let (done, rest) = x.split_at_mut(columns.end);
-            let own = &mut done[columns.start..];
-            let mut own = column_mut(own);
-            match pivots {
-                None => solve_lower_triangular_in_place(first, own.rb_mut(), Par::Seq),
-                Some(_) => solve_unit_lower_triangular_in_place(first, own.rb_mut(), Par::Seq),
-            }
-            let own = own.rb();
-            if !rest.is_empty() {
-                matmul(column_mut(rest), Accum::Add, later, own, -1.0, Par::Seq);
-            }
-            if !y.is_empty() {
-                matmul(column_mut(y), Accum::Add, rows, own, -1.0, Par::Seq);
-            }
+            let x = &mut x[layout.columns_of(block).start..];
+            self.arch.dispatch(Forward { block: values, x, y });
         }
     }
 
@@ -221,26 +198,14 @@ impl Solver<'_> {
         let front = &self.tree.fronts[f];
         let layout = front.layout();
         for block in (0..layout.blocks()).rev() {
-            let (first, later, rows, pivots) = self.block(f, block);
-            let columns = layout.columns_of(block);
+            let (values, pivots) = self.block(f, block);
             if let Some(p) = pivots
                 && p.blocks.end == block + 1
             {
                 p.pivots.divide(&mut x[p.columns(front.width)]);
             }
-            let (done, rest) = x.split_at_mut(columns.end);
-            let own = &mut done[columns.start..];
-            let mut matrix = column_mut(own);
-            if !rest.is_empty() {
-                matmul(matrix.rb_mut(), Accum::Add, later.transpose(), column(rest), -1.0, Par::Seq);
-            }
-            if !y.is_empty() {
-                matmul(matrix.rb_mut(), Accum::Add, rows.transpose(), column(y), -1.0, Par::Seq);
-            }
-            match pivots {
-                None => solve_upper_triangular_in_place(first.transpose(), matrix, Par::Seq),
-                Some(_) => solve_unit_upper_triangular_in_place(first.transpose(), matrix, Par::Seq),
-            }
+            let below = &mut x[layout.columns_of(block).start..];
+            self.arch.dispatch(Backward { block: values, x: below, y });
             if let Some(p) = pivots
                 && p.blocks.start == block
             {
@@ -276,13 +241,4 @@ fn place<'a>(front: &Front, x: &'a mut [f64], y: &'a mut [f64], at: usize, lengt
     } else {
         &mut y[at - front.width..at - front.width + length]
     }
-}
-
-fn column(x: &[f64]) -> MatRef<'_, f64> {
-    MatRef::from_column_major_slice(x, x.len(), 1)
-}
-
-fn column_mut(x: &mut [f64]) -> MatMut<'_, f64> {
-    let n = x.len();
-    MatMut::from_column_major_slice_mut(x, n, 1)
 }
