@@ -5,6 +5,7 @@
 
 use super::FactorError;
 use super::drafts::{Draft, fundamental_fronts, join, sort_for_little_memory};
+use super::entries::{EntryRuns, Numbering};
 use super::ordering::Quotient;
 use super::trapezoid::Trapezoid;
 
@@ -28,8 +29,6 @@ pub(super) struct Front {
     pub panel: usize,
     /// Where its rows begin in vectors of all rows.
     pub row_start: usize,
-    /// First of its runs of entries of the matrix.
-    pub entries: usize,
     /// Operations of its subtree.
     pub work: f64,
 }
@@ -51,47 +50,6 @@ impl Front {
     }
 }
 
-/// Entries that follow one another in the matrix and stand at equal distances in a panel.
-#[derive(Debug, Clone, Copy)]
-struct EntryRun {
-    /// Number of the first value.
-    value: u32,
-    /// Its place in the panel.
-    at: u32,
-    /// Distance of the places, times 256, plus the number of entries.
-    step_and_length: u32,
-}
-
-impl EntryRun {
-    fn length(self) -> u32 {
-        self.step_and_length & 255
-    }
-
-    /// Adds its entries, the first of these values, to a panel.
-    #[inline]
-    fn add(self, values: &[f64], panel: &mut [f64]) {
-        let (step, mut at) = ((self.step_and_length >> 8) as usize, self.at as usize);
-        for value in &values[..self.length() as usize] {
-            panel[at] += value;
-            at += step;
-        }
-    }
-
-    /// Whether the entry with the next value belongs to the run, which then holds it.
-    fn take(&mut self, at: u32) -> bool {
-        let length = self.length();
-        let step = if length == 1 { at.wrapping_sub(self.at) } else { self.step_and_length >> 8 };
-        let fits = length < 255
-            && step < 1 << 24
-            && at == self.at.wrapping_add(step.wrapping_mul(length))
-            && at > self.at;
-        if fits {
-            self.step_and_length = (step << 8) | (length + 1);
-        }
-        fits
-    }
-}
-
 /// Fronts in the order of elimination, and where the entries of the matrix go.
 #[derive(Debug, Default)]
 pub(super) struct AssemblyTree {
@@ -101,7 +59,7 @@ pub(super) struct AssemblyTree {
     /// Unknown eliminated at each place.
     pub order: Vec<u32>,
     /// Entries of the matrix by front.
-    entries: Vec<EntryRun>,
+    pub entries: EntryRuns,
     /// Entries of the factor.
     pub size: usize,
     /// Rows of all fronts together.
@@ -134,39 +92,6 @@ impl AssemblyTree {
         self.children[f].iter().map(|&c| self.fronts[c as usize].passed().size()).sum()
     }
 
-    /// Runs of entries of the matrix in a front.
-    fn runs_of(&self, f: usize) -> &[EntryRun] {
-        let end = self.fronts.get(f + 1).map_or(self.entries.len(), |next| next.entries);
-        &self.entries[self.fronts[f].entries..end]
-    }
-
-    /// Adds the entries of the matrix to the panel of a front.
-    pub fn enter(&self, f: usize, values: &[f64], panel: &mut [f64]) {
-        for run in self.runs_of(f) {
-            run.add(&values[run.value as usize..], panel);
-        }
-    }
-
-    /// Number of entries of the matrix in a front.
-    pub fn number_of_entries(&self, f: usize) -> usize {
-        self.runs_of(f).iter().map(|run| run.length() as usize).sum()
-    }
-
-    /// Collects the entries of the matrix in a front.
-    pub fn collect_entries(&self, f: usize, values: &[f64], out: &mut Vec<f64>) {
-        for run in self.runs_of(f) {
-            out.extend_from_slice(&values[run.value as usize..][..run.length() as usize]);
-        }
-    }
-
-    /// As [`enter`](Self::enter), with what was collected.
-    pub fn enter_collected(&self, f: usize, mut collected: &[f64], panel: &mut [f64]) {
-        for run in self.runs_of(f) {
-            run.add(collected, panel);
-            collected = &collected[run.length() as usize..];
-        }
-    }
-
     /// Gives the panels of the fronts their places in the factor: those of late fronts come behind the others. Returns the
     /// number of entries of the others.
     pub fn place_panels(&mut self, late: &[bool]) -> usize {
@@ -186,18 +111,15 @@ impl AssemblyTree {
     pub fn each_entry(&self, mut f: impl FnMut(usize, usize, usize)) {
         for (number, front) in self.fronts.iter().enumerate() {
             let layout = front.layout();
-            for run in self.runs_of(number) {
-                for k in 0..run.length() {
-                    let at = run.at + k * (run.step_and_length >> 8);
-                    let (row, column) = layout.place(at as usize);
-                    let unknown = |local: usize| {
-                        let below = local.checked_sub(front.width);
-                        let place = below.map_or(front.first + local, |b| front.rows[b] as usize);
-                        self.order[place] as usize
-                    };
-                    f((run.value + k) as usize, unknown(row), unknown(column));
-                }
-            }
+            let unknown = |local: usize| {
+                let below = local.checked_sub(front.width);
+                let place = below.map_or(front.first + local, |b| front.rows[b] as usize);
+                self.order[place] as usize
+            };
+            self.entries.each(number, |value, at| {
+                let (row, column) = layout.place(at);
+                f(value, unknown(row), unknown(column));
+            });
         }
     }
 
@@ -263,83 +185,10 @@ impl AssemblyTree {
                 .ok_or(FactorError::TooLarge)?;
             tree.rows += front.rows.len();
         }
-        tree.place_entries(&place, &front_of, pointers, rows)?;
+        let numbering =
+            Numbering { fronts: &tree.fronts, place: &place, front_of: &front_of, pointers, rows };
+        tree.entries = EntryRuns::new(&numbering)?;
         Ok(tree)
-    }
-
-    /// Where each entry of the matrix goes.
-    fn place_entries(
-        &mut self,
-        place: &[u32],
-        front_of: &[u32],
-        pointers: &[usize],
-        rows: &[u32],
-    ) -> Result<(), FactorError> {
-        let mut count = vec![0_usize; self.fronts.len() + 1];
-        self.each_run(place, front_of, pointers, rows, |f, _| count[f + 1] += 1)?;
-        for f in 0..self.fronts.len() {
-            count[f + 1] += count[f];
-        }
-        let none = EntryRun { value: 0, at: 0, step_and_length: 0 };
-        let mut entries = vec![none; count[self.fronts.len()]];
-        let mut next = count.clone();
-        self.each_run(place, front_of, pointers, rows, |f, run| {
-            entries[next[f]] = run;
-            next[f] += 1;
-        })?;
-        self.entries = entries;
-        for (front, first) in self.fronts.iter_mut().zip(count) {
-            front.entries = first;
-        }
-        Ok(())
-    }
-
-    /// Calls `take` with the front of each run of entries.
-    fn each_run(
-        &self,
-        place: &[u32],
-        front_of: &[u32],
-        pointers: &[usize],
-        rows: &[u32],
-        mut take: impl FnMut(usize, EntryRun),
-    ) -> Result<(), FactorError> {
-        for j in 0..place.len() {
-            let mut run: Option<(usize, EntryRun)> = None;
-            let mut below = 0;
-            for k in pointers[j]..pointers[j + 1] {
-                let (a, b) = (place[rows[k] as usize], place[j]);
-                let (column, row) = (a.min(b) as usize, a.max(b));
-                let f = front_of[column] as usize;
-                let front = &self.fronts[f];
-                let column = column - front.first;
-                let local = if (row as usize) < front.first + front.width {
-                    row as usize - front.first
-                } else {
-                    // Mostly the one after the last.
-                    if front.rows.get(below) != Some(&row) {
-                        below = front.rows.binary_search(&row).map_err(|_| FactorError::TooLarge)?;
-                    }
-                    below += 1;
-                    front.width + below - 1
-                };
-                let at = u32::try_from(front.layout().diagonal(column) + local - column)
-                    .map_err(|_| FactorError::TooLarge)?;
-                if let Some((of, run)) = &mut run
-                    && *of == f
-                    && run.take(at)
-                {
-                    continue;
-                }
-                let value = u32::try_from(k).map_err(|_| FactorError::TooLarge)?;
-                if let Some((f, done)) = run.replace((f, EntryRun { value, at, step_and_length: 1 })) {
-                    take(f, done);
-                }
-            }
-            if let Some((f, done)) = run {
-                take(f, done);
-            }
-        }
-        Ok(())
     }
 }
 

@@ -6,6 +6,7 @@ mod cholesky;
 mod delayed;
 mod drafts;
 mod elimination;
+mod entries;
 pub mod lanczos;
 mod multifrontal;
 mod numeric;

@@ -342,7 +342,7 @@ impl Multifrontal {
             run_all(tasks, false, triangles.len(), |t| run(&numeric, t))?;
             late.entries.clear();
             for &(f, _) in &late.fronts {
-                tree.collect_entries(f, values.all(), &mut late.entries);
+                tree.entries.collect(f, values.all(), &mut late.entries);
             }
             if let Values::Given(values) = values {
                 late.panels = values;
@@ -399,7 +399,7 @@ impl Late {
         let (mut fronts, mut first) = (Vec::new(), 0);
         for f in (0..late.len()).filter(|&f| late[f]) {
             fronts.push((f, first));
-            first += tree.number_of_entries(f);
+            first += tree.entries.number(f);
         }
         Ok((Self { fronts, entries: Vec::with_capacity(first), panels: Vec::new(), size }, others))
     }

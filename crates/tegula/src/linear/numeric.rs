@@ -146,10 +146,10 @@ impl Numeric<'_> {
     /// Adds the entries of the matrix to the panel of a front.
     fn enter(&self, f: usize, panel: &mut [f64]) {
         match self.entries {
-            Entries::All(values) => self.tree.enter(f, values, panel),
+            Entries::All(values) => self.tree.entries.enter(f, values, panel),
             Entries::Collected(fronts, values) => {
                 let first = fronts[fronts.partition_point(|(front, _)| *front < f)].1;
-                self.tree.enter_collected(f, &values[first..], panel);
+                self.tree.entries.enter_collected(f, &values[first..], panel);
             }
         }
     }
