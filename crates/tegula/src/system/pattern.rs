@@ -184,7 +184,7 @@ impl Pattern {
         self.column_start[column] as usize..self.column_start[column + 1] as usize
     }
 
-    /// The block column with a block that is not in one before the column `from`.
+    /// The block column of a block that lies in the column `from` or behind it: mostly there.
     #[inline]
     fn column_of(&self, block: usize, from: usize) -> usize {
         if block < self.column_start[from + 1] as usize {

@@ -102,7 +102,7 @@ impl PatternBuilder {
         keys.extend(self.masses.iter().map(|m| m.0));
         keys.par_sort_unstable();
         keys.dedup();
-        if keys.len() >= if self.tangent { MOST_BLOCKS } else { u32::MAX as usize } {
+        if keys.len() > if self.tangent { MOST_BLOCKS } else { u32::MAX as usize } {
             return Err(Error::model(
                 "mesh",
                 "the elements couple over a thousand million pairs of nodal vectors",
