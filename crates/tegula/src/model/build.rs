@@ -167,7 +167,7 @@ fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
             builder.mass(a, b, m);
         }
     }
-    let pattern = builder.build(vectors.reference.len(), &numbering);
+    let pattern = builder.build(vectors.reference.len(), &numbering)?;
 
     let linear = match &model.analysis {
         Analysis::Static(s) => s.linear,

@@ -1,0 +1,214 @@
+//! Makes the sparsity pattern from the nodal vectors that elements couple.
+
+use rayon::prelude::*;
+
+use super::{PORTION, Pattern, Portion, Source, Target, Task, rows_below};
+use crate::system::numbering::{CONSTRAINED, Numbering};
+use crate::{Error, Result};
+
+/// Blocks of a task: it ends with the block column in which it reaches as many.
+const GRAIN: usize = 512;
+/// Most blocks of a tangent: their numbers share 32 bits with two flags.
+const MOST_BLOCKS: usize = 1 << 30;
+
+/// Adds up the pattern from elements.
+#[derive(Debug, Default)]
+pub struct PatternBuilder {
+    /// Finished portions without their targets, and the blocks that are to be those.
+    portions: Vec<(Portion, Vec<u64>)>,
+    /// Block and source, of the last portion.
+    entries: Vec<(u64, u32)>,
+    /// Masses that are not zero.
+    masses: Vec<(u64, f64)>,
+    /// Elements and blocks in the last portion.
+    elements: usize,
+    blocks: u32,
+    /// Whether the tangent is wanted, not only the mass.
+    tangent: bool,
+}
+
+fn key(a: u32, b: u32) -> u64 {
+    (u64::from(a.min(b)) << 32) | u64::from(a.max(b))
+}
+
+impl PatternBuilder {
+    /// For the tangent and the mass, or for the mass alone.
+    pub fn new(tangent: bool) -> Self {
+        Self { tangent, ..Self::default() }
+    }
+
+    /// The elements that come next are not of the same portion as those before.
+    pub fn end_portion(&mut self) {
+        (self.elements, self.blocks) = (0, 0);
+        if self.entries.is_empty() {
+            return;
+        }
+        // Stable order of contributions: by block, then by element.
+        self.entries.sort_unstable();
+        let mut keys: Vec<u64> = self.entries.iter().map(|e| e.0).collect();
+        keys.dedup();
+        keys.shrink_to_fit();
+        let ends = self.entries.iter().skip(1).map(|e| Some(e.0)).chain([None]);
+        let sources = self.entries.iter().zip(ends).map(|(&(key, source), next)| {
+            Source(if next == Some(key) { source } else { source | Source::LAST })
+        });
+        self.portions.push((Portion { sources: sources.collect(), ..Portion::default() }, keys));
+        self.entries.clear();
+    }
+
+    /// Adds an element whose lower blocks come next in the buffer.
+    pub fn element(&mut self, vectors: &[u32], mass: &[f64]) {
+        if self.elements == PORTION {
+            self.end_portion();
+        }
+        let mut pair = 0;
+        for (a, &va) in vectors.iter().enumerate() {
+            for &vb in &vectors[..=a] {
+                if self.tangent {
+                    let transposed = if va < vb { Source::TRANSPOSED } else { 0 };
+                    self.entries.push((key(va, vb), self.blocks << 2 | transposed));
+                }
+                if let Some(&m) = mass.get(pair)
+                    && m != 0.0
+                {
+                    self.masses.push((key(va, vb), m));
+                }
+                self.blocks += 1;
+                pair += 1;
+            }
+        }
+        self.elements += 1;
+    }
+
+    /// Adds mass of a pair of vectors.
+    pub fn mass(&mut self, a: u32, b: u32, mass: f64) {
+        if mass != 0.0 {
+            self.masses.push((key(a, b), mass));
+        }
+    }
+
+    /// The pattern of the free coordinates.
+    ///
+    /// # Errors
+    /// The elements couple more pairs of nodal vectors than can be numbered.
+    pub fn build(mut self, vectors: usize, numbering: &Numbering) -> Result<Pattern> {
+        self.end_portion();
+        self.entries = Vec::new();
+        self.masses.sort_by_key(|m| m.0);
+        let mut keys: Vec<u64> = (0..vectors as u32).map(|v| key(v, v)).collect();
+        for (_, of_portion) in &self.portions {
+            keys.extend(of_portion);
+        }
+        keys.extend(self.masses.iter().map(|m| m.0));
+        keys.par_sort_unstable();
+        keys.dedup();
+        if keys.len() > if self.tangent { MOST_BLOCKS } else { u32::MAX as usize } {
+            return Err(Error::model(
+                "mesh",
+                "the elements couple over a thousand million pairs of nodal vectors",
+                "use fewer elements, or in statics `linear_solver = \"iterative\"`",
+            ));
+        }
+
+        let mut column_start = vec![0; vectors + 1];
+        let mut row = Vec::with_capacity(keys.len());
+        // Statics without gravity needs no density: then nothing is kept.
+        let mut mass = if self.masses.is_empty() { Vec::new() } else { vec![0.0; keys.len()] };
+        let mut m = 0;
+        for (block, &k) in keys.iter().enumerate() {
+            column_start[(k >> 32) as usize + 1] = block as u32 + 1;
+            row.push(k as u32);
+            while m < self.masses.len() && self.masses[m].0 == k {
+                mass[block] += self.masses[m].1;
+                m += 1;
+            }
+        }
+        let mut tail = Vec::new();
+        let mut tail_start = Vec::with_capacity(vectors + 1);
+        let mut column_pointers = Vec::new();
+        let mut value_start = Vec::with_capacity(vectors);
+        column_pointers.reserve_exact(if self.tangent { numbering.unknowns + 1 } else { 1 });
+        column_pointers.push(0);
+        let mut values = 0;
+        for j in (0..vectors).filter(|_| self.tangent) {
+            value_start.push(values);
+            tail_start.push(tail.len() as u32);
+            let rows = &row[column_start[j] as usize..column_start[j + 1] as usize];
+            let free =
+                |i: u32| numbering.of(i as usize).into_iter().filter(|&r| r != CONSTRAINED).count() as u32;
+            if rows.iter().any(|&i| free(i) < 3) {
+                let mut below: u32 = rows.iter().map(|&i| free(i)).sum();
+                for &i in rows {
+                    tail.push(below);
+                    below -= free(i);
+                }
+            }
+            for number in numbering.of(j).into_iter().filter(|&n| n != CONSTRAINED) {
+                values += rows_below(rows, numbering, number).count();
+                column_pointers.push(values);
+            }
+        }
+        tail_start.push(tail.len() as u32);
+        tail.shrink_to_fit();
+
+        let mut met = vec![false; keys.len()];
+        let mut portions = Vec::with_capacity(self.portions.len());
+        for (mut portion, of_portion) in self.portions {
+            portion.aim(&of_portion, (&keys, &column_start, numbering), &mut met);
+            portion.divide(&of_portion, &value_start);
+            portions.push(portion);
+        }
+        let mut alone: Vec<u32> = (0..keys.len() as u32).filter(|&b| !met[b as usize]).collect();
+        alone.shrink_to_fit();
+        Ok(Pattern {
+            column_start,
+            row,
+            tail_start,
+            tail,
+            mass,
+            alone,
+            portions,
+            column_pointers: column_pointers.into(),
+        })
+    }
+}
+
+impl Portion {
+    /// Finds the targets; `met` tells which blocks of the matrix have appeared already.
+    fn aim(
+        &mut self,
+        wanted: &[u64],
+        (keys, column_start, numbering): (&[u64], &[u32], &Numbering),
+        met: &mut [bool],
+    ) {
+        self.targets = wanted
+            .iter()
+            .map(|&key| {
+                let column = (key >> 32) as u32;
+                let start = column_start[column as usize] as usize;
+                let end = column_start[column as usize + 1] as usize;
+                let block = start + keys[start..end].partition_point(|&k| k < key);
+                let first = !std::mem::replace(&mut met[block], true);
+                let (i, j) = (key as u32 as usize, column as usize);
+                Target::new(block, first, numbering.is_plain(i) && numbering.is_plain(j))
+            })
+            .collect();
+    }
+
+    /// Divides the targets, whose keys these are, into tasks.
+    fn divide(&mut self, keys: &[u64], value_start: &[usize]) {
+        let mut ends = self.sources.iter().enumerate().filter(|(_, s)| s.0 & Source::LAST != 0);
+        let (mut source, mut last) = (0, None);
+        for (target, key) in keys.iter().enumerate() {
+            let column = (key >> 32) as u32;
+            let full = self.tasks.last().is_none_or(|t| target - t.target as usize >= GRAIN);
+            if full && last != Some(column) {
+                let value = value_start[column as usize];
+                self.tasks.push(Task { target: target as u32, source, column, value });
+            }
+            last = Some(column);
+            source = ends.next().map_or(source, |(at, _)| at as u32 + 1);
+        }
+        self.tasks.shrink_to_fit();
+    }
+}
