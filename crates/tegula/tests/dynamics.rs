@@ -315,12 +315,12 @@ fn pendulum_statistics() {
         lines.push(format!("automatic {:?}", outcome.statistics));
     }
     insta::assert_snapshot!(lines.join("\n"), @r"
-    Statistics { steps: 30, iterations: 134, factorizations: 61, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
-    automatic Statistics { steps: 19, iterations: 91, factorizations: 51, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
-    Statistics { steps: 30, iterations: 125, factorizations: 56, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
-    automatic Statistics { steps: 20, iterations: 94, factorizations: 47, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
-    Statistics { steps: 30, iterations: 204, factorizations: 120, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
-    automatic Statistics { steps: 18, iterations: 143, factorizations: 88, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
+    Statistics { steps: 30, iterations: 137, factorizations: 64, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
+    automatic Statistics { steps: 19, iterations: 95, factorizations: 51, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
+    Statistics { steps: 30, iterations: 128, factorizations: 57, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
+    automatic Statistics { steps: 20, iterations: 100, factorizations: 48, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
+    Statistics { steps: 30, iterations: 205, factorizations: 120, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
+    automatic Statistics { steps: 18, iterations: 145, factorizations: 87, cutbacks: 0, linear_iterations: 0, critical_step: 0.0, energy_error: 0.0 }
     ");
 }
 

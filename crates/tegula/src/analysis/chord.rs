@@ -252,7 +252,7 @@ mod tests {
     #[test]
     fn in_statics_only_the_last_increments_are_made_with_an_old_factor() {
         assert!(!increments(&[(1e-2, true)]).old_factor_serves(false, 1e9, 20));
-        assert!(!increments(&[(1.0, true), (1e-5, true)]).old_factor_serves(false, 1e9, 20));
+        assert!(!increments(&[(1.0, true), (1e-4, true)]).old_factor_serves(false, 1e9, 20));
         assert!(increments(&[(1e-2, true), (1e-7, true)]).old_factor_serves(false, 20.0, 20));
     }
 
