@@ -224,10 +224,15 @@ impl<S: TangentSolver> Newton<S> {
         self.held == Held::Lagged
     }
 
-    /// Begins anew at a state: memory of its materials, and the stresses that the first tangent takes.
-    pub fn restore(&mut self, system: &System, state: &State) {
+    /// Begins anew at a state: memory of its materials, and the stresses that the first tangent takes. A state that is no
+    /// equilibrium, as the first of an analysis may be, takes none.
+    pub fn restore(&mut self, system: &System, state: &State, equilibrium: bool) {
         self.assembly.history.copy_from_slice(&state.history);
-        self.assembly.reset_stress(system, &state_kinematics(system, &state.u, state.time));
+        if equilibrium {
+            self.assembly.reset_stress(system, &state_kinematics(system, &state.u, state.time));
+        } else {
+            self.assembly.stress.fill(0.0);
+        }
     }
 
     /// Gives up the factor at hand, which has failed.

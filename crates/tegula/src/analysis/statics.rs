@@ -144,7 +144,7 @@ fn steps<S: TangentSolver>(
         next_step: 1.0 / f64::from(options.load_steps.max(1)),
         ..State::at_rest(system)
     });
-    newton.restore(system, &state);
+    newton.restore(system, &state, state.step > 0);
     let tolerances = Tolerances {
         energy: ENERGY_TOLERANCE,
         increment: INCREMENT_TOLERANCE,
@@ -250,7 +250,7 @@ fn steps<S: TangentSolver>(
         statistics.cutbacks += 1;
         observer.on_repeat(&statistics);
         observer.on_event(&format!("load factor {target:.6} not reached: {failure}; the step is halved"));
-        newton.restore(system, &state);
+        newton.restore(system, &state, state.step > 0);
         state.next_step = step;
     }
     Ok(StaticOutcome { state, balance, statistics, negative_pivots })

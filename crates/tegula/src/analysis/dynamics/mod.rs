@@ -103,7 +103,7 @@ pub fn run(
         }
     };
     statistics.steps = state.step;
-    newton.restore(system, &state);
+    newton.restore(system, &state, true);
     let control = StepControl::new(options);
     if fresh {
         state.next_step = control.first(system, &state);
@@ -158,7 +158,7 @@ pub fn run(
                 state.time
             ));
             newton.forget(&mut state);
-            newton.restore(system, &state);
+            newton.restore(system, &state, true);
             own_tangents = true;
             continue;
         }
@@ -243,7 +243,7 @@ pub fn run(
             "time {:.6e}: a step of {dt:.3e} is repeated with {:.3e}: {failure}",
             state.time, state.next_step
         ));
-        newton.restore(system, &state);
+        newton.restore(system, &state, true);
     }
     Ok(TransientOutcome { state, balance, statistics })
 }
