@@ -441,6 +441,23 @@ fn redundant_constraints_are_singular() {
     assert_eq!(m.solve().err(), Some(FactorError::Singular));
 }
 
+/// An unknown that nothing holds is not carried up the whole tree.
+#[test]
+fn empty_rows_are_refused_at_once() {
+    let mut m = grid(60, 60, 3, 1e-2);
+    let empty = 5000;
+    for j in 0..=empty {
+        for k in m.pointers[j]..m.pointers[j + 1] {
+            if j == empty || m.rows[k] as usize == empty {
+                m.values[k] = 0.0;
+            }
+        }
+    }
+    let mut factor = SparseCholesky::new(&m.pattern()).unwrap();
+    assert_eq!(factor.factor(&m.values), Err(FactorError::Singular));
+    assert!(factor.factorizations() <= 2, "{}", factor.factorizations());
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
 

@@ -97,9 +97,10 @@ impl SparseCholesky {
 
     fn attempt(&mut self, values: Values) -> Result<Option<Inertia>, FactorError> {
         self.factored = false;
-        let (attempt, new) = self.fronts.factor(&self.pointers, values)?;
-        self.factorizations += usize::from(new);
-        Ok(match attempt {
+        let outcome = self.fronts.factor(&self.pointers, values);
+        let judged = matches!(outcome, Ok((_, false)));
+        self.factorizations += usize::from(!judged);
+        Ok(match outcome?.0 {
             Attempt::Done(inertia) => {
                 self.factored = true;
                 Some(inertia)

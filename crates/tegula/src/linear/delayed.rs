@@ -27,7 +27,10 @@ const ALPHA: f64 = 0.640_388_203_202_208_5;
 ///
 /// Pivots are chosen by size among all entries that are left, in units of the scales, and refused where they would let
 /// an entry below grow.
-pub(super) fn without_pivots(mut matrix: Mat<f64>, scale: &[f64]) -> Vec<u32> {
+///
+/// # Errors
+/// Nothing is left of a column: no later front has a pivot for it either.
+pub(super) fn without_pivots(mut matrix: Mat<f64>, scale: &[f64]) -> Result<Vec<u32>, FactorError> {
     let (rows, columns) = (matrix.nrows(), matrix.ncols());
     for j in 0..columns {
         for i in j..rows {
@@ -57,6 +60,10 @@ pub(super) fn without_pivots(mut matrix: Mat<f64>, scale: &[f64]) -> Vec<u32> {
         let growth = largest_l[0] * largest_w[0] + largest_l[1] * largest_w[1];
         let finite = lower.iter().all(|(_, w, l)| w.iter().chain(l).all(|x| x.is_finite()));
         if !finite || growth > GROWTH {
+            let own = entry(&matrix, pivot[0], pivot[0]).abs();
+            if pivot.len() == 1 && own.max(largest_w[0]) <= f64::EPSILON {
+                return Err(FactorError::Singular);
+            }
             delayed.extend_from_slice(pivot);
             continue;
         }
@@ -70,7 +77,7 @@ pub(super) fn without_pivots(mut matrix: Mat<f64>, scale: &[f64]) -> Vec<u32> {
         }
     }
     delayed.sort_unstable();
-    delayed.into_iter().map(|j| j as u32).collect()
+    Ok(delayed.into_iter().map(|j| j as u32).collect())
 }
 
 /// The columns of the next pivot, one column twice or two, if any are left.

@@ -144,7 +144,7 @@ impl Elimination<'_> {
             let below = matrix.as_ref().subrows(columns, rows - columns);
             let stable = pivots.as_ref().is_ok_and(|p| p.growth(below, &scale[columns..]) <= GROWTH);
             if !stable {
-                self.pivots.delayed = without_pivots(self.matrix(first, panel), scale);
+                self.pivots.delayed = without_pivots(self.matrix(first, panel), scale)?;
                 if !self.pivots.delayed.is_empty() {
                     return Ok(());
                 }
