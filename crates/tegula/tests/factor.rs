@@ -441,6 +441,26 @@ fn redundant_constraints_are_singular() {
     assert_eq!(m.solve().err(), Some(FactorError::Singular));
 }
 
+/// What a front passes on that was not eliminated says nothing: here it would empty the columns of the next one.
+#[test]
+fn fronts_above_delayed_columns_decide_nothing() {
+    let (held, others) = (100, 200);
+    let mut entries = Vec::new();
+    for k in 0..held {
+        entries.push((k, k, 1.0));
+        // Couplings without value make the multipliers fronts of their own.
+        entries.extend((0..held).map(|c| (held + others + c, k, if c == k { 1.0 } else { 0.0 })));
+        entries.extend((0..k).map(|l| (k, l, 0.0)));
+        entries.extend((0..others).map(|e| (held + e, k, 0.0)));
+    }
+    for e in 0..others {
+        entries.extend((0..=e).map(|f| (held + e, held + f, if e == f { 2.0 } else { 0.0 })));
+    }
+    let (inertia, residual) = Matrix::new(2 * held + others, &entries).solve().unwrap();
+    assert_eq!((inertia.positive, inertia.negative), (held + others, held));
+    assert!(residual < 1e-14, "{residual:e}");
+}
+
 /// An unknown that nothing holds is not carried up the whole tree.
 #[test]
 fn empty_rows_are_refused_at_once() {

@@ -92,21 +92,6 @@ impl AssemblyTree {
         self.children[f].iter().map(|&c| self.fronts[c as usize].passed().size()).sum()
     }
 
-    /// Gives the panels of the fronts their places in the factor: those of late fronts come behind the others. Returns the
-    /// number of entries of the others.
-    pub fn place_panels(&mut self, late: &[bool]) -> usize {
-        let mut next = 0;
-        let mut others = 0;
-        for wanted in [false, true] {
-            for (front, _) in self.fronts.iter_mut().zip(late).filter(|(_, late)| **late == wanted) {
-                front.panel = next;
-                next += front.layout().size();
-            }
-            others = if wanted { others } else { next };
-        }
-        others
-    }
-
     /// Calls `f` with the number of each value of the matrix, its row and its column; which is which does not matter.
     pub fn each_entry(&self, mut f: impl FnMut(usize, usize, usize)) {
         for (number, front) in self.fronts.iter().enumerate() {

@@ -27,9 +27,9 @@ impl<'a> BlockColumn<'a> {
         std::array::from_fn(|c| &self.values[(first + c) * height + row..(first + c + 1) * height])
     }
 
-    /// Whether the columns from `first` on are enough to be read at once.
-    fn whole(&self, first: usize) -> bool {
-        first + TOGETHER <= self.width
+    /// How many columns are read together with others; the rest one by one.
+    fn whole(&self) -> usize {
+        self.width / TOGETHER * TOGETHER
     }
 }
 
@@ -46,15 +46,11 @@ impl WithSimd for Forward<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { block, x, y } = self;
-        let mut first = 0;
-        while first < block.width {
-            if block.whole(first) {
-                forward::<S, TOGETHER>(simd, block, first, x, y);
-                first += TOGETHER;
-            } else {
-                forward::<S, 1>(simd, block, first, x, y);
-                first += 1;
-            }
+        for first in (0..block.whole()).step_by(TOGETHER) {
+            forward::<S, TOGETHER>(simd, block, first, x, y);
+        }
+        for first in block.whole()..block.width {
+            forward::<S, 1>(simd, block, first, x, y);
         }
     }
 }
@@ -121,11 +117,10 @@ impl WithSimd for Backward<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { block, x, y } = self;
-        let whole = block.width / TOGETHER * TOGETHER;
-        for first in (whole..block.width).rev() {
+        for first in (block.whole()..block.width).rev() {
             backward::<S, 1>(simd, block, first, x, y);
         }
-        for first in (0..whole).step_by(TOGETHER).rev() {
+        for first in (0..block.whole()).step_by(TOGETHER).rev() {
             backward::<S, TOGETHER>(simd, block, first, x, y);
         }
     }

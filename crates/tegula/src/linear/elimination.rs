@@ -29,8 +29,11 @@ const TILE: usize = 512;
 pub(super) struct FrontPivots {
     /// Blocks that are not positive definite, ascending.
     pub blocks: Vec<PivotedBlocks>,
-    /// Columns that have no pivots. The front is not eliminated where there are any.
+    /// Columns that have no stable pivots, with care. The front is not eliminated where there are any.
     pub delayed: Vec<u32>,
+    /// With care: one of them has no pivot in any later front, either. What is above a front that is not eliminated says
+    /// nothing, so this is not an error yet.
+    pub singular: bool,
 }
 
 impl FrontPivots {
@@ -38,6 +41,12 @@ impl FrontPivots {
     pub fn clear(&mut self) {
         self.blocks.clear();
         self.delayed.clear();
+        self.singular = false;
+    }
+
+    /// Whether the front is eliminated.
+    pub fn complete(&self) -> bool {
+        self.delayed.is_empty() && !self.singular
     }
 
     /// Those of a block, if it is not positive definite.
@@ -139,13 +148,17 @@ impl Elimination<'_> {
         let (rows, columns) = (layout.rows - start, layout.columns - start);
         let mut matrix = self.matrix(first, panel);
         let (upper, lower) = matrix.as_mut().split_at_row_mut(columns);
-        let pivots = Pivots::new(upper, lower);
+        let mut pivots = Pivots::new(upper, lower);
         if let Some(scale) = &self.wary {
             let below = matrix.as_ref().subrows(columns, rows - columns);
             let stable = pivots.as_ref().is_ok_and(|p| p.growth(below, &scale[columns..]) <= GROWTH);
-            if !stable {
-                self.pivots.delayed = without_pivots(self.matrix(first, panel), scale)?;
-                if !self.pivots.delayed.is_empty() {
+            if !stable && pivots.as_ref().err() != Some(&FactorError::TooLarge) {
+                match without_pivots(self.matrix(first, panel), scale) {
+                    Ok(delayed) => self.pivots.delayed = delayed,
+                    Err(error) => pivots = Err(error),
+                }
+                self.pivots.singular = self.pivots.delayed.is_empty() && pivots.is_err();
+                if !self.pivots.complete() {
                     return Ok(());
                 }
             }

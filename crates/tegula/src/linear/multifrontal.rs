@@ -31,11 +31,11 @@ const GRAIN: f64 = 2e7;
 /// Factor of matrices of one pattern.
 pub(super) struct Multifrontal {
     tree: AssemblyTree,
-    /// Panels of all fronts but the late ones, by block columns.
+    /// Panels of all fronts but the late one, by block columns.
     factor: Vec<f64>,
-    /// Their entries.
-    others: usize,
-    late: Late,
+    late: Option<Late>,
+    /// Memory that came with the values of the matrix, or took its place: the panel of the late front.
+    last: Vec<f64>,
     care: Care,
     /// Diagonal of the matrix.
     diagonal: Vec<f64>,
@@ -55,16 +55,11 @@ pub(super) struct Multifrontal {
     columns: Vec<f64>,
 }
 
-/// Fronts whose panels take the memory of the values of the matrix: the last ones, when no others need values any more.
-#[derive(Default)]
+/// The last front, if its panel takes the memory of the values of the matrix: no other front needs them any more.
 struct Late {
-    /// Their numbers, ascending, and the first of the entries of each among those of all of them.
-    fronts: Vec<(usize, usize)>,
-    /// The entries of the matrix in them, set aside.
+    /// The entries of the matrix in it, set aside.
     entries: Vec<f64>,
-    /// Their panels.
-    panels: Vec<f64>,
-    /// Entries of their panels.
+    /// Entries of its panel.
     size: usize,
 }
 
@@ -112,25 +107,27 @@ impl Multifrontal {
     }
 
     /// For a matrix with so many values.
-    fn of_tree(mut tree: AssemblyTree, values: usize) -> Result<Self, FactorError> {
+    fn of_tree(tree: AssemblyTree, values: usize) -> Result<Self, FactorError> {
         let n = tree.fronts.len();
         let threads = rayon::current_num_threads();
         let grain = (tree.operations() / (8.0 * threads as f64)).max(GRAIN);
         let split: Vec<bool> = (0..n)
             .map(|f| threads > 1 && tree.fronts[f].work > grain && !tree.children[f].is_empty())
             .collect();
-        let mut tasks = Task::all(&tree, &split);
-        let (late, others) = Late::new(&mut tree, &split, values)?;
-        for task in &mut tasks {
-            task.late = late.is_late(task.fronts.start);
-        }
+        let tasks = Task::all(&tree, &split);
+        // All others must be done for it anyway.
+        let last = tree.fronts.last().filter(|_| split.last() == Some(&true)).map(|f| f.layout().size());
+        let late = last.filter(|&size| size <= values).map(|size| {
+            let entries = Vec::with_capacity(tree.entries.number(n - 1));
+            Late { entries, size }
+        });
         let stacks: Vec<usize> = tasks.iter().map(|task| stack_size(&tree, &task.fronts)).collect();
         let pool = plan(&tree, &tasks, &stacks, threads);
         let triangles = (0..threads).map(|_| Mutex::new(Triangle::new())).collect();
         Ok(Self {
-            factor: zeros(others)?,
-            others,
+            factor: zeros(tree.size - late.as_ref().map_or(0, |late| late.size))?,
             late,
+            last: Vec::new(),
             care: Care::Little,
             diagonal: zeros(tree.order.len())?,
             pivots: (0..n).map(|_| FrontPivots::default()).collect(),
@@ -147,18 +144,14 @@ impl Multifrontal {
     /// Gives back the memory of the factor.
     pub fn release(&mut self) {
         self.factor = Vec::new();
-        self.late.panels = Vec::new();
+        self.last = Vec::new();
         self.pool.release();
         self.care = Care::Little;
     }
 
     /// Ends the factor and gives back the memory that came with the values, unless the factor is in doubt.
     pub fn take_back(&mut self) -> Vec<f64> {
-        if matches!(self.care, Care::InDoubt(..)) {
-            Vec::new()
-        } else {
-            std::mem::take(&mut self.late.panels)
-        }
+        if matches!(self.care, Care::InDoubt(..)) { Vec::new() } else { std::mem::take(&mut self.last) }
     }
 
     /// Entries of the factor.
@@ -228,32 +221,38 @@ impl Multifrontal {
     ) -> Result<(Attempt, bool), FactorError> {
         let number = values.all().len();
         let negative = self.factor_once(values, Some(scales))?;
-        let delayed = self.delayed();
+        let delayed = self.delayed()?;
         if delayed.is_empty() {
             return Ok((done(negative), true));
         }
         let tree = self.tree.delay(&delayed, pointers)?;
-        let memory = std::mem::take(&mut self.late.panels);
+        let memory = std::mem::take(&mut self.last);
         self.release();
         *self = Self::of_tree(tree, number)?;
-        self.late.panels = memory;
+        self.last = memory;
         self.care = Care::Much;
         Ok((Attempt::Again, true))
     }
 
     /// Columns that are without pivots, in the order of elimination. What became of the fronts above them says nothing.
-    fn delayed(&self) -> Vec<u32> {
+    ///
+    /// # Errors
+    /// One of them has none in any later front, either.
+    fn delayed(&self) -> Result<Vec<u32>, FactorError> {
         let mut out = Vec::new();
         let mut above = vec![false; self.tree.fronts.len()];
         for (f, (front, pivots)) in self.tree.fronts.iter().zip(&self.pivots).enumerate() {
             if !above[f] {
+                if pivots.singular {
+                    return Err(FactorError::Singular);
+                }
                 out.extend(pivots.delayed.iter().map(|j| front.first as u32 + j));
             }
             if let Some(parent) = front.parent {
-                above[parent as usize] |= above[f] || !pivots.delayed.is_empty();
+                above[parent as usize] |= above[f] || !pivots.complete();
             }
         }
-        out
+        Ok(out)
     }
 
     /// Sizes of the pivots, by unknown.
@@ -277,7 +276,7 @@ impl Multifrontal {
 
     /// Panel of a front.
     fn panel(&self, f: usize) -> &[f64] {
-        panel(&self.factor, &self.late.panels, self.tree.fronts[f].panel)
+        panel(&self.factor, &self.last, self.tree.fronts[f].panel)
     }
 
     /// Scales of the unknowns with which the largest entry of every row becomes about one: D. Ruiz, A scaling
@@ -303,14 +302,14 @@ impl Multifrontal {
     fn factor_once(&mut self, values: Values, wary: Option<&[f64]>) -> Result<usize, FactorError> {
         self.pivots.iter_mut().for_each(FrontPivots::clear);
         if self.factor.is_empty() {
-            self.factor = zeros(self.others)?;
+            self.factor = zeros(self.tree.size - self.late.as_ref().map_or(0, |late| late.size))?;
         }
-        let Self { tree, split, tasks, stacks, triangles, pool, factor, late, pivots, .. } = self;
+        let Self { tree, split, tasks, stacks, triangles, pool, factor, late, last, pivots, .. } = self;
         pool.prepare()?;
         let (mut panels, mut left) = (factor.as_mut_slice(), pivots.as_mut_slice());
-        // What belongs to a task, one after another. Panels of late ones come when there is memory for them.
+        // What belongs to a task, one after another. For the panel of the late front, the last one, there is no memory yet.
         let mut take = |task: &Task| {
-            let size = if task.late { 0 } else { panel_sizes(tree, task) };
+            let size = task.fronts.clone().map(|f| tree.fronts[f].layout().size()).sum();
             let pivots = left.split_off_mut(..task.fronts.len()).unwrap_or_default();
             Part { panels: panels.split_off_mut(..size).unwrap_or_default(), pivots }
         };
@@ -320,44 +319,48 @@ impl Multifrontal {
             for (task, stack) in tasks.iter().zip(stacks) {
                 numeric.one_after_another(task.fronts.clone(), *stack, take(task))?;
             }
-            if let Values::Given(values) = values {
-                late.panels = values;
-            }
         } else {
             let parts: Vec<_> = tasks.iter().map(|task| Mutex::new(take(task))).collect();
             // What each task passes on, while that waits.
             let passed: Vec<_> = tasks.iter().map(|_| Mutex::new(Vec::new())).collect();
-            let run = |numeric: &Numeric, t: usize| {
+            let from = |task: &Task| {
+                task.children.iter().map(|&c| std::mem::take(&mut *locked(&passed[c as usize]))).collect()
+            };
+            let early = tasks.len() - usize::from(late.is_some());
+            run_all(&tasks[..early], triangles.len(), |t| {
                 let task = &tasks[t];
                 let part = std::mem::take(&mut *locked(&parts[t]));
                 *locked(&passed[t]) = if split[task.fronts.start] {
-                    let from =
-                        task.children.iter().map(|&c| std::mem::take(&mut *locked(&passed[c as usize])));
-                    numeric.together(task.fronts.start, part, from.collect())?
+                    numeric.together(task.fronts.start, part, from(task))?
                 } else {
                     numeric.one_after_another(task.fronts.clone(), stacks[t], part)?
                 };
                 Ok(())
-            };
-            run_all(tasks, false, triangles.len(), |t| run(&numeric, t))?;
-            late.entries.clear();
-            for &(f, _) in &late.fronts {
-                tree.entries.collect(f, values.all(), &mut late.entries);
+            })?;
+            if let (Some(late), Some((task, part))) = (late, tasks.iter().zip(&parts).last()) {
+                late.entries.clear();
+                tree.entries.collect(task.fronts.start, values.all(), &mut late.entries);
+                if let Values::Given(values) = values {
+                    *last = values;
+                } else if last.len() < late.size {
+                    *last = zeros(late.size)?;
+                }
+                let part = Part { panels: &mut last[..late.size], ..std::mem::take(&mut *locked(part)) };
+                let entries = Entries::Collected(&late.entries);
+                let numeric = Numeric { tree, pool, triangles, entries, wary, arch };
+                // It passes nothing on: it has no parent.
+                rayon::scope(|_| numeric.together(task.fronts.start, part, from(task)))?;
+                return Ok(self.negative_pivots());
             }
-            if let Values::Given(values) = values {
-                late.panels = values;
-            } else if late.panels.len() < late.size {
-                late.panels = zeros(late.size)?;
-            }
-            let mut panels = late.panels.as_mut_slice();
-            for (task, part) in tasks.iter().zip(&parts).filter(|(task, _)| task.late) {
-                locked(part).panels = panels.split_off_mut(..panel_sizes(tree, task)).unwrap_or_default();
-            }
-            let entries = Entries::Collected(&late.fronts, &late.entries);
-            let numeric = Numeric { tree, pool, triangles, entries, wary, arch };
-            run_all(tasks, true, triangles.len(), |t| run(&numeric, t))?;
         }
-        Ok(self.pivots.iter().flat_map(|front| &front.blocks).map(|p| p.pivots.inertia().negative).sum())
+        if let Values::Given(values) = values {
+            *last = values;
+        }
+        Ok(self.negative_pivots())
+    }
+
+    fn negative_pivots(&self) -> usize {
+        self.pivots.iter().flat_map(|front| &front.blocks).map(|p| p.pivots.inertia().negative).sum()
     }
 
     /// Solves in place with the factor.
@@ -365,14 +368,13 @@ impl Multifrontal {
     /// # Errors
     /// There is no memory for the sums of the rows.
     pub fn solve(&mut self, right_side: &mut [f64]) -> Result<(), FactorError> {
-        let Self { tree, factor, late, split, columns, pool, pivots, .. } = self;
+        let Self { tree, factor, last, split, columns, pool, pivots, .. } = self;
         let mut rows = pool.take_alone(tree.rows)?;
         for (x, &old) in columns.iter_mut().zip(&tree.order) {
             *x = right_side[old as usize];
         }
         let arch = Arch::new();
-        Solver { tree, factor, late: &late.panels, split, pivots, arch }
-            .solve(columns, &mut rows[..tree.rows]);
+        Solver { tree, factor, late: last, split, pivots, arch }.solve(columns, &mut rows[..tree.rows]);
         for (x, &old) in columns.iter().zip(&tree.order) {
             right_side[old as usize] = *x;
         }
@@ -381,42 +383,10 @@ impl Multifrontal {
     }
 }
 
-impl Late {
-    /// The last front, for which all others must be done anyway, if it is split between threads and there is enough memory;
-    /// and the entries of the panels of all others.
-    fn new(tree: &mut AssemblyTree, split: &[bool], values: usize) -> Result<(Self, usize), FactorError> {
-        let mut late = vec![false; tree.fronts.len()];
-        let mut size = 0;
-        if let (Some(last), Some(true)) = (tree.fronts.last(), split.last()) {
-            size = last.layout().size();
-            if size <= values
-                && let Some(late) = late.last_mut()
-            {
-                *late = true;
-            }
-        }
-        let others = tree.place_panels(&late);
-        let (mut fronts, mut first) = (Vec::new(), 0);
-        for f in (0..late.len()).filter(|&f| late[f]) {
-            fronts.push((f, first));
-            first += tree.entries.number(f);
-        }
-        Ok((Self { fronts, entries: Vec::with_capacity(first), panels: Vec::new(), size }, others))
-    }
-
-    fn is_late(&self, f: usize) -> bool {
-        self.fronts.binary_search_by_key(&f, |late| late.0).is_ok()
-    }
-}
-
-/// The panel, and what follows it, that begins with this entry of the factor; that of late fronts comes behind the others.
+/// The panel, and what follows it, that begins with this entry of the factor. That of the late front, in memory of its own,
+/// comes behind all others.
 pub(super) fn panel<'a>(factor: &'a [f64], late: &'a [f64], first: usize) -> &'a [f64] {
     if first < factor.len() { &factor[first..] } else { &late[first - factor.len()..] }
-}
-
-/// Entries of the panels of a task.
-fn panel_sizes(tree: &AssemblyTree, task: &Task) -> usize {
-    task.fronts.clone().map(|f| tree.fronts[f].layout().size()).sum()
 }
 
 /// The memory that a factorisation will want for what waits, all of it taken beforehand: pieces that come and go leave gaps.

@@ -17,8 +17,8 @@ use super::triangle::Triangle;
 pub(super) enum Entries<'a> {
     /// All of them.
     All(&'a [f64]),
-    /// Those of some fronts: numbers of the fronts, ascending, and their first entries; and the entries.
-    Collected(&'a [(usize, usize)], &'a [f64]),
+    /// Those of the front at work.
+    Collected(&'a [f64]),
 }
 
 /// What belongs to consecutive fronts: panels and pivots.
@@ -147,10 +147,7 @@ impl Numeric<'_> {
     fn enter(&self, f: usize, panel: &mut [f64]) {
         match self.entries {
             Entries::All(values) => self.tree.entries.enter(f, values, panel),
-            Entries::Collected(fronts, values) => {
-                let first = fronts[fronts.partition_point(|(front, _)| *front < f)].1;
-                self.tree.entries.enter_collected(f, &values[first..], panel);
-            }
+            Entries::Collected(values) => self.tree.entries.enter_collected(f, values, panel),
         }
     }
 

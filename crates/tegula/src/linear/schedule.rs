@@ -23,8 +23,6 @@ pub(super) struct Task {
     parent: Option<u32>,
     /// Tasks whose fronts are children of the first front.
     pub children: Vec<u32>,
-    /// It waits until all that are not late are done.
-    pub late: bool,
 }
 
 impl Task {
@@ -38,8 +36,7 @@ impl Task {
             }
             let number = tasks.len() as u32;
             task_of[f] = number;
-            let mut task =
-                Self { fronts: front.leaf..f + 1, parent: None, children: Vec::new(), late: false };
+            let mut task = Self { fronts: front.leaf..f + 1, parent: None, children: Vec::new() };
             if split[f] {
                 task.fronts.start = f;
                 task.children = tree.children[f].iter().map(|&c| task_of[c as usize]).collect();
@@ -105,28 +102,24 @@ struct State {
 /// Tasks that threads work off.
 struct Schedule<'a, F> {
     tasks: &'a [Task],
-    late: bool,
     threads: usize,
     state: Mutex<State>,
     run: F,
 }
 
-/// Runs those tasks that are late, or those that are not, each after its children.
+/// Runs tasks, the first ones of all, each after its children.
 ///
 /// # Errors
 /// That of a task; others may be left undone then.
 pub(super) fn run_all(
     tasks: &[Task],
-    late: bool,
     threads: usize,
     run: impl Fn(usize) -> Result<(), FactorError> + Sync,
 ) -> Result<(), FactorError> {
-    let ours = |t: &u32| tasks[*t as usize].late == late;
-    let missing: Vec<usize> = tasks.iter().map(|t| t.children.iter().filter(|c| ours(c)).count()).collect();
-    let ready =
-        (0..tasks.len() as u32).filter(|t| ours(t) && missing[*t as usize] == 0).map(Reverse).collect();
+    let missing: Vec<usize> = tasks.iter().map(|t| t.children.len()).collect();
+    let ready = (0..tasks.len() as u32).filter(|&t| missing[t as usize] == 0).map(Reverse).collect();
     let state = State { ready, missing, workers: 1, error: None };
-    let schedule = Schedule { tasks, late, threads, state: Mutex::new(state), run };
+    let schedule = Schedule { tasks, threads, state: Mutex::new(state), run };
     rayon::scope(|scope| schedule.work(scope));
     schedule
         .state
@@ -166,7 +159,7 @@ impl<'a, F: Fn(usize) -> Result<(), FactorError> + Sync> Schedule<'a, F> {
                 Err(_) => {}
                 Ok(()) => {
                     let parent = self.tasks[task as usize].parent;
-                    if let Some(parent) = parent.filter(|&p| self.tasks[p as usize].late == self.late) {
+                    if let Some(parent) = parent.filter(|&p| (p as usize) < self.tasks.len()) {
                         state.missing[parent as usize] -= 1;
                         if state.missing[parent as usize] == 0 {
                             state.ready.push(Reverse(parent));

@@ -14,7 +14,7 @@ type Sweep<S> = fn(&S, usize, &mut [f64], &mut [f64]);
 pub(super) struct Solver<'a> {
     pub tree: &'a AssemblyTree,
     pub factor: &'a [f64],
-    /// Panels of late fronts.
+    /// Panel of the late front.
     pub late: &'a [f64],
     /// Whether the subtree of a front is split between threads.
     pub split: &'a [bool],

@@ -388,11 +388,6 @@ impl Pattern {
             }
         }
     }
-
-    /// Multiplies the mass of all blocks.
-    pub fn scale_mass(&mut self, factor: f64) {
-        self.mass.iter_mut().for_each(|m| *m *= factor);
-    }
 }
 
 /// A block that is a multiple of the unit matrix.
