@@ -86,6 +86,7 @@ fn stations(element: &EmsShell, sample: &Sample) -> Vec<Station> {
         direction: Vec3::x(),
         resultant: Resultant::Isotropic(sample.section.clone()),
         shear_factors: [1.0; 2],
+        shear_stabilization: 0.0,
         isotropic: true,
     };
     section.stations(element, &sample.geometry, &[]).unwrap()

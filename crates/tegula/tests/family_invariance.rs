@@ -333,9 +333,12 @@ fn keys_without_effect_are_warned_of() {
     m.sections[0].ans_thickness = false;
     m.sections[0].thickness_points = Some(4);
     m.sections[0].thickness_eas = 3;
+    m.sections[0].shear_stabilization = 0.1;
     let all = ["sections[0].ans_thickness", "sections[0].thickness_eas", "sections[0].thickness_points"];
     assert_eq!(warned(&m), all);
     m.sections[0].element = ElementKind::Cm;
+    assert_eq!(warned(&m), ["sections[0].shear_stabilization"]);
+    m.sections[0].shear_stabilization = 0.0;
     assert!(warned(&m).is_empty());
     let mut m = base(ElementKind::AncfFull);
     (m.sections[0].ans_shear, m.sections[0].eas) = (false, false);

@@ -13,6 +13,11 @@ pub(super) fn sections(model: &Model, c: &mut Checker) {
         for (j, k) in s.shear_correction.iter().flatten().enumerate() {
             c.positive(&format!("{key}.shear_correction[{j}]"), "the shear correction factor", *k);
         }
+        c.not_negative(
+            &format!("{key}.shear_stabilization"),
+            "the coefficient of stabilised shear",
+            s.shear_stabilization,
+        );
         if let Some(m) = s.total_mass {
             c.positive(&format!("{key}.total_mass"), "the total mass", m);
         }

@@ -99,6 +99,10 @@ pub struct Section {
     /// laminate, 1 for the elements with three-dimensional stresses (`cm`, `solid-shell`, `ancf-full`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shear_correction: Option<[f64; 2]>,
+    /// Coefficient α of stabilised transverse shear: the shear stiffness of an element is multiplied by h²/(h² + α l²), l
+    /// its longest edge. 0.1 is usual; makes `ems` and `mitc4` more exact where elements are longer than h.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub shear_stabilization: f64,
     /// Assumed natural strain for transverse shear; off: the element locks when thin.
     #[serde(default = "yes")]
     pub ans_shear: bool,
@@ -133,6 +137,7 @@ impl Section {
             thickness,
             layup: None,
             shear_correction: None,
+            shear_stabilization: 0.0,
             ans_shear: true,
             ans_thickness: true,
             eas: true,

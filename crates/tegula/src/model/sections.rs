@@ -121,6 +121,7 @@ impl Section {
             direction: self.layup.as_ref().map_or(Vec3::x(), |l| Vec3::from(l.direction)),
             resultant,
             shear_factors: self.shear_correction.unwrap_or([1.0; 2]),
+            shear_stabilization: self.shear_stabilization,
         })
     }
 }

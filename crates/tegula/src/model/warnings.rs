@@ -91,6 +91,13 @@ fn idle_switches(model: &Model) -> Vec<Issue> {
                 "leave it out, or use an element that has it (the book's page on elements lists them)",
             ));
         }
+        if s.shear_stabilization != 0.0 && element.is_solid() {
+            found.push(Issue::new(
+                format!("sections[{i}].shear_stabilization"),
+                format!("`{}` has three-dimensional stresses: the key has no effect", element.name()),
+                "leave it out, or use `ems` or `mitc4`",
+            ));
+        }
         let linear = s.materials().iter().all(|m| model.materials.get(m).is_none_or(|m| m.is_linear()));
         if s.thickness_points.is_some() && linear && !element.is_solid() {
             found.push(Issue::new(

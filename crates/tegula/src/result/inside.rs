@@ -251,7 +251,7 @@ impl<'a> Inside<'a> {
                 let c: Matrix6<f64> = if self.element.is_solid() {
                     self.section.stiffness_3d(layer, at.turn)
                 } else {
-                    self.section.stiffness_plane(layer, at.turn)
+                    self.section.stiffness_plane(layer, at.turn, &self.geometry)
                 };
                 c * at.strain
             }

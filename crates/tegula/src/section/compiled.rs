@@ -71,6 +71,8 @@ pub struct CompiledSection {
     pub resultant: Resultant,
     /// Factors of the transverse shear stiffness of three-dimensional materials.
     pub shear_factors: [f64; 2],
+    /// Coefficient α of [`Self::shear_reduction`].
+    pub shear_stabilization: f64,
     /// True if every layer is the same in all directions of the surface.
     pub isotropic: bool,
 }
@@ -133,9 +135,23 @@ impl CompiledSection {
         Ok(self.turn(frame)? + layer.angle)
     }
 
-    /// Stiffness of a layer in plane stress, with E in zz and its shear moduli.
-    pub fn stiffness_plane(&self, layer: &Layer, turn: f64) -> Matrix6<f64> {
-        plane_stress_3d(&layer.material, turn)
+    /// Stiffness of a layer of an element in plane stress, with E in zz and its shear moduli.
+    pub fn stiffness_plane(&self, layer: &Layer, turn: f64, g: &ShellGeometry) -> Matrix6<f64> {
+        let mut c = plane_stress_3d(&layer.material, turn);
+        c.view_mut((4, 4), (2, 2)).scale_mut(self.shear_reduction(g));
+        c
+    }
+
+    /// Factor `h²/(h² + α l²)` of the transverse shear stiffness of an element that works with resultants; l is its
+    /// longest edge. Where elements are longer than the sheet is thick, it takes off what an element cannot follow of
+    /// the layers at free edges, whose width is of the order of h; with l/h it tends to 1.
+    ///
+    /// M. Lyly, R. Stenberg, T. Vihinen, *A stable bilinear element for the Reissner–Mindlin plate model*, Comput.
+    /// Methods Appl. Mech. Eng. 110 (1993) 343–357.
+    pub fn shear_reduction(&self, g: &ShellGeometry) -> f64 {
+        let edges = (0..4).map(|a| (g.positions[a] - g.positions[(a + 1) % 4]).norm_squared());
+        let h2 = self.thickness * self.thickness;
+        h2 / (h2 + self.shear_stabilization * edges.fold(0.0, f64::max))
     }
 
     /// Prescribed strain at a height, where it is a strain; nothing for prescribed stresses.
@@ -214,6 +230,7 @@ impl CompiledSection {
         let above = element.operator(g, point, 1.0)?;
         let turn = self.turn(&middle.frame)?;
         let mut stiffness = resultants(&self.resultant.at(turn));
+        stiffness.view_mut((4, 4), (2, 2)).scale_mut(self.shear_reduction(g));
         let linear = self.is_linear();
         if !linear {
             for i in [0, 1, 2, 6, 7, 8] {
