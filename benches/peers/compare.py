@@ -52,6 +52,11 @@ def cylinder_jobs():
     """Every program in as few load steps as it converges with."""
     for n in (8, 16, 24, 32, 48, 64, 96, 128):
         yield "tegula", "ems", {"elements": n}
+    # As Kratos' element has it.
+    for element in "ems", "mitc4":
+        for n in (8, 16, 32, 64):
+            yield "tegula", element + ", stabilised shear", {"elements": n, "element": element,
+                                                             "shear_stabilization": 0.1}
     yield "tegula", "ems, 2 threads", {"elements": 64, "threads": 2}
     for n in (16, 32, 64):
         yield "Kratos", "MITC corotational, sparse LU", {"elements": n, "steps": 1, **MITC}

@@ -1,6 +1,6 @@
 """tegula itself: `target/release/tegula run` with all its files; no pictures, which the others do not draw either.
 
-A job may give `element`, `scheme`, `tolerance` of the time steps, and `plain` (fewest files: only the field
+A job may give `element`, `shear_stabilization`, `scheme`, `tolerance` of the time steps, and `plain` (fewest files: only the field
 of displacements, at the end).
 """
 
@@ -38,7 +38,8 @@ def model(job):
     young = (problems.CYLINDER if cylinder else problems.PENDULUM)["young"]
     text += ["grid = { elements = [%d, %d] }" % (n, n), "[materials.sheet]", 'type = "isotropic"',
              "young = %r" % young, "poisson = %r" % problems.POISSON, "[[sections]]", 'material = "sheet"',
-             "thickness = %r" % problems.THICKNESS, 'element = "%s"' % job.get("element", "ems")]
+             "thickness = %r" % problems.THICKNESS, 'element = "%s"' % job.get("element", "ems"),
+             "shear_stabilization = %g" % job.get("shear_stabilization", 0.0)]
     if cylinder:
         text += ["[[conditions]]", 'type = "clamp"', 'on = "u_min"', "[[loads]]", 'type = "force"',
                  'on = "u_max_v_max"', "value = [0.0, 0.0, %r]" % -problems.CYLINDER["force"]]

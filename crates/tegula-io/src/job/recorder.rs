@@ -254,7 +254,7 @@ impl<'a> Recorder<'a> {
         let name = format!("fields/{:04}.vtu", self.memory.notes.frames);
         fields::write(&self.folder.file(&name), mesh, system, &self.model.output.fields, state, &results)?;
         self.series.add(state.time, &name)?;
-        if snapshots::wanted(&self.memory.kept, state.time, self.summary.end) {
+        if self.model.output.pictures && snapshots::wanted(&self.memory.kept, state.time, self.summary.end) {
             let values = fields::by_quad(mesh, system, &results, |r| [r.von_mises]);
             snapshots::keep(&mut self.memory.kept, state, values);
         }

@@ -118,6 +118,10 @@ impl Memory {
         let n = system.vectors();
         let history = system.groups.iter().map(|g| g.len() * g.history_per_element()).sum();
         let fixed = |name: &str, length: usize| array(name, Some(length));
+        let all_or_none = |name: &str| {
+            let found = vectors(&array(name, None)?);
+            if found.is_empty() || found.len() == n { Ok(found) } else { Err(wrong(name)) }
+        };
         let scalars = fixed("scalars", 6)?;
         let energies = fixed("energies", 6)?;
         let momenta = fixed("momenta", 6)?;
@@ -135,23 +139,16 @@ impl Memory {
         };
         if tangent.valid {
             tangent.u = vectors(&fixed("tangent u", 3 * n)?);
-            tangent.v = vectors(&array("tangent v", None)?);
+            tangent.v = all_or_none("tangent v")?;
             tangent.history = fixed("tangent history", history)?;
-            if !tangent.v.is_empty() && tangent.v.len() != n {
-                return Err(wrong("tangent v"));
-            }
-        }
-        let mean_a = vectors(&array("mean a", None)?);
-        if !mean_a.is_empty() && mean_a.len() != n {
-            return Err(wrong("mean a"));
         }
         let state = State {
             time: scalars[0],
             step: checkpoint.step,
             u: vectors(&fixed("u", 3 * n)?),
-            v: vectors(&fixed("v", 3 * n)?),
-            a: vectors(&fixed("a", 3 * n)?),
-            mean_a,
+            v: all_or_none("v")?,
+            a: all_or_none("a")?,
+            mean_a: all_or_none("mean a")?,
             history: fixed("history", history)?,
             next_step: scalars[1],
             last_step: scalars[2],

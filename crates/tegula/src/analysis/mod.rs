@@ -21,9 +21,9 @@ pub struct State {
     pub step: u64,
     /// Displacements of the nodal vectors.
     pub u: Vec<Nodal>,
-    /// Velocities.
+    /// Velocities; none where nothing moves.
     pub v: Vec<Nodal>,
-    /// Accelerations.
+    /// Accelerations; none where nothing moves.
     pub a: Vec<Nodal>,
     /// Mean accelerations of the last finished time step of a nonlinear model, from which the next one is predicted;
     /// empty before and for other analyses.
@@ -47,9 +47,8 @@ pub struct State {
 impl State {
     /// The reference configuration at rest.
     pub fn at_rest(system: &System) -> Self {
-        let zero = vec![[0.0; 3]; system.vectors()];
         let history = system.groups.iter().map(|g| g.len() * g.history_per_element()).sum();
-        Self { u: zero.clone(), v: zero.clone(), a: zero, history: vec![0.0; history], ..Self::default() }
+        Self { u: vec![[0.0; 3]; system.vectors()], history: vec![0.0; history], ..Self::default() }
     }
 }
 

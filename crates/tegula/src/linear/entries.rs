@@ -174,9 +174,9 @@ impl EntryRuns {
     }
 
     /// Collects the entries of the matrix in a front.
-    pub fn collect(&self, f: usize, values: &[f64], out: &mut Vec<f64>) {
+    pub fn collect(&self, f: usize, values: &[f64], mut out: &mut [f64]) {
         for (value, _, length) in self.of(f).iter().flat_map(|run| run.pieces()) {
-            out.extend_from_slice(&values[value..][..length]);
+            out.split_off_mut(..length).unwrap_or_default().copy_from_slice(&values[value..][..length]);
         }
     }
 

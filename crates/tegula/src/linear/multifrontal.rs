@@ -19,22 +19,27 @@ use super::delayed::GROWTH;
 use super::elimination::FrontPivots;
 use super::numeric::{Entries, Numeric, Part};
 use super::ordering::Quotient;
-use super::pool::{Pool, Rehearsal, zeros};
-use super::schedule::{Task, locked, rehearse, run_all};
+use super::pool::{Piece, Pool, zeros};
+use super::schedule::{Task, locked, run_all};
 use super::substitution::Solver;
 use super::triangle::Triangle;
 use super::{FactorError, Inertia};
 
 /// Work (operations) below which a subtree is not split.
-const GRAIN: f64 = 2e7;
+const GRAIN: f64 = 5e7;
+/// The same as a share of all.
+const SHARE: f64 = 1.0 / 16.0;
+/// Entries of a factor (256 MB) from which on memory is spared, at the price of 3 % more time: subtrees are half as
+/// large, threads wait for one another, panels take the memory of the values, and what waits has pieces of its own size.
+const LARGE: usize = 1 << 25;
 
 /// Factor of matrices of one pattern.
 pub(super) struct Multifrontal {
     tree: AssemblyTree,
-    /// Panels of all fronts but the late one, by block columns.
+    /// Panels of all fronts but the late ones, by block columns.
     factor: Vec<f64>,
     late: Option<Late>,
-    /// Memory that came with the values of the matrix, or took its place: the panel of the late front.
+    /// Memory that came with the values of the matrix, or took its place: panels of the late fronts.
     last: Vec<f64>,
     care: Care,
     /// Diagonal of the matrix.
@@ -47,6 +52,8 @@ pub(super) struct Multifrontal {
     split: Vec<bool>,
     /// What waits at most in each task that is a subtree.
     stacks: Vec<usize>,
+    /// Memory counts more than time.
+    sparing: bool,
     /// Memory for a block, one for each thread.
     triangles: Vec<Mutex<Triangle>>,
     /// Memory for what waits, and for the sums of all rows.
@@ -55,12 +62,40 @@ pub(super) struct Multifrontal {
     columns: Vec<f64>,
 }
 
-/// The last front, if its panel takes the memory of the values of the matrix: no other front needs them any more.
+/// The last fronts, whose panels take the memory of the values of the matrix when no other front needs these any more.
 struct Late {
-    /// The entries of the matrix in it, set aside.
-    entries: Vec<f64>,
-    /// Entries of its panel.
+    /// The first of their tasks, and of themselves.
+    task: usize,
+    front: usize,
+    /// Where the entries of the matrix in each of them begin among those that are set aside for them, and the end.
+    starts: Vec<usize>,
+    /// Entries of their panels.
     size: usize,
+}
+
+impl Late {
+    /// As many tasks as a matrix with so many values has memory for.
+    fn new(tree: &AssemblyTree, tasks: &[Task], values: usize) -> Option<Self> {
+        let mut size = 0;
+        let fits = |task: &&Task| {
+            size += panel_sizes(tree, task);
+            size <= values
+        };
+        let number = tasks.iter().rev().take_while(fits).count();
+        let task = tasks.len() - number;
+        let front = tasks.get(task)?.fronts.start;
+        let mut starts = vec![0];
+        for f in front..tree.fronts.len() {
+            starts.push(starts[f - front] + tree.entries.number(f));
+        }
+        let size = tasks[task..].iter().map(|t| panel_sizes(tree, t)).sum();
+        Some(Self { task, front, starts, size })
+    }
+
+    /// Number of entries of the matrix that are set aside.
+    fn entries(&self) -> usize {
+        self.starts.last().copied().unwrap_or(0)
+    }
 }
 
 /// How pivots are chosen.
@@ -110,19 +145,13 @@ impl Multifrontal {
     fn of_tree(tree: AssemblyTree, values: usize) -> Result<Self, FactorError> {
         let n = tree.fronts.len();
         let threads = rayon::current_num_threads();
-        let grain = (tree.operations() / (8.0 * threads as f64)).max(GRAIN);
-        let split: Vec<bool> = (0..n)
-            .map(|f| threads > 1 && tree.fronts[f].work > grain && !tree.children[f].is_empty())
-            .collect();
+        let sparing = tree.size >= LARGE;
+        let grain = (tree.operations() * if sparing { 0.5 * SHARE } else { SHARE }).max(GRAIN);
+        let split: Vec<bool> =
+            (0..n).map(|f| tree.fronts[f].work > grain && !tree.children[f].is_empty()).collect();
         let tasks = Task::all(&tree, &split);
-        // All others must be done for it anyway.
-        let last = tree.fronts.last().filter(|_| split.last() == Some(&true)).map(|f| f.layout().size());
-        let late = last.filter(|&size| size <= values).map(|size| {
-            let entries = Vec::with_capacity(tree.entries.number(n - 1));
-            Late { entries, size }
-        });
+        let late = if sparing && split.contains(&true) { Late::new(&tree, &tasks, values) } else { None };
         let stacks: Vec<usize> = tasks.iter().map(|task| stack_size(&tree, &task.fronts)).collect();
-        let pool = plan(&tree, &tasks, &stacks, threads);
         let triangles = (0..threads).map(|_| Mutex::new(Triangle::new())).collect();
         Ok(Self {
             factor: zeros(tree.size - late.as_ref().map_or(0, |late| late.size))?,
@@ -137,7 +166,8 @@ impl Multifrontal {
             split,
             stacks,
             triangles,
-            pool,
+            pool: Pool::new(sparing),
+            sparing,
         })
     }
 
@@ -304,12 +334,13 @@ impl Multifrontal {
         if self.factor.is_empty() {
             self.factor = zeros(self.tree.size - self.late.as_ref().map_or(0, |late| late.size))?;
         }
-        let Self { tree, split, tasks, stacks, triangles, pool, factor, late, last, pivots, .. } = self;
-        pool.prepare()?;
+        let Self { tree, split, tasks, stacks, triangles, pool, factor, late, last, pivots, sparing, .. } =
+            self;
+        pool.begin();
         let (mut panels, mut left) = (factor.as_mut_slice(), pivots.as_mut_slice());
-        // What belongs to a task, one after another. For the panel of the late front, the last one, there is no memory yet.
+        // What belongs to a task, one after another. For panels of late fronts, the last ones, there is no memory yet.
         let mut take = |task: &Task| {
-            let size = task.fronts.clone().map(|f| tree.fronts[f].layout().size()).sum();
+            let size = panel_sizes(tree, task);
             let pivots = left.split_off_mut(..task.fronts.len()).unwrap_or_default();
             Part { panels: panels.split_off_mut(..size).unwrap_or_default(), pivots }
         };
@@ -322,34 +353,41 @@ impl Multifrontal {
         } else {
             let parts: Vec<_> = tasks.iter().map(|task| Mutex::new(take(task))).collect();
             // What each task passes on, while that waits.
-            let passed: Vec<_> = tasks.iter().map(|_| Mutex::new(Vec::new())).collect();
-            let from = |task: &Task| {
-                task.children.iter().map(|&c| std::mem::take(&mut *locked(&passed[c as usize]))).collect()
-            };
-            let early = tasks.len() - usize::from(late.is_some());
-            run_all(&tasks[..early], triangles.len(), |t| {
+            let passed: Vec<_> = tasks.iter().map(|_| Mutex::new(Piece::default())).collect();
+            let run = |numeric: &Numeric, t: usize| {
                 let task = &tasks[t];
                 let part = std::mem::take(&mut *locked(&parts[t]));
-                *locked(&passed[t]) = if split[task.fronts.start] {
-                    numeric.together(task.fronts.start, part, from(task))?
+                *locked(&passed[t]) = if task.together {
+                    let from =
+                        task.children.iter().map(|&c| std::mem::take(&mut *locked(&passed[c as usize])));
+                    numeric.together(task.fronts.start, part, from.collect())?
                 } else {
                     numeric.one_after_another(task.fronts.clone(), stacks[t], part)?
                 };
                 Ok(())
-            })?;
-            if let (Some(late), Some((task, part))) = (late, tasks.iter().zip(&parts).last()) {
-                late.entries.clear();
-                tree.entries.collect(task.fronts.start, values.all(), &mut late.entries);
+            };
+            let early = 0..late.as_ref().map_or(tasks.len(), |late| late.task);
+            let threads = (triangles.len(), *sparing);
+            run_all(tasks, early, threads, |t| run(&numeric, t))?;
+            if let Some(late) = late {
+                let mut aside = pool.take(late.entries())?;
+                for (k, place) in late.starts.windows(2).enumerate() {
+                    let out = &mut aside[place[0]..place[1]];
+                    tree.entries.collect(late.front + k, values.all(), out);
+                }
                 if let Values::Given(values) = values {
                     *last = values;
                 } else if last.len() < late.size {
                     *last = zeros(late.size)?;
                 }
-                let part = Part { panels: &mut last[..late.size], ..std::mem::take(&mut *locked(part)) };
-                let entries = Entries::Collected(&late.entries);
+                let mut panels = last.as_mut_slice();
+                for (task, part) in tasks.iter().zip(&parts).skip(late.task) {
+                    locked(part).panels = panels.split_off_mut(..panel_sizes(tree, task)).unwrap_or_default();
+                }
+                let entries = Entries::Collected(late.front, &late.starts, &aside);
                 let numeric = Numeric { tree, pool, triangles, entries, wary, arch };
-                // It passes nothing on: it has no parent.
-                rayon::scope(|_| numeric.together(task.fronts.start, part, from(task)))?;
+                run_all(tasks, late.task..tasks.len(), threads, |t| run(&numeric, t))?;
+                pool.put(aside);
                 return Ok(self.negative_pivots());
             }
         }
@@ -383,32 +421,15 @@ impl Multifrontal {
     }
 }
 
-/// The panel, and what follows it, that begins with this entry of the factor. That of the late front, in memory of its own,
-/// comes behind all others.
+/// The panel, and what follows it, that begins with this entry of the factor. Those of late fronts, in memory of their own,
+/// come behind all others.
 pub(super) fn panel<'a>(factor: &'a [f64], late: &'a [f64], first: usize) -> &'a [f64] {
     if first < factor.len() { &factor[first..] } else { &late[first - factor.len()..] }
 }
 
-/// The memory that a factorisation will want for what waits, all of it taken beforehand: pieces that come and go leave gaps.
-fn plan(tree: &AssemblyTree, tasks: &[Task], stacks: &[usize], threads: usize) -> Pool {
-    let mut rehearsal = Rehearsal::default();
-    let passed = |t: usize| tree.fronts[tasks[t].fronts.end - 1].passed().size();
-    let work = |task: &Task| {
-        let last = task.fronts.end - 1;
-        let below = task.children.iter().map(|&c| tree.fronts[tasks[c as usize].fronts.end - 1].work);
-        tree.fronts[last].work - below.sum::<f64>()
-    };
-    let mut lent = vec![(0, 0); tasks.len()];
-    rehearse(tasks, threads, work, |t, begins| {
-        if begins {
-            lent[t].0 = rehearsal.take(stacks[t]);
-        } else {
-            lent[t].1 = rehearsal.take(passed(t));
-            rehearsal.put(lent[t].0);
-            tasks[t].children.iter().for_each(|&c| rehearsal.put(lent[c as usize].1));
-        }
-    });
-    Pool::rehearsed(rehearsal)
+/// Entries of the panels of a task.
+fn panel_sizes(tree: &AssemblyTree, task: &Task) -> usize {
+    task.fronts.clone().map(|f| tree.fronts[f].layout().size()).sum()
 }
 
 /// What waits at most in a subtree that one thread works off, together with what the front at work makes.

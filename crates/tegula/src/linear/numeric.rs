@@ -8,7 +8,7 @@ use pulp::Arch;
 use super::FactorError;
 use super::assembly_tree::{AssemblyTree, Front};
 use super::elimination::{Elimination, FrontPivots, half};
-use super::pool::Pool;
+use super::pool::{Piece, Pool};
 use super::schedule::locked;
 use super::trapezoid::{BLOCK, Trapezoid};
 use super::triangle::Triangle;
@@ -17,8 +17,8 @@ use super::triangle::Triangle;
 pub(super) enum Entries<'a> {
     /// All of them.
     All(&'a [f64]),
-    /// Those of the front at work.
-    Collected(&'a [f64]),
+    /// Those of the fronts from a number on: where those of each begin, and the entries.
+    Collected(usize, &'a [usize], &'a [f64]),
 }
 
 /// What belongs to consecutive fronts: panels and pivots.
@@ -42,7 +42,7 @@ pub(super) struct Numeric<'a> {
 
 impl Numeric<'_> {
     /// Factors a front, threads together. `from` is what its children pass on; returns what it passes on itself.
-    pub fn together(&self, f: usize, part: Part<'_>, from: Vec<Vec<f64>>) -> Result<Vec<f64>, FactorError> {
+    pub fn together(&self, f: usize, part: Part<'_>, from: Vec<Piece>) -> Result<Piece, FactorError> {
         let front = &self.tree.fronts[f];
         let (layout, passed) = (front.layout(), front.passed());
         let Part { panels: panel, pivots } = part;
@@ -63,7 +63,7 @@ impl Numeric<'_> {
     fn assemble(
         &self,
         f: usize,
-        from: &[Vec<f64>],
+        from: &[Piece],
         (to, offset): (Trapezoid, usize),
         blocks: Range<usize>,
         values: &mut [f64],
@@ -91,12 +91,12 @@ impl Numeric<'_> {
         subtree: Range<usize>,
         size: usize,
         part: Part<'_>,
-    ) -> Result<Vec<f64>, FactorError> {
+    ) -> Result<Piece, FactorError> {
         let fronts = &self.tree.fronts;
         let leaf = subtree.start;
         let start = fronts[leaf].panel;
         let mut stack = self.pool.take(size)?;
-        let mut out = Vec::new();
+        let mut out = Piece::default();
         let triangle = &mut *self.triangle();
         let mut top = 0;
         for s in subtree.clone() {
@@ -147,7 +147,9 @@ impl Numeric<'_> {
     fn enter(&self, f: usize, panel: &mut [f64]) {
         match self.entries {
             Entries::All(values) => self.tree.entries.enter(f, values, panel),
-            Entries::Collected(values) => self.tree.entries.enter_collected(f, values, panel),
+            Entries::Collected(from, starts, values) => {
+                self.tree.entries.enter_collected(f, &values[starts[f - from]..], panel);
+            }
         }
     }
 

@@ -1,8 +1,9 @@
 //! Which part of the elimination is worked off when: tasks, and the order in which threads take them up.
 //!
 //! A task is a subtree that one thread works off, or a front above such subtrees, in which threads work together. A
-//! free thread takes the first task, in the order of the elimination, whose children are done. So what waits is little
-//! more than with one thread: were the tree halved between threads, one of them would begin with what is needed last.
+//! free thread takes the first task, in the order of the elimination, whose children are done; where memory counts, none
+//! while there is a front to work on together. So what waits is little more than with one thread: were the tree halved
+//! between threads, one of them would begin with what is needed last.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -19,6 +20,8 @@ use super::assembly_tree::AssemblyTree;
 pub(super) struct Task {
     /// The last of them is the one that passes something on.
     pub fronts: Range<usize>,
+    /// A front in which threads work together.
+    pub together: bool,
     /// The task that takes it.
     parent: Option<u32>,
     /// Tasks whose fronts are children of the first front.
@@ -36,9 +39,9 @@ impl Task {
             }
             let number = tasks.len() as u32;
             task_of[f] = number;
-            let mut task = Self { fronts: front.leaf..f + 1, parent: None, children: Vec::new() };
+            let fronts = if split[f] { f..f + 1 } else { front.leaf..f + 1 };
+            let mut task = Self { fronts, together: split[f], parent: None, children: Vec::new() };
             if split[f] {
-                task.fronts.start = f;
                 task.children = tree.children[f].iter().map(|&c| task_of[c as usize]).collect();
                 for &c in &task.children {
                     tasks[c as usize].parent = Some(number);
@@ -50,37 +53,10 @@ impl Task {
     }
 }
 
-/// Calls `event` with the number of each task, when it begins (`true`) and when it is done, as threads would take the tasks
-/// up if each took as long as it has `work`.
-pub(super) fn rehearse(
-    tasks: &[Task],
-    threads: usize,
-    work: impl Fn(&Task) -> f64,
-    mut event: impl FnMut(usize, bool),
-) {
-    let mut missing: Vec<usize> = tasks.iter().map(|t| t.children.len()).collect();
-    let mut ready: BinaryHeap<_> = (0..tasks.len()).filter(|&t| missing[t] == 0).map(Reverse).collect();
-    // Tasks at work, and when they are done.
-    let mut busy: Vec<(f64, usize)> = Vec::new();
-    let mut now = 0.0;
-    loop {
-        while busy.len() < threads
-            && let Some(Reverse(t)) = ready.pop()
-        {
-            event(t, true);
-            busy.push((now + work(&tasks[t]), t));
-        }
-        let Some(first) = (0..busy.len()).min_by(|&a, &b| busy[a].0.total_cmp(&busy[b].0)) else { return };
-        let (end, t) = busy.swap_remove(first);
-        now = end;
-        event(t, false);
-        if let Some(parent) = tasks[t].parent {
-            missing[parent as usize] -= 1;
-            if missing[parent as usize] == 0 {
-                ready.push(Reverse(parent as usize));
-            }
-        }
-    }
+/// How many children of each task belong to a part of the tasks.
+fn missing(tasks: &[Task], part: &Range<usize>) -> Vec<usize> {
+    let in_part = |c: &&u32| part.contains(&(**c as usize));
+    tasks.iter().map(|t| t.children.iter().filter(in_part).count()).collect()
 }
 
 /// Holds what a mutex holds, also after a panic elsewhere.
@@ -93,8 +69,10 @@ struct State {
     ready: BinaryHeap<Reverse<u32>>,
     /// Children of each task that are not done.
     missing: Vec<usize>,
-    /// Threads at work.
+    /// Threads that take up tasks.
     workers: usize,
+    /// Others wait for a front in which threads work together.
+    together: bool,
     /// The first task that failed, and why.
     error: Option<(u32, FactorError)>,
 }
@@ -102,24 +80,28 @@ struct State {
 /// Tasks that threads work off.
 struct Schedule<'a, F> {
     tasks: &'a [Task],
+    part: Range<usize>,
     threads: usize,
+    /// No thread begins a task while there is a front in which threads work together.
+    wait: bool,
     state: Mutex<State>,
     run: F,
 }
 
-/// Runs tasks, the first ones of all, each after its children.
+/// Runs a part of the tasks, each after its children. Those before are done. Threads may have to wait for one another.
 ///
 /// # Errors
 /// That of a task; others may be left undone then.
 pub(super) fn run_all(
     tasks: &[Task],
-    threads: usize,
+    part: Range<usize>,
+    (threads, wait): (usize, bool),
     run: impl Fn(usize) -> Result<(), FactorError> + Sync,
 ) -> Result<(), FactorError> {
-    let missing: Vec<usize> = tasks.iter().map(|t| t.children.len()).collect();
-    let ready = (0..tasks.len() as u32).filter(|&t| missing[t as usize] == 0).map(Reverse).collect();
-    let state = State { ready, missing, workers: 1, error: None };
-    let schedule = Schedule { tasks, threads, state: Mutex::new(state), run };
+    let missing = missing(tasks, &part);
+    let ready = part.clone().filter(|&t| missing[t] == 0).map(|t| Reverse(t as u32)).collect();
+    let state = State { ready, missing, workers: 1, together: false, error: None };
+    let schedule = Schedule { tasks, part, threads, wait, state: Mutex::new(state), run };
     rayon::scope(|scope| schedule.work(scope));
     schedule
         .state
@@ -134,16 +116,20 @@ impl<'a, F: Fn(usize) -> Result<(), FactorError> + Sync> Schedule<'a, F> {
         locked(&self.state)
     }
 
-    /// Takes up one task after another while there are any.
+    /// Takes up one task after another while there are any. A thread that finds none is free for parts of a front in which
+    /// threads work together; the one that began it goes on with the tasks.
     fn work<'s>(&'s self, scope: &Scope<'s>) {
         loop {
             let mut state = self.state();
-            let next = if state.error.is_none() { state.ready.pop() } else { None };
+            let free = state.error.is_none() && !state.together;
+            let next = if free { state.ready.pop() } else { None };
             let Some(Reverse(task)) = next else {
                 state.workers -= 1;
                 return;
             };
-            let more = state.ready.len().min(self.threads.saturating_sub(state.workers));
+            state.together = self.wait && self.tasks[task as usize].together;
+            let free = if state.together { 0 } else { self.threads.saturating_sub(state.workers) };
+            let more = state.ready.len().min(free);
             state.workers += more;
             drop(state);
             for _ in 0..more {
@@ -151,6 +137,9 @@ impl<'a, F: Fn(usize) -> Result<(), FactorError> + Sync> Schedule<'a, F> {
             }
             let done = (self.run)(task as usize);
             let mut state = self.state();
+            if self.tasks[task as usize].together {
+                state.together = false;
+            }
             match done {
                 // That of the first task, whichever thread was faster.
                 Err(error) if state.error.as_ref().is_none_or(|(first, _)| task < *first) => {
@@ -159,7 +148,7 @@ impl<'a, F: Fn(usize) -> Result<(), FactorError> + Sync> Schedule<'a, F> {
                 Err(_) => {}
                 Ok(()) => {
                     let parent = self.tasks[task as usize].parent;
-                    if let Some(parent) = parent.filter(|&p| (p as usize) < self.tasks.len()) {
+                    if let Some(parent) = parent.filter(|&p| self.part.contains(&(p as usize))) {
                         state.missing[parent as usize] -= 1;
                         if state.missing[parent as usize] == 0 {
                             state.ready.push(Reverse(parent));

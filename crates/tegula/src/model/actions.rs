@@ -319,6 +319,9 @@ pub(super) fn added_masses(model: &Model, mesh: &Mesh, vectors: &Vectors) -> Vec
 }
 
 pub(super) fn initial_velocity(model: &Model, mesh: &Mesh, vectors: &Vectors) -> Vec<Nodal> {
+    if model.initial_velocities.is_empty() {
+        return Vec::new();
+    }
     let mut out = vec![[0.0; 3]; vectors.reference.len()];
     let directors = vectors.by_node(VectorKind::Director);
     let gradients = vectors.by_node(VectorKind::Gradient);

@@ -59,6 +59,6 @@ impl Probe {
 
     /// Velocity [length/time].
     pub fn velocity(&self, state: &State) -> [f64; 3] {
-        state.v[self.vector]
+        state.v.get(self.vector).copied().unwrap_or_default()
     }
 }

@@ -30,7 +30,11 @@ pub struct ElementBlocks<'a> {
     pub blocks: &'a [f64],
 }
 
-/// Buffers for one analysis; nothing is allocated after it is made.
+/// Models of so many portions give back the buffer of one when the tangent is summed: the factorisation wants memory then,
+/// and to get it again is little work for them.
+const MANY_PORTIONS: usize = 8;
+
+/// Buffers for one analysis; nothing is allocated after it is made, but for models of many portions.
 pub struct Assembly {
     /// Element forces, all groups one after another.
     element_forces: Vec<f64>,
@@ -126,6 +130,7 @@ impl Assembly {
         out: &mut [Nodal],
     ) {
         self.values.resize(system.pattern.values(), 0.0);
+        self.blocks.resize(9 * largest_portion(system), 0.0);
         // As one piece of work of the thread pool: from outside, each of the many small ones would wait to be taken.
         let work = || {
             system.pattern.begin(parts.mass, &self.numbering, &mut self.values);
@@ -137,6 +142,9 @@ impl Assembly {
             self.gather_forces(out);
         };
         rayon::join(work, || ());
+        if self.energies.len() > MANY_PORTIONS * PORTION {
+            self.blocks = Vec::new();
+        }
     }
 
     /// Internal forces of a motion; the tangent is not summed but handed over, the lower blocks of one element or load that
@@ -150,6 +158,7 @@ impl Assembly {
         out: &mut [Nodal],
         mut take: impl FnMut(&[f64]) + Send,
     ) {
+        self.blocks.resize(9 * largest_portion(system), 0.0);
         let work =
             || {
                 let mut first = 0;
@@ -177,6 +186,7 @@ impl Assembly {
 
     /// Only the element work of [`forces_and_tangent`](Self::forces_and_tangent), to see what it takes.
     pub fn element_work(&mut self, system: &System, k: &Kinematics, parts: &TangentParts, out: &mut [Nodal]) {
+        self.blocks.resize(9 * largest_portion(system), 0.0);
         let work = || {
             self.portions(system, k, parts, (true, None), |_, _, _| {});
             self.gather_forces(out);
@@ -192,6 +202,7 @@ impl Assembly {
         parts: &TangentParts,
         mut f: impl FnMut(ElementBlocks),
     ) {
+        self.blocks.resize(9 * largest_portion(system), 0.0);
         self.portions(system, k, parts, (false, None), |elements, blocks, _| {
             if let Some((group, first)) = elements {
                 f(ElementBlocks { group, first, blocks });

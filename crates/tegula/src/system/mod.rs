@@ -121,7 +121,7 @@ pub struct System {
     pub linear: bool,
     /// Loads without amplitude grow with time (statics) instead of being constant.
     pub proportional: bool,
-    /// Velocities at the start.
+    /// Velocities at the start; none if all are zero.
     pub initial_velocity: Vec<Nodal>,
     /// Numbers of nodes and quads in the mesh file, for messages.
     pub labels: Option<Labels>,

@@ -299,7 +299,9 @@ fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
 /// them: `F − f_int − C v − M a`. The assembly's axes follow it.
 fn start(system: &System, assembly: &mut Assembly) -> (State, Vec<Nodal>) {
     let n = system.vectors();
-    let mut state = State { v: system.initial_velocity.clone(), ..State::at_rest(system) };
+    let mut v = system.initial_velocity.clone();
+    v.resize(n, [0.0; 3]);
+    let mut state = State { v, a: vec![[0.0; 3]; n], ..State::at_rest(system) };
     // Supports hold from the start: an initial velocity across them is not possible.
     let mut supported = vec![[0.0; 3]; n];
     system.numbering.supported_part(&state.v, &mut supported);

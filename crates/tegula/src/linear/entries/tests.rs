@@ -77,9 +77,10 @@ impl Pattern {
                 assert_eq!(found, number.map_or(0.0, |&k| value(k)), "front {f}, row {row}, column {column}");
                 entered += usize::from(number.is_some());
             }
-            let mut collected = Vec::new();
+            // None is left: no value is zero.
+            let mut collected = vec![0.0; tree.entries.number(f)];
             tree.entries.collect(f, &values, &mut collected);
-            assert_eq!(collected.len(), tree.entries.number(f));
+            assert!(collected.iter().all(|v| *v != 0.0));
             let mut again = vec![0.0; layout.size()];
             tree.entries.enter_collected(f, &collected, &mut again);
             assert_eq!(again, panel);
