@@ -27,8 +27,6 @@ use super::{FactorError, Inertia};
 
 /// Work (operations) below which a subtree is not split.
 const GRAIN: f64 = 5e7;
-/// The same as a share of all.
-const SHARE: f64 = 1.0 / 16.0;
 /// Entries of a factor (256 MB) from which on memory is spared, at the price of 3 % more time: subtrees are half as
 /// large, threads wait for one another, panels take the memory of the values, and what waits has pieces of its own size.
 const LARGE: usize = 1 << 25;
@@ -138,15 +136,17 @@ impl Multifrontal {
     pub fn new(pointers: &[usize], rows: &[u32]) -> Result<Self, FactorError> {
         let quotient = Quotient::new(pointers, rows);
         let order = quotient.minimum_degree()?;
-        Self::of_tree(AssemblyTree::new(&quotient, &order, pointers, rows)?, rows.len())
+        let tree = AssemblyTree::new(&quotient, &order, pointers, rows)?;
+        let sparing = tree.size >= LARGE;
+        Self::of_tree(tree, rows.len(), sparing)
     }
 
     /// For a matrix with so many values.
-    fn of_tree(tree: AssemblyTree, values: usize) -> Result<Self, FactorError> {
+    fn of_tree(tree: AssemblyTree, values: usize, sparing: bool) -> Result<Self, FactorError> {
         let n = tree.fronts.len();
         let threads = rayon::current_num_threads();
-        let sparing = tree.size >= LARGE;
-        let grain = (tree.operations() * if sparing { 0.5 * SHARE } else { SHARE }).max(GRAIN);
+        let parts = (8 * threads).max(16) * if sparing { 2 } else { 1 };
+        let grain = (tree.operations() / parts as f64).max(GRAIN);
         let split: Vec<bool> =
             (0..n).map(|f| tree.fronts[f].work > grain && !tree.children[f].is_empty()).collect();
         let tasks = Task::all(&tree, &split);
@@ -258,7 +258,7 @@ impl Multifrontal {
         let tree = self.tree.delay(&delayed, pointers)?;
         let memory = std::mem::take(&mut self.last);
         self.release();
-        *self = Self::of_tree(tree, number)?;
+        *self = Self::of_tree(tree, number, self.sparing)?;
         self.last = memory;
         self.care = Care::Much;
         Ok((Attempt::Again, true))
@@ -444,3 +444,7 @@ fn stack_size(tree: &AssemblyTree, subtree: &Range<usize>) -> usize {
     }
     most
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests;

@@ -1,0 +1,64 @@
+use super::*;
+
+/// Nodes of a square grid with six unknowns each, all of neighbours coupled: column pointers, rows, values.
+fn grid(n: usize, diagonal: f64) -> (Vec<usize>, Vec<u32>, Vec<f64>) {
+    let (mut pointers, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+    for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+        let neighbours = [(i, j), (i, j + 1), (i + 1, j.wrapping_sub(1)), (i + 1, j), (i + 1, j + 1)];
+        let neighbours = neighbours.into_iter().filter(|&(k, l)| k < n && l < n).map(|(k, l)| k * n + l);
+        for a in 0..6 {
+            let column = 6 * (i * n + j) + a;
+            let below =
+                neighbours.clone().flat_map(|node| 6 * node..6 * node + 6).filter(|&row| row >= column);
+            for row in below {
+                rows.push(row as u32);
+                let wave = ((7 * row + 3 * column) as f64).sin();
+                values.push(if row == column { diagonal + wave } else { wave });
+            }
+            pointers.push(rows.len());
+        }
+    }
+    (pointers, rows, values)
+}
+
+/// Pivots that are negative, and a solution.
+fn solve(fronts: &mut Multifrontal, pointers: &[usize], values: &[f64], given: bool) -> (usize, Vec<f64>) {
+    loop {
+        let own = if given { Values::Given(values.to_vec()) } else { Values::Kept(values) };
+        if let (Attempt::Done(inertia), _) = fronts.factor(pointers, own).unwrap() {
+            let mut x: Vec<f64> = (0..pointers.len() - 1).map(|i| (i as f64).cos()).collect();
+            fronts.solve(&mut x).unwrap();
+            return (inertia.negative, x);
+        }
+    }
+}
+
+/// Definite, indefinite, and with pivots in doubt.
+#[test]
+fn memory_is_spared_without_a_change_of_a_bit() {
+    for diagonal in [60.0, 1e-3] {
+        let (pointers, rows, values) = grid(48, diagonal);
+        let run = |sparing: bool, threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let quotient = Quotient::new(&pointers, &rows);
+                let order = quotient.minimum_degree().unwrap();
+                let tree = AssemblyTree::new(&quotient, &order, &pointers, &rows).unwrap();
+                let mut fronts = Multifrontal::of_tree(tree, values.len(), sparing).unwrap();
+                assert_eq!(fronts.late.is_some(), sparing);
+                let late = fronts.late.as_ref().map_or(0, |late| fronts.tasks.len() - late.task);
+                assert!(!sparing || (late > 1 && late < fronts.tasks.len()), "{late}");
+                let first = solve(&mut fronts, &pointers, &values, true);
+                for given in [true, false] {
+                    assert!(solve(&mut fronts, &pointers, &values, given) == first, "the same once more");
+                }
+                first
+            })
+        };
+        let usual = run(false, 1);
+        assert_eq!(usual.0 > 0, diagonal < 60.0, "{diagonal}");
+        for (sparing, threads) in [(true, 1), (true, 2), (true, 3), (false, 2)] {
+            assert!(run(sparing, threads) == usual, "{diagonal} {sparing} {threads}");
+        }
+    }
+}
