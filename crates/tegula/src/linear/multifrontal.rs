@@ -147,8 +147,8 @@ impl Multifrontal {
         let threads = rayon::current_num_threads();
         let parts = (8 * threads).max(16) * if sparing { 2 } else { 1 };
         let grain = (tree.operations() / parts as f64).max(GRAIN);
-        let split: Vec<bool> =
-            (0..n).map(|f| tree.fronts[f].work > grain && !tree.children[f].is_empty()).collect();
+        let splits = |f: usize| tree.fronts[f].work > grain && !tree.children[f].is_empty();
+        let split: Vec<bool> = (0..n).map(|f| (threads > 1 || sparing) && splits(f)).collect();
         let tasks = Task::all(&tree, &split);
         let late = if sparing && split.contains(&true) { Late::new(&tree, &tasks, values) } else { None };
         let stacks: Vec<usize> = tasks.iter().map(|task| stack_size(&tree, &task.fronts)).collect();
