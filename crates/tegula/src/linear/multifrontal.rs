@@ -26,7 +26,7 @@ use super::triangle::Triangle;
 use super::{FactorError, Inertia};
 
 /// Work (operations) below which a subtree is not split.
-const GRAIN: f64 = 5e7;
+const GRAIN: f64 = 2e7;
 /// Entries of a factor (256 MB) from which on memory is spared, at the price of 3 % more time: subtrees are half as
 /// large, threads wait for one another, panels take the memory of the values, and what waits has pieces of its own size.
 const LARGE: usize = 1 << 25;
