@@ -9,12 +9,17 @@ pub fn slope(points: &[(f64, f64)]) -> f64 {
     sum(&|p| (p.0 - x) * (p.1 - y)) / sum(&|p| (p.0 - x).powi(2))
 }
 
-/// Processor time of all threads, user and system (s): `/proc/self/stat`, in hundredths of a second.
+/// Processor time of all threads, user and system (s).
 pub fn cpu_seconds() -> f64 {
+    cpu_parts().iter().sum()
+}
+
+/// Processor time of all threads in the program and in the system (s): `/proc/self/stat`, in hundredths of a second.
+pub fn cpu_parts() -> [f64; 2] {
     let text = std::fs::read_to_string("/proc/self/stat").unwrap();
     let after_name = text.rsplit(')').next().unwrap();
-    let ticks: f64 = after_name.split_whitespace().skip(11).take(2).map(|t| t.parse::<f64>().unwrap()).sum();
-    ticks / 100.0
+    let mut seconds = after_name.split_whitespace().skip(11).map(|t| t.parse::<f64>().unwrap() / 100.0);
+    std::array::from_fn(|_| seconds.next().unwrap())
 }
 
 /// Largest memory of the process (bytes).
