@@ -21,7 +21,7 @@ impl Piece {
     /// For some numbers, at first zero.
     fn new(n: usize) -> Result<Self, FactorError> {
         let bytes = n.checked_mul(size_of::<f64>()).ok_or(FactorError::TooLarge)?;
-        // All of it is going to be written: its pages come at once, which takes half the time.
+        // All of it is going to be written: its pages may come at once.
         let map = MmapOptions::new().len(bytes).populate().map_anon().map_err(|_| FactorError::TooLarge)?;
         Ok(Self(Some(map)))
     }
