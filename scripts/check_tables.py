@@ -25,7 +25,9 @@ def cells(path):
 
 
 def same(shown, fresh):
-    """True for equal texts, and for numbers that differ by rounding."""
+    """True for equal texts, and for numbers that differ by rounding; never for what is no number."""
+    if {shown.lower(), fresh.lower()} & {"nan", "inf", "-inf"}:
+        return False
     if shown == fresh:
         return True
     try:

@@ -2,9 +2,15 @@
 """Count the instructions of the element work of a Newton iteration and compare with those kept.
 
     cargo build --release --example instruction_counts
-    python3 scripts/count_instructions.py           # fails if a part takes 5 % more than benches/instructions.json
+    python3 scripts/count_instructions.py           # fails if a part takes 15 % more than benches/instructions.json
                                                     # by the same compiler, on the same architecture
     python3 scripts/count_instructions.py --write   # writes that file anew: for changes that are meant
+
+What the kernels and the factorisation compute is held exactly by the tests `operations_per_element_are_those_that_are_known`
+and `a_factorisation_costs_what_is_known`, which count floating-point operations, of AVX-512 as of any other registers.
+Instructions show what only machine code has: values that leave the registers, loops that are no longer vectorised, sums
+that are no longer fused; such a loss is a third or more. A few per cent come and go with the inlining of other code and
+decide nothing. Valgrind runs the AVX2 code: it does not know AVX-512.
 
 Needs valgrind. Counts do not depend on what else the machine does; they do on the compiler and the architecture.
 With others than those of the file differences are reported only. A count far below the kept one is reported, so that
@@ -23,7 +29,7 @@ PROGRAM = ROOT / "target/release/examples/instruction_counts"
 KEPT = ROOT / "benches/instructions.json"
 # Not the factorisation: how its dense kernels divide their work depends on the caches of the machine.
 PARTS = ("force", "tangent", "tangent-cm", "tangent-and-scatter")
-MORE = 1.05
+MORE = 1.15
 REPETITIONS = (1, 11)
 
 

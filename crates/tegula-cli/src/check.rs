@@ -3,58 +3,176 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use serde_json::json;
+use tegula::mesh::folds::Fold;
 use tegula::mesh::quality::quality;
+use tegula::{Mesh, System};
 use tegula_io::deck::Deck;
 use tegula_io::job;
 
-use crate::report::{Failure, warn};
+use crate::numbers::{grouped, significant};
+use crate::report::{self, Failure, warn};
 
 /// Arguments of `tegula check`.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Model file (TOML)
+    /// Model file (TOML); `-` reads it from standard input
     model: PathBuf,
+    /// Print the findings, or what is wrong, as JSON on standard output
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Checks the model and prints what it is.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let deck = Deck::read(&arguments.model).map_err(Failure::Model)?;
-    print(&deck)
+    print(&deck, arguments.json)
 }
 
 /// Prints what a model is.
-pub fn print(deck: &Deck) -> Result<(), Failure> {
+pub fn print(deck: &Deck, as_json: bool) -> Result<(), Failure> {
     let prepared = job::prepare(deck)?;
     let (mesh, system) = (&prepared.mesh, &prepared.system);
     let supported = 3 * system.vectors() - system.unknowns();
     let q = quality(mesh);
-    if !deck.model.title.is_empty() {
-        say!("{}", deck.model.title);
+    let title = &deck.model.title;
+    if as_json {
+        let out = json!({
+            "status": "ok",
+            "title": title,
+            "elements": system.elements(),
+            "nodes": mesh.positions.len(),
+            "unknowns": system.unknowns(),
+            "supported": supported,
+            "mass": system.total_mass(),
+            "size": system.length,
+            "quality": {
+                "max_aspect": q.max_aspect,
+                "min_angle_deg": q.min_angle_deg,
+                "max_angle_deg": q.max_angle_deg,
+                "max_warp": q.max_warp,
+            },
+            "sets": mesh.set_names(),
+            "warnings": prepared.warnings.iter().map(report::as_json).collect::<Vec<_>>(),
+        });
+        say!("{out:#}");
+        return Ok(());
+    }
+    if !title.is_empty() {
+        say!("{title}");
     }
     if let Some(labels) = &mesh.labels {
         say!("mesh file  {}", labels.file);
     }
-    say!("elements   {}", system.elements());
-    say!("nodes      {}", mesh.positions.len());
-    say!("unknowns   {}", system.unknowns());
-    say!("supported  {supported} coordinates");
-    say!("mass       {:.6e}", system.total_mass());
-    say!("size       {:.6e}", system.length);
+    say!("elements   {}", grouped(system.elements()));
+    say!("nodes      {}", grouped(mesh.positions.len()));
+    say!("unknowns   {}", grouped(system.unknowns()));
+    say!("supported  {} coordinates", grouped(supported));
+    say!("mass       {}", significant(system.total_mass(), 7));
+    say!("size       {}", significant(system.length, 7));
     say!(
-        "quality    aspect ratio to {:.3}, angles {:.1} to {:.1} degrees, warp to {:.2e}",
+        "quality    aspect ratio to {:.3}, angles {:.1} to {:.1} degrees, warp to {}",
         q.max_aspect,
         q.min_angle_deg,
         q.max_angle_deg,
-        q.max_warp
+        significant(q.max_warp, 3)
     );
+    print_parts(mesh);
+    print_folds(mesh, system, deck.model.mesh.fold_angle());
     say!("sets       {}", mesh.set_names().join(", "));
-    for warning in &prepared.warnings {
-        warn(&warning.to_string());
-    }
-    match prepared.warnings.len() {
+    prepared.warnings.iter().for_each(warn);
+    let warnings: usize = prepared.warnings.iter().map(|w| w.hidden.max(1)).sum();
+    match warnings {
         0 => say!("no errors"),
         1 => say!("no errors, 1 warning"),
         n => say!("no errors, {n} warnings"),
     }
     Ok(())
+}
+
+/// Lines of a list that are written out.
+const SHOWN: usize = 10;
+
+/// Prints the connected parts of a mesh.
+fn print_parts(mesh: &Mesh) {
+    let mut parts: Vec<(u32, usize)> = Vec::new();
+    for (node, part) in (0u32..).zip(mesh.parts()).filter(|(_, part)| *part != u32::MAX) {
+        match parts.get_mut(part as usize) {
+            Some((_, size)) => *size += 1,
+            None => parts.push((node, 1)),
+        }
+    }
+    if parts.len() == 1 {
+        say!("parts      1: all elements are connected");
+        return;
+    }
+    say!("parts      {}, which no element connects", parts.len());
+    for (first, size) in parts.iter().take(SHOWN) {
+        say!("           {size} nodes, first {}", place(mesh, *first));
+    }
+    more(parts.len());
+}
+
+/// Prints the lines along which sheets meet at an angle, and the rule that makes them.
+fn print_folds(mesh: &Mesh, system: &System, fold_angle: f64) {
+    let (folds, junctions): (Vec<_>, Vec<_>) = system.folds.lines.iter().partition(|line| line.sheets == 2);
+    let length = |lines: &[&Fold]| lines.iter().map(|line| line.length).sum::<f64>();
+    if folds.is_empty() {
+        say!("folds      none: neighbours meet at less than {fold_angle} degrees");
+    } else {
+        say!(
+            "folds      {} of length {:.6} in all: neighbours meet at {fold_angle} degrees or more",
+            folds.len(),
+            length(&folds)
+        );
+        for line in folds.iter().take(SHOWN) {
+            let [low, high] = line.angles.unwrap_or_default();
+            let angles =
+                if high - low < 0.05 { format!("{low:.1}") } else { format!("{low:.1} to {high:.1}") };
+            say!("           {angles} degrees, {}", extent(mesh, line));
+        }
+        more(folds.len());
+    }
+    if !junctions.is_empty() {
+        say!(
+            "junctions  {} of length {:.6} in all: three or more elements meet",
+            junctions.len(),
+            length(&junctions)
+        );
+        for line in junctions.iter().take(SHOWN) {
+            say!("           {} sheets, {}", line.sheets, extent(mesh, line));
+        }
+        more(junctions.len());
+    }
+}
+
+/// "length 0.2, 2 edges, from node 3 at (…) to node 13 at (…)".
+fn extent(mesh: &Mesh, line: &Fold) -> String {
+    let [a, b] = line.ends;
+    let (edges, plural) = (line.edges, if line.edges == 1 { "" } else { "s" });
+    if a == b {
+        format!("length {:.6}, {edges} edge{plural}, closed, through node {}", line.length, place(mesh, a))
+    } else {
+        format!(
+            "length {:.6}, {edges} edge{plural}, from node {} to node {}",
+            line.length,
+            place(mesh, a),
+            place(mesh, b)
+        )
+    }
+}
+
+/// "3 at (1, 0, 0)".
+fn place(mesh: &Mesh, node: u32) -> String {
+    let label = mesh.node_label(node);
+    match mesh.positions.get(node as usize) {
+        Some(x) => format!("{label} at ({:.6}, {:.6}, {:.6})", x.x, x.y, x.z),
+        None => label.to_string(),
+    }
+}
+
+fn more(count: usize) {
+    if count > SHOWN {
+        say!("           and {} more", count - SHOWN);
+    }
 }

@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use serde_json::json;
 use tegula_io::deck::Deck;
 use tegula_io::job::Summary;
 
+use crate::numbers::{grouped, significant};
 use crate::report::Failure;
 use crate::{check, run};
 
@@ -14,38 +16,62 @@ use crate::{check, run};
 pub struct Arguments {
     /// Model file or result folder; without it the program itself
     path: Option<PathBuf>,
+    /// Print it as JSON on standard output
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Prints the summary of the program, a model or a result.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Some(path) = &arguments.path else {
-        say!("tegula   {}", env!("CARGO_PKG_VERSION"));
-        say!("threads  {}", rayon::current_num_threads());
-        say!("SIMD     {}", instruction_set());
-        say!("target   {}-{}", std::env::consts::ARCH, std::env::consts::OS);
+        program(arguments.json);
         return Ok(());
     };
     if !path.is_dir() {
-        return check::print(&Deck::read(path).map_err(Failure::Model)?);
+        return check::print(&Deck::read(path).map_err(Failure::Model)?, arguments.json);
     }
-    let summary = Summary::read(path).map_err(|e| Failure::Usage(e.to_string()))?;
+    let summary = Summary::read(path).map_err(|e| Failure::File(e.to_string()))?;
+    if arguments.json {
+        say!("{}", run::as_json(&summary)?);
+        return Ok(());
+    }
     if !summary.title.is_empty() {
         say!("{}", summary.title);
     }
     say!(
-        "{} analysis of {}, {} elements, {} unknowns, mass {:.6e}",
+        "{} analysis of {}, {} elements, {} unknowns, mass {}",
         summary.analysis,
         summary.model,
-        summary.elements,
-        summary.unknowns,
-        summary.mass
+        grouped(summary.elements),
+        grouped(summary.unknowns),
+        significant(summary.mass, 7)
     );
-    say!("reached {} of {} with tegula {}", summary.time, summary.end, summary.version);
+    let place = if summary.analysis == "static" { "load factor" } else { "time" };
+    say!(
+        "reached {place} {} of {} with tegula {}",
+        significant(summary.time, 5),
+        significant(summary.end, 5),
+        summary.version
+    );
     run::print(&summary, path);
     if let Some(error) = &summary.error {
         say!("error: {error}");
     }
     Ok(())
+}
+
+fn program(as_json: bool) {
+    let (version, threads) = (env!("CARGO_PKG_VERSION"), rayon::current_num_threads());
+    let target = format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS);
+    if as_json {
+        let simd = instruction_set();
+        say!("{:#}", json!({ "version": version, "threads": threads, "simd": simd, "target": target }));
+        return;
+    }
+    say!("tegula   {version}");
+    say!("threads  {threads}");
+    say!("SIMD     {}", instruction_set());
+    say!("target   {target}");
 }
 
 /// The widest vector instructions that the element loops can use here.

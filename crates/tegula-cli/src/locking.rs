@@ -8,6 +8,8 @@ use tegula::model::ElementKind;
 use tegula_io::locking::{Example, Remedy, Study, csv, element_name, markdown, picture};
 use tegula_io::out::write_whole;
 
+use crate::terminal;
+
 /// Show what each remedy against locking does: elements × remedies × slenderness × meshes, a table and a picture
 #[derive(Debug, Args)]
 pub struct Locking {
@@ -40,14 +42,14 @@ impl Locking {
         match self.study().and_then(|(study, shown)| self.write(&study, shown)) {
             Ok(()) => ExitCode::SUCCESS,
             Err((message, code)) => {
-                eprintln!("error: {message}");
+                terminal::report("error", &message);
                 ExitCode::from(code)
             }
         }
     }
 
     fn study(&self) -> Result<(Study, u32), (String, u8)> {
-        let wrong = |message: String| (message, 1);
+        let wrong = |message: String| (message, 2);
         let examples = chosen(&self.examples, "example", &Example::EVERY, |e| e.name()).map_err(wrong)?;
         let elements = chosen(&self.elements, "element", &ElementKind::ALL, element_name).map_err(wrong)?;
         let without = chosen(&self.without, "remedy", &Remedy::EVERY, |r| r.name()).map_err(wrong)?;

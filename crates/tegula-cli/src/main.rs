@@ -1,26 +1,25 @@
 //! `tegula`, the command line program.
 //!
-//! Exit codes: 0 done; 1 wrong command line or files; 2 errors in the model; 3 the analysis failed; 4 a comparison
+//! Exit codes: 0 done; 1 errors in the model or its files; 2 wrong command line; 3 the analysis failed; 4 a comparison
 //! of `verify` missed its tolerance; 130 interrupted (the results up to the last finished step are complete,
 //! `--resume` goes on, but for a modal analysis).
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 
-/// Like `println!`, but whoever reads may stop reading, as in `tegula schema | head`.
-macro_rules! say {
-    ($($text:tt)*) => {{
-        use std::io::Write as _;
-        let _ = writeln!(std::io::stdout(), $($text)*);
-    }};
-}
+#[macro_use]
+mod terminal;
 
 mod check;
+mod completions;
 mod info;
 mod interrupt;
 mod locking;
 mod new;
+mod numbers;
 mod progress;
 mod report;
 mod run;
 mod schema;
+mod threads;
 mod verify;
 
 use std::process::ExitCode;
@@ -37,8 +36,8 @@ struct Cli {
 
 const EXIT_CODES: &str = "Exit codes:
   0    done
-  1    wrong command line or files
-  2    errors in the model
+  1    errors in the model or its files
+  2    wrong command line
   3    the analysis failed (not converged, singular)
   4    verify: a comparison missed its tolerance
   130  interrupted; results up to the last step are complete, --resume goes on (not modal)
@@ -59,6 +58,8 @@ enum Command {
     Info(info::Arguments),
     Verify(verify::Verify),
     Locking(locking::Locking),
+    /// Print the script with which a shell completes commands and options
+    Completions(completions::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -67,20 +68,28 @@ fn main() -> ExitCode {
         Err(error) => {
             // Help and version are no errors; nothing can be done if even printing fails.
             let _ = error.print();
-            return ExitCode::from(u8::from(error.use_stderr()));
+            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
         }
     };
-    let outcome = match cli.command {
-        Command::Run(arguments) => run::run(&arguments),
-        Command::Check(arguments) => check::run(&arguments),
-        Command::New(arguments) => new::run(&arguments),
-        Command::Schema => schema::run(),
-        Command::Info(arguments) => info::run(&arguments),
+    let (outcome, as_json) = match cli.command {
+        Command::Run(arguments) => (run::run(&arguments), arguments.json),
+        Command::Check(arguments) => (check::run(&arguments), arguments.json),
+        Command::New(arguments) => (new::run(&arguments), false),
+        Command::Schema => (schema::run(), false),
+        Command::Info(arguments) => (info::run(&arguments), arguments.json),
+        Command::Completions(arguments) => (completions::run(&arguments), false),
         Command::Verify(verify) => return verify.run(),
         Command::Locking(locking) => return locking.run(),
     };
-    match outcome {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(),
+    if let Err(failure) = outcome {
+        return failure.report(as_json);
+    }
+    // Whoever asked for text must know that it is not whole.
+    match terminal::unwritten() {
+        Some(reason) => {
+            terminal::report("error", &format!("cannot write to standard output: {reason}"));
+            ExitCode::from(1)
+        }
+        None => ExitCode::SUCCESS,
     }
 }

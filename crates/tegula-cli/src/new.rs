@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use tegula_io::deck;
+use tegula_io::out::write_whole;
 
 use crate::report::Failure;
 
@@ -50,7 +51,23 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         write(path, text)?;
         say!("{}", path.display());
     }
+    refresh_schema(&beside(deck::SCHEMA_FILE))?;
     say!("next: tegula run {}", file.display());
+    Ok(())
+}
+
+/// Writes the schema for editors beside the model, over an earlier one of this program only.
+fn refresh_schema(path: &Path) -> Result<(), Failure> {
+    let text = deck::schema_text();
+    if !path.exists() {
+        write(path, &text)?;
+        say!("{}", path.display());
+        return Ok(());
+    }
+    let there = std::fs::read_to_string(path).unwrap_or_default();
+    if there != text && deck::is_schema(&there) {
+        write_whole(path, |w| w.write_all(text.as_bytes())).map_err(|e| Failure::File(e.to_string()))?;
+    }
     Ok(())
 }
 
@@ -62,10 +79,10 @@ fn write(path: &Path, text: &str) -> Result<(), Failure> {
         .and_then(|mut f| f.write_all(text.as_bytes()));
     written.map_err(|e| match e.kind() {
         ErrorKind::AlreadyExists => exists(path),
-        _ => Failure::Usage(format!("cannot write `{}`: {e}", path.display())),
+        _ => Failure::File(format!("cannot write `{}`: {e}", path.display())),
     })
 }
 
 fn exists(path: &Path) -> Failure {
-    Failure::Usage(format!("`{}` exists already and is not overwritten; give another name", path.display()))
+    Failure::File(format!("`{}` exists already and is not overwritten; give another name", path.display()))
 }

@@ -1,18 +1,22 @@
-//! What went wrong, for people, and the exit code that says so to programs.
+//! Failures for people, as JSON for programs, and their exit codes.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use miette::{GraphicalReportHandler, LabeledSpan, NamedSource, SourceCode};
+use serde_json::{Value, json};
 use tegula_io::deck::Diagnostic;
 use tegula_io::job::JobError;
+
+use crate::terminal;
 
 /// Why the program did not do what it was asked to do.
 #[derive(Debug)]
 pub enum Failure {
-    /// The command line or a file is wrong.
+    /// The command line is wrong.
     Usage(String),
-    /// The model has errors.
+    /// A file or folder cannot be used.
+    File(String),
+    /// The model has errors, or its file cannot be read.
     Model(Vec<Diagnostic>),
     /// The analysis failed.
     Analysis(String),
@@ -29,136 +33,126 @@ impl From<JobError> for Failure {
                 "{error}\n  The results up to the last finished step are in {}",
                 folder.display()
             )),
-            other => Self::Usage(other.to_string()),
+            other => Self::File(other.to_string()),
         }
     }
 }
 
 impl Failure {
-    /// Prints it and gives its exit code.
-    pub fn report(self) -> ExitCode {
+    fn code(&self) -> u8 {
         match self {
-            Self::Usage(message) => {
-                eprintln!("error: {message}");
-                ExitCode::from(1)
+            Self::File(_) | Self::Model(_) => 1,
+            Self::Usage(_) => 2,
+            Self::Analysis(_) => 3,
+            Self::Interrupted(..) => 130,
+        }
+    }
+
+    /// Prints the failure, as JSON on standard output where that is wanted, and gives its exit code.
+    pub fn report(self, as_json: bool) -> ExitCode {
+        if as_json {
+            say!("{:#}", self.json());
+        } else {
+            self.print();
+        }
+        ExitCode::from(self.code())
+    }
+
+    fn print(&self) {
+        match self {
+            Self::Usage(message) | Self::File(message) | Self::Analysis(message) => {
+                terminal::report("error", message);
             }
             Self::Model(diagnostics) => {
-                // A model file that cannot even be read is a wrong file, not a wrong model.
-                let code =
-                    if diagnostics.iter().all(|d| d.line == 0) && !readable(&diagnostics) { 1 } else { 2 };
-                show(&diagnostics);
-                ExitCode::from(code)
-            }
-            Self::Analysis(message) => {
-                eprintln!("error: {message}");
-                ExitCode::from(3)
-            }
-            Self::Interrupted(folder, resumable) => {
-                if resumable {
-                    eprintln!(
-                        "interrupted: the results up to the last finished step are in {}; --resume goes on from there",
-                        folder.display()
-                    );
-                } else {
-                    eprintln!(
-                        "interrupted: a modal analysis is one solve, so there are no modes; start it anew"
-                    );
+                diagnostics.iter().for_each(|d| terminal::report("error", &shown(d)));
+                let errors: usize = diagnostics.iter().map(|d| d.hidden.max(1)).sum();
+                if errors > 1 {
+                    tell!("{errors} errors");
                 }
-                ExitCode::from(130)
+            }
+            Self::Interrupted(..) => tell!("{}", self.message()),
+        }
+    }
+
+    fn message(&self) -> String {
+        match self {
+            Self::Usage(message) | Self::File(message) | Self::Analysis(message) => message.clone(),
+            Self::Model(diagnostics) => format!("the model has {} errors", diagnostics.len()),
+            Self::Interrupted(folder, true) => format!(
+                "interrupted: the results up to the last finished step are in {}; --resume goes on from there",
+                folder.display()
+            ),
+            Self::Interrupted(..) => {
+                "interrupted: a modal analysis is one solve, so there are no modes; start it anew".into()
             }
         }
     }
+
+    fn json(&self) -> Value {
+        let status = if matches!(self, Self::Interrupted(..)) { "interrupted" } else { "failed" };
+        let mut out = json!({ "status": status, "exit_code": self.code() });
+        match self {
+            Self::Model(diagnostics) => out["errors"] = diagnostics.iter().map(as_json).collect(),
+            _ => out["errors"] = json!([{ "message": self.message() }]),
+        }
+        out
+    }
 }
 
-fn readable(diagnostics: &[Diagnostic]) -> bool {
-    diagnostics.iter().all(|d| std::fs::read(&d.file).is_ok())
+/// A diagnostic as JSON; `line` and `column` are 0 where the whole file is meant.
+pub fn as_json(d: &Diagnostic) -> Value {
+    json!({
+        "file": d.file.display().to_string(),
+        "line": d.line,
+        "column": d.column,
+        "key": d.key,
+        "message": d.message,
+        "help": d.help,
+    })
 }
 
-/// Longest line of a model file that is shown (characters).
+/// Longest line of a model file that is shown (characters); a longer one would hide the message.
 const LONGEST_LINE: usize = 200;
 
 /// Prints what is doubtful about a model that can be computed.
-pub fn warn(message: &str) {
-    eprintln!("warning: {message}");
+pub fn warn(diagnostic: &Diagnostic) {
+    terminal::report("warning", &shown(diagnostic));
 }
 
-/// Prints diagnostics with the lines they speak of.
-fn show(diagnostics: &[Diagnostic]) {
-    let handler = GraphicalReportHandler::new();
-    for diagnostic in diagnostics {
-        let bytes = std::fs::read(&diagnostic.file).unwrap_or_default();
-        let text = String::from_utf8_lossy(&bytes).into_owned();
-        // Control characters would reach the terminal; blanks of the same length keep the place.
-        let visible = |c: char| if c.is_control() && !"\n\r\t".contains(c) { ' ' } else { c };
-        let text: String = text
-            .chars()
-            .flat_map(|c| std::iter::repeat_n(visible(c), if visible(c) == c { 1 } else { c.len_utf8() }))
-            .collect();
-        let snippet = Snippet::new(diagnostic, text);
-        let mut out = String::new();
-        // A line that fills the screen hides the message; the place stands in front of it anyway.
-        let long = snippet.surroundings().any(|line| line.chars().count() > LONGEST_LINE);
-        if diagnostic.line == 0 || long || handler.render_report(&mut out, &snippet).is_err() {
-            eprintln!("error: {diagnostic}\n");
-        } else {
-            eprintln!("{}", out.trim_start_matches('\n'));
-        }
+/// Message of a diagnostic with its place, its line and its remedy.
+fn shown(d: &Diagnostic) -> String {
+    let mut out = if d.key.is_empty() { d.message.clone() } else { format!("{}: {}", d.key, d.message) };
+    let number = d.line.to_string();
+    let margin = " ".repeat(number.len());
+    if d.line == 0 {
+        out.push_str(&format!("\n{margin}--> {}", d.file.display()));
+    } else {
+        out.push_str(&format!("\n{margin}--> {}:{}:{}", d.file.display(), d.line, d.column));
+        out.push_str(&snippet(d, &number).unwrap_or_default());
     }
-    if diagnostics.len() > 1 {
-        eprintln!("{} errors", diagnostics.len());
+    if !d.help.is_empty() {
+        out.push_str(&format!("\n{margin} = help: {}", d.help));
     }
+    out
 }
 
-/// A diagnostic in the shape that the report's printer wants.
-#[derive(Debug)]
-struct Snippet {
-    message: String,
-    line: usize,
-    help: String,
-    source: NamedSource<String>,
-    label: LabeledSpan,
-}
-
-impl Snippet {
-    fn new(d: &Diagnostic, text: String) -> Self {
-        // Long tables would fill the screen: their first line is enough.
-        let start = d.span.start.min(text.len());
-        let rest = text.get(start..d.span.end.min(text.len())).unwrap_or_default();
-        let length = rest.lines().next().unwrap_or_default().len().max(1).min(text.len() - start);
-        let message = if d.key.is_empty() { d.message.clone() } else { format!("{}: {}", d.key, d.message) };
-        Self {
-            message,
-            line: d.line,
-            help: d.help.clone(),
-            source: NamedSource::new(d.file.display().to_string(), text),
-            label: LabeledSpan::new(None, start, length),
-        }
+/// The line of a diagnostic with marks below the part that is meant; of a longer part its first line is enough.
+fn snippet(d: &Diagnostic, number: &str) -> Option<String> {
+    let begin = d.text.get(..d.span.start)?.rfind('\n').map_or(0, |i| i + 1);
+    let line = d.text.get(begin..)?.lines().next()?;
+    if line.chars().count() > LONGEST_LINE {
+        return None;
     }
-
-    /// The line meant and those before and behind it, which are shown with it.
-    fn surroundings(&self) -> impl Iterator<Item = &str> {
-        self.source.inner().lines().skip(self.line.saturating_sub(2)).take(3)
-    }
-}
-
-impl std::fmt::Display for Snippet {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.message)
-    }
-}
-
-impl std::error::Error for Snippet {}
-
-impl miette::Diagnostic for Snippet {
-    fn help<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
-        (!self.help.is_empty()).then(|| Box::new(&self.help) as Box<dyn std::fmt::Display>)
-    }
-
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        Some(&self.source)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        Some(Box::new(std::iter::once(self.label.clone())))
-    }
+    // One character on the screen for each in the text, so that the marks stand below the right ones.
+    let visible: String =
+        line.chars().map(|c| if c.is_control() || c == '\u{feff}' { ' ' } else { c }).collect();
+    let before = d.text.get(begin..d.span.start)?.chars().count();
+    let meant = d.text.get(d.span.clone())?.lines().next().unwrap_or_default().chars().count().max(1);
+    let margin = " ".repeat(number.len());
+    Some(format!(
+        "\n{margin} |\n{number} | {}\n{margin} | {}{}",
+        visible.trim_end(),
+        " ".repeat(before),
+        "^".repeat(meant)
+    ))
 }

@@ -3,93 +3,124 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use tegula_io::deck::Deck;
+use tegula_io::deck::{Deck, STANDARD_INPUT};
 use tegula_io::job::{self, JobOptions, Summary};
 
-use crate::interrupt;
-use crate::progress::ProgressLine;
+use crate::numbers::{counted, duration, significant};
+use crate::progress::{Detail, ProgressLine};
 use crate::report::Failure;
+use crate::{interrupt, threads};
 
 /// Arguments of `tegula run`.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Model file (TOML)
+    /// Model file (TOML); `-` reads it from standard input
     model: PathBuf,
     /// Result folder [default: results/<name of the model file>]
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Threads [default: one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    threads: Option<u16>,
+    /// Threads [default: one for each processor]
+    #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    threads: Option<u32>,
     /// Go on from the checkpoint of an interrupted run
-    #[arg(long)]
+    #[arg(long, conflicts_with = "force")]
     resume: bool,
-    /// Print nothing but errors
+    /// Replace the results of another model in the result folder
     #[arg(long)]
+    force: bool,
+    /// Print nothing but errors
+    #[arg(short, long, conflicts_with = "verbose")]
     quiet: bool,
+    /// Print every step and every event
+    #[arg(short, long)]
+    verbose: bool,
+    /// Print the summary, or what went wrong, as JSON on standard output
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Runs the model.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    if let Some(threads) = arguments.threads {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.into())
-            .build_global()
-            .map_err(|e| Failure::Usage(format!("{threads} threads cannot be started: {e}")))?;
-    }
+    threads::start(arguments.threads)?;
     let deck = Deck::read(&arguments.model).map_err(Failure::Model)?;
-    let folder = arguments.out.clone().unwrap_or_else(|| default_folder(&arguments.model));
+    let folder = arguments.out.clone().unwrap_or_else(|| default_folder(&deck.path));
     interrupt::listen();
-    let mut line = ProgressLine::new(arguments.quiet);
-    let options = JobOptions { folder: folder.clone(), resume: arguments.resume };
+    let mut line = ProgressLine::new(match (arguments.quiet, arguments.verbose) {
+        (true, _) => Detail::Nothing,
+        (_, true) => Detail::Everything,
+        _ => Detail::Progress,
+    });
+    let options = JobOptions { folder: folder.clone(), resume: arguments.resume, force: arguments.force };
     let outcome = job::run(&deck, &options, &mut line);
     line.close();
     let summary = outcome?;
-    if !arguments.quiet {
+    if arguments.json {
+        say!("{}", as_json(&summary)?);
+    } else if !arguments.quiet {
         print(&summary, &folder);
     }
     Ok(())
 }
 
 fn default_folder(model: &Path) -> PathBuf {
-    Path::new("results").join(model.file_stem().unwrap_or(model.as_os_str()))
+    let name = if model == Path::new(STANDARD_INPUT) { "stdin".as_ref() } else { model.as_os_str() };
+    Path::new("results").join(Path::new(name).file_stem().unwrap_or(name))
 }
 
-/// What was found.
+/// The summary as it stands in `summary.json`.
+pub fn as_json(summary: &Summary) -> Result<String, Failure> {
+    serde_json::to_string_pretty(summary).map_err(|e| Failure::File(e.to_string()))
+}
+
+/// Prints the findings of a run.
 pub fn print(summary: &Summary, folder: &Path) {
     let s = summary;
     let status = format!("{:?}", s.status).to_lowercase();
+    let (iterations, time) = (counted(s.iterations, "iteration"), duration(s.wall_s));
     match &s.frequencies_hz {
         Some(found) => say!(
-            "{status}: {} modes, {} iterations, {} factorisations, {:.2} s",
-            found.len(),
-            s.iterations,
-            s.factorizations,
-            s.wall_s
+            "{status}: {}, {iterations}, {}, {time}",
+            counted(found.len() as u64, "mode"),
+            counted(s.factorizations, "factorisation")
         ),
         None => say!(
-            "{status}: {} steps, {} iterations, {} repeated steps, {:.2} s",
-            s.steps,
-            s.iterations,
-            s.cutbacks,
-            s.wall_s
+            "{status}: {}, {iterations}, {}, {time}",
+            counted(s.steps, "step"),
+            counted(s.cutbacks, "cut-back")
         ),
     }
     if let Some(error) = s.energy_error {
-        say!("  energy balance kept to {error:.1e} of the largest energy");
+        say!("  energy balance kept to {} of the largest energy", significant(error, 2));
     }
     if let Some(n) = s.linear_iterations {
-        say!("  {n} iterations of conjugate gradients for {} tangents", s.factorizations);
+        say!("  {} of the linear solver for {} tangents", counted(n, "iteration"), s.factorizations);
+    }
+    if let Some(n) = s.negative_pivots {
+        say!("  {n} negative pivot(s) of the tangent at the end: the equilibrium may be unstable");
     }
     for (name, point) in &s.points {
-        let [x, y, z] = point.displacement;
-        say!("  {name}: displacement ({x:.6e}, {y:.6e}, {z:.6e})");
+        let [x, y, z] = point.displacement.map(|u| significant(u, 7));
+        say!("  {name}: displacement ({x}, {y}, {z})");
+    }
+    for (kind, sets) in [("reaction on", &s.supports), ("load", &s.loads)] {
+        for (name, r) in sets {
+            let ([x, y, z], [mx, my, mz], [a, b, c]) = (r.force, r.moment, r.about);
+            say!("  {kind} {name}: force ({x:.6e}, {y:.6e}, {z:.6e})");
+            say!("    moment about ({a}, {b}, {c}): ({mx:.6e}, {my:.6e}, {mz:.6e})");
+        }
+    }
+    if let Some(balance) = &s.balance {
+        say!(
+            "  balance of loads, reactions and inertia: {:.1e} of the forces, {:.1e} of the moments",
+            balance.force,
+            balance.moment
+        );
     }
     if s.frequencies_hz.is_some() {
         say!("  natural frequencies in cycles per unit of time (Hz, if that is the second):");
     }
     for (i, frequency) in s.frequencies_hz.iter().flatten().enumerate() {
-        say!("  mode {:3}: {frequency:.6e}", i + 1);
+        say!("  mode {:3}: {}", i + 1, significant(*frequency, 7));
     }
     say!("results: {}", folder.display());
 }

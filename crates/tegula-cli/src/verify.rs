@@ -7,6 +7,8 @@ use clap::Args;
 use tegula_io::out::write_whole;
 use tegula_io::verify::{CASES, Case, Cost, Row, run};
 
+use crate::terminal;
+
 /// Compute the verification cases and compare them with their references
 #[derive(Debug, Args)]
 pub struct Verify {
@@ -47,13 +49,13 @@ impl Verify {
         let cases = match self.chosen() {
             Ok(cases) => cases,
             Err(message) => {
-                eprintln!("error: {message}");
-                return ExitCode::from(1);
+                terminal::report("error", &message);
+                return ExitCode::from(2);
             }
         };
         for folder in [&self.pictures, &self.tables].into_iter().flatten() {
             if let Err(e) = std::fs::create_dir_all(folder) {
-                eprintln!("error: the folder {} cannot be made: {e}", folder.display());
+                terminal::report("error", &format!("the folder {} cannot be made: {e}", folder.display()));
                 return ExitCode::from(1);
             }
         }
@@ -66,7 +68,7 @@ impl Verify {
         if let Some(folder) = &self.tables {
             for table in report.tables() {
                 if let Err(message) = write(&folder.join(format!("{}.md", table.name)), &table.markdown()) {
-                    eprintln!("error: {message}");
+                    terminal::report("error", &message);
                     return ExitCode::from(1);
                 }
             }
@@ -76,7 +78,7 @@ impl Verify {
             if let Some(path) = path
                 && let Err(message) = write(path, &text)
             {
-                eprintln!("error: {message}");
+                terminal::report("error", &message);
                 return ExitCode::from(1);
             }
         }

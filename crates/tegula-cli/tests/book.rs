@@ -10,7 +10,8 @@ use serde_json::Value;
 
 /// Cells of a Markdown table by rows; numbers, which say by how much a test fails, become `fails`.
 fn verdicts(text: &str) -> Vec<Vec<String>> {
-    let verdict = |cell: &str| if cell.parse::<f64>().is_ok() { "fails".into() } else { cell.to_string() };
+    let number = |cell: &str| cell.parse::<f64>().is_ok_and(f64::is_finite);
+    let verdict = |cell: &str| if number(cell) { "fails".into() } else { cell.to_string() };
     text.lines()
         .filter(|l| l.starts_with("| "))
         .map(|l| l.trim_matches('|').split('|').map(|c| verdict(c.trim())).collect())

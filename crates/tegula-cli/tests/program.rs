@@ -231,18 +231,31 @@ fn the_locking_study_writes_its_tables_and_its_picture() {
 }
 
 #[test]
-fn wrong_command_lines_and_files_exit_with_1() {
+fn wrong_command_lines_exit_with_2_and_wrong_files_with_1() {
     let folder = tempfile::tempdir().unwrap();
-    for arguments in
-        [vec!["fly"], vec!["run"], vec!["run", "nowhere.toml"], vec!["new", "static", "Cargo.toml"]]
-    {
-        assert_eq!(tegula(&arguments).status.code(), Some(1), "{arguments:?}");
+    for arguments in [
+        vec!["fly"],
+        vec!["run"],
+        vec![],
+        vec!["run", "m.toml", "--threads", "0"],
+        vec!["run", "m.toml", "--quiet", "--verbose"],
+        vec!["verify", "no-such-case"],
+        vec!["locking", "--elements", "foo"],
+    ] {
+        let output = tegula(&arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(output.stdout.is_empty() && !output.stderr.is_empty(), "{arguments:?}");
+    }
+    for arguments in [["run", "nowhere.toml"].as_slice(), &["new", "static", "Cargo.toml"]] {
+        let output = tegula(arguments);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}");
+        assert!(errors(&output).starts_with("error: "), "{}", errors(&output));
     }
     let help = tegula(&["--help"]);
     assert_eq!(help.status.code(), Some(0));
     let help = String::from_utf8(help.stdout).unwrap();
     for code in
-        ["0    done", "1    wrong", "2    errors", "3    the analysis", "4    verify", "130  interrupted"]
+        ["0    done", "1    errors", "2    wrong", "3    the analysis", "4    verify", "130  interrupted"]
     {
         assert!(help.contains(code), "{code}: {help}");
     }
@@ -269,16 +282,18 @@ fn wrong_command_lines_and_files_exit_with_1() {
 }
 
 #[test]
-fn model_errors_exit_with_2_and_show_the_line() {
+fn model_errors_exit_with_1_and_show_the_line() {
     let folder = tempfile::tempdir().unwrap();
     let message = |changes: &[(&str, &str)]| {
         let model = changed(folder.path(), "cantilever_plate.toml", changes);
         let output = tegula(&["check", text(&model)]);
-        assert_eq!(output.status.code(), Some(2));
+        assert_eq!(output.status.code(), Some(1));
         errors(&output)
     };
     let wrong_key = message(&[("thickness", "tickness")]);
-    assert!(wrong_key.contains("did you mean \"thickness\"?") && wrong_key.contains("tickness = 0.01"));
+    assert!(wrong_key.starts_with("error: sections[0].tickness: unknown key \"tickness\"\n"), "{wrong_key}");
+    assert!(wrong_key.contains("did you mean \"thickness\"?") && wrong_key.contains("| tickness = 0.01\n"));
+    assert!(wrong_key.contains("| ^^^^^^^^\n"), "{wrong_key}");
     let both = message(&[("\"u_min\"", "\"u_mim\""), ("young = 2.1e11", "young = -1")]);
     assert!(both.contains("did you mean \"u_min\"?") && both.contains("Young's modulus is -1"), "{both}");
     let long = message(&[
@@ -288,6 +303,40 @@ fn model_errors_exit_with_2_and_show_the_line() {
     assert!(long.contains("did you mean \"thickness\"?") && !long.contains("xxx"), "{long}");
     let free = message(&[("type = \"clamp\"", "type = \"hinge\"")]);
     assert!(free.contains("free mechanism") && free.contains("can turn about"), "{free}");
+}
+
+#[test]
+fn check_prints_parts_and_folds_with_their_places() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().join("frame.toml");
+    let write = |vertices: &str| {
+        let plate = fs::read_to_string(example("cantilever_plate.toml")).unwrap();
+        let (before, after) = plate.split_once("[mesh]").unwrap();
+        let (_, after) = after.split_once("[materials").unwrap();
+        let mesh = format!(
+            "[mesh]\ntype = \"extrusion\"\nvertices = {vertices}\nsweep = [0, 0.5, 0]\n[mesh.grid]\nelements = [8, 2]\n"
+        );
+        fs::write(&model, format!("{before}{mesh}[materials{after}")).unwrap();
+        let output = tegula(&["check", text(&model)]);
+        assert!(output.status.success(), "{}", errors(&output));
+        (String::from_utf8(output.stdout.clone()).unwrap(), errors(&output))
+    };
+    let (flat, _) = write("[[0, 0, 0], [1, 0, 0]]");
+    assert!(flat.contains("parts      1: all elements are connected\n"), "{flat}");
+    assert!(flat.contains("folds      none: neighbours meet at less than 20 degrees\n"), "{flat}");
+    let (frame, _) = write("[[0, 0, 0], [1, 0, 0], [1, 0, 1]]");
+    assert!(
+        frame.contains(
+            "folds      1 of length 0.500000 in all: neighbours meet at 20 degrees or more\n           90.0 degrees, \
+             length 0.500000, 2 edges, from node 4 at (1.000000, 0.000000, 0.000000) to node 22 at (1.000000, 0.500000, \
+             0.000000)\n"
+        ),
+        "{frame}"
+    );
+    // A polyline that meets itself in the middle of a segment.
+    let (loop_, warnings) = write("[[0, 0, 0], [2, 0, 0], [2, 0, 1], [1, 0, 1], [1, 0, 0]]");
+    assert!(loop_.contains("folds      3 of length 1.500000"), "{loop_}");
+    assert!(warnings.contains("the mesh touches itself without being connected"), "{warnings}");
 }
 
 #[test]
@@ -317,29 +366,41 @@ fn warnings_fail_nothing() {
     assert!(fs::read_to_string(out.join("log.txt")).unwrap().contains("warning: "));
 }
 
+/// Starts a run, asks it to stop once `ready` says so, and waits for its end. The runs that are stopped here would take
+/// many times as long as it takes to look.
 #[cfg(target_os = "linux")]
-#[test]
-fn a_modal_analysis_stops_soon_and_promises_nothing() {
+fn interrupted(model: &Path, out: &Path, more: &[&str], ready: impl Fn() -> bool) -> Output {
     use std::time::{Duration, Instant};
-    let folder = tempfile::tempdir().unwrap();
-    let model = changed(
-        folder.path(),
-        "free_plate_modes.toml",
-        &[("elements = [", "elements = [70, 70] # ["), ("modes = 16", "modes = 90")],
-    );
-    let out = folder.path().join("out");
-    let child = Command::new(env!("CARGO_BIN_EXE_tegula"))
-        .args(["run", text(&model), "--out", text(&out)])
+    let mut child = Command::new(env!("CARGO_BIN_EXE_tegula"))
+        .args([&["run", text(model), "--out", text(out)], more].concat())
+        .stdout(std::process::Stdio::null())
         .stderr(std::process::Stdio::piped())
         .spawn()
         .unwrap();
     let begun = Instant::now();
-    while !out.join("summary.json").exists() && begun.elapsed() < Duration::from_secs(60) {
-        std::thread::sleep(Duration::from_millis(5));
+    while !ready() && begun.elapsed() < Duration::from_secs(120) && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(2));
     }
-    std::thread::sleep(Duration::from_millis(200));
+    if !ready() {
+        let _ = child.kill();
+        panic!("the run did not get going: {}", errors(&child.wait_with_output().unwrap()));
+    }
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
+    child.wait_with_output().unwrap()
+}
+
+/// The summary is there before the analysis begins: the request may come at any time within it.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_modal_analysis_stops_soon_and_promises_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = changed(
+        folder.path(),
+        "free_plate_modes.toml",
+        &[("elements = [", "elements = [70, 70] # ["), ("modes = 16", "modes = 400")],
+    );
+    let out = folder.path().join("out");
+    let output = interrupted(&model, &out, &[], || out.join("summary.json").exists());
     assert_eq!(output.status.code(), Some(130));
     let said = errors(&output);
     assert!(said.contains("start it anew") && !said.contains("--resume"), "{said}");
@@ -357,37 +418,37 @@ fn failed_analyses_exit_with_3() {
     assert_eq!(summary(&out)["status"], "failed");
 }
 
+/// One run is stopped once, the other twice; both would swing for hours.
 #[cfg(target_os = "linux")]
 #[test]
 fn an_interrupted_run_resumes_to_the_same_history() {
-    use std::process::Stdio;
-    use std::time::{Duration, Instant};
-
     let folder = tempfile::tempdir().unwrap();
-    let changes = [("[16, 16]", "[8, 8]"), ("end_time = 1.5", "end_time = 0.9")];
+    let changes = [
+        ("[16, 16]", "[8, 8]"),
+        ("end_time = 1.5", "end_time = 9999.0"),
+        ("interval = ", "interval = 9999.0 # "),
+    ];
     let model = changed(folder.path(), "quarter_cylinder_pendulum.toml", &changes);
+    let history = |out: &Path| fs::read_to_string(out.join("history.csv")).unwrap_or_default();
+    let stopped_after = |out: &Path, rows: usize, more: &[&str]| {
+        let output = interrupted(&model, out, more, || history(out).lines().count() > rows);
+        assert_eq!(output.status.code(), Some(130), "{}", errors(&output));
+        let s = summary(out);
+        assert_eq!(s["status"], "interrupted");
+        assert!(
+            s["time"].as_f64().unwrap() < 9999.0 && s["steps"].as_u64().unwrap() >= rows as u64 - 1,
+            "{s}"
+        );
+    };
     let (straight, parts) = (folder.path().join("straight"), folder.path().join("parts"));
-    assert!(tegula(&["run", text(&model), "--out", text(&straight), "--quiet"]).status.success());
-
-    let mut child = Command::new(env!("CARGO_BIN_EXE_tegula"))
-        .args(["run", text(&model), "--out", text(&parts), "--quiet"])
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    let begun = Instant::now();
-    let rows = || fs::read_to_string(parts.join("history.csv")).map_or(0, |h| h.lines().count());
-    while rows() < 12 && begun.elapsed() < Duration::from_secs(60) {
-        std::thread::sleep(Duration::from_millis(2));
+    stopped_after(&straight, 60, &["--quiet"]);
+    stopped_after(&parts, 12, &["--quiet"]);
+    let first = history(&parts).lines().count();
+    stopped_after(&parts, first + 30, &["--quiet", "--resume"]);
+    let (straight, parts) = (history(&straight), history(&parts));
+    let both = straight.lines().count().min(parts.lines().count());
+    assert!(both > first + 20, "{both} {first}");
+    for (row, (a, b)) in straight.lines().zip(parts.lines()).enumerate() {
+        assert_eq!(a, b, "row {row}");
     }
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
-    let s = summary(&parts);
-    assert_eq!(s["status"], "interrupted");
-    assert!(s["time"].as_f64().unwrap() < 0.9);
-
-    let resumed = tegula(&["run", text(&model), "--out", text(&parts), "--resume", "--quiet"]);
-    assert!(resumed.status.success(), "{}", errors(&resumed));
-    assert_eq!(summary(&parts)["status"], "complete");
-    let read = |folder: &Path| fs::read(folder.join("history.csv")).unwrap();
-    assert!(read(&straight) == read(&parts), "the histories differ");
 }

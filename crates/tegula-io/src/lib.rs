@@ -3,6 +3,7 @@
 pub mod deck;
 pub mod job;
 pub mod locking;
+pub mod memory;
 pub mod mesh;
 pub mod out;
 pub mod plot;

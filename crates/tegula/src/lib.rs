@@ -9,6 +9,7 @@ pub mod load;
 pub mod material;
 pub mod mesh;
 pub mod model;
+pub mod norm;
 pub mod result;
 pub mod section;
 pub mod system;

@@ -10,6 +10,7 @@ use tegula::element::{Nodal, TangentWeights};
 use tegula::mesh::generators::generate;
 use tegula::model::build::build;
 use tegula::model::*;
+use tegula::norm::max_norm;
 use tegula::system::Assembly;
 use tegula::system::assembly::TangentParts;
 use tegula::{Error, Mesh, System, Vec3};
@@ -68,20 +69,13 @@ fn response(system: &System, u: &[Nodal]) -> (Vec<f64>, Vec<f64>, f64) {
     (forces.into_flattened(), assembly.values, energy)
 }
 
-fn largest(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |a, b| a.max(b.abs()))
-}
-
 /// Largest differences of forces, tangents and energies, over their sizes.
 fn difference(a: &System, b: &System) -> [f64; 3] {
     let mut random = Random::new(5);
     let u: Vec<Nodal> = (0..a.vectors()).map(|_| (random.vector() * 0.01).into()).collect();
     let (a, b) = (response(a, &u), response(b, &u));
     assert_eq!((a.0.len(), a.1.len()), (b.0.len(), b.1.len()));
-    let off = |a: &[f64], b: &[f64]| {
-        let off: Vec<f64> = a.iter().zip(b).map(|(x, y)| x - y).collect();
-        largest(&off) / largest(a)
-    };
+    let off = |a: &[f64], b: &[f64]| max_norm(a.iter().zip(b).map(|(x, y)| x - y)) / max_norm(a);
     [off(&a.0, &b.0), off(&a.1, &b.1), off(&[a.2], &[b.2])]
 }
 

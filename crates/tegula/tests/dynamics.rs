@@ -11,6 +11,7 @@ use tegula::analysis::dynamics;
 use tegula::analysis::statics::state_kinematics;
 use tegula::element::{Kinematics, Motion};
 use tegula::model::*;
+use tegula::norm::max_norm;
 use tegula::system::{Assembly, dot};
 
 const NEWMARK: Scheme = Scheme::Newmark(NewmarkScheme { beta: 0.25, gamma: 0.5 });
@@ -168,11 +169,8 @@ fn energy_momentum_conserves_what_its_name_says() {
     assert!(notes.drift() < 2e-12 * notes.kinetic);
     assert!(outcome.balance.strain > 1e-4 * notes.kinetic, "it deforms");
     let (p0, l0) = notes.momenta[0];
-    let (mut p_drift, mut l_drift) = (0.0_f64, 0.0_f64);
-    for (p, l) in &notes.momenta {
-        p_drift = p_drift.max((p - p0).norm());
-        l_drift = l_drift.max((l - l0).norm());
-    }
+    let p_drift = max_norm(notes.momenta.iter().map(|(p, _)| (p - p0).norm()));
+    let l_drift = max_norm(notes.momenta.iter().map(|(_, l)| (l - l0).norm()));
     println!("momentum {:e}, angular momentum {:e}", p_drift / p0.norm(), l_drift / l0.norm());
     assert!(p_drift < 2e-13 * p0.norm() && l_drift < 2e-12 * l0.norm());
     // The trapezoidal rule does not keep the energy at this step.

@@ -10,6 +10,7 @@ use common::{Notes, compile, distance, model, move_in_time as run, on, orthotrop
 use tegula::analysis::{Silent, dynamics, modal, statics};
 use tegula::material::NeoHookeanForm;
 use tegula::model::*;
+use tegula::norm::max_norm;
 use tegula::{System, Vec3};
 
 const NEWMARK: Scheme = Scheme::Newmark(NewmarkScheme { beta: 0.25, gamma: 0.5 });
@@ -74,7 +75,7 @@ fn every_element_conserves_energy_and_momenta_in_free_flight() {
             let (_, outcome) = run(&m, &options(ENERGY_MOMENTUM, 0.3, 5e-3), &mut notes);
             let (p0, l0) = notes.momenta[0];
             let lost = |f: fn(&(Vec3, Vec3)) -> Vec3, from: Vec3| {
-                notes.momenta.iter().map(|x| (f(x) - from).norm()).fold(0.0, f64::max)
+                max_norm(notes.momenta.iter().map(|x| (f(x) - from).norm()))
             };
             let (p, l) = (lost(|x| x.0, p0), lost(|x| x.1, l0));
             println!("{element:?} {laminated}: energy {:e} {p:e} {l:e}", notes.drift() / notes.kinetic);

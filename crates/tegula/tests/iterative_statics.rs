@@ -9,6 +9,7 @@ use tegula::analysis::statics::{self, StaticOutcome};
 use tegula::mesh::generators::generate;
 use tegula::model::build::build;
 use tegula::model::*;
+use tegula::norm::max_norm;
 use tegula::{Error, Mesh, Result};
 
 const ITERATIVE: LinearSolver = LinearSolver::Iterative;
@@ -34,7 +35,10 @@ fn difference(mesh: &Mesh, model: &Model, may_cut: bool) -> f64 {
     let mut notes = Notes::default();
     let direct = run_on(mesh, model, LinearSolver::Direct, &mut Notes::default()).unwrap();
     let iterative = run_on(mesh, model, ITERATIVE, &mut notes).unwrap();
-    assert_eq!(direct.statistics.linear_iterations, 0);
+    // Solutions for the skew stiffness of follower loads count, too.
+    let extra = direct.statistics.linear_iterations;
+    let follows = |l: &Load| matches!(l, Load::Pressure(_) | Load::Moment(_) | Load::EdgeMoment(_));
+    assert!(extra < if model.loads.iter().any(follows) { 20 } else { 1 }, "{extra}");
     assert!(iterative.statistics.linear_iterations > 0);
     let (a, b) = (direct.statistics.iterations, iterative.statistics.iterations);
     let cut = iterative.statistics.cutbacks > 0;
@@ -44,8 +48,7 @@ fn difference(mesh: &Mesh, model: &Model, may_cut: bool) -> f64 {
     assert!(cut || a.abs_diff(b) <= 1, "{a} iterations, {b}");
     let all = |o: &StaticOutcome| o.state.u.as_flattened().to_vec();
     let (a, b) = (all(&direct), all(&iterative));
-    let largest = a.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    a.iter().zip(&b).fold(0.0_f64, |m, (x, y)| m.max((x - y).abs())) / largest
+    max_norm(a.iter().zip(&b).map(|(x, y)| x - y)) / max_norm(&a)
 }
 
 fn same(model: &Model) {

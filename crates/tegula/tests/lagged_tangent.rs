@@ -9,6 +9,7 @@ use tegula::analysis::dynamics::{self, TransientOutcome};
 use tegula::analysis::statics::state_kinematics;
 use tegula::element::{Nodal, TangentWeights};
 use tegula::model::*;
+use tegula::norm::max_norm;
 use tegula::system::assembly::TangentParts;
 use tegula::system::{Assembly, Turning, VectorKind};
 use tegula::{System, Vec3};
@@ -37,7 +38,7 @@ fn turned(system: &System, u: &[Nodal]) -> f64 {
         let d = Vec3::from(system.reference[v]);
         d.angle(&(d + Vec3::from(u[v])))
     };
-    directors.map(angle).fold(0.0, f64::max)
+    max_norm(directors.map(angle))
 }
 
 #[test]
@@ -118,7 +119,7 @@ fn the_rotations_of_a_turned_shell_are_its_rotation() {
             let x = Vec3::from(*x);
             (Vec3::from(*y) - q * x).norm() / x.norm()
         };
-        let worst = field.iter().zip(&out).map(off).fold(0.0, f64::max);
+        let worst = max_norm(field.iter().zip(&out).map(off));
         assert!(worst < 2e-6, "turned by {angle}: {worst:e}");
         turning.turn(&system, true, &mut out);
         assert!(distance(&field, &out) < 1e-12);

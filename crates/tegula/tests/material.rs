@@ -7,7 +7,9 @@ mod common;
 use common::{Random, rotation};
 use nalgebra::{Matrix3, Matrix6, Vector6};
 use tegula::material::linear::{Orthotropy, isotropic};
-use tegula::material::{Hyperelastic, Law, Plasticity};
+use tegula::material::{Hyperelastic, Law, NeoHookeanForm, Plasticity};
+use tegula::model::{Isotropic, Material, MooneyRivlin, NeoHookean, Orthotropic, Plastic};
+use tegula::norm::{larger, max_norm};
 
 const STEEL: Plasticity = Plasticity {
     young: 2e5,
@@ -72,7 +74,10 @@ fn stress_is_the_derivative_of_the_energy_and_tangent_that_of_the_stress() {
             let (_, committed) = respond(&law, &random(&mut numbers, size), &committed);
             let strain = random(&mut numbers, size);
             let (r, _) = respond(&law, &strain, &committed);
-            assert!((r.tangent - r.tangent.transpose()).amax() <= 1e-12 * r.tangent.amax(), "{law:?}");
+            assert!(
+                max_norm(&(r.tangent - r.tangent.transpose())) <= 1e-12 * max_norm(&r.tangent),
+                "{law:?}"
+            );
             let h = 1e-4 * size;
             let at = |j: usize, t: f64| {
                 let mut e = strain;
@@ -87,14 +92,14 @@ fn stress_is_the_derivative_of_the_energy_and_tangent_that_of_the_stress() {
                 for k in 0..6 {
                     let d = slope(&|r| r.stress[k]);
                     assert!(
-                        (d - r.tangent[(k, j)]).abs() <= 1e-6 * r.tangent.amax(),
+                        (d - r.tangent[(k, j)]).abs() <= 1e-6 * max_norm(&r.tangent),
                         "{law:?} {trial}: {d} for {}",
                         r.tangent[(k, j)]
                     );
                 }
                 if law.history() == 0 {
                     let d = slope(&|r| r.energy);
-                    assert!((d - r.stress[j]).abs() <= 1e-8 * r.tangent.amax() * size, "{law:?}");
+                    assert!((d - r.stress[j]).abs() <= 1e-8 * max_norm(&r.tangent) * size, "{law:?}");
                 }
             }
         }
@@ -117,7 +122,7 @@ fn isotropic_laws_do_not_know_directions() {
             let (r, _) = respond(&law, &strain, &committed);
             let (other, _) = respond(&law, &turned(&strain, &q, 2.0), &committed);
             let expected = turned(&r.stress, &q, 1.0);
-            assert!((other.stress - expected).amax() <= 1e-11 * r.stress.amax(), "{law:?}");
+            assert!(max_norm(&(other.stress - expected)) <= 1e-11 * max_norm(&r.stress), "{law:?}");
             assert!((other.energy - r.energy).abs() <= 1e-11 * r.energy);
         }
     }
@@ -136,7 +141,10 @@ fn hyperelastic_laws_are_linear_for_small_strains() {
         for size in [1e-6, 1e-9, 1e-12] {
             let strain = random(&mut numbers, size);
             let r = Law::Hyperelastic(law).respond(&strain, &[], &mut []).unwrap();
-            assert!((r.stress - c * strain).amax() <= (20.0 * size + 1e-13) * r.stress.amax(), "{size}");
+            assert!(
+                max_norm(&(r.stress - c * strain)) <= (20.0 * size + 1e-13) * max_norm(&r.stress),
+                "{size}"
+            );
         }
     }
 }
@@ -197,7 +205,7 @@ fn uniaxial_equibiaxial_and_shear_follow_closed_forms() {
             let biaxial = relax(law, [stretch, stretch, stretch.powi(-2)], &[2]);
             for l in [uniaxial, biaxial, [1.3, 0.8, 1.1]] {
                 let (found, exact) = (response(law, l), nominal(law, l));
-                let scale = exact.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+                let scale = max_norm(exact);
                 for k in 0..3 {
                     assert!(
                         (found[k] - exact[k]).abs() <= 1e-8 * scale,
@@ -250,7 +258,7 @@ fn pull(law: &Law, axial: f64, committed: &[f64]) -> (f64, Vec<f64>) {
         strain[3] -= step[1];
     }
     let (r, updated) = respond(law, &strain, committed);
-    assert!(r.stress[1].abs() < 1e-9 * r.stress[0].abs().max(1.0));
+    assert!(r.stress[1].abs() < 1e-9 * larger(r.stress[0].abs(), 1.0));
     (r.stress[0], updated)
 }
 
@@ -355,4 +363,115 @@ fn orthotropic_constants_that_contradict_each_other_are_seen() {
     let c = good.stiffness();
     let strain = c.try_inverse().unwrap() * Vector6::new(7.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     assert!((strain[0] - 0.05).abs() < 1e-12 && (strain[1] + 0.015).abs() < 1e-12);
+}
+
+/// The keys of a material that its check refuses.
+fn refused(material: Material) -> Vec<String> {
+    material.issues("m").into_iter().map(|i| i.place.to_string()).collect()
+}
+
+/// Every constant at the end of its range and just within it: both Young's moduli and shear moduli are above 0, Poisson's
+/// ratio is between −1 and ½, where the shear and the bulk modulus would be infinite.
+#[test]
+fn constants_at_the_end_of_their_range_are_refused() {
+    let isotropic = |young, poisson| Material::Isotropic(Isotropic::new(young, poisson, 1.0));
+    let plastic = |poisson| Plastic {
+        young: 1e5,
+        poisson,
+        yield_stress: 100.0,
+        hardening: 0.0,
+        saturation: None,
+        saturation_rate: 0.0,
+        kinematic: 0.0,
+        density: 0.0,
+        expansion: 0.0,
+    };
+    for nu in [0.5, -1.0, 0.7, f64::NAN, f64::INFINITY] {
+        assert_eq!(refused(isotropic(1e5, nu)), ["m.poisson"], "{nu}");
+        assert_eq!(refused(Material::Plastic(plastic(nu))), ["m.poisson"], "{nu}");
+    }
+    for nu in [0.4999, 0.0, -0.9999] {
+        assert_eq!(refused(isotropic(1e5, nu)), [""; 0], "{nu}");
+        assert_eq!(refused(Material::Plastic(plastic(nu))), [""; 0], "{nu}");
+    }
+    for young in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert_eq!(refused(isotropic(young, 0.3)), ["m.young"], "{young}");
+        assert_eq!(refused(Material::Plastic(Plastic { young, ..plastic(0.3) })), ["m.young"], "{young}");
+    }
+    let message = &isotropic(1e5, 0.5).issues("m")[0];
+    assert!(message.message.contains("0.5") && message.help.contains("incompressible"), "{message:?}");
+    for density in [-1e-9, f64::NAN] {
+        let m = Material::Isotropic(Isotropic::new(1.0, 0.3, density));
+        assert_eq!(refused(m), ["m.density"], "{density}");
+    }
+}
+
+#[test]
+fn constants_of_plastic_materials_at_the_end_of_their_range_are_refused() {
+    let good = Plastic {
+        young: 1e5,
+        poisson: 0.3,
+        yield_stress: 100.0,
+        hardening: 0.0,
+        saturation: Some(100.0),
+        saturation_rate: 0.0,
+        kinematic: 0.0,
+        density: 0.0,
+        expansion: 0.0,
+    };
+    assert_eq!(refused(Material::Plastic(good.clone())), [""; 0]);
+    let negative = -1e-9;
+    for (key, wrong) in [
+        ("m.yield_stress", Plastic { yield_stress: 0.0, saturation: None, ..good.clone() }),
+        ("m.hardening", Plastic { hardening: negative, ..good.clone() }),
+        ("m.saturation", Plastic { saturation: Some(99.999), ..good.clone() }),
+        ("m.saturation", Plastic { saturation: Some(f64::NAN), ..good.clone() }),
+        ("m.saturation_rate", Plastic { saturation_rate: negative, ..good.clone() }),
+        ("m.kinematic", Plastic { kinematic: negative, ..good.clone() }),
+        ("m.expansion", Plastic { expansion: f64::NAN, ..good }),
+    ] {
+        assert_eq!(refused(Material::Plastic(wrong)), [key]);
+    }
+}
+
+#[test]
+fn constants_of_rubber_at_the_end_of_their_range_are_refused() {
+    let neo = NeoHookean { shear: 1.0, bulk: 1e-9, density: 0.0, form: NeoHookeanForm::Split };
+    assert_eq!(refused(Material::NeoHookean(neo.clone())), [""; 0]);
+    assert_eq!(refused(Material::NeoHookean(NeoHookean { shear: 0.0, ..neo.clone() })), ["m.shear"]);
+    assert_eq!(refused(Material::NeoHookean(NeoHookean { bulk: 0.0, ..neo })), ["m.bulk"]);
+    let rivlin = MooneyRivlin { c10: 1.0, c01: -0.999, bulk: 1.0, density: 0.0 };
+    assert_eq!(refused(Material::MooneyRivlin(rivlin.clone())), [""; 0]);
+    assert_eq!(refused(Material::MooneyRivlin(MooneyRivlin { c01: -1.0, ..rivlin.clone() })), ["m.c10"]);
+    assert_eq!(refused(Material::MooneyRivlin(MooneyRivlin { bulk: 0.0, ..rivlin })), ["m.bulk"]);
+}
+
+/// R. M. Jones, *Mechanics of Composite Materials*, 2nd ed., Sect. 2.4: every |ν_ij| is below √(E_i/E_j), and
+/// 1 − ν12 ν21 − ν23 ν32 − ν13 ν31 − 2 ν21 ν32 ν13 is above 0.
+#[test]
+fn orthotropic_constants_at_the_end_of_their_range_are_refused() {
+    let with = |young: [f64; 3], poisson: [f64; 3], shear: [f64; 3]| {
+        let (density, expansion, strength) = (0.0, [0.0; 3], None);
+        refused(Material::Orthotropic(Orthotropic { young, poisson, shear, density, expansion, strength }))
+    };
+    let (young, shear) = ([140.0, 10.0, 9.0], [5.0, 4.5, 3.5]);
+    for i in 0..3 {
+        let mut wrong = shear;
+        wrong[i] = 0.0;
+        assert_eq!(with(young, [0.3; 3], wrong), [format!("m.shear[{i}]")]);
+        let mut wrong = young;
+        wrong[i] = 0.0;
+        assert_eq!(with(wrong, [0.3; 3], shear), [format!("m.young[{i}]")]);
+        // One ratio alone: the limit is √(E_i/E_j).
+        let (a, b) = [(0, 1), (0, 2), (1, 2)][i];
+        let mut poisson = [0.0; 3];
+        for (part, refuses) in [(1.0, true), (-1.0, true), (0.9999, false), (-0.9999, false)] {
+            poisson[i] = part * (young[a] / young[b]).sqrt();
+            assert_eq!(!with(young, poisson, shear).is_empty(), refuses, "{poisson:?}");
+        }
+    }
+    // All equal, the material is isotropic: the limit is ½.
+    for (nu, refuses) in [(0.5, true), (0.4999, false), (-1.0, true), (-0.9999, false)] {
+        assert_eq!(!with([1.0; 3], [nu; 3], [1.0; 3]).is_empty(), refuses, "{nu}");
+    }
 }

@@ -25,6 +25,7 @@ use tegula::analysis::{State, statics};
 use tegula::mesh::generators::generate;
 use tegula::model::build::build;
 use tegula::model::*;
+use tegula::norm::{larger, max_norm};
 use tegula::result::inside::{Inside, Snapshot};
 use tegula::system::VectorKind;
 use tegula::{Mesh, System, Vec3};
@@ -98,10 +99,10 @@ fn error(system: &System, u: &[[f64; 3]], field: Field) -> (f64, f64) {
             VectorKind::Position => (0, position),
             VectorKind::Director | VectorKind::Gradient => (1, director),
         };
-        errors[i] = errors[i].max((Vec3::from(u[v]) - exact).norm());
-        sizes[i] = sizes[i].max(exact.norm());
+        errors[i] = larger(errors[i], (Vec3::from(u[v]) - exact).norm());
+        sizes[i] = larger(sizes[i], exact.norm());
     }
-    let size = |i: usize| if sizes[i] > 0.0 { sizes[i] } else { sizes[0].max(sizes[1]) };
+    let size = |i: usize| if sizes[i] > 0.0 { sizes[i] } else { larger(sizes[0], sizes[1]) };
     (errors[0] / size(0), errors[1] / size(1))
 }
 
@@ -133,7 +134,7 @@ fn resultants(system: &System, u: &[[f64; 3]]) -> Vec<([f64; 3], f64, [f64; 3])>
                 let t = a * nalgebra::Matrix2::new(xx, xy, xy, yy) * a.transpose();
                 [t[(0, 0)], t[(1, 1)], t[(0, 1)]]
             };
-            let other = n[3].abs().max(n[4].abs()).max(n[5].abs());
+            let other = max_norm([n[3], n[4], n[5]]);
             out.push((global(n[0], n[1], n[2]), other, global(n[6], n[7], n[8])));
         }
     }

@@ -16,6 +16,7 @@ use tegula::analysis::{Silent, State};
 use tegula::mesh::generators::generate;
 use tegula::model::build::build;
 use tegula::model::*;
+use tegula::norm::max_norm;
 use tegula::system::VectorKind;
 use tegula::{Error, Mesh, Vec3};
 
@@ -148,8 +149,9 @@ fn cut_back_ends_at_the_right_equilibrium() {
     assert!((u - exact).norm() < 2e-9, "{u:?}");
     assert!((outcome.balance.strain - 13.908188295).abs() < 2e-9);
     assert!(outcome.statistics.cutbacks > 0 && outcome.statistics.steps > 1, "{:?}", outcome.statistics);
-    assert_eq!(notes.events.len() as u64, outcome.statistics.cutbacks, "{:?}", notes.events);
-    assert!(notes.events[0].contains("halved") && notes.events[0].contains("node"), "{:?}", notes.events);
+    let halved: Vec<_> = notes.events.iter().filter(|e| e.contains("halved")).collect();
+    assert_eq!(halved.len() as u64, outcome.statistics.cutbacks, "{:?}", notes.events);
+    assert!(halved[0].contains("node") && halved[0].contains("and so with plain Newton"), "{halved:?}");
 }
 
 /// Plain Newton follows another path to the same equilibrium.
@@ -256,7 +258,7 @@ fn a_hopeless_load_is_an_error_that_says_where() {
         }
         other => panic!("{other:?}"),
     }
-    assert_eq!(notes.events.len(), 3);
+    assert_eq!(notes.events.iter().filter(|e| e.contains("halved")).count(), 3);
 }
 
 /// A clamped column of length 1, 0.2 × 0.01, under an axial force at its free end.
@@ -291,7 +293,7 @@ fn unstable_equilibria_are_refused_unless_wanted() {
     // Its second buckling load is nine times the first.
     assert_eq!(run(&column(8.5, true)).unwrap().negative_pivots, 1);
     assert_eq!(run(&column(10.5, true)).unwrap().negative_pivots, 2);
-    let deflection = outcome.state.u.iter().map(|u| u[2].abs()).fold(0.0, f64::max);
+    let deflection = max_norm(outcome.state.u.iter().map(|u| u[2]));
     assert!(deflection < 1e-9, "the column stays straight: {deflection:e}");
 }
 

@@ -12,6 +12,7 @@ use tegula::linear::substructures::{Convergence, Options, SubstructureError, Sub
 use tegula::linear::{Factor as _, SparseCholesky, SymmetricPattern};
 use tegula::model::build::build;
 use tegula::model::*;
+use tegula::norm::max_norm;
 use tegula::system::Assembly;
 use tegula::system::assembly::TangentParts;
 
@@ -186,7 +187,7 @@ fn too_few_iterations_are_an_error_and_leave_the_right_side() {
 fn what_is_accepted_is_positive_definite() {
     let mut p = problem(&edge_loaded_shell(true, 40, 100.0, 0.0));
     let (stiffness, vectors) = (p.values.clone(), p.system.vectors());
-    let scale = p.pattern.diagonal(&stiffness).fold(0.0, f64::max);
+    let scale = max_norm(p.pattern.diagonal(&stiffness));
     let (mut accepted, mut refused) = (0, 0);
     for exponent in 4..40 {
         let shift = -scale * 0.5_f64.powi(exponent);
@@ -253,7 +254,7 @@ fn nothing_is_solved_without_the_factors_of_a_whole_matrix() {
     // An indefinite matrix leaves no factors, and no shift for the next one.
     p.assemble();
     let vectors = p.system.vectors();
-    let scale = p.pattern.diagonal(&p.values).fold(0.0, f64::max);
+    let scale = max_norm(p.pattern.diagonal(&p.values));
     p.pieces.shift(vectors, (0..vectors).map(|v| (v, -scale)));
     let refused = p.pieces.factor(&p.system.numbering);
     assert!(matches!(refused, Err(SubstructureError::Indefinite(_))), "{refused:?}");

@@ -8,6 +8,7 @@ mod common;
 use common::{Notes, compile, on, quarter_cylinder, static_options, vector_load};
 use tegula::analysis::{Silent, Statistics, dynamics, modal, statics};
 use tegula::model::*;
+use tegula::norm::max_norm;
 use tegula::system::VectorKind;
 
 /// Units of length, mass and time, as parts of metre, kilogram and second.
@@ -78,8 +79,8 @@ fn dimensionless(kinds: &[VectorKind], u: &[[f64; 3]], units: Units) -> Vec<f64>
 
 fn compare(run: impl Fn(Units) -> Result) {
     let first = run(SYSTEMS[0]);
-    let size = first.u.iter().fold(0.0_f64, |a, u| a.max(u.abs()));
-    let energy = first.energies.iter().fold(0.0_f64, |a, e| a.max(e.abs()));
+    let size = max_norm(&first.u);
+    let energy = max_norm(&first.energies);
     assert!(size > 0.1 && energy > 0.01);
     for units in &SYSTEMS[1..] {
         let other = run(*units);

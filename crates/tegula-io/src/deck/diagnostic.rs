@@ -3,12 +3,18 @@
 use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Mistakes that are reported one by one; of more only their number is said.
+pub const MOST_DIAGNOSTICS: usize = 100;
 
 /// One thing wrong with a model file: where, what, and what to do about it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
     /// The model file.
     pub file: PathBuf,
+    /// Text of the file as it was read; empty where it could not be.
+    pub text: Arc<str>,
     /// Line, counted from 1; 0 where the file as a whole is meant (it cannot be read, say).
     pub line: usize,
     /// Column in characters, counted from 1; 0 where the file as a whole is meant.
@@ -17,40 +23,78 @@ pub struct Diagnostic {
     pub span: Range<usize>,
     /// Path of the key, such as `loads[2].on`; empty for the whole model and for errors of syntax.
     pub key: String,
-    /// What is wrong: one sentence.
+    /// Description of the mistake: one sentence.
     pub message: String,
-    /// What to do about it; may be empty.
+    /// Remedy; may be empty.
     pub help: String,
+    /// Number of further mistakes that this entry stands for; 0 but for the last entry of a long list.
+    pub hidden: usize,
 }
 
 impl Diagnostic {
-    /// A diagnostic of the bytes `span` of `text`.
-    pub(super) fn new(
-        file: &Path,
-        text: &str,
+    /// A diagnostic of the file as a whole.
+    pub(super) fn whole(file: &Path, message: impl Into<String>, help: impl Into<String>) -> Self {
+        Self { line: 0, column: 0, ..Source::new(file, "").at(0..0, "", message, help) }
+    }
+}
+
+/// Text of a model file with the places of its lines, so that many mistakes are located in little time.
+#[derive(Debug, Clone)]
+pub(super) struct Source {
+    file: PathBuf,
+    text: Arc<str>,
+    /// Byte at which each line begins.
+    lines: Vec<usize>,
+}
+
+impl Source {
+    /// The text of the file at `file`.
+    pub fn new(file: &Path, text: &str) -> Self {
+        let lines = std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect();
+        Self { file: file.to_owned(), text: text.into(), lines }
+    }
+
+    /// The text.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// A diagnostic of the bytes `span` of the text.
+    pub fn at(
+        &self,
         span: Range<usize>,
         key: impl Into<String>,
         message: impl Into<String>,
         help: impl Into<String>,
-    ) -> Self {
+    ) -> Diagnostic {
+        let text = &self.text;
         let start = floor(text, span.start);
         let end = floor(text, span.end).max(start);
-        let before = text.get(..start).unwrap_or_default();
-        let line = before.rsplit('\n').next().unwrap_or_default();
-        Self {
-            file: file.to_owned(),
-            line: 1 + before.matches('\n').count(),
-            column: 1 + line.chars().filter(|&c| c != '\u{feff}').count(),
+        let line = self.lines.partition_point(|&first| first <= start).max(1);
+        let before = text.get(self.lines[line - 1]..start).unwrap_or_default();
+        Diagnostic {
+            file: self.file.clone(),
+            text: text.clone(),
+            line,
+            column: 1 + before.chars().filter(|&c| c != '\u{feff}').count(),
             span: start..end,
             key: key.into(),
             message: message.into(),
             help: help.into(),
+            hidden: 0,
         }
     }
 
-    /// A diagnostic of the file as a whole.
-    pub(super) fn whole(file: &Path, message: impl Into<String>, help: impl Into<String>) -> Self {
-        Self { line: 0, column: 0, ..Self::new(file, "", 0..0, "", message, help) }
+    /// The first mistakes of a list of `all` ones, and an entry that says how many there are beside them.
+    pub fn limited(&self, mut found: Vec<Diagnostic>, all: usize) -> Vec<Diagnostic> {
+        found.truncate(MOST_DIAGNOSTICS);
+        let hidden = all - found.len();
+        if hidden > 0 {
+            let message = format!("{hidden} more mistakes are not shown");
+            let help = format!("repair these {} first", found.len());
+            found.push(Diagnostic { hidden, ..Diagnostic::whole(&self.file, message, help) });
+        }
+        found
     }
 }
 

@@ -3,6 +3,7 @@
 //! | file | is |
 //! |---|---|
 //! | `schema` | the JSON Schema of [`Model`], and what it expects of a value |
+//! | `editor` | the same for editors: one slip gives one message there |
 //! | `validate` | the text's tree held against the schema |
 //! | `partial` | what else is wrong when keys are wrong already |
 //! | `unknown` | what an unknown key was meant to be |
@@ -20,6 +21,7 @@
 //! ```
 
 mod diagnostic;
+mod editor;
 mod locate;
 mod partial;
 mod schema;
@@ -28,16 +30,19 @@ mod template;
 mod unknown;
 mod validate;
 
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
 
 use tegula::{Issue, Model};
 use toml::de::DeTable;
 
-pub use diagnostic::Diagnostic;
-pub use schema::schema;
+use diagnostic::Source;
+pub use diagnostic::{Diagnostic, MOST_DIAGNOSTICS};
+pub use editor::{SCHEMA_FILE, is_schema, schema, schema_text};
 pub use template::{template, template_companions, template_kinds, template_named};
 
+/// Name that a model from the standard input has in messages and results.
+pub const STANDARD_INPUT: &str = "<stdin>";
 /// Help of an error that the validator should have found first.
 const UNEXPECTED: &str = "compare it with the templates: tegula new static";
 
@@ -53,10 +58,17 @@ pub struct Deck {
 }
 
 impl Deck {
-    /// Reads the model file at `path`; on failure everything that is wrong with it, in the order of the text.
+    /// Reads the model file at `path`, or the standard input where it is `-`; on failure everything that is wrong with
+    /// it, in the order of the text. Pipes are read once.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Vec<Diagnostic>> {
         let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(|error| {
+        let (path, bytes) = if path == Path::new("-") {
+            let mut bytes = Vec::new();
+            (Path::new(STANDARD_INPUT), std::io::stdin().lock().read_to_end(&mut bytes).map(|_| bytes))
+        } else {
+            (path, std::fs::read(path))
+        };
+        let bytes = bytes.map_err(|error| {
             let (message, help) = match error.kind() {
                 ErrorKind::NotFound => (
                     "there is no such file".to_owned(),
@@ -75,9 +87,7 @@ impl Deck {
             Err(error) => {
                 let valid = error.utf8_error().valid_up_to();
                 let text = String::from_utf8_lossy(error.as_bytes());
-                Err(vec![Diagnostic::new(
-                    path,
-                    &text,
+                Err(vec![Source::new(path, &text).at(
                     valid..valid + 1,
                     "",
                     "the file is not UTF-8 text from here on",
@@ -97,10 +107,9 @@ impl Deck {
                 "begin with a new model: tegula new static",
             )]);
         }
+        let source = Source::new(&path, &text);
         if let Some(place) = text.find('\0') {
-            return Err(vec![Diagnostic::new(
-                &path,
-                &text,
+            return Err(vec![source.at(
                 place..place + 1,
                 "",
                 "the file holds a zero byte here: it is damaged, or no text",
@@ -109,29 +118,37 @@ impl Deck {
         }
         let (tree, errors) = DeTable::parse_recoverable(&text);
         if !errors.is_empty() {
-            return Err(syntax::diagnostics(&path, &text, &errors));
+            let found = syntax::diagnostics(&source, &errors);
+            let all = found.len();
+            return Err(source.limited(found, all));
         }
-        let mut found = validate::validate(&path, &text, tree.get_ref());
+        let mut found = validate::validate(&source, tree.get_ref());
         if !found.is_empty() {
-            let issues = partial::issues(&path, &text, &found);
-            found.extend(locate_all(&path, &text, &issues));
-            found.sort_by_key(|d| d.span.start);
-            return Err(found);
+            // Of a file with that many mistakes nothing can be said beyond them.
+            if found.len() <= MOST_DIAGNOSTICS {
+                let issues = partial::issues(&path, &text, &found);
+                found.extend(locate_all(&source, &issues));
+                found.sort_by_key(|d| d.span.start);
+            }
+            let all = found.len();
+            return Err(source.limited(found, all));
         }
         match toml::from_str(&text) {
             Ok(model) => Ok(Self { model, path, text }),
             Err(error) => {
                 let span = error.span().unwrap_or_default();
                 let key = locate::key_at(tree.get_ref(), span.start);
-                Err(vec![Diagnostic::new(&path, &text, span, key, error.message(), UNEXPECTED)])
+                Err(vec![source.at(span, key, error.message(), UNEXPECTED)])
             }
         }
     }
 
-    /// The issues of the model at their places in the file. An issue of a key that the file leaves at
-    /// its default is placed at the table that would hold it.
+    /// The issues of the model at their places in the file, the first hundred of them. An issue of a key that the file
+    /// leaves at its default is placed at the table that would hold it.
     pub fn locate(&self, issues: &[Issue]) -> Vec<Diagnostic> {
-        locate_all(&self.path, &self.text, issues)
+        let source = Source::new(&self.path, &self.text);
+        let shown = &issues[..issues.len().min(MOST_DIAGNOSTICS)];
+        source.limited(locate_all(&source, shown), issues.len())
     }
 
     /// Path of a file that the model names relative to the model file.
@@ -140,12 +157,15 @@ impl Deck {
     }
 }
 
-fn locate_all(path: &Path, text: &str, issues: &[Issue]) -> Vec<Diagnostic> {
-    let (tree, _) = DeTable::parse_recoverable(text);
+fn locate_all(source: &Source, issues: &[Issue]) -> Vec<Diagnostic> {
+    if issues.is_empty() {
+        return Vec::new();
+    }
+    let (tree, _) = DeTable::parse_recoverable(source.text());
     let place = |issue: &Issue| {
         let span = locate::span_of(tree.get_ref(), &issue.place.key);
         let Issue { place, message, help } = issue;
-        Diagnostic::new(path, text, span, place.key.as_str(), message.as_str(), help.as_str())
+        source.at(span, place.key.as_str(), message.as_str(), help.as_str())
     };
     issues.iter().map(place).collect()
 }

@@ -14,6 +14,7 @@ use toml::{Table, Value};
 
 use super::Diagnostic;
 use super::schema::{Wanted, schema, wanted};
+use crate::memory;
 
 /// Issues of the model that is left without the keys of `found`; none where nothing is left that could be checked.
 pub(super) fn issues(path: &Path, text: &str, found: &[Diagnostic]) -> Vec<Issue> {
@@ -37,9 +38,13 @@ pub(super) fn issues(path: &Path, text: &str, found: &[Diagnostic]) -> Vec<Issue
     keys.append(&mut filler.filled);
     let Ok(model) = value.try_into::<Model>() else { return Vec::new() };
     let mut issues = check::keys(&model);
-    match mesh_of(path, &model) {
-        Ok(mesh) => issues.extend(sets(&model, &mesh, &keys)),
-        Err(list) => issues.extend(list),
+    // A mesh that does not fit into memory is a mistake of its own.
+    match memory::too_large(&model, memory::limit()) {
+        Some(issue) => issues.push(issue),
+        None => match mesh_of(path, &model) {
+            Ok(mesh) => issues.extend(sets(&model, &mesh, &keys)),
+            Err(list) => issues.extend(list),
+        },
     }
     // What lies in a table that was changed, or names something in one, may only follow from the change.
     let changed: Vec<&str> = keys.iter().map(|k| table_of(k)).collect();

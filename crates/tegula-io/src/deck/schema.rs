@@ -3,8 +3,8 @@
 use serde_json::{Map, Value};
 use tegula::Model;
 
-/// The JSON Schema of the model file, for editors and other programs.
-pub fn schema() -> Value {
+/// The JSON Schema of the model file as it follows from the types.
+pub(super) fn schema() -> Value {
     schemars::schema_for!(Model).to_value()
 }
 

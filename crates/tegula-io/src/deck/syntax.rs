@@ -1,13 +1,14 @@
 //! Errors of the TOML parser in words for people.
 
 use std::collections::HashSet;
-use std::path::Path;
 
 use super::Diagnostic;
+use super::diagnostic::Source;
 
 /// The parser's errors, the first of each line: it goes on behind an error, and what
 /// it stumbles over next on the same line is mostly an echo.
-pub(super) fn diagnostics(path: &Path, text: &str, errors: &[toml::de::Error]) -> Vec<Diagnostic> {
+pub(super) fn diagnostics(source: &Source, errors: &[toml::de::Error]) -> Vec<Diagnostic> {
+    let text = source.text();
     let mut found: Vec<Diagnostic> = errors
         .iter()
         .map(|error| {
@@ -19,7 +20,7 @@ pub(super) fn diagnostics(path: &Path, text: &str, errors: &[toml::de::Error]) -
             let before = &before[line_start..];
             let line = text.get(line_start..).and_then(|t| t.lines().next()).unwrap_or_default();
             let (message, help) = explain(error.message(), token, [before, after], line.trim());
-            Diagnostic::new(path, text, span, "", message, help)
+            source.at(span, "", message, help)
         })
         .collect();
     found.sort_by_key(|d| d.span.start);

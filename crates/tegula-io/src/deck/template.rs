@@ -28,7 +28,8 @@ pub fn template_companions(kind: &str) -> &'static [(&'static str, &'static str)
 }
 
 /// The template of a kind for a model called `stem`, and its companions by names made from it, so that several
-/// templates can lie in one folder: text of the model; names and contents of the other files.
+/// templates can lie in one folder: text of the model, with the line by which editors find its schema; names and contents
+/// of the other files.
 pub fn template_named(kind: &str, stem: &str) -> Option<(String, Vec<(String, String)>)> {
     let companions = template_companions(kind);
     let renamed = |text: &str| {
@@ -38,5 +39,5 @@ pub fn template_named(kind: &str, stem: &str) -> Option<(String, Vec<(String, St
         })
     };
     let files = companions.iter().map(|(name, content)| (renamed(name), renamed(content)));
-    Some((renamed(template(kind)?), files.collect()))
+    Some((super::editor::directive() + &renamed(template(kind)?), files.collect()))
 }

@@ -1,5 +1,6 @@
 #![allow(clippy::unwrap_used)]
 
+mod editor;
 mod messages;
 mod syntax;
 
@@ -239,7 +240,7 @@ fn nothing_of_the_schema_is_left_to_the_typed_reader() {
             _ => 0,
         }
     }
-    let root = super::schema();
+    let root = super::schema::schema();
     assert!(walk(&root, &root, "") > 100);
 }
 

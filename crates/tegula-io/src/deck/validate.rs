@@ -1,21 +1,20 @@
 //! The tree of a model file held against the schema, every mismatch reported.
 
-use std::path::Path;
-
 use serde_json::Value;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::Diagnostic;
+use super::diagnostic::Source;
 use super::locate::child;
 use super::schema::{Table, Wanted, doc, schema, wanted};
 use super::syntax::shorten;
 use super::unknown::{Surroundings, list, similar};
 
-/// Everything in the tree `root` of `text` that is not as the schema of the model wants it.
-pub(super) fn validate(path: &Path, text: &str, root: &DeTable<'_>) -> Vec<Diagnostic> {
+/// Everything in the tree `root` of a text that is not as the schema of the model wants it.
+pub(super) fn validate(source: &Source, root: &DeTable<'_>) -> Vec<Diagnostic> {
     let schema = schema();
-    let mut validator = Validator { file: path, text, schema: &schema, found: Vec::new() };
+    let mut validator = Validator { source, schema: &schema, found: Vec::new() };
     if let Wanted::Table(table) = wanted(&schema, &schema) {
         validator.table(table, None, root, &Place { key: String::new(), span: 0..0, doc: "" });
     }
@@ -32,8 +31,7 @@ struct Place<'s> {
 }
 
 struct Validator<'a, 's> {
-    file: &'a Path,
-    text: &'a str,
+    source: &'a Source,
     schema: &'s Value,
     found: Vec<Diagnostic>,
 }
@@ -44,7 +42,7 @@ type Branches<'b, 's> = Option<(&'b str, &'b [(&'s str, Table<'s>)])>;
 impl<'s> Validator<'_, 's> {
     fn report(&mut self, place: &Place<'s>, message: impl Into<String>, help: impl Into<String>) {
         let span = place.span.clone();
-        self.found.push(Diagnostic::new(self.file, self.text, span, place.key.as_str(), message, help));
+        self.found.push(self.source.at(span, place.key.as_str(), message, help));
     }
 
     fn value(&mut self, schema: &'s Value, value: &Spanned<DeValue<'_>>, place: &Place<'s>) {
@@ -255,7 +253,7 @@ impl<'s> Validator<'_, 's> {
             },
             (Wanted::Boolean, _) => "write true or false, without quotes".to_owned(),
             (Wanted::String, DeValue::Integer(_) | DeValue::Float(_) | DeValue::Boolean(_)) => {
-                let text = self.text.get(place.span.clone()).unwrap_or_default();
+                let text = self.source.text().get(place.span.clone()).unwrap_or_default();
                 format!("write it in quotes: \"{}\"", shorten(text))
             }
             (Wanted::Choice(choices), _) => format!("one of {}", list(choices.iter().copied())),

@@ -4,11 +4,14 @@ use std::path::Path;
 
 use tegula::analysis::State;
 use tegula::element::Nodal;
-use tegula::model::Field;
-use tegula::result::{ShellResult, plastic_strains, recover_plies};
+use tegula::model::{Field, Output};
+use tegula::result::inside::Snapshot;
+use tegula::result::{Equilibrium, ShellResult, plastic_strains, plies};
 use tegula::{Mesh, System};
 
 use crate::out::{DataArray, OutputError, VtuGrid, vtu};
+
+mod more;
 
 const PLANE: [&str; 3] = ["xx", "yy", "xy"];
 const PLY: [&str; 3] = ["11", "22", "12"];
@@ -41,16 +44,47 @@ pub(super) fn by_quad<const N: usize>(
     out
 }
 
-/// Writes the wanted fields of a state.
+/// Fields of a state, or of a small motion about it.
+pub(super) struct Frame<'a> {
+    /// State, by which the mesh is deformed.
+    pub state: &'a State,
+    /// Small motion about the state, whose displacements and stresses are written in place of the state's.
+    pub small: Option<&'a [Nodal]>,
+    /// Reactions; none for a small motion.
+    pub forces: Option<&'a Equilibrium>,
+    /// Time of the file.
+    pub time: f64,
+}
+
+impl<'a> Frame<'a> {
+    /// Fields of a state.
+    pub fn of_state(state: &'a State) -> Self {
+        Self { state, small: None, forces: None, time: state.time }
+    }
+
+    /// Where stresses come from.
+    pub fn snapshot(&self, system: &'a System) -> Snapshot<'a> {
+        match self.small {
+            None => Snapshot::new(system, self.state),
+            Some(shape) => Snapshot::of_small_motion(system, self.state, shape),
+        }
+    }
+}
+
+/// Writes the wanted fields of a state, on the reference mesh or the deformed one, or of a small motion on the mesh of
+/// its state.
 pub(super) fn write(
     path: &Path,
     mesh: &Mesh,
     system: &System,
-    wanted: &[Field],
-    state: &State,
+    output: &Output,
+    frame: &Frame<'_>,
     results: &[ShellResult],
 ) -> Result<(), OutputError> {
-    let points = positions(mesh, system, &state.u, 1.0);
+    let state = frame.state;
+    let deformed = output.deformed || frame.small.is_some();
+    let points = positions(mesh, system, &state.u, f64::from(u8::from(deformed)));
+    let wanted = &output.fields;
     let mut point_data: Vec<DataArray<'_>> = Vec::new();
     let mut cell_data: Vec<DataArray<'_>> = Vec::new();
     let plane = |name: &'static str, value: fn(&ShellResult) -> [f64; 3]| {
@@ -61,13 +95,26 @@ pub(super) fn write(
     };
     let has = |field: Field| wanted.contains(&field);
     if has(Field::Displacement) {
-        point_data.push(DataArray::new("displacement", 3, nodal(system, &state.u).concat()));
+        point_data.push(DataArray::new(
+            "displacement",
+            3,
+            nodal(system, frame.small.unwrap_or(&state.u)).concat(),
+        ));
     }
     if has(Field::Director) {
-        point_data.push(DataArray::new("director", 3, directors(system, state).concat()));
+        let values = directors(system, state, frame.small).concat();
+        let name = if frame.small.is_some() { "director_change" } else { "director" };
+        point_data.push(DataArray::new(name, 3, values));
     }
     if has(Field::Velocity) {
         point_data.push(DataArray::new("velocity", 3, nodal(system, &state.v).concat()));
+    }
+    if has(Field::Reaction)
+        && let Some(forces) = frame.forces
+    {
+        let (at_nodes, moments) = forces.at_nodes(system, &state.u);
+        point_data.push(DataArray::new("reaction", 3, at_nodes.concat()));
+        point_data.push(DataArray::new("reaction_moment", 3, moments.concat()));
     }
     if has(Field::Membrane) {
         cell_data.push(plane("membrane", |r| r.membrane));
@@ -99,7 +146,7 @@ pub(super) fn write(
     let strong =
         system.sections.iter().any(|s| s.section.layers.iter().any(|l| l.material.strength().is_some()));
     let plies = if has(Field::PlyStress) || has(Field::Failure) && strong {
-        recover_plies(system, state)
+        plies::of_shells(&frame.snapshot(system))
     } else {
         Vec::new()
     };
@@ -125,9 +172,10 @@ pub(super) fn write(
             failures.min_by(|a, b| a.1.reserve.total_cmp(&b.1.reserve))
         };
         cell_data.push(DataArray::new("tsai_wu", 1, by_shell(&|i| worst(i).map_or(0.0, |w| w.1.tsai_wu))));
-        let reserve = |i| worst(i).map_or(f64::INFINITY, |w| w.1.reserve);
-        // Where nothing is loaded the factor has no bound; files hold finite numbers.
-        cell_data.push(DataArray::new("reserve_factor", 1, by_shell(&|i| reserve(i).min(f64::MAX))));
+        // Where there is no stress the factor has no bound, and none is shown.
+        let reserve = |i| worst(i).map_or(f64::NAN, |w| w.1.reserve);
+        let bounded = |x: f64| if x < f64::MAX { x } else { f64::NAN };
+        cell_data.push(DataArray::new("reserve_factor", 1, by_shell(&|i| bounded(reserve(i)))));
         cell_data.push(DataArray::new(
             "max_stress",
             1,
@@ -147,16 +195,18 @@ pub(super) fn write(
         let strains = plastic_strains(system, state);
         cell_data.push(DataArray::new("plastic_strain", 1, by_shell(&|i| strains[i])));
     }
+    more::add(mesh, system, wanted, results, &mut point_data, &mut cell_data);
     vtu::write(
         path,
-        &VtuGrid { points: &points, quads: &mesh.quads, point_data, cell_data, time: state.time },
+        &VtuGrid { points: &points, quads: &mesh.quads, point_data, cell_data, time: frame.time },
     )
 }
 
-/// The (first) director of each node.
-fn directors(system: &System, state: &State) -> Vec<Nodal> {
-    let value = |&v: &u32| match (system.reference.get(v as usize), state.u.get(v as usize)) {
-        (Some(d), Some(u)) => std::array::from_fn(|i| d[i] + u[i]),
+/// The (first) director of each node; of a small motion, its change.
+fn directors(system: &System, state: &State, small: Option<&[Nodal]>) -> Vec<Nodal> {
+    let value = |&v: &u32| match (system.reference.get(v as usize), state.u.get(v as usize), small) {
+        (Some(_), Some(_), Some(shape)) => shape[v as usize],
+        (Some(d), Some(u), None) => std::array::from_fn(|i| d[i] + u[i]),
         _ => [0.0; 3],
     };
     system.director_of.iter().map(value).collect()

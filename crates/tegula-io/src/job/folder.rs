@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 use super::summary::Summary;
 use super::{JobError, Status};
-use crate::out::OutputError;
+use crate::deck::STANDARD_INPUT;
+use crate::out::{OutputError, PvdSeries, printable, vtu};
 
 /// Names of the files that a run leaves, beside the numbered ones in `fields` and `modes`
 /// and the pictures of points.
@@ -32,23 +33,57 @@ pub struct ResultFolder {
     log: File,
 }
 
+/// A run that wants a result folder.
+#[derive(Debug, Clone, Copy)]
+pub struct Claim<'a> {
+    /// Path of its model file.
+    pub model: &'a Path,
+    /// Fingerprint of the model.
+    pub fingerprint: u64,
+    /// Replace the results of another model.
+    pub force: bool,
+}
+
 impl ResultFolder {
     /// Claims the folder for a new run: makes it, or clears an earlier result of its own files.
     ///
     /// # Errors
-    /// The folder holds something else than a result, or another run is writing there.
-    pub fn start(path: &Path) -> Result<Self, JobError> {
-        let known = known(path)?;
-        if !known && !is_empty(path)? {
+    /// The folder holds something else than a result, that of another model, or another run is writing there.
+    pub fn start(path: &Path, claim: &Claim<'_>) -> Result<Self, JobError> {
+        let earlier = earlier(path)?;
+        match &earlier {
+            None if !is_empty(path)? => {
+                return Err(refuse(
+                    path,
+                    "it holds files that are not a result of tegula. Choose another folder (`--out`), or empty it",
+                ));
+            }
+            Some(summary) if !claim.force && !same_model(summary, claim) => {
+                return Err(refuse(
+                    path,
+                    &format!(
+                        "it holds the results of another model, `{}`. Choose another folder (`--out`), or replace \
+                         them with `--force`",
+                        summary.model
+                    ),
+                ));
+            }
+            _ => {}
+        }
+        let foreign = ["fields", "modes"].iter().find_map(|series| foreign(path, series));
+        if let Some(file) = foreign {
             return Err(refuse(
                 path,
-                "it holds files that are not a result of tegula. Choose another folder (`--out`), or empty it",
+                &format!(
+                    "`{}` was not written by tegula and is in the way. Move it elsewhere",
+                    file.display()
+                ),
             ));
         }
         let folder = Self::open(path)?;
         folder.remove_temporaries()?;
-        if known {
-            folder.clear()?;
+        if let Some(summary) = earlier {
+            folder.clear(summary)?;
         }
         Ok(folder)
     }
@@ -58,8 +93,19 @@ impl ResultFolder {
     /// # Errors
     /// There is no earlier run, or another one is writing there.
     pub fn resume(path: &Path) -> Result<Self, JobError> {
-        if !known(path)? || !path.join("checkpoint.bin").exists() {
-            return Err(refuse(path, "there is no interrupted run in it to resume. Run without `--resume`"));
+        if earlier(path)?.is_none() {
+            let reason = if is_empty(path)? {
+                "there is no interrupted run in it. Run without `--resume`"
+            } else {
+                "it holds files, but no result of tegula to resume. Check the name of the folder (`--out`)"
+            };
+            return Err(refuse(path, reason));
+        }
+        if !path.join("checkpoint.bin").exists() {
+            return Err(refuse(
+                path,
+                "its run has left no checkpoint to resume from. Run without `--resume` to start anew",
+            ));
         }
         let folder = Self::open(path)?;
         folder.remove_temporaries()?;
@@ -92,37 +138,31 @@ impl ResultFolder {
         }
     }
 
-    /// Removes what an earlier run left; its summary goes last but says `running` first.
-    fn clear(&self) -> Result<(), JobError> {
-        let mut summary = Summary::read(&self.path)?;
-        summary.status = Status::Running;
-        summary.write(&self.path)?;
-        for name in OWN.iter().filter(|&&name| name != "log.txt") {
-            remove(&self.path.join(name))?;
-        }
-        self.log.set_len(0).map_err(|cause| OutputError::write(&self.file("log.txt"), cause))?;
-        for entry in fs::read_dir(&self.path).into_iter().flatten().flatten() {
-            let name = entry.file_name();
-            let name = name.to_string_lossy();
-            if name.starts_with("point_") && name.ends_with(".png") {
-                remove(&entry.path())?;
-            }
-        }
+    /// Removes the files of an earlier run; its summary goes last but says `running` first.
+    fn clear(&self, mut earlier: Summary) -> Result<(), JobError> {
+        earlier.status = Status::Running;
+        earlier.write(&self.path)?;
         for series in ["fields", "modes"] {
             self.remove_numbered(series, 0)?;
             // Fails where the user has put something into it, which stays.
             let _ = fs::remove_dir(self.path.join(series));
         }
+        for name in OWN.iter().filter(|&&name| name != "log.txt") {
+            remove(&self.path.join(name))?;
+        }
+        self.log.set_len(0).map_err(|cause| OutputError::write(&self.file("log.txt"), cause))?;
+        for point in earlier.points.keys() {
+            remove(&self.path.join(format!("point_{point}.png")))?;
+        }
         Ok(())
     }
 
-    /// Removes the files `series/NNNN.vtu` with numbers from `first`.
+    /// Removes the files `series/NNNN.vtu` of this program with numbers from `first`; files of others stay.
     pub(super) fn remove_numbered(&self, series: &str, first: usize) -> Result<(), OutputError> {
-        for entry in fs::read_dir(self.path.join(series)).into_iter().flatten().flatten() {
-            let name = entry.file_name();
-            let number = name.to_str().and_then(|n| n.strip_suffix(".vtu")).and_then(|n| n.parse().ok());
-            if number.is_some_and(|n: usize| n >= first) {
-                remove(&entry.path())?;
+        let listed = PvdSeries::open(&self.path.join(format!("{series}.pvd"))).ok();
+        for (number, path) in numbered(&self.path, series) {
+            if number >= first && own(&listed, series, &path) {
+                remove(&path)?;
             }
         }
         Ok(())
@@ -146,7 +186,8 @@ impl ResultFolder {
 
     /// Adds a line to the log.
     pub(super) fn log(&mut self, line: &str) -> Result<(), OutputError> {
-        writeln!(self.log, "{line}").map_err(|cause| OutputError::write(&self.path.join("log.txt"), cause))
+        writeln!(self.log, "{}", printable(line))
+            .map_err(|cause| OutputError::write(&self.path.join("log.txt"), cause))
     }
 }
 
@@ -154,12 +195,53 @@ fn refuse(path: &Path, reason: &str) -> JobError {
     JobError::Folder { folder: path.to_owned(), reason: reason.into() }
 }
 
-/// True if the folder holds a result of this program.
-fn known(path: &Path) -> Result<bool, JobError> {
+/// The summary of the result that the folder holds.
+fn earlier(path: &Path) -> Result<Option<Summary>, JobError> {
     if path.exists() && !path.is_dir() {
         return Err(refuse(path, "it is a file. Choose another name (`--out`)"));
     }
-    Ok(path.join("summary.json").exists() && Summary::read(path).is_ok())
+    Ok(Summary::read(path).ok())
+}
+
+/// True if a result is that of the model which claims the folder: of the same text, from the same file, or from a file
+/// of the same name that has been moved.
+fn same_model(earlier: &Summary, claim: &Claim<'_>) -> bool {
+    if earlier.fingerprint == format!("{:016x}", claim.fingerprint) {
+        return true;
+    }
+    if claim.model == Path::new(STANDARD_INPUT) {
+        return false;
+    }
+    let before = Path::new(earlier.model_path.as_ref().unwrap_or(&earlier.model));
+    match (before.canonicalize(), claim.model.canonicalize()) {
+        (Ok(before), Ok(now)) => before == now,
+        (Err(_), Ok(_)) => before.file_name() == claim.model.file_name(),
+        // A pipe is there but has no place among the files; whatever came through it before is another model.
+        (_, Err(_)) => !claim.model.exists() && before.file_name() == claim.model.file_name(),
+    }
+}
+
+/// Numbers and paths of the files `series/NNNN.vtu`.
+fn numbered(folder: &Path, series: &str) -> Vec<(usize, PathBuf)> {
+    let number = |entry: &fs::DirEntry| {
+        let number: usize = entry.file_name().to_str()?.strip_suffix(".vtu")?.parse().ok()?;
+        // Not +1.vtu, not 7.vtu: those are no names of this program.
+        (entry.file_name().to_str() == Some(&format!("{number:04}.vtu"))).then_some(number)
+    };
+    let entries = fs::read_dir(folder.join(series)).into_iter().flatten().flatten();
+    entries.filter_map(|entry| Some((number(&entry)?, entry.path()))).collect()
+}
+
+/// True if a file of a series was written by this program; versions before this mark are known by their list.
+fn own(listed: &Option<PvdSeries>, series: &str, path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    vtu::is_own(path) || listed.as_ref().is_some_and(|list| list.lists(&format!("{series}/{name}")))
+}
+
+/// A file of somebody else that has the name of one which this program writes.
+fn foreign(folder: &Path, series: &str) -> Option<PathBuf> {
+    let listed = PvdSeries::open(&folder.join(format!("{series}.pvd"))).ok();
+    numbered(folder, series).into_iter().map(|(_, path)| path).find(|path| !own(&listed, series, path))
 }
 
 fn is_empty(path: &Path) -> Result<bool, OutputError> {

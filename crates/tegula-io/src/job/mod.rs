@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `summary.json` | how the run ended, what it found, what it cost |
 //! | `fields.pvd`, `fields/NNNN.vtu` | displacements, resultants, stresses |
-//! | `history.csv` | motion of the points, energies, momenta: a row a step |
+//! | `history.csv` | motion of the points, energies, momenta, reactions: a row a step |
 //! | `modes.csv`, `modes.pvd`, `modes/NNNN.vtu` | natural frequencies and mode shapes |
 //! | `*.png` | pictures of all that |
 //! | `checkpoint.bin` | what `resume` goes on from |
@@ -15,6 +15,8 @@
 
 mod fields;
 mod folder;
+mod forces;
+mod frames;
 mod history;
 mod modal;
 mod modes;
@@ -32,7 +34,8 @@ use std::path::PathBuf;
 use crate::deck::Diagnostic;
 use crate::out::OutputError;
 
-pub use folder::ResultFolder;
+pub use folder::{Claim, ResultFolder};
+pub use forces::{BalanceResult, ForceResult};
 pub use prepare::{Prepared, prepare};
 pub use run::run;
 pub use summary::{Energy, PointResult, Status, Summary};
@@ -44,6 +47,8 @@ pub struct JobOptions {
     pub folder: PathBuf,
     /// Go on from the folder's checkpoint instead of starting anew.
     pub resume: bool,
+    /// Replace the results of another model in the folder.
+    pub force: bool,
 }
 
 /// What a run is about to do.

@@ -8,7 +8,7 @@ use tegula::model::{ModalAnalysis, StaticAnalysis};
 use tegula::{Error, System};
 
 use super::modes;
-use super::run::{start, summary};
+use super::run::{claim, start, summary};
 use super::{
     JobError, JobObserver, JobOptions, Prepared, Progress, ResultFolder, Start, Status, Summary, process,
 };
@@ -30,24 +30,24 @@ pub(super) fn run(
         });
     }
     let (clock, cpu) = (Instant::now(), process::cpu_seconds());
-    let mut folder = ResultFolder::start(&options.folder)?;
+    let mut folder = ResultFolder::start(&options.folder, &claim(deck, prepared, options))?;
     let start = start(deck, prepared, None);
     watch.on_start(&start);
     let mut summary = summary(deck, prepared, &start);
     summary.write(folder.path())?;
-    folder.log(&opening(&summary, &start))?;
-
-    for warning in &prepared.warnings {
-        folder.log(&format!("warning: {warning}"))?;
-        watch.on_warning(&warning.to_string());
-    }
     let mut forward = Forward { folder: &mut folder, watch, failed: None, before: Statistics::default() };
+    forward.log(&opening(&summary, &start));
+    for warning in &prepared.warnings {
+        forward.log(&format!("warning: {warning}"));
+        forward.watch.on_warning(&warning.to_string());
+    }
     let outcome = spectrum(analysis, &prepared.system, &mut forward);
-    let (before, failed) = (forward.before, forward.failed);
+    let (before, mut failed) = (forward.before, forward.failed);
     let result = match outcome {
         Ok(found) => {
             (summary.status, summary.time) = (Status::Complete, start.end);
-            record(deck, prepared, &mut folder, &mut summary, &before, &found)?;
+            let recorded = record(deck, prepared, &mut folder, &mut summary, &before, &found);
+            failed = failed.or(recorded.err());
             Ok(())
         }
         Err(Error::Interrupted) => {
@@ -64,8 +64,8 @@ pub(super) fn run(
     summary.wall_s = clock.elapsed().as_secs_f64();
     summary.cpu_s = process::cpu_seconds().zip(cpu).map(|(now, then)| now - then);
     summary.peak_memory_bytes = process::peak_memory_bytes();
-    summary.write(folder.path())?;
-    if let Some(error) = failed {
+    if let Some(error) = failed.or_else(|| summary.write(folder.path()).err()) {
+        summary.write_failure(folder.path(), &error);
         return Err(error.into());
     }
     result.map(|()| summary)
@@ -78,19 +78,20 @@ fn opening(summary: &Summary, start: &Start) -> String {
     )
 }
 
-/// The modes, about the equilibrium under the loads where that is wanted.
+/// The modes, and the state about which they are: the equilibrium under the loads where that is wanted.
 fn spectrum(
     analysis: &ModalAnalysis,
     system: &System,
     forward: &mut Forward<'_>,
-) -> tegula::Result<ModalOutcome> {
+) -> tegula::Result<(State, ModalOutcome)> {
     let mut equilibrium: Option<State> = None;
     if analysis.prestressed {
         let outcome = statics::run(system, &StaticAnalysis::default(), None, forward)?;
         forward.before = outcome.statistics;
         equilibrium = Some(outcome.state);
     }
-    modal::run(system, analysis.modes as usize, equilibrium.as_ref(), forward)
+    let found = modal::run(system, analysis.modes as usize, equilibrium.as_ref(), forward)?;
+    Ok((equilibrium.unwrap_or_else(|| State::at_rest(system)), found))
 }
 
 /// Writes what was found.
@@ -100,11 +101,15 @@ fn record(
     folder: &mut ResultFolder,
     summary: &mut Summary,
     before: &Statistics,
-    found: &ModalOutcome,
+    (about, found): &(State, ModalOutcome),
 ) -> Result<(), OutputError> {
     let rows = found.modes.as_slice();
-    modes::write(folder, prepared, &deck.model.output.fields, rows)?;
-    if let Err(problem) = modes::picture(folder, prepared, &deck.model.title, rows) {
+    modes::write(folder, prepared, &deck.model.output, about, rows)?;
+    let unit = deck.model.output.units.of_frequency();
+    let drawn = || modes::picture(folder, prepared, &deck.model.title, unit.as_deref(), rows);
+    if deck.model.output.pictures
+        && let Err(problem) = drawn()
+    {
         folder.log(&format!("a picture is missing: {problem}"))?;
     }
     summary.frequencies_hz = Some(rows.iter().map(|m| m.frequency_hz).collect());
@@ -126,6 +131,14 @@ struct Forward<'a> {
     before: Statistics,
 }
 
+impl Forward<'_> {
+    fn log(&mut self, line: &str) {
+        if let Err(error) = self.folder.log(line) {
+            self.failed.get_or_insert(error);
+        }
+    }
+}
+
 impl Observer for Forward<'_> {
     fn on_step(&mut self, step: &Step) -> tegula::Result<()> {
         self.watch.on_step(&Progress {
@@ -143,9 +156,7 @@ impl Observer for Forward<'_> {
     }
 
     fn on_event(&mut self, message: &str) {
-        if let Err(error) = self.folder.log(message) {
-            self.failed.get_or_insert(error);
-        }
+        self.log(message);
         self.watch.on_event(message);
     }
 

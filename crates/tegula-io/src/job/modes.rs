@@ -3,10 +3,11 @@
 use tegula::analysis::State;
 use tegula::analysis::modal::Mode;
 use tegula::element::Nodal;
-use tegula::model::Field;
-use tegula::result::recover;
+use tegula::model::{Field, Output};
+use tegula::result::recovery;
 use tegula::{Mesh, System};
 
+use super::pictures::short;
 use super::{Prepared, ResultFolder, fields};
 use crate::out::{HistoryWriter, OutputError, PvdSeries};
 use crate::plot::{Snapshot, SurfacePlot, surfaces};
@@ -18,11 +19,17 @@ const COLUMNS: usize = 3;
 /// Largest displacement in the picture, as a part of the model.
 const AMPLITUDE: f64 = 0.12;
 
-/// Writes `modes.csv`, `modes.pvd` and the shapes; the time value of a shape is its frequency.
+/// Fields that a mode has none of: its amplitude is arbitrary.
+const WITHOUT: [Field; 3] = [Field::Velocity, Field::Failure, Field::PlasticStrain];
+
+/// Writes `modes.csv`, `modes.pvd` and the shapes with their stresses, small motions about a state; the time value of a
+/// shape is the number of its mode. Frequencies would not do: viewers show one of several shapes with the same time, as
+/// rigid modes and those of symmetric models have.
 pub(super) fn write(
     folder: &ResultFolder,
     prepared: &Prepared,
-    wanted: &[Field],
+    output: &Output,
+    about: &State,
     modes: &[Mode],
 ) -> Result<(), OutputError> {
     let Prepared { mesh, system, .. } = prepared;
@@ -30,15 +37,17 @@ pub(super) fn write(
     let mut table = HistoryWriter::create(&folder.file("modes.csv"), &names)?;
     folder.make_series("modes")?;
     let mut series = PvdSeries::create(&folder.file("modes.pvd"))?;
+    let fields = output.fields.iter().copied().filter(|f| !WITHOUT.contains(f)).collect();
+    let output = Output { fields, ..output.clone() };
     for (i, mode) in modes.iter().enumerate() {
         let rigid = f64::from(u8::from(mode.rigid));
-        table.append(&[(i + 1) as f64, mode.frequency_hz, mode.omega, rigid, mode.residual])?;
-        let state = State { time: mode.frequency_hz, u: mode.shape.clone(), ..State::at_rest(system) };
-        let results = recover(system, &state);
+        let number = (i + 1) as f64;
+        table.append(&[number, mode.frequency_hz, mode.omega, rigid, mode.residual])?;
+        let frame = fields::Frame { state: about, small: Some(&mode.shape), forces: None, time: number };
+        let results = recovery::shells(&frame.snapshot(system));
         let name = format!("modes/{:04}.vtu", i + 1);
-        let wanted: Vec<Field> = wanted.iter().copied().filter(|&f| f != Field::Velocity).collect();
-        fields::write(&folder.file(&name), mesh, system, &wanted, &state, &results)?;
-        series.add(mode.frequency_hz, &name)?;
+        fields::write(&folder.file(&name), mesh, system, &output, &frame, &results)?;
+        series.add(number, &name)?;
     }
     table.sync()
 }
@@ -48,6 +57,7 @@ pub(super) fn picture(
     folder: &ResultFolder,
     prepared: &Prepared,
     title: &str,
+    unit: Option<&str>,
     modes: &[Mode],
 ) -> Result<(), OutputError> {
     let Prepared { mesh, system, .. } = prepared;
@@ -55,7 +65,7 @@ pub(super) fn picture(
     if elastic.is_empty() {
         return Ok(());
     }
-    let snapshots = elastic.iter().enumerate().map(|(i, m)| tile(mesh, system, m, i)).collect();
+    let snapshots = elastic.iter().enumerate().map(|(i, m)| tile(mesh, system, m, i, unit)).collect();
     let plot = SurfacePlot {
         title: if title.is_empty() { "Modes".into() } else { title.to_owned() },
         snapshots,
@@ -67,7 +77,7 @@ pub(super) fn picture(
 }
 
 /// A mode in its place of the picture: columns to the right, rows downwards.
-fn tile(mesh: &Mesh, system: &System, mode: &Mode, index: usize) -> Snapshot {
+fn tile(mesh: &Mesh, system: &System, mode: &Mode, index: usize, unit: Option<&str>) -> Snapshot {
     let u = fields::nodal(system, &mode.shape);
     let size = |u: &Nodal| u.iter().map(|x| x * x).sum::<f64>().sqrt();
     let largest = u.iter().map(size).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
@@ -83,7 +93,7 @@ fn tile(mesh: &Mesh, system: &System, mode: &Mode, index: usize) -> Snapshot {
     Snapshot {
         positions,
         values: Some(mesh.quads.iter().map(mean).collect()),
-        label: format!("f = {:.4}", mode.frequency_hz),
+        label: format!("f = {}{}", short(mode.frequency_hz), unit.map_or(String::new(), |u| format!(" {u}"))),
         opacity: 1.0,
     }
 }

@@ -4,7 +4,7 @@ use tegula::{Mesh, System};
 
 use super::history::{BEHIND, PER_POINT};
 use super::recorder::Recorder;
-use super::snapshots::{INSTANTS, Kept};
+use super::snapshots::{Kept, shown};
 use super::{Prepared, fields, history};
 use crate::out::{OutputError, csv};
 use crate::plot::{LinePlot, Series, Snapshot, Style, SurfacePlot, lines, surfaces};
@@ -53,19 +53,32 @@ fn title(recorder: &Recorder<'_>, what: &str) -> String {
     if title.is_empty() { what.to_owned() } else { format!("{title}: {what}") }
 }
 
-/// Position of each point over time.
+/// A label with the name of its unit, where the model gives one.
+fn with_unit(label: &str, unit: Option<&str>) -> String {
+    unit.map_or(label.to_owned(), |unit| format!("{label} [{unit}]"))
+}
+
+/// Rows of a history up to which each is marked in its curves.
+const MARKED: usize = 40;
+
+/// Line with the points of a short history.
+fn style(rows: &[Vec<f64>]) -> Style {
+    if rows.len() < MARKED { Style::Both } else { Style::Line }
+}
+
+/// Displacement of each point over time.
 fn points(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Vec<Result<(), OutputError>> {
     let one = |(i, probe): (usize, &tegula::result::Probe)| {
-        let first = 1 + PER_POINT * i;
-        let series = ["x", "y", "z"].into_iter().enumerate().map(|(c, name)| Series {
+        let first = 1 + PER_POINT * i + 3;
+        let series = ["ux", "uy", "uz"].into_iter().enumerate().map(|(c, name)| Series {
             name: name.into(),
             points: curve(rows, 0, first + c),
-            style: Style::Line,
+            style: style(rows),
         });
         let plot = LinePlot {
-            title: title(recorder, &format!("position of {}", probe.name)),
-            x_label: "time".into(),
-            y_label: "position".into(),
+            title: title(recorder, &format!("displacement of {}", probe.name)),
+            x_label: time_label(recorder),
+            y_label: with_unit("displacement", recorder.model.output.units.length.as_deref()),
             series: series.collect(),
             ..LinePlot::default()
         };
@@ -85,18 +98,14 @@ fn load_displacement(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Result<(), O
     let series: Vec<Series> = columns
         .into_iter()
         .filter(|&c| size(c) > 1e-6 * largest)
-        .map(|c| Series {
-            name: names[c].replace('.', " "),
-            points: curve(rows, c, 0),
-            style: if rows.len() < 40 { Style::Both } else { Style::Line },
-        })
+        .map(|c| Series { name: names[c].replace('.', " "), points: curve(rows, c, 0), style: style(rows) })
         .collect();
     if series.is_empty() {
         return Ok(());
     }
     let plot = LinePlot {
         title: title(recorder, "displacement under the load"),
-        x_label: "displacement".into(),
+        x_label: with_unit("displacement", recorder.model.output.units.length.as_deref()),
         y_label: "load factor".into(),
         series,
         ..LinePlot::default()
@@ -112,7 +121,7 @@ fn energy(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Result<(), OutputError>
         .map(|name| Series {
             name: name.into(),
             points: curve(rows, 0, column(recorder, name)),
-            style: if name == "total" { Style::Dashed } else { Style::Line },
+            style: if name == "total" { Style::Dashed } else { style(rows) },
         })
         .filter(|s| s.points.iter().any(|p| p.1 != 0.0))
         .collect();
@@ -121,16 +130,19 @@ fn energy(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Result<(), OutputError>
     }
     let plot = LinePlot {
         title: title(recorder, "energy"),
-        x_label: time_label(recorder).into(),
-        y_label: "energy".into(),
+        x_label: time_label(recorder),
+        y_label: with_unit("energy", recorder.model.output.units.of_energy().as_deref()),
         series,
         ..LinePlot::default()
     };
     lines(&recorder.folder.file("energy.png"), &plot)
 }
 
-fn time_label(recorder: &Recorder<'_>) -> &'static str {
-    if recorder.summary.analysis == "static" { "load factor" } else { "time" }
+fn time_label(recorder: &Recorder<'_>) -> String {
+    if recorder.summary.analysis == "static" {
+        return "load factor".into();
+    }
+    with_unit("time", recorder.model.output.units.time.as_deref())
 }
 
 /// Length of the time steps.
@@ -140,11 +152,11 @@ fn step_size(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Result<(), OutputErr
     let s = &recorder.summary;
     let plot = LinePlot {
         title: title(recorder, "time steps"),
-        x_label: "time".into(),
-        y_label: "step size".into(),
+        x_label: time_label(recorder),
+        y_label: with_unit("step size", recorder.model.output.units.time.as_deref()),
         series: vec![Series { name: String::new(), points, style: Style::Line }],
         y_log: true,
-        note: format!("{} steps, {} iterations, {} repeated steps", s.steps, s.iterations, s.cutbacks),
+        note: format!("{} steps, {} iterations, {} cut-backs", s.steps, s.iterations, s.cutbacks),
         ..LinePlot::default()
     };
     lines(&recorder.folder.file("step_size.png"), &plot)
@@ -153,23 +165,23 @@ fn step_size(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Result<(), OutputErr
 /// The shell at the instants that were kept.
 fn snapshots(recorder: &Recorder<'_>) -> Result<(), OutputError> {
     let Prepared { mesh, system, .. } = recorder.prepared;
-    let mut kept: Vec<&Kept> = recorder.memory.kept.iter().collect();
-    // The last state is worth more than one close before it.
-    if kept.len() > INSTANTS {
-        kept.remove(INSTANTS - 1);
-    }
+    let kept = shown(&recorder.memory.kept);
     if kept.is_empty() {
         return Ok(());
     }
     let largest = kept.iter().map(|k| largest_displacement(mesh, system, k)).fold(0.0, f64::max);
     let scale = magnification(largest / system.length);
-    let letter = if recorder.summary.analysis == "static" { "load" } else { "t =" };
+    let units = &recorder.model.output.units;
+    let (letter, unit) = match &units.time {
+        _ if recorder.summary.analysis == "static" => ("load", String::new()),
+        unit => ("t =", unit.as_ref().map_or(String::new(), |unit| format!(" {unit}"))),
+    };
     let only_shape = kept.len() == 1;
     let count = kept.len();
     let shots = kept.into_iter().enumerate().map(|(i, k)| Snapshot {
         positions: fields::positions(mesh, system, &k.displacements, scale),
         values: (!only_shape).then(|| k.values.clone()),
-        label: format!("{letter} {}", short(k.time)),
+        label: format!("{letter} {}{unit}", short(k.time)),
         opacity: opacity(i, count),
     });
     let what = if scale == 1.0 { "deformed shell".into() } else { format!("displacements × {scale}") };
@@ -177,7 +189,7 @@ fn snapshots(recorder: &Recorder<'_>) -> Result<(), OutputError> {
         title: title(recorder, &what),
         snapshots: shots.collect(),
         quads: mesh.quads.clone(),
-        color_label: "von Mises stress".into(),
+        color_label: with_unit("von Mises stress", units.of_stress().as_deref()),
         ..SurfacePlot::default()
     };
     surfaces(&recorder.folder.file("snapshots.png"), &plot)

@@ -4,14 +4,16 @@ use std::time::Instant;
 
 use tegula::analysis::{Balance, Observer, State, Statistics, Step};
 use tegula::material::Law;
-use tegula::model::Model;
-use tegula::result::{ShellResult, plastic_strains, recover};
+use tegula::model::{Analysis, Model, Scheme};
+use tegula::result::{Equilibrium, ReactionFinder, ShellResult, plastic_strains, recover};
 use tegula::system::Shell;
 use tegula::{Error, Result, System};
 
 use super::resume::{Memory, Notes};
 use super::summary::{PointResult, Status, Summary};
-use super::{JobObserver, Prepared, Progress, ResultFolder, Start, fields, history, process, snapshots};
+use super::{
+    JobObserver, Prepared, Progress, ResultFolder, Start, fields, forces, frames, history, process, snapshots,
+};
 use crate::deck::Diagnostic;
 use crate::out::{HistoryWriter, OutputError, PvdSeries};
 
@@ -33,12 +35,17 @@ pub(super) struct Recorder<'a> {
     watch: &'a mut dyn JobObserver,
     history: HistoryWriter,
     series: PvdSeries,
+    finder: ReactionFinder,
+    /// Reactions, loads and inertia of the last step.
+    forces: Option<Equilibrium>,
     statistics: Statistics,
     started: Instant,
     cpu_at_start: Option<f64>,
     last_checkpoint: Instant,
     /// Large strains have been reported.
     strained: bool,
+    /// The size of all field files has been reported.
+    foretold: bool,
     /// The first output that failed; the analysis was ended by it.
     failed: Option<OutputError>,
 }
@@ -59,13 +66,17 @@ impl<'a> Recorder<'a> {
         let mut missing = 0;
         let (history, series) = match &memory {
             None => {
-                (HistoryWriter::create(&csv, &history::names(&prepared.probes))?, PvdSeries::create(&pvd)?)
+                let mut names = history::names(&prepared.probes);
+                names.extend(forces::names(&prepared.system));
+                (HistoryWriter::create(&csv, &names)?, PvdSeries::create(&pvd)?)
             }
             Some(memory) => {
-                let mut series = PvdSeries::open(&pvd)?;
-                series.truncate_after(memory.notes.last_frame)?;
-                missing = series.drop_missing()?;
                 folder.remove_numbered("fields", memory.notes.frames)?;
+                let mut series = if pvd.exists() { PvdSeries::open(&pvd)? } else { PvdSeries::create(&pvd)? };
+                let before = memory.notes.frames;
+                series.truncate_after(memory.notes.last_frame)?;
+                series.drop_missing()?;
+                missing = before.saturating_sub(series.entries().len());
                 (HistoryWriter::resume(&csv, memory.notes.rows)?, series)
             }
         };
@@ -78,11 +89,14 @@ impl<'a> Recorder<'a> {
             watch,
             history,
             series,
+            finder: ReactionFinder::new(&prepared.system, scheme(model)),
+            forces: None,
             statistics: Statistics::default(),
             started: Instant::now(),
             cpu_at_start: process::cpu_seconds(),
             last_checkpoint: Instant::now(),
             strained: false,
+            foretold: false,
             failed: None,
         };
         if missing > 0 {
@@ -116,7 +130,7 @@ impl<'a> Recorder<'a> {
     pub fn log_end(&mut self) -> std::result::Result<(), OutputError> {
         let s = &self.summary;
         let mut line = format!(
-            "{:?} at {} after {} steps, {} iterations, {} repeated steps, {:.2} s",
+            "{:?} at {} after {} steps, {} iterations, {} cut-backs, {:.2} s",
             s.status, s.time, s.steps, s.iterations, s.cutbacks, s.wall_s
         );
         if let Some(error) = &s.error {
@@ -144,6 +158,9 @@ impl<'a> Recorder<'a> {
         if any && (regular.frames == 0 || self.memory.state.time > regular.last_frame) {
             self.frame()?;
         }
+        if any {
+            self.keep_last();
+        }
         // A run that goes on from here writes the last field file again only when it is due.
         let mut extra = Vec::new();
         if status != Status::Complete {
@@ -161,9 +178,25 @@ impl<'a> Recorder<'a> {
         Ok(())
     }
 
+    /// Keeps the last state for the picture, wherever it stands between the instants that are kept regularly.
+    fn keep_last(&mut self) {
+        let state = &self.memory.state;
+        if self.model.output.pictures && snapshots::lacks(&self.memory.kept, state.time) {
+            let Prepared { mesh, system, .. } = self.prepared;
+            let values = fields::by_quad(mesh, system, &recover(system, state), |r| [r.von_mises]);
+            snapshots::keep(&mut self.memory.kept, state, values);
+        }
+    }
+
     /// Replaces the summary in the folder by the present one.
     pub fn write_summary(&self) -> std::result::Result<(), OutputError> {
         self.summary.write(self.folder.path())
+    }
+
+    /// Leaves a summary that says why the run failed, even on a full disk.
+    pub fn fail(&mut self, error: &OutputError) {
+        self.update_summary();
+        self.summary.write_failure(self.folder.path(), error);
     }
 
     /// Brings counts, energies, points and costs up to date.
@@ -177,6 +210,7 @@ impl<'a> Recorder<'a> {
         s.critical_step = Some(totals.critical_step).filter(|&step| step > 0.0);
         s.energy_error = s.critical_step.map(|_| totals.energy_error);
         s.linear_iterations = (totals.linear_iterations > 0).then_some(totals.linear_iterations);
+        s.negative_pivots = Some(self.memory.state.negative_pivots).filter(|&n| n > 0);
         s.time = self.memory.state.time;
         s.energy = (&self.memory.balance).into();
         if !self.memory.state.u.is_empty() {
@@ -185,6 +219,11 @@ impl<'a> Recorder<'a> {
                 position: p.position(system, state),
                 displacement: p.displacement(state),
             };
+            if let Some(forces) = &self.forces {
+                let balance;
+                (s.supports, s.loads, balance) = forces::results(system, forces);
+                s.balance = Some(balance);
+            }
             s.points = self.prepared.probes.iter().map(|p| (p.name.clone(), point(p))).collect();
         }
         s.wall_s = self.memory.notes.wall_s + self.started.elapsed().as_secs_f64();
@@ -206,10 +245,11 @@ impl<'a> Recorder<'a> {
             false if self.prepared.system.explicit => step.state.last_step,
             false => step.state.time - before,
         };
+        let forces = self.finder.find(&self.prepared.system, Some(&self.memory.state), step.state);
         self.memory.state.clone_from(step.state);
         self.memory.balance = *step.balance;
         self.statistics = *step.statistics;
-        let row = history::row(
+        let mut row = history::row(
             &self.prepared.system,
             &self.prepared.probes,
             step.state,
@@ -217,19 +257,22 @@ impl<'a> Recorder<'a> {
             step.iterations,
             step_size,
         );
+        row.extend(forces::row(&forces));
+        self.forces = Some(forces);
         self.history.append(&row)?;
-        let interval = self.model.output.interval;
-        let number = |t: f64| (t / interval * (1.0 + 1e-9)).floor();
+        let now = frames::Instant { step: step.state.step, time: step.state.time, end: step.end };
         let due = first
-            || interval == 0.0
-            || step.state.time >= step.end
-            || number(step.state.time) > number(self.memory.notes.last_frame);
+            || self.prepared.system.wanted_times.contains(&step.state.time)
+            || frames::due(&self.model.output, now, self.memory.notes.last_frame);
         if due {
             self.frame()?;
+            self.foretell(now)?;
         }
         let since = self.last_checkpoint.elapsed().as_secs_f64();
-        if (due && (interval > 0.0 || since > SMALLEST_CHECKPOINT_SECONDS)) || since > CHECKPOINT_SECONDS {
+        let spaced = self.model.output.interval.is_some_and(|interval| interval > 0.0);
+        if (due && (spaced || since > SMALLEST_CHECKPOINT_SECONDS)) || since > CHECKPOINT_SECONDS {
             self.history.sync()?;
+            self.series.sync()?;
             self.checkpoint()?;
         } else {
             self.history.flush()?;
@@ -245,6 +288,22 @@ impl<'a> Recorder<'a> {
         Ok(())
     }
 
+    /// Warns once of field files that will take much room.
+    fn foretell(&mut self, now: frames::Instant) -> std::result::Result<(), OutputError> {
+        if self.foretold {
+            return Ok(());
+        }
+        let last = format!("fields/{:04}.vtu", self.memory.notes.frames.saturating_sub(1));
+        let bytes = std::fs::metadata(self.folder.file(&last)).map_or(0, |file| file.len());
+        match frames::too_many(self.memory.notes.frames, bytes, now) {
+            Some(warning) => {
+                self.foretold = true;
+                self.warning(&warning)
+            }
+            None => Ok(()),
+        }
+    }
+
     /// Writes the fields of the present state.
     fn frame(&mut self) -> std::result::Result<(), OutputError> {
         let Prepared { mesh, system, .. } = self.prepared;
@@ -252,7 +311,16 @@ impl<'a> Recorder<'a> {
         let results = recover(system, state);
         let strain = if self.strained { None } else { largest_strain(system, state, &results) };
         let name = format!("fields/{:04}.vtu", self.memory.notes.frames);
-        fields::write(&self.folder.file(&name), mesh, system, &self.model.output.fields, state, &results)?;
+        let found;
+        let forces = match &self.forces {
+            Some(forces) => forces,
+            None => {
+                found = self.finder.find(system, None, state);
+                &found
+            }
+        };
+        let frame = fields::Frame { forces: Some(forces), ..fields::Frame::of_state(state) };
+        fields::write(&self.folder.file(&name), mesh, system, &self.model.output, &frame, &results)?;
         self.series.add(state.time, &name)?;
         if self.model.output.pictures && snapshots::wanted(&self.memory.kept, state.time, self.summary.end) {
             let values = fields::by_quad(mesh, system, &results, |r| [r.von_mises]);
@@ -293,6 +361,14 @@ impl<'a> Recorder<'a> {
         // A run that is killed leaves a summary of what it can be resumed from.
         self.update_summary();
         self.write_summary()
+    }
+}
+
+/// Scheme of time integration, where there is one.
+fn scheme(model: &Model) -> Option<Scheme> {
+    match &model.analysis {
+        Analysis::Transient(t) => Some(t.scheme),
+        Analysis::Static(_) | Analysis::Modal(_) => None,
     }
 }
 

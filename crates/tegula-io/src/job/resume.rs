@@ -13,7 +13,7 @@ use tegula::element::Nodal;
 use super::snapshots::Kept;
 use crate::out::{Checkpoint, OutputError};
 
-const REMEDY: &str = "Start the analysis anew";
+const REMEDY: &str = "Run without `--resume` to start anew";
 
 /// Everything that a run goes on from.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -71,6 +71,8 @@ impl Memory {
     pub fn save(&self, path: &Path, model_fingerprint: u64) -> Result<(), OutputError> {
         let (s, b) = (&self.state, &self.balance);
         let scalars = [s.time, s.next_step, s.last_step, s.work, s.dissipated, s.energy_scale];
+        let path_so_far =
+            [s.displacement_scale, f64::from(u8::from(s.other_form)), s.negative_pivots as f64, s.compliance];
         let energies = [b.kinetic, b.strain, b.potential, b.work, b.dissipated, b.total];
         let momenta = [b.momentum, b.angular_momentum];
         let mut arrays: BTreeMap<String, Cow<[f64]>> = [
@@ -80,6 +82,7 @@ impl Memory {
             ("mean a", s.mean_a.as_flattened()),
             ("history", &s.history),
             ("scalars", &scalars),
+            ("load path", &path_so_far),
             ("energies", &energies),
             ("momenta", momenta.as_flattened()),
         ]
@@ -123,6 +126,7 @@ impl Memory {
             if found.is_empty() || found.len() == n { Ok(found) } else { Err(wrong(name)) }
         };
         let scalars = fixed("scalars", 6)?;
+        let path_so_far = fixed("load path", 4)?;
         let energies = fixed("energies", 6)?;
         let momenta = fixed("momenta", 6)?;
         let t = fixed("tangent", 8)?;
@@ -155,6 +159,10 @@ impl Memory {
             work: scalars[3],
             dissipated: scalars[4],
             energy_scale: scalars[5],
+            displacement_scale: path_so_far[0],
+            other_form: path_so_far[1] != 0.0,
+            negative_pivots: path_so_far[2] as usize,
+            compliance: path_so_far[3],
             tangent,
         };
         let balance = Balance {

@@ -7,7 +7,7 @@ use tegula::{Error, System};
 use super::recorder::Recorder;
 use super::resume::Memory;
 use super::{
-    Energy, JobError, JobObserver, JobOptions, Prepared, ResultFolder, Start, Status, Summary, modal,
+    Claim, Energy, JobError, JobObserver, JobOptions, Prepared, ResultFolder, Start, Status, Summary, modal,
     pictures, prepare,
 };
 use crate::deck::Deck;
@@ -26,7 +26,7 @@ pub fn run(deck: &Deck, options: &JobOptions, watch: &mut dyn JobObserver) -> Re
     let folder = if options.resume {
         ResultFolder::resume(&options.folder)?
     } else {
-        ResultFolder::start(&options.folder)?
+        ResultFolder::start(&options.folder, &claim(deck, &prepared, options))?
     };
     let memory = if options.resume {
         let path = folder.file("checkpoint.bin");
@@ -37,12 +37,22 @@ pub fn run(deck: &Deck, options: &JobOptions, watch: &mut dyn JobObserver) -> Re
     let start = start(deck, &prepared, memory.as_ref());
     watch.on_start(&start);
     let summary = summary(deck, &prepared, &start);
-    let mut recorder = Recorder::new(&deck.model, &prepared, folder, summary, memory, watch)?;
-    recorder.announce(&start)?;
-    recorder.warn(&prepared.warnings)?;
+    let (mut opening, place) = (summary.clone(), folder.path().to_owned());
+    let opened =
+        Recorder::new(&deck.model, &prepared, folder, summary, memory, watch).and_then(|mut recorder| {
+            recorder.announce(&start)?;
+            recorder.warn(&prepared.warnings)?;
+            Ok(recorder)
+        });
+    let mut recorder = opened.inspect_err(|error| opening.write_failure(&place, error))?;
     let state = (!recorder.memory.state.u.is_empty()).then(|| recorder.memory.state.clone());
     let outcome = analyse(deck, &prepared.system, state, &start, &mut recorder);
     conclude(recorder, outcome)
+}
+
+/// What a run says of itself when it wants a result folder.
+pub(super) fn claim<'a>(deck: &'a Deck, prepared: &Prepared, options: &JobOptions) -> Claim<'a> {
+    Claim { model: &deck.path, fingerprint: prepared.fingerprint, force: options.force }
 }
 
 /// The analysis itself.
@@ -77,18 +87,16 @@ fn conclude(mut recorder: Recorder<'_>, outcome: tegula::Result<()>) -> Result<S
         (None, Err(error)) => (Status::Failed, Some(error.to_string())),
     };
     let finished = recorder.finish(status, message);
-    if let Some(error) = failure {
-        // The disk may be full: what can still be written is written, the first error is what counts.
-        let _ = recorder.write_summary();
+    if let Some(error) = failure.or(finished.err()) {
+        // The disk may be full: the first error is what counts.
+        recorder.fail(&error);
         return Err(error.into());
     }
-    finished?;
     if recorder.model.output.pictures {
         pictures::draw(&mut recorder);
     }
-    recorder.log_end()?;
     recorder.update_summary();
-    recorder.write_summary()?;
+    recorder.log_end().and_then(|()| recorder.write_summary()).inspect_err(|error| recorder.fail(error))?;
     let folder = recorder.folder.path().to_owned();
     match outcome {
         Ok(()) => Ok(recorder.summary),
@@ -124,6 +132,7 @@ pub(super) fn summary(deck: &Deck, prepared: &Prepared, start: &Start) -> Summar
         analysis: start.analysis.into(),
         title: start.title.clone(),
         model: deck.path.display().to_string(),
+        model_path: deck.path.canonicalize().ok().map(|path| path.display().to_string()),
         fingerprint: format!("{:016x}", prepared.fingerprint),
         elements: start.elements,
         unknowns: start.unknowns,
@@ -137,8 +146,12 @@ pub(super) fn summary(deck: &Deck, prepared: &Prepared, start: &Start) -> Summar
         critical_step: None,
         energy_error: None,
         linear_iterations: None,
+        negative_pivots: None,
         energy: Energy::default(),
         points: Default::default(),
+        supports: Default::default(),
+        loads: Default::default(),
+        balance: None,
         frequencies_hz: None,
         sturm_checked: None,
         wall_s: 0.0,

@@ -24,7 +24,50 @@ pub(super) fn wanted(kept: &[Kept], time: f64, end: f64) -> bool {
     kept.last().is_none_or(|last| time > last.time && number(time) > number(last.time))
 }
 
+/// Whether the last state is missing: it is shown wherever it stands between the evenly spaced instants.
+pub(super) fn lacks(kept: &[Kept], time: f64) -> bool {
+    kept.last().is_none_or(|last| last.time < time)
+}
+
+/// The instants of the picture: the last state is worth more than one close before it.
+pub(super) fn shown(kept: &[Kept]) -> Vec<&Kept> {
+    let mut shown: Vec<&Kept> = kept.iter().collect();
+    if shown.len() > INSTANTS {
+        shown.remove(INSTANTS - 1);
+    }
+    shown
+}
+
 /// Keeps a state.
 pub(super) fn keep(kept: &mut Vec<Kept>, state: &State, values: Vec<f64>) {
     kept.push(Kept { time: state.time, displacements: state.u.clone(), values });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_state_of_a_failed_run_is_shown() {
+        let state = |time: f64| State { time, ..State::default() };
+        for (reached, times) in [
+            (0.0, vec![0.0]),
+            (0.13, vec![0.0, 0.13]),
+            (0.47, vec![0.0, 0.2, 0.4, 0.47]),
+            (0.95, vec![0.0, 0.2, 0.4, 0.6, 0.8, 0.95]),
+            (1.0, vec![0.0, 0.2, 0.4, 0.6, 0.8, 1.0]),
+        ] {
+            let mut kept = Vec::new();
+            for time in (0..=100).map(|i| 0.01 * f64::from(i)).filter(|&t| t <= reached + 1e-12) {
+                if wanted(&kept, time, 1.0) {
+                    keep(&mut kept, &state(time), Vec::new());
+                }
+            }
+            if lacks(&kept, reached) {
+                keep(&mut kept, &state(reached), Vec::new());
+            }
+            let found: Vec<f64> = shown(&kept).iter().map(|k| (k.time * 100.0).round() / 100.0).collect();
+            assert_eq!(found, times);
+        }
+    }
 }

@@ -1,12 +1,13 @@
 //! `summary.json`: how a run ended, what it found and what it cost.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use tegula::analysis::Balance;
 
-use crate::out::{OutputError, write_whole};
+use super::forces::{BalanceResult, ForceResult};
+use crate::out::{OutputError, write_over, write_whole};
 
 /// How a run stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -79,6 +80,9 @@ pub struct Summary {
     pub title: String,
     /// Path of the model file as it was given.
     pub model: String,
+    /// Its whole path, by which a later run knows whether the folder holds results of the same model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model_path: Option<String>,
     /// Fingerprint of the model file and its mesh file, hexadecimal.
     pub fingerprint: String,
     /// Shell elements.
@@ -108,10 +112,22 @@ pub struct Summary {
     /// Iterations of the iterative linear solver, where it was used.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub linear_iterations: Option<u64>,
+    /// Negative pivots of the tangent at the last static equilibrium, where there are some.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub negative_pivots: Option<usize>,
     /// Energies at the end.
     pub energy: Energy,
     /// Recorded points at the end.
     pub points: BTreeMap<String, PointResult>,
+    /// Reactions at the end on each set that is supported or moved: forces that the supports exert on the model.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub supports: BTreeMap<String, ForceResult>,
+    /// Loads at the end, by kind and set.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub loads: BTreeMap<String, ForceResult>,
+    /// Balance of loads, reactions and inertia at the end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub balance: Option<BalanceResult>,
     /// Natural frequencies [1/time] of a modal analysis, rigid modes included.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frequencies_hz: Option<Vec<f64>>,
@@ -149,9 +165,24 @@ impl Summary {
 
     /// Writes it, whole or not at all.
     pub(super) fn write(&self, folder: &Path) -> Result<(), OutputError> {
+        let (path, text) = self.file(folder)?;
+        write_whole(&path, |w| w.write_all(text.as_bytes()))
+    }
+
+    /// Writes that the run has failed, and why; over the present summary where the disk has no room for another.
+    pub(super) fn write_failure(&mut self, folder: &Path, error: &OutputError) {
+        (self.status, self.error) = (Status::Failed, Some(error.to_string()));
+        if self.write(folder).is_err()
+            && let Ok((path, text)) = self.file(folder)
+        {
+            let _ = write_over(&path, text.as_bytes());
+        }
+    }
+
+    fn file(&self, folder: &Path) -> Result<(PathBuf, String), OutputError> {
         let path = folder.join("summary.json");
         let text = serde_json::to_string_pretty(self)
             .map_err(|e| OutputError::refused(&path, format!("it cannot be written as JSON: {e}")))?;
-        write_whole(&path, |w| writeln!(w, "{text}"))
+        Ok((path, text + "\n"))
     }
 }

@@ -1,11 +1,18 @@
 //! Whole runs in temporary folders.
 
+mod fields;
 mod inputs;
+mod mesh_parts;
 
 use std::cell::Cell;
 use std::fs;
 use std::path::Path;
 
+use tegula::System;
+use tegula::analysis::State;
+
+use super::resume::Memory;
+use super::snapshots::Kept;
 use super::*;
 use crate::deck::Deck;
 use crate::out::{PvdSeries, csv};
@@ -54,7 +61,11 @@ fn deck(scheme: &str) -> Deck {
 }
 
 fn options(folder: &Path, resume: bool) -> JobOptions {
-    JobOptions { folder: folder.to_owned(), resume }
+    JobOptions { folder: folder.to_owned(), resume, force: false }
+}
+
+fn claim() -> Claim<'static> {
+    Claim { model: Path::new("swing.toml"), fingerprint: 1, force: false }
 }
 
 /// Asks to stop after a number of steps.
@@ -138,6 +149,65 @@ fn a_killed_run_resumes_from_its_last_checkpoint() {
     }
 }
 
+/// A memory in which no two numbers are equal.
+fn distinct(system: &System) -> Memory {
+    let mut number = 0.0;
+    let mut next = || {
+        number += 1.0;
+        number
+    };
+    let mut field =
+        |count: usize| -> Vec<[f64; 3]> { (0..count).map(|_| [next(), next(), next()]).collect() };
+    let (n, mut memory) = (system.vectors(), Memory::default());
+    let history = State::at_rest(system).history.len();
+    assert!(history > 0);
+    let state = &mut memory.state;
+    for nodal in [&mut state.u, &mut state.v, &mut state.a, &mut state.mean_a] {
+        *nodal = field(n);
+    }
+    state.history = field(history).into_flattened()[..history].to_vec();
+    [state.time, state.next_step, state.last_step] = field(1)[0];
+    [state.work, state.dissipated, state.energy_scale] = field(1)[0];
+    let tangent = &mut state.tangent;
+    (tangent.u, tangent.v, tangent.valid) = (field(n), field(n), true);
+    tangent.history = field(history).into_flattened()[..history].to_vec();
+    [tangent.time, tangent.dt, _] = field(1)[0];
+    (state.step, tangent.steps, tangent.iterations) = (71, 72, 73);
+    (tangent.last, tangent.pause, tangent.next_pause) = (74, 75, 76);
+    let balance = &mut memory.balance;
+    [balance.kinetic, balance.strain, balance.potential] = field(1)[0];
+    [balance.work, balance.dissipated, balance.total] = field(1)[0];
+    (balance.momentum, balance.angular_momentum) = (field(1)[0], field(1)[0]);
+    for _ in 0..2 {
+        let values = field(1)[0].to_vec();
+        memory.kept.push(Kept { time: field(1)[0][0], displacements: field(n), values });
+    }
+    let notes = &mut memory.notes;
+    (notes.rows, notes.frames, notes.iterations, notes.factorizations) = (61, 62, 63, 64);
+    (notes.cutbacks, notes.linear_iterations, notes.cpu_s) = (65, 66, Some(67.0));
+    (notes.wall_s, notes.last_frame) = (68.0, 69.0);
+    memory
+}
+
+#[test]
+fn a_checkpoint_keeps_every_number_of_a_run() {
+    let yielding = "type = \"plastic\"\nyield_stress = 1e4";
+    let text = SWING.replace("SCHEME", "newmark").replacen("type = \"isotropic\"", yielding, 1);
+    let prepared = prepare(&Deck::parse("swing.toml", text).unwrap()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("checkpoint.bin");
+    let mut memory = distinct(&prepared.system);
+    for valid in [true, false] {
+        if !valid {
+            let counts = &mut memory.state.tangent;
+            (counts.valid, counts.u, counts.v, counts.history) = (false, vec![], vec![], vec![]);
+        }
+        memory.save(&path, 5).unwrap();
+        let found = Memory::load(&path, 5, &prepared.system).unwrap();
+        assert!(found == memory, "{found:?}\nfor\n{memory:?}");
+    }
+}
+
 #[test]
 fn a_checkpoint_serves_its_own_model_only() {
     let folder = tempfile::tempdir().unwrap();
@@ -156,15 +226,29 @@ fn a_folder_with_foreign_files_is_refused_and_an_earlier_result_cleared() {
     let error = run(&deck, &options(path, false), &mut Unwatched).unwrap_err();
     assert!(error.to_string().contains("not a result"), "{error}");
     assert_eq!(fs::read_dir(path).unwrap().count(), 1);
-    let error = run(&deck, &options(path, true), &mut Unwatched).unwrap_err();
+    // To run without `--resume` there would be refused as well.
+    let error = run(&deck, &options(path, true), &mut Unwatched).unwrap_err().to_string();
+    assert!(error.contains("no result of tegula to resume") && !error.contains("without"), "{error}");
+    let error = run(&deck, &options(&path.join("new"), true), &mut Unwatched).unwrap_err();
     assert!(error.to_string().contains("no interrupted run"), "{error}");
 
     let results = path.join("results");
     run(&deck, &options(&results, false), &mut Unwatched).unwrap();
     fs::write(results.join("notes.md"), "kept").unwrap();
-    fs::write(results.join("fields/0999.vtu"), "of an earlier run").unwrap();
+    fs::copy(results.join("fields/0001.vtu"), results.join("fields/0999.vtu")).unwrap();
+    let mine =
+        ["fields/mine.vtu", "fields/7.vtu", "fields/notes.txt", "point_of_view.png"].map(|f| results.join(f));
+    mine.iter().for_each(|file| fs::write(file, "my only copy").unwrap());
     run(&deck, &options(&results, false), &mut stop_after(2)).unwrap_err();
+    run(&deck, &options(&results, true), &mut Unwatched).unwrap();
     assert!(results.join("notes.md").exists() && !results.join("fields/0999.vtu").exists());
+    assert!(mine.iter().all(|file| fs::read(file).unwrap() == b"my only copy"));
+    // Where one has the name of a field file, nothing is touched.
+    fs::write(results.join("fields/0998.vtu"), "my only copy").unwrap();
+    let error = run(&deck, &options(&results, false), &mut Unwatched).unwrap_err().to_string();
+    assert!(error.contains("0998.vtu") && error.contains("Move it"), "{error}");
+    assert_eq!(Summary::read(&results).unwrap().status, Status::Complete);
+    assert_eq!(fs::read(results.join("fields/0998.vtu")).unwrap(), b"my only copy");
     let error = run(&deck, &options(&path.join("thesis.tex"), false), &mut Unwatched).unwrap_err();
     assert!(error.to_string().contains("is a file"), "{error}");
 }
@@ -172,11 +256,11 @@ fn a_folder_with_foreign_files_is_refused_and_an_earlier_result_cleared() {
 #[test]
 fn a_folder_is_written_by_one_run_at_a_time() {
     let folder = tempfile::tempdir().unwrap();
-    let first = ResultFolder::start(folder.path()).unwrap();
-    let error = ResultFolder::start(folder.path()).unwrap_err();
+    let first = ResultFolder::start(folder.path(), &claim()).unwrap();
+    let error = ResultFolder::start(folder.path(), &claim()).unwrap_err();
     assert!(error.to_string().contains("another run"), "{error}");
     drop(first);
-    ResultFolder::start(folder.path()).unwrap();
+    ResultFolder::start(folder.path(), &claim()).unwrap();
 }
 
 #[test]
@@ -210,7 +294,6 @@ fn a_model_with_errors_touches_nothing() {
     assert!(!path.exists());
 }
 
-/// An element that lies upside down on another, in a file whose numbers have gaps.
 /// Collects warnings.
 #[derive(Default)]
 struct Warnings(Vec<String>);
@@ -245,9 +328,97 @@ fn a_run_goes_on_without_the_files_that_are_gone_and_says_so() {
 fn half_written_files_of_a_killed_run_do_not_make_a_folder_foreign() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join(".tegula-abc.part"), "half").unwrap();
-    let started = ResultFolder::start(folder.path()).unwrap();
+    let started = ResultFolder::start(folder.path(), &claim()).unwrap();
     assert!(!folder.path().join(".tegula-abc.part").exists());
     drop(started);
+}
+
+/// Makes further writing impossible after a number of steps: a folder takes the place of the next field file.
+#[cfg(unix)]
+struct Obstruct<'a>(&'a Path, u64);
+
+#[cfg(unix)]
+impl JobObserver for Obstruct<'_> {
+    fn on_step(&mut self, progress: &Progress) {
+        if progress.step == self.1 {
+            for number in 0..40 {
+                let _ = fs::create_dir(self.0.join(format!("fields/{number:04}.vtu")));
+            }
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_run_that_cannot_write_says_so_in_its_summary() {
+    let folder = tempfile::tempdir().unwrap();
+    let error =
+        run(&deck("newmark"), &options(folder.path(), false), &mut Obstruct(folder.path(), 5)).unwrap_err();
+    assert!(matches!(error, JobError::Output(_)), "{error}");
+    let summary = Summary::read(folder.path()).unwrap();
+    assert_eq!(summary.status, Status::Failed);
+    assert!(summary.error.is_some_and(|e| e.contains(".vtu") && e.contains("cannot write")));
+    // Modes are written at the end, behind the solve.
+    let modes = tempfile::tempdir().unwrap();
+    fs::write(modes.path().join(".tegula-x.part"), "").unwrap();
+    let text = SWING.replace(
+        "type = \"transient\"\nend_time = 0.2\ntolerance = 1e-4\nscheme = { type = \"SCHEME\" }",
+        "type = \"modal\"\nmodes = 3",
+    );
+    let deck = Deck::parse("modes.toml", text).unwrap();
+    struct Block<'a>(&'a Path);
+    impl JobObserver for Block<'_> {
+        fn on_start(&mut self, _: &Start) {
+            fs::create_dir(self.0.join("modes.csv")).unwrap();
+        }
+    }
+    run(&deck, &options(modes.path(), false), &mut Block(modes.path())).unwrap_err();
+    let summary = Summary::read(modes.path()).unwrap();
+    assert_eq!(summary.status, Status::Failed);
+    assert!(summary.error.is_some_and(|e| e.contains("modes.csv")));
+}
+
+#[test]
+fn the_results_of_another_model_are_replaced_only_by_force() {
+    let folder = tempfile::tempdir().unwrap();
+    let (home, out) = (folder.path(), folder.path().join("out"));
+    let write = |name: &str, young: &str| {
+        let path = home.join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(&path, SWING.replace("SCHEME", "newmark").replace("young = 1e6", young)).unwrap();
+        Deck::read(&path).unwrap()
+    };
+    let start =
+        |deck: &Deck, force| run(deck, &JobOptions { force, ..options(&out, false) }, &mut stop_after(1));
+    let interrupted = |r: Result<Summary, JobError>| matches!(r.unwrap_err(), JobError::Interrupted { .. });
+    assert!(interrupted(start(&write("a/m.toml", "young = 1e6"), false)));
+    // The same file, changed; the same text at another place.
+    assert!(interrupted(start(&write("a/m.toml", "young = 2e6"), false)));
+    assert!(interrupted(start(&write("b/m.toml", "young = 2e6"), false)));
+    let other = write("c/m.toml", "young = 3e6");
+    let error = start(&other, false).unwrap_err().to_string();
+    assert!(
+        error.contains("another model") && error.contains("--force") && error.contains("b/m.toml"),
+        "{error}"
+    );
+    assert!(interrupted(start(&other, true)));
+    // A model that has been moved.
+    fs::rename(home.join("c"), home.join("d")).unwrap();
+    assert!(interrupted(start(&write("d/m.toml", "young = 4e6"), false)));
+}
+
+#[test]
+fn a_lost_list_of_field_files_is_begun_anew() {
+    let (deck, folder) = (deck("newmark"), tempfile::tempdir().unwrap());
+    run(&deck, &options(folder.path(), false), &mut stop_after(7)).unwrap_err();
+    let list = folder.path().join("fields.pvd");
+    fs::write(&list, "damaged").unwrap();
+    let error = run(&deck, &options(folder.path(), true), &mut Unwatched).unwrap_err().to_string();
+    assert!(error.contains("Remove the file to start a new list"), "{error}");
+    assert_eq!(Summary::read(folder.path()).unwrap().status, Status::Failed);
+    fs::remove_file(&list).unwrap();
+    run(&deck, &options(folder.path(), true), &mut Unwatched).unwrap();
+    assert!(!PvdSeries::open(&list).unwrap().entries().is_empty());
 }
 
 /// Reads the summary in the middle of a run.

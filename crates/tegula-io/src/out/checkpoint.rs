@@ -21,7 +21,7 @@ use std::path::Path;
 use super::file::{OutputError, write_whole};
 
 const MAGIC: &[u8; 8] = b"TEGULACP";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// Magic, version, reserved word, length of the body.
 const HEADER: usize = 24;
 
@@ -129,7 +129,7 @@ fn put_text(w: &mut impl Write, text: &[u8]) -> io::Result<()> {
     w.write_all(text)
 }
 
-const EARLIER: &str = "Resume from an earlier checkpoint, or start the analysis anew";
+const EARLIER: &str = "Run without `--resume` to start anew";
 
 /// The checkpoint in these bytes, or the problem and its remedy.
 fn parse(bytes: &[u8]) -> Result<Checkpoint<'static>, (String, &'static str)> {
@@ -142,7 +142,10 @@ fn parse(bytes: &[u8]) -> Result<Checkpoint<'static>, (String, &'static str)> {
     let version = header.u64().ok_or_else(truncated)? as u32;
     if version != VERSION {
         let problem = format!("it has format version {version}, and this program reads version {VERSION}");
-        return Err((problem, "Use the version of tegula that wrote it, or start the analysis anew"));
+        return Err((
+            problem,
+            "Use the version of tegula that wrote it, or run without `--resume` to start anew",
+        ));
     }
     let body_length = header.u64().ok_or_else(truncated)?;
     let body = usize::try_from(body_length).ok().and_then(|n| header.take(n)).ok_or_else(truncated)?;

@@ -45,6 +45,10 @@ impl HistoryWriter {
 
     /// Goes on with an earlier history after its first `keep_rows` rows; later rows are removed.
     pub fn resume(path: &Path, keep_rows: u64) -> Result<Self, OutputError> {
+        if !path.exists() {
+            let remedy = "Put it back, or run without `--resume` to start anew";
+            return Err(OutputError::damaged(path, "it is no longer there", remedy));
+        }
         let text = read_text(path)?;
         let mut end = 0;
         let mut lines = 0;
@@ -65,7 +69,7 @@ impl HistoryWriter {
                     "it has {} complete rows, but the run to be resumed had written {keep_rows}",
                     lines - 1
                 ),
-                "Resume from an earlier checkpoint, or start the analysis anew",
+                "Run without `--resume` to start anew",
             ));
         }
         let names = fields(text.lines().next().unwrap_or_default());
@@ -158,7 +162,7 @@ fn read_text(path: &Path) -> Result<String, OutputError> {
 }
 
 fn no_header(path: &Path) -> OutputError {
-    let remedy = "Start the analysis anew, or restore the file from a copy";
+    let remedy = "Restore the file from a copy, or run without `--resume` to start anew";
     OutputError::damaged(path, "it has no complete row of column names", remedy)
 }
 

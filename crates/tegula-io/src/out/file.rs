@@ -53,7 +53,7 @@ pub enum OutputError {
     /// A checkpoint that belongs to another model.
     #[error(
         "`{}` belongs to another model (fingerprint {found:016x}, this model has {expected:016x}). \
-         Undo the changes to the model file, or start the analysis anew",
+         Undo the changes to the model file to go on, or run without `--resume` to start anew",
         path.display()
     )]
     OtherModel {
@@ -113,6 +113,18 @@ pub fn write_whole(
     Ok(())
 }
 
+/// Writes a file over an earlier one of that name without new space on the disk, where the length allows it. For the last
+/// words of a run whose disk is full; stopped in the middle it leaves a mixture.
+pub fn write_over(path: &Path, contents: &[u8]) -> Result<(), OutputError> {
+    let write = || {
+        let mut file = std::fs::OpenOptions::new().write(true).open(path)?;
+        file.write_all(contents)?;
+        file.set_len(contents.len() as u64)?;
+        file.sync_all()
+    };
+    write().map_err(|cause| OutputError::write(path, cause))
+}
+
 /// The folder that holds `path`, `.` for a bare name.
 fn folder_of(path: &Path) -> &Path {
     match path.parent() {
@@ -157,6 +169,18 @@ mod tests {
         write_whole(&path, |w| w.write_all(b"new")).unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"new");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_file_is_written_over_in_its_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        assert!(write_over(&path, b"x").unwrap_err().to_string().contains("a.txt"));
+        for text in ["first and long", "second", "third and longer"] {
+            fs::write(&path, "0123456789").unwrap();
+            write_over(&path, text.as_bytes()).unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), text);
+        }
     }
 
     #[test]

@@ -7,8 +7,8 @@
 //! | `*.csv` | [`csv::HistoryWriter`] | everything, and [`csv::read`] |
 //! | checkpoints | [`checkpoint::Checkpoint`] | this program |
 //!
-//! Every file but the growing histories is written whole or not at all ([`file::write_whole`]): a run that is
-//! stopped, or a disk that is full, leaves the last good version in place.
+//! Every file but those that grow, histories and lists of files, is written whole or not at all
+//! ([`file::write_whole`]): a run that is stopped, or a disk that is full, leaves the last good version in place.
 
 // Tests may unwrap; the code they test may not.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
@@ -17,10 +17,12 @@ pub mod checkpoint;
 pub mod csv;
 pub mod file;
 pub mod pvd;
+pub mod text;
 pub mod vtu;
 
 pub use checkpoint::{Checkpoint, fingerprint};
 pub use csv::HistoryWriter;
-pub use file::{OutputError, write_whole};
+pub use file::{OutputError, write_over, write_whole};
 pub use pvd::PvdSeries;
+pub use text::printable;
 pub use vtu::{DataArray, VtuGrid};

@@ -6,6 +6,7 @@
 use super::canvas::{Anchor, Canvas, Point, text_width};
 use super::colour::Rgb;
 use super::facets::Owners;
+use super::legend::crosses;
 
 /// Em of the letters, pixels.
 const SIZE: f64 = 16.0;
@@ -33,18 +34,32 @@ struct Choice {
     distance: f64,
 }
 
-/// Draws all labels within the rectangle `room`, clear of the rectangles in `taken`.
+/// All that a place is judged by.
+struct Sheet<'a> {
+    room: Box2,
+    owners: &'a Owners,
+    crowd: Crowd,
+    middle: Point,
+    /// Labels that are set, and what else must stay clear.
+    taken: Vec<Box2>,
+    /// Lines from labels to their nodes.
+    leaders: Vec<[Point; 2]>,
+}
+
+/// Draws all labels within the rectangle `room`, clear of the rectangles in `taken`. Gives the rectangles and lines of the
+/// labels.
 pub(super) fn place(
     canvas: &mut Canvas,
     owners: &Owners,
     room: Box2,
-    mut taken: Vec<Box2>,
+    taken: Vec<Box2>,
     requests: &[Request<'_>],
-) {
-    let crowd = Crowd::new(owners, canvas.size());
+) -> (Vec<Box2>, Vec<[Point; 2]>) {
     let all: Vec<Point> = requests.iter().flat_map(|r| r.nodes.iter().copied()).collect();
     let count = all.len().max(1) as f64;
     let middle = [0, 1].map(|k| all.iter().map(|p| p[k]).sum::<f64>() / count);
+    let (crowd, before) = (Crowd::new(owners, canvas.size()), taken.len());
+    let mut sheet = Sheet { room, owners, crowd, middle, taken, leaders: Vec::new() };
     for request in requests.iter().filter(|r| !r.text.is_empty()) {
         let width = text_width(request.text, SIZE);
         let visible: Vec<Point> =
@@ -53,7 +68,7 @@ pub(super) fn place(
         let mut best: Option<Choice> = None;
         for &node in visible.iter().step_by(stride) {
             for choice in choices(node, width) {
-                let score = rate(&choice, width, room, &taken, &crowd, owners, middle, request.owner);
+                let score = sheet.rate(&choice, width, request.owner);
                 if best.as_ref().is_none_or(|b| score < b.score) {
                     best = Some(Choice { score, ..choice });
                 }
@@ -64,12 +79,14 @@ pub(super) fn place(
         if choice.distance > DISTANCES[0] {
             let end = [choice.node[0].clamp(low[0], high[0]), choice.node[1].clamp(low[1], high[1])];
             canvas.line(choice.node, end, 0.9, Rgb::QUIET);
+            sheet.leaders.push([choice.node, end]);
             canvas.disc(choice.node, 2.1, Rgb::QUIET);
         }
         let baseline = [choice.centre[0], choice.centre[1] + HEIGHT / 2.0];
         canvas.text(baseline, Anchor::Middle, SIZE, Rgb::INK, request.text);
-        taken.push([low, high]);
+        sheet.taken.push([low, high]);
     }
+    (sheet.taken.split_off(before), sheet.leaders)
 }
 
 fn seen_near(owners: &Owners, [x, y]: Point, owner: u16) -> bool {
@@ -98,46 +115,42 @@ fn outline(centre: Point, width: f64, margin: f64) -> Box2 {
     [[centre[0] - w, centre[1] - h], [centre[0] + w, centre[1] + h]]
 }
 
-#[expect(clippy::too_many_arguments, reason = "all that a place is judged by")]
-fn rate(
-    choice: &Choice,
-    width: f64,
-    room: Box2,
-    taken: &[Box2],
-    crowd: &Crowd,
-    owners: &Owners,
-    middle: Point,
-    owner: u16,
-) -> f64 {
-    let bounds = outline(choice.centre, width, 5.0);
-    let outside = (0..2).any(|k| bounds[0][k] < room[0][k] || bounds[1][k] > room[1][k]);
-    let hits = taken.iter().filter(|other| overlap(&bounds, other)).count() as f64;
-    let covered = crowd.count(bounds);
-    // What the leader crosses on its way: others cost more than the snapshot itself.
-    let (mut own, mut others) = (0.0, 0.0);
-    let steps = (choice.distance / 2.0).ceil().max(1.0);
-    for i in 1..=steps as usize {
-        let share = i as f64 / steps;
-        let at = [0, 1].map(|k| choice.node[k] + (choice.centre[k] - choice.node[k]) * share);
-        match owners.at(at) {
-            0 => {}
-            number if number == owner => own += 1.0,
-            _ => others += 1.0,
+impl Sheet<'_> {
+    /// Score of a place for the label of a snapshot; the lowest is best.
+    fn rate(&self, choice: &Choice, width: f64, owner: u16) -> f64 {
+        let bounds = outline(choice.centre, width, 5.0);
+        let outside = (0..2).any(|k| bounds[0][k] < self.room[0][k] || bounds[1][k] > self.room[1][k]);
+        let leader = [choice.node, choice.centre];
+        let hits = self.taken.iter().filter(|other| overlap(&bounds, other)).count()
+            + self.taken.iter().filter(|other| crosses(&leader, other[0], other[1])).count()
+            + self.leaders.iter().filter(|other| crosses(&other[..], bounds[0], bounds[1])).count();
+        let covered = self.crowd.count(bounds);
+        // Others that the leader crosses on its way cost more than the snapshot itself.
+        let (mut own, mut others) = (0.0, 0.0);
+        let steps = (choice.distance / 2.0).ceil().max(1.0);
+        for i in 1..=steps as usize {
+            let share = i as f64 / steps;
+            let at = [0, 1].map(|k| choice.node[k] + (choice.centre[k] - choice.node[k]) * share);
+            match self.owners.at(at) {
+                0 => {}
+                number if number == owner => own += 1.0,
+                _ => others += 1.0,
+            }
         }
+        let direction = [choice.centre[0] - choice.node[0], choice.centre[1] - choice.node[1]];
+        let outward = [choice.node[0] - self.middle[0], choice.node[1] - self.middle[1]];
+        let lengths = direction[0].hypot(direction[1]) * outward[0].hypot(outward[1]);
+        let along = direction[0] * outward[0] + direction[1] * outward[1];
+        let cosine = if lengths > 0.0 { along / lengths } else { 0.0 };
+        1e6 * f64::from(u8::from(outside))
+            + 1e5 * hits as f64
+            + 4.0 * covered
+            + 2.0 * choice.distance
+            + 4.0 * own
+            + 14.0 * others
+            - 18.0 * cosine
+            - 0.03 * outward[0].hypot(outward[1])
     }
-    let direction = [choice.centre[0] - choice.node[0], choice.centre[1] - choice.node[1]];
-    let outward = [choice.node[0] - middle[0], choice.node[1] - middle[1]];
-    let lengths = direction[0].hypot(direction[1]) * outward[0].hypot(outward[1]);
-    let cosine =
-        if lengths > 0.0 { (direction[0] * outward[0] + direction[1] * outward[1]) / lengths } else { 0.0 };
-    1e6 * f64::from(u8::from(outside))
-        + 1e5 * hits
-        + 4.0 * covered
-        + 2.0 * choice.distance
-        + 4.0 * own
-        + 14.0 * others
-        - 18.0 * cosine
-        - 0.03 * outward[0].hypot(outward[1])
 }
 
 fn overlap(a: &Box2, b: &Box2) -> bool {

@@ -48,7 +48,7 @@ pub(super) fn free_corner(
 }
 
 /// Whether a chain of lines, or its only point, meets a rectangle.
-fn crosses(line: &[Point], low: Point, high: Point) -> bool {
+pub(super) fn crosses(line: &[Point], low: Point, high: Point) -> bool {
     let only = line.first().filter(|_| line.len() == 1).map(|&p| (p, p));
     line.windows(2).map(|pair| (pair[0], pair[1])).chain(only).any(|(a, b)| {
         // The part of the segment within the slab of each direction (Liang and Barsky).

@@ -345,6 +345,19 @@ mod tests {
             ..LinePlot::default()
         };
         save("crowded.png", &plot);
+        // Right of the curves, which end with the frame, there is nothing but the legend: a sample of each line.
+        let pixels = draw(&plot).pixels();
+        let legend = legend::size(&entries(&plot)).0 as usize;
+        for index in 0..2 {
+            let wanted = palette(index).bytes();
+            let in_column = |x: usize| {
+                let places = pixels.chunks(3 * SIZE.0 as usize).map(|row| &row[3 * x..3 * x + 3]);
+                places.filter(|p| p.iter().zip(wanted).all(|(a, b)| a.abs_diff(b) < 12)).count()
+            };
+            let counts: Vec<usize> = (SIZE.0 as usize - legend..SIZE.0 as usize).map(in_column).collect();
+            assert!(counts.iter().sum::<usize>() > 10, "{index}: the legend has no sample of the line");
+            assert!(counts.iter().all(|n| *n < 6), "{index}: the curve runs under the legend");
+        }
     }
 
     #[test]

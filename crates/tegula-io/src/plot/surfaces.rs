@@ -78,6 +78,14 @@ pub fn surfaces(path: &Path, plot: &SurfacePlot) -> Result<(), OutputError> {
 }
 
 fn draw(plot: &SurfacePlot) -> Result<Canvas, String> {
+    labelled(plot).map(|(canvas, _)| canvas)
+}
+
+/// Rectangles and leaders of the labels in a picture.
+type Labels = (Vec<[[f64; 2]; 2]>, Vec<[[f64; 2]; 2]>);
+
+/// The picture, and where its labels stand.
+fn labelled(plot: &SurfacePlot) -> Result<(Canvas, Labels), String> {
     check(plot)?;
     let mut canvas = Canvas::new(plot.size.0, plot.size.1);
     let (width, height) = canvas.size();
@@ -125,13 +133,14 @@ fn draw(plot: &SurfacePlot) -> Result<Canvas, String> {
         })
         .collect();
     let taken = vec![[[0.0, height - 120.0], [120.0, height]]];
-    labels::place(&mut canvas, &owners, [[4.0, top], [width - bar - 4.0, height - 8.0]], taken, &requests);
+    let room = [[4.0, top], [width - bar - 4.0, height - 8.0]];
+    let labels = labels::place(&mut canvas, &owners, room, taken, &requests);
 
     let (title, size) = fitted(&plot.title, TITLE, width - 2.0 * MARGIN);
     canvas.text([MARGIN, 38.0], Anchor::Start, size, Rgb::INK, &title);
     let remark = remarks(left_out, values().filter(|v| !v.is_finite()).count());
     canvas.text([width - MARGIN, height - 12.0], Anchor::End, NOTE, Rgb::QUIET, &remark);
-    Ok(canvas)
+    Ok((canvas, labels))
 }
 
 /// What does not fit together, in words.
@@ -317,6 +326,22 @@ mod tests {
     }
 
     #[test]
+    fn labels_and_their_leaders_keep_clear_of_each_other() {
+        for (size, instants) in [((1200, 800), 6), ((1200, 800), 12), ((700, 500), 8)] {
+            let plot = SurfacePlot { size, ..pendulum(10, instants) };
+            let (_, (boxes, leaders)) = labelled(&plot).unwrap();
+            assert!(boxes.len() >= instants - 2, "{} labels", boxes.len());
+            for (i, a) in boxes.iter().enumerate() {
+                let apart = |b: &[[f64; 2]; 2]| (0..2).any(|k| a[1][k] <= b[0][k] || b[1][k] <= a[0][k]);
+                assert!(boxes[..i].iter().all(apart), "{size:?} {instants}");
+                let inner = [[a[0][0] + 1.0, a[0][1] + 1.0], [a[1][0] - 1.0, a[1][1] - 1.0]];
+                let crossed = leaders.iter().any(|l| super::super::legend::crosses(l, inner[0], inner[1]));
+                assert!(!crossed, "{size:?} {instants}: a leader runs through a label");
+            }
+        }
+    }
+
+    #[test]
     fn without_values_and_see_through() {
         let mut plot = pendulum(12, 7);
         for snapshot in &mut plot.snapshots {
@@ -330,8 +355,11 @@ mod tests {
     #[test]
     fn one_fine_snapshot_with_a_value_per_element() {
         let mut plot = pendulum(100, 1);
-        plot.smooth = false;
         plot.snapshots[0].label.clear();
+        let smooth = draw(&plot).unwrap().pixels();
+        plot.smooth = false;
+        assert!(coloured(&plot) > 0.1);
+        assert!(draw(&plot).unwrap().pixels() != smooth, "each element has the colour of its value");
         save("one.png", &plot);
     }
 

@@ -2,6 +2,7 @@
 
 use tegula::analysis::{Observer, Step};
 use tegula::model::{Analysis, Load, MeshSource, Model, VectorLoad};
+use tegula::norm::max_norm;
 use tegula::{Error, Result};
 
 use super::model::{Compiled, read, refine, switch};
@@ -122,7 +123,7 @@ pub fn sze_literature(report: &mut Report) -> Result<()> {
         let mut curves = Vec::new();
         for variant in ["EMS", "CM eas4+4", "MITC4"] {
             let found = path(report, problem, variant, mesh, &ratios)?;
-            let largest = all.iter().filter(of).map(|r| r.number("value").abs()).fold(0.0, f64::max);
+            let largest = max_norm(all.iter().filter(of).map(|r| r.number("value")));
             for record in all.iter().filter(of) {
                 let Some(at) = ratios.iter().position(|r| *r == record.number("load_ratio")) else {
                     continue;

@@ -2,6 +2,7 @@
 
 use tegula::analysis::{Observer, Step, dynamics};
 use tegula::model::{Analysis, Model};
+use tegula::norm::larger;
 use tegula::{Error, Result, Vec3};
 
 use super::model::Compiled;
@@ -51,7 +52,8 @@ pub fn cubic(h: f64, s: f64, (x0, v0): (Vec3, Vec3), (x1, v1): (Vec3, Vec3)) -> 
     x0 * (1.0 - a) + x1 * a + (v0 * (1.0 - s) - v1 * s) * (h * s * (1.0 - s))
 }
 
-/// The larger of two values; not a number if one of them is none, which no comparison passes.
-pub fn largest(a: f64, b: f64) -> f64 {
-    if b.is_nan() { b } else { a.max(b) }
+/// Difference of the largest and the least of some values; NaN if one of them is NaN, or if there is none.
+pub fn range(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    let [high, low] = [1.0, -1.0].map(|sign| values.clone().map(|x| sign * x).reduce(larger));
+    high.zip(low).map_or(f64::NAN, |(high, low)| high + low)
 }

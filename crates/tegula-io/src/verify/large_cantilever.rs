@@ -2,6 +2,7 @@
 
 use tegula::analysis::{Observer, Step};
 use tegula::model::{Analysis, StaticAnalysis};
+use tegula::norm::max_norm;
 use tegula::{Error, Result, Vec3};
 
 use super::model::{Compiled, read, refine, switch};
@@ -28,7 +29,7 @@ pub fn all(report: &mut Report) -> Result<()> {
     for n in [16, 32] {
         let mesh = format!("{n}x{n}");
         let rows: Vec<&Record> = all.iter().filter(|r| r.text("mesh") == mesh).collect();
-        let size = rows.iter().map(|r| displacement(r).amax()).fold(0.0, f64::max);
+        let size = max_norm(rows.iter().flat_map(|r| <[f64; 3]>::from(displacement(r))));
         for element in ELEMENTS {
             report.element(element);
             let path = path(element, n)?;

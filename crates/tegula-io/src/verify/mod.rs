@@ -7,6 +7,8 @@
 
 mod benchmarks;
 mod composites;
+mod files;
+mod follower_loads;
 mod frequencies;
 pub(crate) mod history;
 mod inside;
@@ -21,6 +23,7 @@ mod plate;
 mod quarter_cylinder;
 mod reference;
 mod report;
+mod results;
 mod transients;
 mod transients_literature;
 
@@ -145,6 +148,12 @@ pub const CASES: &[Case] = &[
         run: inside::bimetal,
     },
     Case {
+        name: "follower-loads",
+        about: "strip under follower pressure, strip rolled up by a moment constant in space",
+        cost: Cost::Normal,
+        run: follower_loads::all,
+    },
+    Case {
         name: "macneal-harder-beams",
         about: "MacNeal and Harder: straight, curved and twisted beams, coarse and fine",
         cost: Cost::Normal,
@@ -155,6 +164,12 @@ pub const CASES: &[Case] = &[
         about: "MacNeal and Harder: thin rectangular plates",
         cost: Cost::Normal,
         run: macneal_plates::all,
+    },
+    Case {
+        name: "results",
+        about: "files of a run against closed forms: stresses, plies, frequencies, histories",
+        cost: Cost::Fast,
+        run: results::all,
     },
     Case {
         name: "composites",

@@ -6,7 +6,7 @@ use tegula::analysis::{Observer, Silent, statics};
 use tegula::mesh::generators::generate;
 use tegula::model::build::build;
 use tegula::model::{
-    Analysis, ElementKind, Grid, Isotropic, Material, MeshSource, Model, Section, StaticAnalysis,
+    Analysis, ElementKind, Grid, Isotropic, Material, Membrane, MeshSource, Model, Section, StaticAnalysis,
 };
 use tegula::{Error, Mesh, Result, System};
 
@@ -57,7 +57,15 @@ pub fn switch(model: &mut Model, variant: &str) {
         };
         s.ans_shear = !(none || has("no ANS shear") || has("plate no ANS"));
         s.ans_thickness = !(none || has("no ANS thick"));
-        s.eas = !(none || has("no EAS") || has("no in-plane EAS"));
+        s.eas = true;
+        s.membrane = Some(if none || has("no EAS") || has("no in-plane EAS") {
+            Membrane::Displacement
+        } else if has("assumed in-plane shear") {
+            Membrane::AssumedShear
+        } else {
+            // The paper's element, whatever the default is.
+            Membrane::Eas
+        });
         s.thickness_eas = if none || has("no thickness EAS") {
             0
         } else if has("4+3") || has("EAS7") {

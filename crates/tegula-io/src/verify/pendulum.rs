@@ -2,6 +2,7 @@
 
 use tegula::analysis::{Balance, Observer, Statistics, Step, dynamics};
 use tegula::model::{Analysis, EnergyMomentumScheme, Model, Scheme};
+use tegula::norm::max_norm;
 use tegula::{Error, Result};
 
 use super::model::{Compiled, read, refine};
@@ -135,11 +136,9 @@ impl History {
                 let inside = |r: &&Record| r.number("t") > start - 1e-9 && r.number("t") < end + 1e-9;
                 let distances = records.iter().filter(inside).map(|r| {
                     let x = self.position(corner, r.number("t"));
-                    (0..3)
-                        .map(|i| (x[i] - r.number(&format!("{column}_{}", ["x", "y", "z"][i]))).abs())
-                        .fold(0.0, f64::max)
+                    max_norm((0..3).map(|i| x[i] - r.number(&format!("{column}_{}", ["x", "y", "z"][i]))))
                 });
-                let worst = distances.fold(0.0, |a: f64, b| if b.is_nan() { b } else { a.max(b) });
+                let worst = max_norm(distances);
                 let quantity = format!("{}: {name}, {start}-{end} s, distance", self.scheme);
                 report.at_most(CASE, &quantity, &mesh, worst, limit);
                 start = end;
@@ -149,9 +148,8 @@ impl History {
     }
 
     fn energy(&self, report: &mut Report) {
-        let largest = self.energies.iter().map(|e| e.kinetic).fold(0.0, f64::max);
-        let drift =
-            self.energies.iter().map(|e| (e.total - self.energies[0].total).abs()).fold(0.0, f64::max);
+        let largest = max_norm(self.energies.iter().map(|e| e.kinetic));
+        let drift = max_norm(self.energies.iter().map(|e| e.total - self.energies[0].total));
         let mesh = format!("{0}x{0}", self.n);
         report.at_most(
             CASE,

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use tegula::norm::larger;
 
 /// What a value is held against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -261,9 +262,7 @@ impl Report {
         for case in cases {
             let rows = || self.rows.iter().filter(|r| r.case == case);
             let missed = rows().filter(|r| !r.pass).count();
-            let worst = rows()
-                .map(Row::use_of_tolerance)
-                .fold(0.0, |a: f64, b| if b.is_nan() { b } else { a.max(b) });
+            let worst = rows().map(|r| r.use_of_tolerance()).reduce(larger).unwrap_or(f64::NAN);
             let _ = writeln!(out, "| {case} | {} | {missed} | {:.0} % |", rows().count(), 100.0 * worst);
         }
         let missed = self.rows.iter().filter(|r| !r.pass).count();

@@ -11,9 +11,10 @@
 //! against each other, one element against the other, because nothing published is as fine.
 
 use tegula::model::Model;
+use tegula::norm::max_norm;
 use tegula::{Error, Result};
 
-use super::history::{History, largest};
+use super::history::{History, range};
 use super::model::{read, refine, switch};
 use super::reference::records;
 use super::report::{Report, Table};
@@ -37,8 +38,11 @@ struct Problem {
     n: u32,
     /// Components that were published, those along which the motion is large first.
     components: &'static [usize],
-    /// How many of them every element has to meet within 5 % of their own range.
+    /// How many of them every element has to meet within the tolerance of their own range.
     large: usize,
+    /// Tolerances of the elements with the stresses of the published one, and of the others, whose sections and shear
+    /// are not its own. Damping that is 10 % low is farther off in T1 and T2.
+    tolerances: [f64; 2],
     /// Where the tip is at rest.
     start: [f64; 3],
 }
@@ -51,6 +55,7 @@ const PROBLEMS: [Problem; 3] = [
         n: 4,
         components: &[2],
         large: 1,
+        tolerances: [0.004, 0.004],
         start: [0.0; 3],
     },
     Problem {
@@ -60,11 +65,12 @@ const PROBLEMS: [Problem; 3] = [
         n: 6,
         components: &[2, 0, 1],
         large: 3,
+        tolerances: [0.006, 0.02],
         start: [1.0; 3],
     },
     // Along the axis the tip of T3 moves by 5 mm while it falls by 1.4 m. On 8×8 elements this small motion is mostly
     // discretisation: it changes by a fifth when the mesh is halved (see the table). The elements of the same stresses
-    // as the published one meet it, the others are held to 5 % of the motion as a whole.
+    // as the published one meet it, the others are held to a part of the motion as a whole.
     Problem {
         name: "T3",
         title: "T3: laminated quarter cylinder under gravity",
@@ -72,6 +78,7 @@ const PROBLEMS: [Problem; 3] = [
         n: 8,
         components: &[2, 0, 1],
         large: 2,
+        tolerances: [0.035, 0.012],
         start: [1.0; 3],
     },
 ];
@@ -152,19 +159,14 @@ impl Problem {
     /// Largest distance of a component over the published time: five cycles, of T3 the first and a third.
     fn distance(&self, history: &History, published: &Published) -> f64 {
         let c = published.component;
-        published.points.iter().map(|(t, x)| (self.start[c] + history.at(*t)[c] - x).abs()).fold(0.0, largest)
+        max_norm(published.points.iter().map(|(t, x)| self.start[c] + history.at(*t)[c] - x))
     }
-}
-
-fn range(values: impl Iterator<Item = f64>) -> f64 {
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-    high - low
 }
 
 /// Distances from the published history: those of the published mesh must hold, the table has all.
 fn compare(report: &mut Report, problem: &Problem, curves: &[Curve], table: &mut Table) {
     let published = problem.published();
-    let whole = published.iter().map(|p| p.range).fold(0.0, largest);
+    let whole = max_norm(published.iter().map(|p| p.range));
     for (element, histories) in curves {
         report.element(element);
         let same_stresses = matches!(*element, "cm" | "solid-shell");
@@ -183,7 +185,9 @@ fn compare(report: &mut Report, problem: &Problem, curves: &[Curve], table: &mut
                 };
                 let component = COMPONENTS[p.component];
                 let name = format!("{}: {component} of the tip, distance / {name}", problem.name);
-                report.at_most(CASE, &name, &mesh, distance / scale, 0.05);
+                let [same, others] = problem.tolerances;
+                let tolerance = if same_stresses { same } else { others };
+                report.at_most(CASE, &name, &mesh, distance / scale, tolerance);
             }
             row.resize(6, "–".into());
             table.cells.push(row);
@@ -193,13 +197,14 @@ fn compare(report: &mut Report, problem: &Problem, curves: &[Curve], table: &mut
 
 /// Largest distance of two tips over the time of both.
 fn apart(a: &History, b: &History) -> f64 {
-    let end = [a, b].map(|h| h.times().fold(0.0, f64::max)).into_iter().fold(f64::INFINITY, f64::min);
-    (0..=200).map(|i| end * f64::from(i) / 200.0).map(|t| (a.at(t) - b.at(t)).norm()).fold(0.0, largest)
+    let [a_end, b_end] = [a, b].map(|h| max_norm(h.times()));
+    let end = if a_end < b_end { a_end } else { b_end };
+    max_norm((0..=200).map(|i| end * f64::from(i) / 200.0).map(|t| (a.at(t) - b.at(t)).norm()))
 }
 
 /// Elements against each other on the finest mesh, and the finest mesh against the one before.
 fn among_ourselves(report: &mut Report, problem: &Problem, curves: &[Curve]) {
-    let whole = problem.published().iter().map(|p| p.range).fold(0.0, largest);
+    let whole = max_norm(problem.published().iter().map(|p| p.range));
     let refined: Vec<_> = curves.iter().filter(|c| c.1.len() > 1).collect();
     for (element, histories) in &refined {
         let [.., first, second, third] = &histories[..] else { continue };

@@ -1,16 +1,20 @@
 //! Analyses: statics, natural frequencies, motion in time.
 
 pub mod chord;
+mod circulatory;
+mod drilling;
 pub mod dynamics;
 pub mod modal;
 pub mod newton;
 pub mod solver;
 pub mod statics;
+pub mod stops;
 
 use crate::Result;
 use crate::element::Nodal;
 use crate::system::System;
 use chord::LaggedTangent;
+pub use circulatory::Stability;
 
 /// State of a model at a time: plain data, a checkpoint is its dump.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -40,6 +44,15 @@ pub struct State {
     pub dissipated: f64,
     /// Largest energy met so far: scale of the convergence test.
     pub energy_scale: f64,
+    /// Largest displacement of a static equilibrium so far ([`System::norm`]): scale of the convergence test.
+    pub displacement_scale: f64,
+    /// The form of Newton's method that does not suit the materials at first sight has found the last static equilibrium.
+    pub other_form: bool,
+    /// Size of the response to the loads at the start of the last static step, over its length.
+    pub compliance: f64,
+    /// Negative pivots of the tangent at the last static equilibrium: above 0 it is unstable, unless loads that follow
+    /// the motion stabilise it.
+    pub negative_pivots: usize,
     /// The tangent whose factor serves several time steps.
     pub tangent: LaggedTangent,
 }
@@ -62,12 +75,12 @@ pub struct Balance {
     /// Potential of gravity, 0 at the start; in statics that of all loads of constant direction, −F·u.
     pub potential: f64,
     /// Work of all other loads, of prescribed motions and of prescribed strains that change with time since the start;
-    /// in statics of loads that follow the motion.
+    /// in statics of loads that follow the motion and of prescribed motions.
     pub work: f64,
     /// Energy dissipated since the start.
     pub dissipated: f64,
     /// kinetic + strain + potential + dissipated − work: constant in time for an exact integration; in statics
-    /// the potential that equilibrium makes stationary.
+    /// strain energy less the work of all loads and prescribed motions, the potential that equilibrium makes stationary.
     pub total: f64,
     /// Linear momentum.
     pub momentum: [f64; 3],
@@ -86,7 +99,8 @@ pub struct Statistics {
     pub factorizations: u64,
     /// Steps repeated smaller.
     pub cutbacks: u64,
-    /// Iterations of the iterative linear solver; 0 with the direct one.
+    /// Iterations of the iterative linear solver, and solutions for the unsymmetric stiffness of loads that follow the
+    /// motion; 0 with the direct solver and without such loads.
     pub linear_iterations: u64,
     /// Last lower bound of the critical step of an explicit scheme (time); 0 for others.
     pub critical_step: f64,

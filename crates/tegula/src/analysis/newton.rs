@@ -13,14 +13,19 @@
 //! format in geometrically nonlinear analysis of beams and shells using solid finite elements*,
 //! Int. J. Numer. Meth. Engng 109 (2017) 1237–1262).
 
+mod response;
+
+pub use response::SoftestMode;
+
 use crate::element::{Kinematics, Motion, Nodal};
 use crate::linear::SparseCholesky;
 use crate::model::NewtonMethod;
-use crate::system::assembly::TangentParts;
+use crate::system::assembly::{TangentParts, add_follower_stiffness};
 use crate::system::{Assembly, Numbering, System, Turning, VectorKind, dot};
 use crate::{Result, Vec3};
 
 use super::chord::{self, Increment, Increments, LaggedTangent};
+use super::circulatory::{CirculatoryLoads, Stability};
 use super::solver::{self, Linearization, TangentSolver};
 use super::statics::state_kinematics;
 use super::{Observer, State};
@@ -46,7 +51,15 @@ pub trait Equation {
     fn energy_scale(&self, system: &System, assembly: &mut Assembly) -> f64;
     /// Size of the displacement of the step or of the state, to which increments are compared.
     fn displacement_scale(&self, system: &System) -> f64;
+    /// Energy of the error that the iteration may leave over, beside what the tolerance says, where the energy of the
+    /// first increment was `first`.
+    fn error_limit(&self, _first: f64) -> f64 {
+        f64::INFINITY
+    }
 }
+
+/// Energy of an increment over that of the model that is nothing but round-off.
+const ROUND_OFF: f64 = 1e-26;
 
 /// When an iteration is finished.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,7 +73,7 @@ pub struct Tolerances {
 }
 
 /// A step that converged.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Converged {
     /// Iterations.
     pub iterations: u32,
@@ -68,8 +81,31 @@ pub struct Converged {
     pub tangents: u32,
     /// Negative pivots of the last tangent.
     pub negative_pivots: usize,
+    /// Most negative pivots of a tangent on the way.
+    pub most_negative_pivots: usize,
+    /// Size of the first increment before it was limited: the answer of the step's start to the change of the loads.
+    pub first_increment: f64,
     /// The increments stopped shrinking at the rounding floor of the model.
     pub floor: bool,
+}
+
+/// Cause of an iteration that did not converge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cause {
+    /// The observer has asked to stop.
+    Interrupted,
+    /// The material law or the enhanced strains of an element could not be evaluated.
+    Material,
+    /// Forces or increments are not finite, or the increments carry the model far away.
+    Flight,
+    /// The tangent is singular, or the linear solver failed.
+    Tangent,
+    /// Increments found with the factor of an earlier tangent do not shrink.
+    OldTangent,
+    /// The energy of the increments has stopped shrinking above the rounding floor.
+    Stagnation,
+    /// The iterations allowed did not suffice.
+    Iterations,
 }
 
 /// A step that did not converge.
@@ -77,7 +113,11 @@ pub struct Converged {
 pub struct Diverged {
     /// Iterations spent.
     pub iterations: u32,
-    /// Why, for people.
+    /// Most negative pivots of a tangent on the way.
+    pub most_negative_pivots: usize,
+    /// Cause, for advice.
+    pub cause: Cause,
+    /// Cause and place, for people.
     pub reason: String,
     /// It began with the factor of an earlier tangent: with its own it may converge.
     pub began_with_old_factor: bool,
@@ -105,6 +145,12 @@ pub struct Newton<S = SparseCholesky> {
     turning: Option<Turning>,
     /// Price of a tangent and its factor, in iterations with an old one.
     price: f64,
+    /// Skew stiffness of loads that follow the motion, where there is some.
+    circulatory: Option<CirculatoryLoads>,
+    /// Iterations of the present step.
+    iterations: u32,
+    /// Most negative pivots of a tangent of the present step.
+    most_negative_pivots: usize,
 }
 
 /// Which tangent the factor at hand belongs to.
@@ -157,7 +203,28 @@ impl<S: TangentSolver> Newton<S> {
             axes: system.numbering.clone(),
             turning: None,
             price,
+            circulatory: CirculatoryLoads::new(system),
+            iterations: 0,
+            most_negative_pivots: 0,
         }
+    }
+
+    /// Stability by divergence of the equilibrium found last, from the negative pivots of its symmetric tangent. The
+    /// circulatory part of follower loads is taken into account; to be asked before another tangent is taken.
+    ///
+    /// # Errors
+    /// The linear solver failed; why, for people.
+    pub fn stability(&mut self, negative_pivots: usize) -> std::result::Result<Stability, String> {
+        match &mut self.circulatory {
+            Some(loads) => loads.stability(&mut self.solver, &self.axes, negative_pivots),
+            None if negative_pivots == 0 => Ok(Stability::Stable),
+            None => Ok(Stability::Unstable(negative_pivots)),
+        }
+    }
+
+    /// Iterations of the linear solver, and solutions for the circulatory part of follower loads, so far.
+    pub fn linear_iterations(&self) -> u64 {
+        self.solver.linear_iterations() + self.circulatory.as_ref().map_or(0, CirculatoryLoads::solutions)
     }
 
     /// Sees to it that a factor is at hand for a time step of length `dt` from a state: that of an earlier step, or a
@@ -218,6 +285,9 @@ impl<S: TangentSolver> Newton<S> {
             }
         };
         self.assembly.history.copy_from_slice(&self.history);
+        if let Some(loads) = &mut self.circulatory {
+            loads.take(system, &k, &parts);
+        }
         if prepared.is_ok() {
             self.held = Held::Lagged;
         }
@@ -233,6 +303,16 @@ impl<S: TangentSolver> Newton<S> {
         } else {
             self.assembly.stress.fill(0.0);
         }
+    }
+
+    /// Form of the iteration.
+    pub fn method(&self) -> NewtonMethod {
+        self.method
+    }
+
+    /// Changes the form of the iteration from the next step on.
+    pub fn set_method(&mut self, method: NewtonMethod) {
+        self.method = method;
     }
 
     /// Gives up the factor at hand, which has failed.
@@ -252,20 +332,41 @@ impl<S: TangentSolver> Newton<S> {
         tolerances: &Tolerances,
         observer: &mut dyn Observer,
     ) -> std::result::Result<Converged, Diverged> {
+        let began_with_old_factor = self.held == Held::Lagged;
+        (self.iterations, self.most_negative_pivots) = (0, 0);
+        self.iterate(system, equation, tolerances, observer).map_err(|(cause, reason)| Diverged {
+            iterations: self.iterations,
+            most_negative_pivots: self.most_negative_pivots,
+            cause,
+            reason,
+            began_with_old_factor,
+        })
+    }
+
+    fn iterate(
+        &mut self,
+        system: &System,
+        equation: &mut dyn Equation,
+        tolerances: &Tolerances,
+        observer: &mut dyn Observer,
+    ) -> std::result::Result<Converged, (Cause, String)> {
+        let tangent_failed = |reason: String| (Cause::Tangent, reason);
         let mixed = self.method == NewtonMethod::Mixed && !system.linear;
         self.increments.clear();
         self.solver.begin_step();
-        let lagged = self.held == Held::Lagged;
+        if let Some(loads) = &mut self.circulatory {
+            loads.begin_step();
+        }
         if self.held == Held::Iterate {
             self.held = Held::Nothing;
         }
-        let (mut tangents, mut negative_pivots) = (0, 0);
+        let (mut tangents, mut negative_pivots, mut first_increment) = (0, 0, 0.0);
         let mut extrapolated = true;
+        let mut limit = f64::INFINITY;
         for iteration in 1..=tolerances.max_iterations {
-            let diverged =
-                |reason: String| Diverged { iterations: iteration, reason, began_with_old_factor: lagged };
+            self.iterations = iteration;
             if observer.interrupted() {
-                return Err(diverged("interrupted".into()));
+                return Err((Cause::Interrupted, "interrupted".into()));
             }
             let has_prescribed = equation.prescribed(system, &mut self.increment);
             let parts = equation.parts();
@@ -286,10 +387,13 @@ impl<S: TangentSolver> Newton<S> {
             {
                 let k = equation.kinematics(system);
                 self.assembly.follow(system, &k);
-                let Self { solver, assembly, internal, .. } = self;
+                let Self { solver, assembly, internal, circulatory, .. } = self;
                 if reuse {
                     assembly.forces(system, &k, internal);
                 } else {
+                    if let Some(loads) = circulatory {
+                        loads.take(system, &k, &parts);
+                    }
                     let prescribed = has_prescribed.then_some(self.increment.as_slice());
                     let at =
                         Linearization { system, motion: &k, parts: &parts, extrapolated: mixed, prescribed };
@@ -307,8 +411,9 @@ impl<S: TangentSolver> Newton<S> {
                     };
                 }
             }
-            if has_prescribed && parts.mass != 0.0 {
-                system.pattern.add_mass_product(-parts.mass, &self.increment, &mut self.residual);
+            if has_prescribed {
+                let k = equation.kinematics(system);
+                add_follower_stiffness(system, &k, &parts, &self.increment, &mut self.residual);
             }
             for (r, f) in self.residual.iter_mut().zip(&self.internal) {
                 for i in 0..3 {
@@ -327,29 +432,38 @@ impl<S: TangentSolver> Newton<S> {
             }
             self.axes.reduce(&self.residual, &mut self.right_side);
             if !self.right_side.iter().all(|r| r.is_finite()) {
-                let reason = match self.assembly.without_answer(system) {
-                    Some(element) => format!(
-                        "{element} has no answer to its strain: its material is pressed flat or turned inside out, \
-                         or its enhanced strains (`eas`) have no equilibrium"
+                return Err(match self.assembly.without_answer(system) {
+                    Some(element) => (
+                        Cause::Material,
+                        format!(
+                            "{element}: the material law could not be evaluated (det F ≤ 0), or the iteration of its \
+                             enhanced strains (`eas`) did not converge"
+                        ),
                     ),
-                    None => "the forces grew beyond all bounds".into(),
-                };
-                return Err(diverged(reason));
+                    None => (Cause::Flight, "the forces are no longer finite".into()),
+                });
             }
             if !reuse {
                 tangents += 1;
-                negative_pivots = prepared.map_err(diverged)?;
+                negative_pivots = prepared.map_err(tangent_failed)?;
+                self.most_negative_pivots = self.most_negative_pivots.max(negative_pivots);
                 self.held = if system.linear { Held::Linear(parts) } else { Held::Iterate };
             }
             self.solution.copy_from_slice(&self.right_side);
-            self.solver.solve_tangent(&mut self.solution).map_err(diverged)?;
+            self.solver.solve_tangent(&mut self.solution).map_err(tangent_failed)?;
+            if let Some(loads) = &mut self.circulatory {
+                let loose = reuse || parts.mass != 0.0;
+                loads
+                    .correct(&mut self.solver, &self.axes, &mut self.solution, loose)
+                    .map_err(tangent_failed)?;
+            }
             let energy = self.solution.iter().zip(&self.right_side).map(|(a, b)| a * b).sum::<f64>().abs();
             expand_free(&self.axes, &self.solution, has_prescribed, &mut self.increment);
             if let Some(turning) = turning {
                 turning.turn(system, false, &mut self.increment);
             }
             if !energy.is_finite() {
-                return Err(diverged("the increment is not a number".into()));
+                return Err((Cause::Flight, "the increment is not finite".into()));
             }
             // Where large steps have several solutions, an old factor must not lead to another one.
             if reuse && !system.linear {
@@ -357,13 +471,18 @@ impl<S: TangentSolver> Newton<S> {
                 let matters = size > tolerances.increment * equation.displacement_scale(system);
                 if matters && self.increments.too_large(energy, size) {
                     if self.held == Held::Lagged {
-                        return Err(diverged("with an old tangent the increments do not shrink".into()));
+                        let reason = "with an old tangent the increments do not shrink";
+                        return Err((Cause::OldTangent, reason.into()));
                     }
                     self.held = Held::Nothing;
                     continue;
                 }
             }
-            if iteration == 1
+            if iteration == 1 {
+                first_increment = system.norm(&self.increment);
+            }
+            // Under loads that turn with the shell, or turn it, later increments go as far astray.
+            if (iteration == 1 || !system.followers.is_empty())
                 && let Some(turn) = equation.first_turn(system)
             {
                 shorten(system, turn, &mut self.increment);
@@ -379,10 +498,10 @@ impl<S: TangentSolver> Newton<S> {
             equation.apply(system, &self.increment);
             let size = system.norm(&self.increment);
             if size > 1e4 {
-                return Err(diverged(format!(
-                    "an increment moved the model by {size:.1e} times its own size; {}",
-                    largest(system, &self.assembly.numbering, &self.residual)
-                )));
+                let place = largest(system, &self.assembly.numbering, &self.residual);
+                let reason =
+                    format!("an increment moved the model by {size:.1e} times its own size; {place}");
+                return Err((Cause::Flight, reason));
             }
             let energy_scale = equation.energy_scale(system, &mut self.assembly);
             self.solver.note_energy(energy_scale);
@@ -390,7 +509,12 @@ impl<S: TangentSolver> Newton<S> {
             let relative = energy / energy_scale.max(f64::MIN_POSITIVE);
             observer.on_iteration(iteration, relative, size / size_scale.max(f64::MIN_POSITIVE));
             let rest = if reuse && !system.linear { chord::rest(parts.mass != 0.0) } else { 1.0 };
+            if iteration == 1 && !system.linear {
+                limit = equation.error_limit(energy);
+            }
+            let limit = limit.max(ROUND_OFF * energy_scale);
             let excess = (relative / (rest * tolerances.energy))
+                .max(energy / limit)
                 .sqrt()
                 .max(size / (size_scale * tolerances.increment));
             self.increments.push(Increment {
@@ -400,39 +524,43 @@ impl<S: TangentSolver> Newton<S> {
                 fresh: !reuse,
                 absolute: [energy, size],
             });
-            let left = if rest < 1.0 { self.increments.contraction().powi(2).min(1.0) } else { 1.0 };
+            // The error behind an increment is the contraction times it.
+            let error = self.increments.contraction().powi(2).min(1.0) * energy;
+            let left = if rest < 1.0 { error } else { energy };
             let converged = energy <= tolerances.energy * energy_scale
                 && size <= tolerances.increment * size_scale
-                && left * energy <= rest * tolerances.energy * energy_scale;
+                && left <= rest * tolerances.energy * energy_scale
+                && error <= limit;
+            let done = Converged {
+                iterations: iteration,
+                tangents,
+                negative_pivots,
+                most_negative_pivots: self.most_negative_pivots,
+                first_increment,
+                floor: false,
+            };
             if converged || (energy == 0.0 && size == 0.0) {
-                return Ok(Converged { iterations: iteration, tangents, negative_pivots, floor: false });
+                return Ok(done);
             }
             if let Some(floor) = self.increments.stagnation() {
                 // Near a rigid motion there is next to no energy to compare with: increments that are
                 // nothing but rounding are enough then.
                 // So are increments without any energy beside that of stresses that support each other: there the
                 // displacement is nothing itself.
-                let rounding = size <= 1e-10 * size_scale || relative <= 1e-26;
+                let rounding = size <= 1e-10 * size_scale || relative <= ROUND_OFF;
                 if rounding || (relative <= 1e-9 && size <= 1e-5 * size_scale) {
-                    return Ok(Converged { iterations: iteration, tangents, negative_pivots, floor: true });
+                    return Ok(Converged { floor: true, ..done });
                 }
                 if floor {
-                    return Err(diverged(format!(
-                        "the iteration runs in a circle (energy of the increment {relative:.1e} of the model's); {}",
-                        largest(system, &self.assembly.numbering, &self.residual)
-                    )));
+                    let place = largest(system, &self.assembly.numbering, &self.residual);
+                    let energy = format!("energy of the increment {relative:.1e} of the model's");
+                    return Err((Cause::Stagnation, format!("the iteration stagnates ({energy}); {place}")));
                 }
             }
         }
-        Err(Diverged {
-            iterations: tolerances.max_iterations,
-            began_with_old_factor: lagged,
-            reason: format!(
-                "not converged after {} iterations; {}",
-                tolerances.max_iterations,
-                largest(system, &self.assembly.numbering, &self.residual)
-            ),
-        })
+        let place = largest(system, &self.assembly.numbering, &self.residual);
+        let reason = format!("not converged after {} iterations; {place}", tolerances.max_iterations);
+        Err((Cause::Iterations, reason))
     }
 }
 
@@ -475,12 +603,15 @@ fn retract(system: &System, numbering: &Numbering, k: &Kinematics, increment: &m
         let step = Vec3::from(increment[v]);
         let across = step - d * d.dot(&step);
         let angle = across.norm();
-        let target = if unit.fixed.is_none() && angle > 0.0 {
-            d * angle.cos() + across * (angle.sin() / angle)
-        } else {
-            d + across
-        };
-        increment[v] = (unit.project(target, &reference) - d).into();
+        if unit.fixed.is_some() || angle == 0.0 {
+            increment[v] = (unit.project(d + across, &reference) - d).into();
+            continue;
+        }
+        let change = across * (angle.sin() / angle) - d * (2.0 * (0.5 * angle).sin().powi(2));
+        let target = d + change;
+        // Round-off of the length is taken back along the vector only: across it a short step would take it for a motion.
+        let back = unit.project(target, &reference) - target;
+        increment[v] = (change + target * target.dot(&back)).into();
     }
 }
 

@@ -13,6 +13,9 @@
 //! * `H` is split into blocks of forms that are coupled in any element of the group. Bending of a symmetric section
 //!   does not couple with the rest; on flat elements membrane, shear and thickness do not couple either.
 
+#[cfg(test)]
+mod operations;
+
 use std::collections::HashMap;
 
 use pulp::{Arch, Scalar, Simd};
@@ -368,6 +371,14 @@ impl LaneWork for PerElement<'_> {
 }
 
 impl BilinearGroup {
+    /// A measure of the deformation of one element in the samples of its type.
+    fn samples(&self, element: usize, k: &Kinematics, measure: Measure) -> Vec<f64> {
+        let l = Lanes { simd: Scalar::new(), first: element };
+        let mut forms = [0.0; MOST];
+        self.strained(l, k, measure, &mut forms);
+        (&self.forms.samples * nalgebra::DVector::from_column_slice(&forms)).as_slice().to_vec()
+    }
+
     fn per_element(&self, k: &Kinematics, wanted: Wanted, count: usize, out: &mut [f64]) {
         out.par_chunks_mut(CHUNK * count).enumerate().for_each(|(chunk, out)| {
             let elements = out.len() / count;
@@ -452,10 +463,11 @@ impl ElementGroup for BilinearGroup {
     }
 
     fn sampled_strains(&self, element: usize, k: &Kinematics) -> Vec<f64> {
-        let l = Lanes { simd: Scalar::new(), first: element };
-        let mut forms = [0.0; MOST];
-        self.strained(l, k, Measure::End, &mut forms);
-        (&self.forms.samples * nalgebra::DVector::from_column_slice(&forms)).as_slice().to_vec()
+        self.samples(element, k, Measure::End)
+    }
+
+    fn strain_rates(&self, element: usize, k: &Kinematics) -> Vec<f64> {
+        self.samples(element, k, Measure::Rate)
     }
 
     fn history_per_element(&self) -> usize {

@@ -21,13 +21,19 @@
 //! | 2ε̃xy: 1, z, z² | Gauss points | 12 |
 //! | 2ε̃xz, 2ε̃yz | C, D and A, B on the mid-surface (ANS) | 2 + 2 |
 //! | ε̃zz | nodes (ANS) | 4 |
+//!
+//! In elements shorter than an eighth of the thickness, transverse shear has the part `z d,ξ·d = z ∂(½ d·d)/∂ξ`, which is taken from the
+//! samples of ε̃zz: differences along the edges. Without it nothing holds directors that stretch and shrink in turn, and
+//! elements shorter than a third of the thickness lose stability in bending. In longer ones it counts for nothing, and the
+//! element is that of the paper.
 
 use nalgebra::{DMatrix, Matrix6, SMatrix};
 
 use super::geometry::{
     GAUSS, GAUSS_POINTS, NODES, ShellGeometry, cross_section_frame, shape, shape_eta, shape_xi, shell_mass,
-    strain_transformation,
+    strain_transformation, stretch_gradient,
 };
+use super::membrane::{HourglassWeights, InPlaneSamples, Membrane, ShearPoint, assumed_shear};
 use super::shell::{GroupBuilder, GroupSetup, QuadraticBuilder, ShellElement, StrainOperator};
 use super::strains::SampledStrains;
 use crate::section::SectionInertia;
@@ -52,8 +58,8 @@ pub struct CmShell {
     pub ans_shear: bool,
     /// Assumed natural strain for the thickness.
     pub ans_thickness: bool,
-    /// Enhanced assumed strain in the plane, 4 parameters.
-    pub eas: bool,
+    /// Membrane part.
+    pub membrane: Membrane,
     /// Number of enhanced parameters of the thickness strain: 0, 1, 3 or 4.
     pub thickness_parameters: usize,
     /// Thickness h (length).
@@ -117,7 +123,7 @@ impl CmShell {
     }
 
     /// Covariant strains of a Gauss point at the height z from the samples.
-    fn covariant(&self, point: usize, z: f64) -> DMatrix<f64> {
+    fn covariant(&self, g: &ShellGeometry, point: usize, z: f64) -> DMatrix<f64> {
         let [xi, eta] = GAUSS_POINTS[point];
         let (i_xi, i_eta) = (point % 2, point / 2);
         let mut c = DMatrix::zeros(6, self.samples());
@@ -125,6 +131,14 @@ impl CmShell {
             c[(0, XX + 2 * power + i_eta)] = factor;
             c[(1, YY + 2 * power + i_xi)] = factor;
             c[(2, XY + 4 * power + point)] = factor;
+        }
+        if let Some(hourglass) = HourglassWeights::of(self.membrane, g) {
+            for (power, factor) in [1.0, z, z * z].into_iter().enumerate() {
+                let samples = InPlaneSamples { xx: XX + 2 * power, yy: YY + 2 * power, xy: XY + 4 * power };
+                hourglass.apply(samples, power, point, 0, &mut |row, sample, value| {
+                    c[(row, sample)] += factor * value;
+                });
+            }
         }
         if self.ans_thickness {
             for (a, n) in shape(xi, eta).into_iter().enumerate() {
@@ -138,6 +152,14 @@ impl CmShell {
                 c[(4, SHEAR + i)] = 0.5 * (1.0 + side * eta);
                 c[(5, SHEAR + 2 + i)] = 0.5 * (1.0 + side * xi);
             }
+            if self.ans_thickness && g.is_shorter_than(ShellGeometry::SHORT * self.thickness) {
+                // z d,ξ·d is the slope of ½ z d·d.
+                for (a, gradient) in stretch_gradient(xi, eta).into_iter().enumerate() {
+                    for (i, slope) in gradient.into_iter().enumerate() {
+                        c[(4 + i, ZZ + a)] = z * slope;
+                    }
+                }
+            }
         } else {
             for (power, factor) in [1.0, z].into_iter().enumerate() {
                 c[(4, SHEAR + 4 * power + point)] = factor;
@@ -146,28 +168,9 @@ impl CmShell {
         }
         c
     }
-}
 
-impl ShellElement for CmShell {
-    fn name(&self) -> &'static str {
-        "cm"
-    }
-
-    fn samples(&self) -> usize {
-        if self.ans_shear { SAMPLES } else { SAMPLES_WITHOUT_ANS_SHEAR }
-    }
-
-    fn parameters(&self) -> usize {
-        self.thickness_parameters + if self.eas { 4 } else { 0 }
-    }
-
-    fn is_solid(&self) -> bool {
-        true
-    }
-
-    /// The enhanced strains are those of eqs. 29–31 of the EMS paper with three-dimensional measures and with the
-    /// base of the centre in the frame of the point.
-    fn operator(&self, g: &ShellGeometry, point: usize, z: f64) -> Result<StrainOperator, String> {
+    /// Strains at the height z over a Gauss point, before enhanced and assumed ones.
+    fn point_strains(&self, g: &ShellGeometry, point: usize, z: f64) -> Result<PointStrains, String> {
         let [xi, eta] = GAUSS_POINTS[point];
         let base = g.base(xi, eta, z);
         let frame = cross_section_frame(&base)
@@ -182,11 +185,69 @@ impl ShellElement for CmShell {
             .ok_or("it is collapsed: its volume vanishes at an integration point")?;
         let transformation = strain_transformation(&b);
         let transformation = DMatrix::from_column_slice(6, 6, transformation.as_slice());
-        let samples = transformation * self.covariant(point, z);
+        Ok(PointStrains {
+            samples: transformation * self.covariant(g, point, z),
+            centre: strain_transformation(&b0) * (centre.determinant().abs() / measure),
+            frame,
+            measure,
+        })
+    }
+
+    /// Amplitudes of the enhanced shear strains that assumed shear takes off, from the samples of the mid-surface.
+    fn assumed_shear(&self, g: &ShellGeometry) -> Result<DMatrix<f64>, String> {
+        let points = (0..4)
+            .map(|point| {
+                let p = self.point_strains(g, point, 0.0)?;
+                let shear = shear_polynomials(&p.centre, point);
+                Ok(ShearPoint { strain: p.samples, shear, measure: p.measure })
+            })
+            .collect::<Result<Vec<_>, String>>()?;
+        assumed_shear(g, &points).ok_or_else(|| "its in-plane shear strains are not independent".into())
+    }
+}
+
+/// Strains of a point before enhanced and assumed ones.
+struct PointStrains {
+    /// Strains in the frame from the samples.
+    samples: DMatrix<f64>,
+    /// Strains in the frame from covariant ones of the centre, times the ratio of the measures (eq. 29).
+    centre: Matrix6<f64>,
+    frame: crate::Mat3,
+    measure: f64,
+}
+
+/// In-plane shear strains that grow with ξ and with η.
+fn shear_polynomials(centre: &Matrix6<f64>, point: usize) -> DMatrix<f64> {
+    let [xi, eta] = GAUSS_POINTS[point];
+    DMatrix::from_fn(6, 2, |i, j| centre[(i, 2)] * [xi, eta][j])
+}
+
+impl ShellElement for CmShell {
+    fn name(&self) -> &'static str {
+        "cm"
+    }
+
+    fn samples(&self) -> usize {
+        if self.ans_shear { SAMPLES } else { SAMPLES_WITHOUT_ANS_SHEAR }
+    }
+
+    fn parameters(&self) -> usize {
+        self.thickness_parameters + self.membrane.parameters()
+    }
+
+    fn is_solid(&self) -> bool {
+        true
+    }
+
+    /// The enhanced strains are those of eqs. 29–31 of the EMS paper with three-dimensional measures and with the
+    /// base of the centre in the frame of the point.
+    fn operator(&self, g: &ShellGeometry, point: usize, z: f64) -> Result<StrainOperator, String> {
+        let [xi, eta] = GAUSS_POINTS[point];
+        let at = self.point_strains(g, point, z)?;
         let zeta = 2.0 * z / self.thickness;
         let mut polynomials = SMatrix::<f64, 6, 8>::zeros();
         let mut column = 0;
-        if self.eas {
+        if self.membrane.parameters() > 0 {
             for (row, value) in [(0, xi), (1, eta), (2, xi), (2, eta)] {
                 polynomials[(row, column)] = value;
                 column += 1;
@@ -198,10 +259,13 @@ impl ShellElement for CmShell {
             polynomials[(3, column)] = value;
             column += 1;
         }
-        let t0: Matrix6<f64> = strain_transformation(&b0) * (centre.determinant().abs() / measure);
-        let enhanced = (t0 * polynomials).columns(0, column).into_owned();
+        let enhanced = (at.centre * polynomials).columns(0, column).into_owned();
         let enhanced = DMatrix::from_column_slice(6, column, enhanced.as_slice());
-        Ok(StrainOperator { samples, enhanced, frame, measure })
+        let mut samples = at.samples;
+        if self.membrane == Membrane::AssumedShear {
+            samples += shear_polynomials(&at.centre, point) * self.assumed_shear(g)?;
+        }
+        Ok(StrainOperator { samples, enhanced, frame: at.frame, measure: at.measure })
     }
 
     fn mass(&self, g: &ShellGeometry, inertia: &SectionInertia) -> Vec<f64> {

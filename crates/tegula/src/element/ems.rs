@@ -39,12 +39,13 @@
 //!   full 6×6 transformation is used.
 //! * The thickness strain has modulus E and no Poisson coupling (eq. 24).
 
-use nalgebra::{DMatrix, Matrix2, SMatrix};
+use nalgebra::{DMatrix, Matrix2, SMatrix, Vector2};
 
 use super::geometry::{
     GAUSS, GAUSS_POINTS, ShellGeometry, area_measure, covariant_base, cross_section_frame,
-    in_plane_transformation, shape, shape_eta, shape_xi, shell_mass, strain_transformation,
+    in_plane_transformation, shape, shape_eta, shape_xi, shell_mass, strain_transformation, stretch_gradient,
 };
+use super::membrane::{HourglassWeights, InPlaneSamples, Membrane, ShearPoint, assumed_shear};
 use super::shell::{GroupBuilder, GroupSetup, QuadraticBuilder, ShellElement, StrainOperator};
 use super::strains::SampledStrains;
 use crate::Mat3;
@@ -75,13 +76,13 @@ pub struct EmsShell {
     pub ans_shear: bool,
     /// Assumed natural strain for the thickness (eq. 34).
     pub ans_thickness: bool,
-    /// Enhanced assumed strain in the plane, 4 parameters (eqs. 27–31).
-    pub eas: bool,
+    /// Membrane part; the paper's is [`Membrane::Eas`], 4 parameters (eqs. 27–31).
+    pub membrane: Membrane,
 }
 
 impl Default for EmsShell {
     fn default() -> Self {
-        Self { ans_shear: true, ans_thickness: true, eas: true }
+        Self { ans_shear: true, ans_thickness: true, membrane: Membrane::Eas }
     }
 }
 
@@ -93,6 +94,8 @@ pub struct PointStrains {
     pub matrix: SMatrix<f64, 9, SAMPLES_WITHOUT_ANS_SHEAR>,
     /// Share of the enhanced parameters in ε_xx, ε_yy, 2ε_xy (eq. 29).
     pub enhanced: SMatrix<f64, 3, 4>,
+    /// Gradient of ε_zz along the axes i and j of the frame, from the samples.
+    pub stretch_gradient: SMatrix<f64, 2, SAMPLES_WITHOUT_ANS_SHEAR>,
     /// Cross-section frame.
     pub frame: Mat3,
     /// Reference area that the point stands for.
@@ -203,6 +206,17 @@ impl EmsShell {
         curvature[(1, KYY + i_xi)] = 1.0;
         curvature[(2, KXY + point)] = 1.0;
 
+        if let Some(hourglass) = HourglassWeights::of(self.membrane, g) {
+            let membrane = InPlaneSamples { xx: 0, yy: 2, xy: 4 };
+            hourglass.apply(membrane, 0, point, 0, &mut |row, sample, value| {
+                covariant[(row, sample)] += value;
+            });
+            let bending = InPlaneSamples { xx: KXX, yy: KYY, xy: KXY };
+            hourglass.apply(bending, 1, point, 0, &mut |row, sample, value| {
+                curvature[(row, sample)] += value;
+            });
+        }
+
         let mut matrix = SMatrix::<f64, 9, SAMPLES_WITHOUT_ANS_SHEAR>::zeros();
         matrix
             .fixed_view_mut::<6, SAMPLES_WITHOUT_ANS_SHEAR>(0, 0)
@@ -221,7 +235,30 @@ impl EmsShell {
             0.0, 0.0, xi, eta,
         );
         let enhanced = in_plane_transformation(&c0_inverse) * polynomials * (area_measure(&centre) / area);
-        Ok(PointStrains { matrix, enhanced, frame, area })
+        let mut strains = PointStrains { matrix, enhanced, stretch_gradient: SMatrix::zeros(), frame, area };
+        if self.ans_thickness {
+            let along = c_inverse.transpose();
+            for (a, gradient) in stretch_gradient(xi, eta).into_iter().enumerate() {
+                let physical = along * Vector2::from(gradient);
+                strains.stretch_gradient.set_column(self.zz() + a, &physical);
+            }
+        }
+        Ok(strains)
+    }
+
+    /// Amplitudes of the enhanced shear strains that assumed shear takes off, from the samples.
+    fn assumed_shear(&self, g: &ShellGeometry) -> Result<DMatrix<f64>, String> {
+        let points = (0..4)
+            .map(|point| {
+                let p = self.point_strains(g, point)?;
+                Ok(ShearPoint {
+                    strain: DMatrix::from_fn(3, self.samples(), |i, j| p.matrix[(i, j)]),
+                    shear: DMatrix::from_fn(3, 2, |i, j| p.enhanced[(i, 2 + j)]),
+                    measure: p.area,
+                })
+            })
+            .collect::<Result<Vec<_>, String>>()?;
+        assumed_shear(g, &points).ok_or_else(|| "its in-plane shear strains are not independent".into())
     }
 }
 
@@ -235,7 +272,7 @@ impl ShellElement for EmsShell {
     }
 
     fn parameters(&self) -> usize {
-        if self.eas { 4 } else { 0 }
+        self.membrane.parameters()
     }
 
     fn is_solid(&self) -> bool {
@@ -251,6 +288,11 @@ impl ShellElement for EmsShell {
                 samples[(i, j)] = p.matrix[(i, j)] - if i < 3 { z * p.matrix[(6 + i, j)] } else { 0.0 };
             }
         }
+        if self.membrane == Membrane::AssumedShear {
+            let taken_off = DMatrix::from_fn(3, 2, |i, j| p.enhanced[(i, 2 + j)]) * self.assumed_shear(g)?;
+            let mut in_plane = samples.rows_mut(0, 3);
+            in_plane += taken_off;
+        }
         let mut enhanced = DMatrix::zeros(6, self.parameters());
         for j in 0..self.parameters() {
             for i in 0..3 {
@@ -258,6 +300,11 @@ impl ShellElement for EmsShell {
             }
         }
         Ok(StrainOperator { samples, enhanced, frame: p.frame, measure: p.area })
+    }
+
+    fn stretch_gradient(&self, g: &ShellGeometry, point: usize) -> Option<DMatrix<f64>> {
+        let gradient = self.point_strains(g, point).ok()?.stretch_gradient;
+        self.ans_thickness.then(|| DMatrix::from_fn(2, self.samples(), |i, j| gradient[(i, j)]))
     }
 
     fn mass(&self, g: &ShellGeometry, inertia: &SectionInertia) -> Vec<f64> {

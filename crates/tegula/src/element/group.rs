@@ -112,6 +112,8 @@ pub trait ElementGroup: Send + Sync {
     fn energies(&self, k: &Kinematics, energies: &mut [f64]);
     /// Sampled strains of one element (at the end of a step).
     fn sampled_strains(&self, element: usize, k: &Kinematics) -> Vec<f64>;
+    /// Rates `S(q) v` of the sampled strains of one element, at a state `q` with the velocity `v`.
+    fn strain_rates(&self, element: usize, k: &Kinematics) -> Vec<f64>;
     /// Enhanced parameters and internal variables per element.
     fn history_per_element(&self) -> usize;
     /// Internal variables at the end of a step; returns the energy that the materials dissipated in it.

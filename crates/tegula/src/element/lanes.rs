@@ -48,25 +48,36 @@ impl<S: Simd> Lanes<S> {
     /// `a + b`.
     #[inline(always)]
     pub fn add(self, a: S::f64s, b: S::f64s) -> S::f64s {
+        Self::count(1);
         self.simd.add_f64s(a, b)
     }
 
     /// `a − b`.
     #[inline(always)]
     pub fn sub(self, a: S::f64s, b: S::f64s) -> S::f64s {
+        Self::count(1);
         self.simd.sub_f64s(a, b)
     }
 
     /// `a b`.
     #[inline(always)]
     pub fn mul(self, a: S::f64s, b: S::f64s) -> S::f64s {
+        Self::count(1);
         self.simd.mul_f64s(a, b)
     }
 
     /// `a b + c`.
     #[inline(always)]
     pub fn mul_add(self, a: S::f64s, b: S::f64s, c: S::f64s) -> S::f64s {
+        Self::count(2);
         self.simd.mul_add_e_f64s(a, b, c)
+    }
+
+    /// Counts operations of every lane for the tests; nothing otherwise.
+    #[inline(always)]
+    fn count(_operations: usize) {
+        #[cfg(test)]
+        operations::add(_operations * Self::LANES);
     }
 
     /// The batch that these lanes belong to, of values stored `per_element`; entry i is at
@@ -124,6 +135,8 @@ impl<S: Simd> Lanes<S> {
 #[inline]
 pub fn run(arch: Arch, first: usize, count: usize, work: impl LaneWork) {
     debug_assert_eq!(first % BATCH, 0);
+    #[cfg(test)]
+    let arch = operations::arch().unwrap_or(arch);
     arch.dispatch(Dispatch { first, count, work });
 }
 
@@ -152,5 +165,37 @@ impl<F: LaneWork> WithSimd for Dispatch<F> {
         for offset in (0..self.count).step_by(S::F64_LANES) {
             self.work.work(Lanes { simd, first: self.first + offset }, offset, &mut space);
         }
+    }
+}
+
+/// Count of the floating-point operations of this thread.
+#[cfg(test)]
+pub mod operations {
+    use std::cell::Cell;
+
+    use super::Arch;
+
+    thread_local! {
+        static COUNT: Cell<usize> = const { Cell::new(0) };
+        static ARCH: Cell<Option<Arch>> = const { Cell::new(None) };
+    }
+
+    /// Adds operations.
+    pub fn add(operations: usize) {
+        COUNT.set(COUNT.get() + operations);
+    }
+
+    /// Instruction set in place of the machine's, where one is asked for.
+    pub fn arch() -> Option<Arch> {
+        ARCH.get()
+    }
+
+    /// Operations of some work on this thread, by an instruction set or that of the machine.
+    pub fn of(arch: Option<Arch>, work: impl FnOnce()) -> usize {
+        ARCH.set(arch);
+        let before = COUNT.get();
+        work();
+        ARCH.set(None);
+        COUNT.get() - before
     }
 }

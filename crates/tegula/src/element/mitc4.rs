@@ -11,6 +11,7 @@ use nalgebra::DMatrix;
 
 use super::ems::EmsShell;
 use super::geometry::{ShellGeometry, shell_mass};
+use super::membrane::Membrane;
 use super::shell::{GroupBuilder, GroupSetup, QuadraticBuilder, ShellElement, StrainOperator};
 use crate::section::SectionInertia;
 
@@ -24,14 +25,14 @@ const SAMPLES_WITHOUT_ANS_SHEAR: usize = 24;
 pub struct Mitc4 {
     /// Assumed natural strain for transverse shear.
     pub ans_shear: bool,
-    /// Enhanced assumed strain in the plane, 4 parameters.
-    pub eas: bool,
+    /// Membrane part.
+    pub membrane: Membrane,
 }
 
 impl Mitc4 {
     /// The element whose directors may stretch; its thickness samples come last.
     fn extensible(&self) -> EmsShell {
-        EmsShell { ans_shear: self.ans_shear, ans_thickness: true, eas: self.eas }
+        EmsShell { ans_shear: self.ans_shear, ans_thickness: true, membrane: self.membrane }
     }
 }
 
@@ -45,7 +46,7 @@ impl ShellElement for Mitc4 {
     }
 
     fn parameters(&self) -> usize {
-        if self.eas { 4 } else { 0 }
+        self.membrane.parameters()
     }
 
     fn is_solid(&self) -> bool {

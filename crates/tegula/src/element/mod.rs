@@ -11,6 +11,7 @@ pub mod forms;
 pub mod geometry;
 pub mod group;
 mod lanes;
+pub mod membrane;
 pub mod mitc4;
 pub mod points;
 pub mod quadratic;

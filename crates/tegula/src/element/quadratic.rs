@@ -109,6 +109,27 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitu
         self.strains_at(e, k, &p0, u).1
     }
 
+    /// Rate of strain of the motion; zero where it has no velocity.
+    fn rate(&self, e: usize, k: &Kinematics) -> [f64; S] {
+        let p0 = self.strains.directions(&self.gather(e, k.reference));
+        match k.motion {
+            Motion::State { velocity: None, .. } => [0.0; S],
+            Motion::State { u, velocity: Some(v) } => {
+                let (p, _) = self.strains_at(e, k, &p0, u);
+                let mut acting = p0;
+                if !k.linear {
+                    add(&mut acting, &p, 1.0);
+                }
+                self.strains.rates(&acting, &self.strains.directions(&self.gather(e, v)))
+            }
+            Motion::Step { old, new, dt } => {
+                let (_, s_old) = self.strains_at(e, k, &p0, old);
+                let (_, s_new) = self.strains_at(e, k, &p0, new);
+                std::array::from_fn(|i| (s_new[i] - s_old[i]) / dt)
+            }
+        }
+    }
+
     /// Stress of the motion and the directions on which it acts.
     #[inline(always)]
     fn stress(&self, e: usize, k: &Kinematics) -> Strained<S, D> {
@@ -357,6 +378,10 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitu
         self.strain(element, k).to_vec()
     }
 
+    fn strain_rates(&self, element: usize, k: &Kinematics) -> Vec<f64> {
+        self.rate(element, k).to_vec()
+    }
+
     fn history_per_element(&self) -> usize {
         self.constitution.history()
     }
@@ -381,26 +406,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitu
             return;
         }
         power.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(e, out)| {
-            let p0 = self.strains.directions(&self.gather(e, k.reference));
-            let rate = match k.motion {
-                Motion::State { u, velocity } => {
-                    let Some(v) = velocity else {
-                        *out = 0.0;
-                        return;
-                    };
-                    let (p, _) = self.strains_at(e, k, &p0, u);
-                    let mut acting = p0;
-                    if !k.linear {
-                        add(&mut acting, &p, 1.0);
-                    }
-                    self.strains.rates(&acting, &self.strains.directions(&self.gather(e, v)))
-                }
-                Motion::Step { old, new, dt } => {
-                    let (_, s_old) = self.strains_at(e, k, &p0, old);
-                    let (_, s_new) = self.strains_at(e, k, &p0, new);
-                    std::array::from_fn(|i| (s_new[i] - s_old[i]) / dt)
-                }
-            };
+            let rate = self.rate(e, k);
             let n = self.constitution.viscous(e, &rate);
             *out = tau * rate.iter().zip(&n).map(|(a, b)| a * b).sum::<f64>();
         });

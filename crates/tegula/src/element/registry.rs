@@ -15,18 +15,19 @@ impl ElementKind {
 
 /// The element type of a section with its remedies.
 pub fn shell(section: &Section, thickness: f64) -> Box<dyn ShellElement> {
-    let Section { ans_shear, ans_thickness, eas, .. } = *section;
+    let Section { ans_shear, ans_thickness, .. } = *section;
+    let membrane = section.membrane_part();
     let continuum = CmShell {
         ans_shear,
         ans_thickness,
-        eas,
+        membrane,
         thickness_parameters: usize::from(section.thickness_eas),
         thickness,
     };
     match section.element {
-        ElementKind::Ems => Box::new(EmsShell { ans_shear, ans_thickness, eas }),
+        ElementKind::Ems => Box::new(EmsShell { ans_shear, ans_thickness, membrane }),
         ElementKind::Cm => Box::new(continuum),
-        ElementKind::Mitc4 => Box::new(Mitc4 { ans_shear, eas }),
+        ElementKind::Mitc4 => Box::new(Mitc4 { ans_shear, membrane }),
         ElementKind::SolidShell => Box::new(SolidShell(continuum)),
         ElementKind::AncfFull => Box::new(AncfFull { thickness }),
     }

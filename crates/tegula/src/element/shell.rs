@@ -67,6 +67,11 @@ pub trait ShellElement: Debug + Send + Sync {
     /// # Errors
     /// The geometry is invalid there; the text says how.
     fn operator(&self, g: &ShellGeometry, point: usize, z: f64) -> Result<StrainOperator, String>;
+    /// Gradient of the stretch of the thickness along the first two axes of the frame, from the samples, for elements
+    /// that work with resultants. `z ∇ε_zz` is the part of the transverse shear that is linear in z.
+    fn stretch_gradient(&self, _g: &ShellGeometry, _point: usize) -> Option<DMatrix<f64>> {
+        None
+    }
     /// Scalar mass of the lower triangle of pairs of nodal vectors.
     fn mass(&self, g: &ShellGeometry, inertia: &SectionInertia) -> Vec<f64>;
     /// Collects the elements of a section.

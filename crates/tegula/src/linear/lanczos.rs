@@ -16,6 +16,8 @@ pub trait SymmetricOperator {
     fn apply(&mut self, m_x: &[f64], out: &mut [f64]);
     /// `M x`.
     fn inner(&self, x: &[f64], out: &mut [f64]);
+    /// Takes off a vector what does not belong to the space that is searched.
+    fn project(&self, _x: &mut [f64]) {}
     /// Asked between applications; true makes the space return at once. It cannot be used any more then.
     fn stopped(&self) -> bool {
         false
@@ -148,6 +150,7 @@ impl BlockLanczos {
         operator.inner(&w, &mut m_w);
         let before = dot(&w, &m_w).max(0.0).sqrt();
         for _ in 0..2 {
+            operator.project(&mut w);
             for i in 0..self.basis.len() {
                 let c = dot(&self.m_basis[i], &w);
                 axpy(-c, &self.basis[i], &mut w);

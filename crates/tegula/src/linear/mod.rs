@@ -7,6 +7,7 @@ mod delayed;
 mod drafts;
 mod elimination;
 mod entries;
+pub mod gmres;
 pub mod lanczos;
 mod multifrontal;
 mod numeric;

@@ -1,12 +1,16 @@
 //! Loads that follow the motion: pressure and moments.
 //!
-//! Their tangents are not symmetric in general. The symmetric part enters the tangent of the
-//! model (it is the whole of it for conservative cases: pressure on closed or supported edges,
-//! moments in the plane of bending); the rest only costs iterations, never accuracy.
+//! Such loads have no potential in general, so their stiffness `−∂f/∂x` is not symmetric. Its symmetric part enters the
+//! tangent of the model. The skew part, the *circulatory* stiffness of
+//! [`CirculatoryStiffness`](crate::system::CirculatoryStiffness), is added in the solution of the linear systems. It
+//! vanishes for conservative cases: pressure on closed or supported edges, moments in the plane of bending.
 
 use crate::element::Nodal;
 use crate::element::geometry::{GAUSS_POINTS, shape, shape_eta, shape_xi};
 use crate::{Mat3, Vec3};
+
+/// Blocks `−∂f_a/∂x_b` of a follower load.
+pub type LoadStiffness = [[Mat3; 4]; 4];
 
 /// A load that depends on the positions and directors it acts on.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,10 +25,28 @@ pub enum FollowerLoad {
         amplitude: Option<usize>,
     },
     /// A moment constant in space that turns a director: `f = m × d / |d|²`, from
-    /// `δW = m·δθ`, `δθ = d × δd / |d|²`.
+    /// `δW = m·δθ`, `δθ = d × δd / |d|²`. The drilling component `m·d` does no work.
     Moment {
         /// The director.
         vector: u32,
+        /// Moment at amplitude 1 [force·length].
+        moment: Vec3,
+        /// Amplitude.
+        amplitude: Option<usize>,
+    },
+    /// A moment constant in space at one end of a mesh edge, all of it: the director takes what turns it, and a couple of
+    /// forces on the ends of the edge takes the drilling component.
+    ///
+    /// With the edge `t = r_b − r_a`, `w = d × t` and the work `m·δθ` of the rotation of director and edge,
+    /// `δθ = d × δd/|d|² + d w·(δt − (d·t) δd/|d|²)/|w|²`, which is the rotation itself for every rigid motion:
+    ///
+    /// ```text
+    /// F = (m·d) w/|w|²        on r_b, −F on r_a
+    /// f = (m × d − (d·t) F)/|d|²     on d
+    /// ```
+    EdgeMoment {
+        /// Positions of both ends of the edge, and the director at one of them.
+        vectors: [u32; 3],
         /// Moment at amplitude 1 [force·length].
         moment: Vec3,
         /// Amplitude.
@@ -38,13 +60,16 @@ impl FollowerLoad {
         match self {
             Self::Pressure { vectors, .. } => vectors,
             Self::Moment { vector, .. } => std::slice::from_ref(vector),
+            Self::EdgeMoment { vectors, .. } => vectors,
         }
     }
 
     /// Amplitude that it follows.
     pub fn amplitude(&self) -> Option<usize> {
         match self {
-            Self::Pressure { amplitude, .. } | Self::Moment { amplitude, .. } => *amplitude,
+            Self::Pressure { amplitude, .. }
+            | Self::Moment { amplitude, .. }
+            | Self::EdgeMoment { amplitude, .. } => *amplitude,
         }
     }
 
@@ -63,14 +88,20 @@ impl FollowerLoad {
                 }
             }
             Self::Moment { moment, .. } => out[0] = (moment.cross(&x[0]) / x[0].norm_squared()).into(),
+            Self::EdgeMoment { moment, .. } => {
+                let EdgeForces { couple, director } = edge_forces(moment, &(x[1] - x[0]), &x[2]);
+                out[0] = (-couple).into();
+                out[1] = couple.into();
+                out[2] = director.into();
+            }
         }
     }
 
-    /// Lower blocks of the symmetric part of −∂f/∂x at amplitude 1.
-    pub fn stiffness(&self, x: &[Vec3], blocks: &mut [f64]) {
+    /// All blocks of −∂f/∂x at amplitude 1.
+    pub fn derivative(&self, x: &[Vec3]) -> LoadStiffness {
+        let mut k = [[Mat3::zeros(); 4]; 4];
         match self {
             Self::Pressure { pressure, .. } => {
-                let mut k = [[Mat3::zeros(); 4]; 4];
                 for [xi, eta] in GAUSS_POINTS {
                     let (n, n_xi, n_eta) = (shape(xi, eta), shape_xi(eta), shape_eta(xi));
                     let r_xi = tangent(x, n_xi).cross_matrix();
@@ -81,24 +112,73 @@ impl FollowerLoad {
                         }
                     }
                 }
-                let mut out = blocks.chunks_exact_mut(9);
-                for a in 0..4 {
-                    for b in 0..=a {
-                        let symmetric = (k[a][b] + k[b][a].transpose()) * 0.5;
-                        if let Some(block) = out.next() {
-                            block.copy_from_slice(symmetric.transpose().as_slice());
-                        }
-                    }
-                }
             }
             Self::Moment { moment, .. } => {
                 let d = x[0];
-                let md = moment.cross(&d);
-                let k = (md * d.transpose() + d * md.transpose()) / d.norm_squared().powi(2);
-                blocks.copy_from_slice(k.as_slice());
+                let n2 = d.norm_squared();
+                k[0][0] = (moment.cross(&d) * d.transpose() * (2.0 / n2) - moment.cross_matrix()) / n2;
+            }
+            Self::EdgeMoment { moment, .. } => {
+                let [[couple_t, couple_d], [director_t, director_d]] =
+                    edge_derivative(moment, &(x[1] - x[0]), &x[2]);
+                (k[0][0], k[0][1], k[0][2]) = (-couple_t, couple_t, couple_d);
+                (k[1][0], k[1][1], k[1][2]) = (couple_t, -couple_t, -couple_d);
+                (k[2][0], k[2][1], k[2][2]) = (director_t, -director_t, -director_d);
+            }
+        }
+        k
+    }
+
+    /// Lower blocks of the symmetric part of −∂f/∂x at amplitude 1.
+    pub fn stiffness(&self, x: &[Vec3], blocks: &mut [f64]) {
+        let k = self.derivative(x);
+        let mut out = blocks.chunks_exact_mut(9);
+        for a in 0..self.vectors().len() {
+            for b in 0..=a {
+                let symmetric = (k[a][b] + k[b][a].transpose()) * 0.5;
+                if let Some(block) = out.next() {
+                    block.copy_from_slice(symmetric.transpose().as_slice());
+                }
             }
         }
     }
+
+    /// Share of a moment that does no work at the nodal vectors `x`: its drilling component over all of it.
+    pub fn lost_share(&self, x: &[Vec3]) -> f64 {
+        match self {
+            Self::Moment { moment, .. } if moment.norm() > 0.0 => {
+                moment.dot(&x[0]).abs() / (moment.norm() * x[0].norm())
+            }
+            _ => 0.0,
+        }
+    }
+}
+
+/// Forces of a moment at an edge: one half of the couple at its ends, and that on the director.
+struct EdgeForces {
+    couple: Vec3,
+    director: Vec3,
+}
+
+fn edge_forces(m: &Vec3, t: &Vec3, d: &Vec3) -> EdgeForces {
+    let w = d.cross(t);
+    let couple = w * (m.dot(d) / w.norm_squared());
+    EdgeForces { director: (m.cross(d) - couple * d.dot(t)) / d.norm_squared(), couple }
+}
+
+/// Derivatives by t and d: of the couple, of the force on the director.
+fn edge_derivative(m: &Vec3, t: &Vec3, d: &Vec3) -> [[Mat3; 2]; 2] {
+    let EdgeForces { couple, director } = edge_forces(m, t, d);
+    let w = d.cross(t);
+    let (w2, n2, p) = (w.norm_squared(), d.norm_squared(), d.dot(t));
+    // δ(w/|w|²) = (I − 2 w wᵀ/|w|²) δw/|w|², δw = δd × t + d × δt
+    let turned = (Mat3::identity() - w * w.transpose() * (2.0 / w2)) * (m.dot(d) / w2);
+    let couple_t = turned * d.cross_matrix();
+    let couple_d = w * m.transpose() / w2 - turned * t.cross_matrix();
+    let director_t = -(couple * d.transpose() + couple_t * p) / n2;
+    let director_d =
+        (m.cross_matrix() - couple * t.transpose() - couple_d * p - director * d.transpose() * 2.0) / n2;
+    [[couple_t, couple_d], [director_t, director_d]]
 }
 
 fn tangent(x: &[Vec3], weights: [f64; 4]) -> Vec3 {
@@ -109,49 +189,73 @@ fn tangent(x: &[Vec3], weights: [f64; 4]) -> Vec3 {
 mod tests {
     use super::*;
 
-    fn check(load: &FollowerLoad, x: &[Vec3]) {
-        let n = x.len();
-        let mut blocks = vec![0.0; 9 * n * (n + 1) / 2];
-        load.stiffness(x, &mut blocks);
+    fn quad() -> [Vec3; 4] {
+        [
+            Vec3::new(0.0, 0.0, 0.0),
+            Vec3::new(1.0, 0.1, 0.2),
+            Vec3::new(1.1, 0.9, -0.1),
+            Vec3::new(-0.1, 1.0, 0.3),
+        ]
+    }
+
+    /// Each kind of load with nodal vectors to act on.
+    fn loads() -> [(FollowerLoad, Vec<Vec3>); 3] {
+        let moment = Vec3::new(0.3, -1.0, 0.5);
+        let edge = vec![Vec3::new(0.1, 0.2, 0.3), Vec3::new(0.9, -0.3, 0.7), Vec3::new(0.3, 0.4, 1.1)];
+        [
+            (
+                FollowerLoad::Pressure { vectors: [0, 1, 2, 3], pressure: 2.0, amplitude: None },
+                quad().to_vec(),
+            ),
+            (FollowerLoad::Moment { vector: 0, moment, amplitude: None }, vec![Vec3::new(0.2, 0.3, 1.1)]),
+            (FollowerLoad::EdgeMoment { vectors: [0, 1, 2], moment, amplitude: None }, edge),
+        ]
+    }
+
+    /// −∂f/∂x by central differences: block (a, b).
+    fn differences(load: &FollowerLoad, x: &[Vec3], a: usize, b: usize) -> Mat3 {
         let h = 1e-6;
-        let column = |b: usize, j: usize| {
-            let at = |s: f64| {
-                let mut y = x.to_vec();
-                y[b][j] += s;
-                let mut f = vec![[0.0; 3]; n];
-                load.forces(&y, &mut f);
-                f
-            };
-            let (p, m) = (at(h), at(-h));
-            p.iter()
-                .zip(m)
-                .map(|(p, m)| std::array::from_fn(|i| -(p[i] - m[i]) / (2.0 * h)))
-                .collect::<Vec<[f64; 3]>>()
+        let at = |j: usize, s: f64| {
+            let mut y = x.to_vec();
+            y[b][j] += s;
+            let mut f = vec![[0.0; 3]; x.len()];
+            load.forces(&y, &mut f);
+            Vec3::from(f[a])
         };
-        for a in 0..n {
-            for b in 0..=a {
-                for i in 0..3 {
-                    for j in 0..3 {
-                        let expected = 0.5 * (column(b, j)[a][i] + column(a, i)[b][j]);
-                        let found = blocks[9 * (a * (a + 1) / 2 + b) + 3 * i + j];
-                        approx::assert_abs_diff_eq!(found, expected, epsilon = 1e-7);
-                    }
+        Mat3::from_columns(&std::array::from_fn::<Vec3, 3, _>(|j| (at(j, -h) - at(j, h)) / (2.0 * h)))
+    }
+
+    #[test]
+    fn derivative_is_that_of_the_forces() {
+        for (load, x) in loads() {
+            let k = load.derivative(&x);
+            let mut skew = 0.0;
+            for a in 0..x.len() {
+                for b in 0..x.len() {
+                    let error = (k[a][b] - differences(&load, &x, a, b)).norm();
+                    assert!(error < 1e-7, "{load:?}, block {a} {b}: {error:e}");
+                    skew += (k[a][b] - k[b][a].transpose()).norm();
                 }
             }
+            assert!(skew > 0.1, "the case must have a skew part: {load:?}");
         }
     }
 
     #[test]
     fn stiffness_is_the_symmetric_part_of_the_derivative() {
-        let x = [
-            Vec3::new(0.0, 0.0, 0.0),
-            Vec3::new(1.0, 0.1, 0.2),
-            Vec3::new(1.1, 0.9, -0.1),
-            Vec3::new(-0.1, 1.0, 0.3),
-        ];
-        check(&FollowerLoad::Pressure { vectors: [0, 1, 2, 3], pressure: 2.0, amplitude: None }, &x);
-        let moment = Vec3::new(0.3, -1.0, 0.5);
-        check(&FollowerLoad::Moment { vector: 0, moment, amplitude: None }, &[Vec3::new(0.2, 0.3, 1.1)]);
+        for (load, x) in loads() {
+            let n = x.len();
+            let mut blocks = vec![f64::NAN; 9 * n * (n + 1) / 2];
+            load.stiffness(&x, &mut blocks);
+            for a in 0..n {
+                for b in 0..=a {
+                    let expected =
+                        (differences(&load, &x, a, b) + differences(&load, &x, b, a).transpose()) * 0.5;
+                    let found = Mat3::from_row_slice(&blocks[9 * (a * (a + 1) / 2 + b)..][..9]);
+                    assert!((found - expected).norm() < 1e-7, "{load:?}, block {a} {b}");
+                }
+            }
+        }
     }
 
     #[test]
@@ -160,5 +264,26 @@ mod tests {
         let mut f = [[0.0; 3]; 4];
         FollowerLoad::Pressure { vectors: [0; 4], pressure: 5.0, amplitude: None }.forces(&x, &mut f);
         approx::assert_relative_eq!(f.iter().map(|f| f[2]).sum::<f64>(), -30.0, epsilon = 1e-13);
+    }
+
+    #[test]
+    fn moment_at_an_edge_has_the_whole_moment_and_no_force() {
+        let [_, _, (load, x)] = loads();
+        let FollowerLoad::EdgeMoment { moment, .. } = load else { panic!("an edge moment") };
+        let mut f = [[0.0; 3]; 3];
+        load.forces(&x, &mut f);
+        let [a, b, d] = f.map(Vec3::from);
+        assert!((a + b).norm() < 1e-15);
+        let total = x[0].cross(&a) + x[1].cross(&b) + x[2].cross(&d);
+        assert!((total - moment).norm() < 1e-14 * moment.norm(), "{total:?}");
+        assert!(d.dot(&x[2]).abs() < 1e-14, "stretching a director does no work");
+    }
+
+    #[test]
+    fn moment_on_a_director_tells_its_drilling_share() {
+        let moment = FollowerLoad::Moment { vector: 0, moment: Vec3::new(3.0, 0.0, 4.0), amplitude: None };
+        approx::assert_relative_eq!(moment.lost_share(&[Vec3::new(0.0, 0.0, 2.0)]), 0.8, epsilon = 1e-15);
+        let [(pressure, x), _, (edge, y)] = loads();
+        assert_eq!((pressure.lost_share(&x), edge.lost_share(&y)), (0.0, 0.0));
     }
 }

@@ -9,15 +9,13 @@
 
 use super::Mesh;
 use super::facet::{Facet, angle_between, show};
+use super::junction::{self, UNTIED_DEGREES};
 use super::quality::{check_structure, report};
-use super::topology::Edges;
+use super::topology::{Disjoint, Edges};
 use crate::{Error, Issue, Result, Vec3};
 
 /// Neighbouring facets that meet at a larger angle (degrees) form a fold.
 pub const FOLD_ANGLE_DEGREES: f64 = 20.0;
-
-/// Directors nearer to parallel than this (degrees) cannot be tied by their angle.
-const UNTIED_DEGREES: f64 = 1.0;
 
 /// The directors of a mesh.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -28,14 +26,27 @@ pub struct Directors {
     pub node: Vec<u32>,
     /// Director at each corner of each quad.
     pub corners: Vec<[u32; 4]>,
-    /// Pairs of directors at one node whose angle has to stay: of d₀, d₁, d₂, … the pairs
-    /// (0, 1), (1, 2), … and (0, 2), (0, 3), …; two for each director but three in all.
-    pub ties: Vec<[u32; 2]>,
+    /// Pairs of directors at one node whose angle has to stay, nodes in ascending order.
+    pub ties: Vec<Tie>,
     /// First director of each node; `u32::MAX` at nodes without quads.
     pub first: Vec<u32>,
 }
 
+/// A pair of directors of one node whose angle has to stay.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tie {
+    /// The directors.
+    pub directors: [u32; 2],
+    /// The node's share of the edges that both sheets have in common (length); 0 if they touch at the node only.
+    pub length: f64,
+}
+
 impl Directors {
+    /// Node of a tie.
+    pub fn node_of(&self, tie: &Tie) -> u32 {
+        self.node[tie.directors[0] as usize]
+    }
+
     /// The directors of `mesh`, whose facets form a fold where they meet at
     /// `fold_angle_degrees` or more ([`FOLD_ANGLE_DEGREES`] is a good choice).
     ///
@@ -132,6 +143,18 @@ struct Group {
     neighbours: Vec<u32>,
 }
 
+impl Group {
+    /// Half the length of the edges that two groups at a node have in common.
+    fn common_length(&self, other: &Self, node: usize, mesh: &Mesh) -> f64 {
+        let mut common: Vec<u32> =
+            self.neighbours.iter().copied().filter(|end| other.neighbours.contains(end)).collect();
+        common.sort_unstable();
+        common.dedup();
+        let lengths = common.iter().map(|&end| (mesh.positions[end as usize] - mesh.positions[node]).norm());
+        0.5 * lengths.sum::<f64>()
+    }
+}
+
 /// Averages the groups of each node and numbers them.
 fn gather(mesh: &Mesh, normals: &[Vec3], joined: &mut Disjoint, fold_angle: f64) -> Result<Directors> {
     let (start, corners) = corners_of_nodes(mesh);
@@ -178,11 +201,10 @@ fn gather(mesh: &Mesh, normals: &[Vec3], joined: &mut Disjoint, fold_angle: f64)
             let found = groups.iter().position(|group| group.root == root).unwrap_or_default();
             directors.corners[corner / 4][corner % 4] = first + found as u32;
         }
-        for k in 1..groups.len() as u32 {
-            directors.ties.push([first + k - 1, first + k]);
-            if k >= 2 {
-                directors.ties.push([first, first + k]);
-            }
+        let values = &directors.values[first as usize..];
+        for ([i, j], length) in junction::ties(values, |i, j| groups[i].common_length(&groups[j], node, mesh))
+        {
+            directors.ties.push(Tie { directors: [i, j].map(|k| first + k as u32), length });
         }
     }
     let mut issues = Vec::new();
@@ -260,30 +282,6 @@ fn corners_of_nodes(mesh: &Mesh) -> (Vec<usize>, Vec<usize>) {
         next[node as usize] += 1;
     }
     (start, corners)
-}
-
-/// Disjoint sets of corners (union–find with path halving); the smallest corner represents its set.
-struct Disjoint(Vec<u32>);
-
-impl Disjoint {
-    fn new(count: usize) -> Self {
-        Self((0u32..).take(count).collect())
-    }
-
-    fn root(&mut self, corner: usize) -> usize {
-        let parents = &mut self.0;
-        let mut corner = corner;
-        while parents[corner] as usize != corner {
-            parents[corner] = parents[parents[corner] as usize];
-            corner = parents[corner] as usize;
-        }
-        corner
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.0[a.max(b)] = a.min(b) as u32;
-    }
 }
 
 #[cfg(test)]

@@ -52,6 +52,28 @@ impl Facet {
         angle_between(&next, &previous)
     }
 
+    /// Distance of a point from the bilinear surface through the corners, where its nearest point lies between them.
+    pub fn distance_inside(&self, point: &Vec3) -> Option<f64> {
+        let [a, b, c, d] = self.x;
+        let (mut xi, mut eta) = (0.5, 0.5);
+        let surface = |xi: f64, eta: f64| {
+            a * ((1.0 - xi) * (1.0 - eta)) + b * (xi * (1.0 - eta)) + c * (xi * eta) + d * ((1.0 - xi) * eta)
+        };
+        // Gauss–Newton: two or three steps for the nearly flat, convex facets of a mesh.
+        for _ in 0..8 {
+            let along_xi = (b - a) * (1.0 - eta) + (c - d) * eta;
+            let along_eta = (d - a) * (1.0 - xi) + (c - b) * xi;
+            let rest = point - surface(xi, eta);
+            let (p, q) = (rest.dot(&along_xi), rest.dot(&along_eta));
+            let (xx, xy, yy) = (along_xi.norm_squared(), along_xi.dot(&along_eta), along_eta.norm_squared());
+            let determinant = xx * yy - xy * xy;
+            (xi, eta) = (xi + (p * yy - q * xy) / determinant, eta + (q * xx - p * xy) / determinant);
+        }
+        // a little beyond the sides, so that rounding does not lose a point on them
+        let inside = [xi, eta].iter().all(|t| (-1e-9..=1.0 + 1e-9).contains(t));
+        inside.then(|| (point - surface(xi, eta)).norm())
+    }
+
     /// Vectors from a corner to the next and to the previous corner.
     fn arms(&self, corner: usize) -> (Vec3, Vec3) {
         let here = self.x[corner];
@@ -65,7 +87,7 @@ pub(super) fn angle_between(a: &Vec3, b: &Vec3) -> f64 {
 }
 
 /// A position as text with six digits, for messages.
-pub(super) fn show(position: Vec3) -> String {
+pub(crate) fn show(position: Vec3) -> String {
     let six = |x: f64| format!("{x:.5e}").parse::<f64>().map_or_else(|_| x.to_string(), |x| format!("{x:?}"));
     format!("({}, {}, {})", six(position.x), six(position.y), six(position.z))
 }
@@ -85,6 +107,20 @@ mod tests {
             assert_eq!(facet.corner_normal(corner), Vec3::new(0.0, 0.0, 4.0));
             assert!((facet.corner_angle(corner) - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
         }
+    }
+
+    #[test]
+    fn distance_is_measured_across_the_facet() {
+        let x = [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 1.0, 0.0]].map(Vec3::from);
+        let facet = Facet { x };
+        for (point, distance) in
+            [([1.0, 0.5, 0.25], Some(0.25)), ([2.2, 1.4, -1e-3], Some(1e-3)), ([2.7, 1.5, 0.0], None)]
+        {
+            let found = facet.distance_inside(&Vec3::from(point));
+            assert_eq!(found.is_some(), distance.is_some(), "{point:?}");
+            assert!(found.zip(distance).is_none_or(|(a, b)| (a - b).abs() < 1e-12), "{point:?}: {found:?}");
+        }
+        assert_eq!(Facet { x: [Vec3::zeros(); 4] }.distance_inside(&Vec3::x()), None);
     }
 
     #[test]

@@ -53,6 +53,11 @@ fn meshed<S: Surface>(surface: Option<(S, Lines)>, grid: &Grid, input: Input) ->
     let mut issues = input.issues;
     if let Some((surface, lines)) = surface.filter(|_| issues.is_empty()) {
         let mut mesh = build(&surface, &lines, grid.distortion, grid.seed);
+        if grid.merge_coincident == Some(true)
+            && let Err(collapsed) = mesh.merge_coincident_nodes()
+        {
+            issues.extend(collapsed);
+        }
         issues.extend(mesh.name_points_of("mesh.grid.points", &grid.points));
         if issues.is_empty() {
             return Ok(mesh);

@@ -9,18 +9,23 @@
 
 pub mod directors;
 mod facet;
+pub mod folds;
 pub mod generators;
 mod grid;
 mod input;
+mod junction;
 mod labels;
+mod point_tree;
 mod polyline;
 pub mod quality;
+pub mod seams;
 pub mod sets;
 mod surfaces;
 mod topology;
 
 use std::collections::BTreeMap;
 
+pub(crate) use facet::show;
 pub use labels::Labels;
 
 use crate::Vec3;

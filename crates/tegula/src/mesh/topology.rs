@@ -1,4 +1,6 @@
-//! Which quads meet at which edge.
+//! Which quads meet at which edge, and which nodes hang together.
+
+use super::Mesh;
 
 /// One side of one quad, as a use of the edge between two nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -72,6 +74,62 @@ impl Edges {
                 _ => None,
             })
             .collect()
+    }
+}
+
+/// Disjoint sets of numbers (union–find with path halving); the smallest number represents its set.
+pub(super) struct Disjoint(Vec<u32>);
+
+impl Disjoint {
+    /// Sets of one number each.
+    pub fn new(count: usize) -> Self {
+        Self((0u32..).take(count).collect())
+    }
+
+    /// The number that represents the set of another.
+    pub fn root(&mut self, number: usize) -> usize {
+        let parents = &mut self.0;
+        let mut number = number;
+        while parents[number] as usize != number {
+            parents[number] = parents[parents[number] as usize];
+            number = parents[number] as usize;
+        }
+        number
+    }
+
+    /// Makes one set of two.
+    pub fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.0[a.max(b)] = a.min(b) as u32;
+    }
+}
+
+impl Mesh {
+    /// Number of the connected part that each node belongs to, in the order of their first nodes; `u32::MAX` for nodes
+    /// without quads.
+    pub fn parts(&self) -> Vec<u32> {
+        let nodes = self.positions.len();
+        let mut joined = Disjoint::new(nodes);
+        let mut number = vec![u32::MAX; nodes];
+        let mut used = vec![false; nodes];
+        for quad in &self.quads {
+            for &n in quad {
+                used[n as usize] = true;
+                joined.join(quad[0] as usize, n as usize);
+            }
+        }
+        let mut count = 0;
+        for n in (0..nodes).filter(|&n| used[n]) {
+            // The root has the smallest number of its part: it comes first.
+            let root = joined.root(n);
+            if root == n {
+                number[n] = count;
+                count += 1;
+            } else {
+                number[n] = number[root];
+            }
+        }
+        number
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::build::{Vectors, pair};
-use super::{AddedMass, Condition, Load, Model, NodalVector};
+use super::{AddedMass, Condition, Load, Model, NodalVector, VectorLoad};
 use crate::element::Nodal;
 use crate::element::geometry::{ShellGeometry, nodal_areas, shell_mass, tangents};
 use crate::load::FollowerLoad;
@@ -156,15 +156,16 @@ pub(super) fn contradictions(conflicts: &[Conflict], vectors: &Vectors, mesh: &M
     pairs.into_iter().filter_map(issue).collect()
 }
 
+/// Loads that follow the motion, and the number of the load of the model that each belongs to.
 pub(super) fn follower_loads(
     model: &Model,
     mesh: &Mesh,
     vectors: &Vectors,
     amplitudes: &BTreeMap<String, usize>,
-) -> Vec<FollowerLoad> {
-    let mut out = Vec::new();
+) -> (Vec<FollowerLoad>, Vec<usize>) {
+    let (mut out, mut load_of) = (Vec::new(), Vec::new());
     let find = |a: &Option<String>| a.as_ref().and_then(|a| amplitudes.get(a).copied());
-    for load in &model.loads {
+    for (number, load) in model.loads.iter().enumerate() {
         match load {
             Load::Moment(l) => {
                 for node in mesh.nodes_on(&l.on).unwrap_or_default() {
@@ -177,13 +178,7 @@ pub(super) fn follower_loads(
                 }
             }
             Load::EdgeMoment(l) => {
-                for (node, length) in tributary_lengths(mesh, &l.on) {
-                    out.push(FollowerLoad::Moment {
-                        vector: vectors.director_of[node as usize],
-                        moment: Vec3::from(l.value) * length,
-                        amplitude: find(&l.amplitude),
-                    });
-                }
+                out.extend(edge_moments(l, find(&l.amplitude), mesh, vectors));
             }
             Load::Pressure(l) => {
                 for q in mesh.quads_on(&l.on).unwrap_or_default() {
@@ -195,6 +190,37 @@ pub(super) fn follower_loads(
                 }
             }
             Load::Force(_) | Load::Edge(_) | Load::Traction(_) | Load::Gravity(_) => {}
+        }
+        load_of.resize(out.len(), number);
+    }
+    (out, load_of)
+}
+
+/// Moments at both ends of each edge, with half of its length.
+fn edge_moments(
+    load: &VectorLoad,
+    amplitude: Option<usize>,
+    mesh: &Mesh,
+    vectors: &Vectors,
+) -> Vec<FollowerLoad> {
+    let directors = vectors.by_node(VectorKind::Director);
+    let at = |v: u32| Vec3::from(vectors.reference[v as usize]);
+    let mut out = Vec::new();
+    for [a, b] in mesh.edges_on(&load.on).unwrap_or_default() {
+        let [first, second] = [a, b].map(|n| vectors.position_of[n as usize]);
+        let edge = at(second) - at(first);
+        for node in [a, b] {
+            // The first director of the node, unless at a fold another one stands more across the edge.
+            let across = |v: &u32| at(*v).cross(&edge).norm() / (at(*v).norm() * edge.norm());
+            let list = directors.get(&node).map_or(&[][..], Vec::as_slice);
+            let best = list.iter().map(across).fold(0.0, f64::max);
+            if let Some(&director) = list.iter().find(|v| across(v) >= 0.9 * best) {
+                out.push(FollowerLoad::EdgeMoment {
+                    vectors: [first, second, director],
+                    moment: Vec3::from(load.value) * (0.5 * edge.norm()),
+                    amplitude,
+                });
+            }
         }
     }
     out
@@ -208,7 +234,7 @@ pub(super) fn lost_moments(loads: &[FollowerLoad], vectors: &Vectors, mesh: &Mes
             let along = moment.dot(&d).abs();
             (along > 1e-3 * moment.norm()).then(|| (vectors.nodes[*vector as usize], along, moment.norm()))
         }
-        FollowerLoad::Pressure { .. } => None,
+        FollowerLoad::Pressure { .. } | FollowerLoad::EdgeMoment { .. } => None,
     };
     let all: Vec<_> = loads.iter().filter_map(lost).collect();
     let Some((node, along, whole)) = all.first() else { return Vec::new() };
@@ -219,19 +245,20 @@ pub(super) fn lost_moments(loads: &[FollowerLoad], vectors: &Vectors, mesh: &Mes
             all.len(),
             mesh.node_label(*node)
         ),
-        "a shell node does not resist turning about its director; use a pair of forces for that part",
+        "a shell node does not resist turning about its director; use an `edge-moment`, or a pair of forces for that part",
     )]
 }
 
+/// Loads of constant direction, and the number of the load of the model that each belongs to.
 pub(super) fn dead_loads(
     model: &Model,
     mesh: &Mesh,
     system: &System,
     amplitudes: &BTreeMap<String, usize>,
-) -> Vec<DeadLoad> {
+) -> (Vec<DeadLoad>, Vec<usize>) {
     let n = system.vectors();
-    let mut out = Vec::new();
-    for load in &model.loads {
+    let (mut out, mut load_of) = (Vec::new(), Vec::new());
+    for (number, load) in model.loads.iter().enumerate() {
         let mut force = vec![[0.0; 3]; n];
         let mut add = |node: u32, f: Vec3| {
             let v = system.position_of[node as usize] as usize;
@@ -273,8 +300,9 @@ pub(super) fn dead_loads(
         };
         let amplitude = amplitude.as_ref().and_then(|a| amplitudes.get(a).copied());
         out.push(DeadLoad { force, amplitude, gravity });
+        load_of.push(number);
     }
-    out
+    (out, load_of)
 }
 
 pub(super) fn added_masses(model: &Model, mesh: &Mesh, vectors: &Vectors) -> Vec<(u32, u32, f64)> {

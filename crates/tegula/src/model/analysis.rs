@@ -98,21 +98,26 @@ pub struct ModalAnalysis {
 #[serde(deny_unknown_fields)]
 pub struct TransientAnalysis {
     /// Time at which the analysis ends (time); it starts at 0.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub end_time: f64,
     /// Time integration scheme.
     #[serde(default)]
     pub scheme: Scheme,
     /// Tolerance of automatic steps: RMS error of position per step over the size of the model.
     #[serde(default = "paper_tolerance")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub tolerance: f64,
     /// Constant time step (time); given, steps are not chosen automatically.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub time_step: Option<f64>,
     /// First automatic step (time); chosen from the initial acceleration unless given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub initial_step: Option<f64>,
     /// Largest automatic step (time).
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub max_step: Option<f64>,
     /// Iterations after which a time step is repeated smaller.
     #[schemars(range(min = 1))]
@@ -165,9 +170,11 @@ impl Default for Scheme {
 pub struct NewmarkScheme {
     /// β, above 0; unconditionally stable (linear) for β ≥ γ/2 ≥ 1/4.
     #[serde(default = "quarter")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub beta: f64,
     /// γ; 1/2 is second order, above it is damped and first order.
     #[serde(default = "half")]
+    #[schemars(range(min = 0.5, max = 1.0))]
     pub gamma: f64,
 }
 
@@ -204,6 +211,7 @@ impl Default for ExplicitScheme {
 pub struct HhtScheme {
     /// α between −1/3 (most damping) and 0 (none).
     #[serde(default = "hht_alpha")]
+    #[schemars(extend("minimum" = -1.0 / 3.0, "maximum" = 0))]
     pub alpha: f64,
 }
 

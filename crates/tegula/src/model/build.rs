@@ -7,11 +7,12 @@ use super::actions::{
 };
 use super::sections::Elements;
 use super::{Analysis, LinearSolver, Model, Scheme, StaticAnalysis, TransientAnalysis};
-use super::{check, course, mechanism};
-use crate::element::Nodal;
+use super::{check, course, force_sets, mechanism};
 use crate::element::geometry::tangents;
+use crate::element::{Nodal, fold_tie};
 use crate::load::TimeFunction;
-use crate::mesh::directors::{Directors, FOLD_ANGLE_DEGREES};
+use crate::mesh::directors::Directors;
+use crate::mesh::folds::Folds;
 use crate::mesh::{Mesh, quality};
 use crate::system::numbering::{Numbering, VectorKind};
 use crate::system::pattern::PatternBuilder;
@@ -105,11 +106,16 @@ fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
     if !issues.is_empty() {
         return Err(Error::Model(issues));
     }
-    let directors = Directors::of(mesh, FOLD_ANGLE_DEGREES)?;
+    let directors = Directors::of(mesh, model.mesh.fold_angle())?;
     let vectors = Vectors::new(mesh, &directors, &Elements::gradients(model, mesh, &directors));
     let mut elements = Elements::default();
     elements.shells(model, mesh, &directors, &vectors, &mut issues);
-    elements.ties(&directors, &vectors);
+    let explicit = match &model.analysis {
+        Analysis::Transient(TransientAnalysis { scheme: Scheme::Explicit(scheme), .. }) => Some(*scheme),
+        _ => None,
+    };
+    let tie = if explicit.is_some() { fold_tie::EXPLICIT_STIFFNESS } else { fold_tie::STIFFNESS };
+    elements.ties(&directors, &vectors, tie);
     let (amplitudes, names) = time_functions(model, &mut issues);
     let supports = supports(model, mesh, &vectors, &names, &mut issues);
     let numbering =
@@ -138,11 +144,7 @@ fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
         ));
     }
 
-    let explicit = match &model.analysis {
-        Analysis::Transient(TransientAnalysis { scheme: Scheme::Explicit(scheme), .. }) => Some(*scheme),
-        _ => None,
-    };
-    let followers = follower_loads(model, mesh, &vectors, &names);
+    let (followers, load_of_follower) = follower_loads(model, mesh, &vectors, &names);
     issues.extend(lost_moments(&followers, &vectors, mesh));
     let added = added_masses(model, mesh, &vectors);
     // The iterative solver takes the elements' own blocks.
@@ -198,6 +200,11 @@ fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
             .collect(),
         dead_loads: Vec::new(),
         followers,
+        supports,
+        support_sets: force_sets::of_conditions(model, mesh),
+        load_sets: force_sets::of_loads(model, mesh),
+        load_of_dead: Vec::new(),
+        load_of_follower,
         amplitudes,
         pattern,
         explicit: explicit.is_some(),
@@ -213,14 +220,16 @@ fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
         position_of: vectors.position_of,
         director_of: vectors.director_of,
         labels: mesh.labels.clone(),
+        folds: Folds::of(mesh, &directors),
         amplitude_names: names.keys().cloned().collect(),
+        wanted_times: model.output.at.clone(),
     };
     issues.extend(check::masses(model, &system));
     if let Some(scheme) = explicit.filter(|_| issues.is_empty()) {
         // Before gravity is found: bodies of lumped mass shall fall without turning.
         issues.extend(lumping::lump(&mut system, &added, scheme.scale_director_inertia));
     }
-    system.dead_loads = dead_loads(model, mesh, &system, &names);
+    (system.dead_loads, system.load_of_dead) = dead_loads(model, mesh, &system, &names);
     if issues.is_empty() { Ok(system) } else { Err(Error::Model(issues)) }
 }
 

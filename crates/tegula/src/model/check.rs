@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use super::course;
-use super::mechanism::parts;
 use super::{AddedMass, Analysis, Condition, LinearSolver, Load, Model, Scheme};
 use crate::mesh::Mesh;
 use crate::system::System;
@@ -27,11 +26,23 @@ impl Condition {
     }
 }
 
+/// Longest name of a unit (characters): it stands behind the labels of pictures.
+const LONGEST_UNIT: usize = 20;
+
 /// Values and names that are wrong whatever the mesh.
 pub fn keys(model: &Model) -> Vec<Issue> {
     let mut c = Checker::default();
     for (name, material) in &model.materials {
         c.issues.extend(material.issues(&format!("materials.{name}")));
+    }
+    let fold_angle = model.mesh.fold_angle();
+    // Directors nearer to parallel than a degree have no angle to be kept.
+    if !(1.0..=180.0).contains(&fold_angle) {
+        c.add(
+            "mesh.fold_angle",
+            format!("the fold angle is {fold_angle:?} degrees"),
+            "give an angle between 1 and 180 degrees, or leave it out for 20",
+        );
     }
     if model.sections.is_empty() {
         c.add(
@@ -128,7 +139,22 @@ pub fn keys(model: &Model) -> Vec<Issue> {
             );
         }
     }
-    c.not_negative("output.interval", "the interval", model.output.interval);
+    for (key, name) in model.output.units.named() {
+        if name.is_empty() || name.chars().count() > LONGEST_UNIT || name.chars().any(char::is_control) {
+            c.add(
+                format!("output.units.{key}"),
+                format!("{name:?} cannot name a unit"),
+                format!("give a short name such as \"mm\", of at most {LONGEST_UNIT} characters"),
+            );
+        }
+    }
+    if let Some(interval) = model.output.interval {
+        c.not_negative("output.interval", "the interval", interval);
+        if model.output.every.is_some() {
+            c.add("output.every", "`interval` and `every` are both given", "keep one of them");
+        }
+    }
+    c.wanted_times(model);
     c.issues
 }
 
@@ -227,7 +253,7 @@ pub fn sets(model: &Model, mesh: &Mesh) -> Vec<Issue> {
 
 /// Sets in use that hold nodes without elements: such nodes have no coordinates to support, load or record.
 fn loose_nodes(model: &Model, mesh: &Mesh) -> Vec<Issue> {
-    let part_of = parts(mesh);
+    let part_of = mesh.parts();
     let mut names: Vec<(String, &str)> = Vec::new();
     for (i, c) in model.conditions.iter().enumerate() {
         names.push((format!("conditions[{i}].on"), c.on()));
@@ -352,9 +378,12 @@ impl Checker {
         name: &str,
         known: impl Iterator<Item = &'a String>,
     ) {
+        const LISTED: usize = 20;
         let known: Vec<&str> = known.map(String::as_str).collect();
         let help = if known.is_empty() {
             format!("the model defines no {kind}; add one")
+        } else if known.len() > LISTED {
+            format!("known: {} and {} more", known[..LISTED].join(", "), known.len() - LISTED)
         } else {
             format!("known: {}", known.join(", "))
         };
@@ -463,6 +492,29 @@ impl Checker {
                 ),
                 "check the normal, or choose the edge that lies in the plane",
             );
+        }
+    }
+
+    /// Times of `output.at`: after the start and not after the end.
+    fn wanted_times(&mut self, model: &Model) {
+        let (end, what) = match &model.analysis {
+            Analysis::Static(_) => (1.0, "load factors above 0 and up to 1"),
+            Analysis::Transient(t) => (t.end_time, "times after 0 and up to `end_time`"),
+            Analysis::Modal(_) => {
+                if !model.output.at.is_empty() {
+                    self.add("output.at", "a modal analysis has no steps", "leave `at` out");
+                }
+                return;
+            }
+        };
+        for (i, &t) in model.output.at.iter().enumerate() {
+            if !(t > 0.0 && t <= end) {
+                self.add(
+                    format!("output.at[{i}]"),
+                    format!("{t} is not in the course of the analysis"),
+                    format!("give {what}"),
+                );
+            }
         }
     }
 

@@ -1,7 +1,7 @@
 //! What can be wrong with sections: missing values, layups, and what an element type cannot do.
 
 use super::check::Checker;
-use super::{Analysis, Material, Model, PrescribedStrain, Scheme, Section};
+use super::{Analysis, Material, Membrane, Model, PrescribedStrain, Scheme, Section};
 use crate::element::registry;
 use crate::mesh::Mesh;
 
@@ -27,6 +27,13 @@ pub(super) fn sections(model: &Model, c: &mut Checker) {
                 format!("{key}.thickness_eas"),
                 format!("{} enhanced parameters over the thickness do not exist", s.thickness_eas),
                 "give 0, 1, 3 or 4",
+            );
+        }
+        if let Some(membrane) = s.membrane.filter(|m| !s.eas && *m != Membrane::Displacement) {
+            c.add(
+                format!("{key}.eas"),
+                format!("`eas = false` contradicts the membrane part {membrane:?}"),
+                "leave `eas` out; `membrane` alone decides",
             );
         }
         if let Some(n) = s.thickness_points
@@ -95,6 +102,9 @@ pub(super) fn idle_keys(s: &Section) -> Vec<&'static str> {
     look("ans_shear", s.ans_shear != usual.ans_shear, &|o| o.ans_shear = usual.ans_shear);
     look("ans_thickness", s.ans_thickness != usual.ans_thickness, &|o| o.ans_thickness = usual.ans_thickness);
     look("eas", s.eas != usual.eas, &|o| o.eas = usual.eas);
+    let other =
+        if s.membrane == Some(Membrane::Displacement) { Membrane::Eas } else { Membrane::Displacement };
+    look("membrane", s.membrane.is_some(), &|o| o.membrane = Some(other));
     look("thickness_eas", s.thickness_eas != usual.thickness_eas, &|o| o.thickness_eas = usual.thickness_eas);
     out
 }

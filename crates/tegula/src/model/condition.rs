@@ -111,11 +111,12 @@ impl Axis {
 pub enum Load {
     /// A force on every node of a set.
     Force(VectorLoad),
-    /// A moment on every node of a set; it turns the director and stays constant in space.
+    /// A moment on every node of a set; it turns the director and stays constant in space. Its component along the director
+    /// is lost.
     Moment(VectorLoad),
     /// A force per length of an edge.
     Edge(VectorLoad),
-    /// A moment per length of an edge.
+    /// A moment per length of an edge, constant in space with all components.
     EdgeMoment(VectorLoad),
     /// A force per reference area, constant in direction.
     Traction(VectorLoad),
@@ -182,6 +183,7 @@ pub struct MassOn {
     /// Name of the set.
     pub on: String,
     /// The mass, not negative.
+    #[schemars(range(min = 0.0))]
     pub value: f64,
 }
 

@@ -23,12 +23,14 @@ pub struct Layup {
     pub material: Option<String>,
     /// Thickness of plies that do not give their own (length), above 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub ply_thickness: Option<f64>,
     /// The plies, repeats included, are the lower half; their mirror image lies on top.
     #[serde(default)]
     pub symmetric: bool,
     /// How often the plies follow each other, at least 1.
     #[serde(default = "once")]
+    #[schemars(range(min = 1))]
     pub repeat: usize,
     /// Direction of the angle 0° in space, projected on the surface. Angles are counted from it about the
     /// director, counter-clockwise if the director points to the viewer. It must not be normal to the surface.
@@ -51,6 +53,7 @@ pub struct LayupPly {
     pub angle: f64,
     /// Thickness (length), above 0; `ply_thickness` of the layup unless given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub thickness: Option<f64>,
 }
 

@@ -30,11 +30,14 @@ pub enum Material {
 #[serde(deny_unknown_fields)]
 pub struct Isotropic {
     /// Young's modulus E [force/area], above 0.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub young: f64,
     /// Poisson's ratio ν, above −1 and below 0.5.
+    #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5))]
     pub poisson: f64,
     /// Density ρ [mass/volume]; needed by transient and modal analysis and by gravity.
     #[serde(default)]
+    #[schemars(range(min = 0.0))]
     pub density: f64,
     /// Thermal expansion α [1/temperature].
     #[serde(default, skip_serializing_if = "super::is_zero")]
@@ -56,13 +59,16 @@ impl Isotropic {
 #[serde(deny_unknown_fields)]
 pub struct Orthotropic {
     /// Young's moduli E1, E2, E3 [force/area], above 0.
+    #[schemars(transform = super::positive_entries)]
     pub young: [f64; 3],
     /// Poisson's ratios ν12, ν13, ν23: contraction along the second axis under stress along the first.
     pub poisson: [f64; 3],
     /// Shear moduli G12, G13, G23 [force/area], above 0.
+    #[schemars(transform = super::positive_entries)]
     pub shear: [f64; 3],
     /// Density ρ [mass/volume]; needed by transient and modal analysis and by gravity.
     #[serde(default)]
+    #[schemars(range(min = 0.0))]
     pub density: f64,
     /// Thermal expansions α1, α2, α3 [1/temperature].
     #[serde(default)]
@@ -77,11 +83,14 @@ pub struct Orthotropic {
 #[serde(deny_unknown_fields)]
 pub struct NeoHookean {
     /// Shear modulus μ [force/area], above 0.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub shear: f64,
     /// Bulk modulus κ [force/area], above 0; a thousand times μ is nearly incompressible.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub bulk: f64,
     /// Density ρ [mass/volume]; needed by transient and modal analysis and by gravity.
     #[serde(default)]
+    #[schemars(range(min = 0.0))]
     pub density: f64,
     /// Which energy.
     #[serde(default)]
@@ -97,9 +106,11 @@ pub struct MooneyRivlin {
     /// Constant c01 [force/area]; c10 + c01 above 0 is half the shear modulus.
     pub c01: f64,
     /// Bulk modulus κ [force/area], above 0.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub bulk: f64,
     /// Density ρ [mass/volume]; needed by transient and modal analysis and by gravity.
     #[serde(default)]
+    #[schemars(range(min = 0.0))]
     pub density: f64,
 }
 
@@ -108,25 +119,32 @@ pub struct MooneyRivlin {
 #[serde(deny_unknown_fields)]
 pub struct Plastic {
     /// Young's modulus E [force/area], above 0.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub young: f64,
     /// Poisson's ratio ν, above −1 and below 0.5.
+    #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5))]
     pub poisson: f64,
     /// Yield stress y₀ [force/area], above 0.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub yield_stress: f64,
     /// Linear isotropic hardening modulus H: slope of the yield stress over the plastic strain [force/area].
     #[serde(default)]
+    #[schemars(range(min = 0.0))]
     pub hardening: f64,
     /// Stress y∞ at which hardening saturates [force/area]; no saturation unless given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub saturation: Option<f64>,
     /// Rate δ of saturation: y = y₀ + H p + (y∞ − y₀)(1 − exp(−δ p)).
     #[serde(default)]
+    #[schemars(range(min = 0.0))]
     pub saturation_rate: f64,
     /// Kinematic hardening modulus H_k [force/area].
     #[serde(default)]
+    #[schemars(range(min = 0.0))]
     pub kinematic: f64,
     /// Density ρ [mass/volume]; needed by transient and modal analysis and by gravity.
     #[serde(default)]
+    #[schemars(range(min = 0.0))]
     pub density: f64,
     /// Thermal expansion α [1/temperature].
     #[serde(default, skip_serializing_if = "super::is_zero")]

@@ -1,7 +1,5 @@
 //! Rigid motions that the supports leave free.
 
-use std::collections::BTreeMap;
-
 use nalgebra::SMatrix;
 
 use crate::element::Nodal;
@@ -20,7 +18,7 @@ pub fn mechanisms(
     nodes: &[u32],
     supports: &[Support],
 ) -> Vec<Issue> {
-    let part_of = parts(mesh);
+    let part_of = mesh.parts();
     let length = mesh.extent();
     let count = part_of.iter().filter(|&&p| p != u32::MAX).max().map_or(0, |&p| p as usize + 1);
     let mut normal = vec![SMatrix::<f64, 6, 6>::zeros(); count];
@@ -83,35 +81,4 @@ pub fn mechanisms(
         ));
     }
     issues
-}
-
-/// Number of the connected part that each node belongs to.
-pub(super) fn parts(mesh: &Mesh) -> Vec<u32> {
-    let mut root: Vec<u32> = (0..mesh.positions.len() as u32).collect();
-    fn find(root: &mut [u32], mut a: u32) -> u32 {
-        while root[a as usize] != a {
-            root[a as usize] = root[root[a as usize] as usize];
-            a = root[a as usize];
-        }
-        a
-    }
-    let mut used = vec![false; mesh.positions.len()];
-    for quad in &mesh.quads {
-        for &n in quad {
-            used[n as usize] = true;
-            let (a, b) = (find(&mut root, quad[0]), find(&mut root, n));
-            let (low, high) = (a.min(b), a.max(b));
-            root[high as usize] = low;
-        }
-    }
-    let mut number = BTreeMap::new();
-    (0..mesh.positions.len() as u32)
-        .map(|n| {
-            if !used[n as usize] {
-                return u32::MAX;
-            }
-            let next = number.len() as u32;
-            *number.entry(find(&mut root, n)).or_insert(next)
-        })
-        .collect()
 }

@@ -9,6 +9,8 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::mesh::directors::FOLD_ANGLE_DEGREES;
+
 /// The mid-surface.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "kebab-case")]
@@ -36,9 +38,11 @@ pub struct Grid {
     pub elements: [u32; 2],
     /// Ratio of the last to the first element's length along u and v (1: all equal).
     #[serde(default = "ones")]
+    #[schemars(transform = super::positive_entries)]
     pub grading: [f64; 2],
     /// Random shift of inner nodes within the surface, as a part of the element size (0…0.4).
     #[serde(default)]
+    #[schemars(range(min = 0.0, max = 0.4))]
     pub distortion: f64,
     /// Seed of the random shift; the same seed gives the same mesh.
     #[serde(default)]
@@ -46,12 +50,23 @@ pub struct Grid {
     /// Names for further points: each becomes a node set with the node nearest to the position.
     #[serde(default)]
     pub points: BTreeMap<String, [f64; 3]>,
+    /// Nodes that coincide without being connected (the slit of a full ring): `true` merges them, `false` keeps them apart
+    /// without a warning; unless given they stay apart with a warning.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub merge_coincident: Option<bool>,
 }
 
 impl Grid {
     /// A uniform grid of `u` by `v` elements.
     pub fn uniform(u: u32, v: u32) -> Self {
-        Self { elements: [u, v], grading: ones(), distortion: 0.0, seed: 0, points: BTreeMap::new() }
+        Self {
+            elements: [u, v],
+            grading: ones(),
+            distortion: 0.0,
+            seed: 0,
+            points: BTreeMap::new(),
+            merge_coincident: None,
+        }
     }
 }
 
@@ -69,6 +84,7 @@ pub struct PlateMesh {
     #[serde(default = "y_axis")]
     pub v_axis: [f64; 3],
     /// Lengths along u and v (length).
+    #[schemars(transform = super::positive_entries)]
     pub size: [f64; 2],
     /// Elements, grading, distortion, points.
     pub grid: Grid,
@@ -88,10 +104,12 @@ pub struct CylinderMesh {
     #[serde(default = "z_axis")]
     pub start: [f64; 3],
     /// Radius (length).
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub radius: f64,
     /// First and last angle (degrees), right-handed about the axis.
     pub angles: [f64; 2],
     /// Length along the axis (length).
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub length: f64,
     /// Elements, grading, distortion, points.
     pub grid: Grid,
@@ -105,6 +123,7 @@ pub struct AnnulusMesh {
     #[serde(default)]
     pub center: [f64; 3],
     /// Inner and outer radius (length).
+    #[schemars(transform = super::positive_entries)]
     pub radii: [f64; 2],
     /// First and last angle (degrees); a full turn leaves a slit.
     #[serde(default = "full_turn")]
@@ -121,6 +140,7 @@ pub struct SphereMesh {
     #[serde(default)]
     pub center: [f64; 3],
     /// Radius (length).
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub radius: f64,
     /// First and last longitude (degrees).
     #[serde(default = "quarter_turn")]
@@ -151,10 +171,59 @@ pub struct GmshMesh {
     pub file: String,
     /// Factor on all coordinates.
     #[serde(default = "one")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub scale: f64,
     /// Names for further points: each becomes a node set with the node nearest to the position.
     #[serde(default)]
     pub points: BTreeMap<String, [f64; 3]>,
+    /// Nodes that coincide without being connected, where parts were meshed apart: `true` merges them, `false` keeps them
+    /// apart without a warning (a slit); unless given they stay apart with a warning.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub merge_coincident: Option<bool>,
+    /// Angle (degrees), 1…180, from which on neighbouring elements form a fold and have directors of their
+    /// own; 20 unless given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fold_angle: Option<f64>,
+}
+
+impl GmshMesh {
+    /// The mesh of a file as it is.
+    pub fn new(file: &str) -> Self {
+        Self {
+            file: file.into(),
+            scale: one(),
+            points: BTreeMap::new(),
+            merge_coincident: None,
+            fold_angle: None,
+        }
+    }
+}
+
+impl MeshSource {
+    /// What the model says of nodes that coincide without being connected.
+    pub fn merge_coincident(&self) -> Option<bool> {
+        match self {
+            Self::Plate(m) => m.grid.merge_coincident,
+            Self::Cylinder(m) => m.grid.merge_coincident,
+            Self::Annulus(m) => m.grid.merge_coincident,
+            Self::Sphere(m) => m.grid.merge_coincident,
+            Self::Extrusion(m) => m.grid.merge_coincident,
+            Self::Gmsh(m) => m.merge_coincident,
+        }
+    }
+
+    /// Key of [`Self::merge_coincident`].
+    pub fn merge_key(&self) -> &'static str {
+        if matches!(self, Self::Gmsh(_)) { "mesh.merge_coincident" } else { "mesh.grid.merge_coincident" }
+    }
+
+    /// Angle (degrees) from which on neighbouring elements form a fold.
+    pub fn fold_angle(&self) -> f64 {
+        match self {
+            Self::Gmsh(m) => m.fold_angle.unwrap_or(FOLD_ANGLE_DEGREES),
+            _ => FOLD_ANGLE_DEGREES,
+        }
+    }
 }
 
 fn ones() -> [f64; 2] {

@@ -12,6 +12,7 @@ mod check_sections;
 mod condition;
 mod congruence;
 mod course;
+mod force_sets;
 mod layup;
 mod material;
 mod mechanism;
@@ -19,6 +20,7 @@ mod mesh_source;
 mod prescribed_strain;
 mod sections;
 mod stacking;
+mod units;
 mod warnings;
 
 use std::collections::BTreeMap;
@@ -32,6 +34,7 @@ pub use layup::*;
 pub use material::*;
 pub use mesh_source::*;
 pub use prescribed_strain::*;
+pub use units::Units;
 pub use warnings::warnings;
 
 /// A whole model: mesh, materials, sections, conditions, loads, analysis, output.
@@ -91,6 +94,7 @@ pub struct Section {
     pub material: String,
     /// Thickness h (length), above 0; needed unless there is a `layup`.
     #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub thickness: f64,
     /// Plies of a laminate, instead of `material` and `thickness`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -112,6 +116,10 @@ pub struct Section {
     /// Enhanced assumed strain in the plane (4 parameters); off: in-plane bending is too stiff.
     #[serde(default = "yes")]
     pub eas: bool,
+    /// Membrane part of the bilinear elements. Unless given: `stable-eas`, for rubber `eas`, with `eas = false`
+    /// `displacement`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub membrane: Option<Membrane>,
     /// Enhanced parameters of the thickness strain of `cm` and `solid-shell`: 0, 1, 3 or 4; with 0 bending locks, with
     /// 1 distorted meshes fail the bending patch test.
     #[serde(default = "four")]
@@ -121,9 +129,11 @@ pub struct Section {
     pub thickness_points: Option<u8>,
     /// Total mass of the section (mass); given, the density is scaled to meet it on the mesh.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub total_mass: Option<f64>,
     /// Retardation time τ of Kelvin–Voigt damping (time): the stress is that of the strain `ε + τ dε/dt`.
     #[serde(default)]
+    #[schemars(range(min = 0.0))]
     pub retardation_time: f64,
 }
 
@@ -141,10 +151,20 @@ impl Section {
             ans_shear: true,
             ans_thickness: true,
             eas: true,
+            membrane: None,
             thickness_eas: four(),
             thickness_points: None,
             total_mass: None,
             retardation_time: 0.0,
+        }
+    }
+
+    /// Membrane part of its elements where the material is no rubber.
+    pub fn membrane_part(&self) -> Membrane {
+        match (self.membrane, self.eas) {
+            (Some(membrane), _) => membrane,
+            (None, true) => Membrane::default(),
+            (None, false) => Membrane::Displacement,
         }
     }
 }
@@ -189,16 +209,48 @@ pub enum ElementKind {
     AncfFull,
 }
 
+/// Membrane parts of the bilinear elements.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum Membrane {
+    /// Four enhanced assumed strains (the paper's). Stretched elements lose stability in bending.
+    Eas,
+    /// `eas` with a limited geometric stiffness of the hourglass motion in elements longer than twice their width.
+    #[default]
+    StableEas,
+    /// Membrane strains of MITC4+ with four enhanced strains: `eas` on flat elements, no membrane locking of warped ones.
+    #[serde(rename = "mitc4+")]
+    Mitc4Plus,
+    /// Assumed in-plane shear without parameters, for rubber in tension.
+    AssumedShear,
+    /// Strains of the displacements alone; too stiff in in-plane bending.
+    Displacement,
+}
+
+impl Membrane {
+    /// Number of enhanced parameters.
+    pub fn parameters(self) -> usize {
+        match self {
+            Self::Eas | Self::StableEas | Self::Mitc4Plus => 4,
+            Self::AssumedShear | Self::Displacement => 0,
+        }
+    }
+}
+
 /// Damping of the whole model.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Damping {
     /// Rayleigh factor of the mass matrix [1/time]: force −α M v.
     #[serde(default)]
+    #[schemars(range(min = 0.0))]
     pub mass: f64,
     /// Rayleigh factor of the stiffness (time). It acts on strain rates, so rigid motion is
     /// not damped; for small motions it is −β K v. Added to `retardation_time` of each section.
     #[serde(default)]
+    #[schemars(range(min = 0.0))]
     pub stiffness: f64,
 }
 
@@ -263,9 +315,24 @@ pub struct Output {
     /// Fields in the VTU files; all but `ply-stress` unless given.
     #[serde(default = "all_fields")]
     pub fields: Vec<Field>,
-    /// Time (load factor) between two field files; 0 writes every step.
+    /// Time (load factor) between two field files; 0 writes every step. Unless this or `every` is given, at most 200 files
+    /// are written, evenly in time. The first and the last state are always written.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0))]
+    pub interval: Option<f64>,
+    /// Number of steps from one field file to the next, instead of `interval`.
+    #[schemars(range(min = 1))]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub every: Option<u32>,
+    /// Times (load factors) at which a step ends and a field file is written, whatever `interval` or `every` says.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub at: Vec<f64>,
+    /// Field files hold the deformed mesh instead of the reference one, which *Warp By Vector* deforms.
     #[serde(default)]
-    pub interval: f64,
+    pub deformed: bool,
+    /// Names of units for the labels of pictures.
+    #[serde(default)]
+    pub units: Units,
     /// Draw pictures (`*.png`) at the end of the run; true unless given.
     #[serde(default = "yes")]
     pub pictures: bool,
@@ -273,7 +340,16 @@ pub struct Output {
 
 impl Default for Output {
     fn default() -> Self {
-        Self { points: Vec::new(), fields: all_fields(), interval: 0.0, pictures: true }
+        Self {
+            points: Vec::new(),
+            fields: all_fields(),
+            interval: None,
+            every: None,
+            at: Vec::new(),
+            deformed: false,
+            units: Units::default(),
+            pictures: true,
+        }
     }
 }
 
@@ -301,6 +377,8 @@ pub enum Field {
     Director,
     /// Velocity of the nodes [length/time].
     Velocity,
+    /// Reactions at the nodes: force, and moment of the forces on directors.
+    Reaction,
     /// Membrane resultants n_xx, n_yy, n_xy in the element's cross-section frame [force/length].
     Membrane,
     /// Bending resultants m_xx, m_yy, m_xy in the element's cross-section frame (force).
@@ -320,6 +398,16 @@ pub enum Field {
     Failure,
     /// Greatest equivalent plastic strain; where materials are plastic.
     PlasticStrain,
+    /// Principal stresses in the plane at the top and bottom surface, the greater one first, and the angle from x to its
+    /// direction [force/area, degrees].
+    PrincipalStress,
+    /// Means over the elements at a node, weighted by area: von Mises stress, and the stresses at the top and bottom surface
+    /// in the axes of space [force/area].
+    NodalMeans,
+    /// Axes x, y, z of each element's cross-section frame at the reference.
+    Axes,
+    /// Numbers of nodes and elements as messages use them, and number of the section from 1.
+    Numbers,
 }
 
 fn all_fields() -> Vec<Field> {
@@ -328,6 +416,7 @@ fn all_fields() -> Vec<Field> {
         Displacement,
         Director,
         Velocity,
+        Reaction,
         Membrane,
         Bending,
         Shear,
@@ -336,6 +425,10 @@ fn all_fields() -> Vec<Field> {
         EnergyDensity,
         Failure,
         PlasticStrain,
+        PrincipalStress,
+        NodalMeans,
+        Axes,
+        Numbers,
     ]
 }
 fn all() -> String {
@@ -349,4 +442,10 @@ fn four() -> u8 {
 }
 fn is_zero(value: &f64) -> bool {
     *value == 0.0
+}
+/// Says in the schema of a list that its entries are above 0.
+fn positive_entries(schema: &mut schemars::Schema) {
+    if let Some(entries) = schema.get_mut("items").and_then(|items| items.as_object_mut()) {
+        entries.insert("exclusiveMinimum".into(), 0.into());
+    }
 }

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::build::Vectors;
 use super::congruence::{Congruence, Likeness};
-use super::{Material, Model, Section, StackedPly};
+use super::{Material, Membrane, Model, Section, StackedPly};
 use crate::element::constitution::LinearConstitution;
 use crate::element::geometry::cross_section_frame;
 use crate::element::quadratic::Members;
@@ -203,8 +203,17 @@ pub(super) struct Elements {
     pub(super) sections: Vec<ShellSection>,
     /// Nodal vectors that keep their length.
     pub(super) unit: BTreeSet<u32>,
-    /// h E A at the directors, for ties.
-    director_stiffness: BTreeMap<u32, f64>,
+    /// The sheet of each director, for ties; empty where there are none.
+    sheets: Vec<Sheet>,
+}
+
+/// The elements around a director.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sheet {
+    /// Largest bending stiffness of their sections (force × length).
+    bending: f64,
+    /// The director's share of their area (length²).
+    area: f64,
 }
 
 impl Elements {
@@ -232,6 +241,9 @@ impl Elements {
         vectors: &Vectors,
         issues: &mut Vec<Issue>,
     ) {
+        if !directors.ties.is_empty() {
+            self.sheets = vec![Sheet::default(); directors.values.len()];
+        }
         for (i, section) in model.sections.iter().enumerate() {
             let (Some(compiled), Some(quads)) =
                 (section.compile(&model.materials), mesh.quads_on(&section.on))
@@ -243,8 +255,12 @@ impl Elements {
                 issues.extend(useless);
                 continue;
             }
-            let element = registry::shell(section, compiled.thickness);
-            self.section(model, section, compiled, element, &quads, (mesh, directors, vectors), issues);
+            let mut section = section.clone();
+            if section.membrane.is_none() && section.eas && compiled.has_rubber() {
+                section.membrane = Some(Membrane::Eas);
+            }
+            let element = registry::shell(&section, compiled.thickness);
+            self.section(model, &section, compiled, element, &quads, (mesh, directors, vectors), issues);
         }
     }
 
@@ -282,7 +298,7 @@ impl Elements {
             reference_kernel: false,
         });
         let first_group = self.groups.len();
-        let stretch = compiled.resultant.stretch();
+        let bending = compiled.bending();
         let mut members = 0;
         // Gradients begin along tangents that the axes of space decide.
         let turns = !element.nodal_vectors().contains(&VectorKind::Gradient);
@@ -347,10 +363,12 @@ impl Elements {
                 shapes.register(new, members);
             }
             for (d, area) in corners.into_iter().zip(crate::element::geometry::nodal_areas(&g.positions)) {
-                let v = vectors.of_director[d as usize];
-                *self.director_stiffness.entry(v).or_default() += stretch * area;
+                if let Some(sheet) = self.sheets.get_mut(d as usize) {
+                    sheet.bending = sheet.bending.max(bending);
+                    sheet.area += area;
+                }
                 if element.unit_directors() {
-                    self.unit.insert(v);
+                    self.unit.insert(vectors.of_director[d as usize]);
                 }
             }
             self.list.push(Shell {
@@ -372,23 +390,33 @@ impl Elements {
         self.sections.push(ShellSection { section: compiled, element });
     }
 
-    pub(super) fn ties(&mut self, directors: &Directors, vectors: &Vectors) {
+    /// Ties the directors of folds and junctions, `stiffness` times as stiff as one row of elements beside them.
+    pub(super) fn ties(&mut self, directors: &Directors, vectors: &Vectors, stiffness: f64) {
         if directors.ties.is_empty() {
             return;
         }
         let mut members = Members::<2>::default();
-        let mut constitution = LinearConstitution::<1>::default();
-        for pair in &directors.ties {
-            let v = pair.map(|d| vectors.of_director[d as usize]);
-            let stiffness =
-                v.iter().filter_map(|v| self.director_stiffness.get(v)).fold(f64::INFINITY, |a, &b| a.min(b));
-            if stiffness.is_finite() {
-                members.vectors.push(v);
+        let mut constitution = LinearConstitution::<3>::default();
+        for at_node in directors.ties.chunk_by(|a, b| directors.node_of(a) == directors.node_of(b)) {
+            let shares = at_node.iter().flat_map(|tie| {
+                tie.directors.map(|d| {
+                    let sheet = self.sheets[d as usize];
+                    // Sheets that touch at a node only have no length in common.
+                    let ratio = if tie.length > 0.0 { tie.length * tie.length / sheet.area } else { 1.0 };
+                    if sheet.area > 0.0 { sheet.bending * ratio } else { 0.0 }
+                })
+            });
+            let largest = shares.fold(0.0, f64::max);
+            for tie in
+                at_node.iter().filter(|tie| tie.directors.iter().all(|&d| self.sheets[d as usize].area > 0.0))
+            {
+                let [a, b] = tie.directors.map(|d| &directors.values[d as usize]);
+                members.vectors.push(tie.directors.map(|d| vectors.of_director[d as usize]));
                 members.mass.extend([0.0; 3]);
-                constitution.h.push(stiffness);
+                constitution.h.extend(fold_tie::stiffness([a, b], stiffness * largest));
             }
         }
-        self.groups.push(Box::new(QuadraticGroup::<2, 6, 1, 2, _>::new(
+        self.groups.push(Box::new(QuadraticGroup::<2, 6, 3, 2, _>::new(
             "fold-tie",
             fold_tie::strains(),
             members,

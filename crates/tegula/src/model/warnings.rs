@@ -1,20 +1,32 @@
 //! What is most likely not meant, though it can be computed.
 
+use std::collections::BTreeSet;
+
 use super::course::amplitude_of;
-use super::{Analysis, Condition, Load, Model, PrescribedStrain};
+use super::{Analysis, Condition, GmshMesh, Load, MeshSource, Model, PrescribedStrain};
+use crate::analysis::dynamics::{PassedOver, passed_over};
 use crate::element::{ShellGeometry, registry};
-use crate::mesh::Mesh;
+use crate::material::Law;
+use crate::mesh::directors::FOLD_ANGLE_DEGREES;
+use crate::mesh::{Mesh, show};
 use crate::system::System;
 use crate::{Issue, Vec3};
 
 /// Thickness over the size of the largest element, above which units are most likely mixed up.
 const THICK: f64 = 10.0;
 
+/// Seams that are written out, and nodes of each.
+const SHOWN: usize = 10;
+const NODES: usize = 4;
+
 /// Input that has no effect, or a geometry that no shell has. The model is computed all the same.
 pub fn warnings(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
     let mut found = idle(model);
     found.extend(zero_loads(model));
     found.extend(idle_switches(model));
+    found.extend(seams(model, mesh));
+    found.extend(prism(model, mesh, system));
+    found.extend(coarse_steps(model, system));
     for (i, section) in model.sections.iter().enumerate() {
         let shells = || system.shells.iter().filter(|shell| shell.section == i);
         let worst = shells()
@@ -46,6 +58,112 @@ pub fn warnings(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
         }
     }
     found
+}
+
+/// Sheets that touch without being connected.
+fn seams(model: &Model, mesh: &Mesh) -> Vec<Issue> {
+    if model.mesh.merge_coincident() == Some(false) {
+        return Vec::new();
+    }
+    let parts = mesh.parts();
+    let place = |x: &Vec3| show(*x);
+    let mut found = Vec::new();
+    let seams = mesh.seams();
+    for seam in seams.iter().take(SHOWN) {
+        let mut nodes = Vec::new();
+        let mut what = Vec::new();
+        if !seam.coincident.is_empty() {
+            let n = seam.coincident.len();
+            what.push(format!(
+                "{n} {} of nodes {}",
+                plural(n, "pair"),
+                if n == 1 { "coincides" } else { "coincide" }
+            ));
+            nodes.extend(seam.coincident.iter().map(|pair| {
+                let [a, b] = pair.map(|n| mesh.node_label(n));
+                format!("{a} and {b}")
+            }));
+        }
+        if !seam.hanging.is_empty() {
+            let n = seam.hanging.len();
+            what.push(format!(
+                "{n} {} on elements of others",
+                if n == 1 { "node lies" } else { "nodes lie" }
+            ));
+            nodes.extend(seam.hanging.iter().map(|h| {
+                format!("{} on element {}", mesh.node_label(h.node), mesh.quad_label(h.quad as usize))
+            }));
+        }
+        let sides = seam.coincident.iter().flatten().copied();
+        let sides = sides.chain(seam.hanging.iter().flat_map(|h| [h.node, mesh.quads[h.quad as usize][0]]));
+        let touching: BTreeSet<u32> = sides.map(|n| parts[n as usize]).collect();
+        let who = if touching.len() > 1 {
+            format!("{} parts of the mesh touch without being connected", touching.len())
+        } else {
+            "the mesh touches itself without being connected, as along a slit".to_string()
+        };
+        let more = nodes.len().saturating_sub(NODES);
+        nodes.truncate(NODES);
+        let more = if more > 0 { format!(", and {more} more") } else { String::new() };
+        let [low, high] = &seam.extent;
+        found.push(Issue::new(
+            "mesh",
+            format!(
+                "{who}: {} between {} and {}: {}{more}",
+                what.join(" and "),
+                place(low),
+                place(high),
+                nodes.join(", ")
+            ),
+            if seam.coincident.is_empty() {
+                "mesh both sides with the same nodes along the seam; if they are to move apart, say `merge_coincident = \
+                 false`"
+            } else if seam.hanging.is_empty() {
+                "`merge_coincident = true` connects them; if they are to move apart, say `merge_coincident = false`"
+            } else {
+                "mesh both sides with the same nodes along the seam: `merge_coincident = true` connects the pairs only; if \
+                 they are to move apart, say `merge_coincident = false`"
+            },
+        ));
+    }
+    if seams.len() > SHOWN {
+        found.push(Issue::new(
+            "mesh",
+            format!(
+                "and {} more seams along which sheets touch without being connected",
+                seams.len() - SHOWN
+            ),
+            "see those written out above",
+        ));
+    }
+    found.iter_mut().for_each(|issue| issue.place.key = model.mesh.merge_key().into());
+    found
+}
+
+fn plural(n: usize, word: &str) -> String {
+    if n == 1 { word.into() } else { format!("{word}s") }
+}
+
+/// Coarse curved surfaces that are taken for folds.
+fn prism(model: &Model, mesh: &Mesh, system: &System) -> Option<Issue> {
+    let MeshSource::Gmsh(GmshMesh { fold_angle: None, .. }) = model.mesh else { return None };
+    let prism = system.folds.prism.as_ref()?;
+    let n = prism.quads.len();
+    let [low, high] = prism.angles;
+    let label = mesh.quad_label(prism.quads[0] as usize);
+    let angles = if high - low < 0.05 { format!("{high:.1}") } else { format!("{low:.1} to {high:.1}") };
+    Some(Issue::new(
+        "mesh.file",
+        format!(
+            "{n} {} between two folds of {angles} degrees that turn the same way, element {label} first: a \
+             curved surface would be computed as a prism of flat strips",
+            if n == 1 { "element lies" } else { "elements lie" }
+        ),
+        format!(
+            "if it is curved, refine it until neighbours meet at less than {FOLD_ANGLE_DEGREES} degrees, or give a \
+             `fold_angle` above {high:.1}; if flat strips are meant, say `fold_angle = {FOLD_ANGLE_DEGREES}`"
+        ),
+    ))
 }
 
 /// Loads that do not act, and an equilibrium without loads.
@@ -91,6 +209,15 @@ fn idle_switches(model: &Model) -> Vec<Issue> {
                 "leave it out, or use an element that has it (the book's page on elements lists them)",
             ));
         }
+        let rubber =
+            |m: &String| model.materials.get(m).is_some_and(|m| matches!(m.law_3d(), Law::Hyperelastic(_)));
+        if s.membrane.is_some_and(|m| m.parameters() > 0) && s.materials().iter().any(rubber) {
+            found.push(Issue::new(
+                format!("sections[{i}].membrane"),
+                "enhanced strains make rubber seem unstable in tension, from stretches of about 1.4 on",
+                "give \"assumed-shear\" or \"displacement\"",
+            ));
+        }
         if s.shear_stabilization != 0.0 && element.is_solid() {
             found.push(Issue::new(
                 format!("sections[{i}].shear_stabilization"),
@@ -108,6 +235,16 @@ fn idle_switches(model: &Model) -> Vec<Issue> {
         }
     }
     found
+}
+
+/// Formulas that change within constant time steps, which do not see it.
+fn coarse_steps(model: &Model, system: &System) -> Vec<Issue> {
+    let Analysis::Transient(options) = &model.analysis else { return Vec::new() };
+    let issue = |found: &PassedOver| {
+        let name = system.amplitude_name(found.amplitude);
+        Issue::new(format!("amplitudes.{name}"), format!("the formula {}", found.message()), found.help())
+    };
+    passed_over(system, options).iter().map(issue).collect()
 }
 
 fn zero_loads(model: &Model) -> Vec<Issue> {

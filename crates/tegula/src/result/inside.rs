@@ -1,26 +1,32 @@
-//! Strains and stresses inside of one element at a state.
+//! Strains and stresses inside of one element at a state, and their changes with a small motion about it.
 
 use std::sync::Arc;
 
-use nalgebra::{DVector, Matrix6, Vector6};
+use nalgebra::{DMatrix, DVector, Matrix6, Vector6};
 
 use crate::Mat3;
 use crate::analysis::State;
 use crate::analysis::statics::state_kinematics;
 use crate::element::geometry::cross_section_frame;
 use crate::element::shell::{Condensed, Station, StationResponse, condense};
-use crate::element::{Interior, Kinematics, ShellGeometry};
+use crate::element::{Interior, Kinematics, Motion, Nodal, ShellGeometry};
+use crate::material::Response;
 use crate::model::PrescribedStrain;
 use crate::section::CompiledSection;
 use crate::section::compiled::Layer;
 use crate::system::{Shell, System};
 
-/// Factors of the prescribed strains and places of the groups' internal variables at a state.
+/// State of a model as the recovery of stresses sees it, or a small motion about that state.
+///
+/// Strains of a small motion φ about the state q are the linear ones, δs = S(q) φ, and stresses their product with the
+/// material's tangent at q: a rigid motion has none, whatever its amplitude.
 pub struct Snapshot<'a> {
     /// The compiled model.
     pub system: &'a System,
     /// The state.
     pub state: &'a State,
+    /// Small motion about the state.
+    small: Option<&'a [Nodal]>,
     /// Factor of each field of prescribed strain.
     factors: Vec<f64>,
     /// Internal variables of each group.
@@ -28,7 +34,7 @@ pub struct Snapshot<'a> {
 }
 
 impl<'a> Snapshot<'a> {
-    /// Of a state.
+    /// State of a model.
     pub fn new(system: &'a System, state: &'a State) -> Self {
         let factors =
             system.prescribed_strains.iter().map(|f| system.amplitude(f.amplitude, state.time)).collect();
@@ -42,17 +48,36 @@ impl<'a> Snapshot<'a> {
                 mine
             })
             .collect();
-        Self { system, state, factors, history }
+        Self { system, state, small: None, factors, history }
+    }
+
+    /// Small motion `shape` about a state, such as a mode.
+    pub fn of_small_motion(system: &'a System, state: &'a State, shape: &'a [Nodal]) -> Self {
+        Self { small: Some(shape), ..Self::new(system, state) }
     }
 
     /// Motion and internal variables for a group.
     pub fn kinematics(&'a self, group: usize) -> Kinematics<'a> {
         let k = state_kinematics(self.system, &self.state.u, self.state.time);
-        Kinematics { interior: Interior { history: self.history[group], factors: &self.factors }, ..k }
+        let motion = Motion::State { u: &self.state.u, velocity: self.small };
+        let interior = Interior { history: self.history[group], factors: &self.factors };
+        Kinematics { interior, motion, ..k }
     }
 
-    /// Stored energy of every element of every group.
-    pub fn energies(&self) -> Vec<Vec<f64>> {
+    /// Sampled strains of a shell: at the state, and their changes with the small motion.
+    fn samples(&self, shell: &Shell) -> (DVector<f64>, Option<DVector<f64>>) {
+        let of_groups = |f: &dyn Fn(usize) -> Vec<f64>| {
+            DVector::from_vec(shell.groups.clone().flat_map(f).collect::<Vec<f64>>())
+        };
+        let groups = &self.system.groups;
+        let at_state = of_groups(&|g| groups[g].sampled_strains(shell.member, &self.kinematics(g)));
+        let change =
+            self.small.map(|_| of_groups(&|g| groups[g].strain_rates(shell.member, &self.kinematics(g))));
+        (at_state, change)
+    }
+
+    /// Stored energy of every element of every group at the state.
+    fn energies(&self) -> Vec<Vec<f64>> {
         (0..self.system.groups.len())
             .map(|g| {
                 let group = &self.system.groups[g];
@@ -62,9 +87,15 @@ impl<'a> Snapshot<'a> {
             })
             .collect()
     }
+
+    /// Energies of the shells of [`System::shells`] that single elements do not tell: none for a small motion.
+    pub(super) fn stored_energies(&self) -> Option<Vec<Vec<f64>>> {
+        self.small.is_none().then(|| self.energies())
+    }
 }
 
-/// What elements of one shape have in common.
+/// What elements of one shape have in common. It is made from the first of them, so that results do not depend on which
+/// one a thread meets first.
 pub struct Shape {
     section: usize,
     number: usize,
@@ -78,14 +109,10 @@ pub struct Shape {
 
 impl Shape {
     /// `None` where the element's geometry is invalid.
-    fn new(
-        system: &System,
-        shell: &Shell,
-        geometry: &ShellGeometry,
-        prescribed: &[Option<&PrescribedStrain>],
-    ) -> Option<Self> {
+    fn new(system: &System, shell: &Shell, prescribed: &[Option<&PrescribedStrain>]) -> Option<Self> {
         let of = &system.sections[shell.section];
         let (section, element) = (&of.section, of.element.as_ref());
+        let geometry = &system.geometry(&Shell { member: shell.shape, ..shell.clone() });
         let stations = section.stations(element, geometry, prescribed).ok()?;
         let recovery = if element.parameters() > 0 && section.is_linear() {
             Some(condense(&stations, element.samples(), element.parameters(), prescribed.len()).ok()?)
@@ -99,6 +126,20 @@ impl Shape {
     }
 }
 
+/// Samples and enhanced parameters: of a state, or their changes.
+#[derive(Debug, Clone)]
+struct Generalised {
+    samples: DVector<f64>,
+    parameters: DVector<f64>,
+}
+
+impl Generalised {
+    /// Strain of an operator's rows.
+    fn strain(&self, samples: &DMatrix<f64>, enhanced: &DMatrix<f64>) -> DVector<f64> {
+        samples * &self.samples + enhanced * &self.parameters
+    }
+}
+
 /// The inside of an element.
 pub struct Inside<'a> {
     section: &'a CompiledSection,
@@ -109,15 +150,18 @@ pub struct Inside<'a> {
     history: &'a [f64],
     /// What it shares with others.
     pub shape: Arc<Shape>,
-    samples: DVector<f64>,
-    parameters: DVector<f64>,
+    state: Generalised,
+    /// Change with the small motion of which strains and stresses are wanted.
+    change: Option<Generalised>,
 }
 
 /// Strain at a point.
 #[derive(Debug, Clone)]
 pub struct PointStrain {
-    /// Strains xx, yy, 2xy, zz, 2xz, 2yz in the frame, prescribed strains taken off.
+    /// Strains xx, yy, 2xy, zz, 2xz, 2yz in the frame, prescribed strains taken off; of a small motion, its own.
     pub strain: Vector6<f64>,
+    /// Strain of the state about which a small motion is superposed.
+    about: Option<Vector6<f64>>,
     /// Orthonormal frame.
     pub frame: Mat3,
     /// Angle from the frame to the layer's first axis.
@@ -130,7 +174,7 @@ impl<'a> Inside<'a> {
         Self::after(snapshot, shell, &mut None)
     }
 
-    /// The same after another element, which often has the same shape.
+    /// The inside of an element after another one, which often has the same shape.
     pub fn after(
         snapshot: &'a Snapshot<'a>,
         shell: &'a Shell,
@@ -146,21 +190,15 @@ impl<'a> Inside<'a> {
             .map(|(acts, field)| acts.then_some(&field.strain))
             .collect();
         let factors = if prescribed.is_empty() { &[][..] } else { &snapshot.factors };
-        let samples: Vec<f64> = shell
-            .groups
-            .clone()
-            .flat_map(|g| system.groups[g].sampled_strains(shell.member, &snapshot.kinematics(g)))
-            .collect();
-        let samples = DVector::from_vec(samples);
-        let geometry = system.geometry(shell);
         let shape = match last.take() {
             Some(shape) if (shape.section, shape.number) == (shell.section, shell.shape) => shape,
-            _ => Arc::new(Shape::new(system, shell, &geometry, &prescribed)?),
+            _ => Arc::new(Shape::new(system, shell, &prescribed)?),
         };
         *last = Some(shape.clone());
         let first = shell.groups.start;
         let n = system.groups[first].history_per_element();
         let history = snapshot.history[first].get(n * shell.member..n * (shell.member + 1)).unwrap_or(&[]);
+        let (samples, change) = snapshot.samples(shell);
         let parameters = if element.parameters() == 0 {
             DVector::zeros(0)
         } else if let Some(c) = &shape.recovery {
@@ -172,48 +210,98 @@ impl<'a> Inside<'a> {
         } else {
             DVector::from_column_slice(history.get(..element.parameters())?)
         };
-        Some(Self { section, geometry, element, prescribed, factors, history, shape, samples, parameters })
+        let state = Generalised { samples, parameters };
+        let geometry = system.geometry(shell);
+        let mut inside =
+            Self { section, geometry, element, prescribed, factors, history, shape, state, change: None };
+        if let Some(samples) = change {
+            inside.change = Some(inside.changed(samples)?);
+        }
+        Some(inside)
     }
 
-    /// Strain of a station, prescribed strains taken off.
-    pub fn station_strain(&self, station: &Station) -> DVector<f64> {
-        let mut strain = &station.samples * &self.samples + &station.enhanced * &self.parameters;
+    /// Change of the enhanced parameters with that of the samples: `δα = −K_αα⁻¹ K_αs δs` with the tangents at the state.
+    fn changed(&self, samples: DVector<f64>) -> Option<Generalised> {
+        let count = self.element.parameters();
+        let parameters = if count == 0 {
+            DVector::zeros(0)
+        } else if let Some(c) = &self.shape.recovery {
+            &c.recovery * &samples
+        } else {
+            let (mut k, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
+            for (s, answer) in self.shape.stations.iter().zip(self.answers()) {
+                let tangent = match (&s.response, answer) {
+                    (StationResponse::Linear(c), _) => c.clone(),
+                    (_, Some(r)) => DMatrix::from_column_slice(6, 6, r.tangent.as_slice()),
+                    (_, None) => return None,
+                };
+                let weighted = s.enhanced.transpose() * tangent * s.weight;
+                k += &weighted * &s.enhanced;
+                right -= weighted * (&s.samples * &samples);
+            }
+            k.cholesky()?.solve(&right)
+        };
+        Some(Generalised { samples, parameters })
+    }
+
+    /// Answer of the law of each station that has one, at the state; none where the law has no answer.
+    fn answers(&self) -> Vec<Option<Response>> {
+        let mut at = self.state.parameters.len();
+        let mut answer = |s: &Station| match &s.response {
+            StationResponse::Linear(_) => None,
+            StationResponse::Law(law) => {
+                let law = &self.section.laws[*law];
+                let n = law.history();
+                let committed = self.history.get(at..at + n).unwrap_or(&[]);
+                at += n;
+                let strain = self.strain_of_state(s);
+                let mut updated = committed.to_vec();
+                law.respond(&Vector6::from_column_slice(strain.as_slice()), committed, &mut updated)
+            }
+        };
+        self.shape.stations.iter().map(&mut answer).collect()
+    }
+
+    /// Strain of a station at the state, prescribed strains taken off.
+    fn strain_of_state(&self, station: &Station) -> DVector<f64> {
+        let mut strain = self.state.strain(&station.samples, &station.enhanced);
         for (factor, e0) in self.factors.iter().zip(&station.prescribed) {
             strain -= e0 * *factor;
         }
         strain
     }
 
-    /// Stress of each station with respect to its strains.
+    /// Strain of a station, prescribed strains taken off; of a small motion, its own.
+    pub fn station_strain(&self, station: &Station) -> DVector<f64> {
+        match &self.change {
+            None => self.strain_of_state(station),
+            Some(change) => change.strain(&station.samples, &station.enhanced),
+        }
+    }
+
+    /// Stress of each station with respect to its strains; of a small motion, its own.
     pub fn station_stresses(&self) -> Vec<DVector<f64>> {
-        let mut at = self.parameters.len();
-        self.shape
-            .stations
-            .iter()
-            .map(|s| {
-                let strain = self.station_strain(s);
-                match &s.response {
-                    StationResponse::Linear(c) => c * strain,
-                    StationResponse::Law(law) => {
-                        let law = &self.section.laws[*law];
-                        let n = law.history();
-                        let committed = self.history.get(at..at + n).unwrap_or(&[]);
-                        at += n;
-                        let mut updated = committed.to_vec();
-                        law.respond(&Vector6::from_column_slice(strain.as_slice()), committed, &mut updated)
-                            .map_or_else(
-                                || DVector::zeros(6),
-                                |r| DVector::from_column_slice(r.stress.as_slice()),
-                            )
-                    }
-                }
-            })
-            .collect()
+        let stress = |(s, answer): (&Station, Option<Response>)| match (&s.response, answer) {
+            (StationResponse::Linear(c), _) => c * self.station_strain(s),
+            (_, None) => DVector::zeros(6),
+            (_, Some(r)) if self.change.is_none() => DVector::from_column_slice(r.stress.as_slice()),
+            (_, Some(r)) => {
+                let strain = Vector6::from_column_slice(self.station_strain(s).as_slice());
+                DVector::from_column_slice((r.tangent * strain).as_slice())
+            }
+        };
+        self.shape.stations.iter().zip(self.answers()).map(stress).collect()
+    }
+
+    /// Energy ½ δε·C δε of a small motion.
+    pub(super) fn small_energy(&self) -> f64 {
+        let stations = self.shape.stations.iter().zip(self.station_stresses());
+        stations.map(|(s, stress)| 0.5 * s.weight * stress.dot(&self.station_strain(s))).sum()
     }
 
     /// Internal variables of the stations that have some, with the number of the law.
     pub fn station_history(&self) -> Vec<(usize, &'a [f64])> {
-        let mut at = self.parameters.len();
+        let mut at = self.state.parameters.len();
         self.shape
             .stations
             .iter()
@@ -232,18 +320,23 @@ impl<'a> Inside<'a> {
     /// Strain at the height `z` over a point of the mid-surface.
     pub fn strain(&self, point: usize, z: f64, layer: &Layer) -> Option<PointStrain> {
         let o = self.element.operator(&self.geometry, point, z).ok()?;
-        let total = &o.samples * &self.samples + &o.enhanced * &self.parameters;
-        let mut strain = Vector6::from_column_slice(total.as_slice());
+        let six = |g: &Generalised| Vector6::from_column_slice(g.strain(&o.samples, &o.enhanced).as_slice());
+        let mut strain = six(&self.state);
         for (factor, field) in self.factors.iter().zip(&self.prescribed) {
             if let Some(p) = field {
                 let e0 = self.section.prescribed_strain(p, layer, &o.frame, z).ok()?;
                 strain -= e0 * *factor;
             }
         }
-        Some(PointStrain { strain, turn: self.section.layer_turn(layer, &o.frame).ok()?, frame: o.frame })
+        let turn = self.section.layer_turn(layer, &o.frame).ok()?;
+        Some(match &self.change {
+            None => PointStrain { strain, about: None, turn, frame: o.frame },
+            Some(change) => PointStrain { strain: six(change), about: Some(strain), turn, frame: o.frame },
+        })
     }
 
-    /// Stress xx, yy, xy, zz, xz, yz in the frame at the height `z` of a layer whose material remembers nothing.
+    /// Stress xx, yy, xy, zz, xz, yz in the frame at the height `z` of a layer whose material remembers nothing; of a
+    /// small motion, its own.
     pub fn stress(&self, point: usize, z: f64, layer: &Layer) -> Option<(Vector6<f64>, PointStrain)> {
         let at = self.strain(point, z, layer)?;
         let stress = match layer.law {
@@ -260,7 +353,10 @@ impl<'a> Inside<'a> {
                 if law.history() != 0 {
                     return None;
                 }
-                law.respond(&at.strain, &[], &mut [])?.stress
+                match &at.about {
+                    None => law.respond(&at.strain, &[], &mut [])?.stress,
+                    Some(about) => law.respond(about, &[], &mut [])?.tangent * at.strain,
+                }
             }
         };
         Some((stress, at))

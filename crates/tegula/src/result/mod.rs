@@ -3,8 +3,10 @@
 pub mod inside;
 pub mod plies;
 pub mod probe;
+pub mod reactions;
 pub mod recovery;
 
 pub use plies::{PlyFailure, PlyResult, PlyStress, plastic_strains, recover_plies};
 pub use probe::Probe;
+pub use reactions::{Equilibrium, ReactionFinder, Resultant};
 pub use recovery::{ShellResult, recover};

@@ -4,10 +4,13 @@
 //! ply. In-plane stresses are those of the ply's material for the strain there, prescribed strains taken off.
 //! Transverse shear stresses of elements with resultants follow from equilibrium over the thickness.
 
+use std::sync::Arc;
+
 use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
 
-use super::inside::{Inside, Snapshot};
+use super::inside::{Inside, Shape, Snapshot};
+use super::recovery::CHUNK;
 use crate::analysis::State;
 use crate::section::compiled::{Resultant, turned_stress};
 use crate::section::failure::{FailureMode, Strengths};
@@ -50,14 +53,24 @@ pub struct PlyFailure {
 /// Plies of all shells at a state, in the order of [`System::shells`], from the bottom to the top; none for a shell
 /// whose stresses cannot be had there.
 pub fn recover_plies(system: &System, state: &State) -> Vec<Vec<PlyResult>> {
-    let snapshot = Snapshot::new(system, state);
-    system.shells.par_iter().map(|shell| plies(&snapshot, shell).unwrap_or_default()).collect()
+    of_shells(&Snapshot::new(system, state))
 }
 
-fn plies(snapshot: &Snapshot, shell: &Shell) -> Option<Vec<PlyResult>> {
+/// Plies of all shells of a snapshot, in the order of [`recover_plies`]. Stresses of a small motion are its own; failure
+/// indices then belong to them alone.
+pub fn of_shells(snapshot: &Snapshot) -> Vec<Vec<PlyResult>> {
+    let shells = &snapshot.system.shells;
+    shells
+        .par_iter()
+        .with_min_len(CHUNK)
+        .map_init(|| None, |last, shell| plies(snapshot, shell, last).unwrap_or_default())
+        .collect()
+}
+
+fn plies(snapshot: &Snapshot, shell: &Shell, last: &mut Option<Arc<Shape>>) -> Option<Vec<PlyResult>> {
     let of = &snapshot.system.sections[shell.section];
     let (section, element) = (&of.section, of.element.as_ref());
-    let inside = Inside::new(snapshot, shell)?;
+    let inside = Inside::after(snapshot, shell, last)?;
     let points = element.surface_points();
     let stations = inside.station_stresses();
     let per_point = stations.len() / points;

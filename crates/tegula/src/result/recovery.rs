@@ -28,7 +28,7 @@ use crate::section::compiled::Layer;
 use crate::system::{Shell, System};
 
 /// Elements below which threads do not share the work.
-const CHUNK: usize = 64;
+pub(super) const CHUNK: usize = 64;
 
 /// Quantities of one shell element.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -49,18 +49,29 @@ pub struct ShellResult {
     pub energy_density: f64,
     /// Reference area (area).
     pub area: f64,
+    /// Axes x, y, z of the frame that the components belong to, at the reference.
+    pub axes: [[f64; 3]; 3],
 }
 
 /// The quantities of all shells at a state, in the order of [`System::shells`].
 pub fn recover(system: &System, state: &State) -> Vec<ShellResult> {
-    let snapshot = Snapshot::new(system, state);
-    let energies = snapshot.energies();
-    let energy = |shell: &Shell| shell.groups.clone().map(|g| energies[g][shell.member]).sum::<f64>();
-    system
-        .shells
+    shells(&Snapshot::new(system, state))
+}
+
+/// The quantities of all shells of a snapshot, in the order of [`System::shells`].
+///
+/// Those of a small motion are linear in its amplitude, but for the energy ½ δε·C δε per area, which is quadratic, and
+/// von Mises' stress, which is homogeneous.
+pub fn shells(snapshot: &Snapshot) -> Vec<ShellResult> {
+    let energies = snapshot.stored_energies();
+    let energy = |shell: &Shell| {
+        shell.groups.clone().map(|g| energies.as_ref().map(|e| e[g][shell.member])).sum::<Option<f64>>()
+    };
+    let shells = &snapshot.system.shells;
+    shells
         .par_iter()
         .with_min_len(CHUNK)
-        .map_init(|| None, |last, shell| element(&snapshot, shell, last, energy(shell)).unwrap_or_default())
+        .map_init(|| None, |last, shell| element(snapshot, shell, last, energy(shell)).unwrap_or_default())
         .collect()
 }
 
@@ -69,14 +80,14 @@ fn element(
     snapshot: &Snapshot,
     shell: &Shell,
     last: &mut Option<Arc<Shape>>,
-    energy: f64,
+    stored: Option<f64>,
 ) -> Option<ShellResult> {
     let of = &snapshot.system.sections[shell.section];
     let (section, shell_element) = (&of.section, of.element.as_ref());
     let geometry = snapshot.system.geometry(shell);
     let inside = Inside::after(snapshot, shell, last)?;
     let centre = cross_section_frame(&geometry.base(0.0, 0.0, 0.0))?;
-    let mut out = ShellResult::default();
+    let mut out = ShellResult { axes: centre.into(), ..ShellResult::default() };
     let points = shell_element.surface_points();
     let stresses = inside.station_stresses();
     let per_point = stresses.len() / points;
@@ -101,7 +112,7 @@ fn element(
     }
     out.area = nodal_areas(&geometry.positions).iter().sum();
     if out.area > 0.0 {
-        out.energy_density = energy / out.area;
+        out.energy_density = stored.unwrap_or_else(|| inside.small_energy()) / out.area;
     }
     surface_stresses(&mut out, &inside, section, &centre, points);
     Some(out)

@@ -109,9 +109,23 @@ impl Resultant {
 }
 
 impl CompiledSection {
+    /// Bending stiffness (force × length) along the stiffer axis of the section; an estimate from the modulus where the
+    /// materials have three-dimensional stresses only.
+    pub fn bending(&self) -> f64 {
+        match &self.resultant {
+            Resultant::None(stretch) => stretch * self.thickness * self.thickness / 12.0,
+            stiffness => stiffness.at(0.0).bending.diagonal().max(),
+        }
+    }
+
     /// True if all materials are linear.
     pub fn is_linear(&self) -> bool {
         self.laws.is_empty()
+    }
+
+    /// True if a layer is hyperelastic.
+    pub fn has_rubber(&self) -> bool {
+        self.laws.iter().any(|l| matches!(l, Law::Hyperelastic(_)))
     }
 
     /// Angle from the x axis of a cross-section frame to a direction's projection on the surface.
@@ -230,6 +244,8 @@ impl CompiledSection {
         let above = element.operator(g, point, 1.0)?;
         let turn = self.turn(&middle.frame)?;
         let mut stiffness = resultants(&self.resultant.at(turn));
+        // Second moment of the transverse shear stiffness, as if it were even over the thickness.
+        let shear_moment = stiffness.fixed_view::<2, 2>(4, 4) * (self.thickness * self.thickness / 12.0);
         stiffness.view_mut((4, 4), (2, 2)).scale_mut(self.shear_reduction(g));
         let linear = self.is_linear();
         if !linear {
@@ -240,33 +256,42 @@ impl CompiledSection {
                 }
             }
         }
+        // Shear linear in z matters in short elements only.
+        let gradient = g
+            .is_shorter_than(ShellGeometry::SHORT * self.thickness)
+            .then(|| element.stretch_gradient(g, point))
+            .flatten();
+        let rows = 9 + gradient.as_ref().map_or(0, |m| m.nrows());
         let (s, a) = (element.samples(), element.parameters());
-        let samples = DMatrix::from_fn(9, s, |i, j| {
-            if i < 6 {
-                middle.samples[(i, j)]
-            } else {
-                middle.samples[(i - 6, j)] - above.samples[(i - 6, j)]
-            }
-        });
-        let enhanced = DMatrix::from_fn(9, a, |i, j| if i < 6 { middle.enhanced[(i, j)] } else { 0.0 });
+        let mut samples = DMatrix::zeros(rows, s);
+        samples.rows_mut(0, 6).copy_from(&middle.samples);
+        samples.rows_mut(6, 3).copy_from(&(middle.samples.rows(0, 3) - above.samples.rows(0, 3)));
+        let mut enhanced = DMatrix::zeros(rows, a);
+        enhanced.rows_mut(0, 6).copy_from(&middle.enhanced);
+        let mut response = DMatrix::zeros(rows, rows);
+        response.view_mut((0, 0), (9, 9)).copy_from(&stiffness);
+        if let Some(gradient) = gradient {
+            samples.rows_mut(9, 2).copy_from(&gradient);
+            response.view_mut((9, 9), (2, 2)).copy_from(&shear_moment);
+        }
         let fields = prescribed
             .iter()
             .map(|p| match p {
-                None => Ok(DVector::zeros(9)),
+                None => Ok(DVector::zeros(rows)),
                 Some(p) => {
                     let mut strain = self.resultant_strain(p, &middle.frame, turn, &stiffness, linear)?;
                     if element.unit_directors() {
                         // What keeps its length does not take part in the stretch of the thickness.
                         strain[3] = 0.0;
                     }
-                    Ok(strain)
+                    Ok(strain.resize_vertically(rows, 0.0))
                 }
             })
             .collect::<Result<_, String>>()?;
         out.push(Station {
             samples,
             enhanced,
-            response: StationResponse::Linear(dynamic(&stiffness)),
+            response: StationResponse::Linear(response),
             weight: middle.measure,
             prescribed: fields,
         });

@@ -61,6 +61,14 @@ pub struct Assembly {
 impl Assembly {
     /// Buffers for a system.
     pub fn new(system: &System) -> Self {
+        let mut out = Self::for_forces(system);
+        out.blocks = vec![0.0; 9 * largest_portion(system)];
+        out.values = vec![0.0; system.pattern.values()];
+        out
+    }
+
+    /// Buffers for forces and energies; those of a tangent are made when one is wanted.
+    pub fn for_forces(system: &System) -> Self {
         let mut sources: Vec<(u32, u32)> = Vec::new();
         let mut stresses = 0;
         let mut elements = 0;
@@ -78,9 +86,9 @@ impl Assembly {
         let element_forces = vec![0.0; 3 * sources.len()];
         Self {
             element_forces,
-            blocks: vec![0.0; 9 * largest_portion(system)],
+            blocks: Vec::new(),
             stress: vec![0.0; stresses],
-            values: vec![0.0; system.pattern.values()],
+            values: Vec::new(),
             energies: vec![0.0; elements],
             history: vec![0.0; history],
             new_history: vec![0.0; history],
@@ -483,7 +491,7 @@ fn inside<'a>(
 }
 
 /// A nodal vector on which the forces of a motion act.
-fn current_vector(system: &System, k: &Kinematics, v: usize) -> Vec3 {
+pub(super) fn current_vector(system: &System, k: &Kinematics, v: usize) -> Vec3 {
     let mut x = Vec3::from(system.reference[v]);
     if !k.linear {
         match k.motion {
@@ -513,6 +521,37 @@ pub fn add_follower_loads(system: &System, k: &Kinematics, time: f64, factor: f6
         for (&v, f) in load.vectors().iter().zip(f) {
             for i in 0..3 {
                 out[v as usize][i] += factor * f[i];
+            }
+        }
+    }
+}
+
+/// Adds the change of the follower loads in an increment of the motion, `∂f/∂x Δ`, with the weights of a tangent.
+pub fn add_follower_stiffness(
+    system: &System,
+    k: &Kinematics,
+    parts: &TangentParts,
+    increment: &[Nodal],
+    out: &mut [Nodal],
+) {
+    if k.linear {
+        return;
+    }
+    let direction = parts.weights.force * parts.weights.direction;
+    for load in &system.followers {
+        let vectors = load.vectors();
+        let delta = |b: usize| Vec3::from(increment[vectors[b] as usize]);
+        if (0..vectors.len()).all(|b| delta(b) == Vec3::zeros()) {
+            continue;
+        }
+        let mut x = [Vec3::zeros(); 4];
+        current(system, k, vectors, &mut x);
+        let stiffness = load.derivative(&x[..vectors.len()]);
+        let factor = -direction * system.amplitude(load.amplitude(), parts.time);
+        for (&v, row) in vectors.iter().zip(&stiffness) {
+            let change = (0..vectors.len()).map(|b| row[b] * delta(b)).sum::<Vec3>() * factor;
+            for i in 0..3 {
+                out[v as usize][i] += change[i];
             }
         }
     }

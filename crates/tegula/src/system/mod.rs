@@ -1,6 +1,7 @@
 //! The compiled model: numbering, pattern, element groups, loads. Immutable during an analysis.
 
 pub mod assembly;
+pub mod circulatory;
 pub mod element_frequency;
 pub mod index_map;
 mod inversion;
@@ -18,11 +19,14 @@ use crate::element::{ElementGroup, Nodal, ShellGeometry};
 use crate::linear::SymmetricPattern;
 use crate::load::{FollowerLoad, TimeFunction};
 use crate::mesh::Labels;
+use crate::mesh::folds::Folds;
 use crate::model::PrescribedStrain;
 use crate::section::CompiledSection;
 pub use assembly::Assembly;
+pub use circulatory::CirculatoryStiffness;
 pub use index_map::IndexMap;
 pub use inversion::inside_out;
+use numbering::Support;
 pub use numbering::{Numbering, VectorKind};
 pub use pattern::Pattern;
 pub use turning::Turning;
@@ -36,6 +40,17 @@ pub struct DeadLoad {
     pub amplitude: Option<usize>,
     /// Gravity: its potential is part of the energy.
     pub gravity: bool,
+}
+
+/// A set of the mesh on which supports or a load act, for the recovery of resultants.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForceSet {
+    /// Name for people: of the set, and of the kind of load where it is one.
+    pub name: String,
+    /// Keys of the model that act on it.
+    pub keys: Vec<String>,
+    /// Point about which moments are taken: the mean of the set's nodes at the reference.
+    pub about: Vec3,
 }
 
 /// A shell element, for the recovery of stresses.
@@ -103,6 +118,16 @@ pub struct System {
     pub dead_loads: Vec<DeadLoad>,
     /// Forces that follow the motion.
     pub followers: Vec<FollowerLoad>,
+    /// Supports as the model has them, condition by condition.
+    pub supports: Vec<Support>,
+    /// Sets on which they act.
+    pub support_sets: Vec<ForceSet>,
+    /// Loads of the model.
+    pub load_sets: Vec<ForceSet>,
+    /// Number of the load that each of the dead loads belongs to.
+    pub load_of_dead: Vec<usize>,
+    /// Number of the load that each of the loads that follow the motion belongs to.
+    pub load_of_follower: Vec<usize>,
     /// Functions of time.
     pub amplitudes: Vec<TimeFunction>,
     /// Their names.
@@ -123,8 +148,12 @@ pub struct System {
     pub proportional: bool,
     /// Velocities at the start; none if all are zero.
     pub initial_velocity: Vec<Nodal>,
+    /// Times (load factors) at which the user wants a step to end.
+    pub wanted_times: Vec<f64>,
     /// Numbers of nodes and quads in the mesh file, for messages.
     pub labels: Option<Labels>,
+    /// Lines along which sheets meet at an angle.
+    pub folds: Folds,
 }
 
 impl System {
@@ -182,17 +211,27 @@ impl System {
     /// The first amplitude in use that has no finite value at a time, or no finite velocity or acceleration where
     /// a prescribed motion of a transient analysis follows it; for people.
     pub fn undefined_amplitude(&self, time: f64) -> Option<String> {
-        let loads = self.dead_loads.iter().map(|load| load.amplitude);
-        let followers = self.followers.iter().map(FollowerLoad::amplitude);
-        let motions =
-            self.numbering.prescribed.iter().map(|&(_, _, amplitude)| (amplitude, !self.proportional));
-        let strains = self.prescribed_strains.iter().map(|p| p.amplitude);
-        let used = loads.chain(followers).chain(strains).map(|amplitude| (amplitude, false)).chain(motions);
-        used.filter_map(|(amplitude, motion)| Some((amplitude?, motion))).find_map(|(i, motion)| {
-            let (what, value) = self.amplitudes.get(i)?.undefined(time, motion)?;
-            let name = self.amplitude_names.get(i).map_or("?", String::as_str);
+        self.amplitudes_in_use().find_map(|(i, motion)| {
+            let (what, value) = self.amplitudes.get(i)?.undefined(time, motion && !self.proportional)?;
+            let name = self.amplitude_name(i);
             Some(format!("the {what} of the amplitude \"{name}\" is {value} at {time:.6e}"))
         })
+    }
+
+    /// Amplitudes that loads, prescribed strains and prescribed motions follow, one for each of these, and whether it is
+    /// a motion.
+    pub fn amplitudes_in_use(&self) -> impl Iterator<Item = (usize, bool)> + '_ {
+        let loads = self.dead_loads.iter().map(|load| load.amplitude);
+        let followers = self.followers.iter().map(FollowerLoad::amplitude);
+        let strains = self.prescribed_strains.iter().map(|p| p.amplitude);
+        let motions = self.numbering.prescribed.iter().map(|&(_, _, amplitude)| (amplitude, true));
+        let used = loads.chain(followers).chain(strains).map(|amplitude| (amplitude, false)).chain(motions);
+        used.filter_map(|(amplitude, motion)| Some((amplitude?, motion)))
+    }
+
+    /// Name of an amplitude.
+    pub fn amplitude_name(&self, amplitude: usize) -> &str {
+        self.amplitude_names.get(amplitude).map_or("?", String::as_str)
     }
 
     /// Adds the dead loads at a time.
@@ -232,6 +271,25 @@ impl System {
         self.write_prescribed(v, |value, a| a.map_or(0.0, |a| value * self.amplitudes[a].rate(time)));
     }
 
+    /// Writes prescribed velocities just before a time: at a kink of a table they differ from those behind it.
+    pub fn prescribe_velocity_before(&self, time: f64, v: &mut [Nodal]) {
+        self.write_prescribed(v, |value, a| a.map_or(0.0, |a| value * self.amplitudes[a].rate_before(time)));
+    }
+
+    /// Changes prescribed velocities from those before a kink to those behind it. Returns the kinetic energy that this
+    /// impact gives; 0 where there is no kink.
+    pub fn pass_kink(&self, time: f64, v: &mut [Nodal]) -> f64 {
+        let kink =
+            |a: &TimeFunction| matches!(a, TimeFunction::Table(_)) && a.rate(time) != a.rate_before(time);
+        let motions = self.numbering.prescribed.iter().filter_map(|&(_, _, amplitude)| amplitude);
+        if !motions.filter_map(|a| self.amplitudes.get(a)).any(kink) {
+            return 0.0;
+        }
+        let before = self.kinetic_energy(v);
+        self.prescribe_velocity(time, v);
+        self.kinetic_energy(v) - before
+    }
+
     /// Writes prescribed accelerations at a time.
     pub fn prescribe_acceleration(&self, time: f64, a: &mut [Nodal]) {
         self.write_prescribed(a, |value, a| a.map_or(0.0, |a| value * self.amplitudes[a].acceleration(time)));
@@ -244,6 +302,16 @@ impl System {
             local[c] = f(value, amplitude);
             field[v] = self.numbering.from_axes(v, local);
         }
+    }
+
+    /// Work of forces over the change of the prescribed coordinates between two displacements.
+    pub fn work_of_prescribed(&self, forces: &[Nodal], from: &[Nodal], to: &[Nodal]) -> f64 {
+        let work = |&(coordinate, _, _): &(u32, f64, Option<usize>)| {
+            let (v, c) = (coordinate as usize / 3, coordinate as usize % 3);
+            let along = |field: &[Nodal]| self.numbering.to_axes(v, field[v])[c];
+            along(forces) * (along(to) - along(from))
+        };
+        self.numbering.prescribed.iter().map(work).sum()
     }
 
     /// Total mass, from the position vectors.

@@ -11,6 +11,7 @@ use tegula::linear::SparseCholesky;
 use tegula::mesh::generators::generate;
 use tegula::model::build::build;
 use tegula::model::*;
+use tegula::norm::{larger, max_norm};
 use tegula::system::{Assembly, VectorKind};
 use tegula::{Mesh, System, Vec3};
 
@@ -294,7 +295,7 @@ impl Notes {
     /// Largest difference of the total energy from its first value.
     pub fn drift(&self) -> f64 {
         let first = self.totals.first().map_or(0.0, |t| t.1);
-        self.totals.iter().map(|t| (t.1 - first).abs()).fold(0.0, f64::max)
+        max_norm(self.totals.iter().map(|t| t.1 - first))
     }
 }
 
@@ -302,7 +303,7 @@ impl Observer for Notes {
     fn on_step(&mut self, step: &Step) -> tegula::Result<()> {
         let b = step.balance;
         self.totals.push((step.state.time, b.total));
-        self.kinetic = self.kinetic.max(b.kinetic);
+        self.kinetic = larger(self.kinetic, b.kinetic);
         self.momenta.push((Vec3::from(b.momentum), Vec3::from(b.angular_momentum)));
         self.iterations.push(step.iterations);
         if self.keep {

@@ -48,7 +48,7 @@ fn unknown_keys_come_with_the_one_that_was_meant() {
     "#);
     insta::assert_snapshot!(with("thickness = 0.1", "thickness = 0.1\nyoung = 3.0"), @r#"
     m.toml:17:1: sections[0].young: unknown key "young"
-      help: "young" is a key of "materials"; here there are "on", "element", "material", "thickness", "layup", "shear_correction", "shear_stabilization", "ans_shear", "ans_thickness", "eas", "thickness_eas", "thickness_points", "total_mass", "retardation_time"
+      help: "young" is a key of "materials"; here there are "on", "element", "material", "thickness", "layup", "shear_correction", "shear_stabilization", "ans_shear", "ans_thickness", "eas", "membrane", "thickness_eas", "thickness_points", "total_mass", "retardation_time"
     "#);
     insta::assert_snapshot!(with("[output]\ninterval = 0.1", "output = 3"), @r#"
     m.toml:25:1: loads[0].output: unknown key "output"
@@ -60,7 +60,7 @@ fn unknown_keys_come_with_the_one_that_was_meant() {
     "#);
     insta::assert_snapshot!(with("interval = 0.1", "\"a b\" = 3"), @r#"
     m.toml:26:1: output."a b": unknown key "a b"
-      help: the keys here are "points", "fields", "interval", "pictures"
+      help: the keys here are "points", "fields", "interval", "every", "at", "deformed", "units", "pictures"
     "#);
     insta::assert_snapshot!(with("[materials.steel]", "[materials.\"my.steel\"]\nx = 1"), @r#"
     m.toml:11:1: materials."my.steel".x: unknown key "x"
@@ -68,7 +68,7 @@ fn unknown_keys_come_with_the_one_that_was_meant() {
     "#);
     insta::assert_snapshot!(with("[output]", "[output]\nname = 3"), @r#"
     m.toml:26:1: output.name: unknown key "name"
-      help: the keys here are "points", "fields", "interval", "pictures"
+      help: the keys here are "points", "fields", "interval", "every", "at", "deformed", "units", "pictures"
     "#);
 }
 
@@ -110,9 +110,9 @@ fn unknown_words_come_with_the_allowed_ones() {
     "#);
     insta::assert_snapshot!(with("interval = 0.1", "fields = [\"velocity\", \"von_mises\", 3]"), @r#"
     m.toml:26:23: output.fields[1]: unknown value "von_mises"
-      help: did you mean "von-mises"? (one of "displacement", "director", "velocity", "membrane", "bending", "shear", "surface-stress", "von-mises", "energy-density", "ply-stress", "failure", "plastic-strain")
+      help: did you mean "von-mises"? (one of "displacement", "director", "velocity", "reaction", "membrane", "bending", "shear", "surface-stress", "von-mises", "energy-density", "ply-stress", "failure", "plastic-strain", "principal-stress", "nodal-means", "axes", "numbers")
     m.toml:26:36: output.fields[2]: expected a string, found the integer 3
-      help: one of "displacement", "director", "velocity", "membrane", "bending", "shear", "surface-stress", "von-mises", "energy-density", "ply-stress", "failure", "plastic-strain"
+      help: one of "displacement", "director", "velocity", "reaction", "membrane", "bending", "shear", "surface-stress", "von-mises", "energy-density", "ply-stress", "failure", "plastic-strain", "principal-stress", "nodal-means", "axes", "numbers"
     "#);
     insta::assert_snapshot!(with("type = \"isotropic\"\nyoung = 210e9", "type = \"orthotropik\""), @r#"
     m.toml:11:8: materials.steel.type: unknown type "orthotropik"

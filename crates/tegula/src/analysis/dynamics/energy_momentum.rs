@@ -14,14 +14,14 @@
 //! The exact tangent `½ S(q_mid)ᵀ H S(q₁)` is slightly unsymmetric; `S(q_mid)` on both sides is
 //! symmetric, costs an iteration more and gives the same result.
 
-use super::predictor::predict;
-use super::{Exchange, Integrator, copy_supported, step_size, work};
+use super::predictor::{mean_acceleration, predict};
+use super::{Exchange, Integrator, Span, hold_supported, step_size, work};
 use crate::analysis::State;
 use crate::analysis::newton::{Equation, Tolerances};
 use crate::analysis::statics::{add, prescribed_increment};
 use crate::element::{Kinematics, Motion, Nodal, TangentWeights};
 use crate::system::assembly::{TangentParts, add_follower_loads};
-use crate::system::{Assembly, System};
+use crate::system::{Assembly, System, dot};
 
 /// Conserves energy and momenta.
 pub struct EnergyMomentum {
@@ -29,6 +29,8 @@ pub struct EnergyMomentum {
     time: f64,
     u: Vec<Nodal>,
     v: Vec<Nodal>,
+    /// Mean accelerations of the step, (v₁ − v₀)/Δt.
+    a: Vec<Nodal>,
     u_old: Vec<Nodal>,
     v_old: Vec<Nodal>,
     /// Forces or velocities that only pass through.
@@ -49,6 +51,7 @@ impl EnergyMomentum {
             time: 0.0,
             u: zero.clone(),
             v: zero.clone(),
+            a: zero.clone(),
             u_old: zero.clone(),
             v_old: zero.clone(),
             buffer: zero.clone(),
@@ -60,17 +63,53 @@ impl EnergyMomentum {
         }
     }
 
-    fn update_rates(&mut self) {
-        let factor = 2.0 / self.dt;
-        for n in 0..self.u.len() {
-            for i in 0..3 {
-                self.v[n][i] = factor * (self.u[n][i] - self.u_old[n][i]) - self.v_old[n][i];
-            }
+    /// Changes mean accelerations and velocities by what belongs to a change of displacements, so that
+    /// ½ (v₀ + v₁) = (u₁ − u₀)/Δt for free coordinates. They are never formed from the difference of displacements: of a
+    /// step much shorter than the motion that would leave round-off only.
+    ///
+    /// Supported coordinates take the velocities of their motion. The formula above would let an error of their
+    /// velocity change its sign from step to step for ever.
+    fn change_rates(&mut self, system: &System, change: &[Nodal]) {
+        let second = 2.0 / (self.dt * self.dt);
+        for (a, change) in self.a.iter_mut().zip(change) {
+            (0..3).for_each(|i| a[i] += second * change[i]);
         }
+        let numbering = &system.numbering;
+        for &(coordinate, value, amplitude) in &numbering.prescribed {
+            let (n, c) = (coordinate as usize / 3, coordinate as usize % 3);
+            let rate = amplitude.map_or(0.0, |i| value * system.amplitudes[i].rate_before(self.time));
+            let mut local = numbering.to_axes(n, self.a[n]);
+            local[c] = (rate - numbering.to_axes(n, self.v_old[n])[c]) / self.dt;
+            self.a[n] = numbering.from_axes(n, local);
+        }
+        for (n, v) in self.v.iter_mut().enumerate() {
+            *v = std::array::from_fn(|i| self.v_old[n][i] + self.dt * self.a[n][i]);
+        }
+        system.prescribe_velocity_before(self.time, &mut self.v);
     }
 
-    fn mean_acceleration(&self, n: usize) -> Nodal {
-        std::array::from_fn(|i| (self.v[n][i] - self.v_old[n][i]) / self.dt)
+    /// Work of the reactions over prescribed motions: that of forces over the change of displacement, that of inertia
+    /// over Δt ½ (v₀ + v₁), which is the kinetic energy it gives. `internal` are the internal forces.
+    fn work_of_supports(&mut self, system: &System, internal: &mut [Nodal], buffer: &mut [Nodal]) -> f64 {
+        if system.numbering.prescribed.is_empty() {
+            return 0.0;
+        }
+        // The reaction is what the equation of motion leaves over at the supported coordinates.
+        self.rest(system, buffer);
+        for (f, r) in internal.iter_mut().zip(buffer.iter()) {
+            (0..3).for_each(|i| f[i] -= r[i]);
+        }
+        system.numbering.supported_part(internal, &mut self.reaction);
+        let total = work(&self.reaction, &self.u_old, &self.u);
+        buffer.fill([0.0; 3]);
+        system.pattern.add_mass_product(1.0, &self.a, buffer);
+        system.numbering.supported_part(buffer, &mut self.reaction);
+        for (n, slip) in buffer.iter_mut().enumerate() {
+            *slip = std::array::from_fn(|i| {
+                0.5 * self.dt * (self.v_old[n][i] + self.v[n][i]) - (self.u[n][i] - self.u_old[n][i])
+            });
+        }
+        total + dot(&self.reaction, buffer)
     }
 
     fn loads(&self, system: &System, out: &mut [Nodal]) {
@@ -97,17 +136,16 @@ impl Equation for EnergyMomentum {
     fn rest(&self, system: &System, out: &mut [Nodal]) {
         out.fill([0.0; 3]);
         self.loads(system, out);
-        system.pattern.add_mass_product(-1.0 / self.dt, &self.v, out);
-        system.pattern.add_mass_product(1.0 / self.dt, &self.v_old, out);
+        system.pattern.add_mass_product(-1.0, &self.a, out);
         if system.mass_damping != 0.0 {
             system.pattern.add_mass_product(-system.mass_damping / self.dt, &self.u, out);
             system.pattern.add_mass_product(system.mass_damping / self.dt, &self.u_old, out);
         }
     }
 
-    fn apply(&mut self, _system: &System, increment: &[Nodal]) {
+    fn apply(&mut self, system: &System, increment: &[Nodal]) {
         add(&mut self.u, increment);
-        self.update_rates();
+        self.change_rates(system, increment);
     }
 
     fn prescribed(&self, system: &System, increment: &mut [Nodal]) -> bool {
@@ -124,26 +162,29 @@ impl Equation for EnergyMomentum {
 }
 
 impl Integrator for EnergyMomentum {
-    fn begin(&mut self, system: &System, _assembly: &mut Assembly, state: &State, dt: f64) {
-        self.dt = dt;
-        self.time = state.time + dt;
+    fn begin(&mut self, system: &System, _assembly: &mut Assembly, state: &State, span: Span) {
+        (self.dt, self.time) = (span.dt, span.end);
         self.u_old.copy_from_slice(&state.u);
         self.v_old.copy_from_slice(&state.v);
         self.a_old.copy_from_slice(&state.a);
         self.energy_scale = state.energy_scale;
-        predict(state, dt, &mut self.u);
-        copy_supported(system, &state.u, &mut self.u);
-        self.update_rates();
+        predict(state, span.dt, &mut self.u);
+        for (n, a) in self.a.iter_mut().enumerate() {
+            *a = mean_acceleration(state, n);
+        }
+        let mut moved = std::mem::take(&mut self.buffer);
+        hold_supported(system, &state.u, &mut self.u, &mut moved);
+        self.change_rates(system, &moved);
+        self.buffer = moved;
     }
 
     fn displacements(&self) -> &[Nodal] {
         &self.u
     }
 
-    fn finish(&mut self, _system: &System, state: &mut State) {
-        for n in 0..self.u.len() {
-            state.a[n] = self.mean_acceleration(n);
-        }
+    fn finish(&mut self, system: &System, state: &mut State) {
+        state.work += system.pass_kink(self.time, &mut self.v);
+        state.a.copy_from_slice(&self.a);
         state.u.copy_from_slice(&self.u);
         state.v.copy_from_slice(&self.v);
     }
@@ -152,10 +193,7 @@ impl Integrator for EnergyMomentum {
     /// accelerations of two steps. In the first step the initial acceleration stands for the step before.
     fn local_error(&self, system: &System, state: &State) -> f64 {
         let factor = self.dt.powi(3) / 12.0 / (0.5 * (self.dt + state.last_step));
-        system.position_rms(|n| {
-            let a = self.mean_acceleration(n);
-            std::array::from_fn(|i| factor * (a[i] - self.a_old[n][i]))
-        })
+        system.position_rms(|n| std::array::from_fn(|i| factor * (self.a[n][i] - self.a_old[n][i])))
     }
 
     fn exchange(&mut self, system: &System, assembly: &mut Assembly, _state: &State) -> Exchange {
@@ -172,19 +210,10 @@ impl Integrator for EnergyMomentum {
         let k = self.kinematics(system);
         let power = assembly.dissipated_power(system, &k)
             + 2.0 * system.mass_damping * system.kinetic_energy(&buffer);
-        let mut supports = 0.0;
         if !system.numbering.prescribed.is_empty() {
-            // The reaction is what the equation of motion leaves over at the supported coordinates.
             assembly.forces(system, &k, &mut internal);
-            self.rest(system, &mut buffer);
-            for (f, r) in internal.iter_mut().zip(&buffer) {
-                for i in 0..3 {
-                    f[i] -= r[i];
-                }
-            }
-            system.numbering.supported_part(&internal, &mut self.reaction);
-            supports = work(&self.reaction, &self.u_old, &self.u);
         }
+        let supports = self.work_of_supports(system, &mut internal, &mut buffer);
         (self.buffer, self.internal) = (buffer, internal);
         Exchange { work: loads - gravity + supports, dissipated: self.dt * power }
     }

@@ -147,8 +147,9 @@ impl<'a> Explicit<'a> {
         }
         self.swing += 0.125 * dt * dt * (self.inertia - before);
         if !self.reactions.is_empty() {
-            system.prescribe_velocity(end, &mut state.v);
+            system.prescribe_velocity_before(end, &mut state.v);
             system.prescribe_acceleration(end, &mut state.a);
+            state.work += system.pass_kink(end, &mut state.v);
             if self.damped {
                 // Reactions hold the damping of the velocity at the end; that of the half step is not known where a run
                 // is resumed.

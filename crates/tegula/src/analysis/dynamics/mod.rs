@@ -1,14 +1,18 @@
 //! Motion in time: consistent start, step control, energy balance; one file an integrator.
 
+mod amplitude_check;
 pub mod critical_step;
 pub mod energy_momentum;
 mod explicit;
 mod explicit_run;
+mod fibre_watch;
 pub mod newmark;
 mod predictor;
 pub mod step_control;
+mod step_end;
 
-use super::newton::{Diverged, Equation, Newton, Tolerances};
+use super::drilling::DrillingWatch;
+use super::newton::{Cause, Diverged, Equation, Newton, Tolerances};
 use super::statics::{state_kinematics, undefined};
 use super::{Balance, Observer, State, Statistics, Step};
 use crate::element::{Kinematics, Motion, Nodal};
@@ -18,17 +22,21 @@ use crate::system::assembly::add_follower_loads;
 use crate::system::numbering::CONSTRAINED;
 use crate::system::{Assembly, System, VectorKind, dot, dot3, inside_out};
 use crate::{Error, Result, Vec3};
+use amplitude_check::AmplitudeCheck;
+pub use amplitude_check::{PassedOver, passed_over};
 use energy_momentum::EnergyMomentum;
 use newmark::Newmark;
 use step_control::StepControl;
+pub use step_end::Span;
+use step_end::StepEnds;
 
 /// A time integration scheme: the equation of a step and what it says about its error.
 ///
 /// Adding one: a file beside this one that implements the trait, a variant of
 /// [`Scheme`] and a line in [`integrator`].
 pub trait Integrator: Equation {
-    /// Starts a step of length `dt` from a state, with a prediction of its end.
-    fn begin(&mut self, system: &System, assembly: &mut Assembly, state: &State, dt: f64);
+    /// Starts a step from a state, with a prediction of its end.
+    fn begin(&mut self, system: &System, assembly: &mut Assembly, state: &State, span: Span);
     /// Displacements at the present iterate of the end of the step.
     fn displacements(&self) -> &[Nodal];
     /// Displacements, velocities and accelerations at the end of a converged step.
@@ -105,6 +113,8 @@ pub fn run(
     statistics.steps = state.step;
     newton.restore(system, &state, true);
     let control = StepControl::new(options);
+    let ends = StepEnds::new(system, options);
+    let mut check = AmplitudeCheck::new(system, options);
     if fresh {
         state.next_step = control.first(system, &state);
     }
@@ -122,33 +132,28 @@ pub fn run(
     let mut old_velocities = vec![[0.0; 3]; system.vectors()];
     // A step that failed with an old factor is repeated without.
     let mut own_tangents = false;
+    let mut drilling = DrillingWatch::new();
     while state.time < options.end_time {
-        let left = options.end_time - state.time;
-        let last = left <= 1.000_001 * state.next_step;
-        let dt = if last && left >= 0.999_999_999 * state.next_step {
-            // Only rounding apart: the length, and with it the factor of a linear model, stays.
-            state.next_step
-        } else if last {
-            left
-        } else if left < 2.0 * state.next_step && options.time_step.is_none() {
-            // The last two steps share what is left, so that no sliver remains.
-            0.5 * left
-        } else {
-            state.next_step
-        };
+        state.next_step = check.shortened(system, state.time, state.next_step, state.last_step);
+        let span = ends.next(state.time, state.next_step, state.last_step);
+        let dt = span.dt;
+        if let Some(found) = check.passed_over(system, state.time, dt) {
+            observer.on_event(&found.event(system));
+        }
         // Schemes look into the step, too.
         let gap = [0.5, 1.0].into_iter().find_map(|part| system.undefined_amplitude(state.time + part * dt));
         if let Some(reason) = gap {
-            return Err(undefined("time", (state.time, state.time + dt), reason));
+            return Err(undefined("time", (state.time, span.end), reason));
         }
-        scheme.begin(system, &mut newton.assembly, &state, dt);
+        scheme.begin(system, &mut newton.assembly, &state, span);
         if !own_tangents {
             newton.prepare(system, (&scheme.parts(), scheme.displacements()), dt, &mut state);
         }
         let result = newton.solve(system, scheme.as_mut(), &tolerances, observer);
         statistics.factorizations = newton.solver.factorizations() as u64;
+        statistics.linear_iterations = newton.linear_iterations();
         let inverted = result.is_ok().then(|| inside_out(system, scheme.displacements())).flatten();
-        if let Err(Diverged { iterations, reason, began_with_old_factor: true }) = &result
+        if let Err(Diverged { iterations, reason, began_with_old_factor: true, .. }) = &result
             && !observer.interrupted()
         {
             statistics.iterations += u64::from(*iterations);
@@ -163,25 +168,20 @@ pub fn run(
             continue;
         }
         own_tangents = false;
-        let mut inaccurate = false;
         let failure = match result {
             Ok(c) if inverted.is_some() => {
                 statistics.iterations += u64::from(c.iterations);
                 state.next_step = 0.5 * dt;
-                inverted.unwrap_or_default()
+                (Trouble::Inverted, inverted.unwrap_or_default())
             }
             Ok(c) => {
                 statistics.iterations += u64::from(c.iterations);
                 let error = scheme.local_error(system, &state);
                 if control.accepts(error) {
                     let exchange = scheme.exchange(system, &mut newton.assembly, &state);
-                    let ends = (state.time + dt, scheme.displacements());
+                    let after = (scheme.displacements(), span.end);
                     state.work += exchange.work
-                        + newton.assembly.prescribed_strain_work(
-                            system,
-                            (&state.u, state.time),
-                            (ends.1, ends.0),
-                        );
+                        + newton.assembly.prescribed_strain_work(system, (&state.u, state.time), after);
                     state.dissipated += exchange.dissipated;
                     old_velocities.copy_from_slice(&state.v);
                     scheme.finish(system, &mut state);
@@ -189,9 +189,9 @@ pub fn run(
                         predictor::remember(&old_velocities, dt, &mut state);
                     }
                     state.last_step = dt;
-                    state.time = if last { options.end_time } else { state.time + dt };
+                    state.time = span.end;
                     state.step += 1;
-                    state.next_step = control.next(dt, error, c.tangents);
+                    state.next_step = control.next(dt, state.next_step, error, c.tangents);
                     state.tangent.served(c.iterations, c.tangents);
                     let k = state_kinematics(system, &state.u, state.time);
                     state.dissipated += newton.assembly.commit(system, &k);
@@ -200,6 +200,9 @@ pub fn run(
                     balance = self::balance(system, &mut newton.assembly, &state);
                     state.energy_scale = state.energy_scale.max(balance.kinetic).max(balance.strain);
                     statistics.steps = state.step;
+                    drilling.look(system, (&state.u, state.time), observer, || {
+                        format!("time {:.6e}", state.time)
+                    });
                     observer.on_step(&Step {
                         state: &state,
                         balance: &balance,
@@ -212,19 +215,21 @@ pub fn run(
                     }
                     continue;
                 }
-                state.next_step = control.next(dt, error, c.tangents).min(0.5 * dt);
-                inaccurate = true;
-                format!("its error {error:.1e} is above the tolerance {:.1e}", options.tolerance)
+                state.next_step = control.next(dt, dt, error, c.tangents).min(0.5 * dt);
+                let reason =
+                    format!("its error {error:.1e} is above the tolerance {:.1e}", options.tolerance);
+                (Trouble::Inaccurate, reason)
             }
-            Err(Diverged { iterations, reason, .. }) => {
+            Err(Diverged { iterations, reason, cause, .. }) => {
                 statistics.iterations += u64::from(iterations);
                 if observer.interrupted() {
                     return Err(Error::Interrupted);
                 }
                 state.next_step = 0.5 * dt;
-                reason
+                (Trouble::Iteration(cause), reason)
             }
         };
+        let (trouble, failure) = failure;
         if state.next_step < SMALLEST_STEP * options.end_time {
             observer.on_repeat(&statistics);
             return Err(Error::NotConverged {
@@ -233,7 +238,7 @@ pub fn run(
                 help: format!(
                     "The last finished step ended at time {:.6e}; results up to there are complete. {}",
                     state.time,
-                    advice(system, options, inaccurate)
+                    advice(system, options, trouble)
                 ),
             });
         }
@@ -248,10 +253,32 @@ pub fn run(
     Ok(TransientOutcome { state, balance, statistics })
 }
 
-/// What may help a motion whose steps shrink to nothing, without what is in use already.
-fn advice(system: &System, options: &TransientAnalysis, inaccurate: bool) -> String {
+/// Trouble of a time step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Trouble {
+    /// Its local error is above the tolerance.
+    Inaccurate,
+    /// It inverts an element.
+    Inverted,
+    /// Its iteration does not converge.
+    Iteration(Cause),
+}
+
+/// Advice for a motion whose steps shrink to nothing: what fits the trouble of the last one, and is not in use already.
+fn advice(system: &System, options: &TransientAnalysis, trouble: Trouble) -> String {
+    match trouble {
+        Trouble::Inverted | Trouble::Iteration(Cause::Material) => {
+            return "Look at the loads, the thickness and the material of this element, and at their units."
+                .into();
+        }
+        Trouble::Iteration(Cause::Tangent) => {
+            return "Look at masses and supports: something moves without inertia and without resistance."
+                .into();
+        }
+        Trouble::Inaccurate | Trouble::Iteration(_) => {}
+    }
     let mut list = Vec::new();
-    if inaccurate {
+    if trouble == Trouble::Inaccurate {
         list.push("a larger `tolerance`");
     }
     if !matches!(options.scheme, Scheme::EnergyMomentum(_)) {
@@ -260,8 +287,8 @@ fn advice(system: &System, options: &TransientAnalysis, inaccurate: bool) -> Str
     if system.mass_damping == 0.0 && system.groups.iter().all(|g| g.retardation_time() == 0.0) {
         list.push("some damping");
     }
-    if !inaccurate && options.time_step.is_none() && options.max_step.is_none() {
-        list.push("a smaller `tolerance` or a `max_step`");
+    if trouble != Trouble::Inaccurate && options.time_step.is_none() {
+        list.push("a smaller `tolerance`, so that the motion up to there is more accurate");
     }
     list.push("a look at loads, initial velocities and units");
     format!("Try {}.", list.join(", or "))
@@ -387,6 +414,26 @@ pub(super) fn copy_supported(system: &System, from: &[Nodal], to: &mut [Nodal]) 
         *to = system.numbering.from_axes(v, local);
     }
     project_unit_vectors(system, to);
+}
+
+/// Takes the supported coordinates of a prediction back to where they were, and finds by how much that moves it.
+///
+/// Vectors that keep their length are moved along themselves: round-off across them, divided by the square of a short
+/// step, would be an acceleration.
+pub(super) fn hold_supported(system: &System, from: &[Nodal], to: &mut [Nodal], moved: &mut [Nodal]) {
+    moved.copy_from_slice(to);
+    copy_supported(system, from, to);
+    for (moved, to) in moved.iter_mut().zip(to.iter()) {
+        (0..3).for_each(|i| moved[i] = to[i] - moved[i]);
+    }
+    if system.linear {
+        return;
+    }
+    for unit in system.numbering.unit.iter().filter(|unit| unit.fixed.is_none()) {
+        let v = unit.vector as usize;
+        let d = Vec3::from(system.reference[v]) + Vec3::from(to[v]);
+        moved[v] = (d * d.dot(&Vec3::from(moved[v]))).into();
+    }
 }
 
 /// Brings vectors that keep their length back to it.

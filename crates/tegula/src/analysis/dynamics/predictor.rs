@@ -16,9 +16,14 @@ use crate::element::Nodal;
 pub(super) fn predict(state: &State, dt: f64, u: &mut [Nodal]) {
     let half = 0.5 * dt * dt;
     for (n, u) in u.iter_mut().enumerate() {
-        let a = state.mean_a.get(n).copied().unwrap_or_default();
+        let a = mean_acceleration(state, n);
         *u = std::array::from_fn(|i| state.u[n][i] + dt * state.v[n][i] + half * a[i]);
     }
+}
+
+/// Mean acceleration of a nodal vector in the step before, with which the prediction is made.
+pub(super) fn mean_acceleration(state: &State, n: usize) -> Nodal {
+    state.mean_a.get(n).copied().unwrap_or_default()
 }
 
 /// Remembers the mean accelerations of a finished step of length `dt`, which began with the velocities `before`.

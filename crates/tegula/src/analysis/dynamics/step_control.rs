@@ -14,6 +14,8 @@ const GROWTH: f64 = 1.5;
 const REDUCTION: f64 = 0.3;
 /// The step stays, and with it the factor, while the error would change it no more than this.
 const KEEP: std::ops::Range<f64> = 0.9..1.4;
+/// Part of the wanted step below which a step was shortened by a stop.
+const SHORTENED: f64 = 0.999;
 /// Tangents above which the step does not grow.
 const MANY_TANGENTS: u32 = 10;
 
@@ -59,17 +61,78 @@ impl StepControl {
         self.fixed.is_some() || error <= REJECT * self.tolerance
     }
 
-    /// Length of the next step after one of length `dt` that took so many tangents.
-    pub fn next(&self, dt: f64, error: f64, tangents: u32) -> f64 {
+    /// Length of the next step after one of length `dt` that took so many tangents. A step was `wanted` that was as
+    /// long, or longer where a stop has shortened it.
+    pub fn next(&self, dt: f64, wanted: f64, error: f64, tangents: u32) -> f64 {
         if let Some(fixed) = self.fixed {
             // After a repeated smaller step the wanted one is approached again.
-            return fixed.min(2.0 * dt);
+            return fixed.min(wanted.max(2.0 * dt));
         }
-        let factor = if error > 0.0 { SAFETY * (self.tolerance / error).cbrt() } else { GROWTH };
+        let factor = if error > 0.0 { SAFETY * (self.tolerance / error).cbrt() } else { f64::INFINITY };
+        if dt < SHORTENED * wanted && dt * factor >= wanted {
+            return wanted;
+        }
         if KEEP.contains(&factor) {
             return dt;
         }
         let growth = if tangents > MANY_TANGENTS { 1.0 } else { GROWTH };
-        (dt * factor.clamp(REDUCTION, growth)).min(self.largest)
+        let limit = if dt < SHORTENED * wanted { f64::INFINITY } else { growth };
+        (dt * factor.clamp(REDUCTION, limit)).min(self.largest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn control() -> StepControl {
+        StepControl { tolerance: 1e-5, fixed: None, initial: None, largest: 1.0, end: 10.0 }
+    }
+
+    /// The local error goes with Δt³: the next step would have 0.9³ of the tolerance.
+    #[test]
+    fn the_next_step_aims_below_the_tolerance_with_the_third_power() {
+        let c = control();
+        for error in [0.6e-5, 1.2e-5, 1.9e-5, 0.22e-5] {
+            let next = c.next(0.1, 0.1, error, 1);
+            if next != 0.1 {
+                let expected = error * (next / 0.1).powi(3);
+                assert!((expected / (0.9_f64.powi(3) * 1e-5) - 1.0).abs() < 1e-12, "{error}: {next}");
+            }
+        }
+        assert!(c.next(0.1, 0.1, 1.2e-5, 1) < 0.1 && c.next(0.1, 0.1, 0.22e-5, 1) > 0.14);
+    }
+
+    #[test]
+    fn steps_keep_their_length_near_the_tolerance_and_change_within_limits() {
+        let c = control();
+        for error in [0.3e-5, 0.5e-5, 0.99e-5] {
+            assert_eq!(c.next(0.1, 0.1, error, 1), 0.1, "{error}");
+        }
+        assert_eq!(c.next(0.1, 0.1, 0.0, 1), 0.1 * GROWTH);
+        assert_eq!(c.next(0.1, 0.1, 1e-12, 1), 0.1 * GROWTH);
+        assert_eq!(c.next(0.1, 0.1, 1e-12, 11), 0.1);
+        assert_eq!(c.next(0.1, 0.1, 1.0, 1), 0.1 * REDUCTION);
+        assert_eq!(c.next(0.9, 0.9, 1e-12, 1), 1.0);
+    }
+
+    #[test]
+    fn a_step_is_repeated_above_twice_the_tolerance_unless_its_length_is_constant() {
+        let c = control();
+        assert!(c.accepts(1.99e-5) && !c.accepts(2.01e-5) && !c.accepts(f64::NAN));
+        assert!(StepControl { fixed: Some(0.1), ..c }.accepts(1.0));
+    }
+
+    #[test]
+    fn a_step_that_a_stop_has_shortened_gives_way_to_the_wanted_one() {
+        let c = control();
+        assert_eq!(c.next(1e-8, 0.1, 1e-30, 1), 0.1);
+        // Its error, taken to the wanted length, would be 16 tolerances.
+        let next = c.next(0.05, 0.1, 2e-5, 1);
+        assert!((next / (0.9 * 0.05 * 0.5_f64.cbrt()) - 1.0).abs() < 1e-12, "{next}");
+        let fixed = StepControl { fixed: Some(0.1), ..c };
+        assert_eq!(fixed.next(1e-8, 0.1, 1.0, 1), 0.1);
+        // After a cut the step grows again.
+        assert_eq!(fixed.next(0.025, 0.025, 1.0, 1), 0.05);
     }
 }

@@ -340,7 +340,7 @@ fn wrong_polylines_are_refused() {
 
 #[test]
 fn gmsh_files_are_read_elsewhere() {
-    let source = MeshSource::Gmsh(GmshMesh { file: "part.msh".into(), scale: 1.0, points: BTreeMap::new() });
+    let source = MeshSource::Gmsh(GmshMesh::new("part.msh"));
     assert_eq!(keys(&source), ["mesh.file"]);
 }
 

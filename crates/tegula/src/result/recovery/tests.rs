@@ -143,6 +143,30 @@ fn a_cantilever_under_a_weight_is_pulled_on_top() {
     assert!((mean.abs() - 1.0).abs() < 0.05, "{mean}");
 }
 
+/// Between a clamp and a guide the moment vanishes in the middle, where von Mises' stress is that of the shear stress
+/// 1.5 Q/h at half the thickness (J. M. Gere, S. P. Timoshenko, *Mechanics of Materials*, 4th ed., Sect. 5.8).
+#[test]
+fn von_mises_stress_without_a_moment_is_that_of_the_greatest_shear_stress() {
+    let supports =
+        vec![Condition::Clamp(OnSet { on: "u_min".into() }), fix("u_max", &[], &[Axis::X, Axis::Y, Axis::Z])];
+    let (_, mut model) = plate(0.0, supports, vec![Load::Edge(edge("u_max", [0.0, 0.0, -2.0]))]);
+    if let MeshSource::Plate(p) = &mut model.mesh {
+        p.grid = Grid::uniform(9, 2);
+    }
+    let mesh = generate(&model.mesh).unwrap();
+    let (system, outcome) = solve(&mesh, &model);
+    let results = recover(&system, &outcome.state);
+    for r in &results {
+        near(r.shear[0], -2.0, 2.0, "q_xz");
+        near(r.shear[1], 0.0, 2.0, "q_yz");
+    }
+    for middle in [4, 13] {
+        let r = &results[middle];
+        near(r.bending[0], 0.0, 2.0, "m_xx");
+        near(r.von_mises, 3.0_f64.sqrt() * 1.5 * 2.0 / H, 2.0 / H, "von Mises");
+    }
+}
+
 #[test]
 fn the_energy_density_integrates_to_the_strain_energy() {
     let clamp = vec![Condition::Clamp(OnSet { on: "u_min".into() })];

@@ -1,0 +1,147 @@
+//! Field files as other programs read them.
+
+use std::fs;
+use std::io::Read as _;
+use std::path::Path;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+
+use super::*;
+
+/// An array of a VTU file by its name, read without the help of the writer.
+fn array(path: &Path, name: &str) -> Vec<f64> {
+    let text = fs::read_to_string(path).unwrap();
+    let tag = text.split("<DataArray").find(|tag| tag.contains(&format!("Name=\"{name}\" "))).unwrap();
+    let offset = tag.split("offset=\"").nth(1).unwrap().split('"').next().unwrap();
+    let data = &text[text.find("\n_").unwrap() + 2 + offset.parse::<usize>().unwrap()..];
+    let number = |bytes: &[u8], i: usize| u64::from_le_bytes(bytes[8 * i..8 * i + 8].try_into().unwrap());
+    let blocks = number(&STANDARD.decode(&data[..12]).unwrap(), 0) as usize;
+    let header = (8 * (3 + blocks)).div_ceil(3) * 4;
+    let sizes = STANDARD.decode(&data[..header]).unwrap();
+    let length: usize = (0..blocks).map(|k| number(&sizes, 3 + k) as usize).sum();
+    let packed = STANDARD.decode(&data[header..header + length.div_ceil(3) * 4]).unwrap();
+    let (mut at, mut bytes) = (0, Vec::new());
+    for k in 0..blocks {
+        let size = number(&sizes, 3 + k) as usize;
+        flate2::read::ZlibDecoder::new(&packed[at..at + size]).read_to_end(&mut bytes).unwrap();
+        at += size;
+    }
+    bytes.chunks(8).map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect()
+}
+
+/// The last field file of a run.
+fn last(folder: &Path, list: &str) -> std::path::PathBuf {
+    folder.join(&PvdSeries::open(&folder.join(list)).unwrap().entries().last().unwrap().1)
+}
+
+fn run_text(text: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    run(&Deck::parse("m.toml", text).unwrap(), &options(folder.path(), false), &mut Unwatched).unwrap();
+    folder
+}
+
+#[test]
+fn field_files_hold_the_reference_mesh_unless_the_deformed_one_is_wanted() {
+    let text = SWING.replace("SCHEME", "newmark");
+    let reference: Vec<f64> = (0..3)
+        .flat_map(|j| (0..5).flat_map(move |i| [0.25 * f64::from(i), 0.25 * f64::from(j), 0.0]))
+        .collect();
+    let folder = run_text(&text);
+    let file = last(folder.path(), "fields.pvd");
+    assert_eq!(array(&file, "Points"), reference);
+    let displacement = array(&file, "displacement");
+    assert!(displacement.iter().any(|u| u.abs() > 0.05), "{displacement:?}");
+    let folder = run_text(&text.replace("[output]", "[output]\ndeformed = true"));
+    let file = last(folder.path(), "fields.pvd");
+    let found = array(&file, "Points");
+    assert_eq!(array(&file, "displacement"), displacement);
+    assert_eq!(found.len(), reference.len());
+    for (i, x) in found.iter().enumerate() {
+        assert!((x - reference[i] - displacement[i]).abs() < 1e-15, "{i}");
+    }
+}
+
+/// A strip stretched along x by a force per length of 2 over a thickness of 0.02: σ = 100.
+const STRETCHED: &str = r#"
+[analysis]
+type = "static"
+linear = true
+[mesh]
+type = "plate"
+size = [2.0, 1.0]
+grid = { elements = [4, 2] }
+[materials.m]
+type = "isotropic"
+young = 1e6
+poisson = 0.0
+strength = { xt = 400.0, xc = 400.0, yt = 400.0, yc = 400.0, s12 = 200.0 }
+[[sections]]
+material = "m"
+thickness = 0.02
+[[conditions]]
+type = "clamp"
+on = "u_min"
+[[loads]]
+type = "edge"
+on = "u_max"
+value = [2.0, 0.0, 0.0]
+"#;
+
+#[test]
+fn derived_fields_are_those_of_a_stretched_strip() {
+    let folder = run_text(STRETCHED);
+    let file = last(folder.path(), "fields.pvd");
+    let close = |name: &str, components: usize, exact: &[f64]| {
+        let found = array(&file, name);
+        assert!(!found.is_empty() && found.len().is_multiple_of(components), "{name}");
+        for entry in found.chunks(components) {
+            for (x, e) in entry.iter().zip(exact) {
+                assert!((x - e).abs() < 1e-6, "{name}: {entry:?}");
+            }
+        }
+    };
+    for surface in ["top", "bottom"] {
+        close(&format!("stress_{surface}"), 3, &[100.0, 0.0, 0.0]);
+        close(&format!("principal_{surface}"), 3, &[100.0, 0.0, 0.0]);
+        close(&format!("stress_{surface}_nodal"), 6, &[100.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    }
+    close("von_mises_nodal", 1, &[100.0]);
+    close("axis_x", 3, &[1.0, 0.0, 0.0]);
+    close("axis_y", 3, &[0.0, 1.0, 0.0]);
+    close("axis_z", 3, &[0.0, 0.0, 1.0]);
+    close("section", 1, &[1.0]);
+    close("reserve_factor", 1, &[4.0]);
+    assert_eq!(array(&file, "node"), (0..15).map(f64::from).collect::<Vec<_>>());
+    assert_eq!(array(&file, "element"), (0..8).map(f64::from).collect::<Vec<_>>());
+    // At the start there is no stress, and no factor by which it could grow.
+    let first = array(&folder.path().join("fields/0000.vtu"), "reserve_factor");
+    assert!(first.len() == 8 && first.iter().all(|x| x.is_nan()), "{first:?}");
+}
+
+#[test]
+fn every_mode_has_its_own_entry() {
+    let text = STRETCHED.replace("type = \"static\"\nlinear = true", "type = \"modal\"\nmodes = 8");
+    let text = text.replace("poisson = 0.0", "poisson = 0.3\ndensity = 1.0");
+    let start = text.find("[[conditions]]").unwrap();
+    // Free: six rigid modes of the same frequency.
+    let folder = run_text(&text[..start]);
+    let series = PvdSeries::open(&folder.path().join("modes.pvd")).unwrap();
+    let times: Vec<f64> = series.entries().iter().map(|e| e.0).collect();
+    assert_eq!(times, (1..=8).map(f64::from).collect::<Vec<_>>());
+    let shape = array(&last(folder.path(), "modes.pvd"), "Points");
+    assert!(shape.contains(&2.0) && shape.iter().all(|x| (0.0..=2.0).contains(x)), "{shape:?}");
+}
+
+#[test]
+fn long_runs_write_two_hundred_field_files() {
+    let text = SWING
+        .replace("scheme = { type = \"SCHEME\" }", "time_step = 2e-4")
+        .replace("interval = 0.02", "pictures = false");
+    let folder = run_text(&text);
+    let count = |folder: &Path| PvdSeries::open(&folder.join("fields.pvd")).unwrap().entries().len();
+    assert_eq!(Summary::read(folder.path()).unwrap().steps, 1000);
+    assert_eq!(count(folder.path()), 201);
+    let folder = run_text(&text.replace("pictures", "every = 300\npictures"));
+    assert_eq!(count(folder.path()), 5);
+}

@@ -1,0 +1,298 @@
+//! The eigenvalue problem `K φ = λ M φ` of a model, split into groups of connected parts.
+//!
+//! Parts that nothing connects vibrate by themselves. Where their frequencies are decades apart, no shift suits all of
+//! them: what is small beside the shift of the one is large beside that of the other, and rounding of the stiff part
+//! hides the soft one. Parts of like frequencies therefore form a group, with a shift of its own.
+
+use super::rigid::{Parts, RigidModes};
+use crate::analysis::newton::Newton;
+use crate::analysis::statics::state_kinematics;
+use crate::analysis::{Observer, State};
+use crate::element::{Nodal, TangentWeights};
+use crate::linear::lanczos::SymmetricOperator;
+use crate::linear::{Factor as _, SymmetricPattern};
+use crate::model::NewtonMethod;
+use crate::system::System;
+use crate::system::assembly::{TangentParts, add_follower_loads};
+use crate::{Error, Result};
+
+/// Ratio of the estimated eigenvalues λ of parts from which on they belong to another group.
+const APART: f64 = 1e4;
+/// First shift as a part of the lowest quotient of the diagonals of K and M.
+const FIRST_SHIFT: f64 = 1e-10;
+/// Times that the first shift is multiplied by 100 before the matrix counts as not positive.
+const ATTEMPTS: usize = 12;
+
+/// A rigid mode in the free coordinates of its part, with its product with M.
+struct Sparse {
+    rows: Vec<u32>,
+    values: Vec<f64>,
+    m_values: Vec<f64>,
+}
+
+/// Connected parts that share a shift.
+pub(super) struct Group {
+    /// λ of the shift.
+    pub shift: f64,
+    /// Free coordinates.
+    pub unknowns: Vec<u32>,
+    /// Rigid modes among `RigidModes`.
+    pub rigid: Vec<usize>,
+    modes: Vec<Sparse>,
+    /// Lowest quotient of the diagonals of K and M: ω² of the softest coordinate.
+    pub lowest: f64,
+}
+
+impl Group {
+    /// Number of modes with strain.
+    pub fn elastic(&self) -> usize {
+        self.unknowns.len() - self.rigid.len()
+    }
+
+    /// Takes the rigid modes off a vector: `x −= r (r·M x)`.
+    pub fn project(&self, x: &mut [f64]) {
+        for mode in &self.modes {
+            let product: f64 = mode.rows.iter().zip(&mode.m_values).map(|(&i, m)| m * x[i as usize]).sum();
+            mode.rows.iter().zip(&mode.values).for_each(|(&i, r)| x[i as usize] -= product * r);
+        }
+    }
+}
+
+/// Stiffness and mass of the free coordinates about a state, and their groups.
+pub(super) struct Problem<'a> {
+    pub system: &'a System,
+    pub newton: Newton,
+    pub pattern: SymmetricPattern,
+    pub stiffness: Vec<f64>,
+    pub mass: Vec<f64>,
+    pub groups: Vec<Group>,
+    pub parts: Parts,
+    pub rigid: RigidModes,
+    /// True where the strain energy of a small motion is ½ δs·H δs: about a stress-free reference of linear materials.
+    pub stress_free: bool,
+    /// Applications of the inverse so far.
+    pub applications: u64,
+    /// Group of each free coordinate.
+    group_of: Vec<u32>,
+    values: Vec<f64>,
+}
+
+impl<'a> Problem<'a> {
+    /// Tangent and mass about the reference configuration or an equilibrium.
+    ///
+    /// # Errors
+    /// The factor does not fit in memory, or there is no mass or stiffness.
+    pub fn new(system: &'a System, equilibrium: Option<&State>) -> Result<Self> {
+        let mut newton = Newton::new(system, Some(NewtonMethod::Displacement))?;
+        let zero = vec![[0.0; 3]; system.vectors()];
+        let (u, time) = equilibrium.map_or((zero.as_slice(), 0.0), |s| (s.u.as_slice(), s.time));
+        let stiffness = stiffness(system, &mut newton, equilibrium, (u, time));
+        let mut mass = vec![0.0; stiffness.len()];
+        newton.assembly.mass_values(system, &mut mass);
+        let pattern = system.tangent_pattern();
+        let parts = Parts::new(system);
+        let strained = system.prescribed_strains.iter().any(|p| system.amplitude(p.amplitude, time) != 0.0);
+        let mut moved = vec![false; parts.count()];
+        for (v, u) in u.iter().enumerate().filter(|(_, u)| **u != [0.0; 3]) {
+            moved[parts.of(v)] |= u.iter().any(|x| *x != 0.0);
+        }
+        let rests = |part: usize| !strained && !moved[part];
+        let rigid = RigidModes::new(system, u, &parts, &newton.assembly.numbering, rests);
+        let linear = system.sections.iter().all(|s| s.section.is_linear());
+        let mut out = Self {
+            system,
+            newton,
+            values: vec![0.0; stiffness.len()],
+            pattern,
+            stiffness,
+            mass,
+            groups: Vec::new(),
+            group_of: Vec::new(),
+            parts,
+            rigid,
+            stress_free: equilibrium.is_none() && linear && !strained,
+            applications: 0,
+        };
+        out.split()?;
+        Ok(out)
+    }
+
+    /// Finds the groups.
+    fn split(&mut self) -> Result<()> {
+        let part_of = self.part_of_unknowns();
+        let mut lowest = vec![f64::INFINITY; self.parts.count()];
+        let diagonals = self.pattern.diagonal(&self.stiffness).zip(self.pattern.diagonal(&self.mass));
+        for ((k, m), &part) in diagonals.zip(&part_of).filter(|((_, m), _)| *m > 0.0) {
+            lowest[part] = lowest[part].min(k / m);
+        }
+        let mut order: Vec<usize> = (0..lowest.len()).filter(|&p| lowest[p].is_finite()).collect();
+        order.sort_by(|&a, &b| lowest[a].total_cmp(&lowest[b]));
+        if order.is_empty() || order.iter().any(|&p| lowest[p] <= 0.0) {
+            return Err(Error::Singular {
+                what: "The model has no mass or no stiffness.".into(),
+                help: "Give every material a density and every section a thickness.".into(),
+            });
+        }
+        let mut group_of_part = vec![u32::MAX; lowest.len()];
+        for &part in &order {
+            let new = self.groups.last().is_none_or(|g| lowest[part] > APART * g.lowest);
+            if new {
+                self.groups.push(Group {
+                    shift: 0.0,
+                    unknowns: Vec::new(),
+                    rigid: Vec::new(),
+                    modes: Vec::new(),
+                    lowest: lowest[part],
+                });
+            }
+            group_of_part[part] = self.groups.len() as u32 - 1;
+        }
+        self.group_of = part_of.iter().map(|&p| group_of_part[p]).collect();
+        for (i, &group) in self.group_of.iter().enumerate() {
+            self.groups[group as usize].unknowns.push(i as u32);
+        }
+        let n = part_of.len();
+        for mode in 0..self.rigid.len() {
+            let (mut x, mut m_x) = (vec![0.0; n], vec![0.0; n]);
+            self.newton.assembly.numbering.reduce(&self.rigid.shape(mode, &self.parts), &mut x);
+            self.pattern.add_product(&self.mass, &x, &mut m_x);
+            let part = self.rigid.part(mode);
+            let rows: Vec<u32> = (0..n as u32).filter(|&i| part_of[i as usize] == part).collect();
+            let of = |field: &[f64]| rows.iter().map(|&i| field[i as usize]).collect();
+            let sparse = Sparse { values: of(&x), m_values: of(&m_x), rows };
+            let group = &mut self.groups[group_of_part[part] as usize];
+            group.rigid.push(mode);
+            group.modes.push(sparse);
+        }
+        Ok(())
+    }
+
+    /// Part of each free coordinate.
+    fn part_of_unknowns(&self) -> Vec<usize> {
+        let numbering = &self.newton.assembly.numbering;
+        let size = self.pattern.size();
+        let mut out = vec![0; size];
+        for v in 0..self.system.vectors() {
+            for number in numbering.of(v).into_iter().filter(|&n| (n as usize) < size) {
+                out[number as usize] = self.parts.of(v);
+            }
+        }
+        out
+    }
+
+    /// Factors `K − λ_g M` with a λ for each group; returns the number of eigenvalues below them, `None` where the
+    /// factorisation fails.
+    pub fn factor(&mut self, lambda: impl FnMut(&Group) -> f64) -> Option<usize> {
+        let lambdas: Vec<f64> = self.groups.iter().map(lambda).collect();
+        let (pointers, _) = self.pattern.columns();
+        for (j, column) in pointers.windows(2).enumerate() {
+            let lambda = lambdas[self.group_of[j] as usize];
+            for k in column[0]..column[1] {
+                self.values[k] = self.stiffness[k] - lambda * self.mass[k];
+            }
+        }
+        self.newton.solver.factor(&self.values).ok().filter(|i| i.zero == 0).map(|i| i.negative)
+    }
+
+    /// Factors with the groups' shifts; true if the matrix is positive definite.
+    pub fn factor_shifted(&mut self) -> bool {
+        self.factor(|g| g.shift) == Some(0)
+    }
+
+    /// Sets shifts far below the lowest modes with strain that still make the matrix positive definite, and factors it.
+    ///
+    /// # Errors
+    /// There are none, or the observer wants to stop.
+    pub fn first_shift(&mut self, observer: &dyn Observer) -> Result<()> {
+        self.groups.iter_mut().for_each(|g| g.shift = -FIRST_SHIFT * g.lowest);
+        for _ in 0..=ATTEMPTS {
+            go_on(observer)?;
+            if self.factor_shifted() {
+                return Ok(());
+            }
+            self.groups.iter_mut().for_each(|g| g.shift *= 100.0);
+        }
+        Err(Error::Singular {
+            what:
+                "The stiffness has no positive definite shift: a mass or a section stiffness is not positive."
+                    .into(),
+            help: "Check densities, thicknesses and materials; about an equilibrium check that it is stable."
+                .into(),
+        })
+    }
+
+    /// Operator of a group with the factor at hand.
+    pub fn operator<'b>(&'b mut self, group: usize, watch: &'b dyn Observer) -> ShiftInvert<'b, 'a> {
+        ShiftInvert { problem: self, group, watch }
+    }
+}
+
+/// Tangent at a state, in the free coordinates.
+fn stiffness(
+    system: &System,
+    newton: &mut Newton,
+    equilibrium: Option<&State>,
+    (u, time): (&[Nodal], f64),
+) -> Vec<f64> {
+    let parts = TangentParts {
+        weights: TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 },
+        mass: 0.0,
+        time,
+    };
+    let mut internal = vec![[0.0; 3]; system.vectors()];
+    if let Some(state) = equilibrium {
+        newton.assembly.history.copy_from_slice(&state.history);
+    }
+    let k = state_kinematics(system, u, time);
+    newton.assembly.follow(system, &k);
+    newton.assembly.forces_and_tangent(system, &k, &parts, false, None, &mut internal);
+    if equilibrium.is_some() {
+        let mut loads = vec![[0.0; 3]; system.vectors()];
+        system.add_dead_loads(time, 1.0, &mut loads);
+        add_follower_loads(system, &k, time, 1.0, &mut loads);
+        newton.assembly.add_curvature(system, &k, &parts.weights, &loads);
+    }
+    newton.assembly.values.clone()
+}
+
+/// Ends the analysis if the user has asked for it.
+pub(super) fn go_on(watch: &dyn Observer) -> Result<()> {
+    if watch.interrupted() { Err(Error::Interrupted) } else { Ok(()) }
+}
+
+/// `(K − σM)⁻¹ M` of one group, across its rigid modes.
+pub(super) struct ShiftInvert<'b, 'a> {
+    problem: &'b mut Problem<'a>,
+    group: usize,
+    watch: &'b dyn Observer,
+}
+
+impl SymmetricOperator for ShiftInvert<'_, '_> {
+    fn size(&self) -> usize {
+        self.problem.pattern.size()
+    }
+
+    fn apply(&mut self, m_x: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        let group = &self.problem.groups[self.group];
+        for &i in &group.unknowns {
+            out[i as usize] = m_x[i as usize];
+        }
+        self.problem.newton.solver.solve(out);
+        self.problem.groups[self.group].project(out);
+        self.problem.applications += 1;
+    }
+
+    fn inner(&self, x: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        self.problem.pattern.add_product(&self.problem.mass, x, out);
+    }
+
+    fn project(&self, x: &mut [f64]) {
+        self.problem.groups[self.group].project(x);
+    }
+
+    fn stopped(&self) -> bool {
+        self.watch.interrupted()
+    }
+}

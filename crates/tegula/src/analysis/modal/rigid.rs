@@ -1,0 +1,261 @@
+//! Rigid modes: motions without strain that the supports leave free, part by part.
+//!
+//! A part is what elements connect. Its six rigid motions (three translations, three rotations about its centre) that
+//! no support forbids are modes of frequency 0. They follow from geometry and mass alone, so that neither the stiffness
+//! of the model nor that of its other parts blurs them. Under stress a rotation changes the energy (a pendulum in its
+//! field of gravity): parts that the equilibrium has moved count by their translations only.
+
+use nalgebra::{DMatrix, SMatrix, SymmetricEigen};
+
+use crate::Vec3;
+use crate::element::Nodal;
+use crate::system::numbering::Numbering;
+use crate::system::{System, VectorKind, dot3};
+
+/// Rigid motions of a part: t + ω × x of positions, ω × d of directors.
+const MOTIONS: usize = 6;
+/// Share of the largest eigenvalue of the supports' rows below which a motion counts as free.
+const FREE: f64 = 1e-12;
+
+type Six = SMatrix<f64, MOTIONS, MOTIONS>;
+
+/// Connected parts of a model.
+pub(super) struct Parts {
+    /// Part of each nodal vector.
+    of_vector: Vec<u32>,
+    count: usize,
+}
+
+impl Parts {
+    /// Parts that elements and masses connect, numbered by their first vector.
+    pub fn new(system: &System) -> Self {
+        let mut root: Vec<u32> = (0..system.vectors() as u32).collect();
+        fn find(root: &mut [u32], mut v: u32) -> u32 {
+            while root[v as usize] != v {
+                root[v as usize] = root[root[v as usize] as usize];
+                v = root[v as usize];
+            }
+            v
+        }
+        let mut join = |a: u32, b: u32| {
+            let (a, b) = (find(&mut root, a), find(&mut root, b));
+            root[a.max(b) as usize] = a.min(b);
+        };
+        for group in &system.groups {
+            for e in 0..group.len() {
+                let vectors = group.vectors(e);
+                vectors.iter().for_each(|&v| join(vectors[0], v));
+            }
+        }
+        system.pattern.for_each_mass(|i, j, _| join(i as u32, j as u32));
+        let mut of_vector = vec![u32::MAX; system.vectors()];
+        let mut count = 0;
+        for v in 0..system.vectors() {
+            let first = find(&mut root, v as u32) as usize;
+            if first == v {
+                of_vector[v] = count;
+                count += 1;
+            } else {
+                of_vector[v] = of_vector[first];
+            }
+        }
+        Self { of_vector, count: count as usize }
+    }
+
+    /// Number of parts.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Part of a nodal vector.
+    pub fn of(&self, vector: usize) -> usize {
+        self.of_vector[vector] as usize
+    }
+
+    /// Sums of a quantity of the nodal vectors over the parts.
+    fn sums(&self, mut of: impl FnMut(usize) -> f64) -> Vec<f64> {
+        let mut out = vec![0.0; self.count];
+        for v in 0..self.of_vector.len() {
+            out[self.of(v)] += of(v);
+        }
+        out
+    }
+}
+
+/// A rigid mode of one part, of modal mass 1.
+struct RigidMode {
+    part: usize,
+    /// Translation and rotation.
+    motion: [f64; MOTIONS],
+}
+
+/// The rigid modes of a model.
+pub(super) struct RigidModes {
+    modes: Vec<RigidMode>,
+    /// The six motions of all parts at once.
+    fields: Vec<Vec<Nodal>>,
+}
+
+impl RigidModes {
+    /// Rigid modes of a configuration under the supports of `numbering`; parts for which `rests` is false keep their
+    /// translations only.
+    pub fn new(
+        system: &System,
+        u: &[Nodal],
+        parts: &Parts,
+        numbering: &Numbering,
+        rests: impl Fn(usize) -> bool,
+    ) -> Self {
+        let (fields, sizes) = motions(system, u, parts);
+        let gram = gram(&fields, parts, |v| mass_products(system, v));
+        let mut free = vec![0.0; numbering.unknowns];
+        let supported = |fields: &[Vec<Nodal>]| {
+            let rest = |field: &Vec<Nodal>| {
+                let mut out = vec![[0.0; 3]; field.len()];
+                numbering.reduce(field, &mut free);
+                numbering.expand(&free, &mut out);
+                out.iter_mut().zip(field).for_each(|(o, f)| *o = std::array::from_fn(|i| f[i] - o[i]));
+                out
+            };
+            fields.iter().map(rest).collect::<Vec<_>>()
+        };
+        let forbidden = supports_gram(system, &fields, (parts, &sizes), supported);
+        let mut modes = Vec::new();
+        for part in 0..parts.count() {
+            let mut rows = forbidden[part];
+            if !rests(part) {
+                (3..MOTIONS).for_each(|r| rows[(r, r)] += rows.trace().max(1.0));
+            }
+            for motion in modes_of_part(&rows, &gram[part]) {
+                modes.push(RigidMode { part, motion });
+            }
+        }
+        Self { modes, fields }
+    }
+
+    /// Number of rigid modes.
+    pub fn len(&self) -> usize {
+        self.modes.len()
+    }
+
+    /// Part of a rigid mode.
+    pub fn part(&self, mode: usize) -> usize {
+        self.modes[mode].part
+    }
+
+    /// Shape of a rigid mode in all nodal vectors.
+    pub fn shape(&self, mode: usize, parts: &Parts) -> Vec<Nodal> {
+        let RigidMode { part, motion } = &self.modes[mode];
+        let at = |v: usize| -> Nodal {
+            if parts.of(v) != *part {
+                return [0.0; 3];
+            }
+            std::array::from_fn(|i| motion.iter().zip(&self.fields).map(|(c, field)| c * field[v][i]).sum())
+        };
+        (0..self.fields[0].len()).map(at).collect()
+    }
+}
+
+/// The six motions of all parts: unit translations, and rotations about the centres that move the outermost node by
+/// about 1; and the sizes of the parts.
+fn motions(system: &System, u: &[Nodal], parts: &Parts) -> (Vec<Vec<Nodal>>, Vec<f64>) {
+    let current = |v: usize| Vec3::from(system.reference[v]) + Vec3::from(u[v]);
+    let is_position = |v: usize| system.kinds[v] == VectorKind::Position;
+    let count = parts.sums(|v| f64::from(u8::from(is_position(v))));
+    let sums: [Vec<f64>; 3] =
+        std::array::from_fn(|i| parts.sums(|v| if is_position(v) { current(v)[i] } else { 0.0 }));
+    let centre = |part: usize| Vec3::from_fn(|i, _| sums[i][part] / count[part].max(1.0));
+    let mut size = vec![0.0_f64; parts.count()];
+    for v in (0..system.vectors()).filter(|&v| is_position(v)) {
+        let part = parts.of(v);
+        size[part] = size[part].max((current(v) - centre(part)).norm());
+    }
+    let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
+    let translation =
+        |a: Vec3| (0..system.vectors()).map(|v| if is_position(v) { a.into() } else { [0.0; 3] }).collect();
+    let rotation = |a: Vec3| {
+        let at = |v: usize| -> Nodal {
+            let part = parts.of(v);
+            let arm = if is_position(v) { current(v) - centre(part) } else { current(v) };
+            (a.cross(&arm) / size[part].max(f64::MIN_POSITIVE)).into()
+        };
+        (0..system.vectors()).map(at).collect()
+    };
+    let fields = axes.into_iter().map(translation).chain(axes.into_iter().map(rotation)).collect();
+    (fields, size)
+}
+
+fn mass_products(system: &System, field: &[Nodal]) -> Vec<Nodal> {
+    let mut out = vec![[0.0; 3]; field.len()];
+    system.pattern.add_mass_product(1.0, field, &mut out);
+    out
+}
+
+/// Scalar products of the motions of each part.
+fn gram(fields: &[Vec<Nodal>], parts: &Parts, product: impl Fn(&[Nodal]) -> Vec<Nodal>) -> Vec<Six> {
+    let mut out = vec![Six::zeros(); parts.count()];
+    for j in 0..MOTIONS {
+        let right = product(&fields[j]);
+        for i in 0..=j {
+            for (part, sum) in parts.sums(|v| dot3(fields[i][v], right[v])).into_iter().enumerate() {
+                out[part][(i, j)] = sum;
+                out[part][(j, i)] = sum;
+            }
+        }
+    }
+    out
+}
+
+/// Scalar products of what the supports forbid of the motions; directors count by the size of their part.
+fn supports_gram(
+    system: &System,
+    fields: &[Vec<Nodal>],
+    (parts, sizes): (&Parts, &[f64]),
+    mut supported: impl FnMut(&[Vec<Nodal>]) -> Vec<Vec<Nodal>>,
+) -> Vec<Six> {
+    let rows = supported(fields);
+    // A rounding of the expansion is no support.
+    let rounding = 64.0 * f64::EPSILON;
+    let kept = |field: usize, v: usize| -> Nodal {
+        let whole = dot3(fields[field][v], fields[field][v]);
+        let rest = rows[field][v];
+        if dot3(rest, rest) <= rounding * rounding * whole { [0.0; 3] } else { rest }
+    };
+    let mut out = vec![Six::zeros(); parts.count()];
+    for v in 0..system.vectors() {
+        let at: [Nodal; MOTIONS] = std::array::from_fn(|field| kept(field, v));
+        let part = parts.of(v);
+        let weight = if system.kinds[v] == VectorKind::Position { 1.0 } else { sizes[part].powi(2) };
+        for i in 0..MOTIONS {
+            for j in 0..MOTIONS {
+                out[part][(i, j)] += weight * dot3(at[i], at[j]);
+            }
+        }
+    }
+    out
+}
+
+/// Motions that the supports' rows leave free, orthogonal in the mass of the part and of modal mass 1.
+fn modes_of_part(rows: &Six, mass: &Six) -> Vec<[f64; MOTIONS]> {
+    let eigen = SymmetricEigen::new(*rows);
+    let largest = eigen.eigenvalues.max();
+    let free: Vec<usize> = (0..MOTIONS).filter(|&i| eigen.eigenvalues[i] <= FREE * largest).collect();
+    if free.is_empty() {
+        return Vec::new();
+    }
+    let basis = DMatrix::from_fn(MOTIONS, free.len(), |i, j| eigen.eigenvectors[(i, free[j])]);
+    let dynamic = DMatrix::from_fn(MOTIONS, MOTIONS, |i, j| mass[(i, j)]);
+    let reduced = basis.transpose() * dynamic * &basis;
+    let eigen = reduced.symmetric_eigen();
+    let mut order: Vec<usize> = (0..free.len()).collect();
+    order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
+    let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
+    let motion = |k: usize| {
+        let value = eigen.eigenvalues[k];
+        (value > FREE * largest).then(|| {
+            let c = &basis * eigen.eigenvectors.column(k) / value.sqrt();
+            std::array::from_fn(|i| c[i])
+        })
+    };
+    order.into_iter().filter_map(motion).collect()
+}

@@ -1,0 +1,147 @@
+//! Lowest modes with strain of a group of parts: block Lanczos, or all of them at once where nearly all are wanted.
+
+use super::dense;
+use super::problem::{Problem, go_on};
+use crate::analysis::Observer;
+use crate::linear::lanczos::{BlockLanczos, RitzPair};
+use crate::{Error, Result};
+
+/// Residual of a pair, over its value, at which a mode counts as found. The eigenvalue's error is its square.
+const TOLERANCE: f64 = 1e-8;
+/// Basis vectors per wanted mode before the iteration gives up.
+const BASIS_PER_MODE: usize = 40;
+/// Modes beyond the wanted ones that are found, for a gap behind them.
+const EXTRA: usize = 4;
+/// Shift as a part of the eigenvalue of the last wanted mode, below zero.
+const SHIFT: f64 = 0.05;
+/// Largest group of which all modes are found at once.
+const DENSE: usize = 1600;
+/// Distance of neighbours, over their value, from which on there is a gap between them.
+const GAP: f64 = 1e-4;
+
+/// The search for the lowest modes of a group.
+pub(super) struct Search {
+    group: usize,
+    /// Wanted modes with strain.
+    wanted: usize,
+    lanczos: Option<BlockLanczos>,
+    pairs: Vec<RitzPair>,
+    /// λ of the pairs, ascending.
+    lambdas: Vec<f64>,
+}
+
+impl Search {
+    /// Search for the `wanted` lowest modes with strain of a group.
+    pub fn new(problem: &Problem, group: usize, wanted: usize) -> Self {
+        let wanted = wanted.min(problem.groups[group].elastic());
+        Self { group, wanted, lanczos: None, pairs: Vec::new(), lambdas: Vec::new() }
+    }
+
+    /// Pairs found beyond the wanted ones.
+    fn extra(&self, problem: &Problem) -> usize {
+        (self.wanted + EXTRA).min(problem.groups[self.group].elastic())
+    }
+
+    fn is_dense(&self, problem: &Problem) -> bool {
+        let group = &problem.groups[self.group];
+        2 * self.extra(problem) >= group.elastic() && group.unknowns.len() <= DENSE
+    }
+
+    fn block(&self) -> usize {
+        self.wanted.clamp(2, 8)
+    }
+
+    /// Estimates the eigenvalue of the last wanted mode by a few blocks, and sets the group's shift to a part of it: of
+    /// that size it converges fast and the matrix stays well conditioned.
+    pub fn estimate(&mut self, problem: &mut Problem, observer: &dyn Observer) -> Result<()> {
+        if self.wanted == 0 || self.is_dense(problem) {
+            return Ok(());
+        }
+        let elastic = problem.groups[self.group].elastic();
+        let shift = problem.groups[self.group].shift;
+        let mut operator = problem.operator(self.group, observer);
+        let mut lanczos = BlockLanczos::new(&mut operator, self.block());
+        while lanczos.len() < (2 * self.wanted + 8).min(elastic) && lanczos.expand(&mut operator) > 0 {}
+        go_on(observer)?;
+        let estimate = lanczos.ritz_values().get(self.wanted - 1).map_or(0.0, |v| shift + 1.0 / v.0);
+        if estimate > 0.0 {
+            problem.groups[self.group].shift = -SHIFT * estimate;
+        }
+        Ok(())
+    }
+
+    /// Finds the modes with the factor at hand, that of the groups' shifts. Called again it looks for modes that it has
+    /// missed.
+    pub fn run(&mut self, problem: &mut Problem, observer: &mut dyn Observer) -> Result<()> {
+        if self.wanted == 0 {
+            return Ok(());
+        }
+        if self.is_dense(problem) {
+            self.pairs = dense::all(problem, self.group, observer)?;
+        } else {
+            self.iterate(problem, observer)?;
+        }
+        let shift = problem.groups[self.group].shift;
+        self.lambdas = self.pairs.iter().map(|p| shift + 1.0 / p.value).collect();
+        Ok(())
+    }
+
+    fn iterate(&mut self, problem: &mut Problem, observer: &mut dyn Observer) -> Result<()> {
+        let (extra, elastic) = (self.extra(problem), problem.groups[self.group].elastic());
+        let block = self.block();
+        let limit = (BASIS_PER_MODE * extra + 200).min(elastic);
+        let lanczos = match &mut self.lanczos {
+            Some(lanczos) => {
+                lanczos.add_random(&mut problem.operator(self.group, &*observer));
+                lanczos
+            }
+            none => none.insert(BlockLanczos::new(&mut problem.operator(self.group, &*observer), block)),
+        };
+        loop {
+            // Beyond the dimension of the space there is but rounding.
+            let full = lanczos.len() >= elastic;
+            let added = lanczos.expand(&mut problem.operator(self.group, &*observer));
+            go_on(observer)?;
+            let values = lanczos.ritz_values();
+            let found = values.iter().take(extra).filter(|v| v.1 <= TOLERANCE).count();
+            let last = values.get(self.wanted - 1).map_or(1.0, |v| v.1);
+            observer.on_iteration(lanczos.len() as u32, last, 0.0);
+            if found >= extra || added == 0 || full {
+                break;
+            }
+            if limit < elastic && lanczos.len() >= limit {
+                return Err(Error::NotConverged {
+                    at: format!("mode {} of {} with strain", found + 1, self.wanted),
+                    reason: format!("{found} modes found in a space of {} vectors", lanczos.len()),
+                    help: "Ask for fewer modes, or check that all parts of the model are connected.".into(),
+                });
+            }
+        }
+        self.pairs = lanczos.ritz_pairs(extra);
+        Ok(())
+    }
+
+    /// Where to count eigenvalues, and how many there shall be below: in a gap behind the last wanted mode, or else in
+    /// front of the modes of nearly the same frequency that it belongs to. `part` of the way from one side of the gap to
+    /// the other.
+    pub fn gap(&self, problem: &Problem, part: f64) -> (f64, usize) {
+        let rigid = problem.groups[self.group].rigid.len();
+        let is_gap = |i: &usize| self.lambdas[*i] - self.lambdas[*i - 1] > GAP * self.lambdas[*i].abs();
+        let behind = (self.wanted.max(1)..self.lambdas.len()).find(is_gap);
+        let before = || (1..self.wanted).rev().find(is_gap);
+        match (behind.or_else(before), self.lambdas.first()) {
+            (Some(i), _) => {
+                let (low, high) = (self.lambdas[i - 1], self.lambdas[i]);
+                (low + part * (high - low), rigid + i)
+            }
+            (None, Some(first)) if *first > 0.0 => (part * first, rigid),
+            // A mode below zero, or none with strain: nothing may be below the shift.
+            (None, _) => (problem.groups[self.group].shift, 0),
+        }
+    }
+
+    /// Found pairs with their λ by the shift, the wanted ones only.
+    pub fn finish(self) -> impl Iterator<Item = (f64, RitzPair)> {
+        self.lambdas.into_iter().zip(self.pairs).take(self.wanted)
+    }
+}

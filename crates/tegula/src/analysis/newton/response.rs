@@ -1,0 +1,162 @@
+//! Linear responses of an equilibrium: to a change of the loads, and its softest mode.
+
+use super::{Equation, Held, Newton, expand_free};
+use crate::analysis::solver::{Linearization, TangentSolver};
+use crate::element::Nodal;
+use crate::system::assembly::add_follower_stiffness;
+use crate::system::{System, VectorKind};
+
+/// Inverse iterations for the softest mode: its error is the ratio of the two lowest eigenvalues to this power.
+const INVERSE_ITERATIONS: usize = 24;
+
+/// Lowest mode of a tangent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SoftestMode {
+    /// Shape; its size ([`System::norm`]) is 1.
+    pub shape: Vec<Nodal>,
+    /// Cosine of the angle between this mode and the response to the loads.
+    pub excited: f64,
+}
+
+impl<S: TangentSolver> Newton<S> {
+    /// Size of the response of the equilibrium found last to the change of the loads from `before` to `after`, two
+    /// equations with its displacements. Its factor serves, that of the last tangent of the iteration.
+    ///
+    /// # Errors
+    /// The linear solver failed.
+    pub fn response(
+        &mut self,
+        system: &System,
+        before: &dyn Equation,
+        after: &dyn Equation,
+    ) -> Result<f64, String> {
+        let moved = before.prescribed(system, &mut self.increment);
+        if moved {
+            // The product of the tangent with a prescribed motion comes with its assembly.
+            self.linearize(system, after, Some(before))?;
+        } else {
+            after.rest(system, &mut self.residual);
+            before.rest(system, &mut self.internal);
+            subtract(&mut self.residual, &self.internal);
+            self.change_of_forces(system, before, after);
+        }
+        self.find_response(system, moved, true)
+    }
+
+    /// Takes the tangent of an equilibrium and finds its response to a change of the loads from there to `before`, and
+    /// its softest mode. Returns the size of the response, the mode and the number of negative pivots.
+    ///
+    /// # Errors
+    /// There is no factor, or the linear solver failed.
+    pub fn softest_mode(
+        &mut self,
+        system: &System,
+        equilibrium: &dyn Equation,
+        loaded: &dyn Equation,
+    ) -> Result<(f64, SoftestMode, usize), String> {
+        let negative = self.linearize(system, equilibrium, Some(loaded))?;
+        let moved = loaded.prescribed(system, &mut self.increment);
+        if !moved {
+            loaded.rest(system, &mut self.residual);
+            equilibrium.rest(system, &mut self.internal);
+            subtract(&mut self.residual, &self.internal);
+            self.change_of_forces(system, equilibrium, loaded);
+        }
+        let response = self.find_response(system, moved, true)?;
+        let answer = self.increment.clone();
+        let metric = |field: &mut [Nodal]| {
+            for (x, kind) in field.iter_mut().zip(&system.kinds) {
+                if *kind == VectorKind::Position {
+                    *x = x.map(|x| x / (system.length * system.length));
+                }
+            }
+        };
+        // A start without symmetry.
+        let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
+        let mut shape: Vec<Nodal> = vec![[0.0; 3]; system.vectors()];
+        for x in shape.as_flattened_mut() {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            *x = (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
+        }
+        for _ in 0..INVERSE_ITERATIONS {
+            self.residual.copy_from_slice(&shape);
+            metric(&mut self.residual);
+            let size = self.find_response(system, false, false)?;
+            for (x, y) in shape.as_flattened_mut().iter_mut().zip(self.increment.as_flattened()) {
+                *x = y / size;
+            }
+        }
+        let mut scaled = shape.clone();
+        metric(&mut scaled);
+        let product: f64 = scaled.as_flattened().iter().zip(answer.as_flattened()).map(|(a, b)| a * b).sum();
+        let excited = product.abs() / (shape.len() as f64 * response.max(f64::MIN_POSITIVE));
+        Ok((response, SoftestMode { shape, excited }, negative))
+    }
+
+    /// Assembles and factors the tangent at an iterate. The residual becomes that of the loads and prescribed motions of
+    /// `loaded`, in whose place prescribed motions are zero without it. Returns the number of negative pivots.
+    fn linearize(
+        &mut self,
+        system: &System,
+        equation: &dyn Equation,
+        loaded: Option<&dyn Equation>,
+    ) -> Result<usize, String> {
+        let moved = loaded.is_some_and(|l| l.prescribed(system, &mut self.increment));
+        let (k, parts) = (equation.kinematics(system), equation.parts());
+        equation.rest(system, &mut self.residual);
+        self.assembly.follow(system, &k);
+        self.held = Held::Nothing;
+        let Self { solver, assembly, internal, circulatory, .. } = self;
+        if let Some(loads) = circulatory {
+            loads.take(system, &k, &parts);
+        }
+        let prescribed = moved.then_some(self.increment.as_slice());
+        let at = Linearization { system, motion: &k, parts: &parts, extrapolated: false, prescribed };
+        let negative = loop {
+            solver.assemble(assembly, &at, internal);
+            solver.add_curvature(assembly, &at, &self.residual);
+            if let Some(done) = solver.prepare(assembly).transpose() {
+                break done?;
+            }
+        };
+        self.axes.copy_axes(&self.assembly.numbering);
+        if let Some(loaded) = loaded.filter(|_| moved) {
+            loaded.rest(system, &mut self.residual);
+            add_follower_stiffness(system, &k, &parts, &self.increment, &mut self.residual);
+            subtract(&mut self.residual, &self.internal);
+        }
+        Ok(negative)
+    }
+
+    /// Adds what prescribed strains change of the internal forces f between two equations of the same displacements to
+    /// the residual: f(`first`) − f(`second`).
+    fn change_of_forces(&mut self, system: &System, first: &dyn Equation, second: &dyn Equation) {
+        if system.prescribed_strains.is_empty() {
+            return;
+        }
+        for (equation, sign) in [(first, 1.0), (second, -1.0)] {
+            self.assembly.forces(system, &equation.kinematics(system), &mut self.internal);
+            for (r, f) in self.residual.as_flattened_mut().iter_mut().zip(self.internal.as_flattened()) {
+                *r += sign * f;
+            }
+        }
+    }
+
+    /// Solves for the residual, with the unsymmetric tangent if it is `whole`; prescribed coordinates keep their increment
+    /// if they have `moved`, else they are at rest. Returns the size of the increment.
+    fn find_response(&mut self, system: &System, moved: bool, whole: bool) -> Result<f64, String> {
+        self.axes.reduce(&self.residual, &mut self.solution);
+        self.solver.solve_tangent(&mut self.solution)?;
+        if let Some(loads) = self.circulatory.as_mut().filter(|_| whole) {
+            loads.correct(&mut self.solver, &self.axes, &mut self.solution, false)?;
+        }
+        expand_free(&self.axes, &self.solution, moved, &mut self.increment);
+        Ok(system.norm(&self.increment))
+    }
+}
+
+fn subtract(from: &mut [Nodal], what: &[Nodal]) {
+    for (x, y) in from.as_flattened_mut().iter_mut().zip(what.as_flattened()) {
+        *x -= y;
+    }
+}

@@ -1,0 +1,140 @@
+//! Connection of an equilibrium with the last one: has the step followed a stable path, or has the structure snapped?
+//!
+//! A path of stable equilibria u(τ) under the loads F(τ) of a step, 0 ≤ τ ≤ 1, has two properties that are tested from what
+//! is known at the ends of the step.
+//!
+//! - **Speed.** The step is `Δu = ∫ u' dτ`, so it is not longer than the fastest part of the path. Where both ends are slow
+//!   and the step is long, there was no path in between, or one that is soft in the middle:
+//!
+//!   ```text
+//!   |Δu| ≤ 1.5 max(|u'(0)|, |u'(1)|),   K u' = ΔF
+//!   ```
+//!
+//!   Near a limit point u'(0) grows beyond all bounds and says nothing. So a step that begins softer than the one before
+//!   must not end with less than half of the speed: `|u'(1)| ≥ ½ |u'(0)|`.
+//!
+//!   u'(0) is the first increment of Newton's method, u'(1) costs a solution with the last factor, and only where the first
+//!   increment is short or the path softens. The norm is that of `System::norm`. Halving the step decides: on a path u'
+//!   becomes uniform in the step, a snap keeps its length.
+//! - **Energy.** Loads of constant direction that grow in proportion, F = F₀ + τ ΔF, do the work of the strain energy U. With
+//!   `Π* = F·u − U` it is `dΠ*/dτ = ΔF·u`, and stability, `ΔF·u' = u'·K u' > 0`, lets ΔF·u grow along the path, so
+//!
+//!   ```text
+//!   ΔF·u(0) ≤ Π*(1) − Π*(0) ≤ ΔF·u(1)
+//!   ```
+//!
+//!   In a snap Π* gains the energy that is released. Near a limit point, where u'(0) is large, this alone is left over.
+//!
+//! J. M. T. Thompson, G. W. Hunt, *A General Theory of Elastic Stability*, Wiley 1973, for the sign of ΔF·u'.
+//!
+//! Not seen is a snap within one step whose tangents at both ends are as soft as the snap is long, and which releases less
+//! energy than the bound leaves: shorter load steps see more.
+
+use super::StaticEquation;
+use crate::analysis::newton::Equation;
+use crate::element::Nodal;
+use crate::system::{Assembly, System, dot};
+
+/// Displacement of a step over that of the faster of its two ends, from which on the step is not believed. Large steps on
+/// smooth paths reach 1.27 (quarter cylinder of Sect. 5.2 in one step), snaps of roofs begin at 2.1.
+const LEAP: f64 = 1.5;
+/// Speed at the end of a step over that at its start, below which it is not believed on a path that softens.
+const STIFFER: f64 = 0.5;
+/// Speed at the start of a step over that at the start of the one before, from which on a path softens.
+pub(super) const SOFTER: f64 = 1.1;
+/// Rounding of energies, over their sum.
+const ROUNDING: f64 = 1e-9;
+
+/// Energy released in a step, over the bound ΔF·(u(1) − u(0)) of stable paths; 0 where the bound holds or does not apply:
+/// to loads that follow the motion, prescribed motions and strains, loads that do not grow in proportion, and materials
+/// that dissipate.
+pub(super) fn released_energy(
+    system: &System,
+    assembly: &mut Assembly,
+    (before, after): (&StaticEquation, &StaticEquation),
+    [first, last, change]: [&mut [Nodal]; 3],
+) -> f64 {
+    let elastic = assembly.history.is_empty() && system.prescribed_strains.is_empty();
+    if !elastic || !system.followers.is_empty() || !system.numbering.prescribed.is_empty() {
+        return 0.0;
+    }
+    // Loads at the middle of the step: in proportion, they are the mean of those at its ends.
+    change.fill([0.0; 3]);
+    system.add_dead_loads(0.5 * (before.time + after.time), 1.0, change);
+    before.rest(system, first);
+    after.rest(system, last);
+    let (mut bend, mut size) = (0.0_f64, 0.0_f64);
+    for ((c, f), l) in change.iter_mut().zip(&*first).zip(&*last) {
+        for i in 0..3 {
+            bend = bend.max((c[i] - 0.5 * (f[i] + l[i])).abs());
+            c[i] = l[i] - f[i];
+            size = size.max(c[i].abs());
+        }
+    }
+    if bend.is_nan() || bend > ROUNDING * size {
+        return 0.0;
+    }
+    let strain = [before, after].map(|e| assembly.strain_energy(system, &e.u, e.time));
+    let work = [dot(first, &before.u), dot(last, &after.u)];
+    let gain = (work[1] - strain[1]) - (work[0] - strain[0]);
+    let most = dot(change, &after.u);
+    let range = most - dot(change, &before.u);
+    let rounding = ROUNDING * (strain[1].abs() + strain[0].abs() + work[1].abs() + work[0].abs());
+    if gain > most + rounding && range > rounding { (gain - most) / range } else { 0.0 }
+}
+
+/// Displacement of a step beside the speeds at its ends.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Speeds {
+    /// Displacement of the step, |Δu|.
+    pub moved: f64,
+    /// Speed at its start, |u'(0)|.
+    pub start: f64,
+    /// The path becomes softer up to there.
+    pub softens: bool,
+}
+
+impl Speeds {
+    /// Whether the speed at the end of the step decides.
+    pub fn need_the_end(&self) -> bool {
+        self.softens || self.moved > LEAP * self.start
+    }
+
+    /// Doubt that a path leads through the step, from the speed |u'(1)| at its end, for people.
+    pub fn doubt(&self, end: f64) -> Option<String> {
+        let fastest = self.start.max(end);
+        if self.moved > LEAP * fastest {
+            let times = self.moved / fastest;
+            return Some(format!(
+                "the step is {times:.2} times as long as the tangents at both its ends tell"
+            ));
+        }
+        (self.softens && end < STIFFER * self.start).then(|| {
+            let times = self.start / end;
+            format!("a path that softens ends {times:.2} times as stiff as the step began")
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_longer_than_both_ends_tell_are_doubted() {
+        // Hinged roof of 12.7 mm: a step over its limit point, one before it, and the quarter cylinder in one step.
+        let speeds = |moved, start| Speeds { moved, start, softens: false };
+        assert!(speeds(7.47e-2, 8.77e-3).doubt(1.79e-3).is_some());
+        assert!(speeds(6.09e-3, 4.67e-3).doubt(8.77e-3).is_none());
+        assert!(speeds(0.740, 0.431).need_the_end() && speeds(0.740, 0.431).doubt(0.769).is_none());
+        assert!(!speeds(0.632, 1.133).need_the_end(), "stiffening paths cost nothing");
+    }
+
+    #[test]
+    fn steps_that_begin_near_a_limit_point_and_end_stiff_are_doubted() {
+        // Pull-out of a cylinder: soft before the limit point, stiff behind it, and no longer than the soft end tells.
+        let speeds = Speeds { moved: 0.1257, start: 0.1216, softens: true };
+        assert!(speeds.doubt(0.0356).is_some() && speeds.doubt(0.1).is_none());
+        assert!(Speeds { softens: false, ..speeds }.doubt(0.0356).is_none(), "a path that only stiffens");
+    }
+}

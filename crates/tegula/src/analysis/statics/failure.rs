@@ -1,0 +1,210 @@
+//! Reasons why a load step finds no equilibrium, and what can be done.
+
+use super::State;
+use crate::analysis::newton::{Cause, Diverged, SoftestMode};
+use crate::element::Nodal;
+use crate::model::{LinearSolver, StaticAnalysis};
+use crate::system::{System, VectorKind, dot};
+
+/// Response of the softest mode over the whole response, from which on a critical point is a limit point: at a
+/// bifurcation the loads do no work on the mode.
+const EXCITED: f64 = 1e-3;
+/// The tangent at the last equilibrium is this much softer than on the average of the path, and the softest mode is
+/// nearly the whole of its response: then negative pivots on the way tell of a limit point.
+const SOFTENED: f64 = 2.0;
+const DOMINANT: f64 = 0.9;
+/// Part of the nodal vectors that a load may act on for its displacement to be prescribed instead.
+const FEW: usize = 4;
+
+/// Kind of failure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// The iteration did not converge.
+    Iteration(Cause),
+    /// An element is inverted.
+    Inverted,
+    /// The equilibrium is unstable.
+    Unstable,
+    /// The equilibrium is not connected with the last one by a stable path.
+    Leap,
+}
+
+/// Failure of a load step.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Failure {
+    pub kind: Kind,
+    /// Reason, for people.
+    pub reason: String,
+    /// Most negative pivots of a tangent on the way.
+    pub negative_pivots: usize,
+}
+
+impl From<Diverged> for Failure {
+    fn from(d: Diverged) -> Self {
+        Self::new(Kind::Iteration(d.cause), d.reason, d.most_negative_pivots)
+    }
+}
+
+/// Limit or bifurcation point next to the last equilibrium.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct CriticalPoint {
+    /// A limit point; else a bifurcation point.
+    limit: bool,
+    mode: Vec<Nodal>,
+}
+
+impl CriticalPoint {
+    /// The kind of critical point that a failure, the softest mode at the last equilibrium and the compliance there over
+    /// that of the whole path tell of; `None` where they tell of none.
+    pub fn of(failure: &Failure, mode: SoftestMode, softened: f64) -> Option<Self> {
+        let proved = matches!(failure.kind, Kind::Unstable | Kind::Leap);
+        let likely = softened > SOFTENED && mode.excited > DOMINANT;
+        let limit = mode.excited > EXCITED;
+        (proved || likely).then_some(Self { limit, mode: mode.shape })
+    }
+}
+
+impl Failure {
+    pub fn new(kind: Kind, reason: String, negative_pivots: usize) -> Self {
+        Self { kind, reason, negative_pivots }
+    }
+
+    /// Whether another form of Newton's method may find an equilibrium where this one has found none.
+    pub fn depends_on_the_form(&self) -> bool {
+        use Cause::{Flight, Iterations, Material, Stagnation};
+        matches!(self.kind, Kind::Iteration(Flight | Iterations | Material | Stagnation))
+    }
+
+    /// Reason with what was met on the way from the last equilibrium to a load factor.
+    pub fn told(
+        &self,
+        system: &System,
+        state: &State,
+        target: f64,
+        critical: Option<&CriticalPoint>,
+    ) -> String {
+        let pivots = match self.negative_pivots {
+            0 => String::new(),
+            1 => "1 negative pivot".into(),
+            n => format!("{n} negative pivots"),
+        };
+        let Some(critical) = critical else {
+            return if pivots.is_empty() {
+                self.reason.clone()
+            } else {
+                format!("{}; tangents with up to {pivots} were met on the way", self.reason)
+            };
+        };
+        let what = if critical.limit { "limit point" } else { "bifurcation point (buckling)" };
+        let with = if pivots.is_empty() { String::new() } else { format!("{pivots} of the tangent, ") };
+        let largest = match place(system, &state.u) {
+            Some((size, at)) => format!("the largest displacement is {size:.4e} {at}"),
+            None => "nothing has moved".into(),
+        };
+        let mode = place(system, &critical.mode)
+            .map_or(String::new(), |(_, at)| format!(", its mode is largest {at}"));
+        format!(
+            "{what}: {with}between load factors {:.6} and {target:.6}; at {:.6} {largest}{mode}. The last attempt: {}",
+            state.time, state.time, self.reason
+        )
+    }
+
+    /// Advice that fits the model: nothing that is in use already, nothing that cannot be done.
+    pub fn remedy(
+        &self,
+        system: &System,
+        options: &StaticAnalysis,
+        critical: Option<&CriticalPoint>,
+    ) -> String {
+        if let Some(critical) = critical {
+            return if critical.limit { beyond_limit_point(system) } else { beyond_bifurcation(options) };
+        }
+        let cause = match self.kind {
+            Kind::Inverted | Kind::Iteration(Cause::Material) => {
+                return "Look at the loads and the thickness of this element, and at their units: more load than the \
+                        shell can bear does this."
+                    .into();
+            }
+            Kind::Unstable | Kind::Leap => return beyond_bifurcation(options),
+            Kind::Iteration(cause) => cause,
+        };
+        if cause == Cause::Tangent {
+            return match options.linear_solver {
+                LinearSolver::Direct => {
+                    "Something can move without resistance: look at supports, and at sheets that \
+                                         share only one node."
+                        .into()
+                }
+                LinearSolver::Iterative => {
+                    "The direct solver counts negative pivots: it tells a critical point from missing \
+                                            supports."
+                        .into()
+                }
+            };
+        }
+        let mut advice = Vec::new();
+        if system.linear {
+            advice.push(
+                "The stiffnesses of the model differ too much, or a part is hardly supported.".to_owned(),
+            );
+        } else {
+            if cause == Cause::Iterations {
+                advice.push(format!(
+                    "More iterations may suffice (`max_iterations`, now {}).",
+                    options.max_iterations
+                ));
+            }
+            if options.method.is_some() {
+                advice.push("Without `method` the other form of Newton's method is tried, too.".into());
+            }
+            if options.max_cutbacks < 12 {
+                advice.push(format!(
+                    "Shorter steps may help (`load_steps`, now {}; `max_cutbacks`, now {}).",
+                    options.load_steps, options.max_cutbacks
+                ));
+            }
+        }
+        advice.push("Look at the supports, loads and units at the place that is named.".into());
+        advice.join(" ")
+    }
+}
+
+/// Ways past a limit point.
+fn beyond_limit_point(system: &System) -> String {
+    if !system.numbering.prescribed.is_empty() {
+        return "Beyond it the structure snaps though its motion is prescribed; a transient analysis with some damping \
+                follows the snap."
+            .into();
+    }
+    let few = |load: &crate::system::DeadLoad| {
+        let loaded = load.force.iter().filter(|f| dot(&[**f], &[**f]) > 0.0).count();
+        !load.gravity && FEW * loaded <= load.force.len()
+    };
+    if system.followers.is_empty() && system.dead_loads.iter().all(few) {
+        "To pass it prescribe the displacement where the load acts (`prescribe`) instead of the force, or follow the snap \
+         with a transient analysis with some damping."
+            .into()
+    } else {
+        "A transient analysis with some damping follows the snap beyond it.".into()
+    }
+}
+
+/// Ways beyond a bifurcation point.
+fn beyond_bifurcation(options: &StaticAnalysis) -> String {
+    let mut advice = String::from(
+        "Real structures leave the path there: add a small imperfection or side load, and follow the buckled shape.",
+    );
+    if options.linear_solver == LinearSolver::Direct && !options.allow_unstable {
+        advice.push_str(" `allow_unstable = true` accepts the unbuckled one.");
+    }
+    advice
+}
+
+/// Size and place of the largest displacement of a field.
+fn place(system: &System, field: &[Nodal]) -> Option<(f64, String)> {
+    let size = |v: usize| dot(&[field[v]], &[field[v]]).sqrt();
+    let positions = (0..field.len()).filter(|&v| system.kinds[v] == VectorKind::Position);
+    let v = positions.max_by(|&a, &b| size(a).total_cmp(&size(b)))?;
+    let (node, p) = (system.node_label(system.nodes[v]), system.reference[v]);
+    (size(v) > 0.0).then(|| (size(v), format!("at node {node}, at ({:.4}, {:.4}, {:.4})", p[0], p[1], p[2])))
+}

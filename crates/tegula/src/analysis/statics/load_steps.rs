@@ -1,0 +1,377 @@
+//! Load steps of a static analysis, with cut-back.
+
+use super::connection::{SOFTER, Speeds, released_energy};
+use super::failure::{CriticalPoint, Failure, Kind};
+use super::{StaticEquation, StaticOutcome, energies, follower_work, reactions, state_kinematics, undefined};
+use crate::analysis::drilling::DrillingWatch;
+use crate::analysis::newton::{Cause, Converged, Newton, Tolerances};
+use crate::analysis::solver::TangentSolver;
+use crate::analysis::stops::Stops;
+use crate::analysis::{Balance, Observer, Stability, State, Statistics, Step};
+use crate::element::Nodal;
+use crate::model::{NewtonMethod, StaticAnalysis};
+use crate::system::{System, inside_out};
+use crate::{Error, Result};
+
+/// Energy of the last increment over the strain energy: small enough that reactions balance the loads to 1e-12,
+/// also where loads that follow the motion make convergence linear.
+const ENERGY_TOLERANCE: f64 = 1e-18;
+/// Last increment over the displacement.
+const INCREMENT_TOLERANCE: f64 = 1e-6;
+
+/// The analysis between two load steps.
+pub(super) struct LoadSteps<'a, S> {
+    newton: Newton<S>,
+    system: &'a System,
+    options: &'a StaticAnalysis,
+    tolerances: Tolerances,
+    /// Form of Newton's method that suits the materials, or that was asked for.
+    default_form: NewtonMethod,
+    /// First and longest step.
+    largest: f64,
+    /// Load factors at which steps end whatever their length.
+    stops: Stops,
+    /// Part of the way between two of these, or of a load step, below which a step gives up.
+    smallest_part: f64,
+    /// The last equilibrium.
+    state: State,
+    /// The next one.
+    equation: StaticEquation,
+    balance: Balance,
+    statistics: Statistics,
+    external: Vec<Nodal>,
+    /// Reactions at the last equilibrium; none where no motion is prescribed.
+    reactions: Vec<Nodal>,
+    drilling: DrillingWatch,
+    /// Forces of the test of a step.
+    buffers: [Vec<Nodal>; 2],
+}
+
+impl<'a, S: TangentSolver> LoadSteps<'a, S> {
+    /// Begins at `start`, at the reference configuration where there is none.
+    pub fn new(
+        mut newton: Newton<S>,
+        system: &'a System,
+        options: &'a StaticAnalysis,
+        start: Option<State>,
+    ) -> Self {
+        let largest = 1.0 / f64::from(options.load_steps.max(1));
+        let state = start.unwrap_or_else(|| State { next_step: largest, ..State::at_rest(system) });
+        newton.restore(system, &state, state.step > 0);
+        // The tangent of a linear model is the same in smaller steps: they cannot help.
+        let cutbacks = if system.linear { 0 } else { options.max_cutbacks as i32 };
+        let moved = !system.numbering.prescribed.is_empty();
+        Self {
+            tolerances: Tolerances {
+                energy: ENERGY_TOLERANCE,
+                increment: INCREMENT_TOLERANCE,
+                max_iterations: options.max_iterations,
+            },
+            default_form: newton.method(),
+            largest,
+            stops: Stops::of(system, 1.0),
+            smallest_part: 0.5_f64.powi(cutbacks),
+            equation: StaticEquation { u: state.u.clone(), time: state.time, scales: [0.0; 2] },
+            balance: Balance::default(),
+            statistics: Statistics { steps: state.step, ..Statistics::default() },
+            external: vec![[0.0; 3]; system.vectors()],
+            reactions: if moved { reactions(system, &mut newton.assembly, &state) } else { Vec::new() },
+            drilling: DrillingWatch::new(),
+            buffers: std::array::from_fn(|_| vec![[0.0; 3]; system.vectors()]),
+            newton,
+            system,
+            options,
+            state,
+        }
+    }
+
+    /// Takes steps to the full load.
+    pub fn run(mut self, observer: &mut dyn Observer) -> Result<StaticOutcome> {
+        while self.state.time < 1.0 {
+            let target = self.target();
+            if let Some(reason) = self.system.undefined_amplitude(target) {
+                return Err(undefined("load factor", (self.state.time, target), reason));
+            }
+            let outcome = self.attempt(target, observer);
+            self.statistics.factorizations = self.newton.solver.tangents() as u64;
+            self.statistics.linear_iterations = self.newton.linear_iterations();
+            match outcome? {
+                Ok(converged) => self.accept(target, converged, observer)?,
+                Err(failure) => self.cut_back(target, failure, observer)?,
+            }
+        }
+        let Self { state, balance, statistics, .. } = self;
+        Ok(StaticOutcome { negative_pivots: state.negative_pivots, state, balance, statistics })
+    }
+
+    /// Load factor at the end of the next step.
+    fn target(&self) -> f64 {
+        self.stops.load_step_end(self.state.time, self.state.next_step, self.options.load_steps)
+    }
+
+    /// Iterates to the equilibrium at a load factor; the inner error says why there is none to be accepted.
+    ///
+    /// Where one form of Newton's method finds none, the other is tried before the load is cut.
+    fn attempt(
+        &mut self,
+        target: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<std::result::Result<Converged, Failure>> {
+        let form = self.form(self.state.other_form);
+        self.newton.set_method(form);
+        let failure = match self.iterate(target, observer)? {
+            Ok(converged) => return Ok(self.judge(target, converged, observer)),
+            Err(failure) => failure,
+        };
+        if self.options.method.is_some() || self.system.linear || !failure.depends_on_the_form() {
+            return Ok(Err(failure));
+        }
+        let other = self.form(!self.state.other_form);
+        observer.on_event(&format!(
+            "load factor {target:.6}: {} finds no equilibrium ({}); {} is tried",
+            name(form),
+            failure.reason,
+            name(other)
+        ));
+        self.newton.restore(self.system, &self.state, self.state.step > 0);
+        self.newton.set_method(other);
+        Ok(match self.iterate(target, observer)? {
+            Ok(converged) => {
+                let judged = self.judge(target, converged, observer);
+                self.state.other_form ^= judged.is_ok();
+                judged
+            }
+            Err(second) => Err(Failure {
+                negative_pivots: failure.negative_pivots.max(second.negative_pivots),
+                reason: format!("{}, and so with {}", failure.reason, name(other)),
+                ..failure
+            }),
+        })
+    }
+
+    /// Form of Newton's method that suits the materials, or the other one.
+    fn form(&self, other: bool) -> NewtonMethod {
+        match self.default_form {
+            NewtonMethod::Mixed if other => NewtonMethod::Displacement,
+            NewtonMethod::Displacement if other => NewtonMethod::Mixed,
+            form => form,
+        }
+    }
+
+    /// Iterates with the form of Newton's method at hand.
+    fn iterate(
+        &mut self,
+        target: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<std::result::Result<Converged, Failure>> {
+        let Self { newton, system, state, equation, .. } = self;
+        equation.u.copy_from_slice(&state.u);
+        equation.time = target;
+        equation.scales = [state.energy_scale, state.displacement_scale];
+        match newton.solve(system, equation, &self.tolerances, observer) {
+            Ok(converged) => {
+                self.statistics.iterations += u64::from(converged.iterations);
+                Ok(Ok(converged))
+            }
+            Err(diverged) => {
+                self.statistics.iterations += u64::from(diverged.iterations);
+                if observer.interrupted() { Err(Error::Interrupted) } else { Ok(Err(diverged.into())) }
+            }
+        }
+    }
+
+    /// Refuses inverted elements, unstable equilibria, and equilibria that are not connected with the last one.
+    fn judge(
+        &mut self,
+        target: f64,
+        converged: Converged,
+        observer: &mut dyn Observer,
+    ) -> std::result::Result<Converged, Failure> {
+        if let Some(inverted) = inside_out(self.system, &self.equation.u) {
+            return Err(Failure::new(Kind::Inverted, inverted, converged.most_negative_pivots));
+        }
+        let negative = converged.negative_pivots;
+        let stability = self
+            .newton
+            .stability(negative)
+            .map_err(|reason| Failure::new(Kind::Iteration(Cause::Tangent), reason, negative))?;
+        if matches!(stability, Stability::Unstable(_)) && !self.options.allow_unstable {
+            return Err(Failure::new(
+                Kind::Unstable,
+                format!(
+                    "the equilibrium found is unstable ({negative} negative pivot(s) of the tangent): the structure \
+                     would buckle"
+                ),
+                negative,
+            ));
+        }
+        self.connect(target, &converged, observer)?;
+        if matches!(stability, Stability::Undecided(_)) {
+            // Moments and pressures need not have a potential: the symmetric part alone does not decide.
+            observer.on_event(&format!(
+                "load factor {target}: {negative} negative pivot(s); with loads that follow the motion this need not \
+                 mean instability"
+            ));
+        }
+        if converged.floor {
+            observer.on_event(&format!(
+                "load factor {target}: increments stopped shrinking at the rounding floor of the model; accepted"
+            ));
+        }
+        Ok(converged)
+    }
+
+    /// Refuses an equilibrium that no stable path leads to: a snap-through. See `connection`.
+    fn connect(
+        &mut self,
+        target: f64,
+        converged: &Converged,
+        observer: &mut dyn Observer,
+    ) -> std::result::Result<(), Failure> {
+        let moved = self.moved();
+        let noticeable =
+            self.tolerances.increment * self.system.norm(&self.equation.u).max(self.state.displacement_scale);
+        if self.system.linear || moved <= noticeable {
+            return Ok(());
+        }
+        let before =
+            StaticEquation { u: self.state.u.clone(), time: self.state.time, scales: self.equation.scales };
+        let Self { newton, system, equation, external, buffers, state, .. } = self;
+        let [first, last] = buffers;
+        let loads: [&mut [Nodal]; 3] = [first, last, external];
+        let released = released_energy(system, &mut newton.assembly, (&before, &*equation), loads);
+        let speeds = Speeds {
+            moved,
+            start: converged.first_increment,
+            softens: state.compliance > 0.0
+                && converged.first_increment > SOFTER * state.compliance * (target - state.time),
+        };
+        let doubt = if released > 0.0 {
+            Some(format!("energy is released, {released:.2} times the work that a stable path allows"))
+        } else if speeds.need_the_end() {
+            let unloaded = StaticEquation { u: equation.u.clone(), ..before };
+            let end = newton.response(system, &unloaded, &*equation).unwrap_or(0.0);
+            speeds.doubt(end)
+        } else {
+            None
+        };
+        let Some(doubt) = doubt else { return Ok(()) };
+        let reason =
+            format!("the equilibrium found is not connected with the last one by a stable path: {doubt}");
+        if self.options.allow_unstable {
+            observer.on_event(&format!("load factor {target:.6}: {reason}"));
+            return Ok(());
+        }
+        Err(Failure::new(Kind::Leap, reason, converged.most_negative_pivots))
+    }
+
+    /// Displacement of the step ([`System::norm`]).
+    fn moved(&mut self) -> f64 {
+        let Self { external, equation, state, system, .. } = self;
+        external.copy_from_slice(&equation.u);
+        for (x, u) in external.as_flattened_mut().iter_mut().zip(state.u.as_flattened()) {
+            *x -= u;
+        }
+        system.norm(external)
+    }
+
+    /// Makes the equilibrium the state at the end of the step.
+    fn accept(&mut self, target: f64, converged: Converged, observer: &mut dyn Observer) -> Result<()> {
+        let Self { newton, system, state, equation, external, .. } = self;
+        state.negative_pivots = converged.negative_pivots;
+        state.work += follower_work(system, (&state.u, state.time), (&equation.u, target), external);
+        if !self.reactions.is_empty() {
+            // Before materials remember the step: their stress at its end is that of the step.
+            let end = State { time: target, u: equation.u.clone(), ..State::default() };
+            let after = reactions(system, &mut newton.assembly, &end);
+            for forces in [&self.reactions, &after] {
+                state.work += 0.5 * system.work_of_prescribed(forces, &state.u, &equation.u);
+            }
+            self.reactions = after;
+        }
+        state.compliance = converged.first_increment / (target - state.time);
+        // A step that a stop has shortened tells nothing about the next one.
+        state.next_step = self.largest.min(state.next_step.max(2.0 * (target - state.time)));
+        state.u.copy_from_slice(&equation.u);
+        state.time = target;
+        state.step += 1;
+        let k = state_kinematics(system, &state.u, state.time);
+        state.dissipated += newton.assembly.commit(system, &k);
+        state.history.copy_from_slice(&newton.assembly.history);
+        newton.assembly.reset_stress(system, &k);
+        self.statistics.steps = state.step;
+        if state.time >= 1.0 {
+            // What is written at the end needs memory, too.
+            newton.solver.release();
+        }
+        self.balance = energies(system, &mut newton.assembly, state);
+        state.energy_scale = state.energy_scale.max(self.balance.strain);
+        state.displacement_scale = state.displacement_scale.max(system.norm(&state.u));
+        let at = (state.u.as_slice(), state.time);
+        self.drilling.look(system, at, observer, || format!("load factor {target}"));
+        observer.on_step(&Step {
+            state,
+            balance: &self.balance,
+            statistics: &self.statistics,
+            iterations: converged.iterations,
+            end: 1.0,
+        })?;
+        if observer.interrupted() && state.time < 1.0 { Err(Error::Interrupted) } else { Ok(()) }
+    }
+
+    /// Halves a step that failed, or gives up.
+    fn cut_back(&mut self, target: f64, failure: Failure, observer: &mut dyn Observer) -> Result<()> {
+        let step = 0.5 * (target - self.state.time);
+        let (last, next) = self.stops.bracket(self.state.time, self.options.load_steps);
+        if step < (next - last) * self.smallest_part {
+            observer.on_repeat(&self.statistics);
+            return Err(self.give_up(target, &failure));
+        }
+        self.statistics.cutbacks += 1;
+        observer.on_repeat(&self.statistics);
+        observer.on_event(&format!(
+            "load factor {target:.6} not reached: {}; the step is halved",
+            failure.reason
+        ));
+        self.newton.restore(self.system, &self.state, self.state.step > 0);
+        self.state.next_step = step;
+        Ok(())
+    }
+
+    /// Error of a step that cannot be halved any more.
+    fn give_up(&mut self, target: f64, failure: &Failure) -> Error {
+        let critical = self.critical_point(target, failure);
+        let (system, options, state) = (self.system, self.options, &self.state);
+        Error::NotConverged {
+            at: format!("load factor {target:.6}"),
+            reason: failure.told(system, state, target, critical.as_ref()),
+            help: format!(
+                "The last equilibrium was at load factor {:.6}. {}",
+                state.time,
+                failure.remedy(system, options, critical.as_ref())
+            ),
+        }
+    }
+
+    /// Critical point between the last equilibrium and a load factor that was not reached, if there is evidence of one.
+    fn critical_point(&mut self, target: f64, failure: &Failure) -> Option<CriticalPoint> {
+        if self.system.linear || (failure.negative_pivots == 0 && failure.kind != Kind::Leap) {
+            return None;
+        }
+        let Self { newton, system, state, equation, .. } = self;
+        newton.restore(system, state, state.step > 0);
+        let at = |time| StaticEquation { u: state.u.clone(), time, scales: equation.scales };
+        let (response, mode, _) = newton.softest_mode(system, &at(state.time), &at(target)).ok()?;
+        let mean = system.norm(&state.u) / state.time;
+        let softened = response / (target - state.time) / mean;
+        CriticalPoint::of(failure, mode, softened)
+    }
+}
+
+/// Words for a form of Newton's method.
+fn name(form: NewtonMethod) -> &'static str {
+    match form {
+        NewtonMethod::Mixed => "mixed Newton",
+        NewtonMethod::Displacement => "plain Newton",
+    }
+}

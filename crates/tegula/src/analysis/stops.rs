@@ -1,0 +1,151 @@
+//! Times at which a step ends whatever its length: breaks of the amplitudes in use, and times that the user wants.
+
+use crate::system::System;
+
+/// Smallest distance of two stops over the length of the analysis. The second of two points of a table that are closer
+/// together, a jump, is met this far behind the first.
+const SMALLEST_GAP: f64 = 1e-9;
+/// Distance over the length of the analysis below which two stops are the same one but for round-off.
+const SAME: f64 = 1e-12;
+/// Part of a load step by which a multiple of it may be missed.
+const ON_GRID: f64 = 1e-6;
+
+/// Times (load factors) at which steps end.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Stops {
+    times: Vec<f64>,
+}
+
+impl Stops {
+    /// Stops of an analysis from 0 to `end`: kinks of tables and ramps, in statics also turning points of formulas, and
+    /// what the user wants.
+    pub fn of(system: &System, end: f64) -> Self {
+        let mut used: Vec<usize> = system.amplitudes_in_use().map(|(i, _)| i).collect();
+        used.sort_unstable();
+        used.dedup();
+        let functions = used.into_iter().filter_map(|i| system.amplitudes.get(i));
+        let breaks = functions.map(|f| {
+            let mut breaks = f.kinks();
+            if system.proportional {
+                // Materials that yield, and structures that buckle, remember where their load turned.
+                breaks.extend(f.turning_points(0.0, end));
+            }
+            breaks
+        });
+        Self::merged(breaks.chain([system.wanted_times.clone()]), end)
+    }
+
+    /// Stops at given times of an analysis from 0 to `end`.
+    pub fn at(times: Vec<f64>, end: f64) -> Self {
+        Self::merged([times].into_iter(), end)
+    }
+
+    /// One list of the lists of several sources.
+    fn merged(sources: impl Iterator<Item = Vec<f64>>, end: f64) -> Self {
+        let mut all: Vec<f64> = sources.flat_map(|times| spaced(times, end)).collect();
+        all.sort_unstable_by(f64::total_cmp);
+        all.dedup_by(|b, a| *b - *a <= SAME * end);
+        Self { times: spaced(all, end) }
+    }
+
+    /// The first stop behind a time.
+    pub fn after(&self, time: f64) -> Option<f64> {
+        self.times.get(self.times.partition_point(|&t| t <= time)).copied()
+    }
+
+    /// True at a stop.
+    pub fn contains(&self, time: f64) -> bool {
+        self.times.binary_search_by(|t| t.total_cmp(&time)).is_ok()
+    }
+
+    /// End of a load step from `time` that shall not be longer than `wanted`: the next of `steps` equal parts of the
+    /// way from 0 to 1, or a stop before it.
+    pub fn load_step_end(&self, time: f64, wanted: f64, steps: u32) -> f64 {
+        let target = self.bracket(time, steps).1;
+        // A last sliver of a step would only repeat the one before.
+        if time + 1.0001 * wanted >= target { target } else { time + wanted }
+    }
+
+    /// The stop or multiple of the load step that a load factor has reached or passed last, and the next one.
+    pub fn bracket(&self, time: f64, steps: u32) -> (f64, f64) {
+        let parts = f64::from(steps.max(1));
+        let passed = (time * parts + ON_GRID).floor();
+        let stop = self.times.partition_point(|&t| t <= time);
+        let last = stop.checked_sub(1).and_then(|i| self.times.get(i)).copied().unwrap_or(0.0);
+        let next = self.times.get(stop).copied().unwrap_or(1.0);
+        ((passed / parts).max(last).min(time), ((passed + 1.0) / parts).min(next).min(1.0))
+    }
+}
+
+/// Times between 0 and `end` in order, none closer to the one before than the smallest gap: of several times within it
+/// there is one, at its end.
+fn spaced(mut times: Vec<f64>, end: f64) -> Vec<f64> {
+    let gap = SMALLEST_GAP * end;
+    times.retain(|&t| t > 0.0 && t < end - gap);
+    times.sort_unstable_by(f64::total_cmp);
+    let mut last = 0.0;
+    times.retain_mut(|t| {
+        if *t <= last {
+            return false;
+        }
+        *t = t.max(last + gap);
+        last = *t;
+        true
+    });
+    times
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stops(sources: &[&[f64]]) -> Stops {
+        Stops::merged(sources.iter().map(|s| s.to_vec()), 1.0)
+    }
+
+    #[test]
+    fn stops_of_several_sources_are_one_list_within_the_analysis() {
+        let s = stops(&[&[0.0, 0.3, 1.0, 2.0], &[0.1 + 0.2, 0.7], &[-1.0, 0.5]]);
+        assert_eq!(s.times, [0.3, 0.5, 0.7]);
+        assert_eq!([0.0, 0.3, 0.6, 0.7].map(|t| s.after(t)), [Some(0.3), Some(0.5), Some(0.7), None]);
+    }
+
+    #[test]
+    fn a_jump_keeps_two_stops_that_a_step_can_tell_apart() {
+        let s = stops(&[&[0.3, 0.3 + 1e-15]]);
+        assert_eq!(s.times, [0.3, 0.3 + SMALLEST_GAP]);
+        let dense: Vec<f64> = (0..1000).map(|i| 0.3 + 1e-13 * f64::from(i)).collect();
+        assert_eq!(stops(&[&dense]).times, [0.3, 0.3 + SMALLEST_GAP]);
+        assert_eq!(stops(&[&[1e-12, 1.0 - 1e-12]]).times, [SMALLEST_GAP]);
+    }
+
+    #[test]
+    fn load_steps_end_on_multiples_and_stops_and_return_to_them_after_a_cut() {
+        let s = stops(&[&[0.25, 0.5]]);
+        assert_eq!(s.load_step_end(0.0, 0.1, 10), 0.1);
+        assert_eq!(s.load_step_end(0.2, 0.1, 10), 0.25);
+        assert_eq!(s.load_step_end(0.25, 0.1, 10), 0.3);
+        // Cut to a quarter, then twice as long after each success.
+        let mut ends = vec![0.3];
+        for wanted in [0.025, 0.05, 0.1, 0.1] {
+            ends.push(s.load_step_end(ends[ends.len() - 1], wanted, 10));
+        }
+        let expected = [0.3, 0.325, 0.375, 0.4, 0.5];
+        assert!(ends.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{ends:?}");
+        assert_eq!(s.load_step_end(0.5, 1.0, 1), 1.0);
+        assert_eq!(s.bracket(0.27, 10), (0.25, 0.3));
+    }
+
+    #[test]
+    fn equal_load_steps_are_exact_fractions() {
+        for steps in [1, 3, 7, 10, 20, 49, 1000] {
+            let (mut time, mut taken) = (0.0, 0);
+            while time < 1.0 {
+                time = Stops::default().load_step_end(time, 1.0 / f64::from(steps), steps);
+                taken += 1;
+                assert_eq!(time, f64::from(taken) / f64::from(steps));
+            }
+            assert_eq!(taken, steps);
+        }
+    }
+}

@@ -1,0 +1,258 @@
+//! Numbers that carry their derivatives: forward differentiation of second order.
+//!
+//! A jet holds value, first and second derivative in one variable. Functions of jets follow from the chain rule
+//! `(f∘u)' = f'(u) u'`, `(f∘u)'' = f''(u) u'² + f'(u) u''` (Griewank & Walther, Evaluating Derivatives, 2008, ch. 13).
+
+/// Arithmetic of a formula: plain numbers, or numbers with derivatives.
+pub(super) trait Number: Copy {
+    /// A number that does not depend on the variable.
+    fn constant(value: f64) -> Self;
+    /// Result of an operator between two numbers.
+    fn combine(operator: Operator, left: Self, right: Self) -> Self;
+    /// Result of a function.
+    fn apply(function: Function, argument: Self) -> Self;
+}
+
+/// Operators between two numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Operator {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Power,
+}
+
+/// Functions of one number, smooth where they are defined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Function {
+    Negate,
+    Sin,
+    Cos,
+    Tan,
+    Asin,
+    Acos,
+    Atan,
+    Sinh,
+    Cosh,
+    Tanh,
+    Asinh,
+    Acosh,
+    Atanh,
+    Exp,
+    Ln,
+    Log2,
+    Log10,
+    Sqrt,
+}
+
+impl Function {
+    /// The functions by name; `log` is the natural logarithm.
+    pub const NAMED: [(&'static str, Self); 18] = [
+        ("sin", Self::Sin),
+        ("cos", Self::Cos),
+        ("tan", Self::Tan),
+        ("asin", Self::Asin),
+        ("acos", Self::Acos),
+        ("atan", Self::Atan),
+        ("sinh", Self::Sinh),
+        ("cosh", Self::Cosh),
+        ("tanh", Self::Tanh),
+        ("asinh", Self::Asinh),
+        ("acosh", Self::Acosh),
+        ("atanh", Self::Atanh),
+        ("exp", Self::Exp),
+        ("ln", Self::Ln),
+        ("log", Self::Ln),
+        ("log2", Self::Log2),
+        ("log10", Self::Log10),
+        ("sqrt", Self::Sqrt),
+    ];
+
+    /// Value at `x`.
+    fn value(self, x: f64) -> f64 {
+        match self {
+            Self::Negate => -x,
+            Self::Sin => x.sin(),
+            Self::Cos => x.cos(),
+            Self::Tan => x.tan(),
+            Self::Asin => x.asin(),
+            Self::Acos => x.acos(),
+            Self::Atan => x.atan(),
+            Self::Sinh => x.sinh(),
+            Self::Cosh => x.cosh(),
+            Self::Tanh => x.tanh(),
+            Self::Asinh => x.asinh(),
+            Self::Acosh => x.acosh(),
+            Self::Atanh => x.atanh(),
+            Self::Exp => x.exp(),
+            Self::Ln => x.ln(),
+            Self::Log2 => x.log2(),
+            Self::Log10 => x.log10(),
+            Self::Sqrt => x.sqrt(),
+        }
+    }
+
+    /// First and second derivative at `x`, where the value is `y`.
+    fn derivatives(self, x: f64, y: f64) -> [f64; 2] {
+        match self {
+            Self::Negate => [-1.0, 0.0],
+            Self::Sin => [x.cos(), -y],
+            Self::Cos => [-x.sin(), -y],
+            Self::Tan => {
+                let d = 1.0 + y * y;
+                [d, 2.0 * y * d]
+            }
+            Self::Asin => {
+                let d = ((1.0 - x) * (1.0 + x)).sqrt().recip();
+                [d, x * d.powi(3)]
+            }
+            Self::Acos => {
+                let d = ((1.0 - x) * (1.0 + x)).sqrt().recip();
+                [-d, -x * d.powi(3)]
+            }
+            Self::Atan => {
+                let d = (1.0 + x * x).recip();
+                [d, -2.0 * x * d * d]
+            }
+            Self::Sinh => [x.cosh(), y],
+            Self::Cosh => [x.sinh(), y],
+            Self::Tanh => {
+                let d = x.cosh().recip().powi(2);
+                [d, -2.0 * y * d]
+            }
+            Self::Asinh => {
+                let d = (1.0 + x * x).sqrt().recip();
+                [d, -x * d.powi(3)]
+            }
+            Self::Acosh => {
+                let d = ((x - 1.0) * (x + 1.0)).sqrt().recip();
+                [d, -x * d.powi(3)]
+            }
+            Self::Atanh => {
+                let d = ((1.0 - x) * (1.0 + x)).recip();
+                [d, 2.0 * x * d * d]
+            }
+            Self::Exp => [y, y],
+            Self::Ln => logarithm(x, 1.0),
+            Self::Log2 => logarithm(x, std::f64::consts::LOG2_E),
+            Self::Log10 => logarithm(x, std::f64::consts::LOG10_E),
+            Self::Sqrt => {
+                let d = 0.5 / y;
+                [d, -0.5 * d / x]
+            }
+        }
+    }
+}
+
+/// Derivatives of `scale · ln x`.
+fn logarithm(x: f64, scale: f64) -> [f64; 2] {
+    let d = scale / x;
+    [d, -d / x]
+}
+
+impl Number for f64 {
+    fn constant(value: f64) -> Self {
+        value
+    }
+
+    fn combine(operator: Operator, left: Self, right: Self) -> Self {
+        match operator {
+            Operator::Add => left + right,
+            Operator::Subtract => left - right,
+            Operator::Multiply => left * right,
+            Operator::Divide => left / right,
+            Operator::Power => left.powf(right),
+        }
+    }
+
+    fn apply(function: Function, argument: Self) -> Self {
+        function.value(argument)
+    }
+}
+
+/// Value, first and second derivative in the variable.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Jet {
+    /// Value.
+    pub value: f64,
+    /// First derivative.
+    pub rate: f64,
+    /// Second derivative.
+    pub second: f64,
+}
+
+impl Jet {
+    /// The variable itself at `t`.
+    pub fn variable(t: f64) -> Self {
+        Self { value: t, rate: 1.0, second: 0.0 }
+    }
+
+    fn is_constant(self) -> bool {
+        self.rate == 0.0 && self.second == 0.0
+    }
+
+    /// The chain rule: a function with the derivatives `[f', f'']` and the value `value` at this jet.
+    fn chain(self, value: f64, [first, second]: [f64; 2]) -> Self {
+        // Derivatives that are infinite at this place do not matter to what stands still there.
+        if self.is_constant() {
+            return Self::constant(value);
+        }
+        let curved = if self.second == 0.0 { 0.0 } else { first * self.second };
+        Self { value, rate: first * self.rate, second: second * self.rate * self.rate + curved }
+    }
+
+    fn times(self, other: Self) -> Self {
+        Self {
+            value: self.value * other.value,
+            rate: self.rate * other.value + self.value * other.rate,
+            second: self.second * other.value + 2.0 * self.rate * other.rate + self.value * other.second,
+        }
+    }
+
+    /// `selfⁿ`; a factor of the derivatives that is zero stays zero where the power of 0 behind it is infinite.
+    fn to_constant(self, n: f64) -> Self {
+        let power = |factor: f64, n: f64| if factor == 0.0 { 0.0 } else { factor * self.value.powf(n) };
+        self.chain(self.value.powf(n), [power(n, n - 1.0), power(n * (n - 1.0), n - 2.0)])
+    }
+
+    /// `exp(exponent · ln self)`.
+    fn to_the(self, exponent: Self) -> Self {
+        if exponent.is_constant() {
+            return self.to_constant(exponent.value);
+        }
+        let logarithm = exponent.times(Self::apply(Function::Ln, self));
+        let value = self.value.powf(exponent.value);
+        logarithm.chain(value, [value, value])
+    }
+}
+
+impl Number for Jet {
+    fn constant(value: f64) -> Self {
+        Self { value, rate: 0.0, second: 0.0 }
+    }
+
+    fn combine(operator: Operator, a: Self, b: Self) -> Self {
+        match operator {
+            Operator::Add => {
+                Self { value: a.value + b.value, rate: a.rate + b.rate, second: a.second + b.second }
+            }
+            Operator::Subtract => {
+                Self { value: a.value - b.value, rate: a.rate - b.rate, second: a.second - b.second }
+            }
+            Operator::Multiply => a.times(b),
+            Operator::Divide => {
+                // From a = q b: a' = q' b + q b', a'' = q'' b + 2 q' b' + q b''.
+                let value = a.value / b.value;
+                let rate = (a.rate - value * b.rate) / b.value;
+                Self { value, rate, second: (a.second - 2.0 * rate * b.rate - value * b.second) / b.value }
+            }
+            Operator::Power => a.to_the(b),
+        }
+    }
+
+    fn apply(function: Function, u: Self) -> Self {
+        let value = function.value(u.value);
+        u.chain(value, function.derivatives(u.value, value))
+    }
+}

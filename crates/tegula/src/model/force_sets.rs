@@ -1,0 +1,53 @@
+//! Sets of the mesh whose forces are recovered: those of supports and prescribed motions, and the loads.
+
+use super::{Load, Model};
+use crate::Vec3;
+use crate::mesh::Mesh;
+use crate::system::ForceSet;
+
+/// Sets that conditions support or move, each once, in the order of the model.
+pub(super) fn of_conditions(model: &Model, mesh: &Mesh) -> Vec<ForceSet> {
+    let mut out: Vec<ForceSet> = Vec::new();
+    for (number, condition) in model.conditions.iter().enumerate() {
+        let (name, key) = (condition.on(), format!("conditions[{number}]"));
+        match out.iter_mut().find(|set| set.name == name) {
+            Some(set) => set.keys.push(key),
+            None => out.push(ForceSet { name: name.into(), keys: vec![key], about: centre(mesh, name) }),
+        }
+    }
+    out
+}
+
+/// Loads by their kind and set; those with the same name are numbered.
+pub(super) fn of_loads(model: &Model, mesh: &Mesh) -> Vec<ForceSet> {
+    let mut out: Vec<ForceSet> = Vec::new();
+    for (number, load) in model.loads.iter().enumerate() {
+        let (kind, on) = kind_and_set(load);
+        let name = if on.is_empty() { kind.to_owned() } else { format!("{kind}.{on}") };
+        let same = |set: &ForceSet| set.name == name || set.name.starts_with(&format!("{name}#"));
+        let before = out.iter().filter(|set| same(set)).count();
+        let name = if before == 0 { name } else { format!("{name}#{}", before + 1) };
+        let about = centre(mesh, if on.is_empty() { "all" } else { on });
+        out.push(ForceSet { name, keys: vec![format!("loads[{number}]")], about });
+    }
+    out
+}
+
+fn kind_and_set(load: &Load) -> (&'static str, &str) {
+    match load {
+        Load::Force(l) => ("force", &l.on),
+        Load::Moment(l) => ("moment", &l.on),
+        Load::Edge(l) => ("edge", &l.on),
+        Load::EdgeMoment(l) => ("edge-moment", &l.on),
+        Load::Traction(l) => ("traction", &l.on),
+        Load::Pressure(l) => ("pressure", &l.on),
+        Load::Gravity(_) => ("gravity", ""),
+    }
+}
+
+/// Mean of the nodes of a set.
+fn centre(mesh: &Mesh, set: &str) -> Vec3 {
+    let nodes = mesh.nodes_on(set).unwrap_or_default();
+    let sum: Vec3 = nodes.iter().map(|&n| mesh.positions[n as usize]).sum();
+    sum / nodes.len().max(1) as f64
+}

@@ -1,0 +1,351 @@
+//! Reactions of supports and prescribed motions, resultants of loads, and the balance of all forces.
+//!
+//! With the internal forces f, the loads F, the inertia and mass damping I = M a + α M v, the unbalanced forces of the
+//! nodal vectors are g = f + I − F. Along free coordinates the equation of motion makes them vanish; along supported
+//! ones they are the reactions R. The forces on positions sum up to the resultant; a generalised force on a director
+//! is a moment: a nodal vector x (arm of a position, director or gradient) under the force f contributes x × f. Internal
+//! forces have neither resultant nor moment, so F + R − I must vanish, which is what the [balance](Equilibrium) tells.
+//!
+//! The forces are those that the equation of the step holds: at its end for statics, Newmark and explicit steps; for HHT
+//! weighted between its ends, for the energy–momentum scheme at its middle.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use crate::Vec3;
+use crate::analysis::State;
+use crate::element::{Kinematics, Motion, Nodal};
+use crate::model::Scheme;
+use crate::system::numbering::Support;
+use crate::system::{Assembly, System, VectorKind};
+
+/// Force and moment about a point.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Resultant {
+    /// Force.
+    pub force: Vec3,
+    /// Moment about the point of the set, [`ForceSet::about`](crate::system::ForceSet::about); of sums about the origin.
+    pub moment: Vec3,
+}
+
+/// Forces on the whole model.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Equilibrium {
+    /// Reactions on the sets that are supported or moved, in the order of [`System::support_sets`].
+    pub supports: Vec<Resultant>,
+    /// Loads, in the order of [`System::load_sets`].
+    pub loads: Vec<Resultant>,
+    /// Inertia and mass damping, about the origin.
+    pub inertia: Resultant,
+    /// Resultant force of loads, reactions and inertia over the sum of their sizes.
+    pub force_error: f64,
+    /// Resultant moment about the middle of the model, over the sum of the sizes of the nodal moments.
+    pub moment_error: f64,
+    /// Reactions on the nodal vectors.
+    pub reactions: Vec<Nodal>,
+}
+
+impl Equilibrium {
+    /// Reaction force and moment at a node: the generalised forces on its directors and gradients turn it.
+    pub fn at_nodes(&self, system: &System, u: &[Nodal]) -> (Vec<Nodal>, Vec<Nodal>) {
+        let nodes = system.position_of.len();
+        let (mut forces, mut moments) = (vec![[0.0; 3]; nodes], vec![[0.0; 3]; nodes]);
+        for (v, f) in self.reactions.iter().enumerate().filter(|(_, f)| **f != [0.0; 3]) {
+            let node = system.nodes[v] as usize;
+            let (out, part) = match system.kinds[v] {
+                VectorKind::Position => (&mut forces[node], Vec3::from(*f)),
+                VectorKind::Director | VectorKind::Gradient => {
+                    (&mut moments[node], arm(system, u, v).cross(&Vec3::from(*f)))
+                }
+            };
+            *out = (Vec3::from(*out) + part).into();
+        }
+        (forces, moments)
+    }
+}
+
+/// Where in a step the equation of motion holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Instant {
+    End,
+    /// Forces with this weight of the start of the step.
+    Between(f64),
+    Middle,
+}
+
+/// Supported directions of a nodal vector and the sets of supports that their reactions belong to.
+struct Supported {
+    vector: usize,
+    /// Orthonormal directions, each with its set.
+    axes: Vec<(Vec3, usize)>,
+    /// The vector is a director that keeps its length and can turn about its one direction.
+    turns: bool,
+}
+
+/// Forces that make up the balance of one instant, and the nodal vectors on which they act.
+struct Forces<'a> {
+    u: Cow<'a, [Nodal]>,
+    internal: Vec<Nodal>,
+    inertia: Vec<Nodal>,
+    /// Times at which loads act, the weight of each, and the displacements there.
+    loads: Vec<(f64, f64, Cow<'a, [Nodal]>)>,
+}
+
+/// Finds reactions.
+pub struct ReactionFinder {
+    assembly: Assembly,
+    instant: Instant,
+    supported: Vec<Supported>,
+}
+
+impl ReactionFinder {
+    /// For a scheme of time integration, `None` for statics.
+    pub fn new(system: &System, scheme: Option<Scheme>) -> Self {
+        let instant = match scheme {
+            Some(Scheme::Hht(s)) => Instant::Between(-s.alpha),
+            Some(Scheme::EnergyMomentum(_)) => Instant::Middle,
+            Some(Scheme::Newmark(_) | Scheme::Explicit(_)) | None => Instant::End,
+        };
+        Self { assembly: Assembly::for_forces(system), instant, supported: supported(system) }
+    }
+
+    /// Forces of a step from `old` to `new`; at `new` alone without a step.
+    pub fn find(&mut self, system: &System, old: Option<&State>, new: &State) -> Equilibrium {
+        let old = old.filter(|old| old.u.len() == new.u.len() && old.time < new.time);
+        self.assembly.history.copy_from_slice(&new.history);
+        let forces = match (self.instant, old) {
+            (Instant::Between(weight), Some(old)) => self.between(system, (old, new), weight),
+            (Instant::Middle, Some(old)) => self.middle(system, old, new),
+            _ => Forces {
+                internal: self.internal(system, new),
+                inertia: inertia(system, &new.a, &new.v),
+                loads: vec![(new.time, 1.0, Cow::Borrowed(new.u.as_slice()))],
+                u: Cow::Borrowed(&new.u),
+            },
+        };
+        self.sum(system, &forces)
+    }
+
+    /// HHT: internal forces, damping and loads between the ends of the step, inertia of its accelerations.
+    fn between<'a>(
+        &mut self,
+        system: &System,
+        (old, new): (&'a State, &'a State),
+        weight: f64,
+    ) -> Forces<'a> {
+        let shares = [weight, 1.0 - weight];
+        let internal = combine(shares, &self.internal(system, old), &self.internal(system, new));
+        let loads = [old, new].into_iter().zip(shares);
+        Forces {
+            internal,
+            inertia: inertia(system, &new.a, &combine(shares, &old.v, &new.v)),
+            loads: loads.map(|(s, share)| (s.time, share, Cow::Borrowed(s.u.as_slice()))).collect(),
+            u: Cow::Owned(combine(shares, &old.u, &new.u)),
+        }
+    }
+
+    /// Energy–momentum scheme: forces of the step, which act at its middle.
+    fn middle<'a>(&mut self, system: &System, old: &State, new: &State) -> Forces<'a> {
+        let dt = new.time - old.time;
+        let middle = old.time + 0.5 * dt;
+        self.assembly.history.copy_from_slice(&old.history);
+        let motion = Motion::Step { old: &old.u, new: &new.u, dt };
+        let k = Kinematics::new(&system.reference, motion, system.linear, middle);
+        let mut internal = vec![[0.0; 3]; new.u.len()];
+        self.assembly.forces(system, &k, &mut internal);
+        let (mean, rate) = ([0.5, 0.5], [-1.0 / dt, 1.0 / dt]);
+        let u = combine(mean, &old.u, &new.u);
+        Forces {
+            internal,
+            // The state holds the mean accelerations of the step.
+            inertia: inertia(system, &new.a, &combine(rate, &old.u, &new.u)),
+            loads: vec![(middle, 1.0, Cow::Owned(u.clone()))],
+            u: Cow::Owned(u),
+        }
+    }
+
+    /// Internal forces of a state.
+    fn internal(&mut self, system: &System, state: &State) -> Vec<Nodal> {
+        let velocity = (!state.v.is_empty()).then_some(state.v.as_slice());
+        let motion = Motion::State { u: &state.u, velocity };
+        let k = Kinematics::new(&system.reference, motion, system.linear, state.time);
+        let mut out = vec![[0.0; 3]; state.u.len()];
+        self.assembly.forces(system, &k, &mut out);
+        out
+    }
+
+    /// Resultants and balance.
+    fn sum(&mut self, system: &System, forces: &Forces) -> Equilibrium {
+        let u = forces.u.as_ref();
+        let zero = vec![[0.0; 3]; u.len()];
+        let mut out = Equilibrium { reactions: zero.clone(), ..Equilibrium::default() };
+        let mut all_loads = zero.clone();
+        for (index, set) in system.load_sets.iter().enumerate() {
+            let mut load = zero.clone();
+            add_load_set(system, index, &forces.loads, &mut load);
+            out.loads.push(resultant(system, u, &load, &set.about));
+            all_loads = combine([1.0, 1.0], &all_loads, &load);
+        }
+        out.inertia = resultant(system, u, &forces.inertia, &Vec3::zeros());
+        let unbalanced =
+            combine([1.0, -1.0], &combine([1.0, 1.0], &forces.internal, &forces.inertia), &all_loads);
+        out.supports = vec![Resultant::default(); system.support_sets.len()];
+        for supported in &self.supported {
+            let v = supported.vector;
+            for (set, force) in supported.parts(system, u, &unbalanced[v]) {
+                out.reactions[v] = (Vec3::from(out.reactions[v]) + force).into();
+                add_to(&mut out.supports[set], system, (u, v), &force, &system.support_sets[set].about);
+            }
+        }
+        let mut balance = Sum::new(system);
+        balance.add(system, u, &all_loads, 1.0);
+        balance.add(system, u, &forces.inertia, -1.0);
+        balance.add(system, u, &out.reactions, 1.0);
+        (out.force_error, out.moment_error) = balance.errors();
+        out
+    }
+}
+
+/// Supported nodal vectors. Where conditions meet at a node, an axis belongs to the first one of the file that supports
+/// it.
+fn supported(system: &System) -> Vec<Supported> {
+    let mut by_vector: BTreeMap<usize, Vec<&Support>> = BTreeMap::new();
+    for support in &system.supports {
+        by_vector.entry(support.vector as usize).or_default().push(support);
+    }
+    let sets: BTreeMap<&str, usize> = system
+        .support_sets
+        .iter()
+        .enumerate()
+        .flat_map(|(index, set)| set.keys.iter().map(move |key| (key.as_str(), index)))
+        .collect();
+    let units: BTreeMap<usize, Option<Vec3>> =
+        system.numbering.unit.iter().map(|unit| (unit.vector as usize, unit.fixed)).collect();
+    let of_vector = |(vector, supports): (usize, Vec<&Support>)| {
+        let mut axes: Vec<(Vec3, usize)> = Vec::new();
+        for support in supports {
+            let rest = axes.iter().fold(support.direction, |d, (a, _)| d - a * a.dot(&support.direction));
+            if rest.norm() > 1e-9 {
+                axes.push((rest.normalize(), *sets.get(support.key.as_str())?));
+            }
+        }
+        let turns = units.contains_key(&vector);
+        if turns {
+            // A support along the director says nothing: its length is kept anyway.
+            let fixed = units[&vector]?;
+            axes.retain(|(axis, _)| axis.dot(&fixed).abs() > 0.5);
+        }
+        Some(Supported { vector, axes, turns })
+    };
+    by_vector.into_iter().filter_map(of_vector).collect()
+}
+
+impl Supported {
+    /// Reactions on the vector and the sets that they belong to, from its unbalanced force.
+    fn parts(&self, system: &System, u: &[Nodal], force: &Nodal) -> impl Iterator<Item = (usize, Vec3)> {
+        let force = Vec3::from(*force);
+        let d = arm(system, u, self.vector);
+        self.axes.iter().map(move |(axis, set)| {
+            let mut along = force.dot(axis);
+            if self.turns {
+                // What keeps the director's length is internal and has no moment; the support takes the rest.
+                let across = d - axis * axis.dot(&d);
+                let length = force.dot(&across) / across.norm_squared().max(f64::MIN_POSITIVE);
+                along -= length * d.dot(axis);
+            }
+            (*set, axis * along)
+        })
+    }
+}
+
+/// Adds the loads of one set.
+fn add_load_set(system: &System, set: usize, times: &[(f64, f64, Cow<[Nodal]>)], out: &mut Vec<Nodal>) {
+    for (time, share, u) in times {
+        for (load, _) in system.dead_loads.iter().zip(&system.load_of_dead).filter(|(_, of)| **of == set) {
+            *out = combine([1.0, share * system.amplitude(load.amplitude, *time)], out, &load.force);
+        }
+        for (load, _) in system.followers.iter().zip(&system.load_of_follower).filter(|(_, of)| **of == set) {
+            let x: Vec<Vec3> = load.vectors().iter().map(|&v| arm(system, u, v as usize)).collect();
+            let mut forces = vec![[0.0; 3]; x.len()];
+            load.forces(&x, &mut forces);
+            let factor = share * system.amplitude(load.amplitude(), *time);
+            for (&v, f) in load.vectors().iter().zip(forces) {
+                (0..3).for_each(|i| out[v as usize][i] += factor * f[i]);
+            }
+        }
+    }
+}
+
+/// Inertia and mass damping.
+fn inertia(system: &System, a: &[Nodal], v: &[Nodal]) -> Vec<Nodal> {
+    let mut out = vec![[0.0; 3]; system.vectors()];
+    if !a.is_empty() {
+        system.pattern.add_mass_product(1.0, a, &mut out);
+        system.pattern.add_mass_product(system.mass_damping, v, &mut out);
+    }
+    out
+}
+
+/// Weighted sum of two fields.
+fn combine([a, b]: [f64; 2], x: &[Nodal], y: &[Nodal]) -> Vec<Nodal> {
+    x.iter().zip(y).map(|(x, y)| std::array::from_fn(|i| a * x[i] + b * y[i])).collect()
+}
+
+/// A nodal vector on which forces act: the reference one in linear models.
+fn arm(system: &System, u: &[Nodal], v: usize) -> Vec3 {
+    let reference = Vec3::from(system.reference[v]);
+    if system.linear { reference } else { reference + Vec3::from(u[v]) }
+}
+
+fn add_to(total: &mut Resultant, system: &System, (u, v): (&[Nodal], usize), force: &Vec3, about: &Vec3) {
+    let mut x = arm(system, u, v);
+    if system.kinds[v] == VectorKind::Position {
+        total.force += force;
+        x -= about;
+    }
+    total.moment += x.cross(force);
+}
+
+/// Force and moment about a point of generalised forces.
+fn resultant(system: &System, u: &[Nodal], forces: &[Nodal], about: &Vec3) -> Resultant {
+    let mut out = Resultant::default();
+    for (v, f) in forces.iter().enumerate().filter(|(_, f)| **f != [0.0; 3]) {
+        add_to(&mut out, system, (u, v), &Vec3::from(*f), about);
+    }
+    out
+}
+
+/// Sum of forces and moments and of their sizes.
+struct Sum {
+    about: Vec3,
+    total: Resultant,
+    forces: f64,
+    moments: f64,
+}
+
+impl Sum {
+    fn new(system: &System) -> Self {
+        let positions = system.position_of.iter().filter(|&&p| p != u32::MAX);
+        let (count, sum) = positions.fold((0.0, Vec3::zeros()), |(n, sum), &p| {
+            (n + 1.0, sum + Vec3::from(system.reference[p as usize]))
+        });
+        Self { about: sum / f64::max(count, 1.0), total: Resultant::default(), forces: 0.0, moments: 0.0 }
+    }
+
+    fn add(&mut self, system: &System, u: &[Nodal], forces: &[Nodal], factor: f64) {
+        for (v, f) in forces.iter().enumerate().filter(|(_, f)| **f != [0.0; 3]) {
+            let force = Vec3::from(*f) * factor;
+            let mut one = Resultant::default();
+            add_to(&mut one, system, (u, v), &force, &self.about);
+            self.total.force += one.force;
+            self.total.moment += one.moment;
+            self.forces += one.force.norm();
+            self.moments += one.moment.norm();
+        }
+    }
+
+    fn errors(&self) -> (f64, f64) {
+        let over = |sum: f64, scale: f64| if sum == 0.0 { 0.0 } else { sum / scale };
+        (over(self.total.force.norm(), self.forces), over(self.total.moment.norm(), self.moments))
+    }
+}

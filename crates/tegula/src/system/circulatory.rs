@@ -1,0 +1,192 @@
+//! Circulatory stiffness: the skew part of the stiffness of loads that follow the motion.
+//!
+//! Its symmetric part lies in the pattern of the tangent; the skew part acts on few nodal vectors. That of a pressure on
+//! a surface is a sum over its boundary, since the parts of elements cancel along common edges:
+//!
+//! ```text
+//! ½ (K_ab − K_baᵀ) = −½ p ∮ N_a N_b [dr]×
+//! ```
+//!
+//! (K. Schweizerhof, E. Ramm, *Displacement dependent pressure loads in nonlinear finite element analyses*, Comput.
+//! Struct. 18 (1984) 1099–1114). That of a moment on a director is `−(m·d) [d]×/|d|⁴`: it vanishes with the drilling
+//! component. The name is that of the forces: H. Ziegler, *Principles of structural stability*, 1968.
+
+use std::collections::BTreeMap;
+
+use super::assembly::{TangentParts, current_vector};
+use super::numbering::{CONSTRAINED, Numbering};
+use super::{System, VectorKind};
+use crate::element::Kinematics;
+use crate::load::FollowerLoad;
+use crate::{Mat3, Vec3};
+
+/// Pressures of neighbours that differ by less than this part of themselves cancel along their common edge.
+const CANCELLED: f64 = 1e-12;
+/// Skew blocks below this part of the load's stiffness are rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// An edge on the boundary of a surface under pressure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct PressureEdge {
+    /// Positions of its ends, around the surface.
+    ends: [u32; 2],
+    /// Pressure at amplitude 1.
+    pressure: f64,
+    amplitude: Option<usize>,
+}
+
+/// The block of two nodal vectors; that of `(column, row)` is minus its transpose.
+#[derive(Debug, Clone, Copy)]
+struct Block {
+    row: u32,
+    column: u32,
+    values: Mat3,
+}
+
+/// Skew part of the stiffness of all follower loads, taken at a motion.
+#[derive(Debug, Clone)]
+pub struct CirculatoryStiffness {
+    edges: Vec<PressureEdge>,
+    /// Numbers of the follower loads that are moments.
+    moments: Vec<u32>,
+    blocks: Vec<Block>,
+    /// Free coordinates on which it acts, ascending.
+    support: Vec<u32>,
+    /// Scale of each: 1/length of positions, 1 of directors, so that results do not depend on units.
+    scales: Vec<f64>,
+}
+
+impl CirculatoryStiffness {
+    /// Lists the vectors concerned; no stiffness is taken yet.
+    pub fn new(system: &System) -> Self {
+        let edges = boundary(&system.followers);
+        let is_moment = |l: &FollowerLoad| !matches!(l, FollowerLoad::Pressure { .. });
+        let moments: Vec<u32> =
+            (0u32..).zip(&system.followers).filter(|(_, l)| is_moment(l)).map(|(n, _)| n).collect();
+        let of_moment = |&n: &u32| system.followers[n as usize].vectors().iter().copied();
+        let mut vectors: Vec<u32> =
+            edges.iter().flat_map(|e| e.ends).chain(moments.iter().flat_map(of_moment)).collect();
+        vectors.sort_unstable();
+        vectors.dedup();
+        let mut coordinates = Vec::new();
+        for v in vectors.into_iter().map(|v| v as usize) {
+            let scale = if system.kinds[v] == VectorKind::Position { 1.0 / system.length } else { 1.0 };
+            let free = system.numbering.of(v).into_iter().filter(|&n| n != CONSTRAINED);
+            coordinates.extend(free.map(|n| (n, scale)));
+        }
+        coordinates.sort_by_key(|(n, _)| *n);
+        let (support, scales) = coordinates.into_iter().unzip();
+        let pairs = |&n: &u32| {
+            let n = system.followers[n as usize].vectors().len();
+            n * (n + 1) / 2
+        };
+        let most = 3 * edges.len() + moments.iter().map(pairs).sum::<usize>();
+        Self { edges, moments, blocks: Vec::with_capacity(most), support, scales }
+    }
+
+    /// Takes the stiffness at a motion, with the weights of a tangent.
+    pub fn take(&mut self, system: &System, k: &Kinematics, parts: &TangentParts) {
+        self.blocks.clear();
+        if k.linear {
+            return;
+        }
+        let direction = parts.weights.force * parts.weights.direction;
+        for edge in &self.edges {
+            let p = direction * edge.pressure * system.amplitude(edge.amplitude, parts.time);
+            let [a, b] = edge.ends;
+            let along = current_vector(system, k, b as usize) - current_vector(system, k, a as usize);
+            // ∮ N_a N_b along an edge: a third of it and a sixth.
+            let values = along.cross_matrix() * (-p / 6.0);
+            if p != 0.0 {
+                self.blocks.push(Block { row: a, column: a, values });
+                self.blocks.push(Block { row: b, column: b, values });
+                self.blocks.push(Block { row: a, column: b, values: values * 0.5 });
+            }
+        }
+        for &n in &self.moments {
+            let load = &system.followers[n as usize];
+            let factor = direction * system.amplitude(load.amplitude(), parts.time);
+            let vectors = load.vectors();
+            let mut x = [Vec3::zeros(); 4];
+            for (x, &v) in x.iter_mut().zip(vectors) {
+                *x = current_vector(system, k, v as usize);
+            }
+            let stiffness = load.derivative(&x[..vectors.len()]);
+            let largest = stiffness.iter().flatten().map(|b| b.amax()).fold(0.0, f64::max);
+            for (a, &row) in vectors.iter().enumerate() {
+                for (b, &column) in vectors[..=a].iter().enumerate() {
+                    let values = (stiffness[a][b] - stiffness[b][a].transpose()) * (0.5 * factor);
+                    // Also where it is not a number: the solution tells.
+                    if !(values.amax() <= ROUNDING * factor.abs() * largest) {
+                        self.blocks.push(Block { row, column, values });
+                    }
+                }
+            }
+        }
+    }
+
+    /// True if there is none at the motion where it was taken.
+    pub fn is_zero(&self) -> bool {
+        self.blocks.is_empty()
+    }
+
+    /// Free coordinates on which it acts, ascending.
+    pub fn support(&self) -> &[u32] {
+        &self.support
+    }
+
+    /// Scaled values of the free coordinates on which it acts.
+    pub fn gather(&self, x: &[f64], out: &mut [f64]) {
+        for ((out, &n), scale) in out.iter_mut().zip(&self.support).zip(&self.scales) {
+            *out = scale * x[n as usize];
+        }
+    }
+
+    /// Free coordinates with these scaled values where it acts, and zero elsewhere.
+    pub fn scatter(&self, values: &[f64], x: &mut [f64]) {
+        x.fill(0.0);
+        for ((value, &n), scale) in values.iter().zip(&self.support).zip(&self.scales) {
+            x[n as usize] = value / scale;
+        }
+    }
+
+    /// `out = N x` for free coordinates along the axes of `numbering`.
+    pub fn product(&self, numbering: &Numbering, x: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        let read = |v: u32| {
+            let local = numbering.of(v as usize).map(|n| x.get(n as usize).copied().unwrap_or(0.0));
+            Vec3::from(numbering.from_axes(v as usize, local))
+        };
+        let mut add = |v: u32, value: Vec3| {
+            let local = numbering.to_axes(v as usize, value.into());
+            for (n, value) in numbering.of(v as usize).into_iter().zip(local) {
+                if let Some(out) = out.get_mut(n as usize) {
+                    *out += value;
+                }
+            }
+        };
+        for block in &self.blocks {
+            add(block.row, block.values * read(block.column));
+            if block.row != block.column {
+                add(block.column, -block.values.tr_mul(&read(block.row)));
+            }
+        }
+    }
+}
+
+/// Edges that do not cancel: on the boundary of a surface, or between different pressures.
+fn boundary(loads: &[FollowerLoad]) -> Vec<PressureEdge> {
+    let mut sums: BTreeMap<([u32; 2], Option<usize>), [f64; 2]> = BTreeMap::new();
+    for load in loads {
+        let FollowerLoad::Pressure { vectors, pressure, amplitude } = load else { continue };
+        for a in 0..4 {
+            let (from, to) = (vectors[a], vectors[(a + 1) % 4]);
+            let signed = if from < to { *pressure } else { -pressure };
+            let [sum, size] = sums.entry(([from.min(to), from.max(to)], *amplitude)).or_default();
+            *sum += signed;
+            *size += pressure.abs();
+        }
+    }
+    let left = sums.into_iter().filter(|(_, [sum, size])| sum.abs() > CANCELLED * size);
+    left.map(|((ends, amplitude), [pressure, _])| PressureEdge { ends, pressure, amplitude }).collect()
+}
