@@ -54,9 +54,7 @@ fn a_pulse_between_steps_gives_its_impulse_in_every_scheme() {
         let exact = 3.0 / 20.0 * 50.0 * (end - start);
         for scheme in ALL {
             for step in [None, Some(0.01), Some(0.0123)] {
-                // HHT holds a part of the load at the start of the step in its accelerations: only steps that repeat
-                // the length before a kink are exact.
-                if step.is_some() && scheme == EXPLICIT || step == Some(0.0123) && scheme == HHT {
+                if step.is_some() && scheme == EXPLICIT {
                     continue;
                 }
                 let mut notes = Notes::keeping();
@@ -244,20 +242,25 @@ fn plastic_cycle(amplitude: Amplitude, load_steps: u32) -> Model {
 
 #[test]
 fn a_plastic_cycle_gives_one_answer_whatever_the_load_steps() {
-    let amplitude = table(&[0.0, 0.5, 1.0], &[0.0, 1.0, 0.0]);
-    let answer = |load_steps: u32| {
-        let m = plastic_cycle(amplitude.clone(), load_steps);
-        let (mesh, system, outcome) = common::solve(&m);
-        let largest = plastic_strains(&system, &outcome.state).into_iter().max_by(f64::total_cmp).unwrap();
-        (largest, displacement(&mesh, &system, &outcome.state.u, "u_max_v_max").z)
-    };
-    let (strain, z) = answer(64);
-    println!("{amplitude:?}: plastic strain {strain:e}, tip {z:e}");
-    assert!(strain > 5e-5 && z > 1e-4, "it yields");
-    for steps in [1, 2, 3, 5, 7, 10] {
-        let (s, x) = answer(steps);
-        println!("  {steps} steps: {:e} {:e}", s / strain - 1.0, x / z - 1.0);
-        assert!((s / strain - 1.0).abs() < 1e-3 && (x / z - 1.0).abs() < 1e-3, "{steps}: {s:e} {x:e}");
+    // The stress update over a step is of first order where the direction of the stress turns: what remains is its error.
+    let courses = [(table(&[0.0, 0.5, 1.0], &[0.0, 1.0, 0.0]), 1e-3), (formula("sin(PI*t)"), 2e-3)];
+    for (amplitude, tolerance) in courses {
+        let answer = |load_steps: u32| {
+            let m = plastic_cycle(amplitude.clone(), load_steps);
+            let (mesh, system, outcome) = common::solve(&m);
+            let largest =
+                plastic_strains(&system, &outcome.state).into_iter().max_by(f64::total_cmp).unwrap();
+            (largest, displacement(&mesh, &system, &outcome.state.u, "u_max_v_max").z)
+        };
+        let (strain, z) = answer(64);
+        println!("{amplitude:?}: plastic strain {strain:e}, tip {z:e}");
+        assert!(strain > 5e-5 && z > 1e-4, "it yields");
+        for steps in [1, 2, 3, 5, 7, 10] {
+            let (s, x) = answer(steps);
+            let (of_s, of_x) = ((s / strain - 1.0).abs(), (x / z - 1.0).abs());
+            println!("  {steps} steps: {of_s:e} {of_x:e}");
+            assert!(of_s < tolerance && of_x < tolerance, "{amplitude:?} {steps}: {s:e} {x:e}");
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Static equilibrium.
 
 mod connection;
+mod enhanced;
 mod failure;
 mod load_steps;
 

@@ -22,7 +22,7 @@
 //! | 2ε̃xz, 2ε̃yz | C, D and A, B on the mid-surface (ANS) | 2 + 2 |
 //! | ε̃zz | nodes (ANS) | 4 |
 //!
-//! In elements shorter than an eighth of the thickness, transverse shear has the part `z d,ξ·d = z ∂(½ d·d)/∂ξ`, which is taken from the
+//! In elements shorter than a quarter of the thickness, transverse shear has the part `z d,ξ·d = z ∂(½ d·d)/∂ξ`, which is taken from the
 //! samples of ε̃zz: differences along the edges. Without it nothing holds directors that stretch and shrink in turn, and
 //! elements shorter than a third of the thickness lose stability in bending. In longer ones it counts for nothing, and the
 //! element is that of the paper.
@@ -233,6 +233,12 @@ impl ShellElement for CmShell {
 
     fn parameters(&self) -> usize {
         self.thickness_parameters + self.membrane.parameters()
+    }
+
+    fn without_enhanced_strains(&self) -> Option<Box<dyn ShellElement>> {
+        (self.membrane.parameters() > 0).then(|| -> Box<dyn ShellElement> {
+            Box::new(Self { membrane: Membrane::Displacement, ..*self })
+        })
     }
 
     fn is_solid(&self) -> bool {

@@ -19,7 +19,7 @@ pub struct ShellGeometry {
 impl ShellGeometry {
     /// Part of the thickness below which elements are short: their transverse shear has a part linear in z. Longer ones
     /// would bend otherwise than the theory of first order for a tenth of a per cent, in composite plates of L/h = 10.
-    pub const SHORT: f64 = 0.125;
+    pub const SHORT: f64 = 0.25;
 
     /// From positions and directors; tangents come from the directors.
     pub fn new(positions: [Vec3; 4], directors: [Vec3; 4]) -> Self {

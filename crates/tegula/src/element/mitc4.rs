@@ -49,6 +49,12 @@ impl ShellElement for Mitc4 {
         self.membrane.parameters()
     }
 
+    fn without_enhanced_strains(&self) -> Option<Box<dyn ShellElement>> {
+        (self.membrane.parameters() > 0).then(|| -> Box<dyn ShellElement> {
+            Box::new(Self { membrane: Membrane::Displacement, ..*self })
+        })
+    }
+
     fn is_solid(&self) -> bool {
         false
     }

@@ -43,6 +43,10 @@ pub trait ShellElement: Debug + Send + Sync {
     fn samples(&self) -> usize;
     /// Number of enhanced parameters.
     fn parameters(&self) -> usize;
+    /// The same element without enhanced in-plane strains; `None` if it has none.
+    fn without_enhanced_strains(&self) -> Option<Box<dyn ShellElement>> {
+        None
+    }
     /// True if stresses are three-dimensional and integrated over the thickness; false if the element
     /// works with resultants of a section in plane stress.
     fn is_solid(&self) -> bool;

@@ -32,6 +32,10 @@ impl ShellElement for SolidShell {
         self.0.parameters()
     }
 
+    fn without_enhanced_strains(&self) -> Option<Box<dyn ShellElement>> {
+        self.0.without_enhanced_strains()
+    }
+
     fn is_solid(&self) -> bool {
         true
     }

@@ -54,7 +54,7 @@ impl StepEnds {
             // Only rounding apart: the length, and with it the factor of a linear model, stays.
             let dt = if left >= SAME * wanted { wanted } else { left };
             Span { dt, end: target }
-        } else if self.shares && left < 2.0 * wanted {
+        } else if (self.shares || broken) && left < 2.0 * wanted {
             // The last two steps share what is left, so that no sliver remains.
             Span { dt: 0.5 * left, end: time + 0.5 * left }
         } else {

@@ -1,6 +1,6 @@
 //! Reasons why a load step finds no equilibrium, and what can be done.
 
-use super::State;
+use super::{State, enhanced};
 use crate::analysis::newton::{Cause, Diverged, SoftestMode};
 use crate::element::Nodal;
 use crate::model::{LinearSolver, StaticAnalysis};
@@ -51,6 +51,8 @@ pub(super) struct CriticalPoint {
     /// A limit point; else a bifurcation point.
     limit: bool,
     mode: Vec<Nodal>,
+    /// Share of the stiffness of the mode that enhanced strains take away, where it is known.
+    enhanced: Option<f64>,
 }
 
 impl CriticalPoint {
@@ -60,7 +62,24 @@ impl CriticalPoint {
         let proved = matches!(failure.kind, Kind::Unstable | Kind::Leap);
         let likely = softened > SOFTENED && mode.excited > DOMINANT;
         let limit = mode.excited > EXCITED;
-        (proved || likely).then_some(Self { limit, mode: mode.shape })
+        (proved || likely).then_some(Self { limit, mode: mode.shape, enhanced: None })
+    }
+
+    /// Looks whether the mode lives in the enhanced strains of the elements.
+    pub fn look_at_enhanced_strains(&mut self, system: &System, state: &State) {
+        self.enhanced = enhanced::share(system, &state.u, state.time, &self.mode);
+    }
+
+    /// Words about the part of the enhanced strains in the mode.
+    fn of_enhanced_strains(&self) -> String {
+        match self.enhanced {
+            Some(share) if share > enhanced::NOTEWORTHY => format!(
+                "; enhanced strains take away {:.1} % of the material stiffness of this mode, which may be one of the \
+                 elements and not of the structure: compare with `membrane = \"displacement\"` or a finer mesh",
+                100.0 * share
+            ),
+            _ => String::new(),
+        }
     }
 }
 
@@ -104,8 +123,11 @@ impl Failure {
         let mode = place(system, &critical.mode)
             .map_or(String::new(), |(_, at)| format!(", its mode is largest {at}"));
         format!(
-            "{what}: {with}between load factors {:.6} and {target:.6}; at {:.6} {largest}{mode}. The last attempt: {}",
-            state.time, state.time, self.reason
+            "{what}: {with}between load factors {:.6} and {target:.6}; at {:.6} {largest}{mode}{}. The last attempt: {}",
+            state.time,
+            state.time,
+            critical.of_enhanced_strains(),
+            self.reason
         )
     }
 

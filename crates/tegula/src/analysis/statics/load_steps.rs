@@ -364,7 +364,9 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let (response, mode, _) = newton.softest_mode(system, &at(state.time), &at(target)).ok()?;
         let mean = system.norm(&state.u) / state.time;
         let softened = response / (target - state.time) / mean;
-        CriticalPoint::of(failure, mode, softened)
+        let mut critical = CriticalPoint::of(failure, mode, softened)?;
+        critical.look_at_enhanced_strains(system, state);
+        Some(critical)
     }
 }
 
