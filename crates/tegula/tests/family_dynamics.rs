@@ -329,6 +329,8 @@ fn vibrations_of_nonlinear_materials_are_those_of_their_reference() {
         let mut m = model(plate([1.0, 0.5], [6, 3], 0.1), 1.0, 0.02);
         m.materials.insert("m".into(), Material::Isotropic(Isotropic::new(e, nu, 500.0)));
         m.sections[0].element = element;
+        // The same for all materials, whose defaults differ.
+        m.sections[0].membrane = Some(Membrane::Eas);
         m
     };
     let neo = NeoHookean {

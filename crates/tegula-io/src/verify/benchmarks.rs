@@ -24,15 +24,36 @@ fn elements(mesh: &str) -> [u32; 2] {
     [n.next().unwrap_or(1), n.next().unwrap_or(1)]
 }
 
+/// Model of a linear problem, and the point and component of its displacement.
+fn linear_model(problem: &str) -> (&'static str, &'static str, usize) {
+    match problem {
+        "scordelis_lo" => (ROOF, "u_max_v_min", 2),
+        "pinched_cylinder" => (CYLINDER, "u_min_v_min", 2),
+        _ => (HEMISPHERE, "u_min_v_min", 0),
+    }
+}
+
+/// Displacement of a linear problem over that of the literature.
+pub fn linear_ratio(problem: &str, variant: &str, n: u32) -> Result<f64> {
+    let (text, point, component) = linear_model(problem);
+    let all = records(LINEAR);
+    let literature =
+        all.iter().find(|r| r.text("problem") == problem).map_or(f64::NAN, |r| r.number("literature"));
+    let mut model = read(text)?;
+    refine(&mut model, [n, n]);
+    switch(&mut model, variant);
+    if let Analysis::Static(s) = &mut model.analysis {
+        s.linear = true;
+    }
+    let compiled = Compiled::new(&model)?;
+    Ok(compiled.statics(&model)?.state.u[compiled.point(point)?][component].abs() / literature)
+}
+
 /// Scordelis–Lo roof, pinched cylinder, pinched hemisphere.
 pub fn linear(report: &mut Report) -> Result<()> {
     for record in records(LINEAR) {
         let problem = record.text("problem");
-        let (text, point, component) = match problem {
-            "scordelis_lo" => (ROOF, "u_max_v_min", 2),
-            "pinched_cylinder" => (CYLINDER, "u_min_v_min", 2),
-            _ => (HEMISPHERE, "u_min_v_min", 0),
-        };
+        let (text, point, component) = linear_model(problem);
         let mesh = record.text("mesh");
         let mut model = read(text)?;
         refine(&mut model, elements(mesh));

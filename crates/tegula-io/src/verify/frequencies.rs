@@ -21,6 +21,21 @@ pub fn fast(report: &mut Report) -> Result<()> {
     compare(report, 8)
 }
 
+/// First frequency Ω₁ of the plate of L/H = 100 with n × n elements of a variant.
+pub fn lowest(variant: &str, n: u32) -> Result<f64> {
+    let mut model = read(MODEL)?;
+    refine(&mut model, [n, n]);
+    let h: f64 = 0.01;
+    switch(&mut model, variant);
+    section(&mut model)?.thickness = h;
+    let m = material(&model)?.clone();
+    let compiled = Compiled::new(&model)?;
+    let outcome = modal::run(&compiled.system, 8, None, &mut Silent)?;
+    let plate_stiffness = m.young * h.powi(3) / 12.0 / (1.0 - m.poisson * m.poisson);
+    let unit = PI * PI * (plate_stiffness / (m.density * h)).sqrt();
+    Ok(outcome.modes.iter().find(|m| !m.rigid).map_or(f64::NAN, |m| m.omega / unit))
+}
+
 fn compare(report: &mut Report, finest: u32) -> Result<()> {
     for record in records(REFERENCE).iter().filter(|r| !r.text("model").starts_with("truth")) {
         let n = record.number("n") as u32;

@@ -18,7 +18,7 @@ use crate::plot::{LinePlot, Series, Style, lines};
 
 const BALLOON: &str = include_str!("../../../../verification/reference/balloon.csv");
 
-fn flat(size: [f64; 2], elements: [u32; 2]) -> MeshSource {
+pub(super) fn flat(size: [f64; 2], elements: [u32; 2]) -> MeshSource {
     MeshSource::Plate(PlateMesh {
         origin: [0.0; 3],
         u_axis: [1.0, 0.0, 0.0],
@@ -33,7 +33,7 @@ const HELD: [(&str, Axis); 4] =
     [("pole x", Axis::X), ("pole y", Axis::Y), ("pole z", Axis::Z), ("middle", Axis::X)];
 
 /// An octant of a sphere of radius 1: three faces of a cube with `n × n` elements each, pushed out to the sphere.
-fn octant(n: u32) -> Mesh {
+pub(super) fn octant(n: u32) -> Mesh {
     let mut mesh = Mesh::default();
     // Nodes by where they lie on the cube, so that the faces share those of their edges.
     let mut node_at = std::collections::BTreeMap::new();

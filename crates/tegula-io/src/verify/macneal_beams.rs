@@ -237,6 +237,20 @@ pub fn all(report: &mut Report) -> Result<()> {
     Ok(())
 }
 
+/// Displacements at the tip over theory on the coarse meshes of the paper: name of the beam and load, value.
+pub fn coarse(element: &str) -> Result<Vec<(String, f64)>> {
+    let references = records(REFERENCE);
+    let mut out = Vec::new();
+    for beam in beams() {
+        for &(load, tip, exact) in beam.loads.iter().filter(|(load, ..)| load.ends_with("shear")) {
+            let row = references.iter().find(|r| r.text("problem") == beam.problem && r.text("load") == load);
+            let theory = exact.map_or(row.map_or(f64::NAN, |r| r.number("value")), |f| f(5.0 / 6.0));
+            out.push((format!("{}: {load}", beam.name), displacement(&beam, tip, element, 1)? / theory));
+        }
+    }
+    Ok(out)
+}
+
 /// Nodes u fastest; each coarse quad cut into parts × parts.
 fn mesh(beam: &Beam, parts: u32) -> Mesh {
     let [nu, nv] = beam.elements.map(|n| n * parts);

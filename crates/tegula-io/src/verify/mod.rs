@@ -15,6 +15,7 @@ mod inside;
 mod large_cantilever;
 mod macneal_beams;
 mod macneal_plates;
+mod membrane_parts;
 pub(crate) mod model;
 mod paper;
 mod patch;
@@ -164,6 +165,12 @@ pub const CASES: &[Case] = &[
         about: "MacNeal and Harder: thin rectangular plates",
         cost: Cost::Normal,
         run: macneal_plates::all,
+    },
+    Case {
+        name: "membrane-parts",
+        about: "all values of the key membrane: accuracy, stability of stretched elements and of rubber",
+        cost: Cost::Normal,
+        run: membrane_parts::all,
     },
     Case {
         name: "results",

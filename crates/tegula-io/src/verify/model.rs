@@ -39,8 +39,13 @@ pub fn grid(mesh: &mut MeshSource) -> Option<&mut Grid> {
 }
 
 /// Sets element type and remedies of all sections as a reference variant is named: `EMS no ANS shear`,
-/// `CM eas4+3 ks=5/6`, `indep solid-shell EAS5 ks=1`, `inextensible EMS no EAS (MITC4)`.
+/// `CM eas4+3 ks=5/6`, `indep solid-shell EAS5 ks=1`, `inextensible EMS no EAS (MITC4)`. The value of the key `membrane`
+/// may follow: `EMS membrane stable-eas`.
 pub fn switch(model: &mut Model, variant: &str) {
+    let (variant, membrane) = match variant.split_once(" membrane ") {
+        Some((variant, name)) => (variant, Membrane::ALL.into_iter().find(|m| m.name() == name)),
+        None => (variant, None),
+    };
     let has = |text: &str| variant.contains(text);
     let none = has("no remedies");
     for s in &mut model.sections {
@@ -58,14 +63,14 @@ pub fn switch(model: &mut Model, variant: &str) {
         s.ans_shear = !(none || has("no ANS shear") || has("plate no ANS"));
         s.ans_thickness = !(none || has("no ANS thick"));
         s.eas = true;
-        s.membrane = Some(if none || has("no EAS") || has("no in-plane EAS") {
+        s.membrane = membrane.or(Some(if none || has("no EAS") || has("no in-plane EAS") {
             Membrane::Displacement
         } else if has("assumed in-plane shear") {
             Membrane::AssumedShear
         } else {
             // The paper's element, whatever the default is.
             Membrane::Eas
-        });
+        }));
         s.thickness_eas = if none || has("no thickness EAS") {
             0
         } else if has("4+3") || has("EAS7") {

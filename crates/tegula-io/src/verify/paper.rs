@@ -31,7 +31,7 @@ pub fn tables(report: &mut Report) -> Result<()> {
 }
 
 /// Deflections of the corner and the middle of the free edge by plate theory.
-fn theory(h: f64) -> [f64; 2] {
+pub fn theory(h: f64) -> [f64; 2] {
     let all = records(CONVERGED);
     let row = all
         .iter()
@@ -41,7 +41,7 @@ fn theory(h: f64) -> [f64; 2] {
 }
 
 /// Frequencies of the free plate by a Ritz series of Mindlin's plate.
-fn series(slenderness: f64) -> Vec<f64> {
+pub fn series(slenderness: f64) -> Vec<f64> {
     let all = records(FREQUENCIES);
     let row = all
         .iter()

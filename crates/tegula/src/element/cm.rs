@@ -30,8 +30,8 @@
 use nalgebra::{DMatrix, Matrix6, SMatrix};
 
 use super::geometry::{
-    GAUSS, GAUSS_POINTS, NODES, ShellGeometry, cross_section_frame, shape, shape_eta, shape_xi, shell_mass,
-    strain_transformation, stretch_gradient,
+    GAUSS, GAUSS_POINTS, NODES, ShellGeometry, cross_section_frame, nodal_areas, shape, shape_eta, shape_xi,
+    shell_mass, strain_transformation, stretch_gradient,
 };
 use super::membrane::{HourglassWeights, InPlaneSamples, Membrane, ShearPoint, assumed_shear};
 use super::shell::{GroupBuilder, GroupSetup, QuadraticBuilder, ShellElement, StrainOperator};
@@ -50,6 +50,10 @@ const YY: usize = 6;
 const XY: usize = 12;
 const ZZ: usize = 24;
 const SHEAR: usize = 28;
+
+/// Stiffness of the enhanced stretch over Young's modulus: about the shear modulus of rubber. A tenth to three times
+/// Young's modulus serve as well.
+const STRETCH_STIFFNESS: f64 = 1.0 / 3.0;
 
 /// The element with its locking remedies.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -120,6 +124,16 @@ impl CmShell {
             }
         }
         t
+    }
+
+    /// Number of enhanced parameters of the thickness strain that are even over the thickness and vary over the element.
+    ///
+    /// Assumed shear leaves normal strains in the plane that vary over the element, and no parameters that even them
+    /// out. The thickness, which neighbours share at the nodes, could not follow them without a change of volume: a
+    /// nearly incompressible sheet would lock, and buckle under the stresses of the locking. The parameters have a
+    /// stiffness of their own, or thicknesses that alternate from node to node would cost nothing.
+    fn stretch_parameters(&self) -> usize {
+        if self.membrane == Membrane::AssumedShear { 3 } else { 0 }
     }
 
     /// Covariant strains of a Gauss point at the height z from the samples.
@@ -232,7 +246,7 @@ impl ShellElement for CmShell {
     }
 
     fn parameters(&self) -> usize {
-        self.thickness_parameters + self.membrane.parameters()
+        self.thickness_parameters + self.membrane.parameters() + self.stretch_parameters()
     }
 
     fn without_enhanced_strains(&self) -> Option<Box<dyn ShellElement>> {
@@ -265,6 +279,10 @@ impl ShellElement for CmShell {
             polynomials[(3, column)] = value;
             column += 1;
         }
+        for value in [xi, eta, xi * eta].into_iter().take(self.stretch_parameters()) {
+            polynomials[(3, column)] = value;
+            column += 1;
+        }
         let enhanced = (at.centre * polynomials).columns(0, column).into_owned();
         let enhanced = DMatrix::from_column_slice(6, column, enhanced.as_slice());
         let mut samples = at.samples;
@@ -272,6 +290,16 @@ impl ShellElement for CmShell {
             samples += shear_polynomials(&at.centre, point) * self.assumed_shear(g)?;
         }
         Ok(StrainOperator { samples, enhanced, frame: at.frame, measure: at.measure })
+    }
+
+    fn parameter_stiffness(&self, g: &ShellGeometry) -> Vec<f64> {
+        let area: f64 = nodal_areas(&g.positions).iter().sum();
+        // Means of ξ², η² and ξ²η².
+        [1.0 / 3.0, 1.0 / 3.0, 1.0 / 9.0]
+            .into_iter()
+            .take(self.stretch_parameters())
+            .map(|m| STRETCH_STIFFNESS * m * area)
+            .collect()
     }
 
     fn mass(&self, g: &ShellGeometry, inertia: &SectionInertia) -> Vec<f64> {

@@ -76,6 +76,11 @@ pub trait ShellElement: Debug + Send + Sync {
     fn stretch_gradient(&self, _g: &ShellGeometry, _point: usize) -> Option<DMatrix<f64>> {
         None
     }
+    /// Stiffness of the last enhanced parameters per modulus over the thickness, ∫E dz; empty if they have none of their
+    /// own.
+    fn parameter_stiffness(&self, _g: &ShellGeometry) -> Vec<f64> {
+        Vec::new()
+    }
     /// Scalar mass of the lower triangle of pairs of nodal vectors.
     fn mass(&self, g: &ShellGeometry, inertia: &SectionInertia) -> Vec<f64>;
     /// Collects the elements of a section.

@@ -44,6 +44,10 @@ impl ShellElement for SolidShell {
         self.0.operator(g, point, z)
     }
 
+    fn parameter_stiffness(&self, g: &ShellGeometry) -> Vec<f64> {
+        self.0.parameter_stiffness(g)
+    }
+
     fn mass(&self, g: &ShellGeometry, inertia: &SectionInertia) -> Vec<f64> {
         self.0.mass(g, inertia)
     }

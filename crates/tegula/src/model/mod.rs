@@ -230,6 +230,21 @@ pub enum Membrane {
 }
 
 impl Membrane {
+    /// Every membrane part.
+    pub const ALL: [Self; 5] =
+        [Self::Eas, Self::StableEas, Self::Mitc4Plus, Self::AssumedShear, Self::Displacement];
+
+    /// Name in model files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Eas => "eas",
+            Self::StableEas => "stable-eas",
+            Self::Mitc4Plus => "mitc4+",
+            Self::AssumedShear => "assumed-shear",
+            Self::Displacement => "displacement",
+        }
+    }
+
     /// Number of enhanced parameters.
     pub fn parameters(self) -> usize {
         match self {

@@ -257,7 +257,7 @@ impl Elements {
             }
             let mut section = section.clone();
             if section.membrane.is_none() && section.eas && compiled.has_rubber() {
-                section.membrane = Some(Membrane::Eas);
+                section.membrane = Some(Membrane::AssumedShear);
             }
             let element = registry::shell(&section, compiled.thickness);
             self.section(model, &section, compiled, element, &quads, (mesh, directors, vectors), issues);

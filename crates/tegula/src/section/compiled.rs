@@ -206,6 +206,18 @@ impl CompiledSection {
                 self.with_resultants(element, g, point, prescribed, &mut out)?;
             }
         }
+        let stiffness = element.parameter_stiffness(g);
+        if !stiffness.is_empty() {
+            let (n, all) = (stiffness.len(), element.parameters());
+            let response = DMatrix::from_diagonal(&DVector::from_vec(stiffness)) * self.resultant.stretch();
+            out.push(Station {
+                samples: DMatrix::zeros(n, element.samples()),
+                enhanced: DMatrix::from_fn(n, all, |i, j| if j == all - n + i { 1.0 } else { 0.0 }),
+                response: StationResponse::Linear(response),
+                weight: 1.0,
+                prescribed: prescribed.iter().map(|_| DVector::zeros(n)).collect(),
+            });
+        }
         Ok(out)
     }
 
