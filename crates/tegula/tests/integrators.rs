@@ -48,6 +48,24 @@ fn energy_drift_of_newmark_falls_with_the_square_of_the_step_through_five_halvin
     assert!(ratios.iter().all(|r| (3.8..4.2).contains(r)), "{drifts:?} {ratios:?}");
 }
 
+/// Positions converge with the square of the step through five halvings while the step resolves the motion: differences
+/// of successive runs fall by four.
+#[test]
+fn positions_converge_with_the_square_of_the_step_through_five_halvings() {
+    let m = soft_plate();
+    for scheme in [NEWMARK, HHT, ENERGY_MOMENTUM] {
+        let at = |steps: u32| {
+            let o = options(scheme, 0.256, Some(0.256 / f64::from(steps)));
+            move_in_time(&m, &o, &mut Notes::default()).1.state.u
+        };
+        let states: Vec<_> = (0..7).map(|k| at(128 << k)).collect();
+        let differences: Vec<f64> = states.windows(2).map(|w| distance(&w[0], &w[1])).collect();
+        let ratios: Vec<f64> = differences.windows(2).map(|w| w[0] / w[1]).collect();
+        println!("{scheme:?}: {differences:?} {ratios:?}");
+        assert!(ratios.iter().all(|r| (3.8..4.2).contains(r)), "{scheme:?}: {differences:?} {ratios:?}");
+    }
+}
+
 /// A strip of one element that stretches along x only: one degree of freedom with the circular frequency
 /// ω = √(3 E/ρ)/L of linear interpolation with consistent mass.
 fn oscillator(damping: &Damping) -> (Model, f64) {

@@ -21,6 +21,9 @@ use load_steps::LoadSteps;
 /// limits of 0.3 to 0.5 take 8 tangents, 0.2 and 0.6 take 9, and 0.8 takes 13. Prescribed strains bend shells without
 /// load, and full increments find the way best.
 const FIRST_TURN: f64 = 0.4;
+/// A step that is repeated begins with a quarter of that turn, the next one with a sixteenth: sheets that stretch long before
+/// they turn far (L/h = 10⁵) find their equilibrium from there, where no shorter step helps.
+const MOST_SHORTENED: u32 = 2;
 
 /// Equilibrium at a load factor: `F(λ) − f_int(u) = 0`.
 #[derive(Debug, Clone)]
@@ -32,6 +35,8 @@ pub struct StaticEquation {
     /// Strain energy and displacement that increments are compared with at least: the largest equilibrium values of the
     /// path so far. On the way back to the unloaded state those of the iterate vanish.
     pub scales: [f64; 2],
+    /// Repeated attempts at the present step: each makes the first increment shorter.
+    pub attempts: u32,
 }
 
 impl Equation for StaticEquation {
@@ -66,7 +71,8 @@ impl Equation for StaticEquation {
     }
 
     fn first_turn(&self, system: &System) -> Option<f64> {
-        (!system.linear && system.prescribed_strains.is_empty()).then_some(FIRST_TURN)
+        (!system.linear && system.prescribed_strains.is_empty())
+            .then(|| FIRST_TURN / f64::from(1 << (2 * self.attempts.min(MOST_SHORTENED))))
     }
 
     fn displacement_scale(&self, system: &System) -> f64 {

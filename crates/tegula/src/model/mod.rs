@@ -116,7 +116,7 @@ pub struct Section {
     /// Enhanced assumed strain in the plane (4 parameters); off: in-plane bending is too stiff.
     #[serde(default = "yes")]
     pub eas: bool,
-    /// Membrane part of the bilinear elements. Unless given: `stable-eas`, for rubber `eas`, with `eas = false`
+    /// Membrane part of the bilinear elements. Unless given: `stable-eas`, for rubber `assumed-shear`, with `eas = false`
     /// `displacement`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub membrane: Option<Membrane>,

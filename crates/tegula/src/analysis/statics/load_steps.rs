@@ -71,7 +71,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             largest,
             stops: Stops::of(system, 1.0),
             smallest_part: 0.5_f64.powi(cutbacks),
-            equation: StaticEquation { u: state.u.clone(), time: state.time, scales: [0.0; 2] },
+            equation: StaticEquation { u: state.u.clone(), time: state.time, scales: [0.0; 2], attempts: 0 },
             balance: Balance::default(),
             statistics: Statistics { steps: state.step, ..Statistics::default() },
             external: vec![[0.0; 3]; system.vectors()],
@@ -235,7 +235,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             return Ok(());
         }
         let before =
-            StaticEquation { u: self.state.u.clone(), time: self.state.time, scales: self.equation.scales };
+            StaticEquation { u: self.state.u.clone(), time: self.state.time, ..self.equation.clone() };
         let Self { newton, system, equation, external, buffers, state, .. } = self;
         let [first, last] = buffers;
         let loads: [&mut [Nodal]; 3] = [first, last, external];
@@ -295,6 +295,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         state.u.copy_from_slice(&equation.u);
         state.time = target;
         state.step += 1;
+        equation.attempts = 0;
         let k = state_kinematics(system, &state.u, state.time);
         state.dissipated += newton.assembly.commit(system, &k);
         state.history.copy_from_slice(&newton.assembly.history);
@@ -328,6 +329,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             return Err(self.give_up(target, &failure));
         }
         self.statistics.cutbacks += 1;
+        self.equation.attempts += 1;
         observer.on_repeat(&self.statistics);
         observer.on_event(&format!(
             "load factor {target:.6} not reached: {}; the step is halved",
@@ -360,7 +362,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         }
         let Self { newton, system, state, equation, .. } = self;
         newton.restore(system, state, state.step > 0);
-        let at = |time| StaticEquation { u: state.u.clone(), time, scales: equation.scales };
+        let at = |time| StaticEquation { u: state.u.clone(), time, ..equation.clone() };
         let (response, mode, _) = newton.softest_mode(system, &at(state.time), &at(target)).ok()?;
         let mean = system.norm(&state.u) / state.time;
         let softened = response / (target - state.time) / mean;
