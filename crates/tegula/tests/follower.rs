@@ -79,9 +79,9 @@ fn strip_under_follower_pressure_takes_few_iterations_to_the_full_load() {
     let tip = tip(&mesh, &system, &outcome);
     assert!((tip.x + 3.27285).abs() < 1e-5 && (tip.z + 0.83112).abs() < 1e-5, "{tip:?}");
     assert!(most_iterations(&outcome, &iterations, 20) <= 8);
-    // Solutions for the unsymmetric part: few for each iteration.
+    // Solutions for the unsymmetric part: few for each iteration, those for eigenvalues of the stable states included.
     let each = outcome.statistics.linear_iterations as f64 / outcome.statistics.iterations as f64;
-    assert!(each < 8.0, "{each}");
+    assert!(each < 10.0, "{each}");
 }
 
 /// Directors of unit length are eliminated: their axes and the curvature of their sphere enter the tangent.
@@ -133,13 +133,13 @@ fn strip_rolls_up_four_turns_under_an_end_moment() {
     let moment = 1.2e6 * thickness.powi(3) / 12.0 * 8.0 * PI / 10.0;
     let mut errors = Vec::new();
     for n in [80, 160] {
-        let mut m = strip([n, 1], 0.0, 80);
+        // Two elements across: in a strip one element wide there are motions of its two edges that become unstable after
+        // three turns. A moment that is constant in space leaves a strip no other equilibrium than the rolled-up one: the
+        // moment of every section is known, and with it the curvature.
+        let mut m = strip([n, 2], 0.0, 80);
         m.sections[0].thickness = thickness;
         m.loads = vec![Load::EdgeMoment(vector_load("u_max", [0.0, moment, 0.0]))];
-        // From two turns on the tangent has two negative pivots: motions out of the plane of bending.
-        if let Analysis::Static(options) = &mut m.analysis {
-            options.allow_unstable = true;
-        }
+        // From two turns on the symmetric part of the tangent has two negative pivots, of motions out of the plane of bending.
         let (mesh, system, outcome, iterations) = run(&m);
         let tip = tip(&mesh, &system, &outcome);
         let most = most_iterations(&outcome, &iterations, 80);

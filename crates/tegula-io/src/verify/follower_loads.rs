@@ -65,7 +65,7 @@ fn pressure(report: &mut Report) -> Result<()> {
 /// the chords of elements that turn by 9°.
 fn roll_up(report: &mut Report) -> Result<()> {
     let mut model = read(MODEL)?;
-    refine(&mut model, [160, 1]);
+    refine(&mut model, [160, 2]);
     for m in model.materials.values_mut() {
         if let tegula::model::Material::Isotropic(m) = m {
             m.poisson = 0.0;
@@ -75,12 +75,7 @@ fn roll_up(report: &mut Report) -> Result<()> {
     section(&mut model)?.thickness = thickness;
     let young = material(&model)?.young;
     let moment = young * thickness.powi(3) / 12.0 * TURNS * std::f64::consts::TAU / 10.0;
-    // From two turns on the tangent has two negative pivots: motions out of the plane of bending.
-    model.analysis = Analysis::Static(StaticAnalysis {
-        load_steps: 80,
-        allow_unstable: true,
-        ..StaticAnalysis::default()
-    });
+    model.analysis = Analysis::Static(StaticAnalysis { load_steps: 80, ..StaticAnalysis::default() });
     model.loads =
         vec![Load::EdgeMoment(VectorLoad { on: "u_max".into(), value: [0.0, moment, 0.0], amplitude: None })];
     let compiled = Compiled::new(&model)?;
@@ -89,8 +84,8 @@ fn roll_up(report: &mut Report) -> Result<()> {
     let outcome = compiled.statics_watched(&model, &mut iterations)?;
     let end = Vec3::from(compiled.system.reference[corner]) + Vec3::from(outcome.state.u[corner]);
     for (axis, found) in [("x", end.x), ("z", end.z)] {
-        report.absolute(CASE, &format!("four turns: {axis} of the end"), "160x1", found, 0.0, 0.06);
+        report.absolute(CASE, &format!("four turns: {axis} of the end"), "160x2", found, 0.0, 0.06);
     }
-    report.at_most(CASE, "four turns: repeated steps", "160x1", outcome.statistics.cutbacks as f64, 0.0);
+    report.at_most(CASE, "four turns: repeated steps", "160x2", outcome.statistics.cutbacks as f64, 0.0);
     Ok(())
 }

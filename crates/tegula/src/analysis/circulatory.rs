@@ -11,8 +11,8 @@
 //! solution of K and no product with K for each iteration; then `δ = x − K⁻¹ N δ_P`. The number of iterations is that of
 //! the motions which N couples noticeably, whatever the mesh.
 //!
-//! Real eigenvalues of `K⁻¹ N` below −1 tell how often det(K + t N) vanishes on the way from t = 0 to the tangent itself,
-//! so that the pivots of K still decide on stability by divergence.
+//! Where K has negative pivots, N may balance them: the eigenvalues of `K + N` next to zero decide on stability by
+//! divergence ([`super::newton`]).
 
 use super::solver::TangentSolver;
 use crate::element::Kinematics;
@@ -32,8 +32,6 @@ const MOST_ITERATIONS: usize = 200;
 /// Largest number of Krylov vectors, and of their entries (160 MB).
 const MOST_VECTORS: usize = 80;
 const MOST_ENTRIES: usize = 20_000_000;
-/// Arnoldi steps after which eigenvalues are looked at; those that stay from one look to the next are accepted.
-const EIGENVALUE_STEPS: usize = 10;
 
 /// Stability of an equilibrium by divergence, from negative pivots and circulatory loads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,8 +40,8 @@ pub enum Stability {
     Stable,
     /// The tangent has a negative eigenvalue: so many negative pivots of the symmetric part show it.
     Unstable(usize),
-    /// The symmetric part has so many negative pivots, but circulatory loads are strong enough to balance them: an even
-    /// number of negative eigenvalues is left, possibly none.
+    /// The symmetric part has so many negative pivots, but the tangent has no real negative eigenvalue: circulatory loads
+    /// balance them, or turn pairs of them into vibrations.
     Undecided(usize),
 }
 
@@ -113,6 +111,11 @@ impl CirculatoryLoads {
         })
     }
 
+    /// Whether the loads have no skew part at the tangent at hand.
+    pub fn is_zero(&self) -> bool {
+        self.operator.stiffness.is_zero()
+    }
+
     /// Takes the stiffness that belongs to a tangent.
     pub fn take(&mut self, system: &System, k: &Kinematics, parts: &TangentParts) {
         self.operator.stiffness.take(system, k, parts);
@@ -173,85 +176,8 @@ impl CirculatoryLoads {
         x.iter_mut().zip(&operator.product).for_each(|(x, z)| *x -= z);
         Ok(())
     }
-
-    /// Stability by divergence with so many negative pivots of the symmetric tangent that was solved with last.
-    ///
-    /// # Errors
-    /// The linear solver failed.
-    pub fn stability<S: TangentSolver>(
-        &mut self,
-        solver: &mut S,
-        axes: &Numbering,
-        negative_pivots: usize,
-    ) -> Result<Stability, String> {
-        if negative_pivots == 0 {
-            // xᵀ(K + N) x = xᵀ K x > 0: no eigenvalue has a negative real part.
-            return Ok(Stability::Stable);
-        }
-        let Self { operator, gmres, right, .. } = self;
-        if operator.stiffness.is_zero() {
-            return Ok(Stability::Unstable(negative_pivots));
-        }
-        // A start without symmetry, so that no mode is missed that the loads do not excite.
-        let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
-        for r in right.iter_mut() {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            *r = (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
-        }
-        let mut last = None;
-        let settled = |values: &[[f64; 2]]| {
-            let now = crossings(values);
-            last.replace(now) == Some(now)
-        };
-        let values = gmres.ritz_values(right, EIGENVALUE_STEPS, settled, |v, out| {
-            operator.apply_to_part(solver, axes, v)?;
-            operator.stiffness.gather(&operator.product, out);
-            Ok::<(), String>(())
-        })?;
-        Ok(verdict(negative_pivots, crossings(&values)))
-    }
-}
-
-/// Number of eigenvalues of `K⁻¹ N` that are real and below −1: det(K + t N) vanishes so often up to t = 1. `None`: all are
-/// smaller than 1, and nothing can cross 0.
-fn crossings(eigenvalues: &[[f64; 2]]) -> Option<usize> {
-    let strong = eigenvalues.iter().any(|[re, im]| re.hypot(*im) >= 1.0);
-    strong.then(|| eigenvalues.iter().filter(|[re, im]| *im == 0.0 && *re < -1.0).count())
-}
-
-/// Stability from the negative pivots of K and the crossings.
-fn verdict(negative_pivots: usize, crossings: Option<usize>) -> Stability {
-    match crossings {
-        Some(crossings) if (negative_pivots + crossings).is_multiple_of(2) => {
-            Stability::Undecided(negative_pivots)
-        }
-        _ => Stability::Unstable(negative_pivots),
-    }
 }
 
 fn norm(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn weak_circulatory_loads_leave_the_verdict_to_the_pivots() {
-        assert_eq!(verdict(2, crossings(&[])), Stability::Unstable(2));
-        assert_eq!(verdict(2, crossings(&[[0.0, 0.9], [0.0, -0.9]])), Stability::Unstable(2));
-    }
-
-    #[test]
-    fn odd_number_of_negative_eigenvalues_is_unstable_however_strong_the_loads() {
-        assert_eq!(verdict(1, crossings(&[[0.0, 9.0], [0.0, -9.0]])), Stability::Unstable(1));
-        assert_eq!(verdict(2, crossings(&[[-1.5, 0.0], [0.3, 0.0]])), Stability::Unstable(2));
-    }
-
-    #[test]
-    fn crossings_that_balance_the_pivots_decide_nothing() {
-        assert_eq!(verdict(1, crossings(&[[-1.5, 0.0], [0.0, 2.0], [0.0, -2.0]])), Stability::Undecided(1));
-        assert_eq!(verdict(2, crossings(&[[0.2, 3.0], [0.2, -3.0]])), Stability::Undecided(2));
-    }
 }

@@ -214,12 +214,20 @@ impl<S: TangentSolver> Newton<S> {
     ///
     /// # Errors
     /// The linear solver failed; why, for people.
-    pub fn stability(&mut self, negative_pivots: usize) -> std::result::Result<Stability, String> {
-        match &mut self.circulatory {
-            Some(loads) => loads.stability(&mut self.solver, &self.axes, negative_pivots),
-            None if negative_pivots == 0 => Ok(Stability::Stable),
-            None => Ok(Stability::Unstable(negative_pivots)),
+    pub fn stability(
+        &mut self,
+        system: &System,
+        negative_pivots: usize,
+    ) -> std::result::Result<Stability, String> {
+        if negative_pivots == 0 {
+            // xᵀ(K + N) x = xᵀ K x > 0: no eigenvalue has a negative real part.
+            return Ok(Stability::Stable);
         }
+        let circulatory = self.circulatory.as_ref().is_some_and(|loads| !loads.is_zero());
+        if circulatory && !self.has_real_negative_eigenvalue(system)? {
+            return Ok(Stability::Undecided(negative_pivots));
+        }
+        Ok(Stability::Unstable(negative_pivots))
     }
 
     /// Iterations of the linear solver, and solutions for the circulatory part of follower loads, so far.

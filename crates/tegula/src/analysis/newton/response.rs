@@ -3,11 +3,24 @@
 use super::{Equation, Held, Newton, expand_free};
 use crate::analysis::solver::{Linearization, TangentSolver};
 use crate::element::Nodal;
+use crate::linear::gmres::Gmres;
 use crate::system::assembly::add_follower_stiffness;
 use crate::system::{System, VectorKind};
 
 /// Inverse iterations for the softest mode: its error is the ratio of the two lowest eigenvalues to this power.
 const INVERSE_ITERATIONS: usize = 24;
+
+/// Arnoldi steps after which real negative eigenvalues are looked at, and their change from look to look at which they are
+/// accepted.
+const EIGENVALUE_STEPS: usize = 10;
+const SETTLED: f64 = 1e-3;
+/// Imaginary part over the real one below which an eigenvalue counts as real, and its size over the largest one from which on
+/// it is more than noise.
+const REAL: f64 = 1e-3;
+const NOISE: f64 = 1e-6;
+/// Largest number of Krylov vectors, and of their entries (160 MB).
+const MOST_VECTORS: usize = 80;
+const MOST_ENTRIES: usize = 20_000_000;
 
 /// Lowest mode of a tangent.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,33 +77,55 @@ impl<S: TangentSolver> Newton<S> {
         }
         let response = self.find_response(system, moved, true)?;
         let answer = self.increment.clone();
-        let metric = |field: &mut [Nodal]| {
-            for (x, kind) in field.iter_mut().zip(&system.kinds) {
-                if *kind == VectorKind::Position {
-                    *x = x.map(|x| x / (system.length * system.length));
-                }
-            }
-        };
-        // A start without symmetry.
-        let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
         let mut shape: Vec<Nodal> = vec![[0.0; 3]; system.vectors()];
-        for x in shape.as_flattened_mut() {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            *x = (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
+        for (x, random) in shape.as_flattened_mut().iter_mut().zip(noise()) {
+            *x = random;
         }
         for _ in 0..INVERSE_ITERATIONS {
             self.residual.copy_from_slice(&shape);
-            metric(&mut self.residual);
+            apply_metric(system, &mut self.residual);
             let size = self.find_response(system, false, false)?;
             for (x, y) in shape.as_flattened_mut().iter_mut().zip(self.increment.as_flattened()) {
                 *x = y / size;
             }
         }
         let mut scaled = shape.clone();
-        metric(&mut scaled);
+        apply_metric(system, &mut scaled);
         let product: f64 = scaled.as_flattened().iter().zip(answer.as_flattened()).map(|(a, b)| a * b).sum();
         let excited = product.abs() / (shape.len() as f64 * response.max(f64::MIN_POSITIVE));
         Ok((response, SoftestMode { shape, excited }, negative))
+    }
+
+    /// Whether the tangent of the equilibrium found last, with the circulatory part of follower loads, has a real negative
+    /// eigenvalue: that of a motion which goes away without vibrating. Arnoldi's process on `(K + N)⁻¹ D`, D the metric of
+    /// [`System::norm`].
+    ///
+    /// # Errors
+    /// The linear solver failed.
+    pub(super) fn has_real_negative_eigenvalue(&mut self, system: &System) -> Result<bool, String> {
+        let size = system.unknowns();
+        let mut arnoldi = Gmres::new(size, (MOST_ENTRIES / size.max(1)).clamp(20, MOST_VECTORS));
+        let start: Vec<f64> = noise().take(size).collect();
+        let mut last: Vec<f64> = Vec::new();
+        let mut settled = |values: &[[f64; 2]]| {
+            let now = real_negative(values);
+            let same = |(a, b): (&f64, &f64)| (a - b).abs() <= SETTLED * a.abs();
+            let done = now.len() == last.len() && now.iter().zip(&last).all(same);
+            last = now;
+            done
+        };
+        let Self { solver, axes, circulatory, increment, .. } = self;
+        let values = arnoldi.ritz_values(&start, EIGENVALUE_STEPS, &mut settled, |v, out| {
+            expand_free(axes, v, false, increment);
+            apply_metric(system, increment);
+            axes.reduce(increment, out);
+            solver.solve_tangent(out)?;
+            match circulatory {
+                Some(loads) => loads.correct(solver, axes, out, false),
+                None => Ok(()),
+            }
+        })?;
+        Ok(!real_negative(&values).is_empty())
     }
 
     /// Assembles and factors the tangent at an iterate. The residual becomes that of the loads and prescribed motions of
@@ -153,6 +188,33 @@ impl<S: TangentSolver> Newton<S> {
         expand_free(&self.axes, &self.solution, moved, &mut self.increment);
         Ok(system.norm(&self.increment))
     }
+}
+
+/// Real negative ones of eigenvalues, by size.
+fn real_negative(values: &[[f64; 2]]) -> Vec<f64> {
+    let largest = values.iter().map(|[re, im]| re.hypot(*im)).fold(0.0, f64::max);
+    let counts = |[re, im]: &&[f64; 2]| *re < -NOISE * largest && im.abs() <= REAL * re.abs();
+    let mut found: Vec<f64> = values.iter().filter(counts).map(|[re, _]| *re).collect();
+    found.sort_by(f64::total_cmp);
+    found
+}
+
+/// Multiplies displacements by the weights of [`System::norm`].
+fn apply_metric(system: &System, field: &mut [Nodal]) {
+    for (x, kind) in field.iter_mut().zip(&system.kinds) {
+        if *kind == VectorKind::Position {
+            *x = x.map(|x| x / (system.length * system.length));
+        }
+    }
+}
+
+/// Numbers between −½ and ½ without symmetry, the same in every run.
+fn noise() -> impl Iterator<Item = f64> {
+    let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
+    std::iter::repeat_with(move || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    })
 }
 
 fn subtract(from: &mut [Nodal], what: &[Nodal]) {

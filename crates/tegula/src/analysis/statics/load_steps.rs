@@ -193,7 +193,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let negative = converged.negative_pivots;
         let stability = self
             .newton
-            .stability(negative)
+            .stability(self.system, negative)
             .map_err(|reason| Failure::new(Kind::Iteration(Cause::Tangent), reason, negative))?;
         if matches!(stability, Stability::Unstable(_)) && !self.options.allow_unstable {
             return Err(Failure::new(
