@@ -13,6 +13,8 @@
 //! bottom (z = −h/2)  σ = n/h + 6 m/h²
 //! middle             σ = n/h,  τ = 1.5 q/h   (parabola over the thickness)
 //! ```
+//!
+//! Elements with three-dimensional stresses have σ_zz, too, which counts in the equivalent stress.
 
 use std::sync::Arc;
 
@@ -23,9 +25,10 @@ use super::inside::{Inside, Shape, Snapshot};
 use crate::Mat3;
 use crate::analysis::State;
 use crate::element::geometry::{cross_section_frame, nodal_areas};
+use crate::norm::larger;
 use crate::section::CompiledSection;
 use crate::section::compiled::Layer;
-use crate::system::{Shell, System};
+use crate::system::{Shell, ShellSection, System};
 
 /// Elements below which threads do not share the work.
 pub(super) const CHUNK: usize = 64;
@@ -114,7 +117,7 @@ fn element(
     if out.area > 0.0 {
         out.energy_density = stored.unwrap_or_else(|| inside.small_energy()) / out.area;
     }
-    surface_stresses(&mut out, &inside, section, &centre, points);
+    surface_stresses(&mut out, &inside, of, &centre, points);
     Some(out)
 }
 
@@ -143,12 +146,13 @@ fn resultants(section: &CompiledSection, solid: bool, stresses: &[DVector<f64>])
 fn surface_stresses(
     out: &mut ShellResult,
     inside: &Inside,
-    section: &CompiledSection,
+    ShellSection { section, element }: &ShellSection,
     centre: &Mat3,
     points: usize,
 ) {
-    if section.layers.len() == 1 && section.is_linear() && section.isotropic {
-        stresses(out, section.thickness);
+    let uniform = section.layers.len() == 1 && section.is_linear() && section.isotropic;
+    if uniform && !element.is_solid() {
+        stresses(out, section.thickness, [0.0; 3]);
         return;
     }
     let at_stations = inside.station_stresses();
@@ -166,6 +170,12 @@ fn surface_stresses(
         }
         Some(sum)
     };
+    if uniform {
+        let across = |z: f64| section.layers.first().and_then(|l| mean(l, z)).map_or(f64::NAN, |s| s[3]);
+        let h = section.thickness;
+        stresses(out, h, [-0.5 * h, 0.0, 0.5 * h].map(across));
+        return;
+    }
     let plane = |s: &Vector6<f64>| [s[0], s[1], s[2]];
     if let (Some(bottom), Some(top)) = (section.layers.first(), section.layers.last()) {
         out.stress_bottom = mean(bottom, bottom.bottom).as_ref().map_or([0.0; 3], plane);
@@ -174,7 +184,7 @@ fn surface_stresses(
     for layer in &section.layers {
         for z in [layer.bottom, 0.5 * (layer.bottom + layer.top), layer.top] {
             if let Some(s) = mean(layer, z) {
-                out.von_mises = out.von_mises.max(equivalent(&s));
+                out.von_mises = larger(out.von_mises, equivalent(&s));
             }
         }
     }
@@ -217,23 +227,19 @@ impl Turn {
     }
 }
 
-/// Stresses from resultants.
-fn stresses(r: &mut ShellResult, h: f64) {
+/// Stresses from resultants, and from the stress σ_zz at the bottom, in the middle and at the top.
+fn stresses(r: &mut ShellResult, h: f64, [bottom, centre, top]: [f64; 3]) {
     let middle: [f64; 3] = std::array::from_fn(|i| r.membrane[i] / h);
     let bending: [f64; 3] = std::array::from_fn(|i| 6.0 * r.bending[i] / (h * h));
     r.stress_top = std::array::from_fn(|i| middle[i] - bending[i]);
     r.stress_bottom = std::array::from_fn(|i| middle[i] + bending[i]);
     let shear = r.shear.map(|q| 1.5 * q / h);
-    r.von_mises = von_mises(middle, shear)
-        .max(von_mises(r.stress_top, [0.0; 2]))
-        .max(von_mises(r.stress_bottom, [0.0; 2]));
-}
-
-/// Von Mises stress of in-plane stresses σ_xx, σ_yy, σ_xy and transverse shear stresses:
-/// `√(σxx² + σyy² − σxx σyy + 3 (σxy² + τxz² + τyz²))`.
-pub fn von_mises(plane: [f64; 3], shear: [f64; 2]) -> f64 {
-    let [x, y, xy] = plane;
-    (x * x + y * y - x * y + 3.0 * (xy * xy + shear[0] * shear[0] + shear[1] * shear[1])).sqrt()
+    let of =
+        |[x, y, xy]: [f64; 3], zz: f64, [xz, yz]: [f64; 2]| equivalent(&Vector6::new(x, y, xy, zz, xz, yz));
+    r.von_mises = larger(
+        of(middle, centre, shear),
+        larger(of(r.stress_top, top, [0.0; 2]), of(r.stress_bottom, bottom, [0.0; 2])),
+    );
 }
 
 #[cfg(test)]

@@ -179,10 +179,42 @@ fn the_energy_density_integrates_to_the_strain_energy() {
     near(results.iter().map(|r| r.area).sum(), 2.0, 2.0, "area");
 }
 
+/// A state of hydrostatic pressure has none, each normal stress alone is itself, each shear stress alone counts √3.
 #[test]
-fn von_mises_of_simple_states() {
-    near(von_mises([7.0, 0.0, 0.0], [0.0; 2]), 7.0, 1.0, "tension");
-    near(von_mises([7.0, 7.0, 0.0], [0.0; 2]), 7.0, 1.0, "equal biaxial");
-    near(von_mises([0.0, 0.0, 2.0], [0.0; 2]), 2.0 * 3.0_f64.sqrt(), 1.0, "shear");
-    near(von_mises([0.0; 3], [3.0, 4.0]), 5.0 * 3.0_f64.sqrt(), 1.0, "transverse shear");
+fn equivalent_stress_of_three_dimensional_states() {
+    assert_eq!(equivalent(&Vector6::new(7.0, 7.0, 0.0, 7.0, 0.0, 0.0)), 0.0);
+    for (i, expected) in
+        [1.0, 1.0, 3.0_f64.sqrt(), 1.0, 3.0_f64.sqrt(), 3.0_f64.sqrt()].into_iter().enumerate()
+    {
+        let mut s = Vector6::zeros();
+        s[i] = -2.0;
+        near(equivalent(&s), 2.0 * expected, 1.0, &format!("component {i}"));
+    }
+}
+
+/// A sheet of a three-dimensional material between rigid plates: ε_xx alone gives σ_xx = (λ + 2G) ε and
+/// σ_yy = σ_zz = λ ε, and their difference 2G ε is the equivalent stress.
+#[test]
+fn stress_over_a_held_thickness_counts() {
+    let (young, poisson, strain) = (2e6, 0.3, 1e-3);
+    let all = [Axis::X, Axis::Y, Axis::Z];
+    let stretch = PrescribeComponent {
+        on: "u_max".into(),
+        of: NodalVector::Position,
+        component: Axis::X,
+        value: 2.0 * strain,
+        amplitude: None,
+    };
+    let conditions = vec![
+        fix("all", &[Axis::Y, Axis::Z], &all),
+        fix("u_min", &[Axis::X], &[]),
+        Condition::Prescribe(stretch),
+    ];
+    let (mesh, mut model) = plate(poisson, conditions, Vec::new());
+    model.sections[0].element = ElementKind::Cm;
+    let (system, outcome) = solve(&mesh, &model);
+    let shear = 0.5 * young / (1.0 + poisson);
+    for r in super::recover(&system, &outcome.state) {
+        near(r.von_mises, 2.0 * shear * strain, shear * strain, "equivalent stress");
+    }
 }
