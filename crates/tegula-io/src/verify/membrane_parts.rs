@@ -375,7 +375,7 @@ fn rubber(report: &mut Report) -> Result<()> {
     let (_, limit) = sphere(&SOFT);
     for part in &parts {
         let [pressure, stretch] = balloon(*part)?;
-        pressures.push(format!("{pressure:.4}"));
+        pressures.push(format!("{pressure:.3}"));
         stretches.push(format!("{stretch:.3}"));
         if part.is_none() {
             report.relative(CASE, "balloon: highest pressure over the limit", "3x8x8", pressure, 1.0, 5e-3);

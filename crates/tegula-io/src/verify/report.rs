@@ -53,6 +53,7 @@ impl Row {
     /// Difference over what is allowed (value over limit), above 1 for a miss; 0 where nothing but equality is allowed and met.
     pub fn use_of_tolerance(&self) -> f64 {
         match self.verdict {
+            Verdict::AtMost if self.pass && self.value == 0.0 => 0.0,
             Verdict::AtMost => self.value / self.reference,
             _ if self.pass && self.tolerance == 0.0 => 0.0,
             _ => self.difference().abs() / self.tolerance,

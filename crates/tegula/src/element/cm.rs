@@ -170,7 +170,7 @@ impl CmShell {
                 // z d,ξ·d is the slope of ½ z d·d.
                 for (a, gradient) in stretch_gradient(xi, eta).into_iter().enumerate() {
                     for (i, slope) in gradient.into_iter().enumerate() {
-                        c[(4 + i, ZZ + a)] = z * slope;
+                        c[(4 + i, ZZ + a)] = ShellGeometry::SHORT_SHARE.sqrt() * z * slope;
                     }
                 }
             }

@@ -101,6 +101,8 @@ pub struct Shape {
     number: usize,
     /// Terms of the energy, in the order of [`CompiledSection::stations`].
     pub stations: Vec<Station>,
+    /// Number of those that stand for points of the element; the last one may hold enhanced parameters.
+    points: usize,
     /// Frames of the points of the mid-surface, relative to that of the centre.
     pub frames: Vec<Mat3>,
     /// How enhanced parameters follow from the samples, where all materials are linear.
@@ -114,6 +116,7 @@ impl Shape {
         let (section, element) = (&of.section, of.element.as_ref());
         let geometry = &system.geometry(&Shell { member: shell.shape, ..shell.clone() });
         let stations = section.stations(element, geometry, prescribed).ok()?;
+        let points = stations.len() - usize::from(!element.parameter_stiffness(geometry).is_empty());
         let recovery = if element.parameters() > 0 && section.is_linear() {
             Some(condense(&stations, element.samples(), element.parameters(), prescribed.len()).ok()?)
         } else {
@@ -122,7 +125,7 @@ impl Shape {
         let centre = cross_section_frame(&geometry.base(0.0, 0.0, 0.0))?;
         let frame = |point| Some(centre.tr_mul(&element.operator(geometry, point, 0.0).ok()?.frame));
         let frames = (0..element.surface_points()).map(frame).collect::<Option<_>>()?;
-        Some(Self { section: shell.section, number: shell.shape, stations, frames, recovery })
+        Some(Self { section: shell.section, number: shell.shape, stations, points, frames, recovery })
     }
 }
 
@@ -281,6 +284,12 @@ impl<'a> Inside<'a> {
 
     /// Stress of each station with respect to its strains; of a small motion, its own.
     pub fn station_stresses(&self) -> Vec<DVector<f64>> {
+        let mut stresses = self.all_station_stresses();
+        stresses.truncate(self.shape.points);
+        stresses
+    }
+
+    fn all_station_stresses(&self) -> Vec<DVector<f64>> {
         let stress = |(s, answer): (&Station, Option<Response>)| match (&s.response, answer) {
             (StationResponse::Linear(c), _) => c * self.station_strain(s),
             (_, None) => DVector::zeros(6),
@@ -295,7 +304,7 @@ impl<'a> Inside<'a> {
 
     /// Energy ½ δε·C δε of a small motion.
     pub(super) fn small_energy(&self) -> f64 {
-        let stations = self.shape.stations.iter().zip(self.station_stresses());
+        let stations = self.shape.stations.iter().zip(self.all_station_stresses());
         stations.map(|(s, stress)| 0.5 * s.weight * stress.dot(&self.station_strain(s))).sum()
     }
 

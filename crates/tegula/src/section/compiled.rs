@@ -257,7 +257,8 @@ impl CompiledSection {
         let turn = self.turn(&middle.frame)?;
         let mut stiffness = resultants(&self.resultant.at(turn));
         // Second moment of the transverse shear stiffness, as if it were even over the thickness.
-        let shear_moment = stiffness.fixed_view::<2, 2>(4, 4) * (self.thickness * self.thickness / 12.0);
+        let shear_moment = stiffness.fixed_view::<2, 2>(4, 4)
+            * (self.thickness * self.thickness / 12.0 * ShellGeometry::SHORT_SHARE);
         stiffness.view_mut((4, 4), (2, 2)).scale_mut(self.shear_reduction(g));
         let linear = self.is_linear();
         if !linear {
