@@ -293,3 +293,66 @@ fn steps_end_at_the_times_that_the_user_wants() {
         "{issues:?}"
     );
 }
+
+/// The work of a prescribed motion is that of its reactions, also where directors keep their length and turn: no support
+/// does work on them. The balance of a strip driven across closes.
+#[test]
+fn work_of_a_driven_edge_closes_the_balance_with_every_element() {
+    for element in [ElementKind::Ems, ElementKind::Mitc4, ElementKind::Cm] {
+        let mut m = model(plate([1.0, 0.3], [4, 2], 0.1), 1e5, 0.05);
+        m.materials.insert("m".into(), Material::Isotropic(Isotropic::new(1e5, 0.3, 1e3)));
+        m.sections[0].element = element;
+        m.amplitudes.insert("p".into(), formula("1 - cos(4*t)"));
+        m.conditions = vec![
+            Condition::Fix(FixComponents {
+                on: "u_min".into(),
+                position: vec![Axis::X, Axis::Y],
+                director: Vec::new(),
+            }),
+            Condition::Prescribe(PrescribeComponent {
+                on: "u_min".into(),
+                of: NodalVector::Position,
+                component: Axis::Z,
+                value: 0.1,
+                amplitude: Some("p".into()),
+            }),
+        ];
+        for (scheme, bound) in [(NEWMARK, 2e-3), (HHT, 2e-3), (ENERGY_MOMENTUM, 1e-9)] {
+            let mut notes = Notes::default();
+            let options = TransientAnalysis { scheme, time_step: Some(2e-3), ..TransientAnalysis::new(1.0) };
+            let (_, outcome) = move_in_time(&m, &options, &mut notes);
+            assert!(outcome.balance.work.abs() > 0.1 * notes.kinetic, "{element:?}: the drive works");
+            let drift = notes.drift() / notes.kinetic;
+            println!("{element:?} {scheme:?}: {drift:e}");
+            assert!(drift < bound, "{element:?} {scheme:?}: {drift:e}");
+        }
+    }
+}
+
+/// A pulse that begins as exp(−2500): its first energies grow by powers of ten in a step, and mean nothing.
+#[test]
+fn a_pulse_from_nothing_is_no_instability_of_explicit_steps() {
+    let m = pushed(formula("exp(-((t-1)/0.02)^2)"));
+    let exact = 3.0 / 20.0 * 0.02 * std::f64::consts::PI.sqrt();
+    let velocity = run(&m, EXPLICIT, 2.0, None, &mut Notes::default());
+    assert!((velocity / exact - 1.0).abs() < 0.02, "{velocity} for {exact}");
+}
+
+#[test]
+fn a_prescribed_motion_that_jumps_is_refused() {
+    let mut m = pushed(table(&[0.0, 0.5, 0.500_000_000_001, 1.0], &[0.0, 0.0, 0.1, 0.1]));
+    m.loads.clear();
+    m.conditions = vec![Condition::Prescribe(PrescribeComponent {
+        on: "u_min".into(),
+        of: NodalVector::Position,
+        component: Axis::X,
+        value: 1.0,
+        amplitude: Some("p".into()),
+    })];
+    m.analysis = Analysis::Transient(TransientAnalysis::new(1.0));
+    let mesh = tegula::mesh::generators::generate(&m.mesh).unwrap();
+    let Err(tegula::Error::Model(issues)) = tegula::model::build::build(&m, &mesh) else {
+        panic!("accepted")
+    };
+    assert!(issues.iter().any(|i| i.to_string().contains("jumps at t = 0.5")), "{issues:?}");
+}

@@ -7,14 +7,20 @@ use crate::load::TimeFunction;
 /// Instants at which a formula is tried, beside the first. A gap between them shows while the model is computed.
 const INSTANTS: u32 = 1000;
 
+/// Time between two points of a table over the end of the analysis below which a change is a jump.
+const JUMP: f64 = 1e-8;
+
 /// Amplitudes that are no functions of time, or have no value at a time at which the model needs one.
 pub(super) fn amplitudes(model: &Model) -> Vec<Issue> {
     let mut issues = Vec::new();
     for (name, amplitude) in &model.amplitudes {
         let key = key(name, amplitude);
         match TimeFunction::new(amplitude) {
-            Ok(function) => issues
-                .extend(gap(model, name, &function).map(|(message, help)| Issue::new(key, message, help))),
+            Ok(function) => issues.extend(
+                gap(model, name, &function)
+                    .or_else(|| jump(model, name, amplitude))
+                    .map(|(message, help)| Issue::new(key, message, help)),
+            ),
             Err((message, help)) => issues.push(Issue::new(key, message, help)),
         }
     }
@@ -30,6 +36,26 @@ pub(super) fn key(name: &str, amplitude: &Amplitude) -> String {
         Amplitude::Expression(_) => "expression",
     };
     format!("amplitudes.{name}.{last}")
+}
+
+/// The first time at which the table of a prescribed motion jumps in a transient analysis. Nothing moves at an infinite
+/// velocity: what a scheme makes of it depends on its steps.
+fn jump(model: &Model, name: &str, amplitude: &Amplitude) -> Option<(String, String)> {
+    let (Analysis::Transient(t), Amplitude::Table(table)) = (&model.analysis, amplitude) else { return None };
+    let drives = |c: &Condition| matches!(c, Condition::Prescribe(p) if p.amplitude.as_deref() == Some(name));
+    if !model.conditions.iter().any(drives) {
+        return None;
+    }
+    let pieces = table.times.windows(2).zip(table.values.windows(2));
+    let jumps = |(times, values): &(&[f64], &[f64])| {
+        times[1] - times[0] < JUMP * t.end_time && values[0] != values[1]
+    };
+    let (times, _) = pieces.into_iter().find(jumps)?;
+    Some((
+        format!("a prescribed motion follows this table, which jumps at t = {}", times[0]),
+        "a motion needs time: let the values change over several time steps, at best smoothly by a formula"
+            .into(),
+    ))
 }
 
 /// The first time at which a function that is in use has no finite value, or no velocity where a motion follows it.

@@ -314,6 +314,15 @@ impl System {
         self.numbering.prescribed.iter().map(work).sum()
     }
 
+    /// Product of forces and a change along the prescribed coordinates.
+    pub fn product_of_prescribed(&self, forces: &[Nodal], change: &[Nodal]) -> f64 {
+        let product = |&(coordinate, _, _): &(u32, f64, Option<usize>)| {
+            let (v, c) = (coordinate as usize / 3, coordinate as usize % 3);
+            self.numbering.to_axes(v, forces[v])[c] * self.numbering.to_axes(v, change[v])[c]
+        };
+        self.numbering.prescribed.iter().map(product).sum()
+    }
+
     /// Total mass, from the position vectors.
     pub fn total_mass(&self) -> f64 {
         let mut m = 0.0;

@@ -21,7 +21,7 @@ use crate::analysis::newton::{Equation, Tolerances};
 use crate::analysis::statics::{add, prescribed_increment};
 use crate::element::{Kinematics, Motion, Nodal, TangentWeights};
 use crate::system::assembly::{TangentParts, add_follower_loads};
-use crate::system::{Assembly, System, dot};
+use crate::system::{Assembly, System};
 
 /// Conserves energy and momenta.
 pub struct EnergyMomentum {
@@ -99,17 +99,15 @@ impl EnergyMomentum {
         for (f, r) in internal.iter_mut().zip(buffer.iter()) {
             (0..3).for_each(|i| f[i] -= r[i]);
         }
-        system.numbering.supported_part(internal, &mut self.reaction);
-        let total = work(&self.reaction, &self.u_old, &self.u);
-        buffer.fill([0.0; 3]);
-        system.pattern.add_mass_product(1.0, &self.a, buffer);
-        system.numbering.supported_part(buffer, &mut self.reaction);
+        let total = system.work_of_prescribed(internal, &self.u_old, &self.u);
+        self.reaction.fill([0.0; 3]);
+        system.pattern.add_mass_product(1.0, &self.a, &mut self.reaction);
         for (n, slip) in buffer.iter_mut().enumerate() {
             *slip = std::array::from_fn(|i| {
                 0.5 * self.dt * (self.v_old[n][i] + self.v[n][i]) - (self.u[n][i] - self.u_old[n][i])
             });
         }
-        total + dot(&self.reaction, buffer)
+        total + system.product_of_prescribed(&self.reaction, buffer)
     }
 
     fn loads(&self, system: &System, out: &mut [Nodal]) {

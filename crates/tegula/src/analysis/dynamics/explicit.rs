@@ -251,7 +251,9 @@ impl<'a> Explicit<'a> {
                 system.constant_gravity_potential(&state.u) - system.constant_gravity_potential(&self.u_old);
         }
         if !self.reactions.is_empty() {
-            done += trapezoid(&self.reactions_old, &self.reactions);
+            for reactions in [&self.reactions_old, &self.reactions] {
+                done += 0.5 * system.work_of_prescribed(reactions, &self.u_old, &state.u);
+            }
         }
         let ends = ((self.u_old.as_slice(), end - dt), (state.u.as_slice(), end));
         state.work += done + self.assembly.prescribed_strain_work(system, ends.0, ends.1);

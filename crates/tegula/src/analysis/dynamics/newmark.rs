@@ -319,8 +319,8 @@ impl Newmark {
                     r[i] -= f[i];
                 }
             }
-            system.numbering.supported_part(&reaction, &mut self.supported);
-            total += 0.5 * work(&self.supported, &self.u_old, &self.u);
+            // Not of the directors that keep their length: they turn, and no support does work on them.
+            total += 0.5 * system.work_of_prescribed(&reaction, &self.u_old, &self.u);
         }
         (self.reaction, self.buffer) = (reaction, loads);
         total

@@ -139,7 +139,11 @@ impl Failure {
         critical: Option<&CriticalPoint>,
     ) -> String {
         if let Some(critical) = critical {
-            return if critical.limit { beyond_limit_point(system) } else { beyond_bifurcation(options) };
+            return if critical.limit {
+                beyond_limit_point(system, options)
+            } else {
+                beyond_bifurcation(options)
+            };
         }
         let cause = match self.kind {
             Kind::Inverted | Kind::Iteration(Cause::Material) => {
@@ -192,7 +196,19 @@ impl Failure {
 }
 
 /// Ways past a limit point.
-fn beyond_limit_point(system: &System) -> String {
+fn beyond_limit_point(system: &System, options: &StaticAnalysis) -> String {
+    let mut advice = past_the_limit(system);
+    if options.max_cutbacks < 25 {
+        advice.push_str(
+            " A structure with a very small imperfection bends so suddenly that it looks the same: a larger imperfection, \
+             or more `max_cutbacks`, leads on there.",
+        );
+    }
+    advice
+}
+
+/// Ways past a limit point of the path.
+fn past_the_limit(system: &System) -> String {
     if !system.numbering.prescribed.is_empty() {
         return "Beyond it the structure snaps though its motion is prescribed; a transient analysis with some damping \
                 follows the snap."

@@ -93,6 +93,20 @@ impl Function {
         }
     }
 
+    /// `f''/f'²` at `x`, where the value is `y`, of functions that grow slowly: there f'' underflows long before
+    /// `f'' u'² = (f''/f'²) (f' u')²` does.
+    fn curvature_by_rate(self, x: f64, y: f64) -> Option<f64> {
+        match self {
+            Self::Ln => Some(-1.0),
+            Self::Log2 => Some(-std::f64::consts::LN_2),
+            Self::Log10 => Some(-std::f64::consts::LN_10),
+            Self::Sqrt => Some(-y.recip()),
+            Self::Asinh => Some(-x / x.hypot(1.0)),
+            Self::Acosh => Some(-x / ((x - 1.0).sqrt() * (x + 1.0).sqrt())),
+            _ => None,
+        }
+    }
+
     /// First and second derivative at `x`, where the value is `y`.
     fn derivatives(self, x: f64, y: f64) -> [f64; 2] {
         match self {
@@ -122,11 +136,11 @@ impl Function {
                 [d, -2.0 * y * d]
             }
             Self::Asinh => {
-                let d = (1.0 + x * x).sqrt().recip();
+                let d = x.hypot(1.0).recip();
                 [d, -x * d.powi(3)]
             }
             Self::Acosh => {
-                let d = ((x - 1.0) * (x + 1.0)).sqrt().recip();
+                let d = ((x - 1.0).sqrt() * (x + 1.0).sqrt()).recip();
                 [d, -x * d.powi(3)]
             }
             Self::Atanh => {
@@ -212,6 +226,16 @@ impl Jet {
 
     /// `selfⁿ`; a factor of the derivatives that is zero stays zero where the power of 0 behind it is infinite.
     fn to_constant(self, n: f64) -> Self {
+        if self.value.abs() > 1.0 && !self.is_constant() {
+            // By ratios: powers of large values underflow before their products with large rates do.
+            let value = self.value.powf(n);
+            let (rate, second) = (self.rate / self.value, self.second / self.value);
+            return Self {
+                value,
+                rate: n * value * rate,
+                second: n * value * (second + (n - 1.0) * rate * rate),
+            };
+        }
         let power = |factor: f64, n: f64| if factor == 0.0 { 0.0 } else { factor * self.value.powf(n) };
         self.chain(self.value.powf(n), [power(n, n - 1.0), power(n * (n - 1.0), n - 2.0)])
     }
@@ -253,6 +277,14 @@ impl Number for Jet {
 
     fn apply(function: Function, u: Self) -> Self {
         let value = function.value(u.value);
-        u.chain(value, function.derivatives(u.value, value))
+        let derivatives = function.derivatives(u.value, value);
+        match function.curvature_by_rate(u.value, value) {
+            Some(curvature) if !u.is_constant() => {
+                let rate = derivatives[0] * u.rate;
+                let straight = if u.second == 0.0 { 0.0 } else { derivatives[0] * u.second };
+                Self { value, rate, second: straight + curvature * rate * rate }
+            }
+            _ => u.chain(value, derivatives),
+        }
     }
 }

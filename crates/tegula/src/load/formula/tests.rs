@@ -184,3 +184,38 @@ fn powers_bind_more_tightly_than_signs() {
         assert!((formula(text).value(3.0) - exact).abs() < 1e-14, "{text}");
     }
 }
+
+/// Value, first and second derivative.
+fn derivatives(text: &str, t: f64) -> [f64; 3] {
+    let f = formula(text);
+    [f.value(t), f.rate(t), f.acceleration(t)]
+}
+
+/// Derivatives where intermediate values are far from 1: smoothed ramps and their like.
+#[test]
+fn derivatives_survive_large_intermediate_values() {
+    // (ln(1 + e^x))'' = 1/(4 cosh²(x/2)) in x = t/w, which has died out; the first derivative is 1.
+    for t in [0.3, 1.0, 1.42, 2.0] {
+        let f = derivatives("0.003*ln(1+exp((t-0.3)/0.003))", t);
+        let x: f64 = (t - 0.3) / 0.003;
+        let exact = 0.25 / (0.5 * x).cosh().powi(2) / 0.003;
+        assert!((f[1] - 1.0 / (1.0 + (-x).exp())).abs() < 1e-12, "{t}: {f:?}");
+        assert!((f[2] - exact).abs() < 1e-10 * (1.0 + exact), "{t}: {f:?} for {exact}");
+    }
+    for (text, rate) in [
+        ("sqrt(exp(600*t))", 300.0),
+        ("exp(300*t)^(-2)", -600.0),
+        ("exp(300*t)^0.5", 150.0),
+        ("asinh(exp(600*t))", f64::NAN),
+        ("log2(exp(600*t))", f64::NAN),
+    ] {
+        let f = derivatives(text, 1.0);
+        if rate.is_nan() {
+            // Straight lines up to rounding.
+            assert!(f[1] > 100.0 && f[2].abs() < 1e-9 * f[1] * f[1], "{text}: {f:?}");
+        } else {
+            assert!((f[1] / (rate * f[0]) - 1.0).abs() < 1e-12, "{text}: {f:?}");
+            assert!((f[2] / (rate * rate * f[0]) - 1.0).abs() < 1e-11, "{text}: {f:?}");
+        }
+    }
+}
