@@ -25,8 +25,6 @@ const TOLERANCE: f64 = 1e-6;
 /// Residual where an old tangent contracts errors no better, and in time steps, where masses make N weak: six runs of 100
 /// steps of a strip under follower loads took 3788 Newton iterations with N to 1e-6, and 3795 without N at all.
 const LOOSE_TOLERANCE: f64 = 1e-2;
-/// Size of `K⁻¹ N x` over that of x below which N leaves stability to K.
-const NEGLIGIBLE: f64 = 1e-5;
 /// A solution with a larger residual is refused.
 const REFUSED: f64 = 1e-2;
 /// Iterations at most.
@@ -113,9 +111,9 @@ impl CirculatoryLoads {
         })
     }
 
-    /// Whether the loads have no skew part at the tangent at hand, or one too weak to turn its eigenvalues.
-    pub fn are_negligible(&self) -> bool {
-        self.operator.stiffness.is_zero() || self.strength <= NEGLIGIBLE
+    /// Whether the loads have no skew part at the tangent at hand.
+    pub fn is_zero(&self) -> bool {
+        self.operator.stiffness.is_zero()
     }
 
     /// Takes the stiffness that belongs to a tangent.

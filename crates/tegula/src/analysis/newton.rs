@@ -223,7 +223,7 @@ impl<S: TangentSolver> Newton<S> {
             // xᵀ(K + N) x = xᵀ K x > 0: no eigenvalue has a negative real part.
             return Ok(Stability::Stable);
         }
-        let circulatory = self.circulatory.as_ref().is_some_and(|loads| !loads.are_negligible());
+        let circulatory = self.circulatory.as_ref().is_some_and(|loads| !loads.is_zero());
         if circulatory && !self.has_real_negative_eigenvalue(system)? {
             return Ok(Stability::Undecided(negative_pivots));
         }
