@@ -1,159 +1,236 @@
-"""From runs to tables: errors, ratios, Markdown and CSV."""
+"""From runs to tables: errors against the limits, ratios of times at equal error, Markdown and CSV."""
 
 import csv
 import math
 
-from problems import reference_of
+import limits
+import problems
 
 BEGIN, END = "<!-- peers:begin -->", "<!-- peers:end -->"
+TITLES = {"cylinder": "Quarter cylinder under an edge load", "hypar": "Hyperbolic paraboloid under its weight",
+          "pendulum": "Pendulum"}
+LEVELS = (0.1, 0.05, 0.03, 0.02, 0.01, 0.005, 0.003, 0.002, 0.001, 0.0005, 0.0003, 0.0002, 0.0001)
+GOALS = {"Kratos": 100, "EXUDYN": 20, "CalculiX": 100}
+MEASURES = {"error": "displacement", "energy": "energy"}
+# Errors below this multiple of the distance between the codes' limits say nothing.
+TRUST = 3
 
 
-def flat(points):
-    """All components of all compared points as one vector."""
-    return [x for name in sorted(points) for x in points[name]]
-
-
-def distance(a, b):
-    return math.sqrt(sum((x - y)**2 for x, y in zip(a, b)))
-
-
-def cylinder_limit(references, element=""):
-    """Limit of the meshes of 64, 128 and 256 elements: their distances shrink like a geometric series."""
-    key = "cylinder tegula " + element
-    a, b, c = (flat(references["%s%d" % (key, n)]["points"]) for n in (64, 128, 256))
-    ratio = distance(b, c) / distance(a, b)
-    return [z + (z - y) * ratio / (1 - ratio) for y, z in zip(b, c)]
-
-
-def own_limit(runs, run):
-    """Limit of the program's own meshes, of second order from its two finest; none from less than two."""
-    same = {r["job"]["elements"]: flat(r["result"]["points"]) for r in runs
-            if r["label"].split(",")[0] == run["label"].split(",")[0] and r["peer"] == run["peer"]
-            and "failure" not in r["result"]}
-    finest = max(same, default=0)
-    if finest // 2 not in same:
-        return None
-    return [z + (z - y) / 3 for y, z in zip(same[finest // 2], same[finest])]
-
-
-def cylinder_rows(runs, references):
-    """A dictionary a run: errors against both limits, and ratios on the same mesh and at equal error."""
-    limit = cylinder_limit(references)
-    size = distance(limit, [0.0] * len(limit))
+def table_rows(runs, known):
+    """A dictionary a run: times of its repetitions, and errors against the limit of its theory."""
     rows = []
     for run in runs:
-        row = head(run)
-        if "points" in run["result"] and "failure" not in run["result"]:
-            points = flat(run["result"]["points"])
-            own = limit if run["peer"] == "tegula" else own_limit(runs, run)
-            row["error"] = distance(points, limit) / size
-            row["own error"] = distance(points, own) / size if own else None
+        job, found = run["job"], run["found"]
+        last = found[-1]
+        row = {"problem": job["problem"], "program": run["peer"], "family": run["family"], "theory": run["theory"],
+               "row": run["row"], "elements": job["elements"], "job": job, "version": last.get("version", ""),
+               "step": step(job), "failure": last.get("failure", ""), "repetitions": len(found)}
+        row.update({key: last.get(key) for key in ("unknowns", "steps", "iterations")})
+        times = [one["cpu"] for one in found if "cpu" in one]
+        if times:
+            row["cpu"], row["spread"] = min(times), max(times) / min(times) - 1
+            row["wall"] = min(one["wall"] for one in found if "wall" in one)
+        if not row["failure"]:
+            row.update(errors(job["problem"], last, known[job["problem"]][run["theory"]]))
         rows.append(row)
-    ours = [row for row in rows if row["program"] == "tegula" and "threads" not in row["how"]]
-    for row in rows:
-        if row["program"] != "tegula" and not row["failure"]:
-            plain = [o for o in ours if o["how"] == "ems"]
-            row["same mesh"] = ratio(row, [o for o in plain if o["elements"] == row["elements"]])
-            row["equal error"] = ratio(row, [o for o in ours if o["error"] <= row["error"]])
-            if row["own error"] is not None:
-                row["equal own error"] = ratio(row, [o for o in ours if o["error"] <= row["own error"]])
     return rows
 
 
-def pendulum_rows(runs, references):
-    """The error is the root mean square over points and times of the distance to fine steps on the same mesh."""
-    rows = []
-    for run in runs:
-        row = head(run)
-        history, fine = run["result"].get("history"), references.get(reference_of(run["peer"], run["job"]))
-        if history and fine and not row["failure"]:
-            pairs = [(a[p], b[p]) for a, b in zip(history, fine["history"]) for p in a]
-            row["error"] = math.sqrt(sum(distance(a, b)**2 for a, b in pairs) / len(pairs))
-        rows.append(row)
-    ours = [row for row in rows if row["program"] == "tegula" and not row["failure"]]
+def step(job):
+    """Time step or tolerance of a motion; smaller is finer."""
+    return job.get("dt") or job.get("analysis", {}).get("tolerance") or 0.0
+
+
+def errors(problem, found, limit):
+    """Root mean squares over the compared points (and times): all components together, each one, and of the work."""
+    u, exact = limits.flat(problem, found), limit["displacement"]
+    work = limits.works(found)
+    size = limits.norm(exact)
+    difference = limits.minus(u, exact)
+    parts = {axis: limits.norm(difference[k::3]) / size for k, axis in enumerate("xyz")}
+    return {"error": limits.norm(difference) / size, "energy": limits.norm(limits.minus(work, limit["energy"]))
+            / limits.norm(limit["energy"]), **parts}
+
+
+def front(rows, measure):
+    """(error, CPU seconds) of the runs that no other run beats in both, coarse to fine.
+
+    A run counts with the largest error among its own and those of the finer runs of its family, so that a coarse mesh
+    whose error happens to change its sign gains nothing.
+    """
+    points = []
     for row in rows:
-        if row["program"] != "tegula" and row.get("error") is not None:
-            row["equal error"] = ratio(row, [o for o in ours if o["error"] <= row["error"]])
-    return rows
+        if row["failure"]:
+            continue
+        finer = [o[measure] for o in rows if not o["failure"] and o["family"] == row["family"]
+                 and o["elements"] >= row["elements"] and o["step"] <= row["step"]]
+        points.append((row["cpu"], max(finer)))
+    kept = []
+    for cpu, error in sorted(points):
+        if not kept or error < kept[-1][0]:
+            kept.append((error, cpu))
+    return kept
 
 
-def head(run):
-    result = run["result"]
-    return {"program": run["peer"], "how": run["label"], "elements": run["job"]["elements"],
-            "unknowns": result.get("unknowns"), "steps": result.get("steps"), "iterations": result.get("iterations"),
-            "cpu": result.get("cpu"), "wall": result.get("wall"), "failure": result.get("failure", "")}
+def cost(front_, error):
+    """CPU seconds for an error, between the runs linear in logarithms; and -1, 0, 1: the coarsest run is already
+    more exact, the error lies between runs, the finest run is not as exact."""
+    if error >= front_[0][0]:
+        return front_[0][1], -1 if error > front_[0][0] else 0
+    for (e0, c0), (e1, c1) in zip(front_, front_[1:]):
+        if error >= e1:
+            part = math.log(e0 / error) / math.log(e0 / e1)
+            return c0 * (c1 / c0) ** part, 0
+    return front_[-1][1], 1
 
 
-def ratio(row, ours):
-    """CPU seconds there over the fewest here, and which run here it was; none if no run here qualifies."""
-    if not ours:
+def ratio(theirs, ours, error):
+    """CPU seconds there over here at an error, as (number, sign): sign "<" or ">" where one side is a bound."""
+    if not theirs or not ours:
         return None
-    best = min(ours, key=lambda o: o["cpu"])
-    return {"ratio": row["cpu"] / best["cpu"], "elements": best["elements"], "how": best["how"]}
+    (a, side_a), (b, side_b) = cost(theirs, error), cost(ours, error)
+    if side_a == 1 and side_b == 1 or side_a == -1 and side_b == -1:
+        return None
+    # A run that is too exact costs too much, one that is not exact enough too little.
+    sign = ""
+    if side_a == 1 or side_b == -1:
+        sign = ">"
+    if side_a == -1 or side_b == 1:
+        sign = "<" if not sign else "?"
+    return (a / b, sign) if sign != "?" else None
 
 
-COLUMNS = {
-    "cylinder": [("program", "program"), ("how", "shell, solver"), ("elements", "mesh"), ("unknowns", "unknowns"),
-                 ("steps", "load steps"), ("iterations", "iterations"), ("cpu", "CPU s"), ("wall", "wall s"),
-                 ("error", "error"), ("own error", "error, own limit"), ("same mesh", "same mesh"),
-                 ("equal error", "equal error"), ("equal own error", "equal own error")],
-    "pendulum": [("program", "program"), ("how", "steps"), ("unknowns", "unknowns"), ("steps", "time steps"),
-                 ("iterations", "iterations"), ("cpu", "CPU s"), ("wall", "wall s"), ("error", "error in time [mm]"),
-                 ("equal error", "equal error")],
-}
+def number(value):
+    return "%.2g" % value if value < 10 else "%.0f" % value
 
 
-def cell(problem, row, key):
+def percent(value):
+    return "%.2g %%" % (100 * value)
+
+
+def shown(found):
+    return "—" if found is None else found[1] + number(found[0])
+
+
+def group(rows, program, row=""):
+    return [r for r in rows if r["program"] == program and (not row or r["row"] == row)]
+
+
+def ratio_table(rows, known, measure):
+    """Ratios at errors of the list: against the default settings here, and in brackets against the best ones."""
+    peers = list(dict.fromkeys(r["program"] for r in rows if r["program"] != "tegula"))
+    fronts = {peer: front(group(rows, peer), measure) for peer in peers}
+    ours = {row: front(group(rows, "tegula", row), measure) for row in ("default", "best")}
+    ours["best"] = front(group(rows, "tegula"), measure)
+    theories = {r["program"]: r["theory"] for r in rows}
+    lines = ["| %s error | tegula [CPU s] | %s |" % (MEASURES[measure], " | ".join(peers)),
+             "|---:|---:|" + "---:|" * len(peers)]
+    table = []
+    for level in LEVELS:
+        cells = []
+        for peer in peers:
+            sure = level >= TRUST * max(limits.uncertainty(known[t], MEASURES[measure]) for t in (theories[peer], theories["tegula"]))
+            pair = [ratio(fronts[peer], ours[row], level) if sure else None for row in ("default", "best")]
+            cells.append(pair)
+        if all(pair == [None, None] for pair in cells):
+            continue
+        seconds = [cost(ours[row], level) for row in ("default", "best")]
+        text = ["%s%s" % ({-1: "≤", 0: "", 1: ">"}[side], number(value)) for value, side in seconds]
+        lines.append("| %s | %s (%s) | %s |" % (percent(level), *text, " | ".join(
+            "—" if pair == [None, None] else "%s (%s)" % (shown(pair[0]), shown(pair[1])) for pair in cells)))
+        table.append((level, dict(zip(peers, cells))))
+    return lines, table
+
+
+def finest_common(rows, known, peer, measure, row):
+    """The smallest error that both programs reach and the limits can tell, and the ratio there."""
+    theirs = front(group(rows, peer), measure)
+    ours = front(group(rows, "tegula", "default" if row == "default" else ""), measure)
+    if not theirs or not ours:
+        return None
+    theory = group(rows, peer)[0]["theory"], group(rows, "tegula")[0]["theory"]
+    error = max(theirs[-1][0], ours[-1][0], TRUST * max(limits.uncertainty(known[t], MEASURES[measure]) for t in theory))
+    return error, ratio(theirs, ours, error)
+
+
+def goal_table(rows, known):
+    lines = ["| problem | error in | " + " | ".join("%s (goal %d)" % item for item in GOALS.items()) + " |",
+             "|:--|:--|" + "---:|" * len(GOALS)]
+    for problem in dict.fromkeys(r["problem"] for r in rows):
+        mine = [r for r in rows if r["problem"] == problem]
+        for measure, name in MEASURES.items():
+            cells = []
+            for peer in GOALS:
+                pair = [finest_common(mine, known[problem], peer, measure, row) for row in ("default", "best")]
+                cells.append(" ; ".join("—" if one is None or one[1] is None else "%s%s at %s"
+                                       % (one[1][1], number(one[1][0]), percent(one[0])) for one in pair))
+            lines.append("| %s | %s | %s |" % (problem, name, " | ".join(cells)))
+    return lines
+
+
+COLUMNS = [("program", "program"), ("family", "settings"), ("mesh", "mesh"), ("unknowns", "unknowns"), ("steps", "steps"),
+           ("iterations", "iterations"), ("cpu", "CPU s"), ("spread", "spread"), ("x", "error x"), ("y", "y"), ("z", "z"),
+           ("error", "all"), ("energy", "energy")]
+
+
+def cell(row, key):
     value = row.get(key)
+    if key == "mesh":
+        return "%d×%d" % (row["elements"], row["elements"]) + (", %g ms" % (1e3 * row["job"]["dt"]) if "dt" in row["job"]
+                    else ", tolerance %g" % row["step"] if row["step"] else "")
     if key == "cpu" and row["failure"]:
         return "—: " + row["failure"].replace("|", "/")
     if value is None:
         return ""
-    if isinstance(value, dict):
-        which = "%d×%d" % (value["elements"], value["elements"]) if problem == "cylinder" \
-            else value["how"].split()[-1]
-        return "%.*f (%s)" % (1 if value["ratio"] < 10 else 0, value["ratio"], which) \
-            if key != "same mesh" else "%.*f" % (1 if value["ratio"] < 10 else 0, value["ratio"])
-    if key in ("cpu", "wall"):
+    if key == "family":
+        return ("**%s**" if row["row"] == "default" else "%s") % value
+    if key == "cpu":
         return "%.2f" % value if value < 10 else "%.1f" % value
-    if key in ("error", "own error"):
-        return "%.1f" % (1e3 * value) if problem == "pendulum" else "%.2f %%" % (100 * value)
-    if key == "elements":
-        return "%d×%d" % (value, value)
+    if key == "spread":
+        return "%.0f %%" % (100 * value)
+    if key in ("error", "energy", "x", "y", "z"):
+        return "%.2g %%" % (100 * value) if value < 1 else "%.0f %%" % (100 * value)
     return str(value)
 
 
-def markdown(problem, rows):
-    columns = COLUMNS[problem]
-    lines = ["| " + " | ".join(title for _, title in columns) + " |",
-             "|:--|:--|" + "---:|" * (len(columns) - 2)]
-    lines += ["| " + " | ".join(cell(problem, row, key) for key, _ in columns) + " |" for row in rows]
-    return "\n".join(lines)
+def run_table(rows):
+    lines = ["| " + " | ".join(title for _, title in COLUMNS) + " |", "|:--|:--|" + "---:|" * (len(COLUMNS) - 2)]
+    return lines + ["| " + " | ".join(cell(row, key) for key, _ in COLUMNS) + " |" for row in rows]
 
 
-def write_tables(tables, runs, about, folder, page):
+def limit_table(known):
+    lines = ["| problem | theory | from | meshes | distance | step | energy: distance | step |",
+             "|:--|:--|:--|:--|---:|---:|---:|---:|"]
+    for problem, theories in known.items():
+        for theory, limit in theories.items():
+            for name, code in limit["codes"].items():
+                shares = [percent(code[key]) for key in ("displacement", "displacement step", "energy", "energy step")]
+                lines.append("| " + " | ".join((problem, theory, name, ", ".join(map(str, code["meshes"])), *shares)) + " |")
+    return lines
+
+
+def write(runs, known, about, folder, page):
     """Prints the tables, writes them as CSV and Markdown, and between the marks of the book's page."""
-    parts = []
-    for problem, title in ("cylinder", "### Quarter cylinder"), ("pendulum", "### Pendulum"):
-        rows = tables[problem]
-        if not rows:
-            continue
-        parts += [title, "", markdown(problem, rows), ""]
-        with open(folder / (problem + ".csv"), "w", newline="") as file:
-            keys = [key for key, _ in COLUMNS[problem]] + ["failure"]
-            writer = csv.writer(file)
-            writer.writerow(keys)
-            for row in rows:
-                writer.writerow([value["ratio"] if isinstance(value, dict) else value
-                                 for value in (row.get(key) for key in keys)])
-    versions = {}
-    for run in sum(runs.values(), []):
-        if run["result"].get("version"):
-            versions[run["peer"]] = run["result"]["version"].replace('"', "").split("--")[0].strip()
+    rows = table_rows(runs, known)
+    parts = ["### At the smallest error that both reach", "", *goal_table(rows, known), ""]
+    for problem in dict.fromkeys(row["problem"] for row in rows):
+        mine = [row for row in rows if row["problem"] == problem]
+        parts += ["### " + TITLES[problem], ""]
+        for measure in MEASURES:
+            parts += [*ratio_table(mine, known[problem], measure)[0], ""]
+        parts += [*run_table(mine), ""]
+    parts += ["### Limits", "", *limit_table(known), ""]
+    with open(folder / "runs.csv", "w", newline="") as file:
+        keys = ["problem", "program", "family", "theory", "elements", "step", "unknowns", "steps", "iterations", "repetitions",
+                "cpu", "spread", "wall", "x", "y", "z", "error", "energy", "failure"]
+        writer = csv.writer(file)
+        writer.writerow(keys)
+        writer.writerows([row.get(key) for key in keys] for row in rows)
+    versions = {row["program"]: row["version"].replace('"', "").split("--")[0].strip() for row in rows if row["version"]}
     parts.append("Versions: " + ", ".join("%s %s" % item for item in versions.items()) + ".")
-    parts.append("Computed on %s: %s." % (about["date"], about["machine"]))
-    parts.append("A run that takes no more than 10 s on the clock counts with the fewest CPU seconds of %d; longer ones "
-                 "are computed once." % about["repeat"])
+    parts.append("Computed on %s: %s. CPU seconds are the fewest of %s repetitions; the spread is by how much the most "
+                 "exceed them." % (about["date"], about["machine"], "–".join(
+                     map(str, sorted({row["repetitions"] for row in rows if not row["failure"]})))))
     if about["note"]:
         parts.append(about["note"])
     text = "\n".join(parts)

@@ -5,8 +5,13 @@
 
 mod common;
 
-use common::{Notes, compile, displacement, model, on, plate, quarter_cylinder, static_options, vector_load};
+use common::{
+    Notes, compile, displacement, model, on, plate, quarter_cylinder, side_by_side, static_options,
+    vector_load,
+};
 use tegula::analysis::statics::{self, StaticOutcome};
+use tegula::mesh::generators::generate;
+use tegula::model::build::build;
 use tegula::model::*;
 use tegula::{Error, Result};
 
@@ -115,6 +120,39 @@ fn weak_follower_loads_do_not_switch_off_the_refusal() {
             let (factor, reason, _) = failure(&column(pressure, solver));
             // Euler's load to the length of the last step and the error of the mesh.
             assert!((12.0 * factor - 1.0).abs() < 0.02, "{solver:?} {pressure:?}: {factor} {reason}");
+        }
+    }
+}
+
+/// One or two columns at 1.2 times Euler's load beside a soft sheet under a follower pressure: more than a hundred motions
+/// of the sheet are softer than the buckling modes are unstable.
+#[test]
+fn stiff_unstable_modes_are_found_among_soft_ones_under_follower_loads() {
+    for columns in [1, 2] {
+        let mut m = column(None, LinearSolver::Direct);
+        let strip = generate(&m.mesh).unwrap();
+        let mut parts = vec![generate(&plate([1.0, 1.0], [12, 12], 0.0)).unwrap()];
+        parts.extend(vec![strip; columns]);
+        let mesh = side_by_side(&parts);
+        m.materials.insert("soft".into(), Material::Isotropic(Isotropic::new(2e4, 0.0, 1.0)));
+        m.sections = (0..parts.len())
+            .map(|k| {
+                let material = if k == 0 { "soft" } else { "m" };
+                let on = format!("part{k}").as_str().into();
+                Section { on, material: material.into(), ..m.sections[0].clone() }
+            })
+            .collect();
+        m.conditions = (0..parts.len()).map(|k| Condition::Clamp(on(&format!("u_min{k}")))).collect();
+        for factor in [0.8, 1.2] {
+            let pressure = PressureLoad { on: "part0".into(), value: 1e-4, amplitude: None };
+            m.loads = vec![Load::Pressure(pressure)];
+            m.loads.extend((1..parts.len()).map(|k| {
+                let force = [-factor / 12.0 * 493_480.0, 0.0, 0.0];
+                Load::Edge(vector_load(&format!("u_max{k}"), force))
+            }));
+            let system = build(&m, &mesh).unwrap();
+            let outcome = statics::run(&system, &static_options(&m), None, &mut Notes::default());
+            assert_eq!(outcome.is_ok(), factor < 1.0, "{columns} at {factor}: {:?}", outcome.err());
         }
     }
 }

@@ -9,6 +9,7 @@ use std::f64::consts::TAU;
 use common::{Notes, compile, displacement, model, move_in_time, plate, vector_load};
 use tegula::analysis::statics;
 use tegula::model::*;
+use tegula::norm::max_norm;
 use tegula::result::plastic_strains;
 
 const NEWMARK: Scheme = Scheme::Newmark(NewmarkScheme { beta: 0.25, gamma: 0.5 });
@@ -175,6 +176,50 @@ fn a_support_moves_as_its_table_says_and_the_energy_balance_closes_over_its_kink
         match scheme {
             Scheme::EnergyMomentum(_) => assert!(coarse < 1e-11 && fine < 1e-11),
             _ => assert!(coarse < 0.05 && fine < coarse / 8.0, "{scheme:?}: {coarse:e}, {fine:e}"),
+        }
+    }
+}
+
+/// Where the velocity of a support jumps, the momentum of free coordinates does not: no force on them is infinite.
+#[test]
+fn free_coordinates_keep_their_momentum_where_a_support_is_jerked() {
+    for (element, at_start) in
+        [ElementKind::Ems, ElementKind::Mitc4].into_iter().flat_map(|e| [(e, true), (e, false)])
+    {
+        let mut m = model(plate([1.0, 0.3], [4, 2], 0.1), 1e5, 0.05);
+        m.sections[0].element = element;
+        m.materials.insert("m".into(), Material::Isotropic(Isotropic::new(1e5, 0.3, 1e3)));
+        // The support is at rest up to the kink: nothing has moved there, whatever the scheme.
+        let times = if at_start { [0.0, 0.1] } else { [0.05, 0.1] };
+        m.amplitudes.insert("p".into(), table(&times, &[0.0, 1.0]));
+        m.conditions = vec![
+            Condition::Fix(FixComponents {
+                on: "u_min".into(),
+                position: vec![Axis::X, Axis::Y],
+                director: vec![Axis::X, Axis::Y, Axis::Z],
+            }),
+            Condition::Prescribe(PrescribeComponent {
+                on: "u_min".into(),
+                of: NodalVector::Position,
+                component: Axis::Z,
+                value: 0.1,
+                amplitude: Some("p".into()),
+            }),
+        ];
+        for scheme in [NEWMARK, HHT, ENERGY_MOMENTUM] {
+            let mut notes = Notes::keeping();
+            let options = TransientAnalysis { scheme, time_step: Some(0.05), ..TransientAnalysis::new(0.05) };
+            let (system, outcome) = move_in_time(&m, &options, &mut notes);
+            let state = if at_start { &notes.states[0] } else { &outcome.state };
+            let mut momentum = vec![[0.0; 3]; system.vectors()];
+            system.pattern.add_mass_product(1.0, &state.v, &mut momentum);
+            let mut free = vec![0.0; system.unknowns()];
+            system.numbering.reduce(&momentum, &mut free);
+            let largest = max_norm(momentum.as_flattened());
+            assert!(largest > 0.1, "{element:?} {scheme:?}: the supported nodes move");
+            assert!(max_norm(&free) <= 1e-12 * largest, "{element:?} {scheme:?}: {free:?}");
+            let kinetic = system.kinetic_energy(&state.v);
+            assert!(at_start || (state.work / kinetic - 1.0).abs() < 1e-12, "{element:?} {scheme:?}");
         }
     }
 }

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{compile, distance, model, on, plate};
+use common::{compile, distance, model, on, plate, side_by_side};
 use tegula::analysis::modal::{self, ModalOutcome, Mode};
 use tegula::analysis::{Silent, State, statics};
 use tegula::element::{Kinematics, Motion, Nodal};
@@ -15,7 +15,7 @@ use tegula::norm::max_norm;
 use tegula::result::inside::Snapshot;
 use tegula::result::{ShellResult, recovery};
 use tegula::system::{Assembly, dot};
-use tegula::{Error, Mesh, Result, System, Vec3};
+use tegula::{Error, Result, System, Vec3};
 
 const E: f64 = 2.1e11;
 const RHO: f64 = 7850.0;
@@ -38,26 +38,6 @@ fn modes(system: &System, wanted: usize) -> ModalOutcome {
 
 fn stresses(system: &System, state: &State, mode: &Mode) -> Vec<ShellResult> {
     recovery::shells(&Snapshot::of_small_motion(system, state, &mode.shape))
-}
-
-/// Meshes side by side, not connected; the sets of the first are `u_min0` and so on.
-fn side_by_side(parts: &[Mesh]) -> Mesh {
-    let mut out = Mesh::default();
-    for (k, part) in parts.iter().enumerate() {
-        let (nodes, quads) = (out.positions.len() as u32, out.quads.len() as u32);
-        out.positions.extend(part.positions.iter().map(|x| x + Vec3::z() * k as f64));
-        out.quads.extend(part.quads.iter().map(|q| q.map(|n| n + nodes)));
-        for (name, edges) in &part.edge_sets {
-            let moved = edges.iter().map(|e| e.map(|n| n + nodes)).collect();
-            out.edge_sets.insert(format!("{name}{k}"), moved);
-        }
-        for (name, list) in &part.node_sets {
-            out.node_sets.insert(format!("{name}{k}"), list.iter().map(|n| n + nodes).collect());
-        }
-        let all = (quads..quads + part.quads.len() as u32).collect();
-        out.quad_sets.insert(format!("part{k}"), all);
-    }
-    out
 }
 
 #[test]

@@ -9,7 +9,8 @@
 mod common;
 
 use common::{
-    Notes, compile, displacement, model, on, plate, quarter_cylinder, solve, static_options, vector_load,
+    Notes, compile, displacement, model, on, plate, quarter_cylinder, side_by_side, solve, static_options,
+    vector_load,
 };
 use tegula::analysis::statics::{self, StaticOutcome};
 use tegula::analysis::{Silent, State};
@@ -388,4 +389,35 @@ fn an_equilibrium_turned_inside_out_is_refused() {
     let options = StaticAnalysis { max_cutbacks: 0, ..StaticAnalysis::default() };
     let error = statics::run(&system, &options, Some(start), &mut Silent).unwrap_err();
     assert!(error.to_string().contains("inside out"), "{error}");
+}
+
+/// Two strips beside each other, the second with a Young's modulus and a load 1e12 times as large or as small: each bends
+/// as it does alone.
+#[test]
+fn separate_bodies_of_very_different_stiffness_bend_as_alone() {
+    let tips = |ratio: f64, linear: bool| {
+        let mut m = model(plate([1.0, 0.2], [8, 2], 0.0), 2.1e7, 0.01);
+        m.analysis = Analysis::Static(StaticAnalysis { linear, ..Default::default() });
+        let strip = generate(&m.mesh).unwrap();
+        let mesh = side_by_side(&[strip.clone(), strip]);
+        m.materials.insert("other".into(), Material::Isotropic(Isotropic::new(ratio * 2.1e7, 0.3, 0.0)));
+        let mut other = m.sections[0].clone();
+        other.material = "other".into();
+        (m.sections[0].on, other.on) = ("part0".into(), "part1".into());
+        m.sections.push(other);
+        m.conditions = ["u_min0", "u_min1"].map(|set| Condition::Clamp(on(set))).into();
+        m.loads = [("u_max0", 1.0), ("u_max1", ratio)]
+            .map(|(set, factor)| Load::Edge(vector_load(set, [0.0, 0.0, -0.4 * factor])))
+            .into();
+        let system = build(&m, &mesh).unwrap();
+        let outcome = statics::run(&system, &static_options(&m), None, &mut Silent).unwrap();
+        ["u_max_v_max0", "u_max_v_max1"].map(|tip| displacement(&mesh, &system, &outcome.state.u, tip))
+    };
+    for linear in [true, false] {
+        for ratio in [1e12, 1e-12] {
+            let [first, second] = tips(ratio, linear);
+            assert!(first.z < -0.05, "{first}");
+            assert!((first - second).norm() <= 1e-6 * first.norm(), "{ratio:e}, {linear}: {first} {second}");
+        }
+    }
 }

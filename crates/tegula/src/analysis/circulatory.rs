@@ -12,19 +12,15 @@
 //! the motions which N couples noticeably, whatever the mesh.
 //!
 //! Where K has negative pivots, N may balance them: the eigenvalues of `K + N` next to zero decide on stability by
-//! divergence ([`super::newton`]).
+//! divergence ([`super::newton`]). A real one passes zero where N has grown to its part s, `K + s N` singular: 1/s is an
+//! eigenvalue of `−K⁻¹ N`. These are as few as the iterations of GMRES.
 
 use super::solver::TangentSolver;
 use crate::element::Kinematics;
-use crate::linear::gmres::Gmres;
+use crate::linear::gmres::{Gmres, noise};
 use crate::system::assembly::TangentParts;
 use crate::system::{CirculatoryStiffness, Numbering, System};
 
-/// Residual of a solution with the tangent of its iterate, over the increment: Newton's method keeps its speed.
-const TOLERANCE: f64 = 1e-6;
-/// Residual where an old tangent contracts errors no better, and in time steps, where masses make N weak: six runs of 100
-/// steps of a strip under follower loads took 3788 Newton iterations with N to 1e-6, and 3795 without N at all.
-const LOOSE_TOLERANCE: f64 = 1e-2;
 /// A solution with a larger residual is refused.
 const REFUSED: f64 = 1e-2;
 /// Iterations at most.
@@ -32,6 +28,38 @@ const MOST_ITERATIONS: usize = 200;
 /// Largest number of Krylov vectors, and of their entries (160 MB).
 const MOST_VECTORS: usize = 80;
 const MOST_ENTRIES: usize = 20_000_000;
+
+/// Arnoldi steps after which eigenvalues of `−K⁻¹ N` are looked at; their change from look to look at which they are accepted;
+/// and their imaginary part over the real one below which they count as real.
+const EIGENVALUE_STEPS: usize = 5;
+const SETTLED: f64 = 1e-3;
+const REAL: f64 = 1e-6;
+
+/// What a solution is for, which decides on its accuracy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Purpose {
+    /// An increment with the tangent of its iterate.
+    Increment,
+    /// An increment with the tangent of another iterate, or in a time step.
+    Contraction,
+    /// A vector of the Arnoldi process.
+    Eigenvalues,
+}
+
+impl Purpose {
+    /// Residual over the right side.
+    fn tolerance(self) -> f64 {
+        match self {
+            // Newton's method keeps its speed.
+            Self::Increment => 1e-6,
+            // An old tangent contracts errors no better; and in time steps masses make N weak: six runs of 100 steps of a
+            // strip under follower loads took 3788 Newton iterations with N to 1e-6, and 3795 without N at all.
+            Self::Contraction => 1e-2,
+            // Less than what eigenvalues may change between two looks at them.
+            Self::Eigenvalues => 1e-4,
+        }
+    }
+}
 
 /// Stability of an equilibrium by divergence, from negative pivots and circulatory loads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -131,8 +159,7 @@ impl CirculatoryLoads {
         self.operator.solutions
     }
 
-    /// Turns `x = K⁻¹ R` into the solution of `(K + N) δ = R`; `loose` if little accuracy is of use, as with the tangent of
-    /// another iterate.
+    /// Turns `x = K⁻¹ R` into the solution of `(K + N) δ = R`, to what it is for.
     ///
     /// # Errors
     /// The linear solver failed, or the iteration did not converge; why, for people.
@@ -141,10 +168,12 @@ impl CirculatoryLoads {
         solver: &mut S,
         axes: &Numbering,
         x: &mut [f64],
-        loose: bool,
+        purpose: Purpose,
     ) -> Result<(), String> {
-        let tolerance = if loose { LOOSE_TOLERANCE } else { TOLERANCE };
-        if self.operator.stiffness.is_zero() || (loose && self.strength <= tolerance) {
+        let tolerance = purpose.tolerance();
+        if self.operator.stiffness.is_zero()
+            || (purpose == Purpose::Contraction && self.strength <= tolerance)
+        {
             return Ok(());
         }
         let Self { operator, gmres, right, solution, residual, strength } = self;
@@ -175,6 +204,40 @@ impl CirculatoryLoads {
         }
         x.iter_mut().zip(&operator.product).for_each(|(x, z)| *x -= z);
         Ok(())
+    }
+
+    /// How often a real eigenvalue passes zero while N grows from nothing to its whole: the number of real eigenvalues of
+    /// `−K⁻¹ N` above 1. `None` where they are not found with the vectors at hand.
+    ///
+    /// # Errors
+    /// The linear solver failed.
+    pub fn passages_through_zero<S: TangentSolver>(
+        &mut self,
+        solver: &mut S,
+        axes: &Numbering,
+    ) -> Result<Option<usize>, String> {
+        let Self { operator, gmres, right, .. } = self;
+        right.iter_mut().zip(noise()).for_each(|(x, random)| *x = random);
+        let (mut last, mut passages) = (None, None);
+        let mut looked = |values: &[[f64; 2]], exact: bool| {
+            let above = |[re, im]: &[f64; 2]| (-re > 1.0 && im.abs() <= REAL * re.abs()).then_some(-re);
+            let mut now: Vec<f64> = values.iter().filter_map(above).collect();
+            now.sort_by(f64::total_cmp);
+            let same = |last: &Vec<f64>| {
+                last.len() == now.len() && last.iter().zip(&now).all(|(a, b)| (a - b).abs() <= SETTLED * a)
+            };
+            if exact || last.as_ref().is_some_and(same) {
+                passages = Some(now.len());
+            }
+            last = Some(now);
+            passages.is_some()
+        };
+        gmres.ritz_values(right, EIGENVALUE_STEPS, &mut looked, |v, out| {
+            operator.apply_to_part(solver, axes, v)?;
+            operator.stiffness.gather(&operator.product, out);
+            Ok::<(), String>(())
+        })?;
+        Ok(passages)
     }
 }
 

@@ -25,7 +25,7 @@ use crate::system::{Assembly, Numbering, System, Turning, VectorKind, dot};
 use crate::{Result, Vec3};
 
 use super::chord::{self, Increment, Increments, LaggedTangent};
-use super::circulatory::{CirculatoryLoads, Stability};
+use super::circulatory::{CirculatoryLoads, Purpose, Stability};
 use super::solver::{self, Linearization, TangentSolver};
 use super::statics::state_kinematics;
 use super::{Observer, State};
@@ -223,11 +223,22 @@ impl<S: TangentSolver> Newton<S> {
             // xᵀ(K + N) x = xᵀ K x > 0: no eigenvalue has a negative real part.
             return Ok(Stability::Stable);
         }
-        let circulatory = self.circulatory.as_ref().is_some_and(|loads| !loads.is_zero());
-        if circulatory && !self.has_real_negative_eigenvalue(system)? {
-            return Ok(Stability::Undecided(negative_pivots));
+        let Self { circulatory, solver, axes, .. } = self;
+        let Some(loads) = circulatory.as_mut().filter(|loads| !loads.is_zero()) else {
+            return Ok(Stability::Unstable(negative_pivots));
+        };
+        let passages = loads.passages_through_zero(solver, axes)?;
+        // Each passage changes the number of real negative eigenvalues by one: an odd number is never zero.
+        if passages.is_some_and(|n| (negative_pivots + n) % 2 == 1) {
+            return Ok(Stability::Unstable(negative_pivots));
         }
-        Ok(Stability::Unstable(negative_pivots))
+        let nearest = self.eigenvalues_next_to_zero(system)?;
+        // Those that have not passed zero may have become complex pairs, which must be seen then.
+        let left = passages.map_or(0, |n| negative_pivots.saturating_sub(n));
+        if nearest.real_negative || nearest.pairs < left / 2 {
+            return Ok(Stability::Unstable(negative_pivots));
+        }
+        Ok(Stability::Undecided(negative_pivots))
     }
 
     /// Iterations of the linear solver, and solutions for the circulatory part of follower loads, so far.
@@ -460,9 +471,10 @@ impl<S: TangentSolver> Newton<S> {
             self.solution.copy_from_slice(&self.right_side);
             self.solver.solve_tangent(&mut self.solution).map_err(tangent_failed)?;
             if let Some(loads) = &mut self.circulatory {
-                let loose = reuse || parts.mass != 0.0;
+                let old = reuse || parts.mass != 0.0;
+                let purpose = if old { Purpose::Contraction } else { Purpose::Increment };
                 loads
-                    .correct(&mut self.solver, &self.axes, &mut self.solution, loose)
+                    .correct(&mut self.solver, &self.axes, &mut self.solution, purpose)
                     .map_err(tangent_failed)?;
             }
             let energy = self.solution.iter().zip(&self.right_side).map(|(a, b)| a * b).sum::<f64>().abs();

@@ -5,6 +5,15 @@
 
 use nalgebra::DMatrix;
 
+/// Numbers between −½ and ½ without symmetry, the same in every run: a start of the Arnoldi process.
+pub fn noise() -> impl Iterator<Item = f64> {
+    let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
+    std::iter::repeat_with(move || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    })
+}
+
 /// Krylov basis and the Hessenberg matrix of the Arnoldi process, of a fixed size.
 #[derive(Debug, Clone)]
 pub struct Gmres {
@@ -98,8 +107,9 @@ impl Gmres {
     }
 
     /// Eigenvalues (real and imaginary parts) of the operator that the Arnoldi process finds from the start vector
-    /// `b`: Ritz values, of which those far from the others are accurate first. Every `interval` steps they are shown to
-    /// `enough`, which may end the process.
+    /// `b`: Ritz values, of which those far from the others are accurate first. Every `interval` steps and at the end they
+    /// are shown to `enough`, which may end the process; it is also told whether they are exact, as the Krylov space is
+    /// invariant.
     ///
     /// # Errors
     /// Those of `apply`.
@@ -107,7 +117,7 @@ impl Gmres {
         &mut self,
         b: &[f64],
         interval: usize,
-        mut enough: impl FnMut(&[[f64; 2]]) -> bool,
+        mut enough: impl FnMut(&[[f64; 2]], bool) -> bool,
         mut apply: impl FnMut(&[f64], &mut [f64]) -> Result<(), E>,
     ) -> Result<Vec<[f64; 2]>, E> {
         let start = norm(b);
@@ -121,11 +131,12 @@ impl Gmres {
         for steps in 1..=self.most {
             let next = self.arnoldi(steps - 1, &mut apply)?;
             scale = scale.max(norm(&self.hessenberg[(steps - 1) * (self.most + 1)..][..steps]));
-            // The space is invariant, to rounding.
-            let last = steps == self.most || !(next > 1e-13 * scale);
+            // To rounding.
+            let invariant = !(next > 1e-13 * scale);
+            let last = steps == self.most || invariant;
             if last || steps % interval == 0 {
                 values = self.eigenvalues(steps);
-                if last || enough(&values) {
+                if enough(&values, invariant) || last {
                     break;
                 }
             }
@@ -278,7 +289,7 @@ mod tests {
         let n = 9;
         let a = matrix(n, 0.4, 6.0);
         let b: Vec<f64> = (0..n).map(|i| 1.0 + (3.1 * i as f64).sin()).collect();
-        let found = Gmres::new(n, n).ritz_values(&b, 4, |_| false, applied(&a)).unwrap();
+        let found = Gmres::new(n, n).ritz_values(&b, 4, |_, _| false, applied(&a)).unwrap();
         let expected: Vec<[f64; 2]> = a.complex_eigenvalues().iter().map(|z| [z.re, z.im]).collect();
         // Multiple eigenvalues are found once: the process ends with an invariant space.
         let among =

@@ -330,6 +330,9 @@ pub fn masses(model: &Model, system: &System) -> Vec<Issue> {
     c.issues
 }
 
+/// Largest positive quantity, and the inverse of the smallest one: three of them may be multiplied.
+const LARGEST: f64 = 1e100;
+
 #[derive(Default)]
 pub(super) struct Checker {
     pub(super) issues: Vec<Issue>,
@@ -351,6 +354,12 @@ impl Checker {
                 key,
                 format!("{what} is {value}; it must be above 0"),
                 "give a positive number in the model's units",
+            );
+        } else if !(1.0 / LARGEST..=LARGEST).contains(&value) {
+            self.add(
+                key,
+                format!("{what} is {value:e}; products of such numbers cannot be computed"),
+                format!("give a number between {:e} and {LARGEST:e}; check the units", 1.0 / LARGEST),
             );
         }
     }

@@ -276,18 +276,12 @@ impl System {
         self.write_prescribed(v, |value, a| a.map_or(0.0, |a| value * self.amplitudes[a].rate_before(time)));
     }
 
-    /// Changes prescribed velocities from those before a kink to those behind it. Returns the kinetic energy that this
-    /// impact gives; 0 where there is no kink.
-    pub fn pass_kink(&self, time: f64, v: &mut [Nodal]) -> f64 {
+    /// Whether the velocity of a prescribed motion jumps at a time.
+    pub fn has_kink(&self, time: f64) -> bool {
         let kink =
             |a: &TimeFunction| matches!(a, TimeFunction::Table(_)) && a.rate(time) != a.rate_before(time);
         let motions = self.numbering.prescribed.iter().filter_map(|&(_, _, amplitude)| amplitude);
-        if !motions.filter_map(|a| self.amplitudes.get(a)).any(kink) {
-            return 0.0;
-        }
-        let before = self.kinetic_energy(v);
-        self.prescribe_velocity(time, v);
-        self.kinetic_energy(v) - before
+        motions.filter_map(|a| self.amplitudes.get(a)).any(kink)
     }
 
     /// Writes prescribed accelerations at a time.

@@ -111,6 +111,26 @@ pub fn irregular(n: usize) -> Mesh {
     mesh
 }
 
+/// Meshes side by side, not connected; the sets of the first are `u_min0` and so on.
+pub fn side_by_side(parts: &[Mesh]) -> Mesh {
+    let mut out = Mesh::default();
+    for (k, part) in parts.iter().enumerate() {
+        let (nodes, quads) = (out.positions.len() as u32, out.quads.len() as u32);
+        out.positions.extend(part.positions.iter().map(|x| x + Vec3::z() * k as f64));
+        out.quads.extend(part.quads.iter().map(|q| q.map(|n| n + nodes)));
+        for (name, edges) in &part.edge_sets {
+            let moved = edges.iter().map(|e| e.map(|n| n + nodes)).collect();
+            out.edge_sets.insert(format!("{name}{k}"), moved);
+        }
+        for (name, list) in &part.node_sets {
+            out.node_sets.insert(format!("{name}{k}"), list.iter().map(|n| n + nodes).collect());
+        }
+        let all = (quads..quads + part.quads.len() as u32).collect();
+        out.quad_sets.insert(format!("part{k}"), all);
+    }
+    out
+}
+
 /// The mesh and system of a model.
 pub fn compile(model: &Model) -> (Mesh, System) {
     let mesh = generate(&model.mesh).unwrap();

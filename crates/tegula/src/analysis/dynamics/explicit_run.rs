@@ -5,7 +5,7 @@ use super::critical_step::CriticalStep;
 use super::explicit::Explicit;
 use super::fibre_watch::FibreWatch;
 use super::step_end::StepEnds;
-use super::{SMALLEST_STEP, Span, TransientOutcome, start as initial};
+use super::{SMALLEST_STEP, Span, TransientOutcome, initial_motion, unbalanced_forces};
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::statics::undefined;
 use crate::analysis::{Balance, Observer, State, Statistics, Step};
@@ -97,7 +97,8 @@ pub(super) fn run(
         return Err(undefined("time", (0.0, 0.0), reason));
     }
     // Also where a run is resumed: the energy at time 0 is what later energies are held against.
-    let (mut first, rest) = initial(system, &mut scheme.assembly);
+    let mut first = initial_motion(system);
+    let rest = unbalanced_forces(system, &mut scheme.assembly, &first);
     scheme.accelerate(&rest, &mut first.a);
     first.energy_scale = system.kinetic_energy(&first.v);
     let at_first = super::balance(system, &mut scheme.assembly, &first);

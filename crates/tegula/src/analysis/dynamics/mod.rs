@@ -6,6 +6,7 @@ pub mod energy_momentum;
 mod explicit;
 mod explicit_run;
 mod fibre_watch;
+mod impact;
 pub mod newmark;
 mod predictor;
 pub mod step_control;
@@ -190,6 +191,9 @@ pub fn run(
                     }
                     state.last_step = dt;
                     state.time = span.end;
+                    if system.has_kink(span.end) {
+                        state.work += impact::pass_kink(system, &mut newton, &mut state)?;
+                    }
                     state.step += 1;
                     state.next_step = control.next(dt, state.next_step, error, c.tangents);
                     state.tangent.served(c.iterations, c.tangents);
@@ -298,16 +302,13 @@ fn advice(system: &System, options: &TransientAnalysis, trouble: Trouble) -> Str
 /// equations of motion there: `M a = F − f_int − C v`.
 fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
     let n = system.vectors();
-    let (mut state, rest) = start(system, &mut newton.assembly);
-    let mut mass = vec![0.0; system.pattern.values()];
-    newton.assembly.mass_values(system, &mut mass);
-    let inertia = newton.solver.factor(&mass);
-    if !inertia.is_ok_and(|i| i.negative == 0) {
-        return Err(Error::Singular {
-            what: "The mass matrix is singular: some coordinates have no mass.".into(),
-            help: "Give every material a density, or the section a `total_mass`.".into(),
-        });
-    }
+    let mut state = initial_motion(system);
+    newton.assembly.follow(system, &state_with_rates(system, &state));
+    impact::factor_mass(system, newton)?;
+    let mut given = system.initial_velocity.clone();
+    given.resize(n, [0.0; 3]);
+    impact::share_jump(system, newton, &given, &mut state);
+    let rest = unbalanced_forces(system, &mut newton.assembly, &state);
     let mut right_side = vec![0.0; system.unknowns()];
     newton.assembly.numbering.reduce(&rest, &mut right_side);
     newton.solver.solve(&mut right_side);
@@ -322,9 +323,8 @@ fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
     Ok(state)
 }
 
-/// The state at time 0 with accelerations of supported coordinates only, and the forces that are not balanced by
-/// them: `F − f_int − C v − M a`. The assembly's axes follow it.
-fn start(system: &System, assembly: &mut Assembly) -> (State, Vec<Nodal>) {
+/// Displacements and velocities at time 0, and accelerations of supported coordinates only.
+fn initial_motion(system: &System) -> State {
     let n = system.vectors();
     let mut v = system.initial_velocity.clone();
     v.resize(n, [0.0; 3]);
@@ -340,9 +340,15 @@ fn start(system: &System, assembly: &mut Assembly) -> (State, Vec<Nodal>) {
     system.prescribe(0.0, &mut state.u);
     system.prescribe_velocity(0.0, &mut state.v);
     system.prescribe_acceleration(0.0, &mut state.a);
-
     curve_unit_vectors(system, &state.u, &mut state.v, &mut state.a);
-    let k = state_with_rates(system, &state);
+    state
+}
+
+/// Forces at time 0 that are not balanced by the accelerations of a state: `F − f_int − C v − M a`. The assembly's axes
+/// follow it.
+fn unbalanced_forces(system: &System, assembly: &mut Assembly, state: &State) -> Vec<Nodal> {
+    let n = system.vectors();
+    let k = state_with_rates(system, state);
     assembly.follow(system, &k);
     let (mut internal, mut rest) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
     assembly.forces(system, &k, &mut internal);
@@ -355,7 +361,7 @@ fn start(system: &System, assembly: &mut Assembly) -> (State, Vec<Nodal>) {
             r[i] -= f[i];
         }
     }
-    (state, rest)
+    rest
 }
 
 /// A state with its velocities.

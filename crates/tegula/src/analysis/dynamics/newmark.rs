@@ -229,7 +229,6 @@ impl Integrator for Newmark {
     }
 
     fn finish(&mut self, system: &System, state: &mut State) {
-        state.work += system.pass_kink(self.time, &mut self.v);
         curve_unit_vectors(system, &self.u, &mut self.v, &mut self.a);
         state.u.copy_from_slice(&self.u);
         state.v.copy_from_slice(&self.v);

@@ -1,19 +1,23 @@
 //! Linear responses of an equilibrium: to a change of the loads, and its softest mode.
 
 use super::{Equation, Held, Newton, expand_free};
+use crate::analysis::circulatory::Purpose;
 use crate::analysis::solver::{Linearization, TangentSolver};
 use crate::element::Nodal;
-use crate::linear::gmres::Gmres;
+use crate::linear::gmres::{Gmres, noise};
 use crate::system::assembly::add_follower_stiffness;
 use crate::system::{System, VectorKind};
 
 /// Inverse iterations for the softest mode: its error is the ratio of the two lowest eigenvalues to this power.
 const INVERSE_ITERATIONS: usize = 24;
 
-/// Arnoldi steps after which real negative eigenvalues are looked at, and their change from look to look at which they are
-/// accepted.
+/// Arnoldi steps after which Ritz values are looked at.
 const EIGENVALUE_STEPS: usize = 10;
+/// A real negative Ritz value is an eigenvalue if it changes by no more than this share from look to look: those of an
+/// unfinished process come and go.
 const SETTLED: f64 = 1e-3;
+/// Looks in a row without a real negative Ritz value after which there is no such eigenvalue.
+const LOOKS_WITHOUT: usize = 2;
 /// Imaginary part over the real one below which an eigenvalue counts as real, and its size over the largest one from which on
 /// it is more than noise.
 const REAL: f64 = 1e-3;
@@ -21,6 +25,15 @@ const NOISE: f64 = 1e-6;
 /// Largest number of Krylov vectors, and of their entries (160 MB).
 const MOST_VECTORS: usize = 80;
 const MOST_ENTRIES: usize = 20_000_000;
+
+/// Eigenvalues of an unsymmetric tangent next to zero.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct NextToZero {
+    /// One is real and negative: that of a motion which goes away without vibrating.
+    pub real_negative: bool,
+    /// Complex pairs.
+    pub pairs: usize,
+}
 
 /// Lowest mode of a tangent.
 #[derive(Debug, Clone, PartialEq)]
@@ -96,36 +109,37 @@ impl<S: TangentSolver> Newton<S> {
         Ok((response, SoftestMode { shape, excited }, negative))
     }
 
-    /// Whether the tangent of the equilibrium found last, with the circulatory part of follower loads, has a real negative
-    /// eigenvalue: that of a motion which goes away without vibrating. Arnoldi's process on `(K + N)⁻¹ D`, D the metric of
-    /// [`System::norm`].
+    /// What the eigenvalues next to zero of the tangent of the equilibrium found last, with the circulatory part of follower
+    /// loads, say about its stability. Arnoldi's process on `(K + N)⁻¹ D`, D the metric of [`System::norm`].
     ///
     /// # Errors
     /// The linear solver failed.
-    pub(super) fn has_real_negative_eigenvalue(&mut self, system: &System) -> Result<bool, String> {
+    pub(super) fn eigenvalues_next_to_zero(&mut self, system: &System) -> Result<NextToZero, String> {
         let size = system.unknowns();
         let mut arnoldi = Gmres::new(size, (MOST_ENTRIES / size.max(1)).clamp(20, MOST_VECTORS));
         let start: Vec<f64> = noise().take(size).collect();
-        let mut last: Vec<f64> = Vec::new();
-        let mut settled = |values: &[[f64; 2]]| {
-            let now = real_negative(values);
-            let same = |(a, b): (&f64, &f64)| (a - b).abs() <= SETTLED * a.abs();
-            let done = now.len() == last.len() && now.iter().zip(&last).all(same);
+        let (mut last, mut without): (Vec<f64>, usize) = (Vec::new(), 0);
+        let mut found = NextToZero { real_negative: false, pairs: 0 };
+        let mut looked = |values: &[[f64; 2]], exact: bool| {
+            let (now, pairs) = sorted_out(values);
+            let settled = |a: &f64| exact || last.iter().any(|b| (a - b).abs() <= SETTLED * a.abs());
+            found = NextToZero { real_negative: now.iter().any(settled), pairs };
+            without = if now.is_empty() { without + 1 } else { 0 };
             last = now;
-            done
+            found.real_negative || without == LOOKS_WITHOUT
         };
         let Self { solver, axes, circulatory, increment, .. } = self;
-        let values = arnoldi.ritz_values(&start, EIGENVALUE_STEPS, &mut settled, |v, out| {
+        arnoldi.ritz_values(&start, EIGENVALUE_STEPS, &mut looked, |v, out| {
             expand_free(axes, v, false, increment);
             apply_metric(system, increment);
             axes.reduce(increment, out);
             solver.solve_tangent(out)?;
             match circulatory {
-                Some(loads) => loads.correct(solver, axes, out, false),
+                Some(loads) => loads.correct(solver, axes, out, Purpose::Eigenvalues),
                 None => Ok(()),
             }
         })?;
-        Ok(!real_negative(&values).is_empty())
+        Ok(found)
     }
 
     /// Assembles and factors the tangent at an iterate. The residual becomes that of the loads and prescribed motions of
@@ -183,20 +197,22 @@ impl<S: TangentSolver> Newton<S> {
         self.axes.reduce(&self.residual, &mut self.solution);
         self.solver.solve_tangent(&mut self.solution)?;
         if let Some(loads) = self.circulatory.as_mut().filter(|_| whole) {
-            loads.correct(&mut self.solver, &self.axes, &mut self.solution, false)?;
+            loads.correct(&mut self.solver, &self.axes, &mut self.solution, Purpose::Increment)?;
         }
         expand_free(&self.axes, &self.solution, moved, &mut self.increment);
         Ok(system.norm(&self.increment))
     }
 }
 
-/// Real negative ones of eigenvalues, by size.
-fn real_negative(values: &[[f64; 2]]) -> Vec<f64> {
+/// Real negative ones of eigenvalues by size, and the number of complex pairs.
+fn sorted_out(values: &[[f64; 2]]) -> (Vec<f64>, usize) {
     let largest = values.iter().map(|[re, im]| re.hypot(*im)).fold(0.0, f64::max);
-    let counts = |[re, im]: &&[f64; 2]| *re < -NOISE * largest && im.abs() <= REAL * re.abs();
-    let mut found: Vec<f64> = values.iter().filter(counts).map(|[re, _]| *re).collect();
-    found.sort_by(f64::total_cmp);
-    found
+    let counts = |[re, im]: &&[f64; 2]| re.hypot(*im) > NOISE * largest;
+    let (real, complex): (Vec<&[f64; 2]>, Vec<_>) =
+        values.iter().filter(counts).partition(|[re, im]| im.abs() <= REAL * re.abs());
+    let mut negative: Vec<f64> = real.into_iter().map(|[re, _]| *re).filter(|re| *re < 0.0).collect();
+    negative.sort_by(f64::total_cmp);
+    (negative, complex.len() / 2)
 }
 
 /// Multiplies displacements by the weights of [`System::norm`].
@@ -206,15 +222,6 @@ fn apply_metric(system: &System, field: &mut [Nodal]) {
             *x = x.map(|x| x / (system.length * system.length));
         }
     }
-}
-
-/// Numbers between −½ and ½ without symmetry, the same in every run.
-fn noise() -> impl Iterator<Item = f64> {
-    let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
-    std::iter::repeat_with(move || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-    })
 }
 
 fn subtract(from: &mut [Nodal], what: &[Nodal]) {

@@ -251,7 +251,7 @@ impl Parser<'_> {
     }
 
     fn operand(&mut self, depth: usize) -> Result<(), String> {
-        if depth >= DEEPEST {
+        if depth > DEEPEST {
             return Err(too_deep());
         }
         let token = self.peek();
@@ -264,7 +264,9 @@ impl Parser<'_> {
                 while let Some(sign) = self.accept("+-") {
                     negative ^= sign == '-';
                 }
-                self.operand(depth + 1)?;
+                // Brackets around an argument count by themselves.
+                let bracketed = matches!(self.peek(), Some(Token::Open));
+                self.operand(if bracketed { depth } else { depth + 1 })?;
                 if negative {
                     self.emit(Instruction::Apply(Function::Negate))?;
                 }

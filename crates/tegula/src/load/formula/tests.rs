@@ -120,6 +120,11 @@ fn towers_of_powers_are_read_at_once() {
         assert!(message.contains("within each other") && message.len() < 400, "{message}");
     }
     assert_eq!(formula(&format!("{}t", "-".repeat(4000))).value(2.0), 2.0);
+    for (open, most) in [("(", 64), ("atan(", 64), ("sin ", 64)] {
+        let close = |n| if open.ends_with('(') { ")".repeat(n) } else { String::new() };
+        let nested = |n: usize| read(&format!("{}t{}", open.repeat(n), close(n)));
+        assert!(nested(most).is_ok() && nested(most + 1).is_err(), "{open}");
+    }
 }
 
 #[test]

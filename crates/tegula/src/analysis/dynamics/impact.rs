@@ -1,0 +1,70 @@
+//! Impacts: the velocity of a prescribed motion jumps, and masses take part in it.
+//!
+//! The equations of motion integrated over the instant of a jump Δv_s of prescribed velocities, in which no other force
+//! is infinite, are `M_ff Δv_f + M_fs Δv_s = 0`. So free coordinates next to the prescribed ones take a velocity, too, as
+//! long as a consistent mass matrix couples them. At the start of a motion this is the projection of the given velocities
+//! on the shape functions.
+
+use super::{curve_unit_vectors, state_with_rates};
+use crate::analysis::State;
+use crate::analysis::newton::Newton;
+use crate::element::Nodal;
+use crate::error::{Error, Result};
+use crate::linear::Factor;
+use crate::system::System;
+
+/// Changes velocities from those before a kink of a prescribed motion to those behind it. Returns the kinetic energy that
+/// the impact gives.
+///
+/// # Errors
+/// The mass matrix is singular.
+pub(super) fn pass_kink(system: &System, newton: &mut Newton, state: &mut State) -> Result<f64> {
+    let before = system.kinetic_energy(&state.v);
+    let old = state.v.clone();
+    system.prescribe_velocity(state.time, &mut state.v);
+    newton.forget(state);
+    newton.assembly.follow(system, &state_with_rates(system, state));
+    factor_mass(system, newton)?;
+    share_jump(system, newton, &old, state);
+    Ok(system.kinetic_energy(&state.v) - before)
+}
+
+/// Factors the mass matrix along the axes that the assembly follows.
+///
+/// # Errors
+/// It is singular.
+pub(super) fn factor_mass(system: &System, newton: &mut Newton) -> Result<()> {
+    let mut mass = vec![0.0; system.pattern.values()];
+    newton.assembly.mass_values(system, &mut mass);
+    let inertia = newton.solver.factor(&mass);
+    if inertia.is_ok_and(|i| i.negative == 0) {
+        return Ok(());
+    }
+    Err(Error::Singular {
+        what: "The mass matrix is singular: some coordinates have no mass.".into(),
+        help: "Give every material a density, or the section a `total_mass`.".into(),
+    })
+}
+
+/// Adds `−M_ff⁻¹ M_fs Δv_s` to the free velocities, with the factor of the mass matrix. Δv_s is the change from the `old`
+/// velocities along prescribed coordinates.
+pub(super) fn share_jump(system: &System, newton: &mut Newton, old: &[Nodal], state: &mut State) {
+    let mut jump = old.to_vec();
+    system.prescribe_velocity(state.time, &mut jump);
+    for (new, old) in jump.as_flattened_mut().iter_mut().zip(old.as_flattened()) {
+        *new -= old;
+    }
+    if jump.as_flattened().iter().all(|&x| x == 0.0) {
+        return;
+    }
+    let mut impulse = vec![[0.0; 3]; jump.len()];
+    system.pattern.add_mass_product(-1.0, &jump, &mut impulse);
+    let mut free = vec![0.0; system.unknowns()];
+    newton.assembly.numbering.reduce(&impulse, &mut free);
+    newton.solver.solve(&mut free);
+    newton.assembly.numbering.expand(&free, &mut impulse);
+    for (v, change) in state.v.as_flattened_mut().iter_mut().zip(impulse.as_flattened()) {
+        *v += change;
+    }
+    curve_unit_vectors(system, &state.u, &mut state.v, &mut state.a);
+}
