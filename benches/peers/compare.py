@@ -99,10 +99,11 @@ def compute(name, job, limit, folder):
 
 
 def kept_in(out, name, job, timed=True):
-    """File of a run: its name tells program, settings and, of tegula where times matter, the build."""
+    """File of a run: its name tells program, settings and, of tegula where times matter, the build. Runs for limits, which may
+    have shared the machine with others, lie apart."""
     build = hashlib.sha256(peer_tegula.PROGRAM.read_bytes()).hexdigest() if name == "tegula" and timed else ""
     key = hashlib.sha256(json.dumps([name, job, build], sort_keys=True).encode()).hexdigest()[:16]
-    return out / "runs" / ("%s-%s-%s.json" % (job["problem"], name, key))
+    return out / ("runs" if timed else "limits") / ("%s-%s-%s.json" % (job["problem"], name, key))
 
 
 def run_all(chosen, repetitions, limit, out, timed=True):

@@ -3,9 +3,9 @@
 The displacements of three meshes, each twice as fine as the one before, approach their limit like a geometric
 series: with the ratio q of the last two distances it is c + (c - b) q / (1 - q). The motions of the pendulum are
 extrapolated with second order, in space from the two finest meshes, in time from two step sizes on a coarser mesh.
-The limit of a theory is the mean over its codes, with weights 1/(s² + 1e-8): s is the relative step from the finest run of
-a code to what is extrapolated from it, and codes differ by 1e-4 anyway, in how they measure large bending strains. The limit is known to the
-largest distance from it that the code's own step does not explain.
+The limit of a theory is the weighted mean over its codes. The standard deviation s of a code is taken as the relative step from its
+finest run to what is extrapolated from it, together with 1e-4: by that codes differ anyway, in how they measure large bending strains. The limit is
+known to (Σ 1/s²)^(-1/2), times the ratio of Birge (Phys. Rev. 40 (1932) 207) where codes differ by more than their s.
 """
 
 import json
@@ -79,13 +79,20 @@ def write(runs, path, keep):
 
 def mean(vectors):
     """Weighted mean of (vector, step)."""
-    weights = [1 / (step**2 + 1e-8) for _, step in vectors]
+    weights = [1 / deviation(step) ** 2 for _, step in vectors]
     return [sum(w * x for w, x in zip(weights, column)) / sum(weights) for column in zip(*(v for v, _ in vectors))]
 
 
+def deviation(step):
+    """Standard deviation that a code is given."""
+    return math.sqrt(step**2 + 1e-8)
+
+
 def uncertainty(limit, key):
-    """How far codes are from the limit beyond what their own extrapolation explains, and at least 1e-5."""
-    return max(1e-5, *(code[key] - code[key + " step"] for code in limit["codes"].values()))
+    """Standard deviation of the weighted mean, times the ratio of Birge if it is above 1."""
+    codes = [(code[key], deviation(code[key + " step"])) for code in limit["codes"].values()]
+    birge = math.sqrt(sum((distance / s) ** 2 for distance, s in codes) / max(len(codes) - 1, 1))
+    return max(birge, 1.0) / math.sqrt(sum(1 / s**2 for _, s in codes))
 
 
 def with_steps(meshes, finest, limit):

@@ -52,6 +52,12 @@ pub fn print(deck: &Deck, as_json: bool) -> Result<(), Failure> {
                 "max_angle_deg": q.max_angle_deg,
                 "max_warp": q.max_warp,
             },
+            "parts": parts(mesh).iter().map(|(node, size)| json!({
+                "nodes": size,
+                "first": mesh.node_label(*node),
+            })).collect::<Vec<_>>(),
+            "fold_angle_deg": deck.model.mesh.fold_angle(),
+            "folds": system.folds.lines.iter().map(|line| fold_as_json(mesh, line)).collect::<Vec<_>>(),
             "sets": mesh.set_names(),
             "warnings": prepared.warnings.iter().map(report::as_json).collect::<Vec<_>>(),
         });
@@ -93,8 +99,8 @@ pub fn print(deck: &Deck, as_json: bool) -> Result<(), Failure> {
 /// Lines of a list that are written out.
 const SHOWN: usize = 10;
 
-/// Prints the connected parts of a mesh.
-fn print_parts(mesh: &Mesh) {
+/// First node and number of nodes of each connected part of a mesh.
+fn parts(mesh: &Mesh) -> Vec<(u32, usize)> {
     let mut parts: Vec<(u32, usize)> = Vec::new();
     for (node, part) in (0u32..).zip(mesh.parts()).filter(|(_, part)| *part != u32::MAX) {
         match parts.get_mut(part as usize) {
@@ -102,6 +108,23 @@ fn print_parts(mesh: &Mesh) {
             None => parts.push((node, 1)),
         }
     }
+    parts
+}
+
+/// A fold (two sheets, with least and largest angle) or a junction of more.
+fn fold_as_json(mesh: &Mesh, line: &Fold) -> serde_json::Value {
+    json!({
+        "sheets": line.sheets,
+        "length": line.length,
+        "edges": line.edges,
+        "angles_deg": line.angles,
+        "ends": line.ends.map(|node| mesh.node_label(node)),
+    })
+}
+
+/// Prints the connected parts of a mesh.
+fn print_parts(mesh: &Mesh) {
+    let parts = parts(mesh);
     if parts.len() == 1 {
         say!("parts      1: all elements are connected");
         return;

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 fn tegula(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tegula")).args(arguments).output().unwrap()
@@ -451,4 +451,64 @@ fn an_interrupted_run_resumes_to_the_same_history() {
     for (row, (a, b)) in straight.lines().zip(parts.lines()).enumerate() {
         assert_eq!(a, b, "row {row}");
     }
+}
+
+/// Two sheets that meet at a right angle, and one beside them.
+#[test]
+fn check_lists_parts_and_folds_as_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let nodes = [
+        [0.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [1.0, 0.0, 1.0],
+        [1.0, 1.0, 1.0],
+        [3.0, 0.0, 0.0],
+        [3.0, 1.0, 0.0],
+        [4.0, 0.0, 0.0],
+        [4.0, 1.0, 0.0],
+    ];
+    let quads = [[0, 2, 3, 1], [2, 4, 5, 3], [6, 8, 9, 7]];
+    let mut mesh = format!("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{}\n", nodes.len());
+    for (i, [x, y, z]) in nodes.iter().enumerate() {
+        mesh += &format!("{} {x} {y} {z}\n", i + 1);
+    }
+    mesh += &format!("$EndNodes\n$Elements\n{}\n", quads.len());
+    for (i, [a, b, c, d]) in quads.map(|q| q.map(|n| n + 1)).iter().enumerate() {
+        mesh += &format!("{} 3 2 1 1 {a} {b} {c} {d}\n", i + 1);
+    }
+    fs::write(folder.path().join("sheets.msh"), mesh + "$EndElements\n").unwrap();
+    let model = folder.path().join("model.toml");
+    let text_of_model = r#"
+[analysis]
+type = "modal"
+modes = 3
+[mesh]
+type = "gmsh"
+file = "sheets.msh"
+[materials.m]
+type = "isotropic"
+young = 2e11
+poisson = 0.3
+density = 7850.0
+[[sections]]
+material = "m"
+thickness = 0.1
+"#;
+    fs::write(&model, text_of_model).unwrap();
+    let output = tegula(&["check", text(&model), "--json"]);
+    assert!(output.status.success(), "{}", errors(&output));
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(found["parts"], json!([{ "nodes": 6, "first": 1 }, { "nodes": 4, "first": 7 }]));
+    assert_eq!(found["fold_angle_deg"], 20.0);
+    let folds = found["folds"].as_array().unwrap();
+    assert_eq!(folds.len(), 1, "{found:#}");
+    let number = |v: &Value| v.as_f64().unwrap();
+    assert_eq!((&folds[0]["sheets"], &folds[0]["edges"]), (&json!(2), &json!(1)));
+    assert!((number(&folds[0]["length"]) - 1.0).abs() < 1e-12);
+    assert!((0..2).all(|i| (number(&folds[0]["angles_deg"][i]) - 90.0).abs() < 1e-9));
+    let mut ends: Vec<f64> = folds[0]["ends"].as_array().unwrap().iter().map(number).collect();
+    ends.sort_by(f64::total_cmp);
+    assert_eq!(ends, [3.0, 4.0]);
 }

@@ -216,19 +216,17 @@ fn report(
 fn unstable(state: &State, options: &TransientAnalysis, statistics: &Statistics, reason: String) -> Error {
     let (step, critical) = (state.last_step, statistics.critical_step);
     let safe = SAFETY * critical;
-    let remedy = match options.time_step {
-        Some(wanted) if wanted > safe => {
-            format!("Leave out `time_step`, or give one below {safe:.3e}")
-        }
-        Some(_) => format!("Give a `time_step` below {:.3e}", 0.5 * step),
-        None => format!("Give a `max_step` below {:.3e}", 0.5 * step),
-    };
-    Error::Unstable {
-        at: format!("time {:.6e}, step {}", state.time, state.step),
-        reason,
-        help: format!(
-            "The last step was {step:.3e}; it is certainly stable below {critical:.3e}. {remedy}, or look at loads, \
-             initial velocities and units."
+    let key = if options.time_step.is_some() { "time_step" } else { "max_step" };
+    let help = match options.time_step {
+        Some(wanted) if wanted > safe => format!(
+            "The last step was {step:.3e}; it is certainly stable below {critical:.3e}. Leave out `time_step`, or give one \
+             below {safe:.3e}, or look at loads, initial velocities and units."
         ),
-    }
+        _ => format!(
+            "The last step was {step:.3e}; it is certainly stable below {critical:.3e}, so it is hardly the cause. Look at \
+             loads, initial velocities and units; a `{key}` below {:.3e} tells whether the step plays a part.",
+            0.5 * step
+        ),
+    };
+    Error::Unstable { at: format!("time {:.6e}, step {}", state.time, state.step), reason, help }
 }
