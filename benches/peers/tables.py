@@ -10,7 +10,7 @@ BEGIN, END = "<!-- peers:begin -->", "<!-- peers:end -->"
 TITLES = {"cylinder": "Quarter cylinder under an edge load", "hypar": "Hyperbolic paraboloid under its weight",
           "pendulum": "Pendulum"}
 LEVELS = (0.1, 0.05, 0.03, 0.02, 0.01, 0.005, 0.003, 0.002, 0.001, 0.0005, 0.0003, 0.0002, 0.0001)
-GOALS = {"Kratos": 100, "EXUDYN": 20, "CalculiX": 100}
+SIDE_BY_SIDE = ("Kratos", "EXUDYN", "OpenSees", "CalculiX")
 MEASURES = {"error": "displacement", "energy": "energy"}
 # Errors below this multiple of the distance between the codes' limits say nothing.
 TRUST = 3
@@ -153,14 +153,14 @@ def finest_common(rows, known, peer, measure, row):
     return error, ratio(theirs, ours, error)
 
 
-def goal_table(rows, known):
-    lines = ["| problem | error in | " + " | ".join("%s (goal %d)" % item for item in GOALS.items()) + " |",
-             "|:--|:--|" + "---:|" * len(GOALS)]
+def summary_table(rows, known):
+    lines = ["| problem | error in | " + " | ".join(SIDE_BY_SIDE) + " |",
+             "|:--|:--|" + "---:|" * len(SIDE_BY_SIDE)]
     for problem in dict.fromkeys(r["problem"] for r in rows):
         mine = [r for r in rows if r["problem"] == problem]
         for measure, name in MEASURES.items():
             cells = []
-            for peer in GOALS:
+            for peer in SIDE_BY_SIDE:
                 pair = [finest_common(mine, known[problem], peer, measure, row) for row in ("default", "best")]
                 cells.append(" ; ".join("—" if one is None or one[1] is None else "%s%s at %s"
                                        % (one[1][1], number(one[1][0]), percent(one[0])) for one in pair))
@@ -212,7 +212,7 @@ def limit_table(known):
 def write(runs, known, about, folder, page):
     """Prints the tables, writes them as CSV and Markdown, and between the marks of the book's page."""
     rows = table_rows(runs, known)
-    parts = ["### At the smallest error that both reach", "", *goal_table(rows, known), ""]
+    parts = ["### At the smallest error that both reach", "", *summary_table(rows, known), ""]
     for problem in dict.fromkeys(row["problem"] for row in rows):
         mine = [row for row in rows if row["problem"] == problem]
         parts += ["### " + TITLES[problem], ""]

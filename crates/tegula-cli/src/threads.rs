@@ -15,8 +15,8 @@ const ALWAYS: usize = 16;
 /// The threads cannot be started.
 pub fn start(wanted: Option<u32>) -> Result<(), Failure> {
     let from_environment = || std::env::var("RAYON_NUM_THREADS").ok()?.trim().parse::<u32>().ok();
-    let Some(wanted) = wanted.or_else(from_environment).filter(|&n| n > 0) else { return Ok(()) };
     let processors = std::thread::available_parallelism().map_or(1, NonZero::get);
+    let Some(wanted) = wanted.or_else(from_environment).filter(|&n| n > 0) else { return build(processors) };
     let most = ALWAYS.max(2 * processors);
     let threads = usize::try_from(wanted).unwrap_or(usize::MAX).min(most);
     if threads < wanted as usize {
@@ -26,8 +26,15 @@ pub fn start(wanted: Option<u32>) -> Result<(), Failure> {
             &format!("{threads} threads are used instead of {wanted}: there are {there}"),
         );
     }
+    build(threads)
+}
+
+/// Makes the pool. The present thread is one of it: it does its share of the work, and small models do not pay for handing
+/// all of it to another thread and waiting.
+fn build(threads: usize) -> Result<(), Failure> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
+        .use_current_thread()
         .build_global()
         .map_err(|e| Failure::Usage(format!("{threads} threads cannot be started: {e}")))
 }

@@ -7,14 +7,19 @@ use tegula::System;
 use tegula::result::{Equilibrium, Resultant};
 use tegula::system::ForceSet;
 
+use super::summary::{number, vector};
+
 /// Force and moment at the end of the run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ForceResult {
     /// Force.
+    #[serde(deserialize_with = "vector")]
     pub force: [f64; 3],
     /// Moment about the point `about`.
+    #[serde(deserialize_with = "vector")]
     pub moment: [f64; 3],
     /// Mean of the set's nodes at the reference (length).
+    #[serde(deserialize_with = "vector")]
     pub about: [f64; 3],
 }
 
@@ -22,8 +27,10 @@ pub struct ForceResult {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct BalanceResult {
     /// Resultant force over the sum of the sizes of all nodal forces.
+    #[serde(deserialize_with = "number")]
     pub force: f64,
     /// Resultant moment about the middle of the model over the sum of the sizes of all nodal moments.
+    #[serde(deserialize_with = "number")]
     pub moment: f64,
 }
 

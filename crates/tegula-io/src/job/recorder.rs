@@ -160,6 +160,10 @@ impl<'a> Recorder<'a> {
         }
         if any {
             self.keep_last();
+            // A run that is resumed at its end takes no step.
+            if self.forces.is_none() {
+                self.forces = Some(self.finder.find(&self.prepared.system, None, &self.memory.state));
+            }
         }
         // A run that goes on from here writes the last field file again only when it is due.
         let mut extra = Vec::new();
@@ -350,6 +354,7 @@ impl<'a> Recorder<'a> {
             factorizations: totals.factorizations,
             cutbacks: totals.cutbacks,
             linear_iterations: totals.linear_iterations,
+            energy_error: totals.energy_error,
             wall_s: before.wall_s + self.started.elapsed().as_secs_f64(),
             cpu_s: self.cpu(),
             ..before

@@ -43,6 +43,9 @@ pub(super) struct Notes {
     pub cutbacks: u64,
     /// Iterations of the linear solver so far.
     pub linear_iterations: u64,
+    /// Largest error of the energy balance of an explicit scheme so far.
+    #[serde(default)]
+    pub energy_error: f64,
     /// Time on the clock so far (s).
     pub wall_s: f64,
     /// Processor time so far (s).
@@ -60,7 +63,7 @@ impl Notes {
             factorizations: self.factorizations + part.factorizations,
             cutbacks: self.cutbacks + part.cutbacks,
             critical_step: part.critical_step,
-            energy_error: part.energy_error,
+            energy_error: self.energy_error.max(part.energy_error),
             linear_iterations: self.linear_iterations + part.linear_iterations,
         }
     }
@@ -70,7 +73,7 @@ impl Memory {
     /// Saves it for the model with this fingerprint.
     pub fn save(&self, path: &Path, model_fingerprint: u64) -> Result<(), OutputError> {
         let (s, b) = (&self.state, &self.balance);
-        let scalars = [s.time, s.next_step, s.last_step, s.work, s.dissipated, s.energy_scale];
+        let scalars = [s.time, s.next_step, s.last_step, s.work, s.dissipated, s.energy_scale, s.swing];
         let path_so_far =
             [s.displacement_scale, f64::from(u8::from(s.other_form)), s.negative_pivots as f64, s.compliance];
         let energies = [b.kinetic, b.strain, b.potential, b.work, b.dissipated, b.total];
@@ -125,7 +128,7 @@ impl Memory {
             let found = vectors(&array(name, None)?);
             if found.is_empty() || found.len() == n { Ok(found) } else { Err(wrong(name)) }
         };
-        let scalars = fixed("scalars", 6)?;
+        let scalars = fixed("scalars", 7)?;
         let path_so_far = fixed("load path", 4)?;
         let energies = fixed("energies", 6)?;
         let momenta = fixed("momenta", 6)?;
@@ -159,6 +162,7 @@ impl Memory {
             work: scalars[3],
             dissipated: scalars[4],
             energy_scale: scalars[5],
+            swing: scalars[6],
             displacement_scale: path_so_far[0],
             other_form: path_so_far[1] != 0.0,
             negative_pivots: path_so_far[2] as usize,

@@ -23,6 +23,10 @@ pub fn run(deck: &Deck, options: &JobOptions, watch: &mut dyn JobObserver) -> Re
     if let Analysis::Modal(analysis) = &deck.model.analysis {
         return modal::run(deck, analysis, &prepared, options, watch);
     }
+    if let Some(done) = completed(&prepared, options) {
+        watch.on_warning("the run in this folder is complete: there is nothing to resume, and its results stay as they are");
+        return Ok(done);
+    }
     let folder = if options.resume {
         ResultFolder::resume(&options.folder)?
     } else {
@@ -48,6 +52,13 @@ pub fn run(deck: &Deck, options: &JobOptions, watch: &mut dyn JobObserver) -> Re
     let state = (!recorder.memory.state.u.is_empty()).then(|| recorder.memory.state.clone());
     let outcome = analyse(deck, &prepared.system, state, &start, &mut recorder);
     conclude(recorder, outcome)
+}
+
+/// The summary of a run of this model that has reached its end, where it is to be resumed.
+fn completed(prepared: &Prepared, options: &JobOptions) -> Option<Summary> {
+    let summary = options.resume.then(|| Summary::read(&options.folder).ok())??;
+    let same = summary.fingerprint == format!("{:016x}", prepared.fingerprint);
+    (same && summary.status == Status::Complete).then_some(summary)
 }
 
 /// What a run says of itself when it wants a result folder.

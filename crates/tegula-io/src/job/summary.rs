@@ -3,11 +3,21 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use tegula::analysis::Balance;
 
 use super::forces::{BalanceResult, ForceResult};
 use crate::out::{OutputError, write_over, write_whole};
+
+/// A number; NaN and infinity are written as `null`.
+pub(super) fn number<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::<f64>::deserialize(from)?.unwrap_or(f64::NAN))
+}
+
+/// Three of them.
+pub(super) fn vector<'de, D: Deserializer<'de>>(from: D) -> Result<[f64; 3], D::Error> {
+    Ok(<[Option<f64>; 3]>::deserialize(from)?.map(|x| x.unwrap_or(f64::NAN)))
+}
 
 /// How a run stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -27,16 +37,22 @@ pub enum Status {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energy {
     /// Kinetic energy.
+    #[serde(deserialize_with = "number")]
     pub kinetic: f64,
     /// Strain energy.
+    #[serde(deserialize_with = "number")]
     pub strain: f64,
     /// Potential of gravity (in statics: of all dead loads).
+    #[serde(deserialize_with = "number")]
     pub potential: f64,
     /// Work of the other loads.
+    #[serde(deserialize_with = "number")]
     pub work: f64,
     /// Dissipated energy.
+    #[serde(deserialize_with = "number")]
     pub dissipated: f64,
     /// Sum that an exact integration keeps constant.
+    #[serde(deserialize_with = "number")]
     pub total: f64,
 }
 
@@ -57,8 +73,10 @@ impl From<&Balance> for Energy {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct PointResult {
     /// Position (length).
+    #[serde(deserialize_with = "vector")]
     pub position: [f64; 3],
     /// Displacement (length).
+    #[serde(deserialize_with = "vector")]
     pub displacement: [f64; 3],
 }
 
@@ -90,10 +108,13 @@ pub struct Summary {
     /// Unknowns.
     pub unknowns: usize,
     /// Total mass (mass).
+    #[serde(deserialize_with = "number")]
     pub mass: f64,
     /// Time (load factor) reached.
+    #[serde(deserialize_with = "number")]
     pub time: f64,
     /// Time (load factor) at which the analysis ends.
+    #[serde(deserialize_with = "number")]
     pub end: f64,
     /// Finished steps.
     pub steps: u64,

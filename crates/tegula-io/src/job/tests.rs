@@ -113,7 +113,45 @@ fn a_resumed_run_repeats_the_straight_one_to_the_bit() {
             (whole.steps, whole.iterations, whole.points, whole.energy),
             (resumed.steps, resumed.iterations, resumed.points, resumed.energy)
         );
+        assert_eq!(whole.energy_error, resumed.energy_error, "{scheme}");
+        assert_eq!(whole.energy_error.is_some(), scheme == "explicit");
+        assert!(!whole.supports.is_empty() && whole.balance.is_some());
+        assert_eq!((whole.supports, whole.loads), (resumed.supports, resumed.loads), "{scheme}");
+
+        // To resume what is complete changes nothing.
+        let before = read(&parts, "summary.json");
+        let again = run(&deck, &options(&parts, true), &mut Unwatched).unwrap();
+        assert!(again.status == Status::Complete && read(&parts, "summary.json") == before, "{scheme}");
+        // Killed between the last checkpoint and the last summary: nothing is missing.
+        let text = String::from_utf8(before).unwrap().replace("\"complete\"", "\"running\"");
+        fs::write(parts.join("summary.json"), text).unwrap();
+        let last = run(&deck, &options(&parts, true), &mut Unwatched).unwrap();
+        let places = |s: &Summary| s.supports.keys().cloned().collect::<Vec<_>>();
+        assert!(last.status == Status::Complete && places(&last) == places(&again) && last.balance.is_some());
     }
+}
+
+/// Values that are no numbers are written as `null`; a folder with such a summary is known as a result.
+#[test]
+fn a_summary_without_numbers_is_read_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let summary = run(&deck("newmark"), &options(folder.path(), false), &mut Unwatched).unwrap();
+    let broken = Summary {
+        energy: Energy { kinetic: f64::NAN, total: f64::INFINITY, ..summary.energy },
+        points: summary.points.keys().map(|n| (n.clone(), no_point())).collect(),
+        ..summary.clone()
+    };
+    broken.write(folder.path()).unwrap();
+    let read = Summary::read(folder.path()).unwrap();
+    assert!(read.energy.kinetic.is_nan() && read.energy.total.is_nan());
+    assert_eq!(read.energy.strain, summary.energy.strain);
+    assert!(read.points.len() == summary.points.len() && !read.points.is_empty());
+    assert!(read.points.values().all(|p| p.position[1].is_nan() && p.displacement[0] == 1.0));
+    run(&deck("newmark"), &options(folder.path(), false), &mut Unwatched).unwrap();
+}
+
+fn no_point() -> PointResult {
+    PointResult { position: [0.0, f64::NAN, 0.0], displacement: [1.0; 3] }
 }
 
 #[test]

@@ -44,6 +44,8 @@ pub struct State {
     pub dissipated: f64,
     /// Largest energy met so far: scale of the convergence test.
     pub energy_scale: f64,
+    /// Part of the energy by which explicit steps swing about what they keep, ⅛ Δt² a·M a, summed over the steps.
+    pub swing: f64,
     /// Largest displacement of a static equilibrium so far ([`System::norm`]): scale of the convergence test.
     pub displacement_scale: f64,
     /// The form of Newton's method that does not suit the materials at first sight has found the last static equilibrium.

@@ -190,6 +190,9 @@ impl BlockLanczos {
 
     fn decompose(&self) -> Vec<(f64, f64, Vec<f64>)> {
         let k = self.projected.len();
+        if k == 0 {
+            return Vec::new();
+        }
         let mut t = DMatrix::<f64>::zeros(k, k);
         for (j, column) in self.projected.iter().enumerate() {
             for i in 0..=j.min(column.len().saturating_sub(1)) {

@@ -67,7 +67,11 @@ pub(super) fn read(text: &str) -> Result<TimeFunction, (String, String)> {
     if formula.value(0.0).is_finite() {
         Ok(TimeFunction::Formula(formula))
     } else {
-        Err((format!("the expression {} has no value at t = 0", quoted(text)), remedy()))
+        Err((
+            format!("the expression {} has no value at t = 0", quoted(text)),
+            "look for a division by 0, a root or logarithm of a negative number, and numbers above 1e308"
+                .into(),
+        ))
     }
 }
 

@@ -371,12 +371,20 @@ impl Checker {
                 format!("{what} is {value}; it must not be negative"),
                 "give 0 or a positive number",
             );
+        } else if value != 0.0 {
+            self.positive(key, what, value);
         }
     }
 
     pub(super) fn finite(&mut self, key: &str, what: &str, values: &[f64]) {
         if !values.iter().all(|v| v.is_finite()) {
             self.add(key, format!("{what} is not a finite number"), "give finite numbers");
+        } else if let Some(large) = values.iter().find(|v| v.abs() > LARGEST) {
+            self.add(
+                key,
+                format!("{what} has the component {large:e}; products of such numbers cannot be computed"),
+                format!("give numbers of a size up to {LARGEST:e}; check the units"),
+            );
         }
     }
 

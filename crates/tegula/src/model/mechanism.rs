@@ -19,7 +19,6 @@ pub fn mechanisms(
     supports: &[Support],
 ) -> Vec<Issue> {
     let part_of = mesh.parts();
-    let length = mesh.extent();
     let count = part_of.iter().filter(|&&p| p != u32::MAX).max().map_or(0, |&p| p as usize + 1);
     let mut normal = vec![SMatrix::<f64, 6, 6>::zeros(); count];
     let mut first = vec![usize::MAX; count];
@@ -28,6 +27,7 @@ pub fn mechanisms(
         first[p as usize] = first[p as usize].min(node);
         size[p as usize] += 1;
     }
+    let lengths = extents(mesh, &part_of, count);
     for s in supports {
         let v = s.vector as usize;
         let part = part_of[nodes[v] as usize];
@@ -35,6 +35,7 @@ pub fn mechanisms(
             continue;
         }
         let origin = mesh.positions[first[part as usize]];
+        let length = lengths[part as usize];
         // Motion t L + ω × (x − origin) of a position, ω × d of a director.
         let arm = match kinds[v] {
             VectorKind::Position => (Vec3::from(reference[v]) - origin) / length,
@@ -62,7 +63,7 @@ pub fn mechanisms(
             format!("can slide along ({:.3}, {:.3}, {:.3})", t.x, t.y, t.z)
         } else {
             // The axis: the point where the motion vanishes across ω.
-            let p = mesh.positions[first[part]] + w.cross(&t) / w.norm_squared() * length;
+            let p = mesh.positions[first[part]] + w.cross(&t) / w.norm_squared() * lengths[part];
             let w = w.normalize();
             format!(
                 "can turn about the axis through ({:.4}, {:.4}, {:.4}) along ({:.3}, {:.3}, {:.3})",
@@ -81,4 +82,14 @@ pub fn mechanisms(
         ));
     }
     issues
+}
+
+/// Diagonals of the boxes about the parts of a mesh.
+fn extents(mesh: &Mesh, part_of: &[u32], count: usize) -> Vec<f64> {
+    let mut boxes = vec![[Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)]; count];
+    for (x, &part) in mesh.positions.iter().zip(part_of).filter(|(_, p)| **p != u32::MAX) {
+        let [low, high] = &mut boxes[part as usize];
+        (*low, *high) = (low.inf(x), high.sup(x));
+    }
+    boxes.iter().map(|[low, high]| (high - low).norm()).collect()
 }

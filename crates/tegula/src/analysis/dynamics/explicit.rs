@@ -48,8 +48,6 @@ pub(super) struct Explicit<'a> {
     damped: bool,
     /// a·M a of the free coordinates.
     inertia: f64,
-    /// Sum of `⅛ Δt² (a₁·M a₁ − a₀·M a₀)` over the steps.
-    pub(super) swing: f64,
 }
 
 impl<'a> Explicit<'a> {
@@ -87,7 +85,6 @@ impl<'a> Explicit<'a> {
             reactions_old: moving,
             damped: system.groups.iter().any(|g| g.retardation_time() != 0.0),
             inertia: 0.0,
-            swing: 0.0,
         })
     }
 
@@ -145,7 +142,7 @@ impl<'a> Explicit<'a> {
         if !self.inertia.is_finite() {
             return Err(self.without_finite_acceleration(state));
         }
-        self.swing += 0.125 * dt * dt * (self.inertia - before);
+        state.swing += 0.125 * dt * dt * (self.inertia - before);
         if !self.reactions.is_empty() {
             system.prescribe_velocity_before(end, &mut state.v);
             system.prescribe_acceleration(end, &mut state.a);

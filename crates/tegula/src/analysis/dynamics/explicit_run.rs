@@ -39,9 +39,8 @@ const UNSEEN: f64 = 1e-9;
 
 /// Energies that a motion is held against.
 struct Watch {
-    /// Total energy at the start of this run.
+    /// Total energy, and kinetic and strain energy, at time 0.
     total: f64,
-    /// Energy at time 0.
     first: f64,
     /// Most that the motion can have got.
     given: f64,
@@ -55,7 +54,7 @@ impl Watch {
     fn look(&mut self, balance: &Balance, scheme: &Explicit, state: &State) -> (f64, Option<String>) {
         let stored = balance.kinetic + balance.strain;
         self.given = self.given.max(self.first + balance.work.abs() + balance.potential.abs());
-        let missing = balance.total - scheme.swing - self.total;
+        let missing = balance.total - state.swing - self.total;
         let scale = state.energy_scale.max(self.unseen);
         let error = if missing == 0.0 { 0.0 } else { missing.abs() / scale };
         let place = || scheme.fastest(state);
@@ -114,7 +113,7 @@ pub(super) fn run(
     let energy = at_first.kinetic + at_first.strain;
     let slow = UNSEEN * system.length / options.end_time;
     let mut watch = Watch {
-        total: balance.total,
+        total: at_first.total,
         first: energy,
         given: energy + at_first.potential.abs(),
         unseen: 0.5 * system.total_mass() * slow * slow,

@@ -4,21 +4,24 @@
 //! is infinite, are `M_ff Δv_f + M_fs Δv_s = 0`. So free coordinates next to the prescribed ones take a velocity, too, as
 //! long as a consistent mass matrix couples them. At the start of a motion this is the projection of the given velocities
 //! on the shape functions.
+//!
+//! Damping of strain rates changes its forces with the velocities at once, and accelerations follow: `M_ff Δa_f = −Δf`.
 
 use super::{curve_unit_vectors, state_with_rates};
 use crate::analysis::State;
 use crate::analysis::newton::Newton;
-use crate::element::Nodal;
+use crate::element::{Kinematics, Motion, Nodal};
 use crate::error::{Error, Result};
 use crate::linear::Factor;
 use crate::system::System;
 
-/// Changes velocities from those before a kink of a prescribed motion to those behind it. Returns the kinetic energy that
-/// the impact gives.
+/// Changes velocities, and with them accelerations, from those before a kink of a prescribed motion to those behind it. Mean
+/// accelerations of a step (`mean`), which no equation of an instant holds, stay. Returns the kinetic energy that the impact
+/// gives.
 ///
 /// # Errors
 /// The mass matrix is singular.
-pub(super) fn pass_kink(system: &System, newton: &mut Newton, state: &mut State) -> Result<f64> {
+pub(super) fn pass_kink(system: &System, newton: &mut Newton, mean: bool, state: &mut State) -> Result<f64> {
     let before = system.kinetic_energy(&state.v);
     let old = state.v.clone();
     system.prescribe_velocity(state.time, &mut state.v);
@@ -26,7 +29,37 @@ pub(super) fn pass_kink(system: &System, newton: &mut Newton, state: &mut State)
     newton.assembly.follow(system, &state_with_rates(system, state));
     factor_mass(system, newton)?;
     share_jump(system, newton, &old, state);
+    if !mean && system.groups.iter().any(|g| g.retardation_time() != 0.0) {
+        change_accelerations(system, newton, &old, state);
+    }
     Ok(system.kinetic_energy(&state.v) - before)
+}
+
+/// Accelerations that belong to the change of the internal forces with the velocities from `old` ones, with the factor of the
+/// mass matrix.
+fn change_accelerations(system: &System, newton: &mut Newton, old: &[Nodal], state: &mut State) {
+    let (mut behind, mut change) = (vec![[0.0; 3]; old.len()], vec![[0.0; 3]; old.len()]);
+    newton.assembly.forces(system, &state_with_rates(system, state), &mut behind);
+    let motion = Motion::State { u: &state.u, velocity: Some(old) };
+    let k = Kinematics::new(&system.reference, motion, system.linear, state.time);
+    newton.assembly.forces(system, &k, &mut change);
+    for (change, behind) in change.as_flattened_mut().iter_mut().zip(behind.as_flattened()) {
+        *change -= behind;
+    }
+    add_free_response(system, newton, &change, &mut state.a);
+    curve_unit_vectors(system, &state.u, &mut state.v, &mut state.a);
+}
+
+/// Adds what the mass matrix, with its factor, answers to forces on free coordinates.
+pub(super) fn add_free_response(system: &System, newton: &mut Newton, forces: &[Nodal], field: &mut [Nodal]) {
+    let mut free = vec![0.0; system.unknowns()];
+    newton.assembly.numbering.reduce(forces, &mut free);
+    newton.solver.solve(&mut free);
+    let mut response = vec![[0.0; 3]; forces.len()];
+    newton.assembly.numbering.expand(&free, &mut response);
+    for (x, change) in field.as_flattened_mut().iter_mut().zip(response.as_flattened()) {
+        *x += change;
+    }
 }
 
 /// Factors the mass matrix along the axes that the assembly follows.
@@ -59,12 +92,6 @@ pub(super) fn share_jump(system: &System, newton: &mut Newton, old: &[Nodal], st
     }
     let mut impulse = vec![[0.0; 3]; jump.len()];
     system.pattern.add_mass_product(-1.0, &jump, &mut impulse);
-    let mut free = vec![0.0; system.unknowns()];
-    newton.assembly.numbering.reduce(&impulse, &mut free);
-    newton.solver.solve(&mut free);
-    newton.assembly.numbering.expand(&free, &mut impulse);
-    for (v, change) in state.v.as_flattened_mut().iter_mut().zip(impulse.as_flattened()) {
-        *v += change;
-    }
+    add_free_response(system, newton, &impulse, &mut state.v);
     curve_unit_vectors(system, &state.u, &mut state.v, &mut state.a);
 }

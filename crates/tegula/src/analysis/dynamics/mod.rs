@@ -192,7 +192,8 @@ pub fn run(
                     state.last_step = dt;
                     state.time = span.end;
                     if system.has_kink(span.end) {
-                        state.work += impact::pass_kink(system, &mut newton, &mut state)?;
+                        let mean = matches!(options.scheme, Scheme::EnergyMomentum(_));
+                        state.work += impact::pass_kink(system, &mut newton, mean, &mut state)?;
                     }
                     state.step += 1;
                     state.next_step = control.next(dt, state.next_step, error, c.tangents);
@@ -309,16 +310,7 @@ fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
     given.resize(n, [0.0; 3]);
     impact::share_jump(system, newton, &given, &mut state);
     let rest = unbalanced_forces(system, &mut newton.assembly, &state);
-    let mut right_side = vec![0.0; system.unknowns()];
-    newton.assembly.numbering.reduce(&rest, &mut right_side);
-    newton.solver.solve(&mut right_side);
-    let mut a = vec![[0.0; 3]; n];
-    newton.assembly.numbering.expand(&right_side, &mut a);
-    for (s, a) in state.a.iter_mut().zip(&a) {
-        for i in 0..3 {
-            s[i] += a[i];
-        }
-    }
+    impact::add_free_response(system, newton, &rest, &mut state.a);
     state.energy_scale = system.kinetic_energy(&state.v);
     Ok(state)
 }

@@ -42,6 +42,8 @@ pub struct SoftestMode {
     pub shape: Vec<Nodal>,
     /// Cosine of the angle between this mode and the response to the loads.
     pub excited: f64,
+    /// Share of this mode in the energy of the response.
+    pub energy: f64,
 }
 
 impl<S: TangentSolver> Newton<S> {
@@ -90,6 +92,10 @@ impl<S: TangentSolver> Newton<S> {
         }
         let response = self.find_response(system, moved, true)?;
         let answer = self.increment.clone();
+        let work: f64 =
+            self.residual.as_flattened().iter().zip(answer.as_flattened()).map(|(f, u)| f * u).sum();
+        // 1/λ of the mode, whose metric is the number of vectors.
+        let mut compliance = 0.0;
         let mut shape: Vec<Nodal> = vec![[0.0; 3]; system.vectors()];
         for (x, random) in shape.as_flattened_mut().iter_mut().zip(noise()) {
             *x = random;
@@ -98,6 +104,7 @@ impl<S: TangentSolver> Newton<S> {
             self.residual.copy_from_slice(&shape);
             apply_metric(system, &mut self.residual);
             let size = self.find_response(system, false, false)?;
+            compliance = size;
             for (x, y) in shape.as_flattened_mut().iter_mut().zip(self.increment.as_flattened()) {
                 *x = y / size;
             }
@@ -106,7 +113,9 @@ impl<S: TangentSolver> Newton<S> {
         apply_metric(system, &mut scaled);
         let product: f64 = scaled.as_flattened().iter().zip(answer.as_flattened()).map(|(a, b)| a * b).sum();
         let excited = product.abs() / (shape.len() as f64 * response.max(f64::MIN_POSITIVE));
-        Ok((response, SoftestMode { shape, excited }, negative))
+        let stored = product * product / (compliance * shape.len() as f64);
+        let energy = stored / work.abs().max(f64::MIN_POSITIVE);
+        Ok((response, SoftestMode { shape, excited, energy }, negative))
     }
 
     /// What the eigenvalues next to zero of the tangent of the equilibrium found last, with the circulatory part of follower

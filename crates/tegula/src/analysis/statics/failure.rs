@@ -6,8 +6,8 @@ use crate::element::Nodal;
 use crate::model::{LinearSolver, StaticAnalysis};
 use crate::system::{System, VectorKind, dot};
 
-/// Response of the softest mode over the whole response, from which on a critical point is a limit point: at a
-/// bifurcation the loads do no work on the mode.
+/// Energy of the softest mode over that of the whole response, from which on a critical point is a limit point: at a
+/// bifurcation the loads do no work on the mode, but for rounding, which its softness amplifies.
 const EXCITED: f64 = 1e-3;
 /// The tangent at the last equilibrium is this much softer than on the average of the path, and the softest mode is
 /// nearly the whole of its response: then negative pivots on the way tell of a limit point.
@@ -25,6 +25,8 @@ pub(super) enum Kind {
     Inverted,
     /// The equilibrium is unstable.
     Unstable,
+    /// The tangent of the unloaded structure has negative pivots.
+    Rounding,
     /// The equilibrium is not connected with the last one by a stable path.
     Leap,
 }
@@ -61,7 +63,7 @@ impl CriticalPoint {
     pub fn of(failure: &Failure, mode: SoftestMode, softened: f64) -> Option<Self> {
         let proved = matches!(failure.kind, Kind::Unstable | Kind::Leap);
         let likely = softened > SOFTENED && mode.excited > DOMINANT;
-        let limit = mode.excited > EXCITED;
+        let limit = mode.energy > EXCITED;
         (proved || likely).then_some(Self { limit, mode: mode.shape, enhanced: None })
     }
 
@@ -86,6 +88,15 @@ impl CriticalPoint {
 impl Failure {
     pub fn new(kind: Kind, reason: String, negative_pivots: usize) -> Self {
         Self { kind, reason, negative_pivots }
+    }
+
+    /// That of a structure whose tangent has negative pivots without any stress.
+    pub fn of_rounding(negative_pivots: usize) -> Self {
+        let reason = format!(
+            "the stiffness matrix of the unloaded structure has {negative_pivots} negative pivot(s), which only rounding can \
+             give: the stiffnesses of its elements differ too much"
+        );
+        Self::new(Kind::Rounding, reason, 0)
     }
 
     /// Whether another form of Newton's method may find an equilibrium where this one has found none.
@@ -152,6 +163,11 @@ impl Failure {
                     .into();
             }
             Kind::Unstable | Kind::Leap => return beyond_bifurcation(options),
+            Kind::Rounding => {
+                return "Look at elements of extreme aspect ratio (`tegula check` prints the largest), at thicknesses and at \
+                        moduli, and at their units."
+                    .into();
+            }
             Kind::Iteration(cause) => cause,
         };
         if cause == Cause::Tangent {

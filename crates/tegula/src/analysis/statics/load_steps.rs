@@ -16,6 +16,8 @@ use crate::{Error, Result};
 /// Energy of the last increment over the strain energy: small enough that reactions balance the loads to 1e-12,
 /// also where loads that follow the motion make convergence linear.
 const ENERGY_TOLERANCE: f64 = 1e-18;
+/// Halvings of a load step after which its length is but rounding of the load factor.
+const MOST_CUTBACKS: i32 = 40;
 /// Last increment over the displacement.
 const INCREMENT_TOLERANCE: f64 = 1e-6;
 
@@ -70,7 +72,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             default_form: newton.method(),
             largest,
             stops: Stops::of(system, 1.0),
-            smallest_part: 0.5_f64.powi(cutbacks),
+            smallest_part: 0.5_f64.powi(cutbacks.min(MOST_CUTBACKS)),
             equation: StaticEquation { u: state.u.clone(), time: state.time, scales: [0.0; 2], attempts: 0 },
             balance: Balance::default(),
             statistics: Statistics { steps: state.step, ..Statistics::default() },
@@ -342,6 +344,8 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
 
     /// Error of a step that cannot be halved any more.
     fn give_up(&mut self, target: f64, failure: &Failure) -> Error {
+        let rounding = self.negative_pivots_at_rest(target, failure).map(Failure::of_rounding);
+        let failure = rounding.as_ref().unwrap_or(failure);
         let critical = self.critical_point(target, failure);
         let (system, options, state) = (self.system, self.options, &self.state);
         Error::NotConverged {
@@ -353,6 +357,23 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
                 failure.remedy(system, options, critical.as_ref())
             ),
         }
+    }
+
+    /// Negative pivots of the tangent of the unloaded structure: without stresses it has none but for rounding. `None` where
+    /// a failure is of another kind.
+    fn negative_pivots_at_rest(&mut self, target: f64, failure: &Failure) -> Option<usize> {
+        let rest = self.state.step == 0 && self.system.prescribed_strains.is_empty();
+        if failure.negative_pivots == 0 || !(rest || self.system.linear) {
+            return None;
+        }
+        if self.system.linear {
+            return Some(failure.negative_pivots);
+        }
+        let Self { newton, system, state, equation, .. } = self;
+        newton.restore(system, state, false);
+        let at = |time| StaticEquation { u: state.u.clone(), time, ..equation.clone() };
+        let (_, _, negative) = newton.softest_mode(system, &at(state.time), &at(target)).ok()?;
+        Some(negative).filter(|&n| n > 0)
     }
 
     /// Critical point between the last equilibrium and a load factor that was not reached, if there is evidence of one.
