@@ -131,6 +131,7 @@ pub fn run(
         })?;
     }
     let mut old_velocities = vec![[0.0; 3]; system.vectors()];
+    let mean = matches!(options.scheme, Scheme::EnergyMomentum(_));
     // A step that failed with an old factor is repeated without.
     let mut own_tangents = false;
     let mut drilling = DrillingWatch::new();
@@ -192,7 +193,6 @@ pub fn run(
                     state.last_step = dt;
                     state.time = span.end;
                     if system.has_kink(span.end) {
-                        let mean = matches!(options.scheme, Scheme::EnergyMomentum(_));
                         state.work += impact::pass_kink(system, &mut newton, mean, &mut state)?;
                     }
                     state.step += 1;
