@@ -3,7 +3,7 @@
 
     cargo build --release
     python3 benches/peers/compare.py --install                        # once: venv in target/peers, from PyPI
-    python3 benches/peers/compare.py --all --repetitions 3 --book     # about 25 minutes on one quiet core
+    python3 benches/peers/compare.py --repetitions 4 --book     # about half an hour on one quiet core
     python3 benches/peers/compare.py --only pendulum --peers tegula,EXUDYN
     python3 benches/peers/compare.py --limits                         # the solutions that errors refer to: hours, rarely
 
