@@ -421,3 +421,36 @@ fn separate_bodies_of_very_different_stiffness_bend_as_alone() {
         }
     }
 }
+
+/// Elements of aspect ratios up to a million: rounding of the stiff ones exceeds the stiffness of the others. Nothing buckles.
+#[test]
+fn rounding_of_an_unloaded_structure_is_not_called_buckling() {
+    for linear in [true, false] {
+        let mut m = model(plate([1.0, 0.1], [64, 1], 0.0), 2.1e11, 0.01);
+        if let MeshSource::Plate(p) = &mut m.mesh {
+            p.grid.grading = [1e6, 1.0];
+        }
+        m.loads = vec![Load::Edge(vector_load("u_max", [0.0, 0.0, -1.0]))];
+        m.analysis = Analysis::Static(StaticAnalysis { linear, ..Default::default() });
+        let (_, system) = compile(&m);
+        let error = statics::run(&system, &static_options(&m), None, &mut Silent).unwrap_err().to_string();
+        assert!(error.contains("only rounding can give") && error.contains("aspect ratio"), "{error}");
+        assert!(!error.contains("buckl") && !error.contains("limit point"), "{error}");
+    }
+}
+
+/// A tiny part that is clamped along an edge is supported, however large the part beside it.
+#[test]
+fn a_tiny_part_beside_a_large_one_is_no_mechanism() {
+    let mut m = model(plate([1.0, 1.0], [2, 2], 0.0), 2.1e11, 0.01);
+    let large = generate(&m.mesh).unwrap();
+    let mut tiny = large.clone();
+    tiny.positions.iter_mut().for_each(|x| *x *= 1e-6);
+    let mesh = side_by_side(&[large, tiny]);
+    m.conditions = ["u_min0", "u_min1"].map(|set| Condition::Clamp(on(set))).into();
+    m.loads = vec![Load::Edge(vector_load("u_max1", [0.0, 0.0, -1.0]))];
+    assert!(build(&m, &mesh).is_ok(), "{:?}", build(&m, &mesh).err());
+    m.conditions = ["u_min0", "u_min_v_min1"].map(|set| Condition::Spherical(on(set))).into();
+    let error = build(&m, &mesh).err().unwrap().to_string();
+    assert!(error.contains("free mechanism"), "{error}");
+}
