@@ -132,7 +132,6 @@ def machine():
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--install", action="store_true", help="install the peers and end")
-    parser.add_argument("--all", action="store_true", help="all problems and programs (the default)")
     parser.add_argument("--limits", action="store_true", help="compute limits.json again and end")
     parser.add_argument("--only", choices=tuple(jobs.PROBLEMS), help="one of the problems")
     parser.add_argument("--peers", help="names, separated by commas; tegula always takes part")

@@ -73,7 +73,7 @@ fn main() {
     let mut x = vec![1.0; system.unknowns()];
     let solve = best(&mut || solver.solve(&mut x));
     // The softest motions made unstable, until there are negative pivots.
-    let mut shift = f64::EPSILON * assembly.values.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
+    let mut shift = f64::EPSILON * tegula::norm::max_norm(&assembly.values);
     let mut shifted;
     let negative = loop {
         shifted = assembly.values.clone();

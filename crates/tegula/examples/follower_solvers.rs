@@ -121,7 +121,7 @@ fn main() {
         let b = faer::Col::from_fn(n, |i| right[i]);
         let y = factor.unwrap().solve(&b);
         let rest = &b - &whole * &y;
-        let size = whole.val().iter().fold(0.0, |m: f64, v| m.max(v.abs())) * y.norm_l2();
+        let size = tegula::norm::max_norm(whole.val()) * y.norm_l2();
         assert!(rest.norm_l2() <= 1e-12 * size, "backward error {:e}", rest.norm_l2() / size);
         let (early, all) = (counts.0[DEFINITE - 1], counts.0[counts.0.len() - 1]);
         let each = early.1 as f64 / early.0 as f64;

@@ -5,7 +5,8 @@
 mod common;
 
 use common::{
-    Notes, compile, distance, model, move_in_time as run, pendulum, plate, quarter_cylinder, vector_load,
+    Notes, compile, distance, driven_edge, model, move_in_time as run, pendulum, plate, quarter_cylinder,
+    vector_load,
 };
 use tegula::analysis::dynamics;
 use tegula::analysis::statics::state_kinematics;
@@ -236,20 +237,7 @@ fn prescribed_motion_closes_the_energy_balance() {
     let mut m = soft_plate();
     let formula = |text: &str| Amplitude::Expression(ExpressionAmplitude { expression: text.into() });
     m.amplitudes.insert("lift".into(), formula("0.3*t + 0.2*(1 - cos(6*t))"));
-    m.conditions = vec![
-        Condition::Fix(FixComponents {
-            on: "u_min".into(),
-            position: vec![Axis::X, Axis::Y],
-            director: vec![Axis::X, Axis::Y, Axis::Z],
-        }),
-        Condition::Prescribe(PrescribeComponent {
-            on: "u_min".into(),
-            of: NodalVector::Position,
-            component: Axis::Z,
-            value: 0.5,
-            amplitude: Some("lift".into()),
-        }),
-    ];
+    m.conditions = driven_edge("u_min", 0.5, "lift");
     check_energy_balance("prescribed motion", &m, 0.256, 4e-3);
     // The support is where it should be, with its velocity.
     let mut notes = Notes::keeping();

@@ -6,10 +6,14 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::{Notes, Random, compile, displacement, model, on, plate, static_options, vector_load};
+use common::{
+    Notes, Random, compile, displacement, model, on, plate, side_by_side, static_options, vector_load,
+};
 use tegula::analysis::statics::{self, StaticOutcome, reactions, state_kinematics};
 use tegula::analysis::{Observer, Step};
 use tegula::element::{Nodal, TangentWeights};
+use tegula::mesh::generators::generate;
+use tegula::model::build::build;
 use tegula::model::*;
 use tegula::system::assembly::{TangentParts, add_follower_stiffness};
 use tegula::system::{Assembly, CirculatoryStiffness, VectorKind};
@@ -91,6 +95,39 @@ fn strip_under_follower_pressure_takes_few_iterations_to_the_full_load() {
     let search = (iterations.additional[19] - iterations.additional[13]) as f64 / 6.0;
     println!("{each} solutions for an iteration, {search} for a stable equilibrium with its iterations");
     assert!(each < 5.0 && search < 200.0, "{each}, {search}");
+}
+
+/// Eigenvalues of equal bodies are multiple: what one of them decides on stability, all of them decide.
+#[test]
+fn equal_bodies_under_follower_loads_are_as_stable_as_one() {
+    let one = under_pressure(strip([20, 1], 0.3, 20));
+    let strip = generate(&one.mesh).unwrap();
+    let tips: Vec<Vec<Vec3>> = [1, 2, 3]
+        .map(|bodies| {
+            let mesh = side_by_side(&vec![strip.clone(); bodies]);
+            let mut m = one.clone();
+            m.conditions = (0..bodies).map(|k| Condition::Clamp(on(&format!("u_min{k}")))).collect();
+            m.loads = (0..bodies)
+                .map(|k| {
+                    let on = format!("part{k}").as_str().into();
+                    Load::Pressure(PressureLoad { on, value: 5.0, amplitude: None })
+                })
+                .collect();
+            let system = build(&m, &mesh).unwrap();
+            let mut iterations = Iterations::default();
+            let outcome = statics::run(&system, &static_options(&m), None, &mut iterations).unwrap();
+            assert_eq!(outcome.statistics.cutbacks, 0, "{bodies}: {:?}", iterations.events);
+            assert_eq!(
+                outcome.negative_pivots, bodies,
+                "the symmetric part of the tangent alone is indefinite"
+            );
+            let tip = |k| displacement(&mesh, &system, &outcome.state.u, &format!("u_max_v_max{k}"));
+            (0..bodies).map(tip).collect()
+        })
+        .into();
+    for tip in tips.iter().flatten() {
+        assert!((tip - tips[0][0]).norm() < 1e-6, "{tips:?}");
+    }
 }
 
 /// Directors of unit length are eliminated: their axes and the curvature of their sphere enter the tangent.

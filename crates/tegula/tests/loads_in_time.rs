@@ -6,7 +6,7 @@ mod common;
 
 use std::f64::consts::TAU;
 
-use common::{Notes, compile, displacement, model, move_in_time, plate, vector_load};
+use common::{Notes, compile, displacement, driven_edge, model, move_in_time, plate, vector_load};
 use tegula::analysis::statics;
 use tegula::element::{Kinematics, Motion};
 use tegula::model::*;
@@ -146,20 +146,7 @@ fn a_support_moves_as_its_table_says_and_the_energy_balance_closes_over_its_kink
     let mut m = model(plate([1.0, 0.3], [4, 2], 0.1), 1e5, 0.05);
     m.materials.insert("m".into(), Material::Isotropic(Isotropic::new(1e5, 0.3, 1e3)));
     m.amplitudes.insert("p".into(), table(&[0.0, 0.1, 0.25, 0.3], &[0.0, 1.0, 1.0, 0.2]));
-    m.conditions = vec![
-        Condition::Fix(FixComponents {
-            on: "u_min".into(),
-            position: vec![Axis::X, Axis::Y],
-            director: vec![Axis::X, Axis::Y, Axis::Z],
-        }),
-        Condition::Prescribe(PrescribeComponent {
-            on: "u_min".into(),
-            of: NodalVector::Position,
-            component: Axis::Z,
-            value: 0.01,
-            amplitude: Some("p".into()),
-        }),
-    ];
+    m.conditions = driven_edge("u_min", 0.01, "p");
     for scheme in [NEWMARK, HHT, ENERGY_MOMENTUM, EXPLICIT] {
         let drift = |step: f64| {
             let mut notes = Notes::keeping();
@@ -184,7 +171,7 @@ fn a_support_moves_as_its_table_says_and_the_energy_balance_closes_over_its_kink
 
 /// Where the velocity of a support jumps, the momentum of free coordinates does not: no force on them is infinite.
 #[test]
-fn free_coordinates_keep_their_momentum_where_a_support_is_jerked() {
+fn free_coordinates_keep_their_momentum_where_the_velocity_of_a_support_jumps() {
     for (element, at_start) in
         [ElementKind::Ems, ElementKind::Mitc4].into_iter().flat_map(|e| [(e, true), (e, false)])
     {
@@ -195,20 +182,7 @@ fn free_coordinates_keep_their_momentum_where_a_support_is_jerked() {
         // The support is at rest up to the kink: nothing has moved there, whatever the scheme.
         let times = if at_start { [0.0, 0.1] } else { [0.05, 0.1] };
         m.amplitudes.insert("p".into(), table(&times, &[0.0, 1.0]));
-        m.conditions = vec![
-            Condition::Fix(FixComponents {
-                on: "u_min".into(),
-                position: vec![Axis::X, Axis::Y],
-                director: vec![Axis::X, Axis::Y, Axis::Z],
-            }),
-            Condition::Prescribe(PrescribeComponent {
-                on: "u_min".into(),
-                of: NodalVector::Position,
-                component: Axis::Z,
-                value: 0.1,
-                amplitude: Some("p".into()),
-            }),
-        ];
+        m.conditions = driven_edge("u_min", 0.1, "p");
         for scheme in [NEWMARK, HHT, ENERGY_MOMENTUM] {
             let mut notes = Notes::keeping();
             let options = TransientAnalysis { scheme, time_step: Some(0.05), ..TransientAnalysis::new(0.05) };

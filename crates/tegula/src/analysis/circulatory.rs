@@ -12,12 +12,12 @@
 //! the motions which N couples noticeably, whatever the mesh.
 //!
 //! Where K has negative pivots, N may balance them: the eigenvalues of `K + N` next to zero decide on stability by
-//! divergence ([`super::newton`]). A real one passes zero where N has grown to its part s, `K + s N` singular: 1/s is an
-//! eigenvalue of `−K⁻¹ N`. These are as few as the iterations of GMRES.
+//! divergence ([`super::newton`]). Let N grow from nothing to its whole, `K + s N` with s from 0 to 1: a
+//! real eigenvalue crosses zero where this is singular, and then 1/s is an eigenvalue of `−K⁻¹ N`. Those above 1 are few.
 
 use super::solver::TangentSolver;
 use crate::element::Kinematics;
-use crate::linear::gmres::{Gmres, noise};
+use crate::linear::gmres::{Gmres, noise, norm, project_out};
 use crate::system::assembly::TangentParts;
 use crate::system::{CirculatoryStiffness, Numbering, System};
 
@@ -34,6 +34,8 @@ const MOST_ENTRIES: usize = 20_000_000;
 const EIGENVALUE_STEPS: usize = 5;
 const SETTLED: f64 = 1e-3;
 const REAL: f64 = 1e-6;
+/// Part of a vector across others below which it depends on them.
+const DEPENDENT: f64 = 1e-3;
 
 /// What a solution is for, which decides on its accuracy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,18 +61,6 @@ impl Purpose {
             Self::Eigenvalues => 1e-4,
         }
     }
-}
-
-/// Stability of an equilibrium by divergence, from negative pivots and circulatory loads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stability {
-    /// The tangent has no negative eigenvalue, nor has its symmetric part.
-    Stable,
-    /// The tangent has a negative eigenvalue: so many negative pivots of the symmetric part show it.
-    Unstable(usize),
-    /// The symmetric part has so many negative pivots, but the tangent has no real negative eigenvalue: circulatory loads
-    /// balance them, or turn pairs of them into vibrations.
-    Undecided(usize),
 }
 
 /// Solutions with the skew stiffness of follower loads beside the symmetric tangent.
@@ -159,7 +149,7 @@ impl CirculatoryLoads {
         self.operator.solutions
     }
 
-    /// Turns `x = K⁻¹ R` into the solution of `(K + N) δ = R`, to what it is for.
+    /// Turns `x = K⁻¹ R` into the solution of `(K + N) δ = R`, as exact as its purpose needs.
     ///
     /// # Errors
     /// The linear solver failed, or the iteration did not converge; why, for people.
@@ -206,41 +196,73 @@ impl CirculatoryLoads {
         Ok(())
     }
 
-    /// How often a real eigenvalue passes zero while N grows from nothing to its whole: the number of real eigenvalues of
-    /// `−K⁻¹ N` above 1. `None` where they are not found with the vectors at hand.
+    /// Number of real eigenvalues that cross zero while N grows from nothing to its whole: that of the real eigenvalues of
+    /// `−K⁻¹ N` above 1, multiple ones counted as often. `None` where they are not found with the vectors at hand.
+    ///
+    /// The Arnoldi process finds a multiple eigenvalue once. So it is repeated without the eigenvectors that are known
+    /// (deflation; Y. Saad, *Numerical methods for large eigenvalue problems*, 2011, Sect. 4.2) until it finds nothing new.
     ///
     /// # Errors
     /// The linear solver failed.
-    pub fn passages_through_zero<S: TangentSolver>(
+    pub fn zero_crossings<S: TangentSolver>(
         &mut self,
         solver: &mut S,
         axes: &Numbering,
     ) -> Result<Option<usize>, String> {
         let Self { operator, gmres, right, .. } = self;
-        right.iter_mut().zip(noise()).for_each(|(x, random)| *x = random);
-        let (mut last, mut passages) = (None, None);
-        let mut looked = |values: &[[f64; 2]], exact: bool| {
-            let above = |[re, im]: &[f64; 2]| (-re > 1.0 && im.abs() <= REAL * re.abs()).then_some(-re);
-            let mut now: Vec<f64> = values.iter().filter_map(above).collect();
-            now.sort_by(f64::total_cmp);
-            let same = |last: &Vec<f64>| {
-                last.len() == now.len() && last.iter().zip(&now).all(|(a, b)| (a - b).abs() <= SETTLED * a)
-            };
-            if exact || last.as_ref().is_some_and(same) {
-                passages = Some(now.len());
+        let mut random = noise();
+        let mut known: Vec<Vec<f64>> = Vec::new();
+        loop {
+            right.iter_mut().zip(&mut random).for_each(|(x, random)| *x = random);
+            let before = norm(right);
+            project_out(&known, right);
+            if !(norm(right) > DEPENDENT * before) {
+                return Ok(Some(known.len()));
             }
-            last = Some(now);
-            passages.is_some()
-        };
-        gmres.ritz_values(right, EIGENVALUE_STEPS, &mut looked, |v, out| {
-            operator.apply_to_part(solver, axes, v)?;
-            operator.stiffness.gather(&operator.product, out);
-            Ok::<(), String>(())
-        })?;
-        Ok(passages)
+            let mut last: Option<Vec<f64>> = None;
+            let mut settled = false;
+            let mut looked = |values: &[[f64; 2]], exact: bool| {
+                let now = above_one(values);
+                let same = |last: &Vec<f64>| {
+                    last.len() == now.len()
+                        && last.iter().zip(&now).all(|(a, b)| (a - b).abs() <= SETTLED * a)
+                };
+                settled = exact || last.as_ref().is_some_and(same);
+                last = Some(now);
+                settled
+            };
+            let values = gmres.ritz_values(right, EIGENVALUE_STEPS, &mut looked, |v, out| {
+                operator.apply_to_part(solver, axes, v)?;
+                operator.stiffness.gather(&operator.product, out);
+                project_out(&known, out);
+                Ok::<(), String>(())
+            })?;
+            if !settled {
+                return Ok(None);
+            }
+            let count = known.len();
+            for value in above_one(&values) {
+                let mut vector = gmres.ritz_vector(values.len(), -value);
+                project_out(&known, &mut vector);
+                project_out(&known, &mut vector);
+                let size = norm(&vector);
+                // Nearly equal values may share their vector here; the next process finds the other one.
+                if size > DEPENDENT {
+                    vector.iter_mut().for_each(|x| *x /= size);
+                    known.push(vector);
+                }
+            }
+            if known.len() == count {
+                return Ok(Some(count));
+            }
+        }
     }
 }
 
-fn norm(x: &[f64]) -> f64 {
-    x.iter().map(|x| x * x).sum::<f64>().sqrt()
+/// Real eigenvalues of `−K⁻¹ N` above 1 from those of `K⁻¹ N`, ascending.
+fn above_one(values: &[[f64; 2]]) -> Vec<f64> {
+    let above = |[re, im]: &[f64; 2]| (-re > 1.0 && im.abs() <= REAL * re.abs()).then_some(-re);
+    let mut found: Vec<f64> = values.iter().filter_map(above).collect();
+    found.sort_by(f64::total_cmp);
+    found
 }

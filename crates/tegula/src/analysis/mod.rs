@@ -14,7 +14,7 @@ use crate::Result;
 use crate::element::Nodal;
 use crate::system::System;
 use chord::LaggedTangent;
-pub use circulatory::Stability;
+pub use newton::Stability;
 
 /// State of a model at a time: plain data, a checkpoint is its dump.
 #[derive(Debug, Clone, Default, PartialEq)]

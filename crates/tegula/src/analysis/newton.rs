@@ -14,8 +14,10 @@
 //! Int. J. Numer. Meth. Engng 109 (2017) 1237–1262).
 
 mod response;
+mod stability;
 
 pub use response::SoftestMode;
+pub use stability::Stability;
 
 use crate::element::{Kinematics, Motion, Nodal};
 use crate::linear::SparseCholesky;
@@ -25,7 +27,7 @@ use crate::system::{Assembly, Numbering, System, Turning, VectorKind, dot};
 use crate::{Result, Vec3};
 
 use super::chord::{self, Increment, Increments, LaggedTangent};
-use super::circulatory::{CirculatoryLoads, Purpose, Stability};
+use super::circulatory::{CirculatoryLoads, Purpose};
 use super::solver::{self, Linearization, TangentSolver};
 use super::statics::state_kinematics;
 use super::{Observer, State};
@@ -209,38 +211,6 @@ impl<S: TangentSolver> Newton<S> {
         }
     }
 
-    /// Stability by divergence of the equilibrium found last, from the negative pivots of its symmetric tangent. The
-    /// circulatory part of follower loads is taken into account; to be asked before another tangent is taken.
-    ///
-    /// # Errors
-    /// The linear solver failed; why, for people.
-    pub fn stability(
-        &mut self,
-        system: &System,
-        negative_pivots: usize,
-    ) -> std::result::Result<Stability, String> {
-        if negative_pivots == 0 {
-            // xᵀ(K + N) x = xᵀ K x > 0: no eigenvalue has a negative real part.
-            return Ok(Stability::Stable);
-        }
-        let Self { circulatory, solver, axes, .. } = self;
-        let Some(loads) = circulatory.as_mut().filter(|loads| !loads.is_zero()) else {
-            return Ok(Stability::Unstable(negative_pivots));
-        };
-        let passages = loads.passages_through_zero(solver, axes)?;
-        // Each passage changes the number of real negative eigenvalues by one: an odd number is never zero.
-        if passages.is_some_and(|n| (negative_pivots + n) % 2 == 1) {
-            return Ok(Stability::Unstable(negative_pivots));
-        }
-        let nearest = self.eigenvalues_next_to_zero(system)?;
-        // Those that have not passed zero may have become complex pairs, which must be seen then.
-        let left = passages.map_or(0, |n| negative_pivots.saturating_sub(n));
-        if nearest.real_negative || nearest.pairs < left / 2 {
-            return Ok(Stability::Unstable(negative_pivots));
-        }
-        Ok(Stability::Undecided(negative_pivots))
-    }
-
     /// Iterations of the linear solver, and solutions for the circulatory part of follower loads, so far.
     pub fn linear_iterations(&self) -> u64 {
         self.solver.linear_iterations() + self.circulatory.as_ref().map_or(0, CirculatoryLoads::solutions)
@@ -275,7 +245,7 @@ impl<S: TangentSolver> Newton<S> {
     fn renew(&mut self, system: &System, parts: &TangentParts, dt: f64, state: &mut State) {
         let State { u, v, history, tangent, time, .. } = state;
         tangent.u.clone_from(u);
-        if system.groups.iter().any(|g| g.retardation_time() != 0.0) {
+        if system.has_rate_damping() {
             tangent.v.clone_from(v);
         }
         tangent.history.clone_from(history);

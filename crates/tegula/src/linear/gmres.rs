@@ -144,11 +144,29 @@ impl Gmres {
         Ok(values)
     }
 
-    /// Eigenvalues of the leading part of the Hessenberg matrix; none where it is not finite.
-    fn eigenvalues(&self, steps: usize) -> Vec<[f64; 2]> {
+    /// Leading part of the Hessenberg matrix.
+    fn leading_part(&self, steps: usize) -> DMatrix<f64> {
         let entry =
             |i: usize, j: usize| if i <= j + 1 { self.hessenberg[j * (self.most + 1) + i] } else { 0.0 };
-        let h = DMatrix::from_fn(steps, steps, entry);
+        DMatrix::from_fn(steps, steps, entry)
+    }
+
+    /// Unit vector that belongs to a real Ritz value of the last process, which has taken so many `steps`.
+    pub fn ritz_vector(&self, steps: usize, value: f64) -> Vec<f64> {
+        let shifted = self.leading_part(steps) - DMatrix::identity(steps, steps) * value;
+        let mut vector = vec![0.0; self.size];
+        if let Some(right) = shifted.svd(false, true).v_t {
+            // The right singular vector of the smallest singular value, the last one.
+            for (factor, v) in right.row(steps - 1).iter().zip(self.basis.chunks_exact(self.size)) {
+                vector.iter_mut().zip(v).for_each(|(x, v)| *x += factor * v);
+            }
+        }
+        vector
+    }
+
+    /// Eigenvalues of the leading part of the Hessenberg matrix; none where it is not finite.
+    fn eigenvalues(&self, steps: usize) -> Vec<[f64; 2]> {
+        let h = self.leading_part(steps);
         if !h.iter().all(|v| v.is_finite()) {
             return Vec::new();
         }
@@ -221,7 +239,16 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-fn norm(a: &[f64]) -> f64 {
+/// Takes the parts along orthonormal `directions` from a vector.
+pub fn project_out(directions: &[Vec<f64>], vector: &mut [f64]) {
+    for direction in directions {
+        let product = dot(direction, vector);
+        vector.iter_mut().zip(direction).for_each(|(x, d)| *x -= product * d);
+    }
+}
+
+/// Euclidean norm.
+pub fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
 
@@ -281,6 +308,22 @@ mod tests {
             let outcome = solver.solve(&b, (&mut x, &b), (1e-9, 50), applied(&a)).unwrap();
             assert!(outcome.residual.is_nan() == nan && outcome.applications == 0, "{b:?}: {outcome:?}");
             assert_eq!(x, [0.0; 4]);
+        }
+    }
+
+    #[test]
+    fn ritz_vectors_are_eigenvectors_where_values_are_eigenvalues() {
+        let n = 9;
+        let a = matrix(n, 0.0, 6.0);
+        let b: Vec<f64> = (0..n).map(|i| 1.0 + (3.1 * i as f64).sin()).collect();
+        let mut solver = Gmres::new(n, n);
+        let values = solver.ritz_values(&b, n, |_, _| false, applied(&a)).unwrap();
+        let real: Vec<f64> = values.iter().filter(|[_, im]| *im == 0.0).map(|[re, _]| *re).collect();
+        assert!(!real.is_empty(), "{values:?}");
+        for value in real {
+            let x = DVector::from_vec(solver.ritz_vector(values.len(), value));
+            assert!((x.norm() - 1.0).abs() < 1e-10);
+            assert!((&a * &x - &x * value).norm() <= 1e-8 * a.norm(), "{value}");
         }
     }
 

@@ -1,6 +1,6 @@
 //! What can be wrong with sections: missing values, layups, and what an element type cannot do.
 
-use super::check::Checker;
+use super::checker::Checker;
 use super::{Analysis, Material, Membrane, Model, PrescribedStrain, Scheme, Section};
 use crate::element::registry;
 use crate::mesh::Mesh;

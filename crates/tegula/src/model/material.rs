@@ -269,8 +269,8 @@ impl Material {
 
     /// What is wrong with its values.
     pub fn issues(&self, key: &str) -> Vec<Issue> {
-        let mut c = super::check::Checker::default();
-        let poisson = |c: &mut super::check::Checker, nu: f64| {
+        let mut c = super::checker::Checker::default();
+        let poisson = |c: &mut super::checker::Checker, nu: f64| {
             if !(nu > -1.0 && nu < 0.5) {
                 c.add(
                     format!("{key}.poisson"),

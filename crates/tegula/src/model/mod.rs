@@ -9,6 +9,7 @@ mod analysis;
 pub mod build;
 pub mod check;
 mod check_sections;
+mod checker;
 mod condition;
 mod congruence;
 mod course;

@@ -114,7 +114,7 @@ impl ReactionFinder {
         let old = old.filter(|old| old.u.len() == new.u.len() && old.time < new.time);
         self.assembly.history.copy_from_slice(&new.history);
         // A jump of velocities changes damping forces at once: the equation of the step before holds no longer.
-        let jumped = system.has_kink(new.time) && system.groups.iter().any(|g| g.retardation_time() != 0.0);
+        let jumped = system.has_kink(new.time) && system.has_rate_damping();
         let forces = match (self.instant, old) {
             (Instant::Between(weight), Some(old)) if !jumped => self.between(system, (old, new), weight),
             (Instant::Middle, Some(old)) => self.middle(system, old, new),

@@ -276,6 +276,11 @@ impl System {
         self.write_prescribed(v, |value, a| a.map_or(0.0, |a| value * self.amplitudes[a].rate_before(time)));
     }
 
+    /// Whether elements are damped by their strain rates.
+    pub fn has_rate_damping(&self) -> bool {
+        self.groups.iter().any(|g| g.retardation_time() != 0.0)
+    }
+
     /// Whether the velocity of a prescribed motion jumps at a time.
     pub fn has_kink(&self, time: f64) -> bool {
         let kink =

@@ -176,6 +176,24 @@ pub fn on(set: &str) -> OnSet {
     OnSet { on: set.into() }
 }
 
+/// Conditions of an edge that is clamped across the plane and moved along z, `value` times an amplitude.
+pub fn driven_edge(on: &str, value: f64, amplitude: &str) -> Vec<Condition> {
+    vec![
+        Condition::Fix(FixComponents {
+            on: on.into(),
+            position: vec![Axis::X, Axis::Y],
+            director: vec![Axis::X, Axis::Y, Axis::Z],
+        }),
+        Condition::Prescribe(PrescribeComponent {
+            on: on.into(),
+            of: NodalVector::Position,
+            component: Axis::Z,
+            value,
+            amplitude: Some(amplitude.into()),
+        }),
+    ]
+}
+
 /// Displacement of the only node of a set.
 pub fn displacement(mesh: &Mesh, system: &System, u: &[Nodal], set: &str) -> Vec3 {
     let nodes = mesh.nodes_on(set).unwrap();

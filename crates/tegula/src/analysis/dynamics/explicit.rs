@@ -83,7 +83,7 @@ impl<'a> Explicit<'a> {
             forces: zero,
             reactions: moving.clone(),
             reactions_old: moving,
-            damped: system.groups.iter().any(|g| g.retardation_time() != 0.0),
+            damped: system.has_rate_damping(),
             inertia: 0.0,
         })
     }

@@ -29,7 +29,7 @@ pub(super) fn pass_kink(system: &System, newton: &mut Newton, mean: bool, state:
     newton.assembly.follow(system, &state_with_rates(system, state));
     factor_mass(system, newton)?;
     share_jump(system, newton, &old, state);
-    if !mean && system.groups.iter().any(|g| g.retardation_time() != 0.0) {
+    if !mean && system.has_rate_damping() {
         change_accelerations(system, newton, &old, state);
     }
     Ok(system.kinetic_energy(&state.v) - before)

@@ -302,25 +302,27 @@ fn advice(system: &System, options: &TransientAnalysis, trouble: Trouble) -> Str
 /// Rest or initial velocities, prescribed values at time 0, and accelerations that satisfy the
 /// equations of motion there: `M a = F − f_int − C v`.
 fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
-    let n = system.vectors();
     let mut state = initial_motion(system);
     newton.assembly.follow(system, &state_with_rates(system, &state));
     impact::factor_mass(system, newton)?;
-    let mut given = system.initial_velocity.clone();
-    given.resize(n, [0.0; 3]);
-    impact::share_jump(system, newton, &given, &mut state);
+    impact::share_jump(system, newton, &given_velocities(system), &mut state);
     let rest = unbalanced_forces(system, &mut newton.assembly, &state);
     impact::add_free_response(system, newton, &rest, &mut state.a);
     state.energy_scale = system.kinetic_energy(&state.v);
     Ok(state)
 }
 
+/// Initial velocities of the model, zero where it gives none.
+fn given_velocities(system: &System) -> Vec<Nodal> {
+    let mut given = system.initial_velocity.clone();
+    given.resize(system.vectors(), [0.0; 3]);
+    given
+}
+
 /// Displacements and velocities at time 0, and accelerations of supported coordinates only.
 fn initial_motion(system: &System) -> State {
     let n = system.vectors();
-    let mut v = system.initial_velocity.clone();
-    v.resize(n, [0.0; 3]);
-    let mut state = State { v, a: vec![[0.0; 3]; n], ..State::at_rest(system) };
+    let mut state = State { v: given_velocities(system), a: vec![[0.0; 3]; n], ..State::at_rest(system) };
     // Supports hold from the start: an initial velocity across them is not possible.
     let mut supported = vec![[0.0; 3]; n];
     system.numbering.supported_part(&state.v, &mut supported);

@@ -83,7 +83,7 @@ impl Newmark {
             supported: zero,
             energy_scale: 0.0,
             predicted: None,
-            damped: system.groups.iter().any(|g| g.retardation_time() != 0.0),
+            damped: system.has_rate_damping(),
             mass_damping: system.mass_damping,
         }
     }

@@ -4,36 +4,12 @@ use super::{Equation, Held, Newton, expand_free};
 use crate::analysis::circulatory::Purpose;
 use crate::analysis::solver::{Linearization, TangentSolver};
 use crate::element::Nodal;
-use crate::linear::gmres::{Gmres, noise};
+use crate::linear::gmres::noise;
 use crate::system::assembly::add_follower_stiffness;
 use crate::system::{System, VectorKind};
 
 /// Inverse iterations for the softest mode: its error is the ratio of the two lowest eigenvalues to this power.
 const INVERSE_ITERATIONS: usize = 24;
-
-/// Arnoldi steps after which Ritz values are looked at.
-const EIGENVALUE_STEPS: usize = 10;
-/// A real negative Ritz value is an eigenvalue if it changes by no more than this share from look to look: those of an
-/// unfinished process come and go.
-const SETTLED: f64 = 1e-3;
-/// Looks in a row without a real negative Ritz value after which there is no such eigenvalue.
-const LOOKS_WITHOUT: usize = 2;
-/// Imaginary part over the real one below which an eigenvalue counts as real, and its size over the largest one from which on
-/// it is more than noise.
-const REAL: f64 = 1e-3;
-const NOISE: f64 = 1e-6;
-/// Largest number of Krylov vectors, and of their entries (160 MB).
-const MOST_VECTORS: usize = 80;
-const MOST_ENTRIES: usize = 20_000_000;
-
-/// Eigenvalues of an unsymmetric tangent next to zero.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct NextToZero {
-    /// One is real and negative: that of a motion which goes away without vibrating.
-    pub real_negative: bool,
-    /// Complex pairs.
-    pub pairs: usize,
-}
 
 /// Lowest mode of a tangent.
 #[derive(Debug, Clone, PartialEq)]
@@ -118,37 +94,12 @@ impl<S: TangentSolver> Newton<S> {
         Ok((response, SoftestMode { shape, excited, energy }, negative))
     }
 
-    /// What the eigenvalues next to zero of the tangent of the equilibrium found last, with the circulatory part of follower
-    /// loads, say about its stability. Arnoldi's process on `(K + N)⁻¹ D`, D the metric of [`System::norm`].
+    /// Number of negative pivots of the tangent at an iterate, which is assembled and factored for it.
     ///
     /// # Errors
     /// The linear solver failed.
-    pub(super) fn eigenvalues_next_to_zero(&mut self, system: &System) -> Result<NextToZero, String> {
-        let size = system.unknowns();
-        let mut arnoldi = Gmres::new(size, (MOST_ENTRIES / size.max(1)).clamp(20, MOST_VECTORS));
-        let start: Vec<f64> = noise().take(size).collect();
-        let (mut last, mut without): (Vec<f64>, usize) = (Vec::new(), 0);
-        let mut found = NextToZero { real_negative: false, pairs: 0 };
-        let mut looked = |values: &[[f64; 2]], exact: bool| {
-            let (now, pairs) = sorted_out(values);
-            let settled = |a: &f64| exact || last.iter().any(|b| (a - b).abs() <= SETTLED * a.abs());
-            found = NextToZero { real_negative: now.iter().any(settled), pairs };
-            without = if now.is_empty() { without + 1 } else { 0 };
-            last = now;
-            found.real_negative || without == LOOKS_WITHOUT
-        };
-        let Self { solver, axes, circulatory, increment, .. } = self;
-        arnoldi.ritz_values(&start, EIGENVALUE_STEPS, &mut looked, |v, out| {
-            expand_free(axes, v, false, increment);
-            apply_metric(system, increment);
-            axes.reduce(increment, out);
-            solver.solve_tangent(out)?;
-            match circulatory {
-                Some(loads) => loads.correct(solver, axes, out, Purpose::Eigenvalues),
-                None => Ok(()),
-            }
-        })?;
-        Ok(found)
+    pub fn negative_pivots(&mut self, system: &System, equation: &dyn Equation) -> Result<usize, String> {
+        self.linearize(system, equation, None)
     }
 
     /// Assembles and factors the tangent at an iterate. The residual becomes that of the loads and prescribed motions of
@@ -213,19 +164,8 @@ impl<S: TangentSolver> Newton<S> {
     }
 }
 
-/// Real negative ones of eigenvalues by size, and the number of complex pairs.
-fn sorted_out(values: &[[f64; 2]]) -> (Vec<f64>, usize) {
-    let largest = values.iter().map(|[re, im]| re.hypot(*im)).fold(0.0, f64::max);
-    let counts = |[re, im]: &&[f64; 2]| re.hypot(*im) > NOISE * largest;
-    let (real, complex): (Vec<&[f64; 2]>, Vec<_>) =
-        values.iter().filter(counts).partition(|[re, im]| im.abs() <= REAL * re.abs());
-    let mut negative: Vec<f64> = real.into_iter().map(|[re, _]| *re).filter(|re| *re < 0.0).collect();
-    negative.sort_by(f64::total_cmp);
-    (negative, complex.len() / 2)
-}
-
 /// Multiplies displacements by the weights of [`System::norm`].
-fn apply_metric(system: &System, field: &mut [Nodal]) {
+pub(super) fn apply_metric(system: &System, field: &mut [Nodal]) {
     for (x, kind) in field.iter_mut().zip(&system.kinds) {
         if *kind == VectorKind::Position {
             *x = x.map(|x| x / (system.length * system.length));

@@ -90,7 +90,7 @@ impl Failure {
         Self { kind, reason, negative_pivots }
     }
 
-    /// That of a structure whose tangent has negative pivots without any stress.
+    /// Failure of a structure whose tangent has negative pivots without any stress.
     pub fn of_rounding(negative_pivots: usize) -> Self {
         let reason = format!(
             "the stiffness matrix of the unloaded structure has {negative_pivots} negative pivot(s), which only rounding can \

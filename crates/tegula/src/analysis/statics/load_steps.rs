@@ -16,10 +16,10 @@ use crate::{Error, Result};
 /// Energy of the last increment over the strain energy: small enough that reactions balance the loads to 1e-12,
 /// also where loads that follow the motion make convergence linear.
 const ENERGY_TOLERANCE: f64 = 1e-18;
-/// Halvings of a load step after which its length is but rounding of the load factor.
-const MOST_CUTBACKS: i32 = 40;
 /// Last increment over the displacement.
 const INCREMENT_TOLERANCE: f64 = 1e-6;
+/// Halvings of a load step after which its length is but rounding of the load factor.
+const MOST_CUTBACKS: i32 = 40;
 
 /// The analysis between two load steps.
 pub(super) struct LoadSteps<'a, S> {
@@ -344,7 +344,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
 
     /// Error of a step that cannot be halved any more.
     fn give_up(&mut self, target: f64, failure: &Failure) -> Error {
-        let rounding = self.negative_pivots_at_rest(target, failure).map(Failure::of_rounding);
+        let rounding = self.negative_pivots_at_rest(failure).map(Failure::of_rounding);
         let failure = rounding.as_ref().unwrap_or(failure);
         let critical = self.critical_point(target, failure);
         let (system, options, state) = (self.system, self.options, &self.state);
@@ -361,7 +361,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
 
     /// Negative pivots of the tangent of the unloaded structure: without stresses it has none but for rounding. `None` where
     /// a failure is of another kind.
-    fn negative_pivots_at_rest(&mut self, target: f64, failure: &Failure) -> Option<usize> {
+    fn negative_pivots_at_rest(&mut self, failure: &Failure) -> Option<usize> {
         let rest = self.state.step == 0 && self.system.prescribed_strains.is_empty();
         if failure.negative_pivots == 0 || !(rest || self.system.linear) {
             return None;
@@ -371,9 +371,8 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         }
         let Self { newton, system, state, equation, .. } = self;
         newton.restore(system, state, false);
-        let at = |time| StaticEquation { u: state.u.clone(), time, ..equation.clone() };
-        let (_, _, negative) = newton.softest_mode(system, &at(state.time), &at(target)).ok()?;
-        Some(negative).filter(|&n| n > 0)
+        let at_rest = StaticEquation { u: state.u.clone(), time: state.time, ..equation.clone() };
+        newton.negative_pivots(system, &at_rest).ok().filter(|&n| n > 0)
     }
 
     /// Critical point between the last equilibrium and a load factor that was not reached, if there is evidence of one.
