@@ -41,6 +41,9 @@ def static_runs(problem):
     for n in (4, 8, 12, 16, 24, 32, 48, 64, 96, 128):
         yield run("tegula", "default settings", SHEAR, problem, n, "default")
         yield run("tegula", NAMES[problem], SHEAR, problem, n, "best", fields=["displacement"], **BEST[problem])
+    if not BEST[problem]:
+        for n in (16, 32, 64):
+            yield run("tegula", "stabilised shear", SHEAR, problem, n, section=STABILISED)
     for n in (8, 16, 32, 64):
         yield run("Kratos", "MITC, AMGCL", SHEAR, problem, n, **KRATOS[problem], **MITC, **AMG)
     yield run("Kratos", "MITC, sparse LU", SHEAR, problem, 32, **KRATOS[problem], **MITC, **LU)

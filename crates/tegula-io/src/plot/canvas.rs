@@ -57,8 +57,23 @@ impl Canvas {
         (f64::from(self.width), f64::from(self.height))
     }
 
+    /// Number of samples.
+    pub fn samples(&self) -> usize {
+        self.samples.len() / 3
+    }
+
     /// Fills a convex polygon. `paint` gives the colour at each position; `opacity` goes from 0 to 1.
     pub fn fill_with(&mut self, corners: &[Point], opacity: f64, mut paint: impl FnMut(Point) -> Rgb) {
+        self.fill_where(corners, opacity, |at, _| Some(paint(at)));
+    }
+
+    /// Fills those samples of a convex polygon for whose position and number `paint` gives a colour.
+    pub fn fill_where(
+        &mut self,
+        corners: &[Point],
+        opacity: f64,
+        mut paint: impl FnMut(Point, usize) -> Option<Rgb>,
+    ) {
         if corners.len() < 3 || corners.iter().flatten().any(|x| !x.is_finite()) {
             return;
         }
@@ -85,9 +100,11 @@ impl Canvas {
             let (start, end) =
                 ((left - 0.5).ceil().max(0.0) as u32, ((right - 0.5).ceil().max(0.0) as u32).min(columns));
             for column in start..end {
-                let colour = paint([(f64::from(column) + 0.5) / scale, y / scale]);
-                let index = (row as usize * columns as usize + column as usize) * 3;
-                for (sample, channel) in self.samples[index..index + 3].iter_mut().zip(colour.0) {
+                let number = row as usize * columns as usize + column as usize;
+                let Some(colour) = paint([(f64::from(column) + 0.5) / scale, y / scale], number) else {
+                    continue;
+                };
+                for (sample, channel) in self.samples[3 * number..3 * number + 3].iter_mut().zip(colour.0) {
                     let below = f64::from(*sample) / 255.0;
                     *sample = ((below + (channel - below) * opacity) * 255.0 + 0.5) as u8;
                 }

@@ -1,7 +1,9 @@
 //! Shells as facets: each quadrilateral is cut into small pieces of its bilinear surface, shaded by their
 //! normals and painted from the back to the front.
 //!
-//! Cutting makes warped elements look smooth and lets elements that overlap or cross be sorted piece by piece.
+//! Cutting makes warped elements look smooth. A depth buffer with one value a sample decides which of several opaque
+//! facets is seen (E. Catmull, *A subdivision algorithm for computer display of curved surfaces*, 1974); the order from the
+//! back to the front serves transparent ones.
 //! Mesh lines are shaded into the facets instead of being drawn over them: each element carries half of the line,
 //! so a line is hidden exactly where its element is.
 
@@ -17,6 +19,9 @@ const FACET: f64 = 7.0;
 const MOST: usize = 600_000;
 /// Elements smaller than this many pixels get no mesh lines.
 const SMALLEST_WITH_LINES: f64 = 6.0;
+
+/// Part of the depth of a facet within which two snapshots count as one surface.
+const COPLANAR: f64 = 0.1;
 
 /// One quadrilateral to be painted.
 pub(super) struct Patch {
@@ -57,6 +62,9 @@ impl Owners {
 struct Facet {
     patch: u32,
     corners: [Point; 4],
+    /// Corners as seen.
+    seen: [Vec3; 4],
+    /// Depth of the centre.
     depth: f64,
     light: f64,
     colour: Rgb,
@@ -96,10 +104,13 @@ pub(super) fn paint(canvas: &mut Canvas, placement: &Placement, patches: &[Patch
     for (index, patch) in patches.iter().enumerate() {
         cut(index as u32, patch, cuts, placement, &mut facets);
     }
-    part_coplanar(&mut facets, patches, cuts);
+    let bias = coplanar_bias(patches, cuts);
+    // Depths count from here, so that single precision serves models far from the origin.
+    let zero = patches.first().map_or(0.0, |p| p.corners[0].z);
     // The sort is stable and the order of the patches fixed: the same model gives the same picture.
     facets.sort_by(|a, b| a.depth.total_cmp(&b.depth));
 
+    let mut nearest = vec![f32::NEG_INFINITY; canvas.samples()];
     let (width, height) = canvas.size();
     let (width, height) = (width as usize, height as usize);
     let mut owners = Owners { width, height, numbers: vec![0; width * height] };
@@ -113,7 +124,7 @@ pub(super) fn paint(canvas: &mut Canvas, placement: &Placement, patches: &[Patch
         let colour = lit(facet.colour, facet.light);
         let line = lit(facet.colour.mix(Rgb::BLACK, ink), facet.light);
         let rim = lit(facet.colour.mix(Rgb::BLACK, 0.62), facet.light);
-        let shade = |at: Point| {
+        let mut shade = |at: Point| {
             owners.set(at, patch.owner + 1);
             if facet.outer {
                 for i in 0..4 {
@@ -128,22 +139,63 @@ pub(super) fn paint(canvas: &mut Canvas, placement: &Placement, patches: &[Patch
             }
             colour
         };
-        fill_quad(canvas, &facet.corners, patch.opacity, shade);
+        for [a, b, c] in [[0, 1, 2], [2, 3, 0]] {
+            let plane = Plane::through([facet.seen[a], facet.seen[b], facet.seen[c]], placement);
+            canvas.fill_where(
+                &[facet.corners[a], facet.corners[b], facet.corners[c]],
+                patch.opacity,
+                |at, sample| {
+                    let depth = (plane.depth(at) - zero + bias * f64::from(patch.owner)) as f32;
+                    if depth < nearest[sample] {
+                        return None;
+                    }
+                    if patch.opacity == 1.0 {
+                        nearest[sample] = depth;
+                    }
+                    Some(shade(at))
+                },
+            );
+        }
     }
     owners
 }
 
-/// Brings later snapshots nearer by the depth of a facet. Facets of two snapshots in one plane are not cut along the same
-/// lines, so that their centres say nothing about which is in front: it would change from facet to facet.
-fn part_coplanar(facets: &mut [Facet], patches: &[Patch], cuts: usize) {
+/// Depth of a triangle over the sheet, from `base` at `from` on with a `slope` along both axes of the sheet.
+struct Plane {
+    from: Point,
+    base: f64,
+    slope: [f64; 2],
+    range: [f64; 2],
+}
+
+impl Plane {
+    fn through([a, b, c]: [Vec3; 3], placement: &Placement) -> Self {
+        let [from, pb, pc] = [a, b, c].map(|x| placement.exactly_at(&x));
+        let (u, v) = ([pb[0] - from[0], pb[1] - from[1]], [pc[0] - from[0], pc[1] - from[1]]);
+        let (du, dv) = (b.z - a.z, c.z - a.z);
+        let area = u[0] * v[1] - u[1] * v[0];
+        let slope = [(du * v[1] - dv * u[1]) / area, (dv * u[0] - du * v[0]) / area];
+        let range = [a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z)];
+        Self { from, base: a.z, slope, range }
+    }
+
+    /// Never beyond the depths of the corners, also where the triangle is seen from its edge.
+    fn depth(&self, at: Point) -> f64 {
+        let depth =
+            self.base + self.slope[0] * (at[0] - self.from[0]) + self.slope[1] * (at[1] - self.from[1]);
+        if depth.is_nan() { self.range[1] } else { depth.clamp(self.range[0], self.range[1]) }
+    }
+}
+
+/// Depth by which each snapshot is brought nearer than the one before, so that of two in one plane, or on one curved surface
+/// whose elements are its chords, the later is seen: a small part of the depth of a facet.
+fn coplanar_bias(patches: &[Patch], cuts: usize) -> f64 {
     let depth = |p: &Patch| {
         let z = p.corners.map(|x| x.z);
         z.into_iter().fold(f64::NEG_INFINITY, f64::max) - z.into_iter().fold(f64::INFINITY, f64::min)
     };
-    let deepest = patches.iter().map(depth).filter(|d| d.is_finite()).fold(0.0, f64::max) / cuts as f64;
-    for facet in facets {
-        facet.depth += 1.01 * deepest * f64::from(patches[facet.patch as usize].owner);
-    }
+    let deepest = patches.iter().map(depth).filter(|d| d.is_finite()).fold(0.0, f64::max);
+    COPLANAR * deepest / cuts as f64
 }
 
 /// Cuts a patch into `n` times `n` facets.
@@ -166,6 +218,7 @@ fn cut(index: u32, patch: &Patch, n: usize, placement: &Placement, facets: &mut 
                 patch: index,
                 depth: corners.iter().map(|x| x.z).sum::<f64>() / 4.0,
                 corners: corners.map(|x| placement.at(&x)),
+                seen: corners,
                 light: light(along_s.cross(&along_t)),
                 colour: Rgb([channel(0), channel(1), channel(2)]),
                 outer: i == 0 || j == 0 || i == n - 1 || j == n - 1,
@@ -190,12 +243,6 @@ fn light(normal: Vec3) -> f64 {
 /// The colour under this light; light above one whitens.
 fn lit(colour: Rgb, light: f64) -> Rgb {
     if light > 1.0 { colour.mix(Rgb::WHITE, 1.5 * (light - 1.0)) } else { colour.scaled(light) }
-}
-
-/// A quadrilateral of any shape as two triangles.
-fn fill_quad(canvas: &mut Canvas, q: &[Point; 4], opacity: f64, mut shade: impl FnMut(Point) -> Rgb) {
-    canvas.fill_with(&[q[0], q[1], q[2]], opacity, &mut shade);
-    canvas.fill_with(&[q[2], q[3], q[0]], opacity, &mut shade);
 }
 
 fn distance_to_segment(p: Point, a: Point, b: Point) -> f64 {
@@ -253,6 +300,35 @@ mod tests {
             for k in 0..400 {
                 let (x, y) = (1.0 + f64::from(k / 20) * 0.2, 1.0 + f64::from(k % 20) * 0.2);
                 assert_eq!(owners.at(placement.at(&Vec3::new(x, y, 0.0))), 2, "{shift}: {x} {y}");
+            }
+        }
+    }
+
+    /// Two inclined sheets of 6 by 6 elements cross along a line at `angle`, their elements shifted against each other.
+    #[test]
+    fn sheets_that_cross_at_a_small_angle_change_places_along_one_line() {
+        let sheet = |angle: f64, shift: f64, owner: u16| {
+            let corner = move |i: usize, j: usize| {
+                let [x, y] = [i as f64 + shift, j as f64 + 0.6 * shift];
+                Vec3::new(x, y, 0.8 * x - 0.5 * y + angle * (x - 3.0))
+            };
+            (0..36).map(move |k| {
+                let (i, j) = (k / 6, k % 6);
+                let corners = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
+                Patch { corners, colours: [Rgb::grey(0.5); 4], opacity: 1.0, owner, free: [false; 4] }
+            })
+        };
+        for angle in [0.3, 0.1, 0.03] {
+            let patches: Vec<Patch> = sheet(angle, 0.0, 0).chain(sheet(0.0, 0.37, 1)).collect();
+            let seen: Vec<Vec3> = patches.iter().flat_map(|p| p.corners).collect();
+            let placement = Placement::fit(seen.iter(), [10.0, 10.0], [590.0, 590.0]).unwrap();
+            let mut canvas = Canvas::new(600, 600);
+            let owners = paint(&mut canvas, &placement, &patches);
+            for row in 0..40 {
+                let y = 0.5 + f64::from(row) * 0.12;
+                let along = |k: u32| owners.at(placement.at(&Vec3::new(0.5 + f64::from(k) * 0.005, y, 0.0)));
+                let changes = (1..1000).filter(|&k| along(k) != along(k - 1)).count();
+                assert_eq!((along(0), changes, along(999)), (2, 1, 1), "{angle}: {y}");
             }
         }
     }

@@ -81,12 +81,18 @@ impl Placement {
         scale.is_finite().then_some(Self { scale, centre, middle })
     }
 
-    /// Position on the sheet of a seen point.
+    /// Position on the sheet of a seen point, on a fixed grid, so that neighbours that compute a common point differently
+    /// still agree on it.
     pub(super) fn at(&self, seen: &Vec3) -> Point {
-        let x = self.centre[0] + (seen.x - self.middle[0]) * self.scale;
-        let y = self.centre[1] - (seen.y - self.middle[1]) * self.scale;
-        // On a fixed grid, so that neighbours that compute a common point differently still agree on it.
-        [snapped(x), snapped(y)]
+        self.exactly_at(seen).map(snapped)
+    }
+
+    /// Position on the sheet of a seen point.
+    pub(super) fn exactly_at(&self, seen: &Vec3) -> Point {
+        [
+            self.centre[0] + (seen.x - self.middle[0]) * self.scale,
+            self.centre[1] - (seen.y - self.middle[1]) * self.scale,
+        ]
     }
 }
 
