@@ -7,6 +7,7 @@
 //! same way from both sides. Polygons that share an edge therefore leave no gap and never overlap, so that even
 //! transparent surfaces show no seams.
 
+use std::ops::Range;
 use std::path::Path;
 
 use super::colour::Rgb;
@@ -57,58 +58,22 @@ impl Canvas {
         (f64::from(self.width), f64::from(self.height))
     }
 
-    /// Number of samples.
-    pub fn samples(&self) -> usize {
-        self.samples.len() / 3
+    /// Grid of the samples.
+    pub fn grid(&self) -> Grid {
+        Grid { scale: self.scale, columns: self.width * self.scale, rows: self.height * self.scale }
     }
 
     /// Fills a convex polygon. `paint` gives the colour at each position; `opacity` goes from 0 to 1.
     pub fn fill_with(&mut self, corners: &[Point], opacity: f64, mut paint: impl FnMut(Point) -> Rgb) {
-        self.fill_where(corners, opacity, |at, _| Some(paint(at)));
+        let grid = self.grid();
+        grid.each_within(corners, 0..grid.rows, |at, sample| self.blend(sample, paint(at), opacity));
     }
 
-    /// Fills those samples of a convex polygon for whose position and number `paint` gives a colour.
-    pub fn fill_where(
-        &mut self,
-        corners: &[Point],
-        opacity: f64,
-        mut paint: impl FnMut(Point, usize) -> Option<Rgb>,
-    ) {
-        if corners.len() < 3 || corners.iter().flatten().any(|x| !x.is_finite()) {
-            return;
-        }
-        let scale = f64::from(self.scale);
-        let (columns, rows) = (self.width * self.scale, self.height * self.scale);
-        let lowest = corners.iter().map(|p| p[1]).fold(f64::INFINITY, f64::min) * scale;
-        let highest = corners.iter().map(|p| p[1]).fold(f64::NEG_INFINITY, f64::max) * scale;
-        // Casts from floats saturate, which clips to the sheet.
-        let (first, last) =
-            ((lowest - 0.5).ceil().max(0.0) as u32, ((highest - 0.5).ceil().max(0.0) as u32).min(rows));
-        for row in first..last {
-            let y = f64::from(row) + 0.5;
-            let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
-            for (i, &corner) in corners.iter().enumerate() {
-                let next = corners[(i + 1) % corners.len()];
-                let (a, b) = if corner[1] <= next[1] { (corner, next) } else { (next, corner) };
-                let (ya, yb) = (a[1] * scale, b[1] * scale);
-                if ya <= y && y < yb {
-                    let x = (a[0] + (b[0] - a[0]) * ((y - ya) / (yb - ya))) * scale;
-                    left = left.min(x);
-                    right = right.max(x);
-                }
-            }
-            let (start, end) =
-                ((left - 0.5).ceil().max(0.0) as u32, ((right - 0.5).ceil().max(0.0) as u32).min(columns));
-            for column in start..end {
-                let number = row as usize * columns as usize + column as usize;
-                let Some(colour) = paint([(f64::from(column) + 0.5) / scale, y / scale], number) else {
-                    continue;
-                };
-                for (sample, channel) in self.samples[3 * number..3 * number + 3].iter_mut().zip(colour.0) {
-                    let below = f64::from(*sample) / 255.0;
-                    *sample = ((below + (channel - below) * opacity) * 255.0 + 0.5) as u8;
-                }
-            }
+    /// Mixes a colour into a sample, given by its number.
+    pub fn blend(&mut self, sample: usize, colour: Rgb, opacity: f64) {
+        for (sample, channel) in self.samples[3 * sample..3 * sample + 3].iter_mut().zip(colour.0) {
+            let below = f64::from(*sample) / 255.0;
+            *sample = ((below + (channel - below) * opacity) * 255.0 + 0.5) as u8;
         }
     }
 
@@ -220,6 +185,52 @@ impl Canvas {
     pub fn save(&self, path: &Path) -> Result<(), OutputError> {
         let pixels = self.pixels();
         write_whole(path, |w| png::write(w, self.width, self.height, &pixels))
+    }
+}
+
+/// Rows and columns of samples, numbered row by row.
+#[derive(Debug, Clone, Copy)]
+pub struct Grid {
+    /// Samples per pixel in each direction.
+    pub scale: u32,
+    /// Samples in a row.
+    pub columns: u32,
+    /// Number of rows.
+    pub rows: u32,
+}
+
+impl Grid {
+    /// Calls `take` with position and number of the samples in some rows of a convex polygon.
+    pub fn each_within(self, corners: &[Point], rows: Range<u32>, mut take: impl FnMut(Point, usize)) {
+        if corners.len() < 3 || corners.iter().flatten().any(|x| !x.is_finite()) {
+            return;
+        }
+        let (scale, columns) = (f64::from(self.scale), self.columns);
+        let lowest = corners.iter().map(|p| p[1]).fold(f64::INFINITY, f64::min) * scale;
+        let highest = corners.iter().map(|p| p[1]).fold(f64::NEG_INFINITY, f64::max) * scale;
+        // Casts from floats saturate, which clips to the sheet.
+        let first = ((lowest - 0.5).ceil().max(0.0) as u32).max(rows.start);
+        let last = ((highest - 0.5).ceil().max(0.0) as u32).min(rows.end);
+        for row in first..last {
+            let y = f64::from(row) + 0.5;
+            let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
+            for (i, &corner) in corners.iter().enumerate() {
+                let next = corners[(i + 1) % corners.len()];
+                let (a, b) = if corner[1] <= next[1] { (corner, next) } else { (next, corner) };
+                let (ya, yb) = (a[1] * scale, b[1] * scale);
+                if ya <= y && y < yb {
+                    let x = (a[0] + (b[0] - a[0]) * ((y - ya) / (yb - ya))) * scale;
+                    left = left.min(x);
+                    right = right.max(x);
+                }
+            }
+            let (start, end) =
+                ((left - 0.5).ceil().max(0.0) as u32, ((right - 0.5).ceil().max(0.0) as u32).min(columns));
+            for column in start..end {
+                let number = row as usize * columns as usize + column as usize;
+                take([(f64::from(column) + 0.5) / scale, y / scale], number);
+            }
+        }
     }
 }
 

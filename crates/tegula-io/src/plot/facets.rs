@@ -1,9 +1,9 @@
 //! Shells as facets: each quadrilateral is cut into small pieces of its bilinear surface, shaded by their
-//! normals and painted from the back to the front.
+//! normals.
 //!
-//! Cutting makes warped elements look smooth. A depth buffer with one value a sample decides which of several opaque
-//! facets is seen (E. Catmull, *A subdivision algorithm for computer display of curved surfaces*, 1974); the order from the
-//! back to the front serves transparent ones.
+//! Cutting makes warped elements look smooth. Facets are sorted by their depths sample by sample (the A-buffer of
+//! L. Carpenter, *The A-buffer, an antialiased hidden surface method*, SIGGRAPH 1984), so that sheets that cross meet in one
+//! line, also where they are transparent.
 //! Mesh lines are shaded into the facets instead of being drawn over them: each element carries half of the line,
 //! so a line is hidden exactly where its element is.
 
@@ -17,6 +17,8 @@ use super::projection::{Placement, Vec3};
 const FACET: f64 = 7.0;
 /// Facets of a picture, about; many elements need no cutting anyway.
 const MOST: usize = 600_000;
+/// Rows of samples that are painted at a time.
+const BAND: usize = 128;
 /// Elements smaller than this many pixels get no mesh lines.
 const SMALLEST_WITH_LINES: f64 = 6.0;
 
@@ -50,12 +52,6 @@ impl Owners {
         }
         self.numbers[y as usize * self.width + x as usize]
     }
-
-    fn set(&mut self, [x, y]: Point, number: u16) {
-        if let Some(place) = self.numbers.get_mut(y as usize * self.width + x as usize) {
-            *place = number;
-        }
-    }
 }
 
 /// A piece of a patch.
@@ -64,8 +60,6 @@ struct Facet {
     corners: [Point; 4],
     /// Corners as seen.
     seen: [Vec3; 4],
-    /// Depth of the centre.
-    depth: f64,
     light: f64,
     colour: Rgb,
     /// Whether it touches a side of its patch.
@@ -104,60 +98,135 @@ pub(super) fn paint(canvas: &mut Canvas, placement: &Placement, patches: &[Patch
     for (index, patch) in patches.iter().enumerate() {
         cut(index as u32, patch, cuts, placement, &mut facets);
     }
+    let surface = Shading::new(patches, placement, typical);
     let bias = coplanar_bias(patches, cuts);
     // Depths count from here, so that single precision serves models far from the origin.
     let zero = patches.first().map_or(0.0, |p| p.corners[0].z);
-    // The sort is stable and the order of the patches fixed: the same model gives the same picture.
-    facets.sort_by(|a, b| a.depth.total_cmp(&b.depth));
-
-    let mut nearest = vec![f32::NEG_INFINITY; canvas.samples()];
     let (width, height) = canvas.size();
     let (width, height) = (width as usize, height as usize);
     let mut owners = Owners { width, height, numbers: vec![0; width * height] };
-    let half = (typical / 40.0).clamp(0.3, 0.5);
-    let with_lines = typical >= SMALLEST_WITH_LINES;
-    // Fine meshes would turn dark under full lines.
-    let ink = 0.45 * ((typical - SMALLEST_WITH_LINES / 2.0) / 14.0).clamp(0.0, 1.0);
-    for facet in &facets {
-        let patch = &patches[facet.patch as usize];
-        let sides: [Point; 4] = patch.corners.map(|c| placement.at(&c));
-        let colour = lit(facet.colour, facet.light);
-        let line = lit(facet.colour.mix(Rgb::BLACK, ink), facet.light);
-        let rim = lit(facet.colour.mix(Rgb::BLACK, 0.62), facet.light);
-        let mut shade = |at: Point| {
-            owners.set(at, patch.owner + 1);
-            if facet.outer {
-                for i in 0..4 {
-                    let distance = distance_to_segment(at, sides[i], sides[(i + 1) % 4]);
-                    if patch.free[i] && distance < 1.1 {
-                        return rim;
-                    }
-                    if with_lines && distance < half {
-                        return line;
-                    }
-                }
-            }
-            colour
+    let grid = canvas.grid();
+    let mut layers = Layers::default();
+    for first in (0..grid.rows).step_by(BAND) {
+        let rows = first..grid.rows.min(first + BAND as u32);
+        let before = first as usize * grid.columns as usize;
+        let seen = |facet: &&Facet| {
+            let y = facet.corners.map(|c| c[1] * f64::from(grid.scale));
+            y.iter().any(|y| *y >= f64::from(rows.start)) && y.iter().any(|y| *y <= f64::from(rows.end))
         };
-        for [a, b, c] in [[0, 1, 2], [2, 3, 0]] {
-            let plane = Plane::through([facet.seen[a], facet.seen[b], facet.seen[c]], placement);
-            canvas.fill_where(
-                &[facet.corners[a], facet.corners[b], facet.corners[c]],
-                patch.opacity,
-                |at, sample| {
-                    let depth = (plane.depth(at) - zero + bias * f64::from(patch.owner)) as f32;
-                    if depth < nearest[sample] {
-                        return None;
-                    }
-                    if patch.opacity == 1.0 {
-                        nearest[sample] = depth;
-                    }
-                    Some(shade(at))
-                },
-            );
+        for facet in facets.iter().filter(seen) {
+            let patch = &patches[facet.patch as usize];
+            let nearer = bias * f64::from(patch.owner) - zero;
+            for [a, b, c] in [[0, 1, 2], [2, 3, 0]] {
+                let plane = Plane::through([facet.seen[a], facet.seen[b], facet.seen[c]], placement);
+                let corners = [facet.corners[a], facet.corners[b], facet.corners[c]];
+                grid.each_within(&corners, rows.clone(), |at, sample| {
+                    layers.push(Fragment {
+                        sample: (sample - before) as u32,
+                        depth: (plane.depth(at) + nearer) as f32,
+                        colour: surface.colour(facet, at),
+                        opacity: patch.opacity as f32,
+                        owner: patch.owner,
+                    });
+                });
+            }
         }
+        layers.each_from_the_back(rows.len() * grid.columns as usize, |fragment| {
+            let sample = before + fragment.sample as usize;
+            canvas.blend(sample, fragment.colour, f64::from(fragment.opacity));
+            let (row, column) = (sample / grid.columns as usize, sample % grid.columns as usize);
+            let scale = grid.scale as usize;
+            owners.numbers[row / scale * width + column / scale] = fragment.owner + 1;
+        });
     }
     owners
+}
+
+/// How mesh lines and light colour a facet.
+struct Shading<'a> {
+    patches: &'a [Patch],
+    /// Sides of the patches on the sheet.
+    sides: Vec<[Point; 4]>,
+    /// Half the width of a mesh line, if there are any.
+    half: Option<f64>,
+    ink: f64,
+}
+
+impl<'a> Shading<'a> {
+    /// For patches whose sides have a `typical` length in pixels.
+    fn new(patches: &'a [Patch], placement: &Placement, typical: f64) -> Self {
+        let half = (typical >= SMALLEST_WITH_LINES).then_some((typical / 40.0).clamp(0.3, 0.5));
+        // Fine meshes would turn dark under full lines.
+        let ink = 0.45 * ((typical - SMALLEST_WITH_LINES / 2.0) / 14.0).clamp(0.0, 1.0);
+        let sides = patches.iter().map(|patch| patch.corners.map(|c| placement.at(&c))).collect();
+        Self { patches, sides, half, ink }
+    }
+
+    fn colour(&self, facet: &Facet, at: Point) -> Rgb {
+        let (patch, sides) = (&self.patches[facet.patch as usize], &self.sides[facet.patch as usize]);
+        let mut colour = facet.colour;
+        if facet.outer {
+            let distance = |i: usize| distance_to_segment(at, sides[i], sides[(i + 1) % 4]);
+            if (0..4).any(|i| patch.free[i] && distance(i) < 1.1) {
+                colour = colour.mix(Rgb::BLACK, 0.62);
+            } else if self.half.is_some_and(|half| (0..4).any(|i| distance(i) < half)) {
+                colour = colour.mix(Rgb::BLACK, self.ink);
+            }
+        }
+        lit(colour, facet.light)
+    }
+}
+
+/// What one facet does to a sample.
+#[derive(Clone, Copy)]
+struct Fragment {
+    /// Number of the sample in its band.
+    sample: u32,
+    depth: f32,
+    colour: Rgb,
+    opacity: f32,
+    owner: u16,
+}
+
+/// Fragments of a band of the sheet.
+#[derive(Default)]
+struct Layers {
+    fragments: Vec<Fragment>,
+    /// Fragments by sample, and where those of each sample begin.
+    order: Vec<u32>,
+    starts: Vec<u32>,
+}
+
+impl Layers {
+    fn push(&mut self, fragment: Fragment) {
+        self.fragments.push(fragment);
+    }
+
+    /// Hands over the fragments of all samples, sample by sample from the back to the front, and forgets them.
+    fn each_from_the_back(&mut self, samples: usize, mut take: impl FnMut(&Fragment)) {
+        let Self { fragments, order, starts } = self;
+        starts.clear();
+        starts.resize(samples + 1, 0);
+        fragments.iter().for_each(|f| starts[f.sample as usize + 1] += 1);
+        for i in 0..samples {
+            starts[i + 1] += starts[i];
+        }
+        order.clear();
+        order.resize(fragments.len(), 0);
+        let mut next = starts.clone();
+        for (number, fragment) in fragments.iter().enumerate() {
+            let next = &mut next[fragment.sample as usize];
+            order[*next as usize] = number as u32;
+            *next += 1;
+        }
+        for ends in starts.windows(2) {
+            let here = &mut order[ends[0] as usize..ends[1] as usize];
+            // The sort is stable and the order of the facets fixed: the same model gives the same picture.
+            here.sort_by(|&a, &b| fragments[a as usize].depth.total_cmp(&fragments[b as usize].depth));
+            here.iter().for_each(|&number| take(&fragments[number as usize]));
+        }
+        fragments.clear();
+    }
 }
 
 /// Depth of a triangle over the sheet, from `base` at `from` on with a `slope` along both axes of the sheet.
@@ -216,7 +285,6 @@ fn cut(index: u32, patch: &Patch, n: usize, placement: &Placement, facets: &mut 
             let channel = |k: usize| (0..4).map(|m| w[m] * patch.colours[m].0[k]).sum::<f64>();
             facets.push(Facet {
                 patch: index,
-                depth: corners.iter().map(|x| x.z).sum::<f64>() / 4.0,
                 corners: corners.map(|x| placement.at(&x)),
                 seen: corners,
                 light: light(along_s.cross(&along_t)),
@@ -307,7 +375,7 @@ mod tests {
     /// Two inclined sheets of 6 by 6 elements cross along a line at `angle`, their elements shifted against each other.
     #[test]
     fn sheets_that_cross_at_a_small_angle_change_places_along_one_line() {
-        let sheet = |angle: f64, shift: f64, owner: u16| {
+        let sheet = |angle: f64, shift: f64, owner: u16, opacity: f64| {
             let corner = move |i: usize, j: usize| {
                 let [x, y] = [i as f64 + shift, j as f64 + 0.6 * shift];
                 Vec3::new(x, y, 0.8 * x - 0.5 * y + angle * (x - 3.0))
@@ -315,11 +383,12 @@ mod tests {
             (0..36).map(move |k| {
                 let (i, j) = (k / 6, k % 6);
                 let corners = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
-                Patch { corners, colours: [Rgb::grey(0.5); 4], opacity: 1.0, owner, free: [false; 4] }
+                Patch { corners, colours: [Rgb::grey(0.5); 4], opacity, owner, free: [false; 4] }
             })
         };
-        for angle in [0.3, 0.1, 0.03] {
-            let patches: Vec<Patch> = sheet(angle, 0.0, 0).chain(sheet(0.0, 0.37, 1)).collect();
+        for (angle, opacity) in [(0.3, 1.0), (0.1, 0.6), (0.03, 1.0), (0.03, 0.6)] {
+            let patches: Vec<Patch> =
+                sheet(angle, 0.0, 0, opacity).chain(sheet(0.0, 0.37, 1, opacity)).collect();
             let seen: Vec<Vec3> = patches.iter().flat_map(|p| p.corners).collect();
             let placement = Placement::fit(seen.iter(), [10.0, 10.0], [590.0, 590.0]).unwrap();
             let mut canvas = Canvas::new(600, 600);
