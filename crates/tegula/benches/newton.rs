@@ -12,10 +12,10 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use tegula::analysis::statics::state_kinematics;
 use tegula::analysis::{Silent, dynamics};
 use tegula::element::TangentWeights;
-use tegula::linear::{Factor, SparseCholesky};
 use tegula::model::{Analysis, ElementKind, Model, TransientAnalysis};
 use tegula::system::Assembly;
 use tegula::system::assembly::TangentParts;
+use tegula_sparse::{Factor, SparseLdlt};
 
 fn iteration(c: &mut Criterion) {
     let n = 64;
@@ -39,11 +39,11 @@ fn iteration(c: &mut Criterion) {
     let k = state_kinematics(&system, &zero, 1.0);
     assembly.forces_and_tangent(&system, &k, &parts, false, None, &mut forces);
     let pattern = system.tangent_pattern();
-    let mut solver = SparseCholesky::new(&pattern).unwrap();
+    let mut solver = SparseLdlt::new(&pattern).unwrap();
     group.bench_function("factorisation", |b| b.iter(|| solver.factor(black_box(&assembly.values)).unwrap()));
     let mut x = vec![1.0; system.unknowns()];
     group.bench_function("solve", |b| b.iter(|| solver.solve(black_box(&mut x))));
-    group.bench_function("ordering-and-analysis", |b| b.iter(|| SparseCholesky::new(&pattern).unwrap()));
+    group.bench_function("ordering-and-analysis", |b| b.iter(|| SparseLdlt::new(&pattern).unwrap()));
     group.finish();
 }
 

@@ -22,10 +22,10 @@ use std::time::Instant;
 use common::loaded_quarter_cylinder;
 use tegula::analysis::statics::state_kinematics;
 use tegula::element::TangentWeights;
-use tegula::linear::{Factor, SparseCholesky};
 use tegula::model::ElementKind;
 use tegula::system::Assembly;
 use tegula::system::assembly::TangentParts;
+use tegula_sparse::{Factor, SparseLdlt};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -58,7 +58,7 @@ fn main() {
         std::fs::write(file, bytes).unwrap();
     }
     let start = Instant::now();
-    let mut solver = SparseCholesky::new(&pattern).unwrap();
+    let mut solver = SparseLdlt::new(&pattern).unwrap();
     let analysis = start.elapsed().as_secs_f64();
     let best = |times: &mut dyn FnMut()| {
         (0..5)

@@ -24,10 +24,10 @@ use faer::sparse::{SparseColMat, Triplet};
 use tegula::analysis::statics::{self, state_kinematics};
 use tegula::analysis::{Observer, Step};
 use tegula::element::TangentWeights;
-use tegula::linear::{Factor, SparseCholesky};
 use tegula::model::*;
 use tegula::system::assembly::{TangentParts, add_follower_loads};
 use tegula::system::{Assembly, CirculatoryStiffness};
+use tegula_sparse::{Factor, SparseLdlt};
 
 const PRESSURE: f64 = 5.0;
 const REPETITIONS: usize = 3;
@@ -80,7 +80,7 @@ fn main() {
         skew.take(&system, &k, &parts);
 
         let pattern = system.tangent_pattern();
-        let mut solver = SparseCholesky::new(&pattern).unwrap();
+        let mut solver = SparseLdlt::new(&pattern).unwrap();
         let factorisation = least(|| {
             let _ = solver.factor(&assembly.values).unwrap();
         });

@@ -19,11 +19,11 @@ use common::{compile, edge_loaded_shell};
 use growth::refuse;
 use tegula::System;
 use tegula::analysis::statics::state_kinematics;
+use tegula::bddc::{Convergence, Options, Wanted};
 use tegula::element::TangentWeights;
-use tegula::linear::substructures::{Convergence, Options, Wanted};
-use tegula::linear::{Factor as _, SparseCholesky};
 use tegula::system::Assembly;
 use tegula::system::assembly::TangentParts;
+use tegula_sparse::{Factor as _, SparseLdlt};
 
 const WANTED: Wanted = Wanted { relative: 1e-10, absolute: 0.0, share: 1.0, iterations: 500 };
 
@@ -86,7 +86,7 @@ fn solve(system: &System) -> (Convergence, f64) {
 
     assembly.forces_and_tangent(system, &k, &parts, false, None, &mut field);
     let pattern = system.tangent_pattern();
-    let mut direct = SparseCholesky::new(&pattern).unwrap();
+    let mut direct = SparseLdlt::new(&pattern).unwrap();
     direct.factor(&assembly.values).unwrap();
     let mut exact = load;
     direct.solve(&mut exact);

@@ -17,9 +17,9 @@
 
 use super::solver::TangentSolver;
 use crate::element::Kinematics;
-use crate::linear::gmres::{Gmres, noise, norm, project_out};
 use crate::system::assembly::TangentParts;
 use crate::system::{CirculatoryStiffness, Numbering, System};
+use tegula_sparse::gmres::{Gmres, noise, norm, project_out};
 
 /// A solution with a larger residual is refused.
 const REFUSED: f64 = 1e-2;

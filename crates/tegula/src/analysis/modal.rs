@@ -12,12 +12,12 @@ mod search;
 
 use super::{Observer, State, Statistics};
 use crate::element::Nodal;
-use crate::linear::Factor as _;
-use crate::linear::lanczos::RitzPair;
 use crate::system::System;
 use crate::{Error, Result};
 use problem::{Problem, go_on};
 use search::Search;
+use tegula_sparse::Factor as _;
+use tegula_sparse::lanczos::RitzPair;
 
 /// Times that missed modes are searched for.
 const ROUNDS: usize = 5;

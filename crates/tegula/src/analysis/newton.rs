@@ -20,11 +20,11 @@ pub use response::SoftestMode;
 pub use stability::Stability;
 
 use crate::element::{Kinematics, Motion, Nodal};
-use crate::linear::SparseCholesky;
 use crate::model::NewtonMethod;
 use crate::system::assembly::{TangentParts, add_follower_stiffness};
 use crate::system::{Assembly, Numbering, System, Turning, VectorKind, dot};
 use crate::{Result, Vec3};
+use tegula_sparse::SparseLdlt;
 
 use super::chord::{self, Increment, Increments, LaggedTangent};
 use super::circulatory::{CirculatoryLoads, Purpose};
@@ -126,7 +126,7 @@ pub struct Diverged {
 }
 
 /// Solver and buffers, made once for an analysis.
-pub struct Newton<S = SparseCholesky> {
+pub struct Newton<S = SparseLdlt> {
     /// Element buffers and tangent.
     pub assembly: Assembly,
     /// Linear solver.

@@ -1,12 +1,12 @@
 //! Solvers of the linear systems of Newton's method.
 
 use super::chord;
+use crate::bddc::{Options, SubstructureError, Substructures, Wanted};
 use crate::element::{Kinematics, Nodal};
-use crate::linear::substructures::{Options, SubstructureError, Substructures, Wanted};
-use crate::linear::{Factor, FactorError, SparseCholesky};
 use crate::system::assembly::{TangentParts, curvature};
 use crate::system::{Assembly, System};
 use crate::{Error, Result};
+use tegula_sparse::{Factor, FactorError, SparseLdlt};
 
 /// Error of a linear solution in the energy norm, over its own size or the square root of the energy to which
 /// increments are compared: the iteration to equilibrium does not notice.
@@ -69,7 +69,7 @@ pub trait TangentSolver {
 ///
 /// # Errors
 /// The factor does not fit in memory, or the system was compiled without a pattern of the tangent.
-pub fn direct(system: &System) -> Result<SparseCholesky> {
+pub fn direct(system: &System) -> Result<SparseLdlt> {
     if !system.has_tangent_pattern {
         let (key, what, word) = if system.explicit {
             ("analysis.scheme", "explicit integration", "scheme")
@@ -82,7 +82,7 @@ pub fn direct(system: &System) -> Result<SparseCholesky> {
             format!("compile the model with the {word} that it is run with"),
         ));
     }
-    SparseCholesky::new(&system.tangent_pattern()).map_err(|e| Error::Singular {
+    SparseLdlt::new(&system.tangent_pattern()).map_err(|e| Error::Singular {
         what: format!("The matrix of {} unknowns cannot be factored: {e}.", system.unknowns()),
         help:
             "Use a coarser mesh, a machine with more memory, or in statics `linear_solver = \"iterative\"`."
@@ -90,10 +90,10 @@ pub fn direct(system: &System) -> Result<SparseCholesky> {
     })
 }
 
-impl TangentSolver for SparseCholesky {
+impl TangentSolver for SparseLdlt {
     fn assemble(&mut self, assembly: &mut Assembly, at: &Linearization, out: &mut [Nodal]) {
         if assembly.values.is_empty() {
-            assembly.values = self.take_back();
+            assembly.values = self.reclaim_values();
         }
         assembly.forces_and_tangent(at.system, at.motion, at.parts, at.extrapolated, at.prescribed, out);
     }
@@ -116,7 +116,7 @@ impl TangentSolver for SparseCholesky {
     }
 
     fn release(&mut self) {
-        SparseCholesky::release(self);
+        SparseLdlt::release(self);
     }
 
     fn price(&self) -> f64 {

@@ -25,10 +25,10 @@ use super::inside::{Inside, Shape, Snapshot};
 use crate::Mat3;
 use crate::analysis::State;
 use crate::element::geometry::{cross_section_frame, nodal_areas};
-use crate::norm::larger;
 use crate::section::CompiledSection;
 use crate::section::compiled::Layer;
 use crate::system::{Shell, ShellSection, System};
+use tegula_sparse::norm::larger;
 
 /// Elements below which threads do not share the work.
 pub(super) const CHUNK: usize = 64;

@@ -16,7 +16,6 @@ use std::ops::Range;
 use crate::Vec3;
 use crate::element::shell::ShellElement;
 use crate::element::{ElementGroup, Nodal, ShellGeometry};
-use crate::linear::SymmetricPattern;
 use crate::load::{FollowerLoad, TimeFunction};
 use crate::mesh::Labels;
 use crate::mesh::folds::Folds;
@@ -29,6 +28,7 @@ pub use inversion::inside_out;
 use numbering::Support;
 pub use numbering::{Numbering, VectorKind};
 pub use pattern::Pattern;
+use tegula_sparse::SymmetricPattern;
 pub use turning::Turning;
 
 /// A force on nodal vectors that does not depend on the motion.

@@ -14,8 +14,8 @@ use std::sync::Arc;
 
 use super::numbering::{CONSTRAINED, Numbering};
 use crate::element::Nodal;
-use crate::linear::SymmetricPattern;
 pub use builder::PatternBuilder;
+use tegula_sparse::SymmetricPattern;
 
 /// Elements of a portion: their blocks (10 MB) stay in the last cache of a processor until they are summed. With 1024, in a
 /// nearer one, a thread takes 3 % less time, but two take 23 % more, as they wait for each other after every portion. A

@@ -2,7 +2,7 @@
 
 use super::{System, VectorKind};
 use crate::Vec3;
-use crate::linear::substructures::{Options, Quads, SubstructureError, Substructures, Terms};
+use crate::bddc::{Options, Quads, SubstructureError, Substructures, Terms};
 use crate::lists::Lists;
 
 impl System {

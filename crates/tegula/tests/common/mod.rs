@@ -7,13 +7,13 @@ use tegula::analysis::solver::{Linearization, TangentSolver};
 use tegula::analysis::statics::{self, StaticOutcome};
 use tegula::analysis::{Observer, State, Step};
 use tegula::element::{Nodal, ShellGeometry};
-use tegula::linear::SparseCholesky;
 use tegula::mesh::generators::generate;
 use tegula::model::build::build;
 use tegula::model::*;
 use tegula::norm::{larger, max_norm};
 use tegula::system::{Assembly, VectorKind};
 use tegula::{Mesh, System, Vec3};
+use tegula_sparse::SparseLdlt;
 
 /// A static model of one section on a mesh, clamped at `u_min`.
 pub fn model(mesh: MeshSource, young: f64, thickness: f64) -> Model {
@@ -356,7 +356,7 @@ impl Observer for Notes {
 }
 
 /// The direct solver, to which a new tangent has no price: an old one never serves.
-pub struct Fresh(pub SparseCholesky);
+pub struct Fresh(pub SparseLdlt);
 
 impl TangentSolver for Fresh {
     fn assemble(&mut self, assembly: &mut Assembly, at: &Linearization, out: &mut [Nodal]) {

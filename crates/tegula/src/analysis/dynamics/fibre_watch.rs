@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use crate::Vec3;
 use crate::element::Nodal;
-use crate::norm::larger;
 use crate::system::System;
+use tegula_sparse::norm::larger;
 
 /// Pairs of corners: sides and diagonals.
 const PAIRS: [(usize, usize); 6] = [(0, 1), (1, 2), (2, 3), (3, 0), (0, 2), (1, 3)];

@@ -12,8 +12,8 @@ use crate::analysis::State;
 use crate::analysis::newton::Newton;
 use crate::element::{Kinematics, Motion, Nodal};
 use crate::error::{Error, Result};
-use crate::linear::Factor;
 use crate::system::System;
+use tegula_sparse::Factor;
 
 /// Changes velocities, and with them accelerations, from those before a kink of a prescribed motion to those behind it. Mean
 /// accelerations of a step (`mean`), which no equation of an instant holds, stay. Returns the kinetic energy that the impact

@@ -17,7 +17,6 @@ use super::newton::{Cause, Diverged, Equation, Newton, Tolerances};
 use super::statics::{state_kinematics, undefined};
 use super::{Balance, Observer, State, Statistics, Step};
 use crate::element::{Kinematics, Motion, Nodal};
-use crate::linear::Factor as _;
 use crate::model::{Scheme, TransientAnalysis};
 use crate::system::assembly::add_follower_loads;
 use crate::system::numbering::CONSTRAINED;
@@ -30,6 +29,7 @@ use newmark::Newmark;
 use step_control::StepControl;
 pub use step_end::Span;
 use step_end::StepEnds;
+use tegula_sparse::Factor as _;
 
 /// A time integration scheme: the equation of a step and what it says about its error.
 ///

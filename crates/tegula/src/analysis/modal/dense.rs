@@ -8,8 +8,8 @@ use nalgebra::{Cholesky, DMatrix};
 
 use super::problem::{Problem, go_on};
 use crate::analysis::Observer;
-use crate::linear::lanczos::{RitzPair, SymmetricOperator as _};
 use crate::{Error, Result};
+use tegula_sparse::lanczos::{RitzPair, SymmetricOperator as _};
 
 /// Part of the largest eigenvalue at hand below which modes are found anew.
 const LOW: f64 = 1e-6;

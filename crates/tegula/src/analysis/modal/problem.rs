@@ -9,12 +9,12 @@ use crate::analysis::newton::Newton;
 use crate::analysis::statics::state_kinematics;
 use crate::analysis::{Observer, State};
 use crate::element::{Nodal, TangentWeights};
-use crate::linear::lanczos::SymmetricOperator;
-use crate::linear::{Factor as _, SymmetricPattern};
 use crate::model::NewtonMethod;
 use crate::system::System;
 use crate::system::assembly::{TangentParts, add_follower_loads};
 use crate::{Error, Result};
+use tegula_sparse::lanczos::SymmetricOperator;
+use tegula_sparse::{Factor as _, SymmetricPattern};
 
 /// Ratio of the estimated eigenvalues λ of parts from which on they belong to another group.
 const APART: f64 = 1e4;

@@ -3,8 +3,8 @@
 use super::dense;
 use super::problem::{Problem, go_on};
 use crate::analysis::Observer;
-use crate::linear::lanczos::{BlockLanczos, RitzPair};
 use crate::{Error, Result};
+use tegula_sparse::lanczos::{BlockLanczos, RitzPair};
 
 /// Residual of a pair, over its value, at which a mode counts as found. The eigenvalue's error is its square.
 const TOLERANCE: f64 = 1e-8;

@@ -4,9 +4,9 @@ use super::{Equation, Held, Newton, expand_free};
 use crate::analysis::circulatory::Purpose;
 use crate::analysis::solver::{Linearization, TangentSolver};
 use crate::element::Nodal;
-use crate::linear::gmres::noise;
 use crate::system::assembly::add_follower_stiffness;
 use crate::system::{System, VectorKind};
+use tegula_sparse::gmres::noise;
 
 /// Inverse iterations for the softest mode: its error is the ratio of the two lowest eigenvalues to this power.
 const INVERSE_ITERATIONS: usize = 24;

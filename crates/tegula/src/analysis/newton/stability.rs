@@ -4,8 +4,8 @@ use super::response::apply_metric;
 use super::{Newton, expand_free};
 use crate::analysis::circulatory::Purpose;
 use crate::analysis::solver::TangentSolver;
-use crate::linear::gmres::{Gmres, noise};
 use crate::system::System;
+use tegula_sparse::gmres::{Gmres, noise};
 
 /// Arnoldi steps after which Ritz values are looked at.
 const EIGENVALUE_STEPS: usize = 10;

@@ -21,10 +21,10 @@ fn grid(n: usize, diagonal: f64) -> (Vec<usize>, Vec<u32>, Vec<f64>) {
     (pointers, rows, values)
 }
 
-/// Pivots that are negative, and a solution.
+/// BlockPivots that are negative, and a solution.
 fn solve(fronts: &mut Multifrontal, pointers: &[usize], values: &[f64], given: bool) -> (usize, Vec<f64>) {
     loop {
-        let own = if given { Values::Given(values.to_vec()) } else { Values::Kept(values) };
+        let own = if given { Values::Owned(values.to_vec()) } else { Values::Borrowed(values) };
         if let (Attempt::Done(inertia), _) = fronts.factor(pointers, own).unwrap() {
             let mut x: Vec<f64> = (0..pointers.len() - 1).map(|i| (i as f64).cos()).collect();
             fronts.solve(&mut x).unwrap();
@@ -38,16 +38,17 @@ fn solve(fronts: &mut Multifrontal, pointers: &[usize], values: &[f64], given: b
 fn memory_is_spared_without_a_change_of_a_bit() {
     for diagonal in [60.0, 1e-3] {
         let (pointers, rows, values) = grid(48, diagonal);
-        let run = |sparing: bool, threads: usize| {
+        let run = |low_memory: bool, threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
-                let quotient = Quotient::new(&pointers, &rows);
-                let order = quotient.minimum_degree().unwrap();
-                let tree = AssemblyTree::new(&quotient, &order, &pointers, &rows).unwrap();
-                let mut fronts = Multifrontal::of_tree(tree, values.len(), sparing).unwrap();
-                assert_eq!(fronts.late.is_some(), sparing);
-                let late = fronts.late.as_ref().map_or(0, |late| fronts.tasks.len() - late.task);
-                assert!(!sparing || (late > 1 && late < fronts.tasks.len()), "{late}");
+                let graph = CompressedGraph::new(&pointers, &rows);
+                let order = graph.minimum_degree().unwrap();
+                let tree = AssemblyTree::new(&graph, &order, &pointers, &rows).unwrap();
+                let mut fronts = Multifrontal::of_tree(tree, values.len(), low_memory).unwrap();
+                assert_eq!(fronts.in_place.is_some(), low_memory);
+                let in_place =
+                    fronts.in_place.as_ref().map_or(0, |in_place| fronts.tasks.len() - in_place.task);
+                assert!(!low_memory || (in_place > 1 && in_place < fronts.tasks.len()), "{in_place}");
                 let first = solve(&mut fronts, &pointers, &values, true);
                 for given in [true, false] {
                     assert!(solve(&mut fronts, &pointers, &values, given) == first, "the same once more");
@@ -57,8 +58,8 @@ fn memory_is_spared_without_a_change_of_a_bit() {
         };
         let usual = run(false, 1);
         assert_eq!(usual.0 > 0, diagonal < 60.0, "{diagonal}");
-        for (sparing, threads) in [(true, 1), (true, 2), (true, 3), (false, 2)] {
-            assert!(run(sparing, threads) == usual, "{diagonal} {sparing} {threads}");
+        for (low_memory, threads) in [(true, 1), (true, 2), (true, 3), (false, 2)] {
+            assert!(run(low_memory, threads) == usual, "{diagonal} {low_memory} {threads}");
         }
     }
 }

@@ -4,9 +4,9 @@
 //! Blocks are worked off by halves: the left half is eliminated, taken off the right half, then the right half is
 //! eliminated. What is taken off is cut into tiles whose bounds depend on the sizes alone, so that the result is the same
 //! to the bit whether tiles are worked off one after another or in parallel. A block on the diagonal that is not positive
-//! definite is eliminated [with pivots](super::pivoted) of its own; where it has none, all columns of the front from there
+//! definite is eliminated [with pivots](super::rook_pivoting) of its own; where it has none, all columns of the front from there
 //! on are eliminated at once, with pivots chosen among all of them. Columns that have none there either are
-//! [delayed](super::delayed).
+//! [delayed](super::delayed_pivots).
 
 use std::ops::Range;
 
@@ -16,15 +16,15 @@ use faer::prelude::ReborrowMut;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 
 use super::FactorError;
-use super::delayed::{GROWTH, without_pivots};
-use super::pivoted::Pivots;
+use super::delayed_pivots::{GROWTH, columns_without_pivots};
+use super::diagonal_block::DiagonalBlock;
+use super::rook_pivoting::BlockPivots;
 use super::trapezoid::{BLOCK, Trapezoid};
-use super::triangle::Triangle;
 
 /// Rows of a tile from which on it is cut in two.
 const TILE: usize = 512;
 
-/// Pivots of a front.
+/// BlockPivots of a front.
 #[derive(Default)]
 pub(super) struct FrontPivots {
     /// Blocks that are not positive definite, ascending.
@@ -58,7 +58,7 @@ impl FrontPivots {
 /// Blocks that share their pivots.
 pub(super) struct PivotedBlocks {
     pub blocks: Range<usize>,
-    pub pivots: Pivots,
+    pub pivots: BlockPivots,
 }
 
 impl PivotedBlocks {
@@ -85,41 +85,41 @@ pub(super) fn both<A: Send, B: Send>(
 }
 
 /// A front whose columns are eliminated.
-pub(super) struct Elimination<'a> {
+pub(super) struct PartialFactorization<'a> {
     /// Its columns.
     pub layout: Trapezoid,
-    /// Pivots of its blocks.
+    /// BlockPivots of its blocks.
     pub pivots: &'a mut FrontPivots,
     /// Memory for a block.
-    pub triangle: &'a mut Triangle,
+    pub diagonal_block: &'a mut DiagonalBlock,
     /// Tiles are worked off in parallel.
     pub parallel: bool,
     /// Scales of the rows. Where they are given, pivots are chosen among all columns, even if they are positive definite,
     /// and columns whose pivots would let entries grow beyond the scales are told.
-    pub wary: Option<Vec<f64>>,
+    pub scales: Option<Vec<f64>>,
 }
 
-impl Elimination<'_> {
+impl PartialFactorization<'_> {
     /// Eliminates the columns: `L₁₁ L₁₁ᵀ = A₁₁`, `L₂₁ = A₂₁ L₁₁⁻ᵀ`, block by block.
     ///
     /// # Errors
     /// The columns are singular, or there is no memory for pivots.
-    pub fn columns(&mut self, panel: &mut [f64]) -> Result<(), FactorError> {
-        if self.wary.is_some() {
-            return self.all_from(0, panel);
+    pub fn eliminate(&mut self, panel: &mut [f64]) -> Result<(), FactorError> {
+        if self.scales.is_some() {
+            return self.eliminate_with_pivoting(0, panel);
         }
         match self.blocks(0..self.layout.blocks(), panel) {
             Ok(()) => Ok(()),
             Err(Stop::Failed(error)) => Err(error),
-            Err(Stop::Singular(block)) => self.all_from(block, panel),
+            Err(Stop::Singular(block)) => self.eliminate_with_pivoting(block, panel),
         }
     }
 
     /// What the eliminated columns pass on, `−L₂₁ L₂₁ᵀ`, whatever was there.
-    pub fn rest(&self, panel: &[f64], out: &mut [f64]) {
+    pub fn contribution(&self, panel: &[f64], out: &mut [f64]) {
         let to = Trapezoid::triangle(self.layout.rows - self.layout.columns);
-        let from = Source { first: 0, blocks: 0..self.layout.blocks(), values: panel, alone: true };
-        self.take_off(&from, to, self.layout.columns, 0..to.blocks(), out);
+        let from = Source { first: 0, blocks: 0..self.layout.blocks(), values: panel, overwrite: true };
+        self.schur_update(&from, to, self.layout.columns, 0..to.blocks(), out);
     }
 
     fn blocks(&mut self, blocks: Range<usize>, values: &mut [f64]) -> Result<(), Stop> {
@@ -134,26 +134,26 @@ impl Elimination<'_> {
             Err(Stop::Singular(block)) => block,
             Err(Stop::Failed(_)) => return done,
         };
-        let from = Source { first: blocks.start, blocks: blocks.start..last, values: left, alone: false };
-        self.take_off(&from, self.layout, 0, middle..blocks.end, right);
+        let from = Source { first: blocks.start, blocks: blocks.start..last, values: left, overwrite: false };
+        self.schur_update(&from, self.layout, 0, middle..blocks.end, right);
         done?;
         self.blocks(middle..blocks.end, right)
     }
 
     /// Eliminates all columns from a block on with pivots chosen among all of them. They are up to date.
-    fn all_from(&mut self, first: usize, panel: &mut [f64]) -> Result<(), FactorError> {
+    fn eliminate_with_pivoting(&mut self, first: usize, panel: &mut [f64]) -> Result<(), FactorError> {
         let layout = self.layout;
         let blocks = first..layout.blocks();
         let start = first * BLOCK;
         let (rows, columns) = (layout.rows - start, layout.columns - start);
         let mut matrix = self.matrix(first, panel);
         let (upper, lower) = matrix.as_mut().split_at_row_mut(columns);
-        let mut pivots = Pivots::new(upper, lower);
-        if let Some(scale) = &self.wary {
+        let mut pivots = BlockPivots::new(upper, lower);
+        if let Some(scale) = &self.scales {
             let below = matrix.as_ref().subrows(columns, rows - columns);
             let stable = pivots.as_ref().is_ok_and(|p| p.growth(below, &scale[columns..]) <= GROWTH);
             if !stable && pivots.as_ref().err() != Some(&FactorError::TooLarge) {
-                match without_pivots(self.matrix(first, panel), scale) {
+                match columns_without_pivots(self.matrix(first, panel), scale) {
                     Ok(delayed) => self.pivots.delayed = delayed,
                     Err(error) => pivots = Err(error),
                 }
@@ -192,12 +192,12 @@ impl Elimination<'_> {
         let height = self.layout.rows - block * BLOCK;
         let matrix = MatMut::from_column_major_slice_mut(values, height, width);
         let (mut first, second) = matrix.split_at_row_mut(width);
-        if self.triangle.factor(first.rb_mut()) {
-            divide_rows(self.triangle, second, self.parallel);
+        if self.diagonal_block.factor(first.rb_mut()) {
+            solve_rows(self.diagonal_block, second, self.parallel);
             return Ok(());
         }
         let kept = first.to_owned();
-        match Pivots::new(first.rb_mut(), second) {
+        match BlockPivots::new(first.rb_mut(), second) {
             Ok(pivots) => {
                 self.pivots.blocks.push(PivotedBlocks { blocks: block..block + 1, pivots });
                 Ok(())
@@ -212,7 +212,7 @@ impl Elimination<'_> {
     }
 
     /// Takes eliminated blocks off block columns of a trapezoid whose first column is number `offset` of the front.
-    fn take_off(
+    fn schur_update(
         &self,
         from: &Source,
         to: Trapezoid,
@@ -234,8 +234,8 @@ impl Elimination<'_> {
         let (left, right) = values.split_at_mut(to.start(middle) - to.start(blocks.start));
         both(
             self.parallel,
-            || self.take_off(from, to, offset, blocks.start..middle, left),
-            || self.take_off(from, to, offset, middle..blocks.end, right),
+            || self.schur_update(from, to, offset, blocks.start..middle, left),
+            || self.schur_update(from, to, offset, middle..blocks.end, right),
         );
     }
 
@@ -252,9 +252,10 @@ impl Elimination<'_> {
             return;
         }
         let (rows, width) = (tile.nrows(), tile.ncols());
-        let triangle = if row == column { width } else { 0 };
+        let diagonal_block = if row == column { width } else { 0 };
         for block in from.blocks.clone() {
-            let accum = if from.alone && block == from.blocks.start { Accum::Replace } else { Accum::Add };
+            let accum =
+                if from.overwrite && block == from.blocks.start { Accum::Replace } else { Accum::Add };
             let source = from.block(self.layout, block);
             let first = block * BLOCK;
             let left = source.subrows(row - first, rows);
@@ -272,12 +273,12 @@ impl Elimination<'_> {
                     scaled.as_ref()
                 }
             };
-            if triangle > 0 {
+            if diagonal_block > 0 {
                 triangular_matmul(
-                    tile.rb_mut().subrows_mut(0, triangle),
+                    tile.rb_mut().subrows_mut(0, diagonal_block),
                     BlockStructure::TriangularLower,
                     accum,
-                    left.subrows(0, triangle),
+                    left.subrows(0, diagonal_block),
                     BlockStructure::Rectangular,
                     right.transpose(),
                     BlockStructure::Rectangular,
@@ -285,10 +286,10 @@ impl Elimination<'_> {
                     Par::Seq,
                 );
             }
-            if rows > triangle {
+            if rows > diagonal_block {
                 let (to, left) = (
-                    tile.rb_mut().subrows_mut(triangle, rows - triangle),
-                    left.subrows(triangle, rows - triangle),
+                    tile.rb_mut().subrows_mut(diagonal_block, rows - diagonal_block),
+                    left.subrows(diagonal_block, rows - diagonal_block),
                 );
                 matmul(to, accum, left, right.transpose(), -1.0, Par::Seq);
             }
@@ -303,7 +304,7 @@ struct Source<'a> {
     blocks: Range<usize>,
     values: &'a [f64],
     /// What they are taken off has no value yet.
-    alone: bool,
+    overwrite: bool,
 }
 
 impl Source<'_> {
@@ -323,12 +324,16 @@ pub(super) fn half(layout: Trapezoid, blocks: &Range<usize>) -> usize {
 }
 
 /// `A₂₁ L₁₁⁻ᵀ`.
-fn divide_rows(triangle: &Triangle, rows: MatMut<'_, f64>, parallel: bool) {
+fn solve_rows(diagonal_block: &DiagonalBlock, rows: MatMut<'_, f64>, parallel: bool) {
     if rows.nrows() > TILE {
         let middle = rows.nrows() / 2;
         let (upper, lower) = rows.split_at_row_mut(middle);
-        both(parallel, || divide_rows(triangle, upper, parallel), || divide_rows(triangle, lower, parallel));
+        both(
+            parallel,
+            || solve_rows(diagonal_block, upper, parallel),
+            || solve_rows(diagonal_block, lower, parallel),
+        );
     } else {
-        triangle.divide(rows);
+        diagonal_block.solve_rows(rows);
     }
 }

@@ -7,11 +7,11 @@ use pulp::Arch;
 
 use super::FactorError;
 use super::assembly_tree::{AssemblyTree, Front};
-use super::elimination::{Elimination, FrontPivots, half};
-use super::pool::{Piece, Pool};
+use super::diagonal_block::DiagonalBlock;
+use super::partial_factorization::{FrontPivots, PartialFactorization, half};
 use super::schedule::locked;
 use super::trapezoid::{BLOCK, Trapezoid};
-use super::triangle::Triangle;
+use super::workspace::{Buffer, WorkspacePool};
 
 /// Entries of the matrix.
 pub(super) enum Entries<'a> {
@@ -31,39 +31,40 @@ pub(super) struct Part<'a> {
 /// What all fronts need to be factored.
 pub(super) struct Numeric<'a> {
     pub tree: &'a AssemblyTree,
-    pub pool: &'a Pool,
+    pub workspace: &'a WorkspacePool,
     /// Memory for a block, one for each thread.
-    pub triangles: &'a [Mutex<Triangle>],
+    pub diagonal_blocks: &'a [Mutex<DiagonalBlock>],
     pub entries: Entries<'a>,
     /// Scales of the unknowns, where pivots are chosen with care.
-    pub wary: Option<&'a [f64]>,
+    pub scales: Option<&'a [f64]>,
     pub arch: Arch,
 }
 
 impl Numeric<'_> {
     /// Factors a front, threads together. `from` is what its children pass on; returns what it passes on itself.
-    pub fn together(&self, f: usize, part: Part<'_>, from: Vec<Piece>) -> Result<Piece, FactorError> {
+    pub fn factor_front(&self, f: usize, part: Part<'_>, from: Vec<Buffer>) -> Result<Buffer, FactorError> {
         let front = &self.tree.fronts[f];
-        let (layout, passed) = (front.layout(), front.passed());
+        let (layout, contribution) = (front.layout(), front.contribution());
         let Part { panels: panel, pivots } = part;
-        self.assemble(f, &from, (layout, 0), 0..layout.blocks(), panel);
-        self.enter(f, panel);
-        let (pivots, triangle) = (&mut pivots[0], &mut Triangle::new());
-        let mut work = Elimination { layout, pivots, triangle, parallel: true, wary: self.scales(f) };
-        work.columns(panel)?;
-        let mut memory = self.pool.take(passed.size())?;
-        let out = &mut memory[..passed.size()];
-        work.rest(panel, out);
-        self.assemble(f, &from, (passed, front.width), 0..passed.blocks(), out);
-        from.into_iter().for_each(|piece| self.pool.put(piece));
+        self.extend_add_children(f, &from, (layout, 0), 0..layout.blocks(), panel);
+        self.add_entries(f, panel);
+        let (pivots, diagonal_block) = (&mut pivots[0], &mut DiagonalBlock::new());
+        let mut work =
+            PartialFactorization { layout, pivots, diagonal_block, parallel: true, scales: self.scales(f) };
+        work.eliminate(panel)?;
+        let mut memory = self.workspace.take(contribution.size())?;
+        let out = &mut memory[..contribution.size()];
+        work.contribution(panel, out);
+        self.extend_add_children(f, &from, (contribution, front.width), 0..contribution.blocks(), out);
+        from.into_iter().for_each(|piece| self.workspace.put(piece));
         Ok(memory)
     }
 
     /// Adds what the children of a front pass on to some of its block columns, halves of them in parallel.
-    fn assemble(
+    fn extend_add_children(
         &self,
         f: usize,
-        from: &[Piece],
+        from: &[Buffer],
         (to, offset): (Trapezoid, usize),
         blocks: Range<usize>,
         values: &mut [f64],
@@ -72,8 +73,8 @@ impl Numeric<'_> {
             let middle = half(to, &blocks);
             let (left, right) = values.split_at_mut(to.start(middle) - to.start(blocks.start));
             rayon::join(
-                || self.assemble(f, from, (to, offset), blocks.start..middle, left),
-                || self.assemble(f, from, (to, offset), middle..blocks.end, right),
+                || self.extend_add_children(f, from, (to, offset), blocks.start..middle, left),
+                || self.extend_add_children(f, from, (to, offset), middle..blocks.end, right),
             );
             return;
         }
@@ -81,34 +82,34 @@ impl Numeric<'_> {
             values.fill(0.0);
         }
         for (&c, from) in self.tree.children[f].iter().zip(from) {
-            self.add(&self.tree.fronts[c as usize], from, (to, offset), &blocks, values);
+            self.extend_add(&self.tree.fronts[c as usize], from, (to, offset), &blocks, values);
         }
     }
 
     /// Factors a subtree front by front. `size` is what waits at most; returns what the last front passes on.
-    pub fn one_after_another(
+    pub fn factor_subtree(
         &self,
         subtree: Range<usize>,
         size: usize,
         part: Part<'_>,
-    ) -> Result<Piece, FactorError> {
+    ) -> Result<Buffer, FactorError> {
         let fronts = &self.tree.fronts;
         let leaf = subtree.start;
         let start = fronts[leaf].panel;
-        let mut stack = self.pool.take(size)?;
-        let mut out = Piece::default();
-        let triangle = &mut *self.triangle();
+        let mut stack = self.workspace.take(size)?;
+        let mut out = Buffer::default();
+        let diagonal_block = &mut *self.diagonal_block();
         let mut top = 0;
         for s in subtree.clone() {
             let front = &fronts[s];
             let last = s + 1 == subtree.end;
-            let (layout, passed) = (front.layout(), front.passed());
-            let own = passed.size();
+            let (layout, contribution) = (front.layout(), front.contribution());
+            let own = contribution.size();
             let panel = &mut part.panels[front.panel - start..][..layout.size()];
-            let children = self.tree.passed_by_children(s);
+            let children = self.tree.contributions_of_children(s);
             let (held, free) = stack.split_at_mut(top);
             let next = if last {
-                out = self.pool.take(own)?;
+                out = self.workspace.take(own)?;
                 &mut out[..own]
             } else {
                 &mut free[..own]
@@ -117,38 +118,38 @@ impl Numeric<'_> {
                 let mut at = top - children;
                 for &c in &self.tree.children[s] {
                     let child = &fronts[c as usize];
-                    self.add(child, &held[at..], (to, offset), &(0..to.blocks()), values);
-                    at += child.passed().size();
+                    self.extend_add(child, &held[at..], (to, offset), &(0..to.blocks()), values);
+                    at += child.contribution().size();
                 }
             };
             panel.fill(0.0);
             from_children(layout, 0, panel);
-            self.enter(s, panel);
-            let mut work = Elimination {
+            self.add_entries(s, panel);
+            let mut work = PartialFactorization {
                 layout,
                 pivots: &mut part.pivots[s - leaf],
-                triangle,
+                diagonal_block,
                 parallel: false,
-                wary: self.scales(s),
+                scales: self.scales(s),
             };
-            work.columns(panel)?;
-            work.rest(panel, next);
-            from_children(passed, front.width, next);
+            work.eliminate(panel)?;
+            work.contribution(panel, next);
+            from_children(contribution, front.width, next);
             if !last && children > 0 {
                 stack.copy_within(top..top + own, top - children);
             }
             top = top - children + own;
         }
-        self.pool.put(stack);
+        self.workspace.put(stack);
         Ok(out)
     }
 
     /// Adds the entries of the matrix to the panel of a front.
-    fn enter(&self, f: usize, panel: &mut [f64]) {
+    fn add_entries(&self, f: usize, panel: &mut [f64]) {
         match self.entries {
-            Entries::All(values) => self.tree.entries.enter(f, values, panel),
+            Entries::All(values) => self.tree.entries.add_entries(f, values, panel),
             Entries::Collected(from, starts, values) => {
-                self.tree.entries.enter_collected(f, &values[starts[f - from]..], panel);
+                self.tree.entries.add_collected(f, &values[starts[f - from]..], panel);
             }
         }
     }
@@ -156,13 +157,13 @@ impl Numeric<'_> {
     /// Scales of the rows of a front, where pivots are chosen with care.
     fn scales(&self, f: usize) -> Option<Vec<f64>> {
         let front = &self.tree.fronts[f];
-        let scale = |place: usize| Some(self.wary?[self.tree.order[place] as usize]);
+        let scale = |place: usize| Some(self.scales?[self.tree.order[place] as usize]);
         let columns = front.first..front.first + front.width;
         columns.chain(front.rows.iter().map(|&row| row as usize)).map(scale).collect()
     }
 
     /// As [`add`], with the registers of this machine.
-    fn add(
+    fn extend_add(
         &self,
         child: &Front,
         from: &[f64],
@@ -170,31 +171,31 @@ impl Numeric<'_> {
         blocks: &Range<usize>,
         values: &mut [f64],
     ) {
-        self.arch.dispatch(|| add(child, from, to, blocks, values));
+        self.arch.dispatch(|| extend_add(child, from, to, blocks, values));
     }
 
     /// Memory of this thread for a block. While it is held no other work is waited for.
-    fn triangle(&self) -> MutexGuard<'_, Triangle> {
+    fn diagonal_block(&self) -> MutexGuard<'_, DiagonalBlock> {
         let own = rayon::current_thread_index().unwrap_or(0);
-        locked(&self.triangles[own % self.triangles.len()])
+        locked(&self.diagonal_blocks[own % self.diagonal_blocks.len()])
     }
 }
 
 /// Adds what a child passes on to block columns of its parent: of a trapezoid whose first column has the number `offset`
 /// there. `values` are those block columns.
 #[inline(always)]
-fn add(
+fn extend_add(
     child: &Front,
     from: &[f64],
     (to, offset): (Trapezoid, usize),
     blocks: &Range<usize>,
     values: &mut [f64],
 ) {
-    let source = child.passed();
+    let source = child.contribution();
     let start = to.start(blocks.start);
     let first = offset + blocks.start * BLOCK;
     let end = offset + (blocks.end * BLOCK).min(to.columns);
-    for (k, &[here, there, length]) in child.runs.iter().enumerate() {
+    for (k, &[here, there, length]) in child.relative_indices.iter().enumerate() {
         let (here, there, length) = (here as usize, there as usize, length as usize);
         for place in there.max(first)..(there + length).min(end) {
             let column = here + place - there;
@@ -203,7 +204,7 @@ fn add(
             // The rest of this run, then the runs below.
             let rest = there + length - place;
             add_run(&mut target[..rest], &source[..rest]);
-            for &[here, there, length] in &child.runs[k + 1..] {
+            for &[here, there, length] in &child.relative_indices[k + 1..] {
                 let (here, there, length) = (here as usize, there as usize, length as usize);
                 add_run(&mut target[there - place..][..length], &source[here - column..][..length]);
             }

@@ -1,7 +1,7 @@
 use std::collections::{BTreeSet, HashMap};
 
 use super::super::assembly_tree::AssemblyTree;
-use super::super::ordering::Quotient;
+use super::super::ordering::CompressedGraph;
 use super::*;
 
 /// A lower triangle in compressed columns.
@@ -45,9 +45,9 @@ impl Pattern {
     }
 
     fn tree(&self) -> AssemblyTree {
-        let quotient = Quotient::new(&self.pointers, &self.rows);
-        let order = quotient.minimum_degree().unwrap();
-        AssemblyTree::new(&quotient, &order, &self.pointers, &self.rows).unwrap()
+        let graph = CompressedGraph::new(&self.pointers, &self.rows);
+        let order = graph.minimum_degree().unwrap();
+        AssemblyTree::new(&graph, &order, &self.pointers, &self.rows).unwrap()
     }
 
     /// Numbers of the values by their row and column.
@@ -67,7 +67,7 @@ impl Pattern {
         for (f, front) in tree.fronts.iter().enumerate() {
             let layout = front.layout();
             let mut panel = vec![0.0; layout.size()];
-            tree.entries.enter(f, &values, &mut panel);
+            tree.entries.add_entries(f, &values, &mut panel);
             let own = front.first..front.first + front.width;
             let places: Vec<usize> = own.chain(front.rows.iter().map(|&row| row as usize)).collect();
             for (at, &found) in panel.iter().enumerate() {
@@ -82,7 +82,7 @@ impl Pattern {
             tree.entries.collect(f, &values, &mut collected);
             assert!(collected.iter().all(|v| *v != 0.0));
             let mut again = vec![0.0; layout.size()];
-            tree.entries.enter_collected(f, &collected, &mut again);
+            tree.entries.add_collected(f, &collected, &mut again);
             assert_eq!(again, panel);
         }
         assert_eq!(entered, self.rows.len());

@@ -11,8 +11,8 @@ use faer::Mat;
 
 use super::FactorError;
 use super::assembly_tree::AssemblyTree;
-use super::drafts::{Draft, keep, sort_for_little_memory};
-use super::ordering::Quotient;
+use super::ordering::CompressedGraph;
+use super::supernodes::{Supernode, postorder_minimizing_stack, without_empty};
 
 /// Growth, over the scale of its row, that a pivot may cause on the diagonal of a row.
 pub(super) const GROWTH: f64 = 1e3;
@@ -25,12 +25,12 @@ const ALPHA: f64 = 0.640_388_203_202_208_5;
 /// Columns of a front without a stable pivot among its columns, ascending. The lower triangle of its matrix is given,
 /// all columns that are to be eliminated with all their rows, and the scale of each row.
 ///
-/// Pivots are chosen by size among all entries that are left, in units of the scales, and refused where they would let
+/// BlockPivots are chosen by size among all entries that are left, in units of the scales, and refused where they would let
 /// an entry below grow.
 ///
 /// # Errors
 /// Nothing is left of a column: no later front has a pivot for it either.
-pub(super) fn without_pivots(mut matrix: Mat<f64>, scale: &[f64]) -> Result<Vec<u32>, FactorError> {
+pub(super) fn columns_without_pivots(mut matrix: Mat<f64>, scale: &[f64]) -> Result<Vec<u32>, FactorError> {
     let (rows, columns) = (matrix.nrows(), matrix.ncols());
     for j in 0..columns {
         for i in j..rows {
@@ -122,14 +122,14 @@ impl AssemblyTree {
     /// A front without parent has no pivot for one of them: the matrix is singular. Or the factor is too large.
     pub fn delay(&self, delayed: &[u32], pointers: &[usize]) -> Result<Self, FactorError> {
         let unknown = |place: u32| self.order[place as usize];
-        let mut fronts: Vec<Draft> = self
+        let mut fronts: Vec<Supernode> = self
             .fronts
             .iter()
-            .map(|front| Draft {
+            .map(|front| Supernode {
                 columns: self.order[front.first..front.first + front.width].to_vec(),
                 rows: front.rows.iter().map(|&place| unknown(place)).collect(),
                 parent: front.parent,
-                ..Draft::default()
+                ..Supernode::default()
             })
             .collect();
         for &place in delayed {
@@ -148,14 +148,16 @@ impl AssemblyTree {
                 fronts[f].parent = fronts[parent as usize].parent;
             }
         }
-        let mut fronts = keep(fronts, &gone);
+        let mut fronts = without_empty(fronts, &gone);
         for front in &mut fronts {
             (front.width, front.below) = (front.columns.len(), front.rows.len());
         }
-        sort_for_little_memory(&mut fronts);
+        postorder_minimizing_stack(&mut fronts);
         let unknowns = pointers.len() - 1;
-        let single =
-            Quotient { members: (0..unknowns as u32).map(|i| vec![i]).collect(), neighbours: Vec::new() };
+        let single = CompressedGraph {
+            supervariables: (0..unknowns as u32).map(|i| vec![i]).collect(),
+            neighbours: Vec::new(),
+        };
         Self::number(&single, fronts, pointers, &self.row_numbers(pointers))
     }
 

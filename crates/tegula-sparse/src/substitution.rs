@@ -4,8 +4,8 @@ use pulp::Arch;
 
 use super::assembly_tree::{AssemblyTree, Front};
 use super::block_column::{Backward, BlockColumn, Forward};
-use super::elimination::{FrontPivots, PivotedBlocks};
 use super::multifrontal::panel;
+use super::partial_factorization::{FrontPivots, PivotedBlocks};
 
 /// Work on a subtree: its last front, its columns, its rows.
 type Sweep<S> = fn(&S, usize, &mut [f64], &mut [f64]);
@@ -15,9 +15,9 @@ pub(super) struct Solver<'a> {
     pub tree: &'a AssemblyTree,
     pub factor: &'a [f64],
     /// Panel of the late front.
-    pub late: &'a [f64],
+    pub in_place: &'a [f64],
     /// Whether the subtree of a front is split between threads.
-    pub split: &'a [bool],
+    pub node_level: &'a [bool],
     pub pivots: &'a [FrontPivots],
     pub arch: Arch,
 }
@@ -28,7 +28,7 @@ impl Solver<'_> {
         let front = &self.tree.fronts[f];
         let layout = front.layout();
         let values =
-            &panel(self.factor, self.late, front.panel)[layout.start(block)..layout.start(block + 1)];
+            &panel(self.factor, self.in_place, front.panel)[layout.start(block)..layout.start(block + 1)];
         let pivots = self.pivots[f].of(block);
         (BlockColumn { values, width: layout.columns_of(block).len(), unit: pivots.is_some() }, pivots)
     }
@@ -49,9 +49,10 @@ impl Solver<'_> {
     /// The child of a split front that is the only one to be split, if there is just one. Trees of long strips are chains
     /// of such fronts: they are walked, since threads have not the stack to descend them. What branches off is small, or
     /// below the end of the chain, where the work divides.
-    fn only_split_child(&self, f: usize) -> Option<usize> {
-        let mut split = self.tree.children[f].iter().map(|&c| c as usize).filter(|&c| self.split[c]);
-        split.next().filter(|_| split.next().is_none())
+    fn only_node_level_child(&self, f: usize) -> Option<usize> {
+        let mut node_level =
+            self.tree.children[f].iter().map(|&c| c as usize).filter(|&c| self.node_level[c]);
+        node_level.next().filter(|_| node_level.next().is_none())
     }
 
     /// Columns and rows of a front of the subtree that begins with `leaf`, and the rows of the fronts before it.
@@ -70,12 +71,12 @@ impl Solver<'_> {
     /// `L y = b` in a subtree; `x` are its columns, `y` the sums of its rows.
     fn forward(&self, f: usize, x: &mut [f64], y: &mut [f64]) {
         let leaf = self.tree.fronts[f].leaf;
-        if !self.split[f] {
+        if !self.node_level[f] {
             (leaf..=f).for_each(|s| self.forward_after_children(s, leaf, x, y));
             return;
         }
         let mut at = f;
-        while let Some(child) = self.only_split_child(at) {
+        while let Some(child) = self.only_node_level_child(at) {
             at = child;
         }
         let mut done = None;
@@ -119,14 +120,14 @@ impl Solver<'_> {
     /// `Lᵀ x = y` in a subtree whose `y` holds the solution at the rows of its last front.
     fn backward(&self, f: usize, x: &mut [f64], y: &mut [f64]) {
         let leaf = self.tree.fronts[f].leaf;
-        if !self.split[f] {
+        if !self.node_level[f] {
             (leaf..=f).rev().for_each(|s| self.backward_before_children(s, leaf, x, y));
             return;
         }
         let mut next = Some(f);
         while let Some(at) = next {
             self.backward_before_children(at, leaf, x, y);
-            next = self.only_split_child(at);
+            next = self.only_node_level_child(at);
             self.each(leaf, &self.tree.children[at], next.map(|c| c as u32), x, y, Self::backward);
         }
     }
@@ -139,7 +140,7 @@ impl Solver<'_> {
         for &c in &self.tree.children[f] {
             let child = &fronts[c as usize];
             let to = &mut below[child.row_start - fronts[leaf].row_start..][..child.rows.len()];
-            pass_on(&fronts[f], x, y, child, to);
+            copy_solution(&fronts[f], x, y, child, to);
         }
     }
 
@@ -182,7 +183,7 @@ impl Solver<'_> {
 
     /// How many of some children make up half of their work.
     fn half(&self, children: &[u32]) -> usize {
-        let work = |c: &u32| self.tree.fronts[*c as usize].work;
+        let work = |c: &u32| self.tree.fronts[*c as usize].flops;
         let total: f64 = children.iter().map(work).sum();
         let mut sum = 0.0;
         for (k, c) in children.iter().enumerate() {
@@ -217,7 +218,7 @@ impl Solver<'_> {
 
 /// Adds the sums of a child's rows to those of its parent.
 fn add_sums(child: &Front, sums: &[f64], front: &Front, x: &mut [f64], y: &mut [f64]) {
-    for &[here, there, length] in &child.runs {
+    for &[here, there, length] in &child.relative_indices {
         let (here, length) = (here as usize, length as usize);
         let target = place(front, x, y, there as usize, length);
         for (t, s) in target.iter_mut().zip(&sums[here..here + length]) {
@@ -227,8 +228,8 @@ fn add_sums(child: &Front, sums: &[f64], front: &Front, x: &mut [f64], y: &mut [
 }
 
 /// Tells a child the solution at its rows.
-fn pass_on(front: &Front, x: &mut [f64], y: &mut [f64], child: &Front, to: &mut [f64]) {
-    for &[here, there, length] in &child.runs {
+fn copy_solution(front: &Front, x: &mut [f64], y: &mut [f64], child: &Front, to: &mut [f64]) {
+    for &[here, there, length] in &child.relative_indices {
         let (here, length) = (here as usize, length as usize);
         to[here..here + length].copy_from_slice(place(front, x, y, there as usize, length));
     }

@@ -41,10 +41,10 @@ use self::coarse::Coarse;
 pub use self::conjugate_gradients::Wanted;
 use self::corners::{Corners, Sharing, corners};
 use self::piece::{Factored, Piece, Refused, Roles, Scratch};
-use super::FactorError;
 use crate::Vec3;
 use crate::lists::Lists;
 use crate::system::Numbering;
+use tegula_sparse::FactorError;
 
 /// Quadrilaterals of a mesh, and where their nodes are.
 #[derive(Debug, Clone, Copy)]

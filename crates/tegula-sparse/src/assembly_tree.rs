@@ -4,9 +4,9 @@
 //! equal structure are one front; small fronts are joined with their parents where that adds few zeros.
 
 use super::FactorError;
-use super::drafts::{Draft, fundamental_fronts, join, sort_for_little_memory};
-use super::entries::{EntryRuns, Numbering};
-use super::ordering::Quotient;
+use super::entry_map::{EntryMap, FrontNumbering};
+use super::ordering::CompressedGraph;
+use super::supernodes::{Supernode, amalgamate, fundamental_supernodes, postorder_minimizing_stack};
 use super::trapezoid::Trapezoid;
 
 /// A front: a dense symmetric matrix of columns that are eliminated in it and of rows that it passes on.
@@ -22,7 +22,7 @@ pub(super) struct Front {
     pub parent: Option<u32>,
     /// Where the rows lie in the parent: runs (first row here, first place there, length). Places count the parent's
     /// columns first, then its rows.
-    pub runs: Vec<[u32; 3]>,
+    pub relative_indices: Vec<[u32; 3]>,
     /// First front of its subtree; the fronts of a subtree are numbered one after another, itself last.
     pub leaf: usize,
     /// Where its panel begins in the factor.
@@ -30,7 +30,7 @@ pub(super) struct Front {
     /// Where its rows begin in vectors of all rows.
     pub row_start: usize,
     /// Operations of its subtree.
-    pub work: f64,
+    pub flops: f64,
 }
 
 impl Front {
@@ -45,7 +45,7 @@ impl Front {
     }
 
     /// What it passes on.
-    pub fn passed(&self) -> Trapezoid {
+    pub fn contribution(&self) -> Trapezoid {
         Trapezoid::triangle(self.rows.len())
     }
 }
@@ -59,7 +59,7 @@ pub(super) struct AssemblyTree {
     /// Unknown eliminated at each place.
     pub order: Vec<u32>,
     /// Entries of the matrix by front.
-    pub entries: EntryRuns,
+    pub entries: EntryMap,
     /// Entries of the factor.
     pub size: usize,
     /// Rows of all fronts together.
@@ -72,24 +72,24 @@ impl AssemblyTree {
     /// # Errors
     /// The factor is too large to be indexed.
     pub fn new(
-        quotient: &Quotient,
+        graph: &CompressedGraph,
         order: &[u32],
         pointers: &[usize],
         rows: &[u32],
     ) -> Result<Self, FactorError> {
-        let mut fronts = join(fundamental_fronts(quotient, order));
-        sort_for_little_memory(&mut fronts);
-        Self::number(quotient, fronts, pointers, rows)
+        let mut fronts = amalgamate(fundamental_supernodes(graph, order));
+        postorder_minimizing_stack(&mut fronts);
+        Self::number(graph, fronts, pointers, rows)
     }
 
     /// Operations of a factorisation.
     pub fn operations(&self) -> f64 {
-        self.fronts.iter().filter(|f| f.parent.is_none()).map(|f| f.work).sum()
+        self.fronts.iter().filter(|f| f.parent.is_none()).map(|f| f.flops).sum()
     }
 
     /// Entries that the children of a front pass on.
-    pub fn passed_by_children(&self, f: usize) -> usize {
-        self.children[f].iter().map(|&c| self.fronts[c as usize].passed().size()).sum()
+    pub fn contributions_of_children(&self, f: usize) -> usize {
+        self.children[f].iter().map(|&c| self.fronts[c as usize].contribution().size()).sum()
     }
 
     /// Calls `f` with the number of each value of the matrix, its row and its column; which is which does not matter.
@@ -110,19 +110,19 @@ impl AssemblyTree {
 
     /// Numbers the columns in the order of the fronts, and finds where everything goes.
     pub fn number(
-        quotient: &Quotient,
-        drafts: Vec<Draft>,
+        graph: &CompressedGraph,
+        supernodes: Vec<Supernode>,
         pointers: &[usize],
         rows: &[u32],
     ) -> Result<Self, FactorError> {
         let n = pointers.len() - 1;
         let mut tree = Self { order: Vec::with_capacity(n), ..Self::default() };
         // Columns of the groups, in the order of the fronts.
-        let mut first_column = vec![0_u32; quotient.len()];
-        for draft in &drafts {
-            for &g in &draft.columns {
+        let mut first_column = vec![0_u32; graph.len()];
+        for supernode in &supernodes {
+            for &g in &supernode.columns {
                 first_column[g as usize] = tree.order.len() as u32;
-                tree.order.extend_from_slice(&quotient.members[g as usize]);
+                tree.order.extend_from_slice(&graph.supervariables[g as usize]);
             }
         }
         let mut place = vec![0_u32; n];
@@ -131,31 +131,39 @@ impl AssemblyTree {
             place[old as usize] = new as u32;
         }
         let mut first = 0;
-        for (f, draft) in drafts.iter().enumerate() {
-            let width: usize = draft.columns.iter().map(|&g| quotient.members[g as usize].len()).sum();
+        for (f, supernode) in supernodes.iter().enumerate() {
+            let width: usize =
+                supernode.columns.iter().map(|&g| graph.supervariables[g as usize].len()).sum();
             front_of[first..first + width].fill(f as u32);
             let mut below: Vec<u32> = Vec::new();
-            for &g in &draft.rows {
+            for &g in &supernode.rows {
                 let start = first_column[g as usize];
-                below.extend(start..start + quotient.members[g as usize].len() as u32);
+                below.extend(start..start + graph.supervariables[g as usize].len() as u32);
             }
             below.sort_unstable();
-            tree.fronts.push(Front { first, width, rows: below, parent: draft.parent, ..Front::default() });
+            tree.fronts.push(Front {
+                first,
+                width,
+                rows: below,
+                parent: supernode.parent,
+                ..Front::default()
+            });
             first += width;
         }
         tree.children = vec![Vec::new(); tree.fronts.len()];
         for f in 0..tree.fronts.len() {
             if let Some(p) = tree.fronts[f].parent {
                 tree.children[p as usize].push(f as u32);
-                tree.fronts[f].runs = runs(&tree.fronts[f].rows, &tree.fronts[p as usize]);
+                tree.fronts[f].relative_indices =
+                    relative_indices(&tree.fronts[f].rows, &tree.fronts[p as usize]);
             }
         }
         for f in 0..tree.fronts.len() {
-            let below: f64 = tree.children[f].iter().map(|&c| tree.fronts[c as usize].work).sum();
+            let below: f64 = tree.children[f].iter().map(|&c| tree.fronts[c as usize].flops).sum();
             let leaf = tree.children[f].first().map_or(f, |&c| tree.fronts[c as usize].leaf);
             let front = &mut tree.fronts[f];
             let (w, m) = (front.width as f64, front.rows.len() as f64);
-            front.work = below + w * w * w / 3.0 + w * w * m + w * m * m;
+            front.flops = below + w * w * w / 3.0 + w * w * m + w * m * m;
             front.leaf = leaf;
             (front.panel, front.row_start) = (tree.size, tree.rows);
             let rectangle = front.height().checked_mul(front.height());
@@ -171,14 +179,14 @@ impl AssemblyTree {
             tree.rows += front.rows.len();
         }
         let numbering =
-            Numbering { fronts: &tree.fronts, place: &place, front_of: &front_of, pointers, rows };
-        tree.entries = EntryRuns::new(&numbering)?;
+            FrontNumbering { fronts: &tree.fronts, place: &place, front_of: &front_of, pointers, rows };
+        tree.entries = EntryMap::new(&numbering)?;
         Ok(tree)
     }
 }
 
 /// Runs of consecutive rows that are consecutive in the parent, too.
-fn runs(rows: &[u32], parent: &Front) -> Vec<[u32; 3]> {
+fn relative_indices(rows: &[u32], parent: &Front) -> Vec<[u32; 3]> {
     let end = (parent.first + parent.width) as u32;
     let mut out: Vec<[u32; 3]> = Vec::new();
     let mut below = 0;

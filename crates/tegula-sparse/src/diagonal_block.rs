@@ -15,7 +15,7 @@ use super::trapezoid::BLOCK;
 const WIDEST: usize = 8;
 
 /// Factor `L₁₁` of a block of up to [`BLOCK`] columns, ready to divide rows by its transpose.
-pub(super) struct Triangle {
+pub(super) struct DiagonalBlock {
     arch: Arch,
     width: usize,
     /// Strips of columns: first the entries of their rows in the columns before them, then their own triangle, with
@@ -23,7 +23,7 @@ pub(super) struct Triangle {
     strips: Vec<f64>,
 }
 
-impl Triangle {
+impl DiagonalBlock {
     /// Memory for one.
     pub fn new() -> Self {
         let blocks = BLOCK / 4 + 1;
@@ -39,7 +39,7 @@ impl Triangle {
     }
 
     /// `A L₁₁⁻ᵀ` in place of the rows A.
-    pub fn divide(&self, rows: MatMut<'_, f64>) {
+    pub fn solve_rows(&self, rows: MatMut<'_, f64>) {
         debug_assert_eq!(rows.ncols(), self.width);
         if rows.nrows() > 0 {
             self.arch.dispatch(Division { strips: &self.strips, rows });
@@ -69,7 +69,7 @@ impl<S: Simd, const R: usize, const C: usize> Kernel<S, R, C> {
 
     /// Takes the columns before a strip off its columns, which begin at `at`: `A − X L₂₁ᵀ`.
     #[inline(always)]
-    fn take_off(&self, chunk: &mut [[S::f64s; R]], before: &[f64], at: usize) {
+    fn update(&self, chunk: &mut [[S::f64s; R]], before: &[f64], at: usize) {
         let mut sum = [[self.simd.splat_f64s(0.0); R]; C];
         for (x, l) in chunk[..at].iter().zip(before.chunks_exact(C)) {
             for c in 0..C {
@@ -113,7 +113,7 @@ impl<S: Simd, const R: usize, const C: usize> Kernel<S, R, C> {
         while !rest.is_empty() {
             let (before, own) = rest.split_at(C * at);
             let (own, others) = own.split_at(C * C);
-            self.take_off(chunk, before, at);
+            self.update(chunk, before, at);
             self.solve(chunk, own, at);
             (at, rest) = (at + C, others);
         }
@@ -202,7 +202,7 @@ impl<S: Simd, const R: usize, const C: usize> Kernel<S, R, C> {
                     let column: &[f64] = bytemuck::cast_slice(column);
                     strips.extend_from_slice(&column[row..row + C]);
                 }
-                self.take_off(&mut chunk, &strips[before..], at);
+                self.update(&mut chunk, &strips[before..], at);
                 let own = strips.len();
                 if !self.own(&chunk, (row, at, width), strips) {
                     return false;
@@ -300,7 +300,7 @@ mod tests {
 
     #[test]
     fn factors_and_divides_blocks_of_any_size() {
-        let mut triangle = Triangle::new();
+        let mut triangle = DiagonalBlock::new();
         for n in (1..=40).chain([63, 64, 65, 100, 120, 127, 128]) {
             for rows in [0, 1, 7, 8, 17, 100] {
                 let (a, c) = matrix(n, rows);
@@ -309,7 +309,7 @@ mod tests {
                     (0..j).for_each(|i| l[(i, j)] = f64::NAN);
                 }
                 assert!(triangle.factor(l.as_mut()), "{n}");
-                triangle.divide(x.as_mut());
+                triangle.solve_rows(x.as_mut());
                 let lower = Mat::from_fn(n, n, |i, j| if i >= j { l[(i, j)] } else { 0.0 });
                 let scale = a.norm_max();
                 assert!((&lower * lower.transpose() - &a).norm_max() <= 1e-14 * n as f64 * scale, "{n}");
@@ -328,10 +328,10 @@ mod tests {
     fn every_instruction_set_gives_the_same_factor() {
         let (a, c) = matrix(77, 50);
         let run = |arch| {
-            let mut triangle = Triangle { arch, ..Triangle::new() };
+            let mut triangle = DiagonalBlock { arch, ..DiagonalBlock::new() };
             let (mut l, mut x) = (a.clone(), c.clone());
             assert!(triangle.factor(l.as_mut()));
-            triangle.divide(x.as_mut());
+            triangle.solve_rows(x.as_mut());
             x
         };
         let (fast, plain) = (run(Arch::new()), run(Arch::Scalar));
@@ -340,7 +340,7 @@ mod tests {
 
     #[test]
     fn a_block_that_is_not_positive_definite_is_found_out() {
-        let mut triangle = Triangle::new();
+        let mut triangle = DiagonalBlock::new();
         for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             for at in [0, 7, 8, 30, 44] {
                 let (mut a, _) = matrix(45, 0);

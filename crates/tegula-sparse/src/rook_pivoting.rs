@@ -21,8 +21,8 @@ use faer::{Auto, Mat, MatMut, MatRef, Par};
 use super::trapezoid::BLOCK;
 use super::{FactorError, Inertia};
 
-/// Pivots of consecutive columns of a front: `P A Pᵀ = L B Lᵀ`. L is where the columns were.
-pub(super) struct Pivots {
+/// BlockPivots of consecutive columns of a front: `P A Pᵀ = L B Lᵀ`. L is where the columns were.
+pub(super) struct BlockPivots {
     /// Diagonal of B.
     diagonal: Vec<f64>,
     /// Entries of B below its diagonal.
@@ -31,7 +31,7 @@ pub(super) struct Pivots {
     swaps: Vec<usize>,
 }
 
-impl Pivots {
+impl BlockPivots {
     /// Factors the block `first` on the diagonal, of which the lower triangle is given, and the rows `second` below it:
     /// `L₂₁ = A₂₁ Pᵀ L₁₁⁻ᵀ B⁻¹`.
     ///
@@ -245,7 +245,7 @@ mod tests {
                     }
                 }
                 let mut l = matrix.clone();
-                let Ok(pivots) = Pivots::new(l.as_mut(), Mat::zeros(0, n).as_mut()) else { continue };
+                let Ok(pivots) = BlockPivots::new(l.as_mut(), Mat::zeros(0, n).as_mut()) else { continue };
                 for j in 0..n {
                     l[(j, j)] = 1.0;
                     (0..j).for_each(|i| l[(i, j)] = 0.0);

@@ -1,13 +1,13 @@
 //! Fronts before their columns are numbered: found from the graph, joined and ordered.
 
-use super::ordering::Quotient;
+use super::ordering::CompressedGraph;
 
 /// Zeros that joining a front with its parent may add, as a share of the joined front, by its number of columns.
-const MOST_ZEROS: [(usize, f64); 3] = [(24, 0.8), (64, 0.15), (usize::MAX, 0.04)];
+const AMALGAMATION_THRESHOLDS: [(usize, f64); 3] = [(24, 0.8), (64, 0.15), (usize::MAX, 0.04)];
 
 /// A front in terms of groups.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Draft {
+pub(super) struct Supernode {
     pub columns: Vec<u32>,
     pub rows: Vec<u32>,
     pub parent: Option<u32>,
@@ -24,17 +24,17 @@ fn trapezoid(width: usize, below: usize) -> f64 {
 }
 
 /// Fronts of columns of equal structure, children before parents.
-pub(super) fn fundamental_fronts(quotient: &Quotient, order: &[u32]) -> Vec<Draft> {
-    let n = quotient.len();
+pub(super) fn fundamental_supernodes(graph: &CompressedGraph, order: &[u32]) -> Vec<Supernode> {
+    let n = graph.len();
     const NONE: u32 = u32::MAX;
     let mut position = vec![0_u32; n];
     for (k, &g) in order.iter().enumerate() {
         position[g as usize] = k as u32;
     }
-    // Elimination tree by paths that are shortened as they are walked.
+    // PartialFactorization tree by paths that are shortened as they are walked.
     let (mut parent, mut ancestor) = (vec![NONE; n], vec![NONE; n]);
     for (i, &g) in order.iter().enumerate() {
-        for &h in &quotient.neighbours[g as usize] {
+        for &h in &graph.neighbours[g as usize] {
             let mut r = position[h as usize];
             if r as usize >= i {
                 continue;
@@ -58,18 +58,18 @@ pub(super) fn fundamental_fronts(quotient: &Quotient, order: &[u32]) -> Vec<Draf
     for (k, &node) in postorder.iter().enumerate() {
         rank[node as usize] = k as u32;
     }
-    let weight = |g: u32| quotient.members[g as usize].len();
+    let weight = |g: u32| graph.supervariables[g as usize].len();
     let mut mark = vec![NONE; n];
     let mut structure: Vec<Vec<u32>> = vec![Vec::new(); n];
     let mut children: Vec<Vec<u32>> = vec![Vec::new(); n];
-    let mut fronts: Vec<Draft> = Vec::new();
+    let mut supernodes: Vec<Supernode> = Vec::new();
     // The front of each node, and the node it began with.
-    let mut front_of = vec![0_u32; n];
+    let mut supernode_of = vec![0_u32; n];
     for (k, &node) in postorder.iter().enumerate() {
         let g = order[node as usize];
         let mut rows = Vec::new();
         mark[g as usize] = k as u32;
-        let later = quotient.neighbours[g as usize].iter().copied().filter(|&h| position[h as usize] > node);
+        let later = graph.neighbours[g as usize].iter().copied().filter(|&h| position[h as usize] > node);
         for h in later.chain(children[k].iter().flat_map(|&c| structure[c as usize].iter().copied())) {
             if mark[h as usize] != k as u32 {
                 mark[h as usize] = k as u32;
@@ -82,21 +82,21 @@ pub(super) fn fundamental_fronts(quotient: &Quotient, order: &[u32]) -> Vec<Draf
             structure[c as usize] = Vec::new();
         }
         let same = only.filter(|&c| {
-            c as usize + 1 == k && fronts[front_of[c as usize] as usize].below == below + weight(g)
+            c as usize + 1 == k && supernodes[supernode_of[c as usize] as usize].below == below + weight(g)
         });
-        let front = if let Some(c) = same {
-            let f = front_of[c as usize];
-            fronts[f as usize].columns.push(g);
+        let supernode = if let Some(c) = same {
+            let f = supernode_of[c as usize];
+            supernodes[f as usize].columns.push(g);
             f
         } else {
-            fronts.push(Draft { columns: vec![g], ..Draft::default() });
-            fronts.len() as u32 - 1
+            supernodes.push(Supernode { columns: vec![g], ..Supernode::default() });
+            supernodes.len() as u32 - 1
         };
-        front_of[k] = front;
-        let draft = &mut fronts[front as usize];
-        draft.width += weight(g);
-        draft.below = below;
-        draft.rows.clone_from(&rows);
+        supernode_of[k] = supernode;
+        let supernode = &mut supernodes[supernode as usize];
+        supernode.width += weight(g);
+        supernode.below = below;
+        supernode.rows.clone_from(&rows);
         structure[k] = rows;
         if parent[node as usize] != NONE {
             children[rank[parent[node as usize] as usize] as usize].push(k as u32);
@@ -105,13 +105,13 @@ pub(super) fn fundamental_fronts(quotient: &Quotient, order: &[u32]) -> Vec<Draf
     for (k, &node) in postorder.iter().enumerate() {
         let p = parent[node as usize];
         if p != NONE {
-            let up = front_of[rank[p as usize] as usize];
-            if up != front_of[k] {
-                fronts[front_of[k] as usize].parent = Some(up);
+            let up = supernode_of[rank[p as usize] as usize];
+            if up != supernode_of[k] {
+                supernodes[supernode_of[k] as usize].parent = Some(up);
             }
         }
     }
-    fronts
+    supernodes
 }
 
 /// Nodes of a forest, children before parents.
@@ -148,21 +148,21 @@ fn postorder(parent: &[u32]) -> Vec<u32> {
 }
 
 /// Joins fronts with their parents where that adds few zeros.
-pub(super) fn join(mut fronts: Vec<Draft>) -> Vec<Draft> {
-    let n = fronts.len();
+pub(super) fn amalgamate(mut supernodes: Vec<Supernode>) -> Vec<Supernode> {
+    let n = supernodes.len();
     let mut children: Vec<Vec<u32>> = vec![Vec::new(); n];
-    for (f, front) in fronts.iter().enumerate() {
-        if let Some(p) = front.parent {
+    for (f, supernode) in supernodes.iter().enumerate() {
+        if let Some(p) = supernode.parent {
             children[p as usize].push(f as u32);
         }
     }
-    let mut gone = vec![false; n];
+    let mut absorbed = vec![false; n];
     for p in 0..n {
         // The child with the largest structure first: it adds the fewest zeros.
         loop {
-            let parent = &fronts[p];
+            let parent = &supernodes[p];
             let joined = |c: u32| {
-                let child = &fronts[c as usize];
+                let child = &supernodes[c as usize];
                 let all = trapezoid(child.width + parent.width, parent.below);
                 let zeros = all - trapezoid(child.width, child.below) - trapezoid(parent.width, parent.below)
                     + child.zeros
@@ -172,14 +172,14 @@ pub(super) fn join(mut fronts: Vec<Draft>) -> Vec<Draft> {
             let best = children[p].iter().copied().min_by(|&a, &b| joined(a).1.total_cmp(&joined(b).1));
             let Some(c) = best else { break };
             let (zeros, share) = joined(c);
-            let width = fronts[c as usize].width + parent.width;
-            let allowed = MOST_ZEROS.iter().find(|(w, _)| width <= *w).map_or(0.0, |z| z.1);
+            let width = supernodes[c as usize].width + parent.width;
+            let allowed = AMALGAMATION_THRESHOLDS.iter().find(|(w, _)| width <= *w).map_or(0.0, |z| z.1);
             if share > allowed {
                 break;
             }
-            let child = std::mem::take(&mut fronts[c as usize]);
-            gone[c as usize] = true;
-            let parent = &mut fronts[p];
+            let child = std::mem::take(&mut supernodes[c as usize]);
+            absorbed[c as usize] = true;
+            let parent = &mut supernodes[p];
             parent.width = width;
             parent.zeros = zeros;
             let mut columns = child.columns;
@@ -188,23 +188,24 @@ pub(super) fn join(mut fronts: Vec<Draft>) -> Vec<Draft> {
             children[p].retain(|&x| x != c);
             let grandchildren = std::mem::take(&mut children[c as usize]);
             for &x in &grandchildren {
-                fronts[x as usize].parent = Some(p as u32);
+                supernodes[x as usize].parent = Some(p as u32);
             }
             children[p].extend(grandchildren);
         }
     }
-    keep(fronts, &gone)
+    without_empty(supernodes, &absorbed)
 }
 
 /// The fronts that are not gone. None of them has a parent that is.
-pub(super) fn keep(fronts: Vec<Draft>, gone: &[bool]) -> Vec<Draft> {
-    let mut number = vec![0_u32; fronts.len()];
+pub(super) fn without_empty(supernodes: Vec<Supernode>, absorbed: &[bool]) -> Vec<Supernode> {
+    let mut number = vec![0_u32; supernodes.len()];
     let mut kept = 0;
-    for (number, gone) in number.iter_mut().zip(gone) {
+    for (number, absorbed) in number.iter_mut().zip(absorbed) {
         *number = kept;
-        kept += u32::from(!gone);
+        kept += u32::from(!absorbed);
     }
-    let mut out: Vec<Draft> = fronts.into_iter().zip(gone).filter(|(_, g)| !**g).map(|(f, _)| f).collect();
+    let mut out: Vec<Supernode> =
+        supernodes.into_iter().zip(absorbed).filter(|(_, g)| !**g).map(|(f, _)| f).collect();
     for f in &mut out {
         f.parent = f.parent.map(|p| number[p as usize]);
     }
@@ -213,17 +214,17 @@ pub(super) fn keep(fronts: Vec<Draft>, gone: &[bool]) -> Vec<Draft> {
 
 /// Orders the fronts depth first, so that subtrees stand together and the parts that wait are small: children by
 /// what they need at their worst less what they leave.
-pub(super) fn sort_for_little_memory(fronts: &mut Vec<Draft>) {
-    let n = fronts.len();
+pub(super) fn postorder_minimizing_stack(supernodes: &mut Vec<Supernode>) {
+    let n = supernodes.len();
     let mut children: Vec<Vec<u32>> = vec![Vec::new(); n];
     let mut roots = Vec::new();
-    for (f, front) in fronts.iter().enumerate() {
-        match front.parent {
+    for (f, supernode) in supernodes.iter().enumerate() {
+        match supernode.parent {
             Some(p) => children[p as usize].push(f as u32),
             None => roots.push(f as u32),
         }
     }
-    let left = |f: u32| (fronts[f as usize].below as f64).powi(2);
+    let left = |f: u32| (supernodes[f as usize].below as f64).powi(2);
     let mut peak = vec![0.0_f64; n];
     for f in 0..n {
         let mut mine = std::mem::take(&mut children[f]);
@@ -247,12 +248,12 @@ pub(super) fn sort_for_little_memory(fronts: &mut Vec<Draft>) {
                 stack.push((c, 0));
             } else {
                 number[f as usize] = out.len() as u32;
-                out.push(std::mem::take(&mut fronts[f as usize]));
+                out.push(std::mem::take(&mut supernodes[f as usize]));
             }
         }
     }
     for f in &mut out {
         f.parent = f.parent.map(|p| number[p as usize]);
     }
-    *fronts = out;
+    *supernodes = out;
 }

@@ -7,7 +7,7 @@
 use std::alloc::System as Allocator;
 
 use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
-use tegula::linear::{Factor, SparseCholesky, SymmetricPattern};
+use tegula_sparse::{Factor, SparseLdlt, SymmetricPattern};
 
 #[global_allocator]
 static ALLOCATOR: &StatsAlloc<Allocator> = &INSTRUMENTED_SYSTEM;
@@ -43,7 +43,7 @@ fn solving_allocates_nothing() {
     // Eigenvalues 4 − 2 cos(iπ/(n+1)) − 2 cos(jπ/(n+1)): the second matrix has negative ones.
     for (shift, negative) in [(0.0, false), (0.5, true)] {
         let (pattern, values) = grid(40, shift);
-        let mut factor = SparseCholesky::new(&pattern).unwrap();
+        let mut factor = SparseLdlt::new(&pattern).unwrap();
         assert_eq!(factor.factor(&values).unwrap().negative > 0, negative);
         let mut x = vec![1.0; pattern.size()];
         // The harness has a thread of its own that may allocate meanwhile, but not every time.

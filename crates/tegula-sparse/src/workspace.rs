@@ -15,9 +15,9 @@ const SPARE: usize = 1 << 18;
 
 /// A piece of memory for numbers.
 #[derive(Debug, Default)]
-pub(super) struct Piece(Option<MmapMut>);
+pub(super) struct Buffer(Option<MmapMut>);
 
-impl Piece {
+impl Buffer {
     /// For some numbers, at first zero.
     fn new(n: usize) -> Result<Self, FactorError> {
         let bytes = n.checked_mul(size_of::<f64>()).ok_or(FactorError::TooLarge)?;
@@ -27,7 +27,7 @@ impl Piece {
     }
 }
 
-impl Deref for Piece {
+impl Deref for Buffer {
     type Target = [f64];
 
     fn deref(&self) -> &[f64] {
@@ -35,7 +35,7 @@ impl Deref for Piece {
     }
 }
 
-impl DerefMut for Piece {
+impl DerefMut for Buffer {
     fn deref_mut(&mut self) -> &mut [f64] {
         self.0.as_mut().map_or(&mut [], |map| bytemuck::cast_slice_mut(map))
     }
@@ -45,43 +45,43 @@ impl DerefMut for Piece {
 #[derive(Debug, Default)]
 struct Store {
     /// By size.
-    free: Vec<Piece>,
+    free: Vec<Buffer>,
     /// Numbers in the free pieces, in those that are lent, and in the latter at most so far.
     idle: usize,
-    lent: usize,
-    most: usize,
+    in_use: usize,
+    peak: usize,
 }
 
 impl Store {
-    fn remove(&mut self, i: usize) -> Piece {
+    fn remove(&mut self, i: usize) -> Buffer {
         let piece = self.free.remove(i);
         self.idle -= piece.len();
         piece
     }
 
-    fn lend(&mut self, size: usize) {
-        self.lent += size;
-        self.most = self.most.max(self.lent);
+    fn count_use(&mut self, size: usize) {
+        self.in_use += size;
+        self.peak = self.peak.max(self.in_use);
     }
 }
 
 /// Lends pieces. Together they are never more than was lent at a time.
 #[derive(Debug, Default)]
-pub(super) struct Pool {
+pub(super) struct WorkspacePool {
     store: Mutex<Store>,
     /// Little is not put into large pieces, so that less is lent.
-    sparing: bool,
+    low_memory: bool,
 }
 
-impl Pool {
+impl WorkspacePool {
     /// Without any pieces.
-    pub fn new(sparing: bool) -> Self {
-        Self { store: Mutex::default(), sparing }
+    pub fn new(low_memory: bool) -> Self {
+        Self { store: Mutex::default(), low_memory }
     }
 
     /// Nothing is lent any more: what a failed factorisation held is gone.
     pub fn begin(&self) {
-        self.store().lent = 0;
+        self.store().in_use = 0;
     }
 
     fn store(&self) -> MutexGuard<'_, Store> {
@@ -90,45 +90,45 @@ impl Pool {
 
     /// At least `n` numbers, whatever they are: the smallest piece that is large enough; where memory is spared, it is not
     /// half as large again.
-    pub fn take(&self, n: usize) -> Result<Piece, FactorError> {
-        self.take_if(n, |size| !self.sparing || size - n <= SPARE.max(n / 2))
+    pub fn take(&self, n: usize) -> Result<Buffer, FactorError> {
+        self.take_if(n, |size| !self.low_memory || size - n <= SPARE.max(n / 2))
     }
 
     /// The same where no other piece is in use: any that is large enough will do.
-    pub fn take_alone(&self, n: usize) -> Result<Piece, FactorError> {
+    pub fn take_alone(&self, n: usize) -> Result<Buffer, FactorError> {
         self.take_if(n, |_| true)
     }
 
-    fn take_if(&self, n: usize, fits: impl Fn(usize) -> bool) -> Result<Piece, FactorError> {
+    fn take_if(&self, n: usize, fits: impl Fn(usize) -> bool) -> Result<Buffer, FactorError> {
         if n == 0 {
-            return Ok(Piece::default());
+            return Ok(Buffer::default());
         }
         let mut store = self.store();
         let best = store.free.partition_point(|piece| piece.len() < n);
         if store.free.get(best).is_some_and(|piece| fits(piece.len())) {
             let piece = store.remove(best);
-            store.lend(piece.len());
+            store.count_use(piece.len());
             return Ok(piece);
         }
-        store.lend(n);
+        store.count_use(n);
         // Given up: the smallest one that makes enough room, or the largest.
         let mut given_up = Vec::new();
-        while store.lent + store.idle > store.most && !store.free.is_empty() {
-            let room = store.lent + store.idle - store.most;
+        while store.in_use + store.idle > store.peak && !store.free.is_empty() {
+            let room = store.in_use + store.idle - store.peak;
             let enough = store.free.partition_point(|piece| piece.len() < room);
             let last = store.free.len() - 1;
             given_up.push(store.remove(enough.min(last)));
         }
         drop(store);
         drop(given_up);
-        Piece::new(n)
+        Buffer::new(n)
     }
 
     /// Takes a piece back.
-    pub fn put(&self, piece: Piece) {
+    pub fn put(&self, piece: Buffer) {
         if !piece.is_empty() {
             let mut store = self.store();
-            store.lent = store.lent.saturating_sub(piece.len());
+            store.in_use = store.in_use.saturating_sub(piece.len());
             store.idle += piece.len();
             let at = store.free.partition_point(|p| p.len() < piece.len());
             store.free.insert(at, piece);
@@ -142,7 +142,7 @@ impl Pool {
 }
 
 /// Memory that is not touched before it is used.
-pub(super) fn zeros(n: usize) -> Result<Vec<f64>, FactorError> {
+pub fn zeros(n: usize) -> Result<Vec<f64>, FactorError> {
     // Asks first: where there is not enough, `vec!` would end the program.
     Vec::<f64>::new().try_reserve_exact(n).map_err(|_| FactorError::TooLarge)?;
     Ok(vec![0.0; n])
@@ -155,13 +155,13 @@ mod tests {
 
     const MANY: usize = 8 * SPARE;
 
-    fn sizes(pool: &Pool) -> Vec<usize> {
+    fn sizes(pool: &WorkspacePool) -> Vec<usize> {
         pool.store().free.iter().map(|piece| piece.len()).collect()
     }
 
     #[test]
     fn pieces_are_lent_again() {
-        let pool = Pool::default();
+        let pool = WorkspacePool::default();
         let (a, b) = (pool.take(100).unwrap(), pool.take(1000).unwrap());
         let at = b.as_ptr();
         pool.put(a);
@@ -174,7 +174,7 @@ mod tests {
 
     #[test]
     fn pieces_are_never_more_than_was_lent_at_a_time() {
-        let pool = Pool::new(true);
+        let pool = WorkspacePool::new(true);
         let (a, b) = (pool.take(MANY).unwrap(), pool.take(2 * MANY).unwrap());
         pool.put(a);
         pool.put(b);
@@ -191,7 +191,7 @@ mod tests {
 
     #[test]
     fn the_smallest_that_makes_room_is_given_up() {
-        let pool = Pool::default();
+        let pool = WorkspacePool::default();
         let pieces = [1, 2, 4].map(|k| pool.take(k * MANY).unwrap());
         pieces.into_iter().for_each(|piece| pool.put(piece));
         let a = pool.take(4 * MANY).unwrap();
@@ -205,7 +205,7 @@ mod tests {
 
     #[test]
     fn memory_that_nobody_has_is_refused() {
-        assert_eq!(Pool::default().take(usize::MAX).err(), Some(FactorError::TooLarge));
-        assert_eq!(Pool::default().take(1 << 58).err(), Some(FactorError::TooLarge));
+        assert_eq!(WorkspacePool::default().take(usize::MAX).err(), Some(FactorError::TooLarge));
+        assert_eq!(WorkspacePool::default().take(1 << 58).err(), Some(FactorError::TooLarge));
     }
 }

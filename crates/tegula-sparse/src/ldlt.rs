@@ -2,7 +2,7 @@
 //!
 //! Ordering and symbolic analysis are made once for the pattern of a model and serve all iterations and steps. Matrices
 //! are factored by the [multifrontal method](super::multifrontal). Where they turn out not to be positive definite, the
-//! blocks concerned are eliminated [with pivots](super::pivoted), which also gives the inertia.
+//! blocks concerned are eliminated [with pivots](super::rook_pivoting), which also gives the inertia.
 
 use std::sync::Arc;
 
@@ -54,7 +54,7 @@ impl SymmetricPattern {
 }
 
 /// Sparse Cholesky factorisation of matrices of one pattern.
-pub struct SparseCholesky {
+pub struct SparseLdlt {
     /// Number of the first value of each column, that on the diagonal.
     pointers: Arc<Vec<usize>>,
     fronts: Multifrontal,
@@ -63,7 +63,7 @@ pub struct SparseCholesky {
     factorizations: usize,
 }
 
-impl SparseCholesky {
+impl SparseLdlt {
     /// Orders and analyses a pattern.
     ///
     /// # Errors
@@ -86,13 +86,13 @@ impl SparseCholesky {
     /// Those of [`factor`](Factor::factor).
     pub fn factor_values(&mut self, values: &mut Vec<f64>) -> Result<Option<Inertia>, FactorError> {
         check_finite(values)?;
-        self.attempt(Values::Given(std::mem::take(values)))
+        self.attempt(Values::Owned(std::mem::take(values)))
     }
 
     /// Ends the factor and gives back the memory that [`factor_values`](Self::factor_values) has used, or none.
-    pub fn take_back(&mut self) -> Vec<f64> {
+    pub fn reclaim_values(&mut self) -> Vec<f64> {
         self.factored = false;
-        self.fronts.take_back()
+        self.fronts.reclaim_values()
     }
 
     fn attempt(&mut self, values: Values) -> Result<Option<Inertia>, FactorError> {
@@ -115,12 +115,12 @@ impl SparseCholesky {
     }
 }
 
-impl Factor for SparseCholesky {
+impl Factor for SparseLdlt {
     fn factor(&mut self, values: &[f64]) -> Result<Inertia, FactorError> {
         self.factored = false;
         check_finite(values)?;
         loop {
-            if let Some(inertia) = self.attempt(Values::Kept(values))? {
+            if let Some(inertia) = self.attempt(Values::Borrowed(values))? {
                 return Ok(inertia);
             }
         }

@@ -12,9 +12,9 @@ use faer::sparse::linalg::amd;
 use super::FactorError;
 
 /// Graph of groups of unknowns that have the same neighbours.
-pub(super) struct Quotient {
+pub(super) struct CompressedGraph {
     /// Unknowns of each group.
-    pub members: Vec<Vec<u32>>,
+    pub supervariables: Vec<Vec<u32>>,
     /// Neighbours of each group, without itself.
     pub neighbours: Vec<Vec<u32>>,
 }
@@ -26,7 +26,7 @@ fn mix(x: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-impl Quotient {
+impl CompressedGraph {
     /// From the lower triangle in compressed columns.
     pub fn new(pointers: &[usize], rows: &[u32]) -> Self {
         let n = pointers.len() - 1;
@@ -43,32 +43,32 @@ impl Quotient {
             }
         }
         let mut known = HashMap::with_capacity(n / 3);
-        let mut members: Vec<Vec<u32>> = Vec::new();
+        let mut supervariables: Vec<Vec<u32>> = Vec::new();
         let mut group = Vec::with_capacity(n);
         for (j, h) in hash.into_iter().enumerate() {
-            let g = *known.entry(h).or_insert(members.len() as u32);
-            if g as usize == members.len() {
-                members.push(Vec::new());
+            let g = *known.entry(h).or_insert(supervariables.len() as u32);
+            if g as usize == supervariables.len() {
+                supervariables.push(Vec::new());
             }
-            members[g as usize].push(j as u32);
+            supervariables[g as usize].push(j as u32);
             group.push(g);
         }
-        let mut neighbours = vec![Vec::new(); members.len()];
-        for (g, of) in members.iter().enumerate() {
+        let mut neighbours = vec![Vec::new(); supervariables.len()];
+        for (g, of) in supervariables.iter().enumerate() {
             for i in column(of[0] as usize).iter().map(|&i| i as usize) {
                 let other = group[i] as usize;
-                if other != g && members[other][0] as usize == i {
+                if other != g && supervariables[other][0] as usize == i {
                     neighbours[g].push(other as u32);
                     neighbours[other].push(g as u32);
                 }
             }
         }
-        Self { members, neighbours }
+        Self { supervariables, neighbours }
     }
 
     /// Number of groups.
     pub fn len(&self) -> usize {
-        self.members.len()
+        self.supervariables.len()
     }
 
     /// Groups in an order of elimination with little fill, by approximate minimum degree.

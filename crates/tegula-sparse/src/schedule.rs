@@ -21,7 +21,7 @@ pub(super) struct Task {
     /// The last of them is the one that passes something on.
     pub fronts: Range<usize>,
     /// A front in which threads work together.
-    pub together: bool,
+    pub node_level: bool,
     /// The task that takes it.
     parent: Option<u32>,
     /// Tasks whose fronts are children of the first front.
@@ -30,18 +30,18 @@ pub(super) struct Task {
 
 impl Task {
     /// Tasks in the order of the elimination. Fronts that are `split` are tasks of their own.
-    pub fn all(tree: &AssemblyTree, split: &[bool]) -> Vec<Self> {
+    pub fn all(tree: &AssemblyTree, node_level: &[bool]) -> Vec<Self> {
         let mut tasks: Vec<Self> = Vec::new();
         let mut task_of = vec![0_u32; tree.fronts.len()];
         for (f, front) in tree.fronts.iter().enumerate() {
-            if !split[f] && front.parent.is_some_and(|p| !split[p as usize]) {
+            if !node_level[f] && front.parent.is_some_and(|p| !node_level[p as usize]) {
                 continue;
             }
             let number = tasks.len() as u32;
             task_of[f] = number;
-            let fronts = if split[f] { f..f + 1 } else { front.leaf..f + 1 };
-            let mut task = Self { fronts, together: split[f], parent: None, children: Vec::new() };
-            if split[f] {
+            let fronts = if node_level[f] { f..f + 1 } else { front.leaf..f + 1 };
+            let mut task = Self { fronts, node_level: node_level[f], parent: None, children: Vec::new() };
+            if node_level[f] {
                 task.children = tree.children[f].iter().map(|&c| task_of[c as usize]).collect();
                 for &c in &task.children {
                     tasks[c as usize].parent = Some(number);
@@ -72,7 +72,7 @@ struct State {
     /// Threads that take up tasks.
     workers: usize,
     /// Others wait for a front in which threads work together.
-    together: bool,
+    node_level: bool,
     /// The first task that failed, and why.
     error: Option<(u32, FactorError)>,
 }
@@ -100,7 +100,7 @@ pub(super) fn run_all(
 ) -> Result<(), FactorError> {
     let missing = missing(tasks, &part);
     let ready = part.clone().filter(|&t| missing[t] == 0).map(|t| Reverse(t as u32)).collect();
-    let state = State { ready, missing, workers: 1, together: false, error: None };
+    let state = State { ready, missing, workers: 1, node_level: false, error: None };
     let schedule = Schedule { tasks, part, threads, wait, state: Mutex::new(state), run };
     rayon::scope(|scope| schedule.work(scope));
     schedule
@@ -121,14 +121,14 @@ impl<'a, F: Fn(usize) -> Result<(), FactorError> + Sync> Schedule<'a, F> {
     fn work<'s>(&'s self, scope: &Scope<'s>) {
         loop {
             let mut state = self.state();
-            let free = state.error.is_none() && !state.together;
+            let free = state.error.is_none() && !state.node_level;
             let next = if free { state.ready.pop() } else { None };
             let Some(Reverse(task)) = next else {
                 state.workers -= 1;
                 return;
             };
-            state.together = self.wait && self.tasks[task as usize].together;
-            let free = if state.together { 0 } else { self.threads.saturating_sub(state.workers) };
+            state.node_level = self.wait && self.tasks[task as usize].node_level;
+            let free = if state.node_level { 0 } else { self.threads.saturating_sub(state.workers) };
             let more = state.ready.len().min(free);
             state.workers += more;
             drop(state);
@@ -137,8 +137,8 @@ impl<'a, F: Fn(usize) -> Result<(), FactorError> + Sync> Schedule<'a, F> {
             }
             let done = (self.run)(task as usize);
             let mut state = self.state();
-            if self.tasks[task as usize].together {
-                state.together = false;
+            if self.tasks[task as usize].node_level {
+                state.node_level = false;
             }
             match done {
                 // That of the first task, whichever thread was faster.

@@ -1,6 +1,6 @@
 //! Multifrontal factorisation over faer's dense kernels, with independent subtrees in parallel.
 //!
-//! Every front adds the entries of its columns and what its children pass on, [eliminates](super::elimination) its
+//! Every front adds the entries of its columns and what its children pass on, [eliminates](super::partial_factorization) its
 //! columns and passes on the rest, `C − L₂₁ L₂₁ᵀ`. Subtrees do not know of each other: large ones are [split between
 //! threads](super::schedule), small ones are worked off one front after another with what waits on a stack. Children are
 //! added in a fixed order and dense work is cut at fixed places, so the result is the same to the bit for any number of
@@ -15,53 +15,53 @@ use std::sync::Mutex;
 use pulp::Arch;
 
 use super::assembly_tree::AssemblyTree;
-use super::delayed::GROWTH;
-use super::elimination::FrontPivots;
+use super::delayed_pivots::GROWTH;
+use super::diagonal_block::DiagonalBlock;
 use super::numeric::{Entries, Numeric, Part};
-use super::ordering::Quotient;
-use super::pool::{Piece, Pool, zeros};
+use super::ordering::CompressedGraph;
+use super::partial_factorization::FrontPivots;
 use super::schedule::{Task, locked, run_all};
 use super::substitution::Solver;
-use super::triangle::Triangle;
+use super::workspace::{Buffer, WorkspacePool, zeros};
 use super::{FactorError, Inertia};
 
 /// Work (operations) below which a subtree is not split.
-const GRAIN: f64 = 2e7;
+const MIN_PARALLEL_FLOPS: f64 = 2e7;
 /// Entries of a factor (256 MB) from which on memory is spared, at the price of 3 % more time: subtrees are half as
 /// large, threads wait for one another, panels take the memory of the values, and what waits has pieces of its own size.
-const LARGE: usize = 1 << 25;
+const LOW_MEMORY_ENTRIES: usize = 1 << 25;
 
 /// Factor of matrices of one pattern.
 pub(super) struct Multifrontal {
     tree: AssemblyTree,
     /// Panels of all fronts but the late ones, by block columns.
     factor: Vec<f64>,
-    late: Option<Late>,
+    in_place: Option<InPlaceFronts>,
     /// Memory that came with the values of the matrix, or took its place: panels of the late fronts.
-    last: Vec<f64>,
-    care: Care,
+    value_memory: Vec<f64>,
+    pivoting: Pivoting,
     /// Diagonal of the matrix.
     diagonal: Vec<f64>,
-    /// Pivots of all fronts.
+    /// BlockPivots of all fronts.
     pivots: Vec<FrontPivots>,
     /// What is worked off at a time.
     tasks: Vec<Task>,
     /// Whether the subtree of a front is split between threads.
-    split: Vec<bool>,
+    node_level: Vec<bool>,
     /// What waits at most in each task that is a subtree.
-    stacks: Vec<usize>,
+    stack_sizes: Vec<usize>,
     /// Memory counts more than time.
-    sparing: bool,
+    low_memory: bool,
     /// Memory for a block, one for each thread.
-    triangles: Vec<Mutex<Triangle>>,
+    diagonal_blocks: Vec<Mutex<DiagonalBlock>>,
     /// Memory for what waits, and for the sums of all rows.
-    pool: Pool,
+    workspace: WorkspacePool,
     /// Vector of all columns.
     columns: Vec<f64>,
 }
 
 /// The last fronts, whose panels take the memory of the values of the matrix when no other front needs these any more.
-struct Late {
+struct InPlaceFronts {
     /// The first of their tasks, and of themselves.
     task: usize,
     front: usize,
@@ -71,7 +71,7 @@ struct Late {
     size: usize,
 }
 
-impl Late {
+impl InPlaceFronts {
     /// As many tasks as a matrix with so many values has memory for.
     fn new(tree: &AssemblyTree, tasks: &[Task], values: usize) -> Option<Self> {
         let mut size = 0;
@@ -97,13 +97,13 @@ impl Late {
 }
 
 /// How pivots are chosen.
-enum Care {
+enum Pivoting {
     /// Among the columns of a block, as long as it has some.
-    Little,
+    Restricted,
     /// As before, if these sizes of the pivots are not too large; so many are negative.
-    InDoubt(Vec<f64>, usize),
+    GrowthCheck(Vec<f64>, usize),
     /// Among all columns of a front.
-    Much,
+    Threshold,
 }
 
 /// What a factorisation came to.
@@ -117,16 +117,16 @@ pub(super) enum Attempt {
 /// Values of the matrix.
 pub(super) enum Values<'a> {
     /// To be read.
-    Kept(&'a [f64]),
+    Borrowed(&'a [f64]),
     /// To be used up.
-    Given(Vec<f64>),
+    Owned(Vec<f64>),
 }
 
 impl Values<'_> {
     fn all(&self) -> &[f64] {
         match self {
-            Self::Kept(values) => values,
-            Self::Given(values) => values,
+            Self::Borrowed(values) => values,
+            Self::Owned(values) => values,
         }
     }
 }
@@ -134,54 +134,62 @@ impl Values<'_> {
 impl Multifrontal {
     /// Analyses a lower triangle in compressed columns.
     pub fn new(pointers: &[usize], rows: &[u32]) -> Result<Self, FactorError> {
-        let quotient = Quotient::new(pointers, rows);
-        let order = quotient.minimum_degree()?;
-        let tree = AssemblyTree::new(&quotient, &order, pointers, rows)?;
-        let sparing = tree.size >= LARGE;
-        Self::of_tree(tree, rows.len(), sparing)
+        let graph = CompressedGraph::new(pointers, rows);
+        let order = graph.minimum_degree()?;
+        let tree = AssemblyTree::new(&graph, &order, pointers, rows)?;
+        let low_memory = tree.size >= LOW_MEMORY_ENTRIES;
+        Self::of_tree(tree, rows.len(), low_memory)
     }
 
     /// For a matrix with so many values.
-    fn of_tree(tree: AssemblyTree, values: usize, sparing: bool) -> Result<Self, FactorError> {
+    fn of_tree(tree: AssemblyTree, values: usize, low_memory: bool) -> Result<Self, FactorError> {
         let n = tree.fronts.len();
         let threads = rayon::current_num_threads();
-        let parts = (8 * threads).max(16) * if sparing { 2 } else { 1 };
-        let grain = (tree.operations() / parts as f64).max(GRAIN);
-        let splits = |f: usize| tree.fronts[f].work > grain && !tree.children[f].is_empty();
-        let split: Vec<bool> = (0..n).map(|f| (threads > 1 || sparing) && splits(f)).collect();
-        let tasks = Task::all(&tree, &split);
-        let late = if sparing && split.contains(&true) { Late::new(&tree, &tasks, values) } else { None };
-        let stacks: Vec<usize> = tasks.iter().map(|task| stack_size(&tree, &task.fronts)).collect();
-        let triangles = (0..threads).map(|_| Mutex::new(Triangle::new())).collect();
+        let parts = (8 * threads).max(16) * if low_memory { 2 } else { 1 };
+        let grain = (tree.operations() / parts as f64).max(MIN_PARALLEL_FLOPS);
+        let is_node_level = |f: usize| tree.fronts[f].flops > grain && !tree.children[f].is_empty();
+        let node_level: Vec<bool> = (0..n).map(|f| (threads > 1 || low_memory) && is_node_level(f)).collect();
+        let tasks = Task::all(&tree, &node_level);
+        let in_place = if low_memory && node_level.contains(&true) {
+            InPlaceFronts::new(&tree, &tasks, values)
+        } else {
+            None
+        };
+        let stack_sizes: Vec<usize> = tasks.iter().map(|task| stack_size(&tree, &task.fronts)).collect();
+        let diagonal_blocks = (0..threads).map(|_| Mutex::new(DiagonalBlock::new())).collect();
         Ok(Self {
-            factor: zeros(tree.size - late.as_ref().map_or(0, |late| late.size))?,
-            late,
-            last: Vec::new(),
-            care: Care::Little,
+            factor: zeros(tree.size - in_place.as_ref().map_or(0, |in_place| in_place.size))?,
+            in_place,
+            value_memory: Vec::new(),
+            pivoting: Pivoting::Restricted,
             diagonal: zeros(tree.order.len())?,
             pivots: (0..n).map(|_| FrontPivots::default()).collect(),
             columns: zeros(tree.order.len())?,
             tree,
             tasks,
-            split,
-            stacks,
-            triangles,
-            pool: Pool::new(sparing),
-            sparing,
+            node_level,
+            stack_sizes,
+            diagonal_blocks,
+            workspace: WorkspacePool::new(low_memory),
+            low_memory,
         })
     }
 
     /// Gives back the memory of the factor.
     pub fn release(&mut self) {
         self.factor = Vec::new();
-        self.last = Vec::new();
-        self.pool.release();
-        self.care = Care::Little;
+        self.value_memory = Vec::new();
+        self.workspace.release();
+        self.pivoting = Pivoting::Restricted;
     }
 
     /// Ends the factor and gives back the memory that came with the values, unless the factor is in doubt.
-    pub fn take_back(&mut self) -> Vec<f64> {
-        if matches!(self.care, Care::InDoubt(..)) { Vec::new() } else { std::mem::take(&mut self.last) }
+    pub fn reclaim_values(&mut self) -> Vec<f64> {
+        if matches!(self.pivoting, Pivoting::GrowthCheck(..)) {
+            Vec::new()
+        } else {
+            std::mem::take(&mut self.value_memory)
+        }
     }
 
     /// Entries of the factor.
@@ -196,7 +204,7 @@ impl Multifrontal {
 
     /// Factors the matrix with the given values, or asks for them once more: a positive pivot that is tiny beside the
     /// entries of its column does no harm to a definite matrix, but to one that turns out indefinite. Then all pivots are
-    /// chosen anew, with care, and again for columns that had to be [delayed](super::delayed). Returns also whether a
+    /// chosen anew, with care, and again for columns that had to be [delayed](super::delayed_pivots). Returns also whether a
     /// factorisation was made, and not only what was in doubt judged.
     ///
     /// # Errors
@@ -205,8 +213,8 @@ impl Multifrontal {
         let done = |negative: usize| {
             Attempt::Done(Inertia { positive: pointers.len() - 1 - negative, negative, zero: 0 })
         };
-        match std::mem::replace(&mut self.care, Care::Little) {
-            Care::Little => {
+        match std::mem::replace(&mut self.pivoting, Pivoting::Restricted) {
+            Pivoting::Restricted => {
                 for (d, &first) in self.diagonal.iter_mut().zip(pointers) {
                     *d = values.all()[first];
                 }
@@ -217,32 +225,32 @@ impl Multifrontal {
                         if sizes.iter().zip(&self.diagonal).all(|(size, d)| *size <= GROWTH * d.abs()) {
                             return Ok((done(negative), true));
                         }
-                        self.care = Care::InDoubt(sizes, negative);
+                        self.pivoting = Pivoting::GrowthCheck(sizes, negative);
                         Ok((Attempt::Again, true))
                     }
                     Err(FactorError::Singular) => {
-                        self.care = Care::Much;
+                        self.pivoting = Pivoting::Threshold;
                         Ok((Attempt::Again, true))
                     }
                     Err(error) => Err(error),
                 }
             }
-            Care::InDoubt(sizes, negative) => {
+            Pivoting::GrowthCheck(sizes, negative) => {
                 let scales = self.scales(values.all());
                 // Not a number: grew, too.
                 if sizes.iter().zip(&scales).all(|(size, s)| *size <= GROWTH * s * s) {
                     return Ok((done(negative), false));
                 }
-                self.with_care(pointers, values, &scales, done)
+                self.factor_with_threshold_pivoting(pointers, values, &scales, done)
             }
-            Care::Much => {
+            Pivoting::Threshold => {
                 let scales = self.scales(values.all());
-                self.with_care(pointers, values, &scales, done)
+                self.factor_with_threshold_pivoting(pointers, values, &scales, done)
             }
         }
     }
 
-    fn with_care(
+    fn factor_with_threshold_pivoting(
         &mut self,
         pointers: &[usize],
         values: Values,
@@ -256,11 +264,11 @@ impl Multifrontal {
             return Ok((done(negative), true));
         }
         let tree = self.tree.delay(&delayed, pointers)?;
-        let memory = std::mem::take(&mut self.last);
+        let memory = std::mem::take(&mut self.value_memory);
         self.release();
-        *self = Self::of_tree(tree, number, self.sparing)?;
-        self.last = memory;
-        self.care = Care::Much;
+        *self = Self::of_tree(tree, number, self.low_memory)?;
+        self.value_memory = memory;
+        self.pivoting = Pivoting::Threshold;
         Ok((Attempt::Again, true))
     }
 
@@ -306,7 +314,7 @@ impl Multifrontal {
 
     /// Panel of a front.
     fn panel(&self, f: usize) -> &[f64] {
-        panel(&self.factor, &self.last, self.tree.fronts[f].panel)
+        panel(&self.factor, &self.value_memory, self.tree.fronts[f].panel)
     }
 
     /// Scales of the unknowns with which the largest entry of every row becomes about one: D. Ruiz, A scaling
@@ -329,14 +337,26 @@ impl Multifrontal {
     }
 
     /// Factors the matrix and tells how many pivots are negative. With scales of the unknowns pivots are chosen with care.
-    fn factor_once(&mut self, values: Values, wary: Option<&[f64]>) -> Result<usize, FactorError> {
+    fn factor_once(&mut self, values: Values, scales: Option<&[f64]>) -> Result<usize, FactorError> {
         self.pivots.iter_mut().for_each(FrontPivots::clear);
         if self.factor.is_empty() {
-            self.factor = zeros(self.tree.size - self.late.as_ref().map_or(0, |late| late.size))?;
+            self.factor = zeros(self.tree.size - self.in_place.as_ref().map_or(0, |in_place| in_place.size))?;
         }
-        let Self { tree, split, tasks, stacks, triangles, pool, factor, late, last, pivots, sparing, .. } =
-            self;
-        pool.begin();
+        let Self {
+            tree,
+            node_level,
+            tasks,
+            stack_sizes,
+            diagonal_blocks,
+            workspace,
+            factor,
+            in_place,
+            value_memory,
+            pivots,
+            low_memory,
+            ..
+        } = self;
+        workspace.begin();
         let (mut panels, mut left) = (factor.as_mut_slice(), pivots.as_mut_slice());
         // What belongs to a task, one after another. For panels of late fronts, the last ones, there is no memory yet.
         let mut take = |task: &Task| {
@@ -345,54 +365,57 @@ impl Multifrontal {
             Part { panels: panels.split_off_mut(..size).unwrap_or_default(), pivots }
         };
         let arch = Arch::new();
-        let numeric = Numeric { tree, pool, triangles, entries: Entries::All(values.all()), wary, arch };
-        if !split.contains(&true) {
-            for (task, stack) in tasks.iter().zip(stacks) {
-                numeric.one_after_another(task.fronts.clone(), *stack, take(task))?;
+        let numeric =
+            Numeric { tree, workspace, diagonal_blocks, entries: Entries::All(values.all()), scales, arch };
+        if !node_level.contains(&true) {
+            for (task, stack) in tasks.iter().zip(stack_sizes) {
+                numeric.factor_subtree(task.fronts.clone(), *stack, take(task))?;
             }
         } else {
             let parts: Vec<_> = tasks.iter().map(|task| Mutex::new(take(task))).collect();
             // What each task passes on, while that waits.
-            let passed: Vec<_> = tasks.iter().map(|_| Mutex::new(Piece::default())).collect();
+            let contributions: Vec<_> = tasks.iter().map(|_| Mutex::new(Buffer::default())).collect();
             let run = |numeric: &Numeric, t: usize| {
                 let task = &tasks[t];
                 let part = std::mem::take(&mut *locked(&parts[t]));
-                *locked(&passed[t]) = if task.together {
-                    let from =
-                        task.children.iter().map(|&c| std::mem::take(&mut *locked(&passed[c as usize])));
-                    numeric.together(task.fronts.start, part, from.collect())?
+                *locked(&contributions[t]) = if task.node_level {
+                    let from = task
+                        .children
+                        .iter()
+                        .map(|&c| std::mem::take(&mut *locked(&contributions[c as usize])));
+                    numeric.factor_front(task.fronts.start, part, from.collect())?
                 } else {
-                    numeric.one_after_another(task.fronts.clone(), stacks[t], part)?
+                    numeric.factor_subtree(task.fronts.clone(), stack_sizes[t], part)?
                 };
                 Ok(())
             };
-            let early = 0..late.as_ref().map_or(tasks.len(), |late| late.task);
-            let threads = (triangles.len(), *sparing);
+            let early = 0..in_place.as_ref().map_or(tasks.len(), |in_place| in_place.task);
+            let threads = (diagonal_blocks.len(), *low_memory);
             run_all(tasks, early, threads, |t| run(&numeric, t))?;
-            if let Some(late) = late {
-                let mut aside = pool.take(late.entries())?;
-                for (k, place) in late.starts.windows(2).enumerate() {
-                    let out = &mut aside[place[0]..place[1]];
-                    tree.entries.collect(late.front + k, values.all(), out);
+            if let Some(in_place) = in_place {
+                let mut original_entries = workspace.take(in_place.entries())?;
+                for (k, place) in in_place.starts.windows(2).enumerate() {
+                    let out = &mut original_entries[place[0]..place[1]];
+                    tree.entries.collect(in_place.front + k, values.all(), out);
                 }
-                if let Values::Given(values) = values {
-                    *last = values;
-                } else if last.len() < late.size {
-                    *last = zeros(late.size)?;
+                if let Values::Owned(values) = values {
+                    *value_memory = values;
+                } else if value_memory.len() < in_place.size {
+                    *value_memory = zeros(in_place.size)?;
                 }
-                let mut panels = last.as_mut_slice();
-                for (task, part) in tasks.iter().zip(&parts).skip(late.task) {
+                let mut panels = value_memory.as_mut_slice();
+                for (task, part) in tasks.iter().zip(&parts).skip(in_place.task) {
                     locked(part).panels = panels.split_off_mut(..panel_sizes(tree, task)).unwrap_or_default();
                 }
-                let entries = Entries::Collected(late.front, &late.starts, &aside);
-                let numeric = Numeric { tree, pool, triangles, entries, wary, arch };
-                run_all(tasks, late.task..tasks.len(), threads, |t| run(&numeric, t))?;
-                pool.put(aside);
+                let entries = Entries::Collected(in_place.front, &in_place.starts, &original_entries);
+                let numeric = Numeric { tree, workspace, diagonal_blocks, entries, scales, arch };
+                run_all(tasks, in_place.task..tasks.len(), threads, |t| run(&numeric, t))?;
+                workspace.put(original_entries);
                 return Ok(self.negative_pivots());
             }
         }
-        if let Values::Given(values) = values {
-            *last = values;
+        if let Values::Owned(values) = values {
+            *value_memory = values;
         }
         Ok(self.negative_pivots())
     }
@@ -406,25 +429,26 @@ impl Multifrontal {
     /// # Errors
     /// There is no memory for the sums of the rows.
     pub fn solve(&mut self, right_side: &mut [f64]) -> Result<(), FactorError> {
-        let Self { tree, factor, last, split, columns, pool, pivots, .. } = self;
-        let mut rows = pool.take_alone(tree.rows)?;
+        let Self { tree, factor, value_memory, node_level, columns, workspace, pivots, .. } = self;
+        let mut rows = workspace.take_alone(tree.rows)?;
         for (x, &old) in columns.iter_mut().zip(&tree.order) {
             *x = right_side[old as usize];
         }
         let arch = Arch::new();
-        Solver { tree, factor, late: last, split, pivots, arch }.solve(columns, &mut rows[..tree.rows]);
+        Solver { tree, factor, in_place: value_memory, node_level, pivots, arch }
+            .solve(columns, &mut rows[..tree.rows]);
         for (x, &old) in columns.iter().zip(&tree.order) {
             right_side[old as usize] = *x;
         }
-        pool.put(rows);
+        workspace.put(rows);
         Ok(())
     }
 }
 
 /// The panel, and what follows it, that begins with this entry of the factor. Those of late fronts, in memory of their own,
 /// come behind all others.
-pub(super) fn panel<'a>(factor: &'a [f64], late: &'a [f64], first: usize) -> &'a [f64] {
-    if first < factor.len() { &factor[first..] } else { &late[first - factor.len()..] }
+pub(super) fn panel<'a>(factor: &'a [f64], in_place: &'a [f64], first: usize) -> &'a [f64] {
+    if first < factor.len() { &factor[first..] } else { &in_place[first - factor.len()..] }
 }
 
 /// Entries of the panels of a task.
@@ -438,9 +462,9 @@ fn stack_size(tree: &AssemblyTree, subtree: &Range<usize>) -> usize {
     let mut held = 0_usize;
     // What the last one passes on does not go to the stack.
     for f in subtree.start..subtree.end - 1 {
-        let own = tree.fronts[f].passed().size();
+        let own = tree.fronts[f].contribution().size();
         most = most.max(held + own);
-        held = held + own - tree.passed_by_children(f);
+        held = held + own - tree.contributions_of_children(f);
     }
     most
 }

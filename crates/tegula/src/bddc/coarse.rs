@@ -3,10 +3,10 @@
 use super::borders::Borders;
 use super::piece::Piece;
 use super::{SubstructureError, Work};
-use crate::linear::{Factor as _, SparseCholesky, SymmetricPattern};
+use tegula_sparse::{Factor as _, SparseLdlt, SymmetricPattern};
 
 pub(super) struct Coarse {
-    solver: Option<SparseCholesky>,
+    solver: Option<SparseLdlt>,
     values: Vec<f64>,
     /// For each piece, where the lower triangle of its corners goes, column by column.
     places: Vec<Vec<u32>>,
@@ -50,7 +50,7 @@ impl Coarse {
             })
             .collect();
         let values = vec![0.0; rows.len()];
-        let solver = SparseCholesky::new(&SymmetricPattern::new(pointers, rows))?;
+        let solver = SparseLdlt::new(&SymmetricPattern::new(pointers, rows))?;
         Ok(Self { solver: Some(solver), values, places })
     }
 

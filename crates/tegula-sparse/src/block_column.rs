@@ -75,13 +75,18 @@ fn forward<S: Simd, const C: usize>(
     }
     let factors = std::array::from_fn(|c| own[c]);
     let end = C + below.len();
-    take_off(simd, columns.map(|column| &column[C..end]), factors, below);
-    take_off(simd, columns.map(|column| &column[end..]), factors, y);
+    subtract_products(simd, columns.map(|column| &column[C..end]), factors, below);
+    subtract_products(simd, columns.map(|column| &column[end..]), factors, y);
 }
 
 /// `y −= Σ f_c a_c`.
 #[inline(always)]
-fn take_off<S: Simd, const C: usize>(simd: S, columns: [&[f64]; C], factors: [f64; C], y: &mut [f64]) {
+fn subtract_products<S: Simd, const C: usize>(
+    simd: S,
+    columns: [&[f64]; C],
+    factors: [f64; C],
+    y: &mut [f64],
+) {
     let parts = columns.map(|column| S::as_simd_f64s(&column[..y.len()]));
     let (head, tail) = S::as_mut_simd_f64s(y);
     let heads = parts.map(|p| &p.0[..head.len()]);

@@ -18,7 +18,7 @@ enum Shape {
     /// Columns of the matrix are columns of the panel. Entries of a column follow one another.
     Columns,
     /// So, from the diagonal on: every column begins one row further down and has one entry less than that before.
-    Triangle,
+    DiagonalBlock,
     /// Columns of the matrix are rows of the panel, or there is only one.
     Rows,
 }
@@ -57,7 +57,7 @@ impl EntryRun {
     fn pieces(self) -> impl Iterator<Item = (usize, usize, usize)> {
         let (mut value, mut at) = (self.value as usize, self.at as usize);
         let (length, next, stride) = (self.length() as usize, self.next as usize, self.steps().1);
-        let less = usize::from(self.shape == Shape::Triangle);
+        let less = usize::from(self.shape == Shape::DiagonalBlock);
         (0..self.columns as usize).map(move |q| {
             let piece = (value, at, length - q * less);
             value += next - q;
@@ -111,18 +111,18 @@ impl EntryRun {
 
 /// The entries of the matrix by front.
 #[derive(Debug, Default)]
-pub(super) struct EntryRuns {
+pub(super) struct EntryMap {
     runs: Vec<EntryRun>,
     /// First run of each front, and their number.
     starts: Vec<u32>,
 }
 
-impl EntryRuns {
+impl EntryMap {
     /// Finds where each entry of the matrix goes.
     ///
     /// # Errors
     /// A front is too large to be indexed.
-    pub fn new(numbering: &Numbering) -> Result<Self, FactorError> {
+    pub fn new(numbering: &FrontNumbering) -> Result<Self, FactorError> {
         let mut starts = vec![0_u32; numbering.fronts.len() + 1];
         // Runs in the order of the matrix, and what becomes the place of each in the order of the fronts.
         let (mut runs, mut places): (Vec<EntryRun>, Vec<u32>) = (Vec::new(), Vec::new());
@@ -162,7 +162,7 @@ impl EntryRuns {
     }
 
     /// Adds the entries of the matrix to the panel of a front.
-    pub fn enter(&self, f: usize, values: &[f64], panel: &mut [f64]) {
+    pub fn add_entries(&self, f: usize, values: &[f64], panel: &mut [f64]) {
         for run in self.of(f) {
             run.add(|first, length| &values[first..][..length], panel);
         }
@@ -181,7 +181,7 @@ impl EntryRuns {
     }
 
     /// As [`enter`](Self::enter), with what was collected.
-    pub fn enter_collected(&self, f: usize, mut collected: &[f64], panel: &mut [f64]) {
+    pub fn add_collected(&self, f: usize, mut collected: &[f64], panel: &mut [f64]) {
         for run in self.of(f) {
             let next = |_, length| collected.split_off(..length).unwrap_or_default();
             run.add(next, panel);
@@ -200,7 +200,7 @@ impl EntryRuns {
 }
 
 /// A matrix, its lower triangle in compressed columns, and the fronts in which its unknowns are eliminated.
-pub(super) struct Numbering<'a> {
+pub(super) struct FrontNumbering<'a> {
     pub fronts: &'a [Front],
     /// Place of each unknown in the order of elimination.
     pub place: &'a [u32],
@@ -210,7 +210,7 @@ pub(super) struct Numbering<'a> {
     pub rows: &'a [u32],
 }
 
-impl Numbering<'_> {
+impl FrontNumbering<'_> {
     fn column(&self, j: usize) -> &[u32] {
         &self.rows[self.pointers[j]..self.pointers[j + 1]]
     }
@@ -254,7 +254,7 @@ impl Numbering<'_> {
             let shape = if columns == 1 || a < b {
                 Shape::Rows
             } else if k == first {
-                Shape::Triangle
+                Shape::DiagonalBlock
             } else {
                 Shape::Columns
             };
@@ -288,7 +288,7 @@ impl Numbering<'_> {
             // Distances of columns and of their values: those on the diagonal go one further. They fit where there are
             // several columns.
             let (step, next) = match shape {
-                Shape::Triangle => (height + 1, rows.len()),
+                Shape::DiagonalBlock => (height + 1, rows.len()),
                 Shape::Columns => (height, rows.len() - 1),
                 Shape::Rows => (0, rows.len() - 1),
             };

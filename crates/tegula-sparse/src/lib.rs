@@ -1,26 +1,27 @@
-//! Linear solvers for the symmetric tangent.
+//! Sparse symmetric linear algebra: multifrontal LDLᵀ factorisation, block Lanczos, GMRES.
 
 mod assembly_tree;
 mod block_column;
-mod cholesky;
-mod delayed;
-mod drafts;
-mod elimination;
-mod entries;
+mod delayed_pivots;
+mod diagonal_block;
+mod entry_map;
 pub mod gmres;
 pub mod lanczos;
+mod ldlt;
 mod multifrontal;
+pub mod norm;
 mod numeric;
 mod ordering;
-mod pivoted;
-mod pool;
+mod partial_factorization;
+mod rook_pivoting;
 mod schedule;
 mod substitution;
-pub mod substructures;
+mod supernodes;
 mod trapezoid;
-mod triangle;
+mod workspace;
 
-pub use cholesky::{SparseCholesky, SymmetricPattern};
+pub use ldlt::{SparseLdlt, SymmetricPattern};
+pub use workspace::zeros;
 
 /// Signs of the pivots of a symmetric factorisation: the inertia of the matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -29,7 +30,7 @@ pub struct Inertia {
     pub positive: usize,
     /// Negative pivots: eigenvalues below zero.
     pub negative: usize,
-    /// Pivots that are exactly zero or not a number.
+    /// BlockPivots that are exactly zero or not a number.
     pub zero: usize,
 }
 

@@ -1,7 +1,7 @@
 //! Kernels on the dense matrices of the interfaces: one square holds the matrix `S` on and below its diagonal, and
 //! above it the transposed factor of its first rows.
 
-use super::super::FactorError;
+use tegula_sparse::FactorError;
 
 /// Numbers that are summed side by side.
 const LANES: usize = 8;

@@ -15,14 +15,14 @@ use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_uppe
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, MatRef, Par};
 
-use super::super::FactorError;
-use super::super::pool::zeros;
 use super::dense::Interface;
 use super::division::tree;
 use super::front::{NotPositive, eliminate};
 use super::{Quads, Terms};
 use crate::system::Numbering;
 use crate::system::numbering::CONSTRAINED;
+use tegula_sparse::FactorError;
+use tegula_sparse::zeros;
 
 /// Elements of the smallest halves.
 const LEAF: usize = 6;
