@@ -19,13 +19,14 @@ use common::{compile, edge_loaded_shell};
 use growth::refuse;
 use tegula::System;
 use tegula::analysis::statics::state_kinematics;
-use tegula::bddc::{Convergence, Options, Wanted};
+use tegula::bddc::{Convergence, Options, StoppingCriterion};
 use tegula::element::TangentWeights;
 use tegula::system::Assembly;
 use tegula::system::assembly::TangentParts;
 use tegula_sparse::{Factor as _, SparseLdlt};
 
-const WANTED: Wanted = Wanted { relative: 1e-10, absolute: 0.0, share: 1.0, iterations: 500 };
+const WANTED: StoppingCriterion =
+    StoppingCriterion { relative: 1e-10, absolute: 0.0, share: 1.0, iterations: 500 };
 
 fn main() {
     let side = |a: String| a.parse::<u32>().ok().filter(|&n| n > 0).ok_or(a);
@@ -73,7 +74,7 @@ fn solve(system: &System) -> (Convergence, f64) {
     let parts = TangentParts { weights, mass: 0.0, time: 1.0 };
     let k = state_kinematics(system, &u, 1.0);
     let mut assembly = Assembly::new(system);
-    let mut pieces = system.substructures(&Options::default()).unwrap();
+    let mut pieces = system.bddc(&Options::default()).unwrap();
     pieces.begin();
     let mut term = 0;
     assembly.forces_and_blocks(system, &k, &parts, (false, None), &mut field, |blocks| {

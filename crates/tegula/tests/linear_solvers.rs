@@ -7,7 +7,7 @@ mod common;
 use common::{compile, edge_loaded_shell, irregular, loaded_quarter_cylinder, model, plate, vector_load};
 use tegula::System;
 use tegula::analysis::statics::state_kinematics;
-use tegula::bddc::{Convergence, Options, SubstructureError, Substructures, Wanted};
+use tegula::bddc::{Bddc, BddcError, Convergence, Options, StoppingCriterion};
 use tegula::element::TangentWeights;
 use tegula::model::build::build;
 use tegula::model::*;
@@ -16,12 +16,13 @@ use tegula::system::Assembly;
 use tegula::system::assembly::TangentParts;
 use tegula_sparse::{Factor as _, SparseLdlt, SymmetricPattern};
 
-const TIGHT: Wanted = Wanted { relative: 1e-10, absolute: 0.0, share: 1.0, iterations: 100 };
+const TIGHT: StoppingCriterion =
+    StoppingCriterion { relative: 1e-10, absolute: 0.0, share: 1.0, iterations: 100 };
 
 /// Stiffness in pieces, load, and stiffness as a whole.
 struct Problem {
     system: System,
-    pieces: Substructures,
+    pieces: Bddc,
     load: Vec<f64>,
     pattern: SymmetricPattern,
     values: Vec<f64>,
@@ -29,7 +30,7 @@ struct Problem {
 
 impl Problem {
     fn new(system: System, options: &Options) -> Self {
-        let pieces = system.substructures(options).unwrap();
+        let pieces = system.bddc(options).unwrap();
         let mut load = vec![0.0; system.unknowns()];
         let mut field = vec![[0.0; 3]; system.vectors()];
         system.add_dead_loads(1.0, 1.0, &mut field);
@@ -66,13 +67,13 @@ impl Problem {
         size
     }
 
-    fn solve_factored(&mut self) -> Result<Vec<f64>, SubstructureError> {
+    fn solve_factored(&mut self) -> Result<Vec<f64>, BddcError> {
         let mut x = self.load.clone();
         self.pieces.solve(&mut x, &TIGHT)?;
         Ok(x)
     }
 
-    fn solve(&mut self, wanted: &Wanted) -> Result<(Vec<f64>, Convergence), SubstructureError> {
+    fn solve(&mut self, wanted: &StoppingCriterion) -> Result<(Vec<f64>, Convergence), BddcError> {
         self.pieces.factor(&self.system.numbering)?;
         let mut x = self.load.clone();
         let convergence = self.pieces.solve(&mut x, wanted)?;
@@ -123,7 +124,7 @@ fn iterations_grow_neither_with_the_mesh_nor_with_slenderness() {
 fn the_error_is_what_was_wanted() {
     for relative in [1e-2, 1e-5, 1e-8] {
         let mut p = problem(&edge_loaded_shell(true, 48, 30.0, 0.0));
-        let (x, c) = p.solve(&Wanted { relative, ..TIGHT }).unwrap();
+        let (x, c) = p.solve(&StoppingCriterion { relative, ..TIGHT }).unwrap();
         let found = p.difference(&x);
         assert!(found <= 1.1 * c.error / c.start && c.error <= relative * c.start, "{found:e} {c:?}");
     }
@@ -147,7 +148,7 @@ fn pieces_of_any_size_give_the_same_solution() {
     for (size, reach) in [(1, 1), (2, 3), (5, 1), (17, 2), (60, 9), (60, 1000), (10_000, 3)] {
         let options = Options { size, reach };
         let mut p = Problem::new(build(&m, &mesh).unwrap(), &options);
-        let wanted = Wanted { iterations: 300, ..TIGHT };
+        let wanted = StoppingCriterion { iterations: 300, ..TIGHT };
         let (x, c) = p.solve(&wanted).unwrap_or_else(|e| panic!("size {size}, reach {reach}: {e}"));
         let off = p.difference(&x);
         assert!(off < 1e-8, "size {size}, reach {reach}: {off:e}, {c:?}");
@@ -164,8 +165,9 @@ fn units_do_not_change_the_iteration() {
         c.length *= 1000.0;
     }
     millimetres.sections[0].thickness *= 1000.0;
-    let iterations =
-        |model: &Model| problem(model).solve(&Wanted { relative: 1e-8, ..TIGHT }).unwrap().1.iterations;
+    let iterations = |model: &Model| {
+        problem(model).solve(&StoppingCriterion { relative: 1e-8, ..TIGHT }).unwrap().1.iterations
+    };
     assert_eq!(iterations(&metres), iterations(&millimetres));
 }
 
@@ -174,8 +176,8 @@ fn too_few_iterations_are_an_error_and_leave_the_right_side() {
     let mut p = problem(&edge_loaded_shell(false, 48, 100.0, 0.0));
     p.pieces.factor(&p.system.numbering).unwrap();
     let mut x = p.load.clone();
-    match p.pieces.solve(&mut x, &Wanted { iterations: 3, ..TIGHT }) {
-        Err(SubstructureError::NotConverged { iterations: 3, residual, .. }) => {
+    match p.pieces.solve(&mut x, &StoppingCriterion { iterations: 3, ..TIGHT }) {
+        Err(BddcError::NotConverged { iterations: 3, residual, .. }) => {
             assert!(residual > 1e-10 && residual < 1.0);
         }
         other => panic!("{other:?}"),
@@ -207,7 +209,7 @@ fn what_is_accepted_is_positive_definite() {
                 assert!(off < 1e-7, "shift {shift:e}: {off:e}");
                 accepted += 1;
             }
-            Err(SubstructureError::Indefinite(_)) => refused += 1,
+            Err(BddcError::Indefinite(_)) => refused += 1,
             other => panic!("{other:?}"),
         }
     }
@@ -219,33 +221,33 @@ fn numbers_that_are_none_are_refused() {
     let mut p = problem(&edge_loaded_shell(false, 20, 100.0, 0.0));
     p.pieces.factor(&p.system.numbering).unwrap();
     let mut x = vec![f64::NAN; p.load.len()];
-    assert_eq!(p.pieces.solve(&mut x, &TIGHT), Err(SubstructureError::NotFinite));
+    assert_eq!(p.pieces.solve(&mut x, &TIGHT), Err(BddcError::NotFinite));
     let size = p.assemble();
     p.pieces.put(7, &vec![f64::INFINITY; size[7]]);
-    assert_eq!(p.pieces.factor(&p.system.numbering), Err(SubstructureError::NotFinite));
-    assert_eq!(p.solve_factored(), Err(SubstructureError::NotFactored));
+    assert_eq!(p.pieces.factor(&p.system.numbering), Err(BddcError::NotFinite));
+    assert_eq!(p.solve_factored(), Err(BddcError::NotFactored));
     p.assemble();
     p.pieces.shift(p.system.vectors(), std::iter::once((0, f64::NAN)));
-    assert_eq!(p.pieces.factor(&p.system.numbering), Err(SubstructureError::NotFinite));
+    assert_eq!(p.pieces.factor(&p.system.numbering), Err(BddcError::NotFinite));
 }
 
 #[test]
 fn nothing_is_solved_without_the_factors_of_a_whole_matrix() {
     let mut p = problem(&edge_loaded_shell(false, 20, 100.0, 0.0));
     let terms = p.assemble().len();
-    let missing = |missing| Err(SubstructureError::Incomplete { missing, terms });
+    let missing = |missing| Err(BddcError::Incomplete { missing, terms });
     // Assembled, but not factored.
-    assert_eq!(p.solve_factored(), Err(SubstructureError::NotFactored));
+    assert_eq!(p.solve_factored(), Err(BddcError::NotFactored));
     p.pieces.factor(&p.system.numbering).unwrap();
     let first = p.solve_factored().unwrap();
     // What was given is used up; the factors are gone with the attempt.
     assert_eq!(p.pieces.factor(&p.system.numbering), missing(terms));
-    assert_eq!(p.solve_factored(), Err(SubstructureError::NotFactored));
+    assert_eq!(p.solve_factored(), Err(BddcError::NotFactored));
     // Begun, and nothing or a part given.
     p.assemble();
     p.pieces.factor(&p.system.numbering).unwrap();
     p.pieces.begin();
-    assert_eq!(p.solve_factored(), Err(SubstructureError::NotFactored));
+    assert_eq!(p.solve_factored(), Err(BddcError::NotFactored));
     assert_eq!(p.pieces.factor(&p.system.numbering), missing(terms));
     let size = p.assemble();
     p.pieces.begin();
@@ -257,8 +259,8 @@ fn nothing_is_solved_without_the_factors_of_a_whole_matrix() {
     let scale = max_norm(p.pattern.diagonal(&p.values));
     p.pieces.shift(vectors, (0..vectors).map(|v| (v, -scale)));
     let refused = p.pieces.factor(&p.system.numbering);
-    assert!(matches!(refused, Err(SubstructureError::Indefinite(_))), "{refused:?}");
-    assert_eq!(p.solve_factored(), Err(SubstructureError::NotFactored));
+    assert!(matches!(refused, Err(BddcError::Indefinite(_))), "{refused:?}");
+    assert_eq!(p.solve_factored(), Err(BddcError::NotFactored));
     p.assemble();
     p.pieces.factor(&p.system.numbering).unwrap();
     assert_eq!(p.solve_factored().unwrap(), first);
@@ -267,17 +269,17 @@ fn nothing_is_solved_without_the_factors_of_a_whole_matrix() {
 #[test]
 fn nothing_is_solved_that_was_never_given() {
     let (_, system) = compile(&edge_loaded_shell(false, 20, 100.0, 0.0));
-    let mut pieces = system.substructures(&Options::default()).unwrap();
+    let mut pieces = system.bddc(&Options::default()).unwrap();
     let mut x = vec![1.0; system.unknowns()];
-    assert_eq!(pieces.solve(&mut x, &TIGHT), Err(SubstructureError::NotFactored));
+    assert_eq!(pieces.solve(&mut x, &TIGHT), Err(BddcError::NotFactored));
     let refused = pieces.factor(&system.numbering);
-    assert!(matches!(refused, Err(SubstructureError::Incomplete { missing, terms }) if missing == terms));
+    assert!(matches!(refused, Err(BddcError::Incomplete { missing, terms }) if missing == terms));
 }
 
 #[test]
 fn what_belongs_to_another_mesh_is_refused() {
     let mut p = problem(&edge_loaded_shell(false, 20, 100.0, 0.0));
-    let wrong = |what, found, expected| SubstructureError::WrongSize { what, found, expected };
+    let wrong = |what, found, expected| BddcError::WrongSize { what, found, expected };
     p.pieces.factor(&p.system.numbering).unwrap();
     let unknowns = p.load.len();
     assert_eq!(p.pieces.solve(&mut [1.0], &TIGHT), Err(wrong("the right side", 1, unknowns)));
@@ -295,7 +297,7 @@ fn what_belongs_to_another_mesh_is_refused() {
         p.assemble();
         p.pieces.shift(count, std::iter::once((vector, 1.0)));
         let refused = p.pieces.factor(&p.system.numbering);
-        assert!(matches!(refused, Err(SubstructureError::WrongSize { expected, .. }) if expected == vectors));
+        assert!(matches!(refused, Err(BddcError::WrongSize { expected, .. }) if expected == vectors));
     }
     let (_, other) = compile(&edge_loaded_shell(false, 21, 100.0, 0.0));
     p.assemble();

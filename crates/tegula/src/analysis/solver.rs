@@ -1,7 +1,7 @@
 //! Solvers of the linear systems of Newton's method.
 
 use super::chord;
-use crate::bddc::{Options, SubstructureError, Substructures, Wanted};
+use crate::bddc::{Bddc, BddcError, Options, StoppingCriterion};
 use crate::element::{Kinematics, Nodal};
 use crate::system::assembly::{TangentParts, curvature};
 use crate::system::{Assembly, System};
@@ -130,7 +130,7 @@ impl TangentSolver for SparseLdlt {
 
 /// Conjugate gradients over the pieces of the mesh.
 pub struct Iterative {
-    pieces: Substructures,
+    bddc: Bddc,
     tangents: usize,
     iterations: u64,
     /// Energy to which increments are compared; 0 before the first iteration of a step.
@@ -143,11 +143,11 @@ impl Iterative {
     /// # Errors
     /// There is not enough memory.
     pub fn new(system: &System) -> Result<Self> {
-        let pieces = system.substructures(&Options::default()).map_err(|e| Error::Singular {
+        let bddc = system.bddc(&Options::default()).map_err(|e| Error::Singular {
             what: format!("The mesh of {} unknowns cannot be divided: {e}.", system.unknowns()),
             help: "Use a coarser mesh or a machine with more memory.".into(),
         })?;
-        Ok(Self { pieces, tangents: 0, iterations: 0, energy: 0.0 })
+        Ok(Self { bddc, tangents: 0, iterations: 0, energy: 0.0 })
     }
 }
 
@@ -161,11 +161,11 @@ impl TangentSolver for Iterative {
     }
 
     fn assemble(&mut self, assembly: &mut Assembly, at: &Linearization, out: &mut [Nodal]) {
-        self.pieces.begin();
-        let (pieces, mut term) = (&mut self.pieces, 0);
+        self.bddc.begin();
+        let (bddc, mut term) = (&mut self.bddc, 0);
         let how = (at.extrapolated, at.prescribed);
         assembly.forces_and_blocks(at.system, at.motion, at.parts, how, out, |blocks| {
-            pieces.put(term, blocks);
+            bddc.put(term, blocks);
             term += 1;
         });
     }
@@ -173,25 +173,25 @@ impl TangentSolver for Iterative {
     fn add_curvature(&mut self, assembly: &mut Assembly, at: &Linearization, rest: &[Nodal]) {
         if !at.motion.linear && !assembly.numbering.unit.is_empty() {
             let shift = curvature(at.system, &assembly.numbering, at.motion, &at.parts.weights, rest);
-            self.pieces.shift(at.system.vectors(), shift);
+            self.bddc.shift(at.system.vectors(), shift);
         }
     }
 
     fn prepare(&mut self, assembly: &mut Assembly) -> std::result::Result<Option<usize>, String> {
         self.tangents += 1;
-        self.pieces.factor(&assembly.numbering).map_err(explain)?;
+        self.bddc.factor(&assembly.numbering).map_err(explain)?;
         // All pivots of a matrix of which the tangent is a restriction are positive.
         Ok(Some(0))
     }
 
     fn solve_tangent(&mut self, x: &mut [f64]) -> std::result::Result<(), String> {
-        let wanted = Wanted {
+        let wanted = StoppingCriterion {
             relative: TOLERANCE,
             absolute: TOLERANCE * self.energy.max(0.0).sqrt(),
             share: SHARE,
             iterations: MOST_ITERATIONS,
         };
-        let convergence = self.pieces.solve(x, &wanted).map_err(explain)?;
+        let convergence = self.bddc.solve(x, &wanted).map_err(explain)?;
         self.iterations += convergence.iterations as u64;
         Ok(())
     }
@@ -205,13 +205,13 @@ impl TangentSolver for Iterative {
     }
 }
 
-fn explain(error: SubstructureError) -> String {
+fn explain(error: BddcError) -> String {
     match error {
-        SubstructureError::Indefinite(what) => format!(
+        BddcError::Indefinite(what) => format!(
             "the tangent cannot be shown to be positive definite: {what}. Either the equilibrium is unstable, or \
              supports are missing, or pieces of it would be unstable alone; `linear_solver = \"direct\"` can tell"
         ),
-        SubstructureError::NotConverged { iterations, residual, tolerance } => format!(
+        BddcError::NotConverged { iterations, residual, tolerance } => format!(
             "the linear system was not solved after {iterations} iterations of conjugate gradients (error \
              {residual:.1e}, wanted {tolerance:.1e}); take `linear_solver = \"direct\"`"
         ),

@@ -1,8 +1,8 @@
 //! The coarse matrix: what the pieces leave at the corners.
 
-use super::borders::Borders;
-use super::piece::Piece;
-use super::{SubstructureError, Work};
+use super::interface::Interface;
+use super::subdomain::Subdomain;
+use super::{BddcError, SubdomainData};
 use tegula_sparse::{Factor as _, SparseLdlt, SymmetricPattern};
 
 pub(super) struct Coarse {
@@ -13,18 +13,18 @@ pub(super) struct Coarse {
 }
 
 impl Coarse {
-    pub fn new(pieces: &[Piece], borders: &Borders) -> Result<Self, SubstructureError> {
-        let n = borders.corners();
+    pub fn new(subdomains: &[Subdomain], interface: &Interface) -> Result<Self, BddcError> {
+        let n = interface.primal();
         if n == 0 {
-            return Ok(Self { solver: None, values: Vec::new(), places: vec![Vec::new(); pieces.len()] });
+            return Ok(Self { solver: None, values: Vec::new(), places: vec![Vec::new(); subdomains.len()] });
         }
-        let corners = |p: usize| {
-            let dual = borders.dual() as u32;
-            borders.of_piece[p][pieces[p].dual..].iter().map(move |&u| u - dual)
+        let primal_of = |p: usize| {
+            let dual = interface.dual() as u32;
+            interface.of_subdomain[p][subdomains[p].dual..].iter().map(move |&u| u - dual)
         };
         let mut columns: Vec<Vec<u32>> = (0..n as u32).map(|j| vec![j]).collect();
-        for p in 0..pieces.len() {
-            let of: Vec<u32> = corners(p).collect();
+        for p in 0..subdomains.len() {
+            let of: Vec<u32> = primal_of(p).collect();
             for (k, &j) in of.iter().enumerate() {
                 columns[j as usize].extend(&of[k + 1..]);
                 columns[j as usize].sort_unstable();
@@ -37,9 +37,9 @@ impl Coarse {
             rows.extend(column);
             pointers.push(rows.len());
         }
-        let places = (0..pieces.len())
+        let places = (0..subdomains.len())
             .map(|p| {
-                let of: Vec<u32> = corners(p).collect();
+                let of: Vec<u32> = primal_of(p).collect();
                 let mut out = Vec::with_capacity(of.len() * (of.len() + 1) / 2);
                 for (k, &j) in of.iter().enumerate() {
                     let start = pointers[j as usize];
@@ -55,17 +55,17 @@ impl Coarse {
     }
 
     /// Sums what the pieces leave at their corners, which is used up, and factors it.
-    pub fn factor(&mut self, works: &mut [Work]) -> Result<(), SubstructureError> {
+    pub fn factor(&mut self, data: &mut [SubdomainData]) -> Result<(), BddcError> {
         let Some(solver) = &mut self.solver else { return Ok(()) };
         self.values.fill(0.0);
-        for (work, places) in works.iter_mut().zip(&self.places) {
-            for (&at, value) in places.iter().zip(std::mem::take(&mut work.corners)) {
+        for (datum, places) in data.iter_mut().zip(&self.places) {
+            for (&at, value) in places.iter().zip(std::mem::take(&mut datum.primal)) {
                 self.values[at as usize] += value;
             }
         }
         if solver.factor(&self.values)?.negative > 0 {
-            return Err(SubstructureError::Indefinite(
-                "the pieces of the shell, held at their corners, are unstable",
+            return Err(BddcError::Indefinite(
+                "the subdomains of the shell, held at their primal, are unstable",
             ));
         }
         Ok(())

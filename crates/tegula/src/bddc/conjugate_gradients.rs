@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::tridiagonal::condition;
-use super::{Convergence, SubstructureError, Substructures};
+use super::{Bddc, BddcError, Convergence};
 
 /// Vector entries that one task sums.
 const CHUNK: usize = 8192;
@@ -51,7 +51,7 @@ impl Vectors {
 /// is accepted, and after a restart one of 1e-5, however small `relative` is. [`Convergence::error`] tells what was
 /// reached; corrections with forces that are computed anew, as in Newton's method, take the rest away.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wanted {
+pub struct StoppingCriterion {
     /// Error relative to the solution, both in the energy norm.
     pub relative: f64,
     /// Error in the energy norm that is small enough where it is this `share` of the solution as well.
@@ -62,22 +62,22 @@ pub struct Wanted {
     pub iterations: usize,
 }
 
-impl Substructures {
+impl Bddc {
     /// Solves in place with the last factors.
     ///
     /// # Errors
     /// No matrix is factored, `x` has another length than the mesh has unknowns or holds what is not a number, the
     /// matrix is not positive definite, or the iterations did not suffice; `x` is unchanged then.
-    pub fn solve(&mut self, x: &mut [f64], wanted: &Wanted) -> Result<Convergence, SubstructureError> {
+    pub fn solve(&mut self, x: &mut [f64], wanted: &StoppingCriterion) -> Result<Convergence, BddcError> {
         if !self.ready {
-            return Err(SubstructureError::NotFactored);
+            return Err(BddcError::NotFactored);
         }
         if x.len() != self.unknowns {
             let (found, expected) = (x.len(), self.unknowns);
-            return Err(SubstructureError::WrongSize { what: "the right side", found, expected });
+            return Err(BddcError::WrongSize { what: "the right side", found, expected });
         }
         if !x.iter().all(|v| v.is_finite()) {
-            return Err(SubstructureError::NotFinite);
+            return Err(BddcError::NotFinite);
         }
         let mut vectors = std::mem::replace(&mut self.vectors, Vectors::new(0));
         let result = self.solve_with(x, wanted, &mut vectors);
@@ -88,43 +88,50 @@ impl Substructures {
     fn solve_with(
         &mut self,
         x: &mut [f64],
-        wanted: &Wanted,
+        wanted: &StoppingCriterion,
         vectors: &mut Vectors,
-    ) -> Result<Convergence, SubstructureError> {
+    ) -> Result<Convergence, BddcError> {
         let right_side: &[f64] = x;
-        self.works.par_iter_mut().with_max_len(4).zip(&self.pieces).for_each(|(work, piece)| {
-            let Some(factored) = &work.factored else { return };
-            for (x, &u) in work.x.iter_mut().zip(&piece.unknowns[..piece.inner]) {
+        self.data.par_iter_mut().with_max_len(4).zip(&self.subdomains).for_each(|(datum, subdomain)| {
+            let Some(factored) = &datum.factored else { return };
+            for (x, &u) in datum.x.iter_mut().zip(&subdomain.unknowns[..subdomain.inner]) {
                 *x = right_side[u as usize];
             }
-            work.x[piece.inner..].fill(0.0);
-            piece.forward(factored, &mut work.x, &mut work.rows);
-            work.y.copy_from_slice(&work.x[piece.inner..]);
+            datum.x[subdomain.inner..].fill(0.0);
+            subdomain.forward(factored, &mut datum.x, &mut datum.rows);
+            datum.y.copy_from_slice(&datum.x[subdomain.inner..]);
         });
-        for (g, &u) in vectors.right.iter_mut().zip(&self.borders.unknowns) {
+        for (g, &u) in vectors.right.iter_mut().zip(&self.interface.unknowns) {
             *g = x[u as usize];
         }
-        self.borders.add(&self.works, 0, &mut vectors.right);
+        self.interface.add(&self.data, 0, &mut vectors.right);
         let convergence = self.iterate(wanted, vectors)?;
         let solution = &vectors.solution;
-        self.works.par_iter_mut().with_max_len(4).zip(&self.pieces).zip(&self.borders.of_piece).for_each(
-            |((work, piece), of)| {
-                let Some(factored) = &work.factored else { return };
-                for (x, &n) in work.x[piece.inner..].iter_mut().zip(of) {
+        self.data
+            .par_iter_mut()
+            .with_max_len(4)
+            .zip(&self.subdomains)
+            .zip(&self.interface.of_subdomain)
+            .for_each(|((datum, subdomain), of)| {
+                let Some(factored) = &datum.factored else { return };
+                for (x, &n) in datum.x[subdomain.inner..].iter_mut().zip(of) {
                     *x = solution[n as usize];
                 }
-                piece.backward(factored, &mut work.x, &mut work.rows);
-            },
-        );
-        for (work, piece) in self.works.iter().zip(&self.pieces) {
-            for (value, &u) in work.x.iter().zip(&piece.unknowns) {
+                subdomain.backward(factored, &mut datum.x, &mut datum.rows);
+            });
+        for (datum, subdomain) in self.data.iter().zip(&self.subdomains) {
+            for (value, &u) in datum.x.iter().zip(&subdomain.unknowns) {
                 x[u as usize] = *value;
             }
         }
         Ok(convergence)
     }
 
-    fn iterate(&mut self, wanted: &Wanted, vectors: &mut Vectors) -> Result<Convergence, SubstructureError> {
+    fn iterate(
+        &mut self,
+        wanted: &StoppingCriterion,
+        vectors: &mut Vectors,
+    ) -> Result<Convergence, BddcError> {
         let Vectors { right, solution, r, z, p, sp, sums } = vectors;
         solution.fill(0.0);
         r.copy_from_slice(right);
@@ -154,7 +161,7 @@ impl Substructures {
                 }
                 let residual = (rz / first).sqrt();
                 let tolerance = (goal / first).sqrt();
-                return Err(SubstructureError::NotConverged { iterations, residual, tolerance });
+                return Err(BddcError::NotConverged { iterations, residual, tolerance });
             }
             last = rz;
             p.copy_from_slice(z);
@@ -163,12 +170,10 @@ impl Substructures {
                 self.product(p, sp);
                 let curvature = dot(p, sp, sums);
                 if !curvature.is_finite() {
-                    return Err(SubstructureError::NotFinite);
+                    return Err(BddcError::NotFinite);
                 }
                 if curvature <= 0.0 {
-                    return Err(SubstructureError::Indefinite(
-                        "the iteration met a direction without stiffness",
-                    ));
+                    return Err(BddcError::Indefinite("the iteration met a direction without stiffness"));
                 }
                 let alpha = rz / curvature;
                 add(alpha, p, solution);
@@ -196,75 +201,83 @@ impl Substructures {
 
     /// `out = S x`.
     fn product(&mut self, x: &[f64], out: &mut [f64]) {
-        self.works.par_iter_mut().with_max_len(4).zip(&self.pieces).zip(&self.borders.of_piece).for_each(
-            |((work, piece), of)| {
-                let Some(factored) = &work.factored else { return };
+        self.data
+            .par_iter_mut()
+            .with_max_len(4)
+            .zip(&self.subdomains)
+            .zip(&self.interface.of_subdomain)
+            .for_each(|((datum, subdomain), of)| {
+                let Some(factored) = &datum.factored else { return };
                 // Inner unknowns wait in `x` for the end of the iteration; the places of the border are free.
-                let local = &mut work.x[piece.inner..];
+                let local = &mut datum.x[subdomain.inner..];
                 for (l, &n) in local.iter_mut().zip(of) {
                     *l = x[n as usize];
                 }
-                factored.interface.product(local, &mut work.y);
-            },
-        );
+                factored.schur.product(local, &mut datum.y);
+            });
         out.fill(0.0);
-        self.borders.add(&self.works, 0, out);
+        self.interface.add(&self.data, 0, out);
     }
 
     /// `z = M⁻¹ r`.
     fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
-        self.averages.share(r);
-        let averages = &self.averages;
-        let each = |works: &mut Vec<super::Work>| {
-            works.par_iter_mut().with_max_len(4).zip(&self.pieces).zip(&self.borders.of_piece).for_each(
-                |((work, piece), of)| {
-                    let Some(factored) = &work.factored else { return };
-                    for (k, (y, &n)) in work.y.iter_mut().zip(of).enumerate() {
-                        *y = if k >= piece.dual {
+        self.scaling.share(r);
+        let scaling = &self.scaling;
+        let each = |data: &mut Vec<super::SubdomainData>| {
+            data.par_iter_mut()
+                .with_max_len(4)
+                .zip(&self.subdomains)
+                .zip(&self.interface.of_subdomain)
+                .for_each(|((datum, subdomain), of)| {
+                    let Some(factored) = &datum.factored else { return };
+                    for (k, (y, &n)) in datum.y.iter_mut().zip(of).enumerate() {
+                        *y = if k >= subdomain.dual {
                             0.0
                         } else {
-                            averages
-                                .part(n, piece.number, r)
-                                .unwrap_or_else(|| work.weights[k] * r[n as usize])
+                            scaling
+                                .part(n, subdomain.number, r)
+                                .unwrap_or_else(|| datum.weights[k] * r[n as usize])
                         };
                     }
-                    factored.interface.forward(&mut work.y);
-                },
-            );
+                    factored.schur.forward(&mut datum.y);
+                });
         };
-        each(&mut self.works);
-        let dual = self.borders.dual();
-        let (z_dual, z_corners) = z.split_at_mut(dual);
-        z_corners.copy_from_slice(&r[dual..]);
-        self.borders.add(&self.works, dual, z_corners);
-        self.coarse.solve(z_corners);
-        let z_corners: &[f64] = z_corners;
-        self.works.par_iter_mut().with_max_len(4).zip(&self.pieces).zip(&self.borders.of_piece).for_each(
-            |((work, piece), of)| {
-                let Some(factored) = &work.factored else { return };
-                for (y, &n) in work.y[piece.dual..].iter_mut().zip(&of[piece.dual..]) {
-                    *y = z_corners[n as usize - dual];
+        each(&mut self.data);
+        let dual = self.interface.dual();
+        let (z_dual, z_primal) = z.split_at_mut(dual);
+        z_primal.copy_from_slice(&r[dual..]);
+        self.interface.add(&self.data, dual, z_primal);
+        self.coarse.solve(z_primal);
+        let z_primal: &[f64] = z_primal;
+        self.data
+            .par_iter_mut()
+            .with_max_len(4)
+            .zip(&self.subdomains)
+            .zip(&self.interface.of_subdomain)
+            .for_each(|((datum, subdomain), of)| {
+                let Some(factored) = &datum.factored else { return };
+                for (y, &n) in datum.y[subdomain.dual..].iter_mut().zip(&of[subdomain.dual..]) {
+                    *y = z_primal[n as usize - dual];
                 }
-                factored.interface.backward(&mut work.y);
-                let grouped = averages.len();
-                for ((y, w), &n) in work.y.iter_mut().zip(&work.weights).zip(of) {
+                factored.schur.backward(&mut datum.y);
+                let grouped = scaling.len();
+                for ((y, w), &n) in datum.y.iter_mut().zip(&datum.weights).zip(of) {
                     *y *= if (n as usize) < grouped { 1.0 } else { *w };
                 }
-            },
-        );
-        let (z_groups, z_rest) = z_dual.split_at_mut(averages.len());
-        averages.average(&self.works, z_groups);
+            });
+        let (z_groups, z_rest) = z_dual.split_at_mut(scaling.len());
+        scaling.average(&self.data, z_groups);
         z_rest.fill(0.0);
-        self.borders.add(&self.works, averages.len(), z_rest);
+        self.interface.add(&self.data, scaling.len(), z_rest);
     }
 }
 
 /// A positive definite matrix has a positive definite preconditioner.
-fn positive(rz: f64) -> Result<f64, SubstructureError> {
+fn positive(rz: f64) -> Result<f64, BddcError> {
     if !rz.is_finite() {
-        Err(SubstructureError::NotFinite)
+        Err(BddcError::NotFinite)
     } else if rz < 0.0 {
-        Err(SubstructureError::Indefinite("the preconditioner is not positive"))
+        Err(BddcError::Indefinite("the preconditioner is not positive"))
     } else {
         Ok(rz)
     }
@@ -273,7 +286,7 @@ fn positive(rz: f64) -> Result<f64, SubstructureError> {
 /// Scalar product in a fixed order whatever the number of threads; `sums` is scratch.
 fn dot(a: &[f64], b: &[f64], sums: &mut [f64]) -> f64 {
     sums.par_iter_mut().zip(a.par_chunks(CHUNK).zip(b.par_chunks(CHUNK))).for_each(|(sum, (a, b))| {
-        *sum = super::dense::dot(a, b);
+        *sum = super::schur_complement::dot(a, b);
     });
     sums.iter().sum()
 }

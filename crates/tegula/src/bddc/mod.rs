@@ -20,27 +20,27 @@
 //! `S̃` is the matrix of the pieces tied at corners only: a restriction of it is the matrix of the whole. So if all
 //! its pivots are positive, those of the whole are, too.
 
-mod averages;
-mod borders;
 mod coarse;
 mod conjugate_gradients;
-mod corners;
-mod dense;
-mod division;
+mod deluxe_scaling;
 mod front;
-mod piece;
+mod interface;
+mod partition;
+mod primal_nodes;
+mod schur_complement;
+mod subdomain;
 mod tridiagonal;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
-use self::averages::Averages;
-use self::borders::Borders;
 use self::coarse::Coarse;
-pub use self::conjugate_gradients::Wanted;
-use self::corners::{Corners, Sharing, corners};
-use self::piece::{Factored, Piece, Refused, Roles, Scratch};
+pub use self::conjugate_gradients::StoppingCriterion;
+use self::deluxe_scaling::DeluxeScaling;
+use self::interface::Interface;
+use self::primal_nodes::{PrimalNodes, Sharing, select_primal_nodes};
+use self::subdomain::{Factored, Refused, Roles, Scratch, Subdomain};
 use crate::Vec3;
 use crate::lists::Lists;
 use crate::system::Numbering;
@@ -126,7 +126,7 @@ impl Default for Options {
 
 /// A linear system that was not solved.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum SubstructureError {
+pub enum BddcError {
     /// The matrix or the right side hold values that are not numbers.
     #[error("the matrix or the right side holds values that are not numbers")]
     NotFinite,
@@ -134,7 +134,7 @@ pub enum SubstructureError {
     #[error("{0}")]
     Indefinite(&'static str),
     /// Not enough memory, or more than can be indexed.
-    #[error("the factors of the pieces do not fit in memory")]
+    #[error("the factors of the subdomains do not fit in memory")]
     TooLarge,
     /// There is nothing to solve with: no matrix was factored since the last one was begun, or the last one was refused.
     #[error("there is no factored matrix to solve with; give the blocks of all terms and factor them first")]
@@ -174,11 +174,11 @@ pub enum SubstructureError {
     },
 }
 
-impl From<FactorError> for SubstructureError {
+impl From<FactorError> for BddcError {
     fn from(e: FactorError) -> Self {
         match e {
             FactorError::NotFinite => Self::NotFinite,
-            FactorError::Singular => Self::Indefinite("a matrix of a piece is singular"),
+            FactorError::Singular => Self::Indefinite("a matrix of a subdomain is singular"),
             FactorError::TooLarge => Self::TooLarge,
         }
     }
@@ -199,18 +199,18 @@ pub struct Convergence {
 
 /// Solver for the matrix of one mesh and its supports: [`Self::begin`] a matrix, [`Self::put`] the blocks of all
 /// terms, [`Self::factor`] it and [`Self::solve`] as often as needed.
-pub struct Substructures {
-    pieces: Vec<Piece>,
+pub struct Bddc {
+    subdomains: Vec<Subdomain>,
     /// Piece of each term, and its place there.
     slots: Vec<(u32, u32)>,
-    works: Vec<Work>,
-    borders: Borders,
-    averages: Averages,
+    data: Vec<SubdomainData>,
+    interface: Interface,
+    scaling: DeluxeScaling,
     coarse: Coarse,
     /// Terms whose blocks were given since the last matrix was factored.
     given: Vec<bool>,
     /// What was wrong with what was given, until the next matrix begins.
-    fault: Option<SubstructureError>,
+    fault: Option<BddcError>,
     /// The factors are those of one matrix, all of them.
     ready: bool,
     /// What is added to the diagonal of nodal vectors; empty: nothing is.
@@ -223,12 +223,12 @@ pub struct Substructures {
 
 /// What a piece works with.
 #[derive(Default)]
-struct Work {
+struct SubdomainData {
     /// Blocks of its terms until they are factored.
     blocks: Vec<f64>,
     factored: Option<Factored>,
     /// What is left at its corners, until the coarse matrix is factored: lower triangle by columns.
-    corners: Vec<f64>,
+    primal: Vec<f64>,
     /// All its unknowns.
     x: Vec<f64>,
     /// Those of its border.
@@ -238,7 +238,7 @@ struct Work {
     rows: Vec<f64>,
 }
 
-impl Substructures {
+impl Bddc {
     /// Divides a mesh. `node_of` gives the node of every nodal vector.
     ///
     /// # Errors
@@ -249,11 +249,12 @@ impl Substructures {
         node_of: &[u32],
         numbering: &Numbering,
         options: &Options,
-    ) -> Result<Self, SubstructureError> {
-        let (piece_of, count) = division::divide(&quads, options.size.clamp(1, 4096));
+    ) -> Result<Self, BddcError> {
+        let (piece_of, count) = partition::partition(&quads, options.size.clamp(1, 4096));
         let of_term = |t: usize| piece_of[terms.quads[t] as usize];
         let sharing = Sharing::new(terms, of_term, node_of.len());
-        let Corners { tied, stretches } = corners(&quads, &sharing, node_of, numbering, options.reach);
+        let PrimalNodes { primal, edges } =
+            select_primal_nodes(&quads, &sharing, node_of, numbering, options.reach);
         let mut cells: Vec<Vec<u32>> = vec![Vec::new(); count];
         for (q, &p) in piece_of.iter().enumerate() {
             cells[p as usize].push(q as u32);
@@ -261,40 +262,44 @@ impl Substructures {
         let of_quad = Lists::by_key(quads.len(), terms.quads.iter().zip(0..).map(|(&q, t)| (q, t)));
         let terms_of = |q: u32| of_quad.of(q as usize).to_vec();
         let shared = |v: u32| sharing.shared.contains_key(&v);
-        let corner = |v: u32| tied.contains(&node_of[v as usize]);
-        let made: Vec<Result<(Piece, Vec<u32>), FactorError>> = cells
+        let corner = |v: u32| primal.contains(&node_of[v as usize]);
+        let made: Vec<Result<(Subdomain, Vec<u32>), FactorError>> = cells
             .into_par_iter()
             .map(|cells| {
-                let roles = Roles { numbering, shared: &shared, corner: &corner };
-                Piece::new(&quads, terms, &terms_of, cells, &roles)
+                let roles = Roles { numbering, shared: &shared, primal: &corner };
+                Subdomain::new(&quads, terms, &terms_of, cells, &roles)
             })
             .collect();
         let mut slots = vec![(0, 0); terms.len()];
-        let mut pieces = Vec::with_capacity(count);
+        let mut subdomains = Vec::with_capacity(count);
         for (p, made) in made.into_iter().enumerate() {
-            let (mut piece, order) = made?;
-            piece.number = p as u32;
+            let (mut subdomain, order) = made?;
+            subdomain.number = p as u32;
             for (k, t) in order.into_iter().enumerate() {
                 slots[t as usize] = (p as u32, k as u32);
             }
-            pieces.push(piece);
+            subdomains.push(subdomain);
         }
-        let groups = averages::groups(&sharing, &stretches, node_of, numbering);
-        let borders = Borders::new(&pieces, numbering.unknowns, &groups);
-        let averages = Averages::new(&groups, &borders);
-        let coarse = Coarse::new(&pieces, &borders)?;
-        let works = pieces
+        let groups = deluxe_scaling::groups(&sharing, &edges, node_of, numbering);
+        let interface = Interface::new(&subdomains, numbering.unknowns, &groups);
+        let scaling = DeluxeScaling::new(&groups, &interface);
+        let coarse = Coarse::new(&subdomains, &interface)?;
+        let data = subdomains
             .iter()
-            .map(|p| Work { x: vec![0.0; p.unknowns.len()], y: vec![0.0; p.border()], ..Work::default() })
+            .map(|p| SubdomainData {
+                x: vec![0.0; p.unknowns.len()],
+                y: vec![0.0; p.interface_size()],
+                ..SubdomainData::default()
+            })
             .collect();
-        let vectors = conjugate_gradients::Vectors::new(borders.len());
+        let vectors = conjugate_gradients::Vectors::new(interface.len());
         Ok(Self {
-            pieces,
+            subdomains,
             given: vec![false; slots.len()],
             slots,
-            works,
-            borders,
-            averages,
+            data,
+            interface,
+            scaling,
             coarse,
             fault: None,
             ready: false,
@@ -313,10 +318,10 @@ impl Substructures {
 
     /// Drops the factors and all that was given.
     fn clear(&mut self) {
-        for work in &mut self.works {
-            work.factored = None;
-            work.blocks = Vec::new();
-            work.corners = Vec::new();
+        for datum in &mut self.data {
+            datum.factored = None;
+            datum.blocks = Vec::new();
+            datum.primal = Vec::new();
         }
         self.given.fill(false);
         self.shifts.clear();
@@ -344,14 +349,14 @@ impl Substructures {
             self.expect("the list of terms", term + 1, self.slots.len());
             return;
         };
-        let (piece, work) = (&self.pieces[number as usize], &mut self.works[number as usize]);
-        if work.blocks.is_empty() {
-            work.blocks.resize(piece.blocks(), 0.0);
+        let (subdomain, datum) = (&self.subdomains[number as usize], &mut self.data[number as usize]);
+        if datum.blocks.is_empty() {
+            datum.blocks.resize(subdomain.blocks(), 0.0);
         }
-        let own = piece.term(at as usize);
+        let own = subdomain.term(at as usize);
         let expected = own.len();
         if blocks.len() == expected {
-            work.blocks[own].copy_from_slice(blocks);
+            datum.blocks[own].copy_from_slice(blocks);
             self.given[term] = true;
         }
         self.expect("a term", blocks.len(), expected);
@@ -360,7 +365,7 @@ impl Substructures {
     /// Notes the first size that is wrong.
     fn expect(&mut self, what: &'static str, found: usize, expected: usize) {
         if found != expected && self.fault.is_none() {
-            self.fault = Some(SubstructureError::WrongSize { what, found, expected });
+            self.fault = Some(BddcError::WrongSize { what, found, expected });
         }
     }
 
@@ -369,7 +374,7 @@ impl Substructures {
     /// # Errors
     /// Terms are missing or of a wrong size, the matrix is not positive definite as far as the pieces can tell, or
     /// there is not enough memory. Nothing can be solved then until another matrix is factored.
-    pub fn factor(&mut self, numbering: &Numbering) -> Result<(), SubstructureError> {
+    pub fn factor(&mut self, numbering: &Numbering) -> Result<(), BddcError> {
         let result = self.check(numbering).and_then(|()| self.factor_all(numbering));
         if result.is_ok() {
             self.given.fill(false);
@@ -382,60 +387,58 @@ impl Substructures {
     }
 
     /// Is the matrix complete, and that of the mesh?
-    fn check(&self, numbering: &Numbering) -> Result<(), SubstructureError> {
+    fn check(&self, numbering: &Numbering) -> Result<(), BddcError> {
         if let Some(fault) = &self.fault {
             return Err(fault.clone());
         }
         if numbering.unknowns != self.unknowns {
             let (found, expected) = (numbering.unknowns, self.unknowns);
-            return Err(SubstructureError::WrongSize { what: "the numbering", found, expected });
+            return Err(BddcError::WrongSize { what: "the numbering", found, expected });
         }
         let missing = self.given.iter().filter(|given| !**given).count();
         if missing > 0 {
-            return Err(SubstructureError::Incomplete { missing, terms: self.given.len() });
+            return Err(BddcError::Incomplete { missing, terms: self.given.len() });
         }
         if !self.shifts.iter().all(|s| s.is_finite()) {
-            return Err(SubstructureError::NotFinite);
+            return Err(BddcError::NotFinite);
         }
         Ok(())
     }
 
-    fn factor_all(&mut self, numbering: &Numbering) -> Result<(), SubstructureError> {
-        let Self { pieces, works, borders, shifts, .. } = self;
+    fn factor_all(&mut self, numbering: &Numbering) -> Result<(), BddcError> {
+        let Self { subdomains, data, interface, shifts, .. } = self;
         let scratches: Mutex<Vec<Scratch>> = Mutex::default();
-        let done: Vec<Result<(), Refused>> = works
+        let done: Vec<Result<(), Refused>> = data
             .par_iter_mut()
             .with_max_len(1)
-            .zip(pieces.as_slice())
-            .zip(&borders.of_piece)
-            .map(|((work, piece), of)| {
-                let blocks = std::mem::take(&mut work.blocks);
+            .zip(subdomains.as_slice())
+            .zip(&interface.of_subdomain)
+            .map(|((datum, subdomain), of)| {
+                let blocks = std::mem::take(&mut datum.blocks);
                 if !blocks.iter().all(|b| b.is_finite()) {
                     return Err(Refused::Factor(FactorError::NotFinite));
                 }
-                let shifts = piece.shifts(shifts, |k| borders.pieces(of[k]));
+                let shifts = subdomain.shifts(shifts, |k| interface.subdomains(of[k]));
                 let mut scratch = locked(&scratches).pop().unwrap_or_default();
-                let factored = piece.factor(&blocks, numbering, &shifts, &mut scratch);
+                let factored = subdomain.factor(&blocks, numbering, &shifts, &mut scratch);
                 locked(&scratches).push(scratch);
-                let (factored, corners) = factored?;
-                (work.factored, work.corners) = (Some(factored), corners);
+                let (factored, primal) = factored?;
+                (datum.factored, datum.primal) = (Some(factored), primal);
                 Ok(())
             })
             .collect();
         for result in done {
             result.map_err(|refused| match refused {
-                Refused::Inner => {
-                    SubstructureError::Indefinite("a piece of the shell is unstable within itself")
-                }
-                Refused::Border => SubstructureError::Indefinite(
-                    "a piece of the shell is unstable when only its corners are held",
+                Refused::Inner => BddcError::Indefinite("a subdomain of the shell is unstable within itself"),
+                Refused::Border => BddcError::Indefinite(
+                    "a subdomain of the shell is unstable when only its primal are held",
                 ),
                 Refused::Factor(e) => e.into(),
             })?;
         }
-        self.borders.weigh(&self.pieces, &mut self.works);
-        self.averages.weigh(&self.works)?;
-        self.coarse.factor(&mut self.works)
+        self.interface.weigh(&self.subdomains, &mut self.data);
+        self.scaling.weigh(&self.data)?;
+        self.coarse.factor(&mut self.data)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{System, VectorKind};
 use crate::Vec3;
-use crate::bddc::{Options, Quads, SubstructureError, Substructures, Terms};
+use crate::bddc::{Bddc, BddcError, Options, Quads, Terms};
 use crate::lists::Lists;
 
 impl System {
@@ -11,7 +11,7 @@ impl System {
     ///
     /// # Errors
     /// There is not enough memory.
-    pub fn substructures(&self, options: &Options) -> Result<Substructures, SubstructureError> {
+    pub fn bddc(&self, options: &Options) -> Result<Bddc, BddcError> {
         let positions: Vec<Vec3> = self
             .position_of
             .iter()
@@ -53,6 +53,6 @@ impl System {
             terms.push(load.vectors(), home(load.vectors()));
         }
         let quads = Quads { nodes: &quads, positions: &positions };
-        Substructures::new(quads, &terms, &self.nodes, &self.numbering, options)
+        Bddc::new(quads, &terms, &self.nodes, &self.numbering, options)
     }
 }

@@ -8,7 +8,7 @@
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
 
-use super::division::node_graph;
+use super::partition::node_graph;
 use super::{Quads, Terms};
 use crate::system::Numbering;
 use crate::system::numbering::CONSTRAINED;
@@ -25,53 +25,53 @@ pub(super) struct Sharing {
 
 impl Sharing {
     /// From the pieces of the terms.
-    pub fn new(terms: &Terms, piece_of_term: impl Fn(usize) -> u32, vectors: usize) -> Self {
+    pub fn new(terms: &Terms, subdomain_of_term: impl Fn(usize) -> u32, vectors: usize) -> Self {
         let mut first = vec![u32::MAX; vectors];
         let mut more = Vec::new();
         for t in 0..terms.len() {
-            let piece = piece_of_term(t);
+            let subdomain = subdomain_of_term(t);
             for &v in terms.vectors(t) {
                 let known = &mut first[v as usize];
                 if *known == u32::MAX {
-                    *known = piece;
-                } else if *known != piece {
-                    more.push((v, piece));
+                    *known = subdomain;
+                } else if *known != subdomain {
+                    more.push((v, subdomain));
                 }
             }
         }
         more.sort_unstable();
         more.dedup();
         let mut shared: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-        for (v, piece) in more {
-            shared.entry(v).or_insert_with(|| vec![first[v as usize]]).push(piece);
+        for (v, subdomain) in more {
+            shared.entry(v).or_insert_with(|| vec![first[v as usize]]).push(subdomain);
         }
-        shared.values_mut().for_each(|pieces| pieces.sort_unstable());
+        shared.values_mut().for_each(|subdomains| subdomains.sort_unstable());
         Self { shared }
     }
 }
 
 /// The nodes of the borders.
-pub(super) struct Corners {
+pub(super) struct PrimalNodes {
     /// Those that are tied firmly.
-    pub tied: BTreeSet<u32>,
+    pub primal: BTreeSet<u32>,
     /// The others: connected stretches of nodes between the same pieces, by node.
-    pub stretches: HashMap<u32, u32>,
+    pub edges: HashMap<u32, u32>,
 }
 
 /// Finds the corners; no node is farther than `reach` elements from one along its border.
-pub(super) fn corners(
+pub(super) fn select_primal_nodes(
     quads: &Quads<'_>,
     sharing: &Sharing,
     node_of: &[u32],
     numbering: &Numbering,
     reach: usize,
-) -> Corners {
+) -> PrimalNodes {
     let mut sets: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     let mut free: BTreeSet<u32> = BTreeSet::new();
-    for (&v, pieces) in &sharing.shared {
+    for (&v, subdomains) in &sharing.shared {
         let node = node_of[v as usize];
         let set = sets.entry(node).or_default();
-        set.extend(pieces);
+        set.extend(subdomains);
         set.sort_unstable();
         set.dedup();
         if numbering.of(v as usize).iter().any(|&n| n != CONSTRAINED) {
@@ -82,57 +82,57 @@ pub(super) fn corners(
     let none = Vec::new();
     let around = |n: u32| graph.get(&n).unwrap_or(&none).iter().copied();
     // Connected borders between the same pieces.
-    let mut border: HashMap<u32, usize> = HashMap::new();
-    let mut borders: Vec<Vec<u32>> = Vec::new();
+    let mut interface_size: HashMap<u32, usize> = HashMap::new();
+    let mut interface: Vec<Vec<u32>> = Vec::new();
     for (&node, set) in &sets {
-        if border.contains_key(&node) {
+        if interface_size.contains_key(&node) {
             continue;
         }
         let mut members = vec![node];
-        border.insert(node, borders.len());
+        interface_size.insert(node, interface.len());
         let mut at = 0;
         while at < members.len() {
             for n in around(members[at]) {
-                if !border.contains_key(&n) && sets.get(&n) == Some(set) {
-                    border.insert(n, borders.len());
+                if !interface_size.contains_key(&n) && sets.get(&n) == Some(set) {
+                    interface_size.insert(n, interface.len());
                     members.push(n);
                 }
             }
             at += 1;
         }
-        borders.push(members);
+        interface.push(members);
     }
-    let same = |a: u32, b: u32| border.get(&a) == border.get(&b);
+    let same = |a: u32, b: u32| interface_size.get(&a) == interface_size.get(&b);
     let is_end = |n: u32| around(n).filter(|&m| same(n, m)).count() < 2;
     // Whatever is wholly supported ties as well.
-    let mut tied: BTreeSet<u32> = sets.keys().copied().filter(|n| !free.contains(n)).collect();
+    let mut primal: BTreeSet<u32> = sets.keys().copied().filter(|n| !free.contains(n)).collect();
     for many in [true, false] {
-        for (number, members) in borders.iter().enumerate() {
+        for (number, members) in interface.iter().enumerate() {
             if (sets[&members[0]].len() > 2) != many {
                 continue;
             }
             let mut ends: Vec<u32> = members.iter().copied().filter(|&n| is_end(n)).collect();
             ends.sort_unstable();
             for n in ends {
-                if many || !around(n).any(|m| tied.contains(&m)) {
-                    tied.insert(n);
+                if many || !around(n).any(|m| primal.contains(&m)) {
+                    primal.insert(n);
                 }
             }
-            fill(members, &around, |n| border.get(&n) == Some(&number), reach, &mut tied);
+            fill(members, &around, |n| interface_size.get(&n) == Some(&number), reach, &mut primal);
         }
     }
-    hold(quads, &sets, &mut tied);
-    let mut stretches = HashMap::new();
+    hold(quads, &sets, &mut primal);
+    let mut edges = HashMap::new();
     let mut count = 0;
-    for &node in sets.keys().filter(|n| !tied.contains(n)) {
-        if stretches.contains_key(&node) {
+    for &node in sets.keys().filter(|n| !primal.contains(n)) {
+        if edges.contains_key(&node) {
             continue;
         }
-        stretches.insert(node, count);
+        edges.insert(node, count);
         let mut waiting = vec![node];
         while let Some(n) = waiting.pop() {
-            for m in around(n).filter(|&m| same(n, m) && !tied.contains(&m)) {
-                if let Entry::Vacant(place) = stretches.entry(m) {
+            for m in around(n).filter(|&m| same(n, m) && !primal.contains(&m)) {
+                if let Entry::Vacant(place) = edges.entry(m) {
                     place.insert(count);
                     waiting.push(m);
                 }
@@ -140,18 +140,18 @@ pub(super) fn corners(
         }
         count += 1;
     }
-    Corners { tied: tied.intersection(&free).copied().collect(), stretches }
+    PrimalNodes { primal: primal.intersection(&free).copied().collect(), edges }
 }
 
 /// Ties more nodes of pieces that are tied at fewer than [`FEWEST`], far from those that are.
-fn hold(quads: &Quads<'_>, sets: &BTreeMap<u32, Vec<u32>>, tied: &mut BTreeSet<u32>) {
+fn hold(quads: &Quads<'_>, sets: &BTreeMap<u32, Vec<u32>>, primal: &mut BTreeSet<u32>) {
     let mut nodes: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for (&node, set) in sets {
-        set.iter().for_each(|&piece| nodes.entry(piece).or_default().push(node));
+        set.iter().for_each(|&subdomain| nodes.entry(subdomain).or_default().push(node));
     }
     let at = |n: u32| quads.positions[n as usize];
     for nodes in nodes.values() {
-        let mut held: Vec<u32> = nodes.iter().copied().filter(|n| tied.contains(n)).collect();
+        let mut held: Vec<u32> = nodes.iter().copied().filter(|n| primal.contains(n)).collect();
         while held.len() < FEWEST.min(nodes.len()) {
             let distance =
                 |n: u32| held.iter().map(|&h| (at(n) - at(h)).norm()).fold(f64::INFINITY, f64::min);
@@ -161,7 +161,7 @@ fn hold(quads: &Quads<'_>, sets: &BTreeMap<u32, Vec<u32>>, tied: &mut BTreeSet<u
                 break;
             };
             held.push(farthest);
-            tied.insert(farthest);
+            primal.insert(farthest);
         }
     }
 }
@@ -172,16 +172,16 @@ fn fill<I: Iterator<Item = u32>>(
     around: &impl Fn(u32) -> I,
     within: impl Fn(u32) -> bool,
     reach: usize,
-    tied: &mut BTreeSet<u32>,
+    primal: &mut BTreeSet<u32>,
 ) {
     let mut added = 0;
     loop {
         let mut distance: HashMap<u32, usize> = HashMap::new();
         let mut queue = VecDeque::new();
         for &n in members {
-            let start = if tied.contains(&n) {
+            let start = if primal.contains(&n) {
                 0
-            } else if around(n).any(|m| !within(m) && tied.contains(&m)) {
+            } else if around(n).any(|m| !within(m) && primal.contains(&m)) {
                 1
             } else {
                 continue;
@@ -207,7 +207,7 @@ fn fill<I: Iterator<Item = u32>>(
         let ring = added > 0 && added < 3 && far(farthest) > 1;
         if far(farthest) == usize::MAX || far(farthest) > reach || ring {
             added += usize::from(far(farthest) == usize::MAX || added > 0);
-            tied.insert(farthest);
+            primal.insert(farthest);
         } else {
             return;
         }

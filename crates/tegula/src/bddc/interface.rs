@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 
-use super::Work;
-use super::averages::Group;
-use super::piece::Piece;
+use super::SubdomainData;
+use super::deluxe_scaling::Group;
+use super::subdomain::Subdomain;
 use crate::lists::Lists;
 
 /// Unknowns of the borders: dual ones first, then those of corners.
-pub(super) struct Borders {
+pub(super) struct Interface {
     /// Free coordinate of each.
     pub unknowns: Vec<u32>,
     /// How many are dual.
@@ -16,17 +16,17 @@ pub(super) struct Borders {
     /// Pieces that hold each, and its places in their borders.
     sources: Lists<(u32, u32)>,
     /// For each piece, the unknowns of its border.
-    pub of_piece: Vec<Vec<u32>>,
+    pub of_subdomain: Vec<Vec<u32>>,
 }
 
-impl Borders {
+impl Interface {
     /// The dual unknowns of `groups` come first, group by group.
-    pub fn new(pieces: &[Piece], unknowns: usize, groups: &[Group]) -> Self {
+    pub fn new(subdomains: &[Subdomain], unknowns: usize, groups: &[Group]) -> Self {
         // 1: dual, 2: corner.
         let mut kind = vec![0_u8; unknowns];
-        for piece in pieces {
-            for (k, &u) in piece.unknowns[piece.inner..].iter().enumerate() {
-                kind[u as usize] = if k < piece.dual { 1 } else { 2 };
+        for subdomain in subdomains {
+            for (k, &u) in subdomain.unknowns[subdomain.inner..].iter().enumerate() {
+                kind[u as usize] = if k < subdomain.dual { 1 } else { 2 };
             }
         }
         let of_kind =
@@ -41,16 +41,16 @@ impl Borders {
         for (n, &u) in list.iter().enumerate() {
             number[u as usize] = n as u32;
         }
-        let of_piece: Vec<Vec<u32>> = pieces
+        let of_subdomain: Vec<Vec<u32>> = subdomains
             .iter()
             .map(|p| p.unknowns[p.inner..].iter().map(|&u| number[u as usize]).collect())
             .collect();
-        let places = of_piece
+        let places = of_subdomain
             .iter()
             .enumerate()
             .flat_map(|(p, of)| of.iter().enumerate().map(move |(k, &n)| (n, (p as u32, k as u32))));
         let sources = Lists::by_key(list.len(), places);
-        Self { unknowns: list, dual, sources, of_piece }
+        Self { unknowns: list, dual, sources, of_subdomain }
     }
 
     /// Unknowns of the borders.
@@ -64,12 +64,12 @@ impl Borders {
     }
 
     /// Those at corners.
-    pub fn corners(&self) -> usize {
+    pub fn primal(&self) -> usize {
         self.len() - self.dual
     }
 
     /// How many pieces share an unknown.
-    pub fn pieces(&self, unknown: u32) -> usize {
+    pub fn subdomains(&self, unknown: u32) -> usize {
         self.sources(unknown as usize).len()
     }
 
@@ -79,25 +79,25 @@ impl Borders {
     }
 
     /// Adds what the pieces hold in `y` for the unknowns from `first` on.
-    pub fn add(&self, works: &[Work], first: usize, out: &mut [f64]) {
+    pub fn add(&self, data: &[SubdomainData], first: usize, out: &mut [f64]) {
         out.par_iter_mut().with_min_len(4096).enumerate().for_each(|(n, out)| {
-            for &(piece, at) in self.sources(first + n) {
-                *out += works[piece as usize].y[at as usize];
+            for &(subdomain, at) in self.sources(first + n) {
+                *out += data[subdomain as usize].y[at as usize];
             }
         });
     }
 
     /// Finds the shares of the pieces in the dual unknowns, by the diagonals of their matrices. They add up to one.
-    pub fn weigh(&self, pieces: &[Piece], works: &mut [Work]) {
-        for work in works.iter_mut() {
-            let Some(factored) = &work.factored else { continue };
-            work.y.iter_mut().zip(factored.interface.diagonal()).for_each(|(y, d)| *y = d);
+    pub fn weigh(&self, subdomains: &[Subdomain], data: &mut [SubdomainData]) {
+        for datum in data.iter_mut() {
+            let Some(factored) = &datum.factored else { continue };
+            datum.y.iter_mut().zip(factored.schur.diagonal()).for_each(|(y, d)| *y = d);
         }
         let mut sums = vec![0.0; self.dual];
-        self.add(works, 0, &mut sums);
-        for ((work, piece), of) in works.iter_mut().zip(pieces).zip(&self.of_piece) {
-            let shares = work.y.iter().zip(of).take(piece.dual);
-            work.weights = shares.map(|(y, &n)| y / sums[n as usize]).collect();
+        self.add(data, 0, &mut sums);
+        for ((datum, subdomain), of) in data.iter_mut().zip(subdomains).zip(&self.of_subdomain) {
+            let shares = datum.y.iter().zip(of).take(subdomain.dual);
+            datum.weights = shares.map(|(y, &n)| y / sums[n as usize]).collect();
         }
     }
 }

@@ -19,9 +19,9 @@ use faer::linalg::solvers::{Llt, Solve as _};
 use faer::{MatMut, Side};
 use rayon::prelude::*;
 
-use super::borders::Borders;
-use super::corners::Sharing;
-use super::{SubstructureError, Work};
+use super::interface::Interface;
+use super::primal_nodes::Sharing;
+use super::{BddcError, SubdomainData};
 use crate::system::Numbering;
 use crate::system::numbering::CONSTRAINED;
 
@@ -32,30 +32,30 @@ const TOGETHER: usize = 64;
 pub(super) struct Group {
     /// Free coordinates.
     pub unknowns: Vec<u32>,
-    pieces: [u32; 2],
+    subdomains: [u32; 2],
 }
 
 /// Finds the groups among the unknowns that two pieces share.
 pub(super) fn groups(
     sharing: &Sharing,
-    stretches: &HashMap<u32, u32>,
+    edges: &HashMap<u32, u32>,
     node_of: &[u32],
     numbering: &Numbering,
 ) -> Vec<Group> {
     let mut found: BTreeMap<(u32, [u32; 2]), Vec<u32>> = BTreeMap::new();
-    for (&v, pieces) in &sharing.shared {
-        let (Some(&stretch), &[a, b]) = (stretches.get(&node_of[v as usize]), pieces.as_slice()) else {
+    for (&v, subdomains) in &sharing.shared {
+        let (Some(&edge), &[a, b]) = (edges.get(&node_of[v as usize]), subdomains.as_slice()) else {
             continue;
         };
         let free = numbering.of(v as usize).into_iter().filter(|&n| n != CONSTRAINED);
-        found.entry((stretch, [a, b])).or_default().extend(free);
+        found.entry((edge, [a, b])).or_default().extend(free);
     }
-    let groups = found.into_iter().map(|((_, pieces), unknowns)| Group { unknowns, pieces });
+    let groups = found.into_iter().map(|((_, subdomains), unknowns)| Group { unknowns, subdomains });
     groups.filter(|g| !g.unknowns.is_empty()).collect()
 }
 
 /// The averages.
-pub(super) struct Averages {
+pub(super) struct DeluxeScaling {
     members: Vec<Member>,
     /// First piece of each unknown of a group.
     first: Vec<u32>,
@@ -67,7 +67,7 @@ struct Member {
     /// Where its unknowns begin among those of all groups.
     start: usize,
     /// Pieces, and places of the unknowns in their borders.
-    pieces: [u32; 2],
+    subdomains: [u32; 2],
     places: [Vec<u32>; 2],
     /// `D`, by columns.
     matrix: Vec<f64>,
@@ -79,20 +79,20 @@ impl Member {
     }
 }
 
-impl Averages {
-    pub fn new(groups: &[Group], borders: &Borders) -> Self {
+impl DeluxeScaling {
+    pub fn new(groups: &[Group], interface: &Interface) -> Self {
         let mut first = Vec::new();
         let members = groups
             .iter()
             .map(|g| {
                 let start = first.len();
-                first.resize(start + g.unknowns.len(), g.pieces[0]);
-                let places = g.pieces.map(|piece| {
+                first.resize(start + g.unknowns.len(), g.subdomains[0]);
+                let places = g.subdomains.map(|subdomain| {
                     let place =
-                        |n: usize| borders.sources(n).iter().find(|s| s.0 == piece).map_or(0, |s| s.1);
+                        |n: usize| interface.sources(n).iter().find(|s| s.0 == subdomain).map_or(0, |s| s.1);
                     (start..first.len()).map(place).collect()
                 });
-                Member { start, pieces: g.pieces, places, matrix: Vec::new() }
+                Member { start, subdomains: g.subdomains, places, matrix: Vec::new() }
             })
             .collect();
         let shares = vec![0.0; first.len()];
@@ -105,7 +105,7 @@ impl Averages {
     }
 
     /// Computes the matrices `D`.
-    pub fn weigh(&mut self, works: &[Work]) -> Result<(), SubstructureError> {
+    pub fn weigh(&mut self, data: &[SubdomainData]) -> Result<(), BddcError> {
         let done: Vec<Option<()>> = self
             .members
             .par_iter_mut()
@@ -113,8 +113,8 @@ impl Averages {
                 let n = member.len();
                 let mut minors = [vec![0.0; n * n], vec![0.0; n * n]];
                 for k in 0..2 {
-                    let factored = works[member.pieces[k] as usize].factored.as_ref()?;
-                    factored.interface.add_minor(&member.places[k], &mut minors[k]);
+                    let factored = data[member.subdomains[k] as usize].factored.as_ref()?;
+                    factored.schur.add_minor(&member.places[k], &mut minors[k]);
                 }
                 let [mut first, mut sum] = minors;
                 for j in 0..n {
@@ -133,7 +133,7 @@ impl Averages {
         if done.iter().all(Option::is_some) {
             Ok(())
         } else {
-            Err(SubstructureError::Indefinite("a border between two pieces of the shell is unstable"))
+            Err(BddcError::Indefinite("a interface_size between two subdomains of the shell is unstable"))
         }
     }
 
@@ -143,23 +143,23 @@ impl Averages {
             let n = member.len();
             let r = &r[member.start..member.start + n];
             for (share, column) in shares.iter_mut().zip(member.matrix.chunks_exact(n)) {
-                *share = super::dense::dot(column, r);
+                *share = super::schur_complement::dot(column, r);
             }
         });
     }
 
     /// The part of the force on an unknown that a piece takes; none where the unknown is in no group.
-    pub fn part(&self, unknown: u32, piece: u32, r: &[f64]) -> Option<f64> {
+    pub fn part(&self, unknown: u32, subdomain: u32, r: &[f64]) -> Option<f64> {
         let n = unknown as usize;
         let first = *self.first.get(n)?;
-        Some(if first == piece { self.shares[n] } else { r[n] - self.shares[n] })
+        Some(if first == subdomain { self.shares[n] } else { r[n] - self.shares[n] })
     }
 
     /// Averages the values that the pieces hold in `y`.
-    pub fn average(&self, works: &[Work], out: &mut [f64]) {
+    pub fn average(&self, data: &[SubdomainData], out: &mut [f64]) {
         each(&self.members, out, &|member, out| {
             let n = member.len();
-            let [a, b] = member.pieces.map(|p| &works[p as usize].y);
+            let [a, b] = member.subdomains.map(|p| &data[p as usize].y);
             for (out, &q) in out.iter_mut().zip(&member.places[1]) {
                 *out = b[q as usize];
             }
@@ -175,17 +175,17 @@ impl Averages {
 
 /// Works on all members, each with its own part of the values of the groups: halved again and again, so that nothing is
 /// allocated while iterating.
-fn each(members: &[Member], values: &mut [f64], work: &(impl Fn(&Member, &mut [f64]) + Sync)) {
+fn each(members: &[Member], values: &mut [f64], datum: &(impl Fn(&Member, &mut [f64]) + Sync)) {
     if members.len() <= TOGETHER {
         let mut rest = values;
         for member in members {
             let (own, others) = rest.split_at_mut(member.len());
-            work(member, own);
+            datum(member, own);
             rest = others;
         }
         return;
     }
     let (a, b) = members.split_at(members.len() / 2);
     let (of_a, of_b) = values.split_at_mut(b[0].start - a[0].start);
-    rayon::join(|| each(a, of_a, work), || each(b, of_b, work));
+    rayon::join(|| each(a, of_a, datum), || each(b, of_b, datum));
 }

@@ -15,9 +15,9 @@ use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_uppe
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, MatRef, Par};
 
-use super::dense::Interface;
-use super::division::tree;
 use super::front::{NotPositive, eliminate};
+use super::partition::tree;
+use super::schur_complement::SchurComplement;
 use super::{Quads, Terms};
 use crate::system::Numbering;
 use crate::system::numbering::CONSTRAINED;
@@ -42,14 +42,14 @@ struct Front {
     /// Terms that enter here.
     terms: Range<usize>,
     /// The two fronts before it in the tree, the second is the one right before.
-    halves: Option<(usize, usize)>,
+    children: Option<(usize, usize)>,
     /// Where its columns begin among the factors of the piece.
     panel: usize,
 }
 
 /// What does not change with the matrix.
 #[derive(Debug)]
-pub(super) struct Piece {
+pub(super) struct Subdomain {
     /// Its number.
     pub number: u32,
     fronts: Vec<Front>,
@@ -77,10 +77,10 @@ pub(super) struct Roles<'a> {
     /// Vectors that several pieces share.
     pub shared: &'a dyn Fn(u32) -> bool,
     /// Vectors of corners.
-    pub corner: &'a dyn Fn(u32) -> bool,
+    pub primal: &'a dyn Fn(u32) -> bool,
 }
 
-impl Piece {
+impl Subdomain {
     /// Analyses the piece of some elements; `terms_of` gives the terms of an element. Returns with it, for each
     /// term in order, its number.
     ///
@@ -131,7 +131,7 @@ impl Piece {
                 continue;
             }
             let mut b = branches.len() - 1;
-            while let Some((left, right)) = branches[b].halves {
+            while let Some((left, right)) = branches[b].children {
                 let within = |b: usize| branches[b].cells.contains(&low) && branches[b].cells.contains(&high);
                 if within(left) {
                     b = left;
@@ -162,21 +162,21 @@ impl Piece {
             bounds.push((first, out.unknowns.len() - first));
         }
         out.inner = out.unknowns.len();
-        let border = |corner: bool| {
+        let interface_size = |corner: bool| {
             let mut of: Vec<u32> = (0..vectors.len() as u32)
-                .filter(|&n| shared[n as usize] && (roles.corner)(vectors[n as usize]) == corner)
+                .filter(|&n| shared[n as usize] && (roles.primal)(vectors[n as usize]) == corner)
                 .collect();
             of.sort_unstable_by_key(|&n| vectors[n as usize]);
             of
         };
-        out.place(border(false).into_iter(), roles.numbering);
+        out.place(interface_size(false).into_iter(), roles.numbering);
         out.dual = out.unknowns.len() - out.inner;
-        out.place(border(true).into_iter(), roles.numbering);
+        out.place(interface_size(true).into_iter(), roles.numbering);
         // Rows: what the halves or the cells touch, without what is eliminated.
         let mut rows: Vec<Vec<u32>> = Vec::with_capacity(branches.len());
         for (b, branch) in branches.iter().enumerate() {
             let (first, width) = bounds[b];
-            let mut here: Vec<u32> = match branch.halves {
+            let mut here: Vec<u32> = match branch.children {
                 Some((left, right)) => rows[left].iter().chain(&rows[right]).copied().collect(),
                 None => touched[branch.cells.clone()]
                     .iter()
@@ -197,14 +197,14 @@ impl Piece {
             out.stack = out.stack.max(held + own);
             let passed = |f: usize| out.fronts.get(f).map_or(0, |f: &Front| f.rows.len().pow(2));
             held += own;
-            held -= branch.halves.map_or(0, |(l, r)| passed(l) + passed(r));
-            let terms = match branch.halves {
+            held -= branch.children.map_or(0, |(l, r)| passed(l) + passed(r));
+            let terms = match branch.children {
                 Some(_) => 0..0,
                 None => term_start[branch.cells.start]..term_start[branch.cells.end],
             };
             let panel = out.panels;
             out.panels += width * (width + rows.len());
-            out.fronts.push(Front { first, width, rows, terms, halves: branch.halves, panel });
+            out.fronts.push(Front { first, width, rows, terms, children: branch.children, panel });
         }
         // One more for the vectors without free coordinates.
         let without = out.vectors.len() as u32;
@@ -234,13 +234,13 @@ impl Piece {
     }
 
     /// Unknowns of the border.
-    pub fn border(&self) -> usize {
+    pub fn interface_size(&self) -> usize {
         self.unknowns.len() - self.inner
     }
 
     /// Unknowns at corners.
-    pub fn corners(&self) -> usize {
-        self.border() - self.dual
+    pub fn primal(&self) -> usize {
+        self.interface_size() - self.dual
     }
 
     /// Numbers in the blocks of all terms.
@@ -255,14 +255,14 @@ impl Piece {
 
     /// What is added to the diagonal of this piece: shifts of nodal vectors, divided by the number of pieces where
     /// they are shared. `pieces` gives that for an unknown of the border. Empty: nothing is.
-    pub fn shifts(&self, shifts: &[f64], pieces: impl Fn(usize) -> usize) -> Vec<f64> {
+    pub fn shifts(&self, shifts: &[f64], subdomains: impl Fn(usize) -> usize) -> Vec<f64> {
         if shifts.is_empty() {
             return Vec::new();
         }
         let mut out = vec![0.0; self.unknowns.len()];
         for (v, places) in &self.vectors {
             for p in places.iter().filter(|p| **p != NONE).map(|&p| p as usize) {
-                let share = if p < self.inner { 1 } else { pieces(p - self.inner) };
+                let share = if p < self.inner { 1 } else { subdomains(p - self.inner) };
                 out[p] = shifts[*v as usize] / share as f64;
             }
         }
@@ -335,9 +335,9 @@ impl Piece {
         }
         place.clear();
         place.resize(self.unknowns.len(), NONE);
-        let border = self.border();
+        let interface_size = self.interface_size();
         square.clear();
-        square.resize(border * border, 0.0);
+        square.resize(interface_size * interface_size, 0.0);
         let mut top = 0;
         let last = self.fronts.len() - 1;
         for (f, front) in self.fronts.iter().enumerate() {
@@ -355,7 +355,7 @@ impl Piece {
             let panel = &mut panels[front.panel..front.panel + width * height];
             self.enter(front, place, (blocks, numbering), panel, next);
             let mut passed = 0;
-            if let Some((left, right)) = front.halves {
+            if let Some((left, right)) = front.children {
                 let sizes = [left, right].map(|c| self.fronts[c].rows.len().pow(2));
                 passed = sizes[0] + sizes[1];
                 let (a, b) = held[top - passed..].split_at(sizes[0]);
@@ -377,25 +377,25 @@ impl Piece {
             }
         }
         if let Some(shifts) = shifts.get(self.inner..) {
-            shifts.iter().enumerate().for_each(|(j, shift)| square[j * border + j] += shift);
+            shifts.iter().enumerate().for_each(|(j, shift)| square[j * interface_size + j] += shift);
         }
-        let corners = self.corners();
+        let primal = self.primal();
         coarse.clear();
-        coarse.resize(corners * corners, 0.0);
-        for j in 0..corners {
-            let from = (self.dual + j) * border + self.dual;
-            coarse[j * corners + j..(j + 1) * corners].copy_from_slice(&square[from + j..from + corners]);
+        coarse.resize(primal * primal, 0.0);
+        for j in 0..primal {
+            let from = (self.dual + j) * interface_size + self.dual;
+            coarse[j * primal + j..(j + 1) * primal].copy_from_slice(&square[from + j..from + primal]);
         }
         factor.clear();
-        factor.extend_from_slice(&square[..self.dual * border]);
+        factor.extend_from_slice(&square[..self.dual * interface_size]);
         if self.dual > 0 {
             let need = cholesky_in_place_scratch::<f64>(self.dual, Par::Seq, Default::default());
             let dense = dense.hold(need)?;
-            eliminate((self.dual, corners), factor, coarse, dense).map_err(|NotPositive| Refused::Border)?;
+            eliminate((self.dual, primal), factor, coarse, dense).map_err(|NotPositive| Refused::Border)?;
         }
-        let interface = Interface::new(square, factor, (border, self.dual))?;
-        let left = (0..corners).flat_map(|j| &coarse[j * corners + j..(j + 1) * corners]).copied().collect();
-        Ok((Factored { panels, interface }, left))
+        let schur = SchurComplement::new(square, factor, (interface_size, self.dual))?;
+        let left = (0..primal).flat_map(|j| &coarse[j * primal + j..(j + 1) * primal]).copied().collect();
+        Ok((Factored { panels, schur }, left))
     }
 
     /// `L y = b` for the inner unknowns; what they leave at the border is taken off there.
@@ -488,7 +488,7 @@ pub(super) struct Factored {
     /// Columns of all fronts.
     panels: Vec<f64>,
     /// Matrix of the border.
-    pub interface: Interface,
+    pub schur: SchurComplement,
 }
 
 /// Memory of a thread.

@@ -18,20 +18,20 @@ const WINDOW: f64 = 0.12;
 const LONGER: f64 = 1.5;
 
 /// Divides the elements into pieces of about `size` and returns the piece of each, and their number.
-pub(super) fn divide(quads: &Quads<'_>, size: usize) -> (Vec<u32>, usize) {
+pub(super) fn partition(quads: &Quads<'_>, size: usize) -> (Vec<u32>, usize) {
     let mut order: Vec<u32> = (0..quads.len() as u32).collect();
     let count = (quads.len() as f64 / size as f64).round().max(1.0) as usize;
     let mut sizes = Vec::with_capacity(count);
     cut(quads, &mut order, count, &mut sizes);
-    let mut piece = vec![0; quads.len()];
+    let mut subdomain = vec![0; quads.len()];
     let mut at = 0;
     for (p, &n) in sizes.iter().enumerate() {
         for &q in &order[at..at + n] {
-            piece[q as usize] = p as u32;
+            subdomain[q as usize] = p as u32;
         }
         at += n;
     }
-    connect(quads, &mut piece, sizes.len(), size)
+    connect(quads, &mut subdomain, sizes.len(), size)
 }
 
 fn cut(quads: &Quads<'_>, order: &mut [u32], count: usize, sizes: &mut Vec<usize>) {
@@ -114,13 +114,13 @@ fn split(quads: &Quads<'_>, order: &mut [u32], share: f64) -> usize {
 
 /// Makes every piece connected through sides of elements: what hangs on otherwise becomes a piece of its own or,
 /// where it is small, goes to the neighbour with which it shares most sides.
-fn connect(quads: &Quads<'_>, piece: &mut [u32], count: usize, size: usize) -> (Vec<u32>, usize) {
+fn connect(quads: &Quads<'_>, subdomain: &mut [u32], count: usize, size: usize) -> (Vec<u32>, usize) {
     let neighbours = neighbours(quads);
     // Connected parts of the pieces.
-    let mut part = vec![u32::MAX; piece.len()];
+    let mut part = vec![u32::MAX; subdomain.len()];
     let mut parts: Vec<Vec<u32>> = Vec::new();
     let mut largest: Vec<Option<usize>> = vec![None; count];
-    for first in 0..piece.len() as u32 {
+    for first in 0..subdomain.len() as u32 {
         if part[first as usize] != u32::MAX {
             continue;
         }
@@ -130,14 +130,14 @@ fn connect(quads: &Quads<'_>, piece: &mut [u32], count: usize, size: usize) -> (
         let mut at = 0;
         while at < members.len() {
             for &q in neighbours.of(members[at] as usize) {
-                if part[q as usize] == u32::MAX && piece[q as usize] == piece[first as usize] {
+                if part[q as usize] == u32::MAX && subdomain[q as usize] == subdomain[first as usize] {
                     part[q as usize] = number as u32;
                     members.push(q);
                 }
             }
             at += 1;
         }
-        let best = &mut largest[piece[first as usize] as usize];
+        let best = &mut largest[subdomain[first as usize] as usize];
         if best.is_none_or(|b| parts[b].len() < members.len()) {
             *best = Some(number);
         }
@@ -215,7 +215,7 @@ pub(super) struct Branch {
     /// Elements by place in the order of the tree.
     pub cells: Range<usize>,
     /// Its two halves; none for a leaf.
-    pub halves: Option<(usize, usize)>,
+    pub children: Option<(usize, usize)>,
 }
 
 /// Sorts the elements of a piece and returns the tree of its halves, children before parents.
@@ -227,15 +227,15 @@ pub(super) fn tree(quads: &Quads<'_>, cells: &mut [u32], leaf: usize) -> Vec<Bra
 
 fn grow(quads: &Quads<'_>, cells: &mut [u32], first: usize, leaf: usize, out: &mut Vec<Branch>) -> usize {
     let whole = first..first + cells.len();
-    let mut halves = None;
+    let mut children = None;
     if cells.len() > leaf {
         let at = split(quads, cells, 0.5);
         let (a, b) = cells.split_at_mut(at);
         let left = grow(quads, a, first, leaf, out);
         let right = grow(quads, b, first + at, leaf, out);
-        halves = Some((left, right));
+        children = Some((left, right));
     }
-    out.push(Branch { cells: whole, halves });
+    out.push(Branch { cells: whole, children });
     out.len() - 1
 }
 

@@ -58,7 +58,7 @@ fn dot_rounded(a: &[f32], b: &[f64]) -> f64 {
 
 /// A symmetric matrix `S` whose first rows, the dual ones, are factored: `S_DD = L Lᵀ`, `L_CD = S_CD L⁻ᵀ`.
 #[derive(Debug, Default)]
-pub(super) struct Interface {
+pub(super) struct SchurComplement {
     /// Lower triangle of `S`, by columns.
     matrix: Vec<f64>,
     /// Rows of `L` before the diagonal, then those of `L_CD`, rounded.
@@ -69,7 +69,7 @@ pub(super) struct Interface {
     size: usize,
 }
 
-impl Interface {
+impl SchurComplement {
     /// From the lower triangle of `S` of order `size` (by columns of a square) and that of a copy of which the first
     /// `dual` columns are factored.
     pub fn new(square: &[f64], factor: &[f64], (size, dual): (usize, usize)) -> Result<Self, FactorError> {
