@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use tegula_io::out::write_whole;
-use tegula_io::verify::{CASES, Case, Cost, Row, run};
+use tegula_verify::verify::{CASES, Case, Cost, Row, run};
 
 use crate::terminal;
 

@@ -2,10 +2,7 @@
 
 pub mod deck;
 pub mod job;
-pub mod locking;
 pub mod memory;
 pub mod mesh;
 pub mod out;
 pub mod plot;
-pub mod precision;
-pub mod verify;

@@ -22,7 +22,7 @@ mod modal;
 mod modes;
 mod pictures;
 mod prepare;
-pub(crate) mod process;
+pub mod process;
 mod recorder;
 mod resume;
 mod run;

@@ -1,7 +1,7 @@
 //! What the process has cost so far, as the operating system counts it.
 
 /// Processor time of all threads, user and system (s); `None` where it is not known.
-pub(crate) fn cpu_seconds() -> Option<f64> {
+pub fn cpu_seconds() -> Option<f64> {
     // The finer count lacks threads that have ended; the coarser one never counts too much.
     [scheduled_seconds(), tick_seconds()].into_iter().flatten().reduce(f64::max)
 }

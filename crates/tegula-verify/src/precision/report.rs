@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use super::{Reference, Row, Stepping, Transient, scheme_name, schemes};
-use crate::out::OutputError;
-use crate::plot::{LinePlot, Series, Style, lines};
+use tegula_io::out::OutputError;
+use tegula_io::plot::{LinePlot, Series, Style, lines};
 use tegula::model::Scheme;
 
 /// What an error is held against.

@@ -6,7 +6,7 @@ use tegula::model::{Load, MeshSource, Model};
 use super::model::{Compiled, read, refine, switch};
 use super::reference::records;
 use super::report::Report;
-use crate::plot::{LinePlot, Series, Style, lines};
+use tegula_io::plot::{LinePlot, Series, Style, lines};
 
 const MODEL: &str = include_str!("../../../../verification/models/quarter_cylinder.toml");
 const REFERENCE: &str = include_str!("../../../../verification/reference/quarter_cylinder.csv");

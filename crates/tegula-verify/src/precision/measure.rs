@@ -6,7 +6,7 @@ use tegula::model::{Analysis, EnergyMomentumScheme, Model, Scheme, TransientAnal
 use tegula::{Error, Result, System, Vec3};
 
 use super::{Reference, Row, Stepping, Transient};
-use crate::job::process::cpu_seconds;
+use tegula_io::job::process::cpu_seconds;
 use crate::verify::history::cubic;
 use crate::verify::model::Compiled;
 

@@ -18,7 +18,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use tegula_io::out::write_whole;
-use tegula_io::precision::{Cost, Study, Transient, csv, markdown, picture, scheme_name};
+use tegula_verify::precision::{Cost, Study, Transient, csv, markdown, picture, scheme_name};
 
 fn main() -> ExitCode {
     match arguments().and_then(|(study, out)| run(&study, &out)) {

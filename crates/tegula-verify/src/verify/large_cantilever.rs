@@ -8,7 +8,7 @@ use tegula::{Error, Result, Vec3};
 use super::model::{Compiled, read, refine, switch};
 use super::reference::{Record, records};
 use super::report::Report;
-use crate::plot::{LinePlot, Series, Style, lines};
+use tegula_io::plot::{LinePlot, Series, Style, lines};
 
 /// The plate of T1, which comes to rest at this equilibrium.
 const MODEL: &str = include_str!("../../../../verification/models/cantilever_corner_force.toml");

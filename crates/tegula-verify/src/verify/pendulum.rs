@@ -8,7 +8,7 @@ use tegula::{Error, Result};
 use super::model::{Compiled, read, refine, switch};
 use super::reference::{Record, records};
 use super::report::Report;
-use crate::plot::{LinePlot, Series, Style, lines};
+use tegula_io::plot::{LinePlot, Series, Style, lines};
 
 const MODEL: &str = include_str!("../../../../verification/models/pendulum.toml");
 const COARSE: &str = include_str!("../../../../verification/reference/pendulum_n16_trapezoid_dt05.csv");

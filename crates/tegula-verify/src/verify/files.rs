@@ -10,8 +10,8 @@ use serde_json::Value;
 use tegula::{Error, Result, Vec3};
 
 use super::reference::{Record, records};
-use crate::deck::Deck;
-use crate::job::{self, JobOptions, Unwatched};
+use tegula_io::deck::Deck;
+use tegula_io::job::{self, JobOptions, Unwatched};
 
 /// Results of a run in a folder of its own, which vanishes with them.
 pub struct Results(tempfile::TempDir);

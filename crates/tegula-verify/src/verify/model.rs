@@ -10,7 +10,7 @@ use tegula::model::{
 };
 use tegula::{Error, Mesh, Result, System};
 
-use crate::deck::Deck;
+use tegula_io::deck::Deck;
 
 /// Reads an embedded model file.
 pub fn read(text: &str) -> Result<Model> {

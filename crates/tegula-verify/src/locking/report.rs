@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use super::{Row, element_name};
-use crate::out::OutputError;
-use crate::plot::{Group, HeatMap, heat_map};
+use tegula_io::out::OutputError;
+use tegula_io::plot::{Group, HeatMap, heat_map};
 
 /// All rows as comma-separated values.
 pub fn csv(rows: &[Row]) -> String {

@@ -8,7 +8,7 @@ use tegula::{Error, Result};
 use super::model::{Compiled, read, refine, switch};
 use super::reference::{Record, records};
 use super::report::Report;
-use crate::plot::{LinePlot, Series, Style, lines};
+use tegula_io::plot::{LinePlot, Series, Style, lines};
 
 const ROOF: &str = include_str!("../../../../verification/models/scordelis_lo.toml");
 const CYLINDER: &str = include_str!("../../../../verification/models/pinched_cylinder.toml");

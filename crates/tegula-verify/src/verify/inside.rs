@@ -14,7 +14,7 @@ use tegula::{Error, Mesh, Result, Vec3};
 
 use super::reference::records;
 use super::report::{Report, Table};
-use crate::plot::{LinePlot, Series, Style, lines};
+use tegula_io::plot::{LinePlot, Series, Style, lines};
 
 const BALLOON: &str = include_str!("../../../../verification/reference/balloon.csv");
 

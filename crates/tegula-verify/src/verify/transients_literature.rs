@@ -18,7 +18,7 @@ use super::history::{History, range};
 use super::model::{read, refine, switch};
 use super::reference::records;
 use super::report::{Report, Table};
-use crate::plot::{LinePlot, Series, Style, lines};
+use tegula_io::plot::{LinePlot, Series, Style, lines};
 
 const FLAT: &str = include_str!("../../../../verification/models/cantilever_corner_force.toml");
 const FORCE: &str = include_str!("../../../../verification/models/laminated_cylinder_force.toml");
