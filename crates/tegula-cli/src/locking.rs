@@ -5,8 +5,8 @@ use std::process::ExitCode;
 
 use clap::Args;
 use tegula::model::ElementKind;
-use tegula_verify::locking::{Example, Remedy, Study, csv, element_name, markdown, picture};
 use tegula_io::out::write_whole;
+use tegula_verify::locking::{Example, Remedy, Study, csv, element_name, markdown, picture};
 
 use crate::terminal;
 

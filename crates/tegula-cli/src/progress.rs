@@ -34,6 +34,8 @@ pub struct ProgressLine {
     begun: Instant,
     statics: bool,
     from: f64,
+    /// Where an analysis that is not resumed begins.
+    first: f64,
     printed: f64,
     stopping: Cell<bool>,
 }
@@ -49,7 +51,16 @@ impl ProgressLine {
             bar.set_style(style);
         }
         let begun = Instant::now();
-        Self { detail, bar, begun, statics: false, from: 0.0, printed: 0.0, stopping: Cell::new(false) }
+        Self {
+            detail,
+            bar,
+            begun,
+            statics: false,
+            from: 0.0,
+            first: 0.0,
+            printed: 0.0,
+            stopping: Cell::new(false),
+        }
     }
 
     /// Clears the moving line.
@@ -91,7 +102,8 @@ impl JobObserver for ProgressLine {
     fn on_start(&mut self, start: &Start) {
         (self.begun, self.from) = (Instant::now(), start.time);
         self.statics = start.analysis == "static";
-        self.printed = start.time / start.end;
+        self.first = start.time.min(0.0);
+        self.printed = (start.time - self.first) / (start.end - self.first);
         let place = if self.statics { "load factor" } else { "time" };
         let resumed = match start.time > 0.0 {
             true => format!(", from {place} {}", significant(start.time, 5)),
@@ -107,7 +119,7 @@ impl JobObserver for ProgressLine {
     }
 
     fn on_step(&mut self, progress: &Progress) {
-        let part = progress.time / progress.end;
+        let part = (progress.time - self.first) / (progress.end - self.first);
         if let Some(bar) = &self.bar {
             bar.set_position((part.clamp(0.0, 1.0) * MARKS as f64) as u64);
             bar.set_message(printable(&self.line(progress)).into_owned());

@@ -1,7 +1,8 @@
-//! Symbolic analysis for the multifrontal method: fronts, what they hold, and the tree in which they are assembled.
+//! Symbolic factorisation for the multifrontal method: the fronts, their structure and the assembly tree.
 //!
-//! J. W. H. Liu, *The multifrontal method for sparse matrix solution*, SIAM Review 34 (1992) 82–109. Columns of
-//! equal structure are one front; small fronts are joined with their parents where that adds few zeros.
+//! J. W. H. Liu, *The multifrontal method for sparse matrix solution*, SIAM Review 34 (1992) 82–109. Columns of equal
+//! structure are one supernode and share a front; relaxed amalgamation merges small supernodes with their parents where
+//! that adds few explicit zeros.
 
 use super::FactorError;
 use super::entry_map::{EntryMap, FrontNumbering};
@@ -9,65 +10,67 @@ use super::ordering::CompressedGraph;
 use super::supernodes::{Supernode, amalgamate, fundamental_supernodes, postorder_minimizing_stack};
 use super::trapezoid::Trapezoid;
 
-/// A front: a dense symmetric matrix of columns that are eliminated in it and of rows that it passes on.
+/// Front (frontal matrix): dense symmetric matrix of the fully summed columns that are eliminated in it and of the rows
+/// of its contribution block.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Front {
-    /// First of the columns that are eliminated in it, in the order of elimination.
+    /// First fully summed column, in elimination order.
     pub first: usize,
-    /// Number of columns.
+    /// Number of fully summed columns.
     pub width: usize,
-    /// Rows below them: numbers of later columns, ascending.
+    /// Rows below the fully summed columns: elimination positions of later columns, ascending.
     pub rows: Vec<u32>,
-    /// The front that takes what is passed on; none: nothing is.
+    /// Parent in the assembly tree, which assembles the contribution block; none for a root.
     pub parent: Option<u32>,
-    /// Where the rows lie in the parent: runs (first row here, first place there, length). Places count the parent's
-    /// columns first, then its rows.
+    /// Relative indices: positions of the rows in the parent's front, as runs (first row here, first index there,
+    /// length). Indices count the parent's fully summed columns first, then its rows.
     pub relative_indices: Vec<[u32; 3]>,
-    /// First front of its subtree; the fronts of a subtree are numbered one after another, itself last.
+    /// First front of its subtree; the fronts of a subtree are numbered consecutively, its root last.
     pub leaf: usize,
-    /// Where its panel begins in the factor.
+    /// Start of the front's panel (its columns of L) in the factor.
     pub panel: usize,
-    /// Where its rows begin in vectors of all rows.
+    /// Start of its rows in vectors over the rows of all fronts.
     pub row_start: usize,
-    /// Operations of its subtree.
+    /// Number of floating-point operations of its subtree.
     pub flops: f64,
 }
 
 impl Front {
-    /// Order of the dense matrix.
+    /// Order of the frontal matrix.
     pub fn height(&self) -> usize {
         self.width + self.rows.len()
     }
 
-    /// Its columns, as they are stored in the factor.
+    /// Layout of the panel: the fully summed columns as they are stored in the factor.
     pub fn layout(&self) -> Trapezoid {
         Trapezoid { rows: self.height(), columns: self.width }
     }
 
-    /// What it passes on.
+    /// Layout of the contribution block.
     pub fn contribution(&self) -> Trapezoid {
         Trapezoid::triangle(self.rows.len())
     }
 }
 
-/// Fronts in the order of elimination, and where the entries of the matrix go.
+/// Assembly tree: the fronts in elimination order, and the entry-to-front map of the original entries.
 #[derive(Debug, Default)]
 pub(super) struct AssemblyTree {
     pub fronts: Vec<Front>,
     /// Children of each front, ascending.
     pub children: Vec<Vec<u32>>,
-    /// Unknown eliminated at each place.
+    /// Unknown eliminated at each position of the elimination order.
     pub order: Vec<u32>,
-    /// Entries of the matrix by front.
+    /// Entry-to-front map of the original entries.
     pub entries: EntryMap,
-    /// Entries of the factor.
+    /// Number of entries of the factor.
     pub size: usize,
-    /// Rows of all fronts together.
+    /// Number of rows of all fronts together.
     pub rows: usize,
 }
 
 impl AssemblyTree {
-    /// Analyses a lower triangle in compressed columns for an order of its groups.
+    /// Symbolic factorisation of a lower triangle in compressed columns, for an elimination order of its
+    /// supervariables.
     ///
     /// # Errors
     /// The factor is too large to be indexed.
@@ -82,17 +85,18 @@ impl AssemblyTree {
         Self::number(graph, fronts, pointers, rows)
     }
 
-    /// Operations of a factorisation.
+    /// Number of floating-point operations of a factorisation.
     pub fn operations(&self) -> f64 {
         self.fronts.iter().filter(|f| f.parent.is_none()).map(|f| f.flops).sum()
     }
 
-    /// Entries that the children of a front pass on.
+    /// Number of entries of the contribution blocks of a front's children.
     pub fn contributions_of_children(&self, f: usize) -> usize {
         self.children[f].iter().map(|&c| self.fronts[c as usize].contribution().size()).sum()
     }
 
-    /// Calls `f` with the number of each value of the matrix, its row and its column; which is which does not matter.
+    /// Calls `f` with the index of each value of the matrix and its two unknowns; which is the row and which is the
+    /// column is arbitrary.
     pub fn each_entry(&self, mut f: impl FnMut(usize, usize, usize)) {
         for (number, front) in self.fronts.iter().enumerate() {
             let layout = front.layout();
@@ -108,7 +112,8 @@ impl AssemblyTree {
         }
     }
 
-    /// Numbers the columns in the order of the fronts, and finds where everything goes.
+    /// Numbers the columns in the order of the supernodes and computes the fronts, their relative indices and the
+    /// entry-to-front map.
     pub fn number(
         graph: &CompressedGraph,
         supernodes: Vec<Supernode>,
@@ -117,7 +122,7 @@ impl AssemblyTree {
     ) -> Result<Self, FactorError> {
         let n = pointers.len() - 1;
         let mut tree = Self { order: Vec::with_capacity(n), ..Self::default() };
-        // Columns of the groups, in the order of the fronts.
+        // Columns of the supervariables, in the order of the fronts.
         let mut first_column = vec![0_u32; graph.len()];
         for supernode in &supernodes {
             for &g in &supernode.columns {
@@ -185,7 +190,7 @@ impl AssemblyTree {
     }
 }
 
-/// Runs of consecutive rows that are consecutive in the parent, too.
+/// Relative indices of `rows` in the parent's front: runs of consecutive rows that are consecutive there, too.
 fn relative_indices(rows: &[u32], parent: &Front) -> Vec<[u32; 3]> {
     let end = (parent.first + parent.width) as u32;
     let mut out: Vec<[u32; 3]> = Vec::new();
@@ -199,7 +204,7 @@ fn relative_indices(rows: &[u32], parent: &Front) -> Vec<[u32; 3]> {
             }
             (parent.width + below) as u32
         };
-        // A run lies in the columns or in the rows, not in both.
+        // A run lies either in the parent's fully summed columns or in its rows, not in both.
         match out.last_mut() {
             Some([_, at, length]) if *at + *length == there && there != parent.width as u32 => *length += 1,
             _ => out.push([here, there, 1]),

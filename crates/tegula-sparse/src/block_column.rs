@@ -1,39 +1,40 @@
-//! Solution with a block column of a factor, in one pass over its columns.
+//! Forward and backward substitution with one block column of a factor, in one pass over its columns.
 //!
-//! A solution reads every entry of the factor twice and does next to nothing with it, so it takes as long as the reading.
-//! A few neighbouring columns are read at once, from the diagonal down to the last row; what they are taken off, or
-//! multiplied by, is read and written once for all of them.
+//! A solution reads every entry of the factor twice and does hardly any arithmetic with it, so it takes as long as the
+//! reading (memory bandwidth). A few neighbouring columns are read at once, from the diagonal down to the last row; the
+//! vector entries that they update, or are multiplied by, are read and written once for all of them.
 
 use pulp::{Simd, WithSimd};
 
-/// Columns that are read at once.
+/// Number of columns that are read at once.
 const TOGETHER: usize = 8;
 
-/// Columns of a front from their block on the diagonal on down.
+/// Block column of a front, from its diagonal block down to the last row.
 #[derive(Clone, Copy)]
 pub(super) struct BlockColumn<'a> {
-    /// Column by column.
+    /// Entries, column by column.
     pub values: &'a [f64],
     pub width: usize,
-    /// Ones on the diagonal take the place of what is stored there.
+    /// Whether ones on the diagonal take the place of the stored entries.
     pub unit: bool,
 }
 
 impl<'a> BlockColumn<'a> {
-    /// Some neighbouring columns from a row on.
+    /// Neighbouring columns from column `first` on, each from row `row` down.
     #[inline(always)]
     fn columns<const C: usize>(&self, first: usize, row: usize) -> [&'a [f64]; C] {
         let height = self.values.len() / self.width;
         std::array::from_fn(|c| &self.values[(first + c) * height + row..(first + c + 1) * height])
     }
 
-    /// How many columns are read together with others; the rest one by one.
+    /// Number of columns that are read in groups; the remaining ones are read one by one.
     fn whole(&self) -> usize {
         self.width / TOGETHER * TOGETHER
     }
 }
 
-/// `L x = b`: x holds the right sides of the columns and of those after them in the front, y the sums of the rows.
+/// Forward substitution `L x = b`: `x` holds the right sides of the columns and of those after them in the front, `y`
+/// the sums of the rows.
 pub(super) struct Forward<'a> {
     pub block: BlockColumn<'a>,
     pub x: &'a mut [f64],
@@ -79,7 +80,7 @@ fn forward<S: Simd, const C: usize>(
     subtract_products(simd, columns.map(|column| &column[end..]), factors, y);
 }
 
-/// `y −= Σ f_c a_c`.
+/// Update `y −= Σ f_c a_c` by the columns `a_c`.
 #[inline(always)]
 fn subtract_products<S: Simd, const C: usize>(
     simd: S,
@@ -92,7 +93,7 @@ fn subtract_products<S: Simd, const C: usize>(
     let heads = parts.map(|p| &p.0[..head.len()]);
     let minus = factors.map(|f| simd.splat_f64s(-f));
     for (i, y) in head.iter_mut().enumerate() {
-        // Two sums, so that one need not wait for the other.
+        // Two independent sums, so that one need not wait for the other.
         let (mut even, mut odd) = (*y, simd.splat_f64s(0.0));
         for c in 0..C {
             let sum = if c % 2 == 0 { &mut even } else { &mut odd };
@@ -108,8 +109,8 @@ fn subtract_products<S: Simd, const C: usize>(
     }
 }
 
-/// `Lᵀ x = b`: x holds the right sides of the columns and the solution at those after them in the front, y the solution at
-/// the rows.
+/// Backward substitution `Lᵀ x = b`: `x` holds the right sides of the columns and the solution at those after them in
+/// the front, `y` the solution at the rows.
 pub(super) struct Backward<'a> {
     pub block: BlockColumn<'a>,
     pub x: &'a mut [f64],
@@ -157,7 +158,7 @@ fn backward<S: Simd, const C: usize>(
     }
 }
 
-/// Adds `a_c · x` to the sums, that of the last few entries to the rest.
+/// Adds the products `a_c · x` to `sums`, those of the last few entries to `rest`.
 #[inline(always)]
 fn add_products<S: Simd, const C: usize>(
     simd: S,
@@ -187,7 +188,7 @@ mod tests {
     use super::*;
     use pulp::Arch;
 
-    /// Against sums entry by entry, for widths and heights with and without remainders.
+    /// Compares with sums entry by entry, for widths and heights with and without remainders.
     #[test]
     fn solutions_are_those_of_the_columns() {
         let entry = |i: usize, j: usize| {

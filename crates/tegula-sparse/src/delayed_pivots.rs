@@ -1,11 +1,13 @@
-//! Delayed pivots: columns that have no pivots among those of their front are eliminated in its parent.
+//! Delayed pivots: fully summed columns that fail the threshold test in their front are eliminated in its parent.
 //!
-//! Saddle points need them: the multiplier of a constraint has a zero on the diagonal until an unknown that it binds is
-//! eliminated. Which columns are delayed is found from the values, and then belongs to the structure: the columns are moved
-//! to the parent of their front, whose structure holds them already, and the matrix is factored once more. Later matrices of
-//! the pattern, which mostly want the same, are factored in the new structure at once. I. S. Duff, J. K. Reid, *The
-//! multifrontal solution of indefinite sparse symmetric linear equations*, ACM Trans. Math. Softw. 9 (1983) 302–325, delay
-//! them in the course of one factorisation, whose structure is then never known before.
+//! Saddle-point matrices need them: the multiplier of a constraint has a zero on the diagonal until an unknown of the
+//! constraint is eliminated. The delayed columns are found from the values and then become part of the structure: they
+//! are moved to the parent of their front, whose structure contains them already, and the matrix is factored once more.
+//! Later matrices of the pattern, which mostly delay these columns, too, are factored in the new structure at once.
+//!
+//! I. S. Duff, J. K. Reid, *The multifrontal solution of indefinite sparse symmetric linear equations*, ACM Trans.
+//! Math. Softw. 9 (1983) 302–325, delay columns in the course of one factorisation, whose structure is then never known
+//! in advance.
 
 use faer::Mat;
 
@@ -14,19 +16,20 @@ use super::assembly_tree::AssemblyTree;
 use super::ordering::CompressedGraph;
 use super::supernodes::{Supernode, postorder_minimizing_stack, without_empty};
 
-/// Growth, over the scale of its row, that a pivot may cause on the diagonal of a row.
+/// Growth bound: largest change, over the scale of the row, that a pivot may cause on the diagonal of a row.
 pub(super) const GROWTH: f64 = 1e3;
 
-/// A pivot of two columns is taken where the largest entry beside the diagonal is larger than the largest on it, by
-/// this factor: J. R. Bunch, B. N. Parlett, *Direct methods for solving symmetric indefinite systems of linear
-/// equations*, SIAM J. Numer. Anal. 8 (1971) 639–655.
+/// Bunch–Parlett constant: a 2×2 pivot is chosen where the largest diagonal entry is smaller than this multiple of the
+/// largest off-diagonal entry. J. R. Bunch, B. N. Parlett, *Direct methods for solving symmetric indefinite systems of
+/// linear equations*, SIAM J. Numer. Anal. 8 (1971) 639–655.
 const ALPHA: f64 = 0.640_388_203_202_208_5;
 
-/// Columns of a front without a stable pivot among its columns, ascending. The lower triangle of its matrix is given,
-/// all columns that are to be eliminated with all their rows, and the scale of each row.
+/// Delayed columns of a front: those without a stable pivot among its fully summed columns, ascending. `matrix` is the
+/// lower triangle of all fully summed columns that are to be eliminated, with all their rows; `scale` has the scale of
+/// each row.
 ///
-/// BlockPivots are chosen by size among all entries that are left, in units of the scales, and refused where they would let
-/// an entry below grow.
+/// Complete pivoting chooses the pivots by size among all remaining entries, in units of the scales. Pivots that would
+/// let an entry below grow beyond [`GROWTH`] are refused.
 ///
 /// # Errors
 /// Nothing is left of a column: no later front has a pivot for it either.
@@ -43,7 +46,7 @@ pub(super) fn columns_without_pivots(mut matrix: Mat<f64>, scale: &[f64]) -> Res
     while let Some(pivot) = largest(&matrix, &left) {
         let pivot: &[usize] = if pivot[0] == pivot[1] { &pivot[..1] } else { &pivot };
         left.retain(|k| !pivot.contains(k));
-        // Of each row that is not eliminated: its entries in the columns of the pivot, and its row of L.
+        // For each row that is not eliminated: its entries in the columns of the pivot, and its row of L.
         let others = || left.iter().chain(&delayed).copied().chain(columns..rows);
         let inverse = inverse(pivot, |i, j| entry(&matrix, i, j));
         let mut lower: Vec<(usize, [f64; 2], [f64; 2])> = Vec::with_capacity(rows);
@@ -80,7 +83,7 @@ pub(super) fn columns_without_pivots(mut matrix: Mat<f64>, scale: &[f64]) -> Res
     Ok(delayed.into_iter().map(|j| j as u32).collect())
 }
 
-/// The columns of the next pivot, one column twice or two, if any are left.
+/// Columns of the next pivot, one column twice for a 1×1 pivot; none if no columns are left.
 fn largest(matrix: &Mat<f64>, left: &[usize]) -> Option<[usize; 2]> {
     let (mut single, mut pair) = ((-1.0, [0, 0]), (-1.0, [0, 0]));
     for (k, &j) in left.iter().enumerate() {
@@ -99,12 +102,12 @@ fn largest(matrix: &Mat<f64>, left: &[usize]) -> Option<[usize; 2]> {
     } else if single.0 >= 0.0 {
         Some(single.1)
     } else {
-        // Nothing but what is not a number.
+        // All remaining entries are NaN.
         Some([left[0], left[0]])
     }
 }
 
-/// Inverse of the block of a pivot, of one column or two; not finite where there is none.
+/// Inverse of a 1×1 or 2×2 pivot; not finite if it is singular.
 fn inverse(pivot: &[usize], at: impl Fn(usize, usize) -> f64) -> [[f64; 2]; 2] {
     let a = at(pivot[0], pivot[0]);
     let Some(&second) = pivot.get(1) else { return [[1.0 / a, 0.0], [0.0, 0.0]] };
@@ -115,11 +118,11 @@ fn inverse(pivot: &[usize], at: impl Fn(usize, usize) -> f64) -> [[f64; 2]; 2] {
 }
 
 impl AssemblyTree {
-    /// The tree in which columns, numbered in the order of elimination, are eliminated in the parents of their fronts.
-    /// `pointers` are those of the matrix.
+    /// Assembly tree in which the `delayed` columns, numbered in elimination order, are eliminated in the parents of
+    /// their fronts. `pointers` are the column pointers of the matrix.
     ///
     /// # Errors
-    /// A front without parent has no pivot for one of them: the matrix is singular. Or the factor is too large.
+    /// A root front has no pivot for one of the columns, so the matrix is singular; or the factor is too large.
     pub fn delay(&self, delayed: &[u32], pointers: &[usize]) -> Result<Self, FactorError> {
         let unknown = |place: u32| self.order[place as usize];
         let mut fronts: Vec<Supernode> = self
@@ -138,10 +141,10 @@ impl AssemblyTree {
             let column = unknown(place);
             fronts[f].columns.retain(|&c| c != column);
             fronts[f].rows.push(column);
-            // Behind those that are there: they may be what it waits for.
+            // The column goes behind the columns of the parent, whose elimination may give it a pivot.
             fronts[parent as usize].columns.push(column);
         }
-        // Fronts without columns only pass on what they are passed.
+        // Fronts left without columns would only forward the contribution blocks of their children and are removed.
         let gone: Vec<bool> = fronts.iter().map(|front| front.columns.is_empty()).collect();
         for f in (0..fronts.len()).rev() {
             if let Some(parent) = fronts[f].parent.filter(|&p| gone[p as usize]) {
@@ -161,11 +164,11 @@ impl AssemblyTree {
         Self::number(&single, fronts, pointers, &self.row_numbers(pointers))
     }
 
-    /// Row of each value of the matrix.
+    /// Row number of each value of the matrix.
     fn row_numbers(&self, pointers: &[usize]) -> Vec<u32> {
         let mut rows = vec![0; pointers.last().copied().unwrap_or_default()];
         self.each_entry(|k, i, j| {
-            // The column is the one that the value is stored in.
+            // The column is the one in which the value is stored.
             rows[k] = if (pointers[j]..pointers[j + 1]).contains(&k) { i as u32 } else { j as u32 };
         });
         rows

@@ -1,9 +1,10 @@
-//! Cholesky factorisation of a block on the diagonal and division of the rows below it, in vector registers.
+//! Cholesky factorisation of a diagonal block and triangular solve (TRSM) of the rows below it, in vector registers.
 //!
-//! Rows are worked off in chunks of a few registers, columns in strips of a few: a chunk of rows of a strip stays in
-//! registers while all columns before it are taken off. The triangle is kept strip by strip, in the order in which it
-//! is read. What happens to a row does not depend on the rows beside it, so rows may be shared between threads as they
-//! like. At the widths of fronts, 20 to 128 columns, this is faster than the recursive kernels for large matrices.
+//! Rows are processed in chunks of a few registers, columns in strips of a few: a chunk of rows of a strip stays in
+//! registers while the products with all columns before it are subtracted. The triangle is stored strip by strip, in
+//! the order in which it is read. The result of a row does not depend on the rows beside it, so rows may be divided
+//! among threads in any way. At the widths of fronts, 20 to 128 columns, this is faster than the recursive kernels for
+//! large matrices.
 
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{ContiguousFwd, MatMut, MatRef};
@@ -11,26 +12,27 @@ use pulp::{Arch, Simd, WithSimd, bytemuck};
 
 use super::trapezoid::BLOCK;
 
-/// Columns of the widest strip.
+/// Number of columns of the widest strip.
 const WIDEST: usize = 8;
 
-/// Factor `L₁₁` of a block of up to [`BLOCK`] columns, ready to divide rows by its transpose.
+/// Cholesky factor `L₁₁` of a diagonal block of up to [`BLOCK`] columns, prepared for triangular solves with `L₁₁⁻ᵀ`.
 pub(super) struct DiagonalBlock {
     arch: Arch,
     width: usize,
     /// Strips of columns: first the entries of their rows in the columns before them, then their own triangle, with
-    /// reciprocals on the diagonal. What is beyond the block is that of a unit matrix.
+    /// reciprocals on the diagonal. A unit matrix pads the last strip beyond the block.
     strips: Vec<f64>,
 }
 
 impl DiagonalBlock {
-    /// Memory for one.
+    /// Creates an empty factor with memory for the largest block.
     pub fn new() -> Self {
         let blocks = BLOCK / 4 + 1;
         Self { arch: Arch::new(), width: 0, strips: Vec::with_capacity(8 * blocks * (blocks + 1)) }
     }
 
-    /// Factors the lower triangle of a block in place; false if it is not positive definite, and stays as it is then.
+    /// Factors the lower triangle of a block in place. Returns false if it is not positive definite; the block is
+    /// unchanged then.
     pub fn factor(&mut self, block: MatMut<'_, f64>) -> bool {
         self.width = block.nrows();
         self.strips.clear();
@@ -38,7 +40,7 @@ impl DiagonalBlock {
         self.arch.dispatch(Factorization { strips: &mut self.strips, block })
     }
 
-    /// `A L₁₁⁻ᵀ` in place of the rows A.
+    /// Triangular solve (TRSM) `A L₁₁⁻ᵀ` in place of the rows `A`.
     pub fn solve_rows(&self, rows: MatMut<'_, f64>) {
         debug_assert_eq!(rows.ncols(), self.width);
         if rows.nrows() > 0 {
@@ -47,19 +49,19 @@ impl DiagonalBlock {
     }
 }
 
-/// A chunk of rows: registers of R · lanes rows by column.
+/// Chunk of R · lanes rows: R vector registers for each column.
 type Chunk<S, const R: usize> = [[<S as Simd>::f64s; R]; BLOCK + WIDEST];
 
-/// A matrix whose columns are slices.
+/// Matrix whose columns are contiguous slices.
 type Columns<'a> = MatMut<'a, f64, usize, usize, ContiguousFwd>;
 
-/// Strips of C columns and chunks of R registers.
+/// Vector kernel for strips of C columns and chunks of R registers.
 struct Kernel<S, const R: usize, const C: usize> {
     simd: S,
 }
 
 impl<S: Simd, const R: usize, const C: usize> Kernel<S, R, C> {
-    /// Rows of a chunk.
+    /// Number of rows of a chunk.
     const ROWS: usize = R * S::F64_LANES;
 
     #[inline(always)]
@@ -67,7 +69,7 @@ impl<S: Simd, const R: usize, const C: usize> Kernel<S, R, C> {
         [[self.simd.splat_f64s(0.0); R]; BLOCK + WIDEST]
     }
 
-    /// Takes the columns before a strip off its columns, which begin at `at`: `A − X L₂₁ᵀ`.
+    /// Update of a strip, which begins at column `at`, by the columns before it: `A − X L₂₁ᵀ`.
     #[inline(always)]
     fn update(&self, chunk: &mut [[S::f64s; R]], before: &[f64], at: usize) {
         let mut sum = [[self.simd.splat_f64s(0.0); R]; C];
@@ -86,7 +88,7 @@ impl<S: Simd, const R: usize, const C: usize> Kernel<S, R, C> {
         }
     }
 
-    /// Divides the columns of a strip by the transpose of its own triangle.
+    /// Triangular solve of the columns of a strip with the transpose of its own triangle.
     #[inline(always)]
     fn solve(&self, chunk: &mut [[S::f64s; R]], own: &[f64], at: usize) {
         let mut x = [[self.simd.splat_f64s(0.0); R]; C];
@@ -106,7 +108,7 @@ impl<S: Simd, const R: usize, const C: usize> Kernel<S, R, C> {
         chunk[at..at + C].copy_from_slice(&x);
     }
 
-    /// Divides a chunk by all strips there are; tells how many columns these have.
+    /// Triangular solve of a chunk with all strips so far; returns the number of their columns.
     #[inline(always)]
     fn divide(&self, chunk: &mut [[S::f64s; R]], strips: &[f64]) -> usize {
         let (mut at, mut rest) = (0, strips);
@@ -120,7 +122,7 @@ impl<S: Simd, const R: usize, const C: usize> Kernel<S, R, C> {
         at
     }
 
-    /// Reads rows from `first` on into a chunk.
+    /// Reads the rows from `first` on into a chunk.
     #[inline(always)]
     fn read(&self, rows: MatRef<'_, f64>, first: usize, chunk: &mut [[S::f64s; R]]) {
         let count = (rows.nrows() - first).min(Self::ROWS);
@@ -134,7 +136,7 @@ impl<S: Simd, const R: usize, const C: usize> Kernel<S, R, C> {
         }
     }
 
-    /// Writes a chunk back.
+    /// Writes a chunk back to the rows from `first` on.
     #[inline(always)]
     fn write(&self, chunk: &[[S::f64s; R]], first: usize, rows: MatMut<'_, f64>) {
         let count = (rows.nrows() - first).min(Self::ROWS);
@@ -148,8 +150,8 @@ impl<S: Simd, const R: usize, const C: usize> Kernel<S, R, C> {
         }
     }
 
-    /// Factors the triangle of a strip that begins with row `row` of the chunk and column `at`, of which `width` are in
-    /// the block, and adds it to the strips.
+    /// Factors the triangle of a strip that begins with row `row` of the chunk and column `at` of a block of `width`
+    /// columns, and appends it to the strips. Returns false if a pivot is not positive.
     #[inline(always)]
     fn own(
         &self,
@@ -214,13 +216,13 @@ impl<S: Simd, const R: usize, const C: usize> Kernel<S, R, C> {
         true
     }
 
-    /// Writes the factor from its strips.
+    /// Writes the factor from its strips to the block.
     #[inline(always)]
     fn unpack(&self, strips: &[f64], block: Columns<'_>) {
         let width = block.nrows();
         for (j, column) in block.col_iter_mut().enumerate() {
             let (first, within, column) = (j / C * C, j % C, column.as_slice_mut());
-            // Strips before this one have C, 2C, ... rows of C.
+            // The strips before this one hold C, 2C, ... rows of C entries.
             let own = &strips[first * (first + C) / 2 + C * first..][..C * C];
             column[j] = own[C * within + within].recip();
             for r in within + 1..C.min(width - first) {
@@ -245,7 +247,7 @@ impl<S: Simd, const R: usize, const C: usize> Kernel<S, R, C> {
     }
 }
 
-/// Calls a method of the kernel that suits the registers: one that fills them with sums, and no more.
+/// Calls a method of the kernel that suits the instruction set: its sums fill the registers, and no more.
 macro_rules! with_kernel {
     ($simd:expr, $S:ident, $method:ident($($argument:expr),*)) => {
         if $S::F64_LANES >= 8 {

@@ -1,39 +1,40 @@
-//! Where the entries of the matrix go in the fronts.
+//! Entry-to-front map: places of the original entries of the matrix in the panels of the fronts.
 //!
-//! The unknowns of a node have the same neighbours, so columns that follow one another in the matrix mostly have the same
-//! rows, and their entries stand side by side in a panel. A run holds such a block of entries: of several columns, those
-//! that stand at equal distances. The matrix has far more columns than it has blocks.
+//! The unknowns of a node have the same neighbours, so consecutive columns of the matrix mostly have the same rows, and
+//! their entries are adjacent in a panel. A run holds such a block of entries: several columns at equal distances in
+//! the panel. The matrix has far more columns than such blocks.
 
 use super::FactorError;
 use super::assembly_tree::Front;
 use super::trapezoid::BLOCK;
 
-/// Distances in a panel are smaller, to be stored with a length.
+/// Exclusive upper bound of the strides in a panel, so that a stride and a length fit one 32-bit number.
 const MOST_STEP: usize = 1 << 24;
 
-/// How the entries of a run stand in a panel.
+/// Arrangement of the entries of a run in a panel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 enum Shape {
-    /// Columns of the matrix are columns of the panel. Entries of a column follow one another.
+    /// Columns of the matrix are columns of the panel; the entries of a column are adjacent.
     Columns,
-    /// So, from the diagonal on: every column begins one row further down and has one entry less than that before.
+    /// Columns of the matrix are columns of the panel, from the diagonal on: each column begins one row further down
+    /// and has one entry less than the one before.
     DiagonalBlock,
-    /// Columns of the matrix are rows of the panel, or there is only one.
+    /// Columns of the matrix are rows of the panel, or there is only one column.
     Rows,
 }
 
-/// Entries of consecutive columns of the matrix that stand at equal distances in a panel.
+/// Run of original entries: entries of consecutive columns of the matrix at equal distances in a panel.
 #[derive(Debug, Clone, Copy)]
 struct EntryRun {
-    /// Number of the first value of the first column.
+    /// Index of the first value of the first column.
     value: u32,
-    /// Its place in the panel.
+    /// Place of the first value in the panel.
     at: u32,
-    /// Distance of the places that do not follow one another, times 256, plus the number of entries of the first column.
-    /// In rows it is that of the entries of a column, otherwise that of the columns.
+    /// Stride in the panel times 256, plus the number of entries of the first column. The stride of [`Shape::Rows`] is
+    /// the distance between the entries of a column, otherwise it is the distance between columns.
     step_and_length: u32,
-    /// Distance of the values from the first column to the second; it is one less from each column to the next.
+    /// Distance of the values from the first column to the second; it decreases by one from each column to the next.
     next: u16,
     columns: u8,
     shape: Shape,
@@ -45,14 +46,14 @@ impl EntryRun {
         self.step_and_length & 255
     }
 
-    /// Distances in the panel, of entries and of columns.
+    /// Strides in the panel: between the entries of a column, and between columns.
     #[inline]
     fn steps(self) -> (usize, usize) {
         let step = (self.step_and_length >> 8) as usize;
         if self.shape == Shape::Rows { (step, 1) } else { (1, step) }
     }
 
-    /// Of each column: number of its first value, place of that in the panel, number of entries.
+    /// Segment of each column: index of its first value, place of that value in the panel, number of entries.
     #[inline]
     fn pieces(self) -> impl Iterator<Item = (usize, usize, usize)> {
         let (mut value, mut at) = (self.value as usize, self.at as usize);
@@ -66,12 +67,13 @@ impl EntryRun {
         })
     }
 
-    /// Number of entries.
+    /// Number of entries of the run.
     fn entries(self) -> usize {
         self.pieces().map(|(_, _, length)| length).sum()
     }
 
-    /// Adds the entries to a panel. `values` gives those of a column for the number of the first and how many there are.
+    /// Adds the entries to a panel. `values` returns the values of a column, given the index of the first and their
+    /// number.
     #[inline]
     fn add<'a>(self, mut values: impl FnMut(usize, usize) -> &'a [f64], panel: &mut [f64]) {
         let (step, _) = self.steps();
@@ -91,7 +93,8 @@ impl EntryRun {
         }
     }
 
-    /// Whether the next entry of the first column belongs to the run, which then holds it.
+    /// Extends the run by the next entry of the first column, at place `at` of the panel, if it fits; returns whether
+    /// it does.
     fn take(&mut self, at: u32, shape: Shape) -> bool {
         let length = self.length();
         let rows = self.shape == Shape::Rows;
@@ -109,22 +112,22 @@ impl EntryRun {
     }
 }
 
-/// The entries of the matrix by front.
+/// Entry-to-front map: runs of original entries, sorted by front.
 #[derive(Debug, Default)]
 pub(super) struct EntryMap {
     runs: Vec<EntryRun>,
-    /// First run of each front, and their number.
+    /// First run of each front, then the number of runs.
     starts: Vec<u32>,
 }
 
 impl EntryMap {
-    /// Finds where each entry of the matrix goes.
+    /// Maps each original entry of the matrix to its place in a front.
     ///
     /// # Errors
     /// A front is too large to be indexed.
     pub fn new(numbering: &FrontNumbering) -> Result<Self, FactorError> {
         let mut starts = vec![0_u32; numbering.fronts.len() + 1];
-        // Runs in the order of the matrix, and what becomes the place of each in the order of the fronts.
+        // Runs in matrix order, with the front of each, which is later replaced by the run's position in front order.
         let (mut runs, mut places): (Vec<EntryRun>, Vec<u32>) = (Vec::new(), Vec::new());
         let mut j = 0;
         while j < numbering.place.len() {
@@ -145,7 +148,7 @@ impl EntryMap {
             *place = *next;
             *next += 1;
         }
-        // In place, to have them in memory only once.
+        // Sorting in place keeps only one copy of the runs in memory.
         for k in 0..runs.len() {
             while places[k] as usize != k {
                 let to = places[k] as usize;
@@ -161,26 +164,27 @@ impl EntryMap {
         &self.runs[self.starts[f] as usize..self.starts[f + 1] as usize]
     }
 
-    /// Adds the entries of the matrix to the panel of a front.
+    /// Adds the original entries of a front to its panel.
     pub fn add_entries(&self, f: usize, values: &[f64], panel: &mut [f64]) {
         for run in self.of(f) {
             run.add(|first, length| &values[first..][..length], panel);
         }
     }
 
-    /// Number of entries of the matrix in a front.
+    /// Number of original entries in a front.
     pub fn number(&self, f: usize) -> usize {
         self.of(f).iter().map(|run| run.entries()).sum()
     }
 
-    /// Collects the entries of the matrix in a front.
+    /// Copies the original entries of a front to `out`, in the order of its runs.
     pub fn collect(&self, f: usize, values: &[f64], mut out: &mut [f64]) {
         for (value, _, length) in self.of(f).iter().flat_map(|run| run.pieces()) {
             out.split_off_mut(..length).unwrap_or_default().copy_from_slice(&values[value..][..length]);
         }
     }
 
-    /// As [`enter`](Self::enter), with what was collected.
+    /// Adds the original entries of a front to its panel, as [`add_entries`](Self::add_entries) does, from the copy
+    /// made by [`collect`](Self::collect).
     pub fn add_collected(&self, f: usize, mut collected: &[f64], panel: &mut [f64]) {
         for run in self.of(f) {
             let next = |_, length| collected.split_off(..length).unwrap_or_default();
@@ -188,7 +192,7 @@ impl EntryMap {
         }
     }
 
-    /// Calls `take` with the number of each value of the matrix in a front and its place in the panel.
+    /// Calls `take` with the index of each original entry of a front and its place in the panel.
     pub fn each(&self, f: usize, mut take: impl FnMut(usize, usize)) {
         for run in self.of(f) {
             let (step, _) = run.steps();
@@ -199,12 +203,12 @@ impl EntryMap {
     }
 }
 
-/// A matrix, its lower triangle in compressed columns, and the fronts in which its unknowns are eliminated.
+/// Lower triangle of a matrix in compressed columns, and the fronts in which its unknowns are eliminated.
 pub(super) struct FrontNumbering<'a> {
     pub fronts: &'a [Front],
-    /// Place of each unknown in the order of elimination.
+    /// Position of each unknown in the elimination order.
     pub place: &'a [u32],
-    /// Front of each place.
+    /// Front of each position of the elimination order.
     pub front_of: &'a [u32],
     pub pointers: &'a [usize],
     pub rows: &'a [u32],
@@ -215,8 +219,8 @@ impl FrontNumbering<'_> {
         &self.rows[self.pointers[j]..self.pointers[j + 1]]
     }
 
-    /// Number of columns from this one on that have the same rows below them and follow one another in a block column
-    /// of a panel.
+    /// Number of columns from `j` on that have the same rows below them and are consecutive in one block column of a
+    /// panel.
     fn alike(&self, j: usize) -> u8 {
         let rows = self.column(j);
         let place = self.place[j];
@@ -234,7 +238,8 @@ impl FrontNumbering<'_> {
         (1..most).find(differs).unwrap_or(most.max(1))
     }
 
-    /// Calls `take` with the front of each run of entries of so many columns that are alike.
+    /// Calls `take` with the front and each run of the entries of `columns` columns of equal rows, beginning with
+    /// column `j`.
     fn each_run(
         &self,
         j: usize,
@@ -261,11 +266,11 @@ impl FrontNumbering<'_> {
             let local = if (row as usize) < front.first + front.width {
                 row as usize - front.first
             } else {
-                // Mostly the one after the last, or the same one in another column of the panel.
+                // The row is mostly the one after the last, or the last one again in another column of the panel.
                 if front.rows.get(below) != Some(&row) {
                     below = front.rows.binary_search(&row).map_err(|_| FactorError::TooLarge)?;
                 }
-                // Rows of the panel that stand for columns that are alike follow one another.
+                // Rows of the panel that correspond to columns of equal rows are consecutive.
                 let more = if shape == Shape::Rows { u32::from(columns - 1) } else { 0 };
                 if front.rows.get(below + more as usize) != Some(&(row + more)) {
                     return Err(FactorError::TooLarge);
@@ -285,8 +290,8 @@ impl FrontNumbering<'_> {
             }
             let value = u32::try_from(k).map_err(|_| FactorError::TooLarge)?;
             let height = (layout.rows - column / BLOCK * BLOCK) as u32;
-            // Distances of columns and of their values: those on the diagonal go one further. They fit where there are
-            // several columns.
+            // Stride of the columns and distance of their values; columns on the diagonal go one row further down. Both
+            // fit their types where there are several columns.
             let (step, next) = match shape {
                 Shape::DiagonalBlock => (height + 1, rows.len()),
                 Shape::Columns => (height, rows.len() - 1),

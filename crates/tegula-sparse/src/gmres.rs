@@ -1,11 +1,13 @@
-//! Generalised minimal residuals for small dense vectors: solutions and eigenvalues of an operator `I + B`.
+//! GMRES (generalised minimal residual method) for small dense vectors: solutions and eigenvalues of an operator
+//! `I + B`.
 //!
 //! Y. Saad, M. H. Schultz, *GMRES: a generalized minimal residual algorithm for solving nonsymmetric linear systems*,
-//! SIAM J. Sci. Stat. Comput. 7 (1986) 856–869; the Arnoldi process with a second orthogonalisation.
+//! SIAM J. Sci. Stat. Comput. 7 (1986) 856–869. The Arnoldi process orthogonalises every vector twice.
 
 use nalgebra::DMatrix;
 
-/// Numbers between −½ and ½ without symmetry, the same in every run: a start of the Arnoldi process.
+/// Pseudo-random numbers between −½ and ½, identical in every run: a start vector of the Arnoldi process without
+/// symmetry.
 pub fn noise() -> impl Iterator<Item = f64> {
     let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
     std::iter::repeat_with(move || {
@@ -14,14 +16,14 @@ pub fn noise() -> impl Iterator<Item = f64> {
     })
 }
 
-/// Krylov basis and the Hessenberg matrix of the Arnoldi process, of a fixed size.
+/// GMRES workspace of fixed size: Krylov basis and Hessenberg matrix of the Arnoldi process.
 #[derive(Debug, Clone)]
 pub struct Gmres {
     /// Length of the vectors.
     size: usize,
     /// Largest number of Arnoldi steps before a restart.
     most: usize,
-    /// Orthonormal vectors, one after another.
+    /// Orthonormal basis vectors, one after another.
     basis: Vec<f64>,
     /// Hessenberg matrix by columns of `most + 1` entries; triangular after the rotations of a solution.
     hessenberg: Vec<f64>,
@@ -32,17 +34,17 @@ pub struct Gmres {
     work: Vec<f64>,
 }
 
-/// How a system was solved.
+/// Statistics of the solution of a linear system.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
-    /// Applications of the operator.
+    /// Number of applications of the operator.
     pub applications: usize,
-    /// Norm of the residual over that of the right side.
+    /// Norm of the residual over the norm of the right side.
     pub residual: f64,
 }
 
 impl Gmres {
-    /// For vectors of length `size`, with at most `most` Arnoldi steps between restarts.
+    /// Allocates the workspace for vectors of length `size`, with at most `most` Arnoldi steps between restarts.
     pub fn new(size: usize, most: usize) -> Self {
         let most = most.min(size);
         Self {
@@ -57,10 +59,10 @@ impl Gmres {
     }
 
     /// Solves `A x = b` from the start `x` with the residual `b − A x = residual`. `apply(v, out)` writes `A v`; it is
-    /// applied about `limit` times at most. Residuals are relative to the norm of `b`.
+    /// called about `limit` times at most. Residuals are relative to the norm of `b`.
     ///
     /// # Errors
-    /// Those of `apply`.
+    /// The errors of `apply`.
     pub fn solve<E>(
         &mut self,
         b: &[f64],
@@ -74,7 +76,7 @@ impl Gmres {
         loop {
             let start = norm(&self.work);
             let residual = start / scale;
-            // Also where it is not a number: the caller judges the residual.
+            // NaN also ends the iteration: the caller judges the residual.
             if !(start > tolerance * scale) || applications >= limit || self.most == 0 {
                 return Ok(Outcome { applications, residual });
             }
@@ -89,7 +91,7 @@ impl Gmres {
                 applications += 1;
                 steps += 1;
                 self.rotate(steps - 1);
-                // A vanishing new vector: the solution lies in the space.
+                // The new vector vanishes: the Krylov space contains the solution.
                 if self.right[steps].abs() <= tolerance * scale || !(next > 0.0) {
                     break;
                 }
@@ -106,13 +108,13 @@ impl Gmres {
         }
     }
 
-    /// Eigenvalues (real and imaginary parts) of the operator that the Arnoldi process finds from the start vector
-    /// `b`: Ritz values, of which those far from the others are accurate first. Every `interval` steps and at the end they
-    /// are shown to `enough`, which may end the process; it is also told whether they are exact, as the Krylov space is
-    /// invariant.
+    /// Ritz values (real and imaginary parts) of the operator, by the Arnoldi process from the start vector `b`;
+    /// eigenvalues far from the others become accurate first. Every `interval` steps and at the end they are shown to
+    /// `enough`, which may end the process; its second argument tells whether they are exact because the Krylov space
+    /// is invariant.
     ///
     /// # Errors
-    /// Those of `apply`.
+    /// The errors of `apply`.
     pub fn ritz_values<E>(
         &mut self,
         b: &[f64],
@@ -131,7 +133,7 @@ impl Gmres {
         for steps in 1..=self.most {
             let next = self.arnoldi(steps - 1, &mut apply)?;
             scale = scale.max(norm(&self.hessenberg[(steps - 1) * (self.most + 1)..][..steps]));
-            // To rounding.
+            // The Krylov space is invariant to rounding.
             let invariant = !(next > 1e-13 * scale);
             let last = steps == self.most || invariant;
             if last || steps % interval == 0 {
@@ -144,19 +146,19 @@ impl Gmres {
         Ok(values)
     }
 
-    /// Leading part of the Hessenberg matrix.
+    /// Leading square part of the Hessenberg matrix, of order `steps`.
     fn leading_part(&self, steps: usize) -> DMatrix<f64> {
         let entry =
             |i: usize, j: usize| if i <= j + 1 { self.hessenberg[j * (self.most + 1) + i] } else { 0.0 };
         DMatrix::from_fn(steps, steps, entry)
     }
 
-    /// Unit vector that belongs to a real Ritz value of the last process, which has taken so many `steps`.
+    /// Ritz vector of unit length for a real Ritz value of the last Arnoldi process, which took `steps` steps.
     pub fn ritz_vector(&self, steps: usize, value: f64) -> Vec<f64> {
         let shifted = self.leading_part(steps) - DMatrix::identity(steps, steps) * value;
         let mut vector = vec![0.0; self.size];
         if let Some(right) = shifted.svd(false, true).v_t {
-            // The right singular vector of the smallest singular value, the last one.
+            // The last right singular vector belongs to the smallest singular value.
             for (factor, v) in right.row(steps - 1).iter().zip(self.basis.chunks_exact(self.size)) {
                 vector.iter_mut().zip(v).for_each(|(x, v)| *x += factor * v);
             }
@@ -173,7 +175,8 @@ impl Gmres {
         h.complex_eigenvalues().iter().map(|z| [z.re, z.im]).collect()
     }
 
-    /// Adds a vector to the basis and a column to the Hessenberg matrix; returns the entry below its diagonal.
+    /// Arnoldi step: adds a vector to the basis and a column to the Hessenberg matrix; returns the entry below its
+    /// diagonal.
     fn arnoldi<E>(
         &mut self,
         step: usize,
@@ -194,7 +197,7 @@ impl Gmres {
             }
         }
         let mut left = norm(new);
-        // What rounding leaves of a vector of the space spanned before.
+        // A remainder as small as rounding means that the vector lies in the space spanned before.
         if left <= 1e-15 * before {
             left = 0.0;
         }
@@ -220,7 +223,7 @@ impl Gmres {
         (self.right[k], self.right[k + 1]) = (c * g, -s * g);
     }
 
-    /// Adds the combination of the basis that the triangular system gives.
+    /// Solves the triangular system and adds the resulting combination of the basis to `x`.
     fn update(&mut self, steps: usize, x: &mut [f64]) {
         let rows = self.most + 1;
         for k in (0..steps).rev() {
@@ -239,7 +242,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Takes the parts along orthonormal `directions` from a vector.
+/// Projects a vector onto the orthogonal complement of orthonormal `directions`.
 pub fn project_out(directions: &[Vec<f64>], vector: &mut [f64]) {
     for direction in directions {
         let product = dot(direction, vector);
@@ -247,7 +250,7 @@ pub fn project_out(directions: &[Vec<f64>], vector: &mut [f64]) {
     }
 }
 
-/// Euclidean norm.
+/// Euclidean norm of a vector.
 pub fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
@@ -260,7 +263,7 @@ mod tests {
 
     use super::*;
 
-    /// An unsymmetric matrix: the unit matrix, a skew part of this strength, and one eigenvalue far away.
+    /// Unsymmetric matrix: the unit matrix, a skew part of strength `skew`, and one eigenvalue far away.
     fn matrix(n: usize, skew: f64, outlier: f64) -> DMatrix<f64> {
         let entry = |i: usize, j: usize| ((i * 7 + j * 3 + 1) as f64).sin();
         let mut a = DMatrix::identity(n, n);
@@ -334,7 +337,7 @@ mod tests {
         let b: Vec<f64> = (0..n).map(|i| 1.0 + (3.1 * i as f64).sin()).collect();
         let found = Gmres::new(n, n).ritz_values(&b, 4, |_, _| false, applied(&a)).unwrap();
         let expected: Vec<[f64; 2]> = a.complex_eigenvalues().iter().map(|z| [z.re, z.im]).collect();
-        // Multiple eigenvalues are found once: the process ends with an invariant space.
+        // Multiple eigenvalues are found once, because the process ends with an invariant space.
         let among =
             |e: &[f64; 2], list: &[[f64; 2]]| list.iter().any(|f| (f[0] - e[0]).hypot(f[1] - e[1]) < 1e-8);
         assert!(expected.iter().all(|e| among(e, &found)), "{found:?} {expected:?}");

@@ -1,56 +1,57 @@
 //! Block Lanczos iteration for the largest eigenvalues of an operator that is symmetric in an inner product.
 //!
-//! With `A = (K − σM)⁻¹ M` and the inner product of `M` its largest eigenvalues θ belong to the
-//! eigenvalues `λ = σ + 1/θ` of `Kφ = λMφ` next to the shift. The basis is orthogonalised in full,
-//! twice; blocks find multiple eigenvalues (the six rigid modes of a free body) at once.
-//! R. G. Grimes, J. G. Lewis, H. D. Simon, *A shifted block Lanczos algorithm for solving sparse
-//! symmetric generalized eigenproblems*, SIAM J. Matrix Anal. Appl. 15 (1994) 228–272.
+//! With `A = (K − σM)⁻¹ M` and the inner product of `M` (shift and invert), the largest eigenvalues θ give the
+//! eigenvalues `λ = σ + 1/θ` of `Kφ = λMφ` next to the shift. The basis is fully orthogonalised, twice; blocks find
+//! multiple eigenvalues (the six rigid modes of a free body) at once. R. G. Grimes, J. G. Lewis, H. D. Simon, *A
+//! shifted block Lanczos algorithm for solving sparse symmetric generalized eigenproblems*, SIAM J. Matrix Anal. Appl.
+//! 15 (1994) 228–272.
 
 use nalgebra::DMatrix;
 
-/// The operator and the inner product.
+/// Operator and inner product of an eigenvalue problem.
 pub trait SymmetricOperator {
     /// Number of unknowns.
     fn size(&self) -> usize;
-    /// `A x`, given `M x`.
+    /// Applies the operator: `out = A x`, given `M x`.
     fn apply(&mut self, m_x: &[f64], out: &mut [f64]);
-    /// `M x`.
+    /// Applies the matrix of the inner product: `out = M x`.
     fn inner(&self, x: &[f64], out: &mut [f64]);
-    /// Takes off a vector what does not belong to the space that is searched.
+    /// Projects a vector onto the space that is searched.
     fn project(&self, _x: &mut [f64]) {}
-    /// Asked between applications; true makes the space return at once. It cannot be used any more then.
+    /// Cancellation flag, asked between applications: after `true`, [`BlockLanczos`] returns at once and cannot be used
+    /// any more.
     fn stopped(&self) -> bool {
         false
     }
 }
 
-/// A Ritz pair.
+/// Ritz pair: approximate eigenvalue and eigenvector of the operator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RitzPair {
     /// Eigenvalue θ of the operator.
     pub value: f64,
-    /// Vector, of length 1 in the inner product.
+    /// Ritz vector, of length 1 in the inner product.
     pub vector: Vec<f64>,
     /// Norm of the residual `A x − θ x` in the inner product, over θ.
     pub residual: f64,
 }
 
-/// A growing Krylov space and what is known of the operator in it.
+/// Growing Krylov space and the projection of the operator onto it.
 pub struct BlockLanczos {
     basis: Vec<Vec<f64>>,
     m_basis: Vec<Vec<f64>>,
-    /// `vᵢᵀ M A vⱼ`, for the columns that the operator was applied to.
+    /// Projected operator `vᵢᵀ M A vⱼ`, for the columns to which the operator was applied.
     projected: Vec<Vec<f64>>,
-    /// Vectors of the newest block, to which the operator was not applied yet.
+    /// Number of vectors in the newest block, to which the operator has not been applied yet.
     newest: usize,
     block: usize,
-    /// Part of `A vⱼ` outside the basis, in terms of the newest block.
+    /// Component of `A vⱼ` outside the basis, in terms of the newest block.
     coupling: Vec<Vec<f64>>,
     seed: u64,
 }
 
 impl BlockLanczos {
-    /// A space that starts with a random block; the same numbers every time.
+    /// Creates a space that starts with a pseudo-random block, identical in every run.
     pub fn new(operator: &mut dyn SymmetricOperator, block: usize) -> Self {
         let mut out = Self {
             basis: Vec::new(),
@@ -70,12 +71,12 @@ impl BlockLanczos {
         self.basis.len()
     }
 
-    /// True before the first block.
+    /// Whether the basis has no vectors, before the first block.
     pub fn is_empty(&self) -> bool {
         self.basis.is_empty()
     }
 
-    /// Adds a block of random vectors, for eigenvectors that the first block did not hold.
+    /// Adds a block of random vectors, for eigenvectors that the first block did not contain; returns their number.
     pub fn add_random(&mut self, operator: &mut dyn SymmetricOperator) -> usize {
         let n = operator.size();
         let mut added = 0;
@@ -96,7 +97,8 @@ impl BlockLanczos {
         added
     }
 
-    /// Applies the operator to the newest block. Returns the number of new vectors; 0: the space is invariant.
+    /// Applies the operator to the newest block. Returns the number of new vectors; 0 means that the space is
+    /// invariant.
     pub fn expand(&mut self, operator: &mut dyn SymmetricOperator) -> usize {
         let n = operator.size();
         let first = self.basis.len() - self.newest;
@@ -144,7 +146,7 @@ impl BlockLanczos {
         added
     }
 
-    /// Orthonormalises a vector against the basis and appends it; `None` if nothing is left of it.
+    /// Orthonormalises a vector against the basis and appends it; `None` if the vector lies in the span of the basis.
     fn append(&mut self, operator: &dyn SymmetricOperator, mut w: Vec<f64>) -> Option<()> {
         let mut m_w = vec![0.0; w.len()];
         operator.inner(&w, &mut m_w);
@@ -168,12 +170,12 @@ impl BlockLanczos {
         Some(())
     }
 
-    /// Largest Ritz values and the norms of their residuals over the values, without vectors.
+    /// Ritz values, largest first, and the norms of their residuals over the values, without vectors.
     pub fn ritz_values(&self) -> Vec<(f64, f64)> {
         self.decompose().into_iter().map(|(value, residual, _)| (value, residual)).collect()
     }
 
-    /// The `count` pairs of largest value.
+    /// Ritz pairs of the `count` largest values.
     pub fn ritz_pairs(&self, count: usize) -> Vec<RitzPair> {
         self.decompose()
             .into_iter()
@@ -275,7 +277,7 @@ mod tests {
         for (pair, expected) in pairs.iter().zip([7.0, 7.0, 7.0, 7.0]) {
             approx::assert_relative_eq!(pair.value, expected, epsilon = 1e-12);
         }
-        // A block of 4 holds only 4 of the 6 equal ones; a second random block brings the others.
+        // A block of 4 contains only 4 of the 6 equal eigenvalues; a second random block adds the others.
         lanczos.add_random(&mut a);
         for _ in 0..20 {
             lanczos.expand(&mut a);

@@ -1,15 +1,15 @@
-//! Sparse factorisation of symmetric matrices.
+//! Sparse LDLᵀ factorisation of symmetric matrices.
 //!
-//! Ordering and symbolic analysis are made once for the pattern of a model and serve all iterations and steps. Matrices
-//! are factored by the [multifrontal method](super::multifrontal). Where they turn out not to be positive definite, the
-//! blocks concerned are eliminated [with pivots](super::rook_pivoting), which also gives the inertia.
+//! Ordering and symbolic factorisation are computed once for the pattern of a model and serve all iterations and steps.
+//! Matrices are factored by the [multifrontal method](super::multifrontal). Diagonal blocks that turn out not to be
+//! positive definite are factored with [rook pivoting](super::rook_pivoting), which also gives the inertia.
 
 use std::sync::Arc;
 
 use super::multifrontal::{Attempt, Multifrontal, Values};
 use super::{Factor, FactorError, Inertia};
 
-/// Lower triangle of a symmetric matrix in compressed columns, without its values.
+/// Sparsity pattern of a symmetric matrix: its lower triangle in compressed columns, without values.
 #[derive(Debug, Clone)]
 pub struct SymmetricPattern {
     pointers: Arc<Vec<usize>>,
@@ -17,19 +17,19 @@ pub struct SymmetricPattern {
 }
 
 impl SymmetricPattern {
-    /// From column pointers and row numbers (ascending within a column, the first on the diagonal).
+    /// Creates the pattern from column pointers and row numbers (ascending within a column, the first on the diagonal).
     pub fn new(column_pointers: impl Into<Arc<Vec<usize>>>, rows: Vec<u32>) -> Self {
         let pointers = column_pointers.into();
         debug_assert_eq!(pointers.last(), Some(&rows.len()));
         Self { pointers, rows }
     }
 
-    /// Number of rows.
+    /// Number of rows of the matrix.
     pub fn size(&self) -> usize {
         self.pointers.len() - 1
     }
 
-    /// Column pointers and row numbers.
+    /// Column pointers and row numbers of the lower triangle.
     pub fn columns(&self) -> (&[usize], &[u32]) {
         (&self.pointers, &self.rows)
     }
@@ -39,7 +39,7 @@ impl SymmetricPattern {
         self.pointers[..self.size()].iter().map(move |&p| values[p])
     }
 
-    /// `y += A x`.
+    /// Matrix–vector product `y += A x` with the matrix of these values.
     pub fn add_product(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
         for j in 0..self.size() {
             for k in self.pointers[j]..self.pointers[j + 1] {
@@ -53,9 +53,9 @@ impl SymmetricPattern {
     }
 }
 
-/// Sparse Cholesky factorisation of matrices of one pattern.
+/// Sparse LDLᵀ factorisation of symmetric matrices of one pattern, by the multifrontal method.
 pub struct SparseLdlt {
-    /// Number of the first value of each column, that on the diagonal.
+    /// Column pointers: index of the first value of each column, which is on the diagonal.
     pointers: Arc<Vec<usize>>,
     fronts: Multifrontal,
     /// Whether there is a factor to solve with.
@@ -64,7 +64,7 @@ pub struct SparseLdlt {
 }
 
 impl SparseLdlt {
-    /// Orders and analyses a pattern.
+    /// Orders and analyses a pattern (symbolic factorisation).
     ///
     /// # Errors
     /// The factor would be too large.
@@ -73,23 +73,23 @@ impl SparseLdlt {
         Ok(Self { pointers: pattern.pointers.clone(), fronts, factored: false, factorizations: 0 })
     }
 
-    /// Gives back the memory of the factor; the next factorisation takes it anew.
+    /// Frees the memory of the factor; the next factorisation allocates it again.
     pub fn release(&mut self) {
         self.factored = false;
         self.fronts.release();
     }
 
-    /// Factors the matrix with these values and uses up their memory: it becomes part of the factor. Without an inertia
-    /// they are needed once more, in other memory.
+    /// Factors the matrix with these values and takes their memory, which becomes part of the factor. If it returns
+    /// `None`, another attempt is necessary: the values are needed once more, in other memory.
     ///
     /// # Errors
-    /// Those of [`factor`](Factor::factor).
+    /// The errors of [`factor`](Factor::factor).
     pub fn factor_values(&mut self, values: &mut Vec<f64>) -> Result<Option<Inertia>, FactorError> {
         check_finite(values)?;
         self.attempt(Values::Owned(std::mem::take(values)))
     }
 
-    /// Ends the factor and gives back the memory that [`factor_values`](Self::factor_values) has used, or none.
+    /// Discards the factor and returns the memory taken by [`factor_values`](Self::factor_values), or an empty vector.
     pub fn reclaim_values(&mut self) -> Vec<f64> {
         self.factored = false;
         self.fronts.reclaim_values()
@@ -109,7 +109,7 @@ impl SparseLdlt {
         })
     }
 
-    /// Operations (additions and multiplications) of a factorisation.
+    /// Number of operations (additions and multiplications) of a factorisation.
     pub fn operations(&self) -> f64 {
         self.fronts.operations()
     }
@@ -128,7 +128,7 @@ impl Factor for SparseLdlt {
 
     fn solve(&mut self, right_side: &mut [f64]) {
         if !self.factored || self.fronts.solve(right_side).is_err() {
-            // Without a factor there is no solution; what is returned must not look like one.
+            // Without a factor there is no solution, and the result must not look like one.
             right_side.fill(f64::NAN);
         }
     }

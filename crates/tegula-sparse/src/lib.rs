@@ -1,4 +1,40 @@
-//! Sparse symmetric linear algebra: multifrontal LDLᵀ factorisation, block Lanczos, GMRES.
+//! Sparse symmetric linear algebra: multifrontal LDLᵀ factorisation, block Lanczos and GMRES.
+//!
+//! [`SparseLdlt`] is a direct solver for sparse symmetric matrices, definite or indefinite. The symbolic factorisation
+//! depends on the pattern alone and is computed once; every matrix of the pattern then needs the numeric part only. The
+//! flow is ordering → supernodes → assembly tree → numeric factorisation → solve:
+//!
+//! - `ordering`: compressed graph of supervariables (indistinguishable unknowns) and approximate minimum degree.
+//! - `supernodes`: elimination tree, fundamental supernodes, relaxed amalgamation and the postorder that minimises the
+//!   contribution-block stack.
+//! - `assembly_tree`, `entry_map`: fronts with fully summed columns, relative indices and the entry-to-front map.
+//! - `multifrontal`, `numeric`: assembly of original entries, extend-add of contribution blocks, choice of the pivoting
+//!   strategy.
+//! - `partial_factorization`, `diagonal_block`, `trapezoid`: blocked partial factorisation of a front by Cholesky of
+//!   diagonal blocks, triangular solves (TRSM) and Schur updates (SYRK, GEMM).
+//! - `rook_pivoting`, `delayed_pivots`: 1×1 and 2×2 pivots for indefinite matrices, the inertia, threshold pivoting
+//!   with growth check and delayed columns.
+//! - `schedule`, `workspace`: tree-level and node-level parallelism, bitwise identical results for any number of
+//!   threads, and a workspace pool with a low-memory mode.
+//! - `substitution`, `block_column`: forward and backward substitution.
+//!
+//! [`lanczos`] finds the largest eigenvalues of a symmetric operator, for instance of a shifted and inverted stiffness
+//! matrix; [`gmres`] solves systems and finds eigenvalues of operators `I + B`; [`norm`] has norms that propagate NaN.
+//!
+//! ```
+//! use tegula_sparse::{Factor, FactorError, SparseLdlt, SymmetricPattern};
+//!
+//! // Lower triangle of [[2, −1, 0], [−1, 2, −1], [0, −1, 2]] in compressed columns, the diagonal entry first.
+//! let pattern = SymmetricPattern::new(vec![0_usize, 2, 4, 5], vec![0, 1, 1, 2, 2]);
+//! let mut ldlt = SparseLdlt::new(&pattern)?;
+//! let inertia = ldlt.factor(&[2.0, -1.0, 2.0, -1.0, 2.0])?;
+//! assert_eq!((inertia.positive, inertia.negative), (3, 0));
+//!
+//! let mut x = [1.0, 0.0, 1.0];
+//! ldlt.solve(&mut x);
+//! assert!(x.iter().all(|x| (x - 1.0_f64).abs() < 1e-14));
+//! # Ok::<(), FactorError>(())
+//! ```
 
 mod assembly_tree;
 mod block_column;
@@ -23,43 +59,43 @@ mod workspace;
 pub use ldlt::{SparseLdlt, SymmetricPattern};
 pub use workspace::zeros;
 
-/// Signs of the pivots of a symmetric factorisation: the inertia of the matrix.
+/// Inertia of a symmetric matrix: the signs of the pivots of its factorisation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Inertia {
-    /// Positive pivots.
+    /// Number of positive pivots.
     pub positive: usize,
-    /// Negative pivots: eigenvalues below zero.
+    /// Number of negative pivots: eigenvalues below zero.
     pub negative: usize,
-    /// BlockPivots that are exactly zero or not a number.
+    /// Number of pivots that are exactly zero or not a number.
     pub zero: usize,
 }
 
-/// A direct solver for symmetric matrices of one pattern: analysed once, factored often.
+/// Direct solver for symmetric matrices of one pattern: analysed once, factored often.
 pub trait Factor: Send {
-    /// Factors the matrix with the given values of the pattern's lower triangle.
-    /// Positive definite matrices take the fast path; the inertia tells what the matrix was.
+    /// Factors the matrix with the given values of the pattern's lower triangle. Positive definite matrices take the
+    /// fast path, Cholesky without pivoting; the inertia tells whether the matrix was definite.
     ///
     /// # Errors
     /// The matrix is singular to working precision, or holds values that are not numbers.
     fn factor(&mut self, values: &[f64]) -> Result<Inertia, FactorError>;
-    /// Solves in place with the last factor.
+    /// Solves `A x = b` with the last factor, in place of `right_side`.
     fn solve(&mut self, right_side: &mut [f64]);
     /// Number of factorisations so far.
     fn factorizations(&self) -> usize;
-    /// Stored entries of the factor.
+    /// Number of stored entries of the factor.
     fn factor_entries(&self) -> usize;
 }
 
-/// A factorisation that failed.
+/// Error of a factorisation.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum FactorError {
     /// An entry of the matrix is not a number.
     #[error("the matrix holds values that are not numbers")]
     NotFinite,
-    /// A pivot vanished.
+    /// A pivot vanished: the matrix is singular to working precision.
     #[error("the matrix is singular")]
     Singular,
-    /// Too large to index or to store.
+    /// The factor is too large to index or to store.
     #[error("the factor does not fit in memory")]
     TooLarge,
 }

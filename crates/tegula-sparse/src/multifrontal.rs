@@ -1,11 +1,12 @@
-//! Multifrontal factorisation over faer's dense kernels, with independent subtrees in parallel.
+//! Multifrontal LDLᵀ factorisation over faer's dense kernels, with tree-level and node-level parallelism.
 //!
-//! Every front adds the entries of its columns and what its children pass on, [eliminates](super::partial_factorization) its
-//! columns and passes on the rest, `C − L₂₁ L₂₁ᵀ`. Subtrees do not know of each other: large ones are [split between
-//! threads](super::schedule), small ones are worked off one front after another with what waits on a stack. Children are
-//! added in a fixed order and dense work is cut at fixed places, so the result is the same to the bit for any number of
-//! threads. Beyond the factor, memory is taken where threads share a front, for its triangle and for what it passes on until
-//! that is added to its parent, and for the pivots of blocks that are not positive definite.
+//! Every front assembles the original entries of its fully summed columns and the contribution blocks of its children
+//! (extend-add), [eliminates](super::partial_factorization) these columns and leaves the Schur complement,
+//! `C − L₂₁ L₂₁ᵀ`, as its own contribution block. Subtrees are independent: large ones are [divided among the
+//! threads](super::schedule), small ones are factored front by front with a contribution-block stack. The order of the
+//! extend-adds and the tiles of the dense kernels are fixed, so the result is bitwise identical for any number of
+//! threads. Memory beyond the factor is needed for the diagonal block of a node-level front, for contribution blocks
+//! until the parent assembles them, and for the pivots of blocks that are not positive definite.
 //!
 //! J. W. H. Liu, *The multifrontal method for sparse matrix solution*, SIAM Review 34 (1992) 82–109.
 
@@ -25,54 +26,55 @@ use super::substitution::Solver;
 use super::workspace::{Buffer, WorkspacePool, zeros};
 use super::{FactorError, Inertia};
 
-/// Work (operations) below which a subtree is not split.
+/// Work (floating-point operations) below which a subtree is not divided among threads.
 const MIN_PARALLEL_FLOPS: f64 = 2e7;
-/// Entries of a factor (256 MB) from which on memory is spared, at the price of 3 % more time: subtrees are half as
-/// large, threads wait for one another, panels take the memory of the values, and what waits has pieces of its own size.
+/// Entries of a factor (256 MB) from which on the low-memory mode is used, at the cost of 3 % more time: subtree tasks
+/// are half as large, threads wait for node-level fronts, the last fronts are stored in place of the values, and
+/// contribution blocks get workspace buffers of about their own size.
 const LOW_MEMORY_ENTRIES: usize = 1 << 25;
 
-/// Factor of matrices of one pattern.
+/// Multifrontal factor of matrices of one pattern.
 pub(super) struct Multifrontal {
     tree: AssemblyTree,
-    /// Panels of all fronts but the late ones, by block columns.
+    /// Panels of all fronts but those stored in place of the values, by block columns.
     factor: Vec<f64>,
     in_place: Option<InPlaceFronts>,
-    /// Memory that came with the values of the matrix, or took its place: panels of the late fronts.
+    /// Memory of the values of the matrix, or its replacement, which holds the panels of the fronts stored in place.
     value_memory: Vec<f64>,
     pivoting: Pivoting,
     /// Diagonal of the matrix.
     diagonal: Vec<f64>,
-    /// BlockPivots of all fronts.
+    /// Pivots of all fronts.
     pivots: Vec<FrontPivots>,
-    /// What is worked off at a time.
+    /// Tasks of the schedule: subtrees and node-level fronts.
     tasks: Vec<Task>,
-    /// Whether the subtree of a front is split between threads.
+    /// Node-level fronts: fronts whose subtree is divided among threads.
     node_level: Vec<bool>,
-    /// What waits at most in each task that is a subtree.
+    /// Largest size of the contribution-block stack in each task that is a subtree.
     stack_sizes: Vec<usize>,
-    /// Memory counts more than time.
+    /// Low-memory mode: memory counts more than time.
     low_memory: bool,
-    /// Memory for a block, one for each thread.
+    /// Workspace for a diagonal block, one for each thread.
     diagonal_blocks: Vec<Mutex<DiagonalBlock>>,
-    /// Memory for what waits, and for the sums of all rows.
+    /// Workspace pool for contribution blocks and for the row sums of a solution.
     workspace: WorkspacePool,
-    /// Vector of all columns.
+    /// Vector of all columns in elimination order, for a solution.
     columns: Vec<f64>,
 }
 
-/// The last fronts, whose panels take the memory of the values of the matrix when no other front needs these any more.
+/// Last fronts of the tree, stored in place of the values of the matrix once no other front needs these.
 struct InPlaceFronts {
-    /// The first of their tasks, and of themselves.
+    /// First task of these fronts; `front` is the first of the fronts themselves.
     task: usize,
     front: usize,
-    /// Where the entries of the matrix in each of them begin among those that are set aside for them, and the end.
+    /// Start of the original entries of each of these fronts in the copy set aside for them, then the end.
     starts: Vec<usize>,
-    /// Entries of their panels.
+    /// Number of entries of their panels.
     size: usize,
 }
 
 impl InPlaceFronts {
-    /// As many tasks as a matrix with so many values has memory for.
+    /// Selects as many of the last tasks as fit into the memory of `values` matrix values.
     fn new(tree: &AssemblyTree, tasks: &[Task], values: usize) -> Option<Self> {
         let mut size = 0;
         let fits = |task: &&Task| {
@@ -90,35 +92,37 @@ impl InPlaceFronts {
         Some(Self { task, front, starts, size })
     }
 
-    /// Number of entries of the matrix that are set aside.
+    /// Number of original entries that are set aside.
     fn entries(&self) -> usize {
         self.starts.last().copied().unwrap_or(0)
     }
 }
 
-/// How pivots are chosen.
+/// Pivoting strategy.
 enum Pivoting {
-    /// Among the columns of a block, as long as it has some.
+    /// Cholesky of each 128-column diagonal block; a block that is not positive definite is factored with rook pivoting
+    /// restricted to that block, or to the columns from there on if the block is singular.
     Restricted,
-    /// As before, if these sizes of the pivots are not too large; so many are negative.
+    /// Growth check of a restricted factorisation: it is accepted, with this number of negative pivots, unless these
+    /// pivot sizes are too large relative to the scales.
     GrowthCheck(Vec<f64>, usize),
-    /// Among all columns of a front.
+    /// Threshold pivoting among all fully summed columns of a front; columns that fail the test are delayed.
     Threshold,
 }
 
-/// What a factorisation came to.
+/// Outcome of one attempt to factor a matrix.
 pub(super) enum Attempt {
-    /// It is done.
+    /// The matrix is factored and has this inertia.
     Done(Inertia),
-    /// Once more, with the same values.
+    /// Another attempt with the same values is necessary.
     Again,
 }
 
 /// Values of the matrix.
 pub(super) enum Values<'a> {
-    /// To be read.
+    /// Values that are only read.
     Borrowed(&'a [f64]),
-    /// To be used up.
+    /// Values whose memory is reused.
     Owned(Vec<f64>),
 }
 
@@ -132,7 +136,7 @@ impl Values<'_> {
 }
 
 impl Multifrontal {
-    /// Analyses a lower triangle in compressed columns.
+    /// Orders and analyses a lower triangle in compressed columns.
     pub fn new(pointers: &[usize], rows: &[u32]) -> Result<Self, FactorError> {
         let graph = CompressedGraph::new(pointers, rows);
         let order = graph.minimum_degree()?;
@@ -141,7 +145,7 @@ impl Multifrontal {
         Self::of_tree(tree, rows.len(), low_memory)
     }
 
-    /// For a matrix with so many values.
+    /// Allocates the factor of an assembly tree, for a matrix with `values` entries.
     fn of_tree(tree: AssemblyTree, values: usize, low_memory: bool) -> Result<Self, FactorError> {
         let n = tree.fronts.len();
         let threads = rayon::current_num_threads();
@@ -175,7 +179,7 @@ impl Multifrontal {
         })
     }
 
-    /// Gives back the memory of the factor.
+    /// Frees the memory of the factor.
     pub fn release(&mut self) {
         self.factor = Vec::new();
         self.value_memory = Vec::new();
@@ -183,7 +187,7 @@ impl Multifrontal {
         self.pivoting = Pivoting::Restricted;
     }
 
-    /// Ends the factor and gives back the memory that came with the values, unless the factor is in doubt.
+    /// Discards the factor and returns the memory of the values; returns none while a growth check is pending.
     pub fn reclaim_values(&mut self) -> Vec<f64> {
         if matches!(self.pivoting, Pivoting::GrowthCheck(..)) {
             Vec::new()
@@ -192,20 +196,21 @@ impl Multifrontal {
         }
     }
 
-    /// Entries of the factor.
+    /// Number of entries of the factor.
     pub fn entries(&self) -> usize {
         self.tree.size
     }
 
-    /// Operations of a factorisation.
+    /// Number of floating-point operations of a factorisation.
     pub fn operations(&self) -> f64 {
         self.tree.operations()
     }
 
-    /// Factors the matrix with the given values, or asks for them once more: a positive pivot that is tiny beside the
-    /// entries of its column does no harm to a definite matrix, but to one that turns out indefinite. Then all pivots are
-    /// chosen anew, with care, and again for columns that had to be [delayed](super::delayed_pivots). Returns also whether a
-    /// factorisation was made, and not only what was in doubt judged.
+    /// Makes one attempt to factor the matrix with the given values, or asks for them once more. A positive pivot that
+    /// is tiny relative to the entries of its column is harmless in a definite matrix, but not in one that turns out to
+    /// be indefinite. If an indefinite matrix fails the growth check, it is factored again with threshold pivoting, and
+    /// then again in the assembly tree for its [delayed columns](super::delayed_pivots). The second result tells
+    /// whether the attempt made a factorisation or only finished a growth check.
     ///
     /// # Errors
     /// The matrix is singular, or the memory does not suffice.
@@ -237,7 +242,7 @@ impl Multifrontal {
             }
             Pivoting::GrowthCheck(sizes, negative) => {
                 let scales = self.scales(values.all());
-                // Not a number: grew, too.
+                // A size that is not a number fails the growth check, too.
                 if sizes.iter().zip(&scales).all(|(size, s)| *size <= GROWTH * s * s) {
                     return Ok((done(negative), false));
                 }
@@ -272,10 +277,11 @@ impl Multifrontal {
         Ok((Attempt::Again, true))
     }
 
-    /// Columns that are without pivots, in the order of elimination. What became of the fronts above them says nothing.
+    /// Delayed columns in elimination order. Fronts above an incomplete front are ignored, since their values are
+    /// meaningless.
     ///
     /// # Errors
-    /// One of them has none in any later front, either.
+    /// One of the columns has no pivot in any later front either: the matrix is singular.
     fn delayed(&self) -> Result<Vec<u32>, FactorError> {
         let mut out = Vec::new();
         let mut above = vec![false; self.tree.fronts.len()];
@@ -293,7 +299,8 @@ impl Multifrontal {
         Ok(out)
     }
 
-    /// Sizes of the pivots, by unknown.
+    /// Sizes of the pivots by unknown: `l_jj²` of a Cholesky column, the largest entry in the column of a 1×1 or 2×2
+    /// pivot.
     fn pivot_sizes(&self) -> Vec<f64> {
         let mut size = vec![0.0; self.columns.len()];
         for (f, (front, pivots)) in self.tree.fronts.iter().zip(&self.pivots).enumerate() {
@@ -312,13 +319,13 @@ impl Multifrontal {
         size
     }
 
-    /// Panel of a front.
+    /// Panel of a front, followed by the panels after it.
     fn panel(&self, f: usize) -> &[f64] {
         panel(&self.factor, &self.value_memory, self.tree.fronts[f].panel)
     }
 
-    /// Scales of the unknowns with which the largest entry of every row becomes about one: D. Ruiz, A scaling
-    /// algorithm to equilibrate both rows and columns norms in matrices, RAL-TR-2001-034 (2001).
+    /// Equilibration scales of the unknowns, with which the largest entry of every row becomes about one: D. Ruiz, *A
+    /// scaling algorithm to equilibrate both rows and columns norms in matrices*, RAL-TR-2001-034 (2001).
     fn scales(&self, values: &[f64]) -> Vec<f64> {
         let n = self.columns.len();
         let mut scale = vec![1.0; n];
@@ -336,7 +343,8 @@ impl Multifrontal {
         scale
     }
 
-    /// Factors the matrix and tells how many pivots are negative. With scales of the unknowns pivots are chosen with care.
+    /// Factors the matrix once and returns the number of negative pivots. Scales of the unknowns switch on threshold
+    /// pivoting.
     fn factor_once(&mut self, values: Values, scales: Option<&[f64]>) -> Result<usize, FactorError> {
         self.pivots.iter_mut().for_each(FrontPivots::clear);
         if self.factor.is_empty() {
@@ -358,7 +366,8 @@ impl Multifrontal {
         } = self;
         workspace.begin();
         let (mut panels, mut left) = (factor.as_mut_slice(), pivots.as_mut_slice());
-        // What belongs to a task, one after another. For panels of late fronts, the last ones, there is no memory yet.
+        // Panels and pivots of a task, split off task by task. The fronts stored in place, the last ones, have no
+        // memory yet.
         let mut take = |task: &Task| {
             let size = panel_sizes(tree, task);
             let pivots = left.split_off_mut(..task.fronts.len()).unwrap_or_default();
@@ -373,7 +382,7 @@ impl Multifrontal {
             }
         } else {
             let parts: Vec<_> = tasks.iter().map(|task| Mutex::new(take(task))).collect();
-            // What each task passes on, while that waits.
+            // Contribution block of each task, until its parent assembles it.
             let contributions: Vec<_> = tasks.iter().map(|_| Mutex::new(Buffer::default())).collect();
             let run = |numeric: &Numeric, t: usize| {
                 let task = &tasks[t];
@@ -424,10 +433,10 @@ impl Multifrontal {
         self.pivots.iter().flat_map(|front| &front.blocks).map(|p| p.pivots.inertia().negative).sum()
     }
 
-    /// Solves in place with the factor.
+    /// Solves `A x = b` with the factor, in place of `right_side`.
     ///
     /// # Errors
-    /// There is no memory for the sums of the rows.
+    /// There is no memory for the row sums.
     pub fn solve(&mut self, right_side: &mut [f64]) -> Result<(), FactorError> {
         let Self { tree, factor, value_memory, node_level, columns, workspace, pivots, .. } = self;
         let mut rows = workspace.take_alone(tree.rows)?;
@@ -445,22 +454,23 @@ impl Multifrontal {
     }
 }
 
-/// The panel, and what follows it, that begins with this entry of the factor. Those of late fronts, in memory of their own,
-/// come behind all others.
+/// Part of the factor that begins with entry `first`, the start of a panel. The fronts stored in place, in memory of
+/// their own, are numbered behind all others.
 pub(super) fn panel<'a>(factor: &'a [f64], in_place: &'a [f64], first: usize) -> &'a [f64] {
     if first < factor.len() { &factor[first..] } else { &in_place[first - factor.len()..] }
 }
 
-/// Entries of the panels of a task.
+/// Number of entries of the panels of a task.
 fn panel_sizes(tree: &AssemblyTree, task: &Task) -> usize {
     task.fronts.clone().map(|f| tree.fronts[f].layout().size()).sum()
 }
 
-/// What waits at most in a subtree that one thread works off, together with what the front at work makes.
+/// Largest contribution-block stack of a subtree that one thread factors, including the block that the current front
+/// creates.
 fn stack_size(tree: &AssemblyTree, subtree: &Range<usize>) -> usize {
     let mut most = 0;
     let mut held = 0_usize;
-    // What the last one passes on does not go to the stack.
+    // The contribution block of the last front does not go to the stack.
     for f in subtree.start..subtree.end - 1 {
         let own = tree.fronts[f].contribution().size();
         most = most.max(held + own);

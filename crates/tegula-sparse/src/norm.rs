@@ -1,4 +1,4 @@
-//! Maximum norms that are not numbers as soon as one value is none.
+//! Maximum norms that propagate NaN.
 //!
 //! `f64::max` drops NaN, so the largest of many NaN, folded from 0, is 0: a deviation that would pass every bound.
 
@@ -9,7 +9,7 @@ pub fn larger(a: f64, b: f64) -> f64 {
     if a > b || a.is_nan() { a } else { b }
 }
 
-/// Maximum norm max |xᵢ|; NaN if a value is NaN, or if there is none.
+/// Maximum norm max |xᵢ|; NaN if a value is NaN, or if there are no values.
 pub fn max_norm<T: Borrow<f64>>(values: impl IntoIterator<Item = T>) -> f64 {
     values.into_iter().map(|x| x.borrow().abs()).reduce(larger).unwrap_or(f64::NAN)
 }

@@ -1,4 +1,5 @@
-//! Assembly and elimination of fronts: one after another in a subtree, or one by all threads.
+//! Numeric factorisation: assembly and elimination of fronts, one after another in a subtree or one front by all
+//! threads.
 
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard};
@@ -13,35 +14,37 @@ use super::schedule::locked;
 use super::trapezoid::{BLOCK, Trapezoid};
 use super::workspace::{Buffer, WorkspacePool};
 
-/// Entries of the matrix.
+/// Original entries of the matrix.
 pub(super) enum Entries<'a> {
-    /// All of them.
+    /// Values of the whole matrix.
     All(&'a [f64]),
-    /// Those of the fronts from a number on: where those of each begin, and the entries.
+    /// Copy of the original entries of the last fronts: number of the first of these fronts, start of each front's
+    /// entries, and the entries.
     Collected(usize, &'a [usize], &'a [f64]),
 }
 
-/// What belongs to consecutive fronts: panels and pivots.
+/// Storage of consecutive fronts: panels and pivots.
 #[derive(Default)]
 pub(super) struct Part<'a> {
     pub panels: &'a mut [f64],
     pub pivots: &'a mut [FrontPivots],
 }
 
-/// What all fronts need to be factored.
+/// Shared data of the numeric factorisation of all fronts.
 pub(super) struct Numeric<'a> {
     pub tree: &'a AssemblyTree,
     pub workspace: &'a WorkspacePool,
-    /// Memory for a block, one for each thread.
+    /// Workspace for a diagonal block, one for each thread.
     pub diagonal_blocks: &'a [Mutex<DiagonalBlock>],
     pub entries: Entries<'a>,
-    /// Scales of the unknowns, where pivots are chosen with care.
+    /// Equilibration scales of the unknowns; they switch on threshold pivoting.
     pub scales: Option<&'a [f64]>,
     pub arch: Arch,
 }
 
 impl Numeric<'_> {
-    /// Factors a front, threads together. `from` is what its children pass on; returns what it passes on itself.
+    /// Factors a front with node-level parallelism. `from` holds the contribution blocks of its children; returns its
+    /// own.
     pub fn factor_front(&self, f: usize, part: Part<'_>, from: Vec<Buffer>) -> Result<Buffer, FactorError> {
         let front = &self.tree.fronts[f];
         let (layout, contribution) = (front.layout(), front.contribution());
@@ -60,7 +63,7 @@ impl Numeric<'_> {
         Ok(memory)
     }
 
-    /// Adds what the children of a front pass on to some of its block columns, halves of them in parallel.
+    /// Extend-add of all children's contribution blocks to some block columns of a front, halves of them in parallel.
     fn extend_add_children(
         &self,
         f: usize,
@@ -86,7 +89,8 @@ impl Numeric<'_> {
         }
     }
 
-    /// Factors a subtree front by front. `size` is what waits at most; returns what the last front passes on.
+    /// Factors a subtree front by front. `size` is the largest size of its contribution-block stack; returns the
+    /// contribution block of the last front.
     pub fn factor_subtree(
         &self,
         subtree: Range<usize>,
@@ -144,7 +148,7 @@ impl Numeric<'_> {
         Ok(out)
     }
 
-    /// Adds the entries of the matrix to the panel of a front.
+    /// Adds the original entries of a front to its panel.
     fn add_entries(&self, f: usize, panel: &mut [f64]) {
         match self.entries {
             Entries::All(values) => self.tree.entries.add_entries(f, values, panel),
@@ -154,7 +158,7 @@ impl Numeric<'_> {
         }
     }
 
-    /// Scales of the rows of a front, where pivots are chosen with care.
+    /// Equilibration scales of the rows of a front, for threshold pivoting only.
     fn scales(&self, f: usize) -> Option<Vec<f64>> {
         let front = &self.tree.fronts[f];
         let scale = |place: usize| Some(self.scales?[self.tree.order[place] as usize]);
@@ -162,7 +166,7 @@ impl Numeric<'_> {
         columns.chain(front.rows.iter().map(|&row| row as usize)).map(scale).collect()
     }
 
-    /// As [`add`], with the registers of this machine.
+    /// Extend-add of one child by [`extend_add`], compiled for the SIMD registers of this machine.
     fn extend_add(
         &self,
         child: &Front,
@@ -174,15 +178,16 @@ impl Numeric<'_> {
         self.arch.dispatch(|| extend_add(child, from, to, blocks, values));
     }
 
-    /// Memory of this thread for a block. While it is held no other work is waited for.
+    /// Workspace of this thread for a diagonal block. The thread waits for no other work while it holds the lock.
     fn diagonal_block(&self) -> MutexGuard<'_, DiagonalBlock> {
         let own = rayon::current_thread_index().unwrap_or(0);
         locked(&self.diagonal_blocks[own % self.diagonal_blocks.len()])
     }
 }
 
-/// Adds what a child passes on to block columns of its parent: of a trapezoid whose first column has the number `offset`
-/// there. `values` are those block columns.
+/// Extend-add: adds a child's contribution block, by its relative indices, to block columns of the parent's front. They
+/// belong to the trapezoid `to`, whose first column has the number `offset` in that front; `values` are the block
+/// columns.
 #[inline(always)]
 fn extend_add(
     child: &Front,
@@ -201,7 +206,7 @@ fn extend_add(
             let column = here + place - there;
             let source = &from[source.diagonal(column)..];
             let target = &mut values[to.diagonal(place - offset) - start..];
-            // The rest of this run, then the runs below.
+            // The remainder of this run is added first, then the runs below it.
             let rest = there + length - place;
             add_run(&mut target[..rest], &source[..rest]);
             for &[here, there, length] in &child.relative_indices[k + 1..] {

@@ -1,7 +1,8 @@
-//! Unknowns with the same neighbours taken together, and an order of elimination for them.
+//! Compressed graph of supervariables and its fill-reducing ordering by approximate minimum degree.
 //!
-//! The unknowns of a node have one sparsity pattern. Ordering and symbolic analysis work on groups of them, which
-//! makes both cheaper by an order of magnitude.
+//! The unknowns of a node have one sparsity pattern: they are indistinguishable and form a supervariable. Ordering and
+//! symbolic factorisation work on the compressed graph of supervariables, which makes both cheaper by an order of
+//! magnitude.
 
 use std::collections::HashMap;
 
@@ -11,11 +12,11 @@ use faer::sparse::linalg::amd;
 
 use super::FactorError;
 
-/// Graph of groups of unknowns that have the same neighbours.
+/// Compressed graph: its vertices are supervariables, sets of indistinguishable unknowns (equal neighbours).
 pub(super) struct CompressedGraph {
-    /// Unknowns of each group.
+    /// Unknowns of each supervariable.
     pub supervariables: Vec<Vec<u32>>,
-    /// Neighbours of each group, without itself.
+    /// Adjacent supervariables of each supervariable, without itself.
     pub neighbours: Vec<Vec<u32>>,
 }
 
@@ -27,12 +28,13 @@ fn mix(x: u64) -> u64 {
 }
 
 impl CompressedGraph {
-    /// From the lower triangle in compressed columns.
+    /// Builds the compressed graph from the lower triangle in compressed columns.
     pub fn new(pointers: &[usize], rows: &[u32]) -> Self {
         let n = pointers.len() - 1;
         let column = |j: usize| &rows[pointers[j]..pointers[j + 1]];
-        // Sums of two hashes of all neighbours, itself included: equal for equal neighbourhoods. Different ones with
-        // equal sums (one in 2^128) would be found when the entries are looked up in the fronts.
+        // Sums of two hashes over all neighbours of an unknown, itself included: equal for indistinguishable unknowns.
+        // A collision of different neighbourhoods (one in 2^128) would be detected when the original entries are mapped
+        // to the fronts.
         let mut hash: Vec<[u64; 2]> = (0..n as u64).map(|j| [mix(j), mix(!j)]).collect();
         for j in 0..n {
             for i in column(j).iter().map(|&i| i as usize).filter(|&i| i != j) {
@@ -66,12 +68,12 @@ impl CompressedGraph {
         Self { supervariables, neighbours }
     }
 
-    /// Number of groups.
+    /// Number of supervariables.
     pub fn len(&self) -> usize {
         self.supervariables.len()
     }
 
-    /// Groups in an order of elimination with little fill, by approximate minimum degree.
+    /// Elimination order of the supervariables with little fill, by approximate minimum degree (AMD).
     pub fn minimum_degree(&self) -> Result<Vec<u32>, FactorError> {
         let n = self.len();
         let mut pointers = vec![0_usize];

@@ -1,12 +1,12 @@
-//! Dense work on a front: its columns are eliminated block column by block column, and what it passes on is brought up
-//! to date.
+//! Partial factorisation of a front: elimination of its fully summed columns, block column by block column, and Schur
+//! update of the contribution block.
 //!
-//! Blocks are worked off by halves: the left half is eliminated, taken off the right half, then the right half is
-//! eliminated. What is taken off is cut into tiles whose bounds depend on the sizes alone, so that the result is the same
-//! to the bit whether tiles are worked off one after another or in parallel. A block on the diagonal that is not positive
-//! definite is eliminated [with pivots](super::rook_pivoting) of its own; where it has none, all columns of the front from there
-//! on are eliminated at once, with pivots chosen among all of them. Columns that have none there either are
-//! [delayed](super::delayed_pivots).
+//! The block columns are halved recursively: the left half is eliminated, its Schur update is applied to the right
+//! half, then the right half is eliminated. The Schur update is cut into tiles whose bounds depend on the sizes alone,
+//! so the result is bitwise identical whether tiles run in sequence or in parallel. A diagonal block that is not
+//! positive definite is factored [with rook pivoting](super::rook_pivoting) within itself; if it is singular, all
+//! columns of the front from there on are eliminated at once, with pivots chosen among all of them. Columns that fail
+//! the threshold test there, too, are [delayed](super::delayed_pivots).
 
 use std::ops::Range;
 
@@ -21,61 +21,61 @@ use super::diagonal_block::DiagonalBlock;
 use super::rook_pivoting::BlockPivots;
 use super::trapezoid::{BLOCK, Trapezoid};
 
-/// Rows of a tile from which on it is cut in two.
+/// Largest number of rows of a tile; taller tiles are cut in two.
 const TILE: usize = 512;
 
-/// BlockPivots of a front.
+/// Pivots of a front.
 #[derive(Default)]
 pub(super) struct FrontPivots {
-    /// Blocks that are not positive definite, ascending.
+    /// Pivots of the diagonal blocks that are not positive definite, ascending.
     pub blocks: Vec<PivotedBlocks>,
-    /// Columns that have no stable pivots, with care. The front is not eliminated where there are any.
+    /// Delayed columns: those that fail the threshold test. The front is not eliminated if there are any.
     pub delayed: Vec<u32>,
-    /// With care: one of them has no pivot in any later front, either. What is above a front that is not eliminated says
-    /// nothing, so this is not an error yet.
+    /// Whether, in threshold pivoting, a column has no pivot in any later front either. This is not an error yet: the
+    /// values above a front that was not eliminated are meaningless.
     pub singular: bool,
 }
 
 impl FrontPivots {
-    /// Forgets them.
+    /// Discards all pivots.
     pub fn clear(&mut self) {
         self.blocks.clear();
         self.delayed.clear();
         self.singular = false;
     }
 
-    /// Whether the front is eliminated.
+    /// Whether the front is eliminated, without delayed columns.
     pub fn complete(&self) -> bool {
         self.delayed.is_empty() && !self.singular
     }
 
-    /// Those of a block, if it is not positive definite.
+    /// Pivots of a block, if it is not positive definite.
     pub fn of(&self, block: usize) -> Option<&PivotedBlocks> {
         self.blocks.iter().find(|p| p.blocks.contains(&block))
     }
 }
 
-/// Blocks that share their pivots.
+/// Consecutive diagonal blocks that are factored with common pivots.
 pub(super) struct PivotedBlocks {
     pub blocks: Range<usize>,
     pub pivots: BlockPivots,
 }
 
 impl PivotedBlocks {
-    /// Their columns in a front of that many.
+    /// Columns of the blocks in a front of `width` columns.
     pub fn columns(&self, width: usize) -> Range<usize> {
         self.blocks.start * BLOCK..(self.blocks.end * BLOCK).min(width)
     }
 }
 
-/// Why the elimination of blocks ended early.
+/// Reason why the elimination of blocks ended early.
 enum Stop {
-    /// This block is singular; it is as it was.
+    /// The block with this number is singular and was left unchanged.
     Singular(usize),
     Failed(FactorError),
 }
 
-/// Does both, at the same time where that is wanted.
+/// Runs `a` and `b`, in parallel if `parallel` is set.
 pub(super) fn both<A: Send, B: Send>(
     parallel: bool,
     a: impl FnOnce() -> A + Send,
@@ -84,23 +84,24 @@ pub(super) fn both<A: Send, B: Send>(
     if parallel { rayon::join(a, b) } else { (a(), b()) }
 }
 
-/// A front whose columns are eliminated.
+/// Partial factorisation of one front.
 pub(super) struct PartialFactorization<'a> {
-    /// Its columns.
+    /// Layout of the fully summed columns.
     pub layout: Trapezoid,
-    /// BlockPivots of its blocks.
+    /// Pivots of the front.
     pub pivots: &'a mut FrontPivots,
-    /// Memory for a block.
+    /// Workspace for a diagonal block.
     pub diagonal_block: &'a mut DiagonalBlock,
-    /// Tiles are worked off in parallel.
+    /// Node-level parallelism: tiles run in parallel.
     pub parallel: bool,
-    /// Scales of the rows. Where they are given, pivots are chosen among all columns, even if they are positive definite,
-    /// and columns whose pivots would let entries grow beyond the scales are told.
+    /// Equilibration scales of the rows. They switch on threshold pivoting: pivots are chosen among all fully summed
+    /// columns, even if these are positive definite, and columns whose pivots would let entries grow beyond the scales
+    /// are reported as delayed.
     pub scales: Option<Vec<f64>>,
 }
 
 impl PartialFactorization<'_> {
-    /// Eliminates the columns: `L₁₁ L₁₁ᵀ = A₁₁`, `L₂₁ = A₂₁ L₁₁⁻ᵀ`, block by block.
+    /// Eliminates the fully summed columns block by block: `L₁₁ L₁₁ᵀ = A₁₁`, `L₂₁ = A₂₁ L₁₁⁻ᵀ`.
     ///
     /// # Errors
     /// The columns are singular, or there is no memory for pivots.
@@ -115,7 +116,8 @@ impl PartialFactorization<'_> {
         }
     }
 
-    /// What the eliminated columns pass on, `−L₂₁ L₂₁ᵀ`, whatever was there.
+    /// Schur update (contribution block) of this front, `out := −L₂₁ L₂₁ᵀ`; `out` is overwritten. The children's
+    /// contribution blocks are added afterwards (extend-add).
     pub fn contribution(&self, panel: &[f64], out: &mut [f64]) {
         let to = Trapezoid::triangle(self.layout.rows - self.layout.columns);
         let from = Source { first: 0, blocks: 0..self.layout.blocks(), values: panel, overwrite: true };
@@ -140,7 +142,8 @@ impl PartialFactorization<'_> {
         self.blocks(middle..blocks.end, right)
     }
 
-    /// Eliminates all columns from a block on with pivots chosen among all of them. They are up to date.
+    /// Eliminates all columns from a block on with rook pivoting among all of them. Earlier Schur updates are already
+    /// applied.
     fn eliminate_with_pivoting(&mut self, first: usize, panel: &mut [f64]) -> Result<(), FactorError> {
         let layout = self.layout;
         let blocks = first..layout.blocks();
@@ -173,7 +176,7 @@ impl PartialFactorization<'_> {
         Ok(())
     }
 
-    /// The lower triangle of the columns from a block on.
+    /// Copy of the lower triangle of the columns from a block on.
     fn matrix(&self, first: usize, panel: &[f64]) -> Mat<f64> {
         let start = first * BLOCK;
         let (rows, columns) = (self.layout.rows - start, self.layout.columns - start);
@@ -186,7 +189,8 @@ impl PartialFactorization<'_> {
         matrix
     }
 
-    /// Eliminates one block.
+    /// Eliminates one block column: Cholesky or rook pivoting of its diagonal block, triangular solve of the rows
+    /// below.
     fn block(&mut self, block: usize, values: &mut [f64]) -> Result<(), Stop> {
         let width = self.layout.columns_of(block).len();
         let height = self.layout.rows - block * BLOCK;
@@ -202,7 +206,7 @@ impl PartialFactorization<'_> {
                 self.pivots.blocks.push(PivotedBlocks { blocks: block..block + 1, pivots });
                 Ok(())
             }
-            // The rows below are as they were.
+            // The rows below the block are unchanged.
             Err(FactorError::Singular) if block + 1 < self.layout.blocks() => {
                 first.copy_from(&kept);
                 Err(Stop::Singular(block))
@@ -211,7 +215,8 @@ impl PartialFactorization<'_> {
         }
     }
 
-    /// Takes eliminated blocks off block columns of a trapezoid whose first column is number `offset` of the front.
+    /// Schur update of block columns of a trapezoid by eliminated blocks; its first column has the number `offset` in
+    /// the front.
     fn schur_update(
         &self,
         from: &Source,
@@ -239,7 +244,7 @@ impl PartialFactorization<'_> {
         );
     }
 
-    /// Takes eliminated blocks off a tile whose first entry has the numbers `row` and `column` in the front.
+    /// Schur update (SYRK, GEMM) of a tile whose first entry has the numbers `row` and `column` in the front.
     fn tile(&self, from: &Source, mut tile: MatMut<'_, f64>, row: usize, column: usize) {
         if tile.nrows() > TILE {
             let middle = tile.nrows() / 2;
@@ -297,13 +302,13 @@ impl PartialFactorization<'_> {
     }
 }
 
-/// Eliminated block columns.
+/// Eliminated block columns, the source of a Schur update.
 struct Source<'a> {
-    /// Block that the values begin with.
+    /// First block of `values`.
     first: usize,
     blocks: Range<usize>,
     values: &'a [f64],
-    /// What they are taken off has no value yet.
+    /// Whether the Schur update overwrites its target, which has no value yet.
     overwrite: bool,
 }
 
@@ -316,14 +321,14 @@ impl Source<'_> {
     }
 }
 
-/// The block column where half of the entries of some are reached.
+/// Block column at which half of the entries of `blocks` are reached.
 pub(super) fn half(layout: Trapezoid, blocks: &Range<usize>) -> usize {
     let (first, last) = (layout.start(blocks.start), layout.start(blocks.end));
     let middle = first + (last - first) / 2;
     (blocks.start + 1..blocks.end - 1).find(|&b| layout.start(b) >= middle).unwrap_or(blocks.end - 1)
 }
 
-/// `A₂₁ L₁₁⁻ᵀ`.
+/// Triangular solve (TRSM) `A₂₁ L₁₁⁻ᵀ` of the rows below a diagonal block, in tiles.
 fn solve_rows(diagonal_block: &DiagonalBlock, rows: MatMut<'_, f64>, parallel: bool) {
     if rows.nrows() > TILE {
         let middle = rows.nrows() / 2;

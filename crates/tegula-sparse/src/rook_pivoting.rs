@@ -1,7 +1,7 @@
-//! LBLᵀ factorisation of columns of a front whose block on the diagonal is not positive definite.
+//! LBLᵀ factorisation with rook pivoting of columns of a front whose diagonal block is not positive definite.
 //!
-//! They are eliminated with 1×1 and 2×2 pivots, chosen among themselves so that the entries of L within the block stay
-//! bounded. The signs of the pivots are the inertia of the matrix.
+//! The columns are eliminated with 1×1 and 2×2 pivots, chosen among themselves so that the entries of L within the
+//! block stay bounded. The signs of the pivots are the inertia of the matrix.
 //!
 //! J. R. Bunch, L. Kaufman, *Some stable methods for calculating inertia and solving symmetric linear systems*, Math.
 //! Comp. 31 (1977) 163–179; C. Ashcraft, R. G. Grimes, J. G. Lewis, *Accurate symmetric indefinite linear equation
@@ -21,18 +21,18 @@ use faer::{Auto, Mat, MatMut, MatRef, Par};
 use super::trapezoid::BLOCK;
 use super::{FactorError, Inertia};
 
-/// BlockPivots of consecutive columns of a front: `P A Pᵀ = L B Lᵀ`. L is where the columns were.
+/// Pivots of consecutive columns of a front: `P A Pᵀ = L B Lᵀ`. The factor L is stored in place of the columns.
 pub(super) struct BlockPivots {
     /// Diagonal of B.
     diagonal: Vec<f64>,
     /// Entries of B below its diagonal.
     below: Vec<f64>,
-    /// The place that each place is exchanged with, one after another.
+    /// Permutation P as transpositions: the place with which each place is exchanged, one after another.
     swaps: Vec<usize>,
 }
 
 impl BlockPivots {
-    /// Factors the block `first` on the diagonal, of which the lower triangle is given, and the rows `second` below it:
+    /// Factors the diagonal block `first`, given by its lower triangle, and the rows `second` below it:
     /// `L₂₁ = A₂₁ Pᵀ L₁₁⁻ᵀ B⁻¹`.
     ///
     /// # Errors
@@ -71,13 +71,13 @@ impl BlockPivots {
         Ok(out)
     }
 
-    /// Signs of the eigenvalues of B.
+    /// Inertia of B: the signs of its eigenvalues.
     pub fn inertia(&self) -> Inertia {
         let mut out = Inertia::default();
         self.each(|_, pivot| match pivot {
             Pivot::Single(d) if d > 0.0 => out.positive += 1,
             Pivot::Single(d) if d < 0.0 => out.negative += 1,
-            // Pairs are taken where the entry off the diagonal prevails: one eigenvalue of each sign.
+            // A 2×2 pivot is chosen where its off-diagonal entry dominates: it has one eigenvalue of each sign.
             Pivot::Pair([a, b, c]) if (a / b) * (c / b) < 1.0 => {
                 out.positive += 1;
                 out.negative += 1;
@@ -88,7 +88,7 @@ impl BlockPivots {
         out
     }
 
-    /// Sizes of the pivots, by column.
+    /// Pivot sizes by column: the largest absolute entry of B in the column.
     pub fn sizes(&self) -> Vec<f64> {
         let mut out: Vec<f64> = self.diagonal.iter().map(|d| d.abs()).collect();
         for (j, b) in self.below.iter().enumerate().filter(|(_, b)| **b != 0.0) {
@@ -100,8 +100,8 @@ impl BlockPivots {
         out
     }
 
-    /// The most that a pivot may change an entry below the block, by the rows of `L₂₁` and their scales: the largest entry
-    /// of `abs(L) abs(B) abs(Lᵀ)`, or a bound of it where a pivot has two columns.
+    /// Growth of the entries below the block: the most that a pivot may change one of them, from the rows of `L₂₁` and
+    /// their scales. It is the largest entry of `abs(L) abs(B) abs(Lᵀ)`, or a bound of it for a 2×2 pivot.
     pub fn growth(&self, rows: MatRef<'_, f64>, scale: &[f64]) -> f64 {
         let largest = |j: usize| {
             rows.col(j)
@@ -124,7 +124,7 @@ impl BlockPivots {
         most
     }
 
-    /// Some columns of `rows · B`, for rows of `L₂₁` whose entries `at` tells by row and column.
+    /// Some columns of the product `L₂₁ B`, for `rows` rows of `L₂₁` whose entries `at` returns by row and column.
     pub fn multiply(&self, rows: usize, columns: Range<usize>, at: impl Fn(usize, usize) -> f64) -> Mat<f64> {
         Mat::from_fn(rows, columns.len(), |i, j| {
             let j = columns.start + j;
@@ -139,7 +139,7 @@ impl BlockPivots {
         })
     }
 
-    /// Columns of rows below the block times `B⁻¹`.
+    /// Multiplies the columns of the rows below the block by `B⁻¹` from the right.
     fn divide_columns(&self, mut rows: MatMut<'_, f64>) {
         self.each(|j, pivot| match pivot {
             Pivot::Single(d) => rows.rb_mut().col_mut(j).iter_mut().for_each(|x| *x /= d),
@@ -151,7 +151,7 @@ impl BlockPivots {
         });
     }
 
-    /// `B⁻¹ x`.
+    /// Solves with the block-diagonal factor, `x := B⁻¹ x`.
     pub fn divide(&self, x: &mut [f64]) {
         self.each(|j, pivot| match pivot {
             Pivot::Single(d) => x[j] /= d,
@@ -159,21 +159,21 @@ impl BlockPivots {
         });
     }
 
-    /// Brings the unknowns of the columns into the order of the pivots.
+    /// Permutes the unknowns of the columns into the order of the pivots.
     pub fn permute(&self, x: &mut [f64]) {
         for (j, &other) in self.swaps.iter().enumerate() {
             x.swap(j, other);
         }
     }
 
-    /// Brings them back.
+    /// Permutes the unknowns from the order of the pivots back into the order of the columns.
     pub fn restore(&self, x: &mut [f64]) {
         for (j, &other) in self.swaps.iter().enumerate().rev() {
             x.swap(j, other);
         }
     }
 
-    /// Calls `f` with the column of each pivot.
+    /// Calls `f` with each pivot and its first column.
     #[inline]
     fn each(&self, mut f: impl FnMut(usize, Pivot)) {
         let (n, mut j) = (self.below.len(), 0);
@@ -190,10 +190,10 @@ impl BlockPivots {
     }
 }
 
-/// Exchanges that bring what is at `order[j]` to place j, one place after another.
+/// Transpositions that bring the element at `order[j]` to place j, one place after another.
 fn swaps(order: &[usize]) -> Vec<usize> {
     let n = order.len();
-    // Where each one is now, and which one is at each place.
+    // Current place of each element, and the element at each place.
     let (mut place, mut content): (Vec<usize>, Vec<usize>) = ((0..n).collect(), (0..n).collect());
     let mut out = Vec::with_capacity(n);
     for (j, &wanted) in order.iter().enumerate() {
@@ -205,14 +205,14 @@ fn swaps(order: &[usize]) -> Vec<usize> {
     out
 }
 
-/// A pivot: a number, or `[[a, b], [b, c]]` by its lower triangle.
+/// Pivot of size 1×1, or of size 2×2 as the lower triangle of `[[a, b], [b, c]]`.
 #[derive(Clone, Copy)]
 enum Pivot {
     Single(f64),
     Pair([f64; 3]),
 }
 
-/// `[[a, b], [b, c]]⁻¹ [x, y]`, divided by b first so that nothing overflows.
+/// Solution with a 2×2 pivot, `[[a, b], [b, c]]⁻¹ [x, y]`, divided by b first so that nothing overflows.
 fn solve_pair([a, b, c]: [f64; 3], [x, y]: [f64; 2]) -> [f64; 2] {
     let (a, c, x, y) = (a / b, c / b, x / b, y / b);
     let determinant = a * c - 1.0;
@@ -224,7 +224,7 @@ mod tests {
     use super::*;
     use crate::norm::max_norm;
 
-    /// Sparse matrices with zeros on the diagonal, reconstructed from their factors.
+    /// Reconstructs sparse matrices with zeros on the diagonal from their factors.
     #[test]
     fn factors_make_up_the_matrix() {
         let mut state = 1_u64;

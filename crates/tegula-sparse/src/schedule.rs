@@ -1,9 +1,10 @@
-//! Which part of the elimination is worked off when: tasks, and the order in which threads take them up.
+//! Task schedule of the numeric factorisation: tree-level and node-level parallelism.
 //!
-//! A task is a subtree that one thread works off, or a front above such subtrees, in which threads work together. A
-//! free thread takes the first task, in the order of the elimination, whose children are done; where memory counts, none
-//! while there is a front to work on together. So what waits is little more than with one thread: were the tree halved
-//! between threads, one of them would begin with what is needed last.
+//! A task is a subtree that one thread factors (tree-level parallelism), or a front above such subtrees that all
+//! threads factor together (node-level parallelism). A free thread takes the first task in elimination order whose
+//! children are done; in low-memory mode it takes none while a node-level front is in progress. The contribution blocks
+//! therefore need little more memory than with one thread: if the tree were halved between two threads, one of them
+//! would begin with the contribution blocks that are needed last.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -15,21 +16,21 @@ use rayon::Scope;
 use super::FactorError;
 use super::assembly_tree::AssemblyTree;
 
-/// Consecutive fronts.
+/// Task of the schedule: consecutive fronts, either a subtree or one node-level front.
 #[derive(Debug, Clone)]
 pub(super) struct Task {
-    /// The last of them is the one that passes something on.
+    /// Fronts of the task; the last one leaves the contribution block of the task.
     pub fronts: Range<usize>,
-    /// A front in which threads work together.
+    /// Whether the task is a front with node-level parallelism.
     pub node_level: bool,
-    /// The task that takes it.
+    /// Task that assembles the contribution block.
     parent: Option<u32>,
-    /// Tasks whose fronts are children of the first front.
+    /// Child tasks: their last fronts are the children of this node-level front.
     pub children: Vec<u32>,
 }
 
 impl Task {
-    /// Tasks in the order of the elimination. Fronts that are `split` are tasks of their own.
+    /// Tasks in elimination order. Every front flagged in `node_level` is a task of its own.
     pub fn all(tree: &AssemblyTree, node_level: &[bool]) -> Vec<Self> {
         let mut tasks: Vec<Self> = Vec::new();
         let mut task_of = vec![0_u32; tree.fronts.len()];
@@ -53,45 +54,46 @@ impl Task {
     }
 }
 
-/// How many children of each task belong to a part of the tasks.
+/// Number of children of each task within a range of the tasks.
 fn missing(tasks: &[Task], part: &Range<usize>) -> Vec<usize> {
     let in_part = |c: &&u32| part.contains(&(**c as usize));
     tasks.iter().map(|t| t.children.iter().filter(in_part).count()).collect()
 }
 
-/// Holds what a mutex holds, also after a panic elsewhere.
+/// Locks a mutex, also after a panic of another thread that held it.
 pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Tasks that are ready, and what others wait for.
+/// Shared state of a schedule: ready tasks, and dependencies of the others.
 struct State {
     ready: BinaryHeap<Reverse<u32>>,
-    /// Children of each task that are not done.
+    /// Number of unfinished children of each task.
     missing: Vec<usize>,
-    /// Threads that take up tasks.
+    /// Number of threads that take tasks.
     workers: usize,
-    /// Others wait for a front in which threads work together.
+    /// Whether the other threads wait for a node-level front in progress.
     node_level: bool,
-    /// The first task that failed, and why.
+    /// First failed task in elimination order, and its error.
     error: Option<(u32, FactorError)>,
 }
 
-/// Tasks that threads work off.
+/// Schedule of a range of tasks on several threads.
 struct Schedule<'a, F> {
     tasks: &'a [Task],
     part: Range<usize>,
     threads: usize,
-    /// No thread begins a task while there is a front in which threads work together.
+    /// Low-memory mode: no thread begins a task while a node-level front is in progress.
     wait: bool,
     state: Mutex<State>,
     run: F,
 }
 
-/// Runs a part of the tasks, each after its children. Those before are done. Threads may have to wait for one another.
+/// Runs the tasks `part`, each after its children; the tasks before them are done. With `wait` (low-memory mode)
+/// threads take no task while a node-level front is in progress.
 ///
 /// # Errors
-/// That of a task; others may be left undone then.
+/// The error of the first task that failed; other tasks may be left undone then.
 pub(super) fn run_all(
     tasks: &[Task],
     part: Range<usize>,
@@ -116,8 +118,8 @@ impl<'a, F: Fn(usize) -> Result<(), FactorError> + Sync> Schedule<'a, F> {
         locked(&self.state)
     }
 
-    /// Takes up one task after another while there are any. A thread that finds none is free for parts of a front in which
-    /// threads work together; the one that began it goes on with the tasks.
+    /// Runs one ready task after another. A thread that finds none is free to take parts of a node-level front; the
+    /// thread that began that front continues with the tasks.
     fn work<'s>(&'s self, scope: &Scope<'s>) {
         loop {
             let mut state = self.state();
@@ -141,7 +143,7 @@ impl<'a, F: Fn(usize) -> Result<(), FactorError> + Sync> Schedule<'a, F> {
                 state.node_level = false;
             }
             match done {
-                // That of the first task, whichever thread was faster.
+                // The first task in elimination order decides the error, whichever thread was faster.
                 Err(error) if state.error.as_ref().is_none_or(|(first, _)| task < *first) => {
                     state.error = Some((task, error));
                 }

@@ -1,4 +1,4 @@
-//! Solution with a multifrontal factor: forward through the tree, backward again, independent subtrees in parallel.
+//! Forward and backward substitution with a multifrontal factor, independent subtrees in parallel.
 
 use pulp::Arch;
 
@@ -7,23 +7,23 @@ use super::block_column::{Backward, BlockColumn, Forward};
 use super::multifrontal::panel;
 use super::partial_factorization::{FrontPivots, PivotedBlocks};
 
-/// Work on a subtree: its last front, its columns, its rows.
+/// Sweep over a subtree, given its last front and the vectors of its columns and of its rows.
 type Sweep<S> = fn(&S, usize, &mut [f64], &mut [f64]);
 
-/// What the solution with the factor needs.
+/// Data of the substitutions: assembly tree, factor and pivots.
 pub(super) struct Solver<'a> {
     pub tree: &'a AssemblyTree,
     pub factor: &'a [f64],
-    /// Panel of the late front.
+    /// Panels of the fronts stored in place of the values.
     pub in_place: &'a [f64],
-    /// Whether the subtree of a front is split between threads.
+    /// Node-level fronts: fronts whose subtree is divided among threads.
     pub node_level: &'a [bool],
     pub pivots: &'a [FrontPivots],
     pub arch: Arch,
 }
 
 impl Solver<'_> {
-    /// A block column, and what it is pivoted with.
+    /// Block column of a front, and its pivots if the diagonal block is not positive definite.
     fn block(&self, f: usize, block: usize) -> (BlockColumn<'_>, Option<&PivotedBlocks>) {
         let front = &self.tree.fronts[f];
         let layout = front.layout();
@@ -33,7 +33,7 @@ impl Solver<'_> {
         (BlockColumn { values, width: layout.columns_of(block).len(), unit: pivots.is_some() }, pivots)
     }
 
-    /// `L Lᵀ x = b` in place of `x`, by columns in the order of the elimination. `y` is memory for all rows.
+    /// Solves `L Lᵀ x = b` in place of `x`, in elimination order. `y` is workspace for the rows of all fronts.
     pub fn solve(&self, mut x: &mut [f64], mut y: &mut [f64]) {
         let fronts = &self.tree.fronts;
         for (f, front) in fronts.iter().enumerate().filter(|(_, front)| front.parent.is_none()) {
@@ -46,9 +46,9 @@ impl Solver<'_> {
         }
     }
 
-    /// The child of a split front that is the only one to be split, if there is just one. Trees of long strips are chains
-    /// of such fronts: they are walked, since threads have not the stack to descend them. What branches off is small, or
-    /// below the end of the chain, where the work divides.
+    /// Only node-level child of a node-level front, if it has exactly one. Assembly trees of long strips are chains of
+    /// such fronts; a loop walks them, since the call stack of a thread does not suffice for a recursion. Branches off
+    /// the chain are small, or lie below its end, where the work divides.
     fn only_node_level_child(&self, f: usize) -> Option<usize> {
         let mut node_level =
             self.tree.children[f].iter().map(|&c| c as usize).filter(|&c| self.node_level[c]);
@@ -68,7 +68,7 @@ impl Solver<'_> {
         (&mut x[front.first - begin.first..][..front.width], &mut y[..front.rows.len()], below)
     }
 
-    /// `L y = b` in a subtree; `x` are its columns, `y` the sums of its rows.
+    /// Forward substitution `L y = b` in a subtree; `x` holds its columns, `y` the sums of its rows.
     fn forward(&self, f: usize, x: &mut [f64], y: &mut [f64]) {
         let leaf = self.tree.fronts[f].leaf;
         if !self.node_level[f] {
@@ -89,7 +89,7 @@ impl Solver<'_> {
         }
     }
 
-    /// One front of the subtree that begins with `leaf`.
+    /// Forward substitution with one front, after its children, in the subtree that begins with `leaf`.
     fn forward_after_children(&self, f: usize, leaf: usize, x: &mut [f64], y: &mut [f64]) {
         let fronts = &self.tree.fronts;
         let (x, y, below) = self.parts(f, leaf, x, y);
@@ -117,7 +117,7 @@ impl Solver<'_> {
         }
     }
 
-    /// `Lᵀ x = y` in a subtree whose `y` holds the solution at the rows of its last front.
+    /// Backward substitution `Lᵀ x = y` in a subtree whose `y` holds the solution at the rows of its last front.
     fn backward(&self, f: usize, x: &mut [f64], y: &mut [f64]) {
         let leaf = self.tree.fronts[f].leaf;
         if !self.node_level[f] {
@@ -132,7 +132,7 @@ impl Solver<'_> {
         }
     }
 
-    /// One front of the subtree that begins with `leaf`.
+    /// Backward substitution with one front, before its children, in the subtree that begins with `leaf`.
     fn backward_before_children(&self, f: usize, leaf: usize, x: &mut [f64], y: &mut [f64]) {
         let fronts = &self.tree.fronts;
         let (x, y, below) = self.parts(f, leaf, x, y);
@@ -144,8 +144,8 @@ impl Solver<'_> {
         }
     }
 
-    /// Works on the subtrees of some children but one, halves of them in parallel. `x` and `y` are those of the subtree
-    /// that begins with `leaf`.
+    /// Sweeps over the subtrees of `children` except `but`, halves of them in parallel. `x` and `y` belong to the
+    /// subtree that begins with `leaf`.
     fn each(
         &self,
         leaf: usize,
@@ -181,7 +181,7 @@ impl Solver<'_> {
         }
     }
 
-    /// How many of some children make up half of their work.
+    /// Number of the first children that make up half of the work of all.
     fn half(&self, children: &[u32]) -> usize {
         let work = |c: &u32| self.tree.fronts[*c as usize].flops;
         let total: f64 = children.iter().map(work).sum();
@@ -216,7 +216,7 @@ impl Solver<'_> {
     }
 }
 
-/// Adds the sums of a child's rows to those of its parent.
+/// Extend-add of a child's row sums to the columns and rows of its parent.
 fn add_sums(child: &Front, sums: &[f64], front: &Front, x: &mut [f64], y: &mut [f64]) {
     for &[here, there, length] in &child.relative_indices {
         let (here, length) = (here as usize, length as usize);
@@ -227,7 +227,7 @@ fn add_sums(child: &Front, sums: &[f64], front: &Front, x: &mut [f64], y: &mut [
     }
 }
 
-/// Tells a child the solution at its rows.
+/// Copies the solution from the parent's columns and rows to the rows of a child.
 fn copy_solution(front: &Front, x: &mut [f64], y: &mut [f64], child: &Front, to: &mut [f64]) {
     for &[here, there, length] in &child.relative_indices {
         let (here, length) = (here as usize, length as usize);
@@ -235,7 +235,7 @@ fn copy_solution(front: &Front, x: &mut [f64], y: &mut [f64], child: &Front, to:
     }
 }
 
-/// Where a run of places of a front is: among its columns or among its rows.
+/// Entries of a run of relative indices of a front, which lie among its columns or among its rows.
 fn place<'a>(front: &Front, x: &'a mut [f64], y: &'a mut [f64], at: usize, length: usize) -> &'a mut [f64] {
     if at < front.width {
         &mut x[at..at + length]

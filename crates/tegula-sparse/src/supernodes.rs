@@ -1,20 +1,20 @@
-//! Fronts before their columns are numbered: found from the graph, joined and ordered.
+//! Supernodes: elimination tree, fundamental supernodes, relaxed amalgamation and the postorder of the assembly tree.
 
 use super::ordering::CompressedGraph;
 
-/// Zeros that joining a front with its parent may add, as a share of the joined front, by its number of columns.
+/// Relaxed-amalgamation thresholds: largest share of explicit zeros in the merged supernode, by its number of columns.
 const AMALGAMATION_THRESHOLDS: [(usize, f64); 3] = [(24, 0.8), (64, 0.15), (usize::MAX, 0.04)];
 
-/// A front in terms of groups.
+/// Supernode in terms of supervariables: columns of (nearly) equal structure that are eliminated in one front.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Supernode {
     pub columns: Vec<u32>,
     pub rows: Vec<u32>,
     pub parent: Option<u32>,
-    /// Number of unknowns in columns and rows.
+    /// Number of unknowns in `columns`; `below` is the number of unknowns in `rows`.
     pub width: usize,
     pub below: usize,
-    /// Entries of the trapezoid that are zero.
+    /// Number of explicit zeros in the trapezoid of the factor.
     pub zeros: f64,
 }
 
@@ -23,7 +23,8 @@ fn trapezoid(width: usize, below: usize) -> f64 {
     w * (w + 1.0) / 2.0 + w * m
 }
 
-/// Fronts of columns of equal structure, children before parents.
+/// Fundamental supernodes in postorder: a column joins the supernode of its last child in the elimination tree if the
+/// rows of the child are the column itself and the column's rows.
 pub(super) fn fundamental_supernodes(graph: &CompressedGraph, order: &[u32]) -> Vec<Supernode> {
     let n = graph.len();
     const NONE: u32 = u32::MAX;
@@ -31,7 +32,7 @@ pub(super) fn fundamental_supernodes(graph: &CompressedGraph, order: &[u32]) -> 
     for (k, &g) in order.iter().enumerate() {
         position[g as usize] = k as u32;
     }
-    // PartialFactorization tree by paths that are shortened as they are walked.
+    // Elimination tree by Liu's algorithm with path compression: `ancestor` holds the compressed paths.
     let (mut parent, mut ancestor) = (vec![NONE; n], vec![NONE; n]);
     for (i, &g) in order.iter().enumerate() {
         for &h in &graph.neighbours[g as usize] {
@@ -63,7 +64,7 @@ pub(super) fn fundamental_supernodes(graph: &CompressedGraph, order: &[u32]) -> 
     let mut structure: Vec<Vec<u32>> = vec![Vec::new(); n];
     let mut children: Vec<Vec<u32>> = vec![Vec::new(); n];
     let mut supernodes: Vec<Supernode> = Vec::new();
-    // The front of each node, and the node it began with.
+    // Supernode of each node of the elimination tree, by postorder number.
     let mut supernode_of = vec![0_u32; n];
     for (k, &node) in postorder.iter().enumerate() {
         let g = order[node as usize];
@@ -114,7 +115,7 @@ pub(super) fn fundamental_supernodes(graph: &CompressedGraph, order: &[u32]) -> 
     supernodes
 }
 
-/// Nodes of a forest, children before parents.
+/// Postorder of a forest: children before parents.
 fn postorder(parent: &[u32]) -> Vec<u32> {
     const NONE: u32 = u32::MAX;
     let n = parent.len();
@@ -147,7 +148,7 @@ fn postorder(parent: &[u32]) -> Vec<u32> {
     out
 }
 
-/// Joins fronts with their parents where that adds few zeros.
+/// Relaxed amalgamation: merges supernodes with their parents where that adds few explicit zeros.
 pub(super) fn amalgamate(mut supernodes: Vec<Supernode>) -> Vec<Supernode> {
     let n = supernodes.len();
     let mut children: Vec<Vec<u32>> = vec![Vec::new(); n];
@@ -158,7 +159,7 @@ pub(super) fn amalgamate(mut supernodes: Vec<Supernode>) -> Vec<Supernode> {
     }
     let mut absorbed = vec![false; n];
     for p in 0..n {
-        // The child with the largest structure first: it adds the fewest zeros.
+        // The child that adds the smallest share of zeros comes first, mostly the one with the largest structure.
         loop {
             let parent = &supernodes[p];
             let joined = |c: u32| {
@@ -196,7 +197,7 @@ pub(super) fn amalgamate(mut supernodes: Vec<Supernode>) -> Vec<Supernode> {
     without_empty(supernodes, &absorbed)
 }
 
-/// The fronts that are not gone. None of them has a parent that is.
+/// Removes the absorbed supernodes and renumbers the parents. No remaining supernode has an absorbed parent.
 pub(super) fn without_empty(supernodes: Vec<Supernode>, absorbed: &[bool]) -> Vec<Supernode> {
     let mut number = vec![0_u32; supernodes.len()];
     let mut kept = 0;
@@ -212,8 +213,11 @@ pub(super) fn without_empty(supernodes: Vec<Supernode>, absorbed: &[bool]) -> Ve
     out
 }
 
-/// Orders the fronts depth first, so that subtrees stand together and the parts that wait are small: children by
-/// what they need at their worst less what they leave.
+/// Postorder that minimises the contribution-block stack: subtrees are contiguous, and children are sorted by the stack
+/// peak of their subtree minus the size of their contribution block, largest first.
+///
+/// J. W. H. Liu, *On the storage requirement in the out-of-core multifrontal method for sparse factorization*, ACM
+/// Trans. Math. Softw. 12 (1986) 249–264.
 pub(super) fn postorder_minimizing_stack(supernodes: &mut Vec<Supernode>) {
     let n = supernodes.len();
     let mut children: Vec<Vec<u32>> = vec![Vec::new(); n];

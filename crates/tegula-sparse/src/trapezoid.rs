@@ -1,14 +1,15 @@
-//! Storage of the lower triangle of a dense symmetric matrix, or of its first columns, by block columns.
+//! Block-column storage of the lower triangle of a dense symmetric matrix, or of its first columns.
 //!
-//! A block column of [`BLOCK`] columns is kept from its first diagonal entry down to the last row, by columns. So the
-//! dense kernels see ordinary matrices, and of the upper triangle only that of the blocks on the diagonal is stored.
+//! A block column of [`BLOCK`] columns is stored column by column from its first diagonal entry down to the last row.
+//! The dense kernels therefore see ordinary column-major matrices, and only the diagonal blocks store their upper
+//! triangle, too.
 
 use std::ops::Range;
 
-/// Columns of a block column. The last one may have fewer.
+/// Number of columns of a block column; the last block column may have fewer.
 pub(super) const BLOCK: usize = 128;
 
-/// The first `columns` columns of the lower triangle of a matrix of `rows` rows.
+/// Trapezoid: the first `columns` columns of the lower triangle of a matrix with `rows` rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Trapezoid {
     pub rows: usize,
@@ -16,7 +17,7 @@ pub(super) struct Trapezoid {
 }
 
 impl Trapezoid {
-    /// Lower triangle of a square matrix.
+    /// Layout of the lower triangle of a square matrix of order `n`.
     pub fn triangle(n: usize) -> Self {
         Self { rows: n, columns: n }
     }
@@ -26,12 +27,12 @@ impl Trapezoid {
         self.columns.div_ceil(BLOCK)
     }
 
-    /// Columns of a block column.
+    /// Range of the columns of a block column.
     pub fn columns_of(&self, block: usize) -> Range<usize> {
         block * BLOCK..((block + 1) * BLOCK).min(self.columns)
     }
 
-    /// First entry of a block column; of the one past the last, the number of all entries.
+    /// Index of the first entry of a block column; for the block column past the last, the number of all entries.
     pub fn start(&self, block: usize) -> usize {
         let whole = block.min(self.columns / BLOCK);
         let before = BLOCK * whole * self.rows - BLOCK * BLOCK * (whole * whole.saturating_sub(1) / 2);
@@ -39,7 +40,7 @@ impl Trapezoid {
         before + rest * (self.rows - whole * BLOCK)
     }
 
-    /// Row and column of an entry.
+    /// Row and column of the entry with a storage index.
     pub fn place(&self, at: usize) -> (usize, usize) {
         let (mut low, mut high) = (0, self.blocks());
         while high - low > 1 {
@@ -51,12 +52,12 @@ impl Trapezoid {
         (first + within % height, first + within / height)
     }
 
-    /// Stored entries.
+    /// Number of stored entries.
     pub fn size(&self) -> usize {
         self.start(self.blocks())
     }
 
-    /// Where the diagonal entry of a column is; those below follow.
+    /// Index of the diagonal entry of a column; the entries below it follow.
     #[inline]
     pub fn diagonal(&self, column: usize) -> usize {
         let block = column / BLOCK;

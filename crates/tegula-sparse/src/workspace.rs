@@ -1,7 +1,7 @@
-//! Memory that is lent for a while: what waits in a factorisation, and the sums of a solution.
+//! Workspace pool: reusable buffers for contribution blocks and for the row sums of a solution.
 //!
-//! Pieces are mapped for themselves and not taken from the heap, where large pieces of all sizes that come and go in all
-//! threads leave gaps: on two threads and 395 000 unknowns 50 MB beside the 60 MB that wait.
+//! Buffers are mapped individually and not taken from the heap, where large buffers of all sizes, allocated and freed
+//! by all threads, cause fragmentation: on two threads and 395 000 unknowns 50 MB beside the 60 MB in use.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -10,18 +10,18 @@ use memmap2::{MmapMut, MmapOptions};
 
 use super::FactorError;
 
-/// Numbers that may be wasted in a piece, whatever its size: 2 MB.
+/// Numbers (`f64`) that may be wasted in a buffer, whatever its size: 2 MB.
 const SPARE: usize = 1 << 18;
 
-/// A piece of memory for numbers.
+/// Buffer of `f64` numbers.
 #[derive(Debug, Default)]
 pub(super) struct Buffer(Option<MmapMut>);
 
 impl Buffer {
-    /// For some numbers, at first zero.
+    /// Maps a buffer of `n` numbers, initially zero.
     fn new(n: usize) -> Result<Self, FactorError> {
         let bytes = n.checked_mul(size_of::<f64>()).ok_or(FactorError::TooLarge)?;
-        // All of it is going to be written: its pages may come at once.
+        // The whole buffer is going to be written, so its pages are populated at once.
         let map = MmapOptions::new().len(bytes).populate().map_anon().map_err(|_| FactorError::TooLarge)?;
         Ok(Self(Some(map)))
     }
@@ -41,12 +41,12 @@ impl DerefMut for Buffer {
     }
 }
 
-/// Pieces of memory that are not in use, and how much is.
+/// Free buffers, and the accounting of free and used memory.
 #[derive(Debug, Default)]
 struct Store {
-    /// By size.
+    /// Free buffers, ascending by size.
     free: Vec<Buffer>,
-    /// Numbers in the free pieces, in those that are lent, and in the latter at most so far.
+    /// Numbers in the free buffers; `in_use` are those in the buffers in use, `peak` is the largest `in_use` so far.
     idle: usize,
     in_use: usize,
     peak: usize,
@@ -65,21 +65,21 @@ impl Store {
     }
 }
 
-/// Lends pieces. Together they are never more than was lent at a time.
+/// Pool of workspace buffers. All buffers together are never larger than the peak of those in use at one time.
 #[derive(Debug, Default)]
 pub(super) struct WorkspacePool {
     store: Mutex<Store>,
-    /// Little is not put into large pieces, so that less is lent.
+    /// Low-memory mode: small requests do not get large buffers, so that less memory is in use.
     low_memory: bool,
 }
 
 impl WorkspacePool {
-    /// Without any pieces.
+    /// Creates an empty pool.
     pub fn new(low_memory: bool) -> Self {
         Self { store: Mutex::default(), low_memory }
     }
 
-    /// Nothing is lent any more: what a failed factorisation held is gone.
+    /// Resets the account of the buffers in use: those of a failed factorisation are gone.
     pub fn begin(&self) {
         self.store().in_use = 0;
     }
@@ -88,13 +88,14 @@ impl WorkspacePool {
         self.store.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// At least `n` numbers, whatever they are: the smallest piece that is large enough; where memory is spared, it is not
-    /// half as large again.
+    /// Buffer of at least `n` numbers with arbitrary contents: the smallest free one that is large enough. In
+    /// low-memory mode it exceeds `n` by half of it, or by 2 MB, at most.
     pub fn take(&self, n: usize) -> Result<Buffer, FactorError> {
         self.take_if(n, |size| !self.low_memory || size - n <= SPARE.max(n / 2))
     }
 
-    /// The same where no other piece is in use: any that is large enough will do.
+    /// Buffer of at least `n` numbers while no other buffer is in use: any free one that is large enough, in either
+    /// mode.
     pub fn take_alone(&self, n: usize) -> Result<Buffer, FactorError> {
         self.take_if(n, |_| true)
     }
@@ -111,7 +112,7 @@ impl WorkspacePool {
             return Ok(piece);
         }
         store.count_use(n);
-        // Given up: the smallest one that makes enough room, or the largest.
+        // Free buffers to be given up: the smallest one that makes enough room, or the largest.
         let mut given_up = Vec::new();
         while store.in_use + store.idle > store.peak && !store.free.is_empty() {
             let room = store.in_use + store.idle - store.peak;
@@ -124,7 +125,7 @@ impl WorkspacePool {
         Buffer::new(n)
     }
 
-    /// Takes a piece back.
+    /// Returns a buffer to the pool.
     pub fn put(&self, piece: Buffer) {
         if !piece.is_empty() {
             let mut store = self.store();
@@ -135,15 +136,15 @@ impl WorkspacePool {
         }
     }
 
-    /// Gives back all that is not in use.
+    /// Frees all buffers that are not in use.
     pub fn release(&self) {
         *self.store() = Store::default();
     }
 }
 
-/// Memory that is not touched before it is used.
+/// Vector of `n` zeros whose pages are not touched before they are used; an error where the memory does not suffice.
 pub fn zeros(n: usize) -> Result<Vec<f64>, FactorError> {
-    // Asks first: where there is not enough, `vec!` would end the program.
+    // The reservation fails with an error where `vec!` would abort the program.
     Vec::<f64>::new().try_reserve_exact(n).map_err(|_| FactorError::TooLarge)?;
     Ok(vec![0.0; n])
 }
@@ -178,11 +179,11 @@ mod tests {
         let (a, b) = (pool.take(MANY).unwrap(), pool.take(2 * MANY).unwrap());
         pool.put(a);
         pool.put(b);
-        // Nothing is large enough: one makes room that suffices.
+        // No free buffer is large enough: free ones are given up to make room.
         let c = pool.take(2 * MANY + MANY / 2).unwrap();
         assert_eq!((c.len(), sizes(&pool)), (2 * MANY + MANY / 2, vec![]));
         pool.put(c);
-        // Large pieces are not for little: a new one, as there is room for it.
+        // A large buffer is not used for a small request: there is room for a new one.
         let d = pool.take(MANY / 2).unwrap();
         assert_eq!((d.len(), sizes(&pool)), (MANY / 2, vec![2 * MANY + MANY / 2]));
         let e = pool.take_alone(MANY).unwrap();

@@ -327,3 +327,36 @@ fn joined_bodies_of_very_different_stiffness_are_right_or_refused() {
         }
     }
 }
+
+/// A pressure on a sheet with free edges has no potential. Frequencies about its equilibrium are those of K + N; the symmetric
+/// part K alone gives others: for Beck's column at two fifths of its flutter load 3.0 for 4.5 Hz.
+#[test]
+fn modes_under_a_pressure_without_potential_are_refused() {
+    let run = |pressure: f64, all_edges: bool| {
+        let mut m = modal_model([10.0, 1.0], [20, 2], 0.1);
+        m.materials.insert("m".into(), material(1.2e6, 0.3));
+        let edges: &[&str] = if all_edges { &["u_min", "u_max", "v_min", "v_max"] } else { &["u_min"] };
+        m.conditions = edges.iter().map(|edge| Condition::Clamp(on(edge))).collect();
+        m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: pressure, amplitude: None })];
+        m.analysis = Analysis::Modal(ModalAnalysis { modes: 4, prestressed: true });
+        let (_, system) = compile(&m);
+        let start = modal::prestress(&system, &mut Silent).unwrap().state;
+        modal::run(&system, 4, Some(&start), &mut Silent)
+    };
+    let free = run(1e-6, false).unwrap();
+    let refused = run(2.0, false).unwrap_err().to_string();
+    assert!(refused.contains("no potential") && refused.contains("flutter"), "{refused}");
+    assert!(run(2.0, true).unwrap().modes[0].omega > free.modes[0].omega);
+}
+
+#[test]
+fn a_free_body_with_prescribed_strains_is_told_to_be_free() {
+    let mut m = modal_model([1.0, 0.2], [20, 4], 0.01);
+    let warm = |expansion: f64| Isotropic { expansion, ..Isotropic::new(1e9, 0.3, 1000.0) };
+    m.materials.insert("m".into(), Material::Isotropic(warm(1e-5)));
+    let thermal = ThermalStrain { on: "all".into(), temperature: 10.0, gradient: 0.0, amplitude: None };
+    m.prescribed_strains = vec![PrescribedStrain::Thermal(thermal)];
+    let (_, system) = compile(&m);
+    let error = modal::prestress(&system, &mut Silent).unwrap_err().to_string();
+    assert!(error.contains("moves freely in 6 way(s)"), "{error}");
+}

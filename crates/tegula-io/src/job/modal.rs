@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use tegula::analysis::modal::{self, ModalOutcome};
-use tegula::analysis::{Observer, State, Statistics, Step, statics};
-use tegula::model::{ModalAnalysis, StaticAnalysis};
+use tegula::analysis::{Observer, State, Statistics, Step};
+use tegula::model::ModalAnalysis;
 use tegula::{Error, System};
 
 use super::modes;
@@ -86,7 +86,7 @@ fn spectrum(
 ) -> tegula::Result<(State, ModalOutcome)> {
     let mut equilibrium: Option<State> = None;
     if analysis.prestressed {
-        let outcome = statics::run(system, &StaticAnalysis::default(), None, forward)?;
+        let outcome = modal::prestress(system, forward)?;
         forward.before = outcome.statistics;
         equilibrium = Some(outcome.state);
     }

@@ -77,8 +77,7 @@ fn analyse(
     match &deck.model.analysis {
         Analysis::Static(options) => {
             if state.is_none() {
-                let next_step = 1.0 / f64::from(options.load_steps.max(1));
-                let state = State { next_step, ..State::at_rest(system) };
+                let state = statics::first_state(system, options);
                 recorder.record_start(&state, start.end)?;
             }
             statics::run(system, options, state, recorder).map(drop)
@@ -128,7 +127,7 @@ pub(super) fn start(deck: &Deck, prepared: &Prepared, memory: Option<&Memory>) -
         analysis,
         elements: prepared.system.elements(),
         unknowns: prepared.system.unknowns(),
-        time: memory.map_or(0.0, |m| m.state.time),
+        time: memory.map_or(prepared.system.first_load_factor(), |m| m.state.time),
         end,
     }
 }

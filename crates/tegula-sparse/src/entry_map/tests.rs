@@ -4,14 +4,14 @@ use super::super::assembly_tree::AssemblyTree;
 use super::super::ordering::CompressedGraph;
 use super::*;
 
-/// A lower triangle in compressed columns.
+/// Sparsity pattern: lower triangle in compressed columns.
 struct Pattern {
     pointers: Vec<usize>,
     rows: Vec<u32>,
 }
 
 impl Pattern {
-    /// All unknowns of an element are coupled.
+    /// Creates the pattern in which all unknowns of an element are coupled.
     fn of_elements(n: usize, elements: &[Vec<u32>]) -> Self {
         let mut columns: Vec<BTreeSet<u32>> = (0..n as u32).map(|j| BTreeSet::from([j])).collect();
         for element in elements {
@@ -27,7 +27,8 @@ impl Pattern {
         Self { pointers, rows }
     }
 
-    /// Square elements on a grid of nodes with consecutive unknowns, `unknowns` of each.
+    /// Creates the pattern of square elements on a grid of nodes with consecutive unknowns; `unknowns` gives their
+    /// number.
     fn grid(nx: usize, ny: usize, unknowns: impl Fn(usize) -> u32) -> Self {
         let mut first = vec![0];
         for node in 0..nx * ny {
@@ -50,17 +51,17 @@ impl Pattern {
         AssemblyTree::new(&graph, &order, &self.pointers, &self.rows).unwrap()
     }
 
-    /// Numbers of the values by their row and column.
+    /// Index of each value by its row and column.
     fn numbers(&self) -> HashMap<(usize, usize), usize> {
         let column = |j: usize| (self.pointers[j]..self.pointers[j + 1]).map(move |k| (j, k));
         let all = (0..self.pointers.len() - 1).flat_map(column);
         all.map(|(j, k)| ((self.rows[k] as usize, j), k)).collect()
     }
 
-    /// Checks that every value is entered once in a tree, where its row and column are, and nothing else.
+    /// Checks that each original entry is added exactly once in a tree, in its row and column, and nothing else is.
     fn check(&self, tree: &AssemblyTree) {
         let numbers = self.numbers();
-        // The value with this number; none has the value zero.
+        // Value with index k; none has the value zero.
         let value = |k: usize| 1.0 + k as f64;
         let values: Vec<f64> = (0..self.rows.len()).map(value).collect();
         let mut entered = 0;
@@ -77,7 +78,7 @@ impl Pattern {
                 assert_eq!(found, number.map_or(0.0, |&k| value(k)), "front {f}, row {row}, column {column}");
                 entered += usize::from(number.is_some());
             }
-            // None is left: no value is zero.
+            // All entries are collected: no value is zero.
             let mut collected = vec![0.0; tree.entries.number(f)];
             tree.entries.collect(f, &values, &mut collected);
             assert!(collected.iter().all(|v| *v != 0.0));
@@ -110,7 +111,7 @@ impl Pattern {
                     && apart(k) > 0
                     && step.is_none_or(|s| s == apart(k));
                 step = if follows { Some(apart(k)) } else { None };
-                // The first of a run may be at any distance from the second.
+                // The first entry of a run may be at any distance from the second.
                 runs += usize::from(!follows);
             }
         }
@@ -137,7 +138,7 @@ fn every_value_has_its_place_without_groups() {
     let pattern = Pattern::grid(17, 20, |_| 1);
     let tree = pattern.tree();
     pattern.check(&tree);
-    // Unknowns of a node that do not follow one another.
+    // Unknowns of a node that are not consecutive.
     let scattered: Vec<Vec<u32>> = (0..40)
         .flat_map(|i| (0..5).map(move |j| [i, i + 1].iter().map(|i| (i * 5 + j) % 205).collect()))
         .collect();
@@ -147,7 +148,7 @@ fn every_value_has_its_place_without_groups() {
 
 #[test]
 fn every_value_has_its_place_beside_the_ends_of_block_columns() {
-    // Columns and rows longer than a run may be, in one group and in several that do not fit a block.
+    // Columns and rows longer than a run may be, in one supervariable and in several that do not fit a block.
     let full = Pattern::of_elements(301, &[(0..301).collect()]);
     let tree = full.tree();
     assert!(widest(&tree) > 2 * BLOCK && tree.fronts.len() == 1);
@@ -187,7 +188,7 @@ fn runs_hold_the_columns_of_a_node_together() {
     let tree = pattern.tree();
     let (runs, single) = (tree.entries.runs.len(), pattern.runs_of_one_column(&tree));
     assert!(4 * runs <= single, "{runs} runs, {single} of one column");
-    // Without groups there are none to be held together.
+    // Without supervariables there are no columns to hold together.
     let pattern = Pattern::grid(30, 30, |_| 1);
     let tree = pattern.tree();
     assert!(tree.entries.runs.len() <= pattern.runs_of_one_column(&tree));

@@ -1,6 +1,6 @@
 use super::*;
 
-/// Nodes of a square grid with six unknowns each, all of neighbours coupled: column pointers, rows, values.
+/// Matrix of a square grid of nodes with six unknowns each, those of neighbours coupled: column pointers, rows, values.
 fn grid(n: usize, diagonal: f64) -> (Vec<usize>, Vec<u32>, Vec<f64>) {
     let (mut pointers, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
     for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
@@ -21,7 +21,7 @@ fn grid(n: usize, diagonal: f64) -> (Vec<usize>, Vec<u32>, Vec<f64>) {
     (pointers, rows, values)
 }
 
-/// BlockPivots that are negative, and a solution.
+/// Number of negative pivots, and a solution.
 fn solve(fronts: &mut Multifrontal, pointers: &[usize], values: &[f64], given: bool) -> (usize, Vec<f64>) {
     loop {
         let own = if given { Values::Owned(values.to_vec()) } else { Values::Borrowed(values) };
@@ -33,7 +33,7 @@ fn solve(fronts: &mut Multifrontal, pointers: &[usize], values: &[f64], given: b
     }
 }
 
-/// Definite, indefinite, and with pivots in doubt.
+/// Covers a definite matrix, and an indefinite one whose pivots need the growth check.
 #[test]
 fn memory_is_spared_without_a_change_of_a_bit() {
     for diagonal in [60.0, 1e-3] {

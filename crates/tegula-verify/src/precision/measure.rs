@@ -6,9 +6,9 @@ use tegula::model::{Analysis, EnergyMomentumScheme, Model, Scheme, TransientAnal
 use tegula::{Error, Result, System, Vec3};
 
 use super::{Reference, Row, Stepping, Transient};
-use tegula_io::job::process::cpu_seconds;
 use crate::verify::history::cubic;
 use crate::verify::model::Compiled;
+use tegula_io::job::process::cpu_seconds;
 
 /// Times at which positions are compared; the last one is the end.
 const TIMES: usize = 100;

@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use super::{Reference, Row, Stepping, Transient, scheme_name, schemes};
+use tegula::model::Scheme;
 use tegula_io::out::OutputError;
 use tegula_io::plot::{LinePlot, Series, Style, lines};
-use tegula::model::Scheme;
 
 /// What an error is held against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,16 +5,20 @@
 //! bodies; where nearly all modes of a small model are wanted, all are found at once. A Sturm count (negative pivots of
 //! `K − sM` with `s` in a gap between modes) proves that none was missed.
 
+mod circulatory;
 mod dense;
 mod problem;
 mod rigid;
 mod search;
 
+use super::statics::{self, StaticOutcome};
 use super::{Observer, State, Statistics};
 use crate::element::Nodal;
+use crate::model::StaticAnalysis;
 use crate::system::System;
 use crate::{Error, Result};
 use problem::{Problem, go_on};
+use rigid::{Parts, RigidModes};
 use search::Search;
 use tegula_sparse::Factor as _;
 use tegula_sparse::lanczos::RitzPair;
@@ -58,7 +62,7 @@ pub struct ModalOutcome {
 ///
 /// # Errors
 /// The mass is not positive definite, the iteration does not find the modes, the Sturm count disagrees, rounding hides
-/// a mode, or the observer has asked to stop, which is noticed between two applications of the inverse.
+/// a mode, loads that follow the motion have no potential and would change a mode, or the observer has asked to stop, which is noticed between two applications of the inverse.
 pub fn run(
     system: &System,
     wanted: usize,
@@ -84,6 +88,9 @@ pub fn run(
     }
     modes.sort_by(|a, b| a.omega.total_cmp(&b.omega));
     modes.truncate(wanted);
+    if let Some(state) = equilibrium {
+        circulatory::refuse(&mut problem, &modes, state)?;
+    }
     let statistics = Statistics {
         steps: modes.len() as u64,
         iterations: problem.applications,
@@ -91,6 +98,28 @@ pub fn run(
         ..Statistics::default()
     };
     Ok(ModalOutcome { modes, statistics, sturm_checked })
+}
+
+/// Equilibrium under the loads, about which a prestressed model vibrates.
+///
+/// # Errors
+/// No equilibrium was found; where parts of the model move freely, the error says so.
+pub fn prestress(system: &System, observer: &mut dyn Observer) -> Result<StaticOutcome> {
+    statics::run(system, &StaticAnalysis::default(), None, observer).map_err(|error| {
+        let parts = Parts::new(system);
+        let rest = vec![[0.0; 3]; system.vectors()];
+        let rigid = RigidModes::new(system, &rest, &parts, &system.numbering, |_| true).len();
+        match error {
+            Error::NotConverged { at, reason, .. } if rigid > 0 => Error::Singular {
+                what: format!(
+                    "The model moves freely in {rigid} way(s), which its supports do not prevent, and no equilibrium was \
+                     found at {at} under its loads and prescribed strains. {reason}"
+                ),
+                help: "Support the model so that it cannot move as a whole, or leave `prestressed` out.".into(),
+            },
+            error => error,
+        }
+    })
 }
 
 /// Factors with the shifts of all groups. Where no stress can make the configuration unstable, shifts whose matrix is

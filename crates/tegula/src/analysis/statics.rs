@@ -15,6 +15,7 @@ use crate::system::{Assembly, System, dot};
 use crate::{Error, Result};
 
 use load_steps::LoadSteps;
+pub use load_steps::first_state;
 
 /// Largest turn (rad) of the first increment of a load step. The answer of the undeformed shell to the whole load leads
 /// thin shells so far astray that the way back takes longer: on the quarter cylinder of Sect. 5.2 with 64 × 64 elements

@@ -71,7 +71,7 @@ impl Stops {
         let parts = f64::from(steps.max(1));
         let passed = (time * parts + ON_GRID).floor();
         let stop = self.times.partition_point(|&t| t <= time);
-        let last = stop.checked_sub(1).and_then(|i| self.times.get(i)).copied().unwrap_or(0.0);
+        let last = stop.checked_sub(1).and_then(|i| self.times.get(i)).copied().unwrap_or(-1.0);
         let next = self.times.get(stop).copied().unwrap_or(1.0);
         ((passed / parts).max(last).min(time), ((passed + 1.0) / parts).min(next).min(1.0))
     }

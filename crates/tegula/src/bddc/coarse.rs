@@ -1,4 +1,4 @@
-//! The coarse matrix: what the pieces leave at the corners.
+//! Coarse problem of BDDC: the Schur complements of the subdomains, assembled at the primal unknowns.
 
 use super::interface::Interface;
 use super::subdomain::Subdomain;
@@ -8,7 +8,7 @@ use tegula_sparse::{Factor as _, SparseLdlt, SymmetricPattern};
 pub(super) struct Coarse {
     solver: Option<SparseLdlt>,
     values: Vec<f64>,
-    /// For each piece, where the lower triangle of its corners goes, column by column.
+    /// Places of each subdomain's primal Schur complement (lower triangle, column by column) in the coarse matrix.
     places: Vec<Vec<u32>>,
 }
 
@@ -54,7 +54,8 @@ impl Coarse {
         Ok(Self { solver: Some(solver), values, places })
     }
 
-    /// Sums what the pieces leave at their corners, which is used up, and factors it.
+    /// Assembles the subdomains' Schur complements at the primal unknowns, which are consumed, and factors the coarse
+    /// matrix.
     pub fn factor(&mut self, data: &mut [SubdomainData]) -> Result<(), BddcError> {
         let Some(solver) = &mut self.solver else { return Ok(()) };
         self.values.fill(0.0);
@@ -65,13 +66,13 @@ impl Coarse {
         }
         if solver.factor(&self.values)?.negative > 0 {
             return Err(BddcError::Indefinite(
-                "the subdomains of the shell, held at their primal, are unstable",
+                "the subdomains of the shell, held at their primal nodes, are unstable",
             ));
         }
         Ok(())
     }
 
-    /// Solves in place.
+    /// Solves the coarse problem in place.
     pub fn solve(&mut self, x: &mut [f64]) {
         if let Some(solver) = &mut self.solver {
             solver.solve(x);

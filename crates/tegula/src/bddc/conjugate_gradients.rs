@@ -1,23 +1,24 @@
-//! The iteration on the borders.
+//! Preconditioned conjugate gradients on the interface Γ.
 
 use rayon::prelude::*;
 
 use super::tridiagonal::condition;
 use super::{Bddc, BddcError, Convergence};
 
-/// Vector entries that one task sums.
+/// Number of vector entries that one task sums.
 const CHUNK: usize = 8192;
-/// A true residual of this share of the first one (of their squares in the energy norm) that the recurrence takes
-/// to be smaller, and that a restart does not take away, is rounding of the factors. The caller knows the forces
-/// better, and corrects.
+/// Largest true residual, as a share of the first one (both squared, in the energy norm), that is attributed to
+/// rounding of the factors once the recurrence takes it to be smaller and a restart does not remove it. The caller
+/// knows the forces better, and corrects.
 const ROUNDING: f64 = 1e-10;
-/// One of this share is accepted at once. It is what rounding leaves of shells of a slenderness of about 1000; a restart
-/// there takes a fifth more iterations and less than a digit from it.
+/// Largest true residual, as a share of the first one (both squared), that is accepted without a restart. Rounding
+/// leaves this much in shells of a slenderness of about 1000; a restart there takes a fifth more iterations and gains
+/// less than a digit.
 const FINE: f64 = f64::EPSILON;
-/// Restarts that do not take the residual down to this share have no use.
+/// Largest ratio of the squared residuals of successive restarts; above it, further restarts have no use.
 const PROGRESS: f64 = 0.3;
 
-/// Vectors of the unknowns of all borders.
+/// Vectors of the interface unknowns.
 pub(super) struct Vectors {
     right: Vec<f64>,
     solution: Vec<f64>,
@@ -43,31 +44,32 @@ impl Vectors {
     }
 }
 
-/// What is wanted of a solution.
+/// Stopping criterion of the conjugate gradients.
 ///
-/// The recurrence of the iteration has to reach it, and so does the true residual of the solution, from which the
-/// iteration restarts as long as that helps. Rounding of the factors can keep the true residual of thin shells above
-/// what is wanted. So once the recurrence has got there, a true residual of 1.5e-8 of the first one in the energy norm
-/// is accepted, and after a restart one of 1e-5, however small `relative` is. [`Convergence::error`] tells what was
-/// reached; corrections with forces that are computed anew, as in Newton's method, take the rest away.
+/// Both the recurrence of the iteration and the true residual of the solution have to reach it; the iteration restarts
+/// from the true residual as long as that helps. Rounding of the factors can keep the true residual of thin shells
+/// above the criterion. Once the recurrence has reached it, a true residual of 1.5e-8 of the first one in the energy
+/// norm is therefore accepted, and after a restart one of 1e-5, however small `relative` is. [`Convergence::error`]
+/// tells the error that was reached; corrections with forces that are computed anew, as in Newton's method, remove the
+/// rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StoppingCriterion {
-    /// Error relative to the solution, both in the energy norm.
+    /// Tolerated error relative to the solution, both in the energy norm.
     pub relative: f64,
-    /// Error in the energy norm that is small enough where it is this `share` of the solution as well.
+    /// Tolerated absolute error in the energy norm, as far as it is at most `share` of the solution.
     pub absolute: f64,
-    /// See `absolute`.
+    /// Largest share of the solution that the error may have to be accepted by `absolute`.
     pub share: f64,
-    /// Iterations at most.
+    /// Maximum number of iterations.
     pub iterations: usize,
 }
 
 impl Bddc {
-    /// Solves in place with the last factors.
+    /// Solves a system with the last factors, in place of the right side `x`.
     ///
     /// # Errors
-    /// No matrix is factored, `x` has another length than the mesh has unknowns or holds what is not a number, the
-    /// matrix is not positive definite, or the iterations did not suffice; `x` is unchanged then.
+    /// No matrix is factored, `x` has another length than the mesh has unknowns or holds values that are not finite,
+    /// the matrix is not positive definite, or the iterations did not suffice; `x` is unchanged then.
     pub fn solve(&mut self, x: &mut [f64], wanted: &StoppingCriterion) -> Result<Convergence, BddcError> {
         if !self.ready {
             return Err(BddcError::NotFactored);
@@ -139,17 +141,17 @@ impl Bddc {
         let mut coefficients = Vec::new();
         let mut start = None;
         let mut last = f64::INFINITY;
-        // Runs from a true residual, and whether the recurrence of one of them got where it should.
+        // Number of runs from a true residual, and whether the recurrence of one of them reached its goal.
         let mut runs = 0;
         let mut converged = false;
         loop {
-            // (Re)start from the true residual.
+            // Start, or restart, from the true residual.
             self.precondition(r, z);
             let mut rz = positive(dot(r, z, sums))?;
             let first = *start.get_or_insert(rz);
             let enough = wanted.absolute.powi(2).min(wanted.share.powi(2) * first);
             let goal = (wanted.relative.powi(2) * first).max(enough);
-            // More runs have no use, or are not allowed.
+            // Further runs are useless or not allowed.
             let over = rz > PROGRESS * last || iterations >= wanted.iterations;
             let accepted = if runs > 1 || over { ROUNDING } else { FINE };
             let rounding = converged && rz <= accepted * first;
@@ -199,7 +201,7 @@ impl Bddc {
         }
     }
 
-    /// `out = S x`.
+    /// Product with the assembled Schur complement, `out = S x`.
     fn product(&mut self, x: &[f64], out: &mut [f64]) {
         self.data
             .par_iter_mut()
@@ -208,7 +210,8 @@ impl Bddc {
             .zip(&self.interface.of_subdomain)
             .for_each(|((datum, subdomain), of)| {
                 let Some(factored) = &datum.factored else { return };
-                // Inner unknowns wait in `x` for the end of the iteration; the places of the border are free.
+                // The interior unknowns stay in `x` until the end of the iteration; the places of the interface are
+                // free.
                 let local = &mut datum.x[subdomain.inner..];
                 for (l, &n) in local.iter_mut().zip(of) {
                     *l = x[n as usize];
@@ -219,7 +222,7 @@ impl Bddc {
         self.interface.add(&self.data, 0, out);
     }
 
-    /// `z = M⁻¹ r`.
+    /// Applies the BDDC preconditioner, `z = M⁻¹ r`.
     fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
         self.scaling.share(r);
         let scaling = &self.scaling;
@@ -272,7 +275,7 @@ impl Bddc {
     }
 }
 
-/// A positive definite matrix has a positive definite preconditioner.
+/// Checks the sign of `r·M⁻¹r`: a positive definite matrix has a positive definite preconditioner.
 fn positive(rz: f64) -> Result<f64, BddcError> {
     if !rz.is_finite() {
         Err(BddcError::NotFinite)
@@ -283,7 +286,7 @@ fn positive(rz: f64) -> Result<f64, BddcError> {
     }
 }
 
-/// Scalar product in a fixed order whatever the number of threads; `sums` is scratch.
+/// Scalar product, summed in a fixed order for any number of threads; `sums` is workspace.
 fn dot(a: &[f64], b: &[f64], sums: &mut [f64]) -> f64 {
     sums.par_iter_mut().zip(a.par_chunks(CHUNK).zip(b.par_chunks(CHUNK))).for_each(|(sum, (a, b))| {
         *sum = super::schur_complement::dot(a, b);
@@ -291,7 +294,7 @@ fn dot(a: &[f64], b: &[f64], sums: &mut [f64]) -> f64 {
     sums.iter().sum()
 }
 
-/// `y += a x`.
+/// Vector update `y += a x`.
 fn add(a: f64, x: &[f64], y: &mut [f64]) {
     y.par_iter_mut().with_min_len(CHUNK).zip(x).for_each(|(y, x)| *y += a * x);
 }

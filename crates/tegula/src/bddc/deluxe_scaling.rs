@@ -1,14 +1,14 @@
-//! Averages over the borders of two pieces, weighed by the matrices of both.
+//! Deluxe scaling: averages over the interface edges of two subdomains, weighted by the Schur complements of both.
 //!
-//! On a stretch of border between corners the pieces 1 and 2 have the matrices `S₁` and `S₂`. Their values there
-//! are averaged as
+//! On an interface edge, between primal nodes, the subdomains 1 and 2 have the Schur complements `S₁` and `S₂`. The
+//! averaging operator `E_D` averages their values there as
 //!
 //! ```text
 //! u = D u₁ + (1 − D) u₂,   D = (S₁ + S₂)⁻¹ S₁
 //! ```
 //!
-//! and forces are shared with the transposed of it. On regular meshes that is the mean. Where elements are
-//! distorted the directors and positions of a thin shell must be weighed together, or the average shears.
+//! and its transpose distributes forces between them. On regular meshes this is the arithmetic mean. Where elements are
+//! distorted, the directors and positions of a thin shell must be weighted together, or the average shears.
 //!
 //! C. R. Dohrmann, O. B. Widlund, *A BDDC algorithm with deluxe scaling for three-dimensional H(curl) problems*,
 //! Comm. Pure Appl. Math. 69 (2016) 745–770.
@@ -25,17 +25,17 @@ use super::{BddcError, SubdomainData};
 use crate::system::Numbering;
 use crate::system::numbering::CONSTRAINED;
 
-/// Members that one task works on.
+/// Number of interface edges that one task works on.
 const TOGETHER: usize = 64;
 
-/// Unknowns of a stretch of border between two pieces.
+/// Unknowns of an interface edge between two subdomains.
 pub(super) struct Group {
-    /// Free coordinates.
+    /// Free degrees of freedom.
     pub unknowns: Vec<u32>,
     subdomains: [u32; 2],
 }
 
-/// Finds the groups among the unknowns that two pieces share.
+/// Finds the interface edges among the unknowns that two subdomains share.
 pub(super) fn groups(
     sharing: &Sharing,
     edges: &HashMap<u32, u32>,
@@ -54,22 +54,22 @@ pub(super) fn groups(
     groups.filter(|g| !g.unknowns.is_empty()).collect()
 }
 
-/// The averages.
+/// Deluxe scaling: averaging operator `E_D` on all interface edges.
 pub(super) struct DeluxeScaling {
     members: Vec<Member>,
-    /// First piece of each unknown of a group.
+    /// First subdomain of each unknown of an interface edge.
     first: Vec<u32>,
-    /// What the first piece takes of a force.
+    /// Share of the first subdomain in the force on each unknown.
     shares: Vec<f64>,
 }
 
 struct Member {
-    /// Where its unknowns begin among those of all groups.
+    /// Start of its unknowns among those of all interface edges.
     start: usize,
-    /// Pieces, and places of the unknowns in their borders.
+    /// Subdomains of the edge; `places` are the positions of the unknowns on their interfaces.
     subdomains: [u32; 2],
     places: [Vec<u32>; 2],
-    /// `D`, by columns.
+    /// Scaling matrix `D`, by columns.
     matrix: Vec<f64>,
 }
 
@@ -99,12 +99,12 @@ impl DeluxeScaling {
         Self { members, first, shares }
     }
 
-    /// Unknowns of all groups: the first of the dual ones.
+    /// Number of unknowns of all interface edges, which are the first of the dual unknowns.
     pub fn len(&self) -> usize {
         self.first.len()
     }
 
-    /// Computes the matrices `D`.
+    /// Computes the scaling matrices `D` of all interface edges.
     pub fn weigh(&mut self, data: &[SubdomainData]) -> Result<(), BddcError> {
         let done: Vec<Option<()>> = self
             .members
@@ -133,11 +133,11 @@ impl DeluxeScaling {
         if done.iter().all(Option::is_some) {
             Ok(())
         } else {
-            Err(BddcError::Indefinite("a interface_size between two subdomains of the shell is unstable"))
+            Err(BddcError::Indefinite("an interface edge between two subdomains of the shell is unstable"))
         }
     }
 
-    /// Shares forces between first and second pieces.
+    /// Distributes the forces `r` between the two subdomains of each edge: the first one takes `Dᵀ r`.
     pub fn share(&mut self, r: &[f64]) {
         each(&self.members, &mut self.shares, &|member, shares| {
             let n = member.len();
@@ -148,14 +148,14 @@ impl DeluxeScaling {
         });
     }
 
-    /// The part of the force on an unknown that a piece takes; none where the unknown is in no group.
+    /// Share of a subdomain in the force on an unknown; none if the unknown is on no interface edge.
     pub fn part(&self, unknown: u32, subdomain: u32, r: &[f64]) -> Option<f64> {
         let n = unknown as usize;
         let first = *self.first.get(n)?;
         Some(if first == subdomain { self.shares[n] } else { r[n] - self.shares[n] })
     }
 
-    /// Averages the values that the pieces hold in `y`.
+    /// Averages the values `y` of the subdomains on the interface edges, `D u₁ + (1 − D) u₂`.
     pub fn average(&self, data: &[SubdomainData], out: &mut [f64]) {
         each(&self.members, out, &|member, out| {
             let n = member.len();
@@ -173,8 +173,8 @@ impl DeluxeScaling {
     }
 }
 
-/// Works on all members, each with its own part of the values of the groups: halved again and again, so that nothing is
-/// allocated while iterating.
+/// Calls `datum` for all interface edges, each with its own part of the values. Recursive halving avoids allocations
+/// during the iteration.
 fn each(members: &[Member], values: &mut [f64], datum: &(impl Fn(&Member, &mut [f64]) + Sync)) {
     if members.len() <= TOGETHER {
         let mut rest = values;

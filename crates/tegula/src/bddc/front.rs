@@ -1,4 +1,4 @@
-//! Elimination in the dense matrices of a piece.
+//! Partial Cholesky factorisation of a dense front of a subdomain.
 
 use dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::cholesky_in_place;
@@ -7,12 +7,12 @@ use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, Par};
 
-/// A pivot is not positive.
+/// Error of a factorisation with a pivot that is not positive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct NotPositive;
 
-/// Eliminates the columns of a dense matrix with `width` columns and `below` rows beneath them: `L₁₁ L₁₁ᵀ = A₁₁`,
-/// `L₂₁ = A₂₁ L₁₁⁻ᵀ`, and passes on `C − L₂₁ L₂₁ᵀ`.
+/// Partial Cholesky factorisation of a front with `width` fully summed columns and `below` rows beneath them:
+/// `L₁₁ L₁₁ᵀ = A₁₁`, `L₂₁ = A₂₁ L₁₁⁻ᵀ`. The contribution block in `out` is updated to `C − L₂₁ L₂₁ᵀ`.
 pub(super) fn eliminate(
     (width, below): (usize, usize),
     panel: &mut [f64],

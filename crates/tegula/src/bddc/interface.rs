@@ -1,4 +1,4 @@
-//! The unknowns that pieces share, and sums over the pieces.
+//! Interface Γ: the unknowns that subdomains share, and assembly over the subdomains.
 
 use rayon::prelude::*;
 
@@ -7,22 +7,22 @@ use super::deluxe_scaling::Group;
 use super::subdomain::Subdomain;
 use crate::lists::Lists;
 
-/// Unknowns of the borders: dual ones first, then those of corners.
+/// Interface unknowns: dual unknowns first, then primal unknowns.
 pub(super) struct Interface {
-    /// Free coordinate of each.
+    /// Free degree of freedom of each interface unknown.
     pub unknowns: Vec<u32>,
-    /// How many are dual.
+    /// Number of dual unknowns.
     dual: usize,
-    /// Pieces that hold each, and its places in their borders.
+    /// Subdomains that share each unknown, and its positions on their interfaces.
     sources: Lists<(u32, u32)>,
-    /// For each piece, the unknowns of its border.
+    /// Interface unknowns of each subdomain.
     pub of_subdomain: Vec<Vec<u32>>,
 }
 
 impl Interface {
-    /// The dual unknowns of `groups` come first, group by group.
+    /// Numbers the interface unknowns. The dual unknowns of the interface edges `groups` come first, edge by edge.
     pub fn new(subdomains: &[Subdomain], unknowns: usize, groups: &[Group]) -> Self {
-        // 1: dual, 2: corner.
+        // The kind 1 is dual, 2 is primal.
         let mut kind = vec![0_u8; unknowns];
         for subdomain in subdomains {
             for (k, &u) in subdomain.unknowns[subdomain.inner..].iter().enumerate() {
@@ -53,32 +53,32 @@ impl Interface {
         Self { unknowns: list, dual, sources, of_subdomain }
     }
 
-    /// Unknowns of the borders.
+    /// Number of interface unknowns.
     pub fn len(&self) -> usize {
         self.unknowns.len()
     }
 
-    /// Those that are not at corners.
+    /// Number of dual unknowns.
     pub fn dual(&self) -> usize {
         self.dual
     }
 
-    /// Those at corners.
+    /// Number of primal unknowns.
     pub fn primal(&self) -> usize {
         self.len() - self.dual
     }
 
-    /// How many pieces share an unknown.
+    /// Number of subdomains that share an interface unknown.
     pub fn subdomains(&self, unknown: u32) -> usize {
         self.sources(unknown as usize).len()
     }
 
-    /// Pieces that hold an unknown, and its places in their borders.
+    /// Subdomains that share an interface unknown, and its positions on their interfaces.
     pub fn sources(&self, unknown: usize) -> &[(u32, u32)] {
         self.sources.of(unknown)
     }
 
-    /// Adds what the pieces hold in `y` for the unknowns from `first` on.
+    /// Assembles the interface values `y` of the subdomains: adds them to `out` for the unknowns from `first` on.
     pub fn add(&self, data: &[SubdomainData], first: usize, out: &mut [f64]) {
         out.par_iter_mut().with_min_len(4096).enumerate().for_each(|(n, out)| {
             for &(subdomain, at) in self.sources(first + n) {
@@ -87,7 +87,8 @@ impl Interface {
         });
     }
 
-    /// Finds the shares of the pieces in the dual unknowns, by the diagonals of their matrices. They add up to one.
+    /// Weights of the subdomains at the dual unknowns (stiffness scaling), from the diagonals of their Schur
+    /// complements. They add up to one.
     pub fn weigh(&self, subdomains: &[Subdomain], data: &mut [SubdomainData]) {
         for datum in data.iter_mut() {
             let Some(factored) = &datum.factored else { continue };

@@ -1,24 +1,26 @@
-//! Conjugate gradients on the borders of the pieces of a shell, for models too large to be factored whole.
+//! BDDC (balancing domain decomposition by constraints) for shells too large to be factored as a whole.
 //!
-//! The mesh is divided into pieces of constant size. Each eliminates its inner unknowns; what is left is `S u = g`
-//! on the borders, `S = Σ Rᵀ S_p R` with the dense matrices `S_p` of the pieces. The preconditioner is balancing
-//! domain decomposition by constraints: the pieces are tied at corners only, which leaves a matrix that can be
-//! solved piece by piece with a small coarse one for the corners; its solution is averaged where pieces touch,
+//! The mesh is partitioned into subdomains of constant size. Each of them eliminates its interior unknowns; the system
+//! `S u = g` on the interface Γ remains, `S = Σ Rᵀ S_p R` with the dense Schur complements `S_p` of the subdomains, and
+//! is solved by preconditioned conjugate gradients. The preconditioner couples the subdomains at primal nodes only:
+//! this partially assembled operator `S̃` is solved subdomain by subdomain, with a small coarse problem for the primal
+//! unknowns. The averaging operator `E_D` averages its solution where subdomains meet, and its transpose distributes
+//! the residual to them,
 //!
 //! ```text
-//! M⁻¹ = Dᵀ S̃⁻¹ D,   κ(M⁻¹ S) = O(1 + log³(H/h))
+//! M⁻¹ = E_D S̃⁻¹ E_Dᵀ,   κ(M⁻¹ S) = O(1 + log³(H/h))
 //! ```
 //!
-//! with `H` the size of a piece and `h` that of an element, for Reissner–Mindlin plates of MITC elements whatever
-//! their thickness.
+//! with the size `H` of a subdomain and `h` of an element. The bound holds for Reissner–Mindlin plates of MITC
+//! elements, whatever their thickness.
 //!
 //! C. R. Dohrmann, *A preconditioner for substructuring based on constrained energy minimization*, SIAM J. Sci.
 //! Comput. 25 (2003) 246–258; L. Beirão da Veiga, C. Chinosi, C. Lovadina, L. F. Pavarino, *Robust BDDC
 //! preconditioners for Reissner–Mindlin plate bending problems and MITC elements*, SIAM J. Numer. Anal. 47 (2010)
 //! 4214–4238.
 //!
-//! `S̃` is the matrix of the pieces tied at corners only: a restriction of it is the matrix of the whole. So if all
-//! its pivots are positive, those of the whole are, too.
+//! A restriction of the partially assembled operator `S̃` to continuous functions is the assembled `S`. If all pivots
+//! of `S̃` are positive, `S` is therefore positive definite, too.
 
 mod coarse;
 mod conjugate_gradients;
@@ -46,12 +48,12 @@ use crate::lists::Lists;
 use crate::system::Numbering;
 use tegula_sparse::FactorError;
 
-/// Quadrilaterals of a mesh, and where their nodes are.
+/// Quadrilaterals of a mesh, and the positions of their nodes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Quads<'a> {
-    /// Four nodes of each, around it.
+    /// Four nodes of each quadrilateral, in order around it.
     pub nodes: &'a [[u32; 4]],
-    /// Positions of the nodes.
+    /// Positions of the nodes of the mesh.
     pub positions: &'a [Vec3],
 }
 
@@ -73,14 +75,14 @@ impl Quads<'_> {
         std::array::from_fn(|a| (n[a], n[(a + 1) % 4]))
     }
 
-    /// Unit vectors from side to opposite side.
+    /// Unit vectors from each side to the opposite side.
     fn directions(&self, quad: u32) -> [Vec3; 2] {
         let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.corner(quad, k));
         [b + c - a - d, c + d - a - b].map(|v| v.try_normalize(0.0).unwrap_or_else(Vec3::x))
     }
 }
 
-/// What contributes to the matrix, term by term: the nodal vectors of each and the quadrilateral it belongs to.
+/// Terms of the matrix, each with its nodal vectors and the quadrilateral it belongs to.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Terms {
     start: Vec<u32>,
@@ -89,7 +91,7 @@ pub(crate) struct Terms {
 }
 
 impl Terms {
-    /// Adds a term.
+    /// Adds a term of a quadrilateral that couples these nodal vectors.
     pub fn push(&mut self, vectors: &[u32], quad: u32) {
         if self.start.is_empty() {
             self.start.push(0);
@@ -109,12 +111,12 @@ impl Terms {
     }
 }
 
-/// How pieces are cut and tied.
+/// Options of the partition and of the selection of primal nodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Elements of a piece, 1 to 4096; what is less or more is taken as the nearest of these.
+    /// Number of elements of a subdomain, 1 to 4096; other values are clamped to this range.
     pub size: usize,
-    /// Elements along a border from any node to the next corner at most.
+    /// Largest number of elements along an interface edge from any node to the next primal node.
     pub reach: usize,
 }
 
@@ -124,52 +126,54 @@ impl Default for Options {
     }
 }
 
-/// A linear system that was not solved.
+/// Reason why a linear system was not solved.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BddcError {
-    /// The matrix or the right side hold values that are not numbers.
+    /// The matrix or the right side holds values that are not numbers.
     #[error("the matrix or the right side holds values that are not numbers")]
     NotFinite,
-    /// A piece, the coarse matrix or a search direction shows that the matrix is not positive definite, or nearly so.
+    /// A subdomain, the coarse matrix or a search direction shows that the matrix is not positive definite, or nearly
+    /// so.
     #[error("{0}")]
     Indefinite(&'static str),
-    /// Not enough memory, or more than can be indexed.
+    /// The factors need more memory than there is, or more than can be indexed.
     #[error("the factors of the subdomains do not fit in memory")]
     TooLarge,
-    /// There is nothing to solve with: no matrix was factored since the last one was begun, or the last one was refused.
+    /// There are no factors to solve with: no matrix was factored since the last one was begun, or the last one was
+    /// refused.
     #[error("there is no factored matrix to solve with; give the blocks of all terms and factor them first")]
     NotFactored,
-    /// The matrix is not complete.
+    /// The matrix is not complete: blocks of terms are missing.
     #[error(
         "the blocks of {missing} of the {terms} terms of the matrix were not given; give those of every term before \
          the matrix is factored"
     )]
     Incomplete {
-        /// Terms without blocks.
+        /// Number of terms without blocks.
         missing: usize,
-        /// Terms of the mesh.
+        /// Number of terms of the mesh.
         terms: usize,
     },
-    /// Blocks of a term, shifts or a right side do not belong to this mesh.
+    /// The size of the blocks of a term, of the shifts or of a right side does not match this mesh.
     #[error("{what} has {found} entries where the mesh has {expected}; use those of the same system")]
     WrongSize {
-        /// What was given.
+        /// Name of the input.
         what: &'static str,
-        /// Its length.
+        /// Size of the input.
         found: usize,
-        /// What it should be.
+        /// Expected size.
         expected: usize,
     },
-    /// Not accurate enough; the solution is not returned.
+    /// The solution did not become accurate enough and is not returned.
     #[error(
         "not converged after {iterations} iterations: relative residual {residual:.1e} for {tolerance:.1e}"
     )]
     NotConverged {
-        /// Iterations.
+        /// Number of iterations.
         iterations: usize,
-        /// Residual that was reached.
+        /// Relative residual that was reached.
         residual: f64,
-        /// Residual that was wanted.
+        /// Relative residual that was required.
         tolerance: f64,
     },
 }
@@ -184,65 +188,65 @@ impl From<FactorError> for BddcError {
     }
 }
 
-/// How a system was solved.
+/// Convergence of the solution of a system.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Convergence {
-    /// Iterations.
+    /// Number of iterations.
     pub iterations: usize,
-    /// `√(r·M⁻¹r)` of the true residual at the end: a bound of the error in the energy norm.
+    /// Norm `√(r·M⁻¹r)` of the true residual at the end: a bound of the error in the energy norm.
     pub error: f64,
-    /// The same at the start: about the size of the solution.
+    /// Norm `√(r·M⁻¹r)` of the residual at the start: about the size of the solution.
     pub start: f64,
-    /// Estimate of the condition of the preconditioned matrix from the coefficients of the iteration.
+    /// Estimated condition number of the preconditioned matrix, from the coefficients of the iteration.
     pub condition: f64,
 }
 
-/// Solver for the matrix of one mesh and its supports: [`Self::begin`] a matrix, [`Self::put`] the blocks of all
+/// BDDC solver for the matrix of one mesh and its supports: [`Self::begin`] a matrix, [`Self::put`] the blocks of all
 /// terms, [`Self::factor`] it and [`Self::solve`] as often as needed.
 pub struct Bddc {
     subdomains: Vec<Subdomain>,
-    /// Piece of each term, and its place there.
+    /// Subdomain of each term, and the position of the term there.
     slots: Vec<(u32, u32)>,
     data: Vec<SubdomainData>,
     interface: Interface,
     scaling: DeluxeScaling,
     coarse: Coarse,
-    /// Terms whose blocks were given since the last matrix was factored.
+    /// Whether the blocks of each term were given since the last matrix was factored.
     given: Vec<bool>,
-    /// What was wrong with what was given, until the next matrix begins.
+    /// First invalid input, until the next matrix begins.
     fault: Option<BddcError>,
-    /// The factors are those of one matrix, all of them.
+    /// Whether all factors belong to one matrix.
     ready: bool,
-    /// What is added to the diagonal of nodal vectors; empty: nothing is.
+    /// Shifts that are added to the diagonal, by nodal vector; empty without shifts.
     shifts: Vec<f64>,
-    /// Nodal vectors.
+    /// Number of nodal vectors.
     nodal: usize,
     unknowns: usize,
     vectors: conjugate_gradients::Vectors,
 }
 
-/// What a piece works with.
+/// Numerical data of a subdomain.
 #[derive(Default)]
 struct SubdomainData {
-    /// Blocks of its terms until they are factored.
+    /// Blocks of its terms, until they are factored.
     blocks: Vec<f64>,
     factored: Option<Factored>,
-    /// What is left at its corners, until the coarse matrix is factored: lower triangle by columns.
+    /// Schur complement at its primal unknowns, until the coarse matrix is factored: lower triangle by columns.
     primal: Vec<f64>,
-    /// All its unknowns.
+    /// Vector of all its unknowns.
     x: Vec<f64>,
-    /// Those of its border.
+    /// Vector of its interface unknowns.
     y: Vec<f64>,
-    /// Its share of the dual unknowns.
+    /// Weights of the subdomain at its dual unknowns.
     weights: Vec<f64>,
     rows: Vec<f64>,
 }
 
 impl Bddc {
-    /// Divides a mesh. `node_of` gives the node of every nodal vector.
+    /// Partitions a mesh and analyses its subdomains. `node_of` gives the node of every nodal vector.
     ///
     /// # Errors
-    /// A piece or the coarse matrix would be too large.
+    /// A subdomain or the coarse matrix would be too large.
     pub(crate) fn new(
         quads: Quads<'_>,
         terms: &Terms,
@@ -310,13 +314,13 @@ impl Bddc {
         })
     }
 
-    /// Begins a new matrix: the old factors make room.
+    /// Begins a new matrix and frees the old factors.
     pub fn begin(&mut self) {
         self.clear();
         self.fault = None;
     }
 
-    /// Drops the factors and all that was given.
+    /// Drops the factors, the blocks and the shifts.
     fn clear(&mut self) {
         for datum in &mut self.data {
             datum.factored = None;
@@ -328,8 +332,8 @@ impl Bddc {
         self.ready = false;
     }
 
-    /// Adds multiples of the unit matrix to the blocks of nodal vectors, of which there are `count`, with themselves.
-    /// A `count` that is not that of the mesh, or a vector beyond it, makes [`Self::factor`] fail.
+    /// Adds multiples of the unit matrix to the diagonal blocks of nodal vectors, of which there are `count`. A `count`
+    /// that is not that of the mesh, or a vector beyond it, makes [`Self::factor`] fail.
     pub fn shift(&mut self, count: usize, shifts: impl Iterator<Item = (usize, f64)>) {
         self.shifts.resize(self.nodal, 0.0);
         let mut found = count;
@@ -342,8 +346,8 @@ impl Bddc {
         self.expect("the diagonal that is added", found, self.nodal);
     }
 
-    /// Takes the lower blocks of a term, along the global axes. A term that the mesh has not, or blocks of another
-    /// size than its own, make [`Self::factor`] fail.
+    /// Stores the lower blocks of a term, in global axes. A term that the mesh does not have, or blocks of another size
+    /// than the term's, make [`Self::factor`] fail.
     pub fn put(&mut self, term: usize, blocks: &[f64]) {
         let Some(&(number, at)) = self.slots.get(term) else {
             self.expect("the list of terms", term + 1, self.slots.len());
@@ -362,18 +366,19 @@ impl Bddc {
         self.expect("a term", blocks.len(), expected);
     }
 
-    /// Notes the first size that is wrong.
+    /// Records the first size that is wrong.
     fn expect(&mut self, what: &'static str, found: usize, expected: usize) {
         if found != expected && self.fault.is_none() {
             self.fault = Some(BddcError::WrongSize { what, found, expected });
         }
     }
 
-    /// Factors the pieces and the coarse matrix. What was given is used up: the next matrix needs all its terms again.
+    /// Factors the subdomains and the coarse matrix. The blocks and shifts are consumed: the next matrix needs all its
+    /// terms again.
     ///
     /// # Errors
-    /// Terms are missing or of a wrong size, the matrix is not positive definite as far as the pieces can tell, or
-    /// there is not enough memory. Nothing can be solved then until another matrix is factored.
+    /// Terms are missing or of a wrong size, the subdomains or the coarse matrix show that the matrix is not positive
+    /// definite, or there is not enough memory. Nothing can be solved then until another matrix is factored.
     pub fn factor(&mut self, numbering: &Numbering) -> Result<(), BddcError> {
         let result = self.check(numbering).and_then(|()| self.factor_all(numbering));
         if result.is_ok() {
@@ -386,7 +391,7 @@ impl Bddc {
         result
     }
 
-    /// Is the matrix complete, and that of the mesh?
+    /// Checks that the matrix is complete and belongs to the mesh.
     fn check(&self, numbering: &Numbering) -> Result<(), BddcError> {
         if let Some(fault) = &self.fault {
             return Err(fault.clone());
@@ -431,7 +436,7 @@ impl Bddc {
             result.map_err(|refused| match refused {
                 Refused::Inner => BddcError::Indefinite("a subdomain of the shell is unstable within itself"),
                 Refused::Border => BddcError::Indefinite(
-                    "a subdomain of the shell is unstable when only its primal are held",
+                    "a subdomain of the shell is unstable when only its primal nodes are held",
                 ),
                 Refused::Factor(e) => e.into(),
             })?;

@@ -1,9 +1,9 @@
-//! Division of a shell mesh into connected pieces of about equal size, and of a piece into the tree by which its
-//! unknowns are eliminated.
+//! Partition of a shell mesh into connected subdomains of about equal size, and of a subdomain into the tree by which
+//! its unknowns are eliminated (nested dissection), by recursive bisection.
 //!
-//! A piece is cut across the direction in which it is longest. The sides of the element in its middle are tried
-//! first, then the principal axis of its elements' centres. The cut goes where there is a gap between the centres,
-//! so that on regular meshes it follows the lines of the mesh.
+//! A set of elements is bisected across the direction in which it is longest. The sides of the element in its middle
+//! are tried first, then the principal axis of the centres of its elements. The cut goes where there is a gap between
+//! the centres, so that on regular meshes it follows the lines of the mesh.
 
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
@@ -12,12 +12,13 @@ use super::Quads;
 use crate::lists::Lists;
 use crate::{Mat3, Vec3};
 
-/// Share of the elements around the wanted place of a cut in which a gap is looked for.
+/// Share of the elements around the desired position of a cut in which a gap is searched.
 const WINDOW: f64 = 0.12;
-/// The principal axis is taken where the piece is this much longer along it than along its elements.
+/// Factor by which the extent along the principal axis must exceed that along the element sides for the axis to be
+/// used.
 const LONGER: f64 = 1.5;
 
-/// Divides the elements into pieces of about `size` and returns the piece of each, and their number.
+/// Partitions the elements into subdomains of about `size`; returns the subdomain of each element, and their number.
 pub(super) fn partition(quads: &Quads<'_>, size: usize) -> (Vec<u32>, usize) {
     let mut order: Vec<u32> = (0..quads.len() as u32).collect();
     let count = (quads.len() as f64 / size as f64).round().max(1.0) as usize;
@@ -112,11 +113,11 @@ fn split(quads: &Quads<'_>, order: &mut [u32], share: f64) -> usize {
         .clamp(1, n - 1)
 }
 
-/// Makes every piece connected through sides of elements: what hangs on otherwise becomes a piece of its own or,
-/// where it is small, goes to the neighbour with which it shares most sides.
+/// Makes every subdomain connected through sides of elements: a disconnected part becomes a subdomain of its own or, if
+/// it is small, joins the neighbour with which it shares most sides.
 fn connect(quads: &Quads<'_>, subdomain: &mut [u32], count: usize, size: usize) -> (Vec<u32>, usize) {
     let neighbours = neighbours(quads);
-    // Connected parts of the pieces.
+    // Connected parts of the subdomains.
     let mut part = vec![u32::MAX; subdomain.len()];
     let mut parts: Vec<Vec<u32>> = Vec::new();
     let mut largest: Vec<Option<usize>> = vec![None; count];
@@ -156,7 +157,7 @@ fn connect(quads: &Quads<'_>, subdomain: &mut [u32], count: usize, size: usize) 
             next += 1;
         }
     }
-    // Small ones go to neighbours that have a number, until none is left that has such a neighbour.
+    // Small parts join neighbours that have a number, until none is left that has such a neighbour.
     loop {
         let mut changed = false;
         for p in 0..parts.len() {
@@ -190,7 +191,7 @@ fn connect(quads: &Quads<'_>, subdomain: &mut [u32], count: usize, size: usize) 
     (part.iter().map(|&p| number[p as usize]).collect(), next as usize)
 }
 
-/// Elements that share a side with each element.
+/// Adjacency of the elements: those that share a side with each element.
 fn neighbours(quads: &Quads<'_>) -> Lists<u32> {
     let mut sides: Vec<(u32, u32, u32)> = Vec::with_capacity(4 * quads.len());
     for q in 0..quads.len() as u32 {
@@ -210,15 +211,15 @@ fn neighbours(quads: &Quads<'_>) -> Lists<u32> {
     Lists::by_key(quads.len(), pairs.into_iter())
 }
 
-/// A part of a piece: its elements in the order of the tree, and what it is made of.
+/// Branch of the bisection tree of a subdomain.
 pub(super) struct Branch {
-    /// Elements by place in the order of the tree.
+    /// Range of its elements, by position in tree order.
     pub cells: Range<usize>,
-    /// Its two halves; none for a leaf.
+    /// Two halves of the branch; none for a leaf.
     pub children: Option<(usize, usize)>,
 }
 
-/// Sorts the elements of a piece and returns the tree of its halves, children before parents.
+/// Sorts the elements of a subdomain and returns its bisection tree, children before parents.
 pub(super) fn tree(quads: &Quads<'_>, cells: &mut [u32], leaf: usize) -> Vec<Branch> {
     let mut out = Vec::new();
     grow(quads, cells, 0, leaf, &mut out);
@@ -239,7 +240,7 @@ fn grow(quads: &Quads<'_>, cells: &mut [u32], first: usize, leaf: usize, out: &m
     out.len() - 1
 }
 
-/// Neighbours along sides of elements of the nodes that `keep` picks.
+/// Graph of the nodes that `keep` selects: their neighbours along sides of elements.
 pub(super) fn node_graph(quads: &Quads<'_>, keep: impl Fn(u32) -> bool) -> HashMap<u32, Vec<u32>> {
     let mut out: HashMap<u32, Vec<u32>> = HashMap::new();
     for q in 0..quads.len() as u32 {

@@ -1,9 +1,9 @@
-//! Which unknowns pieces share, and at which nodes of their borders they are tied firmly.
+//! Unknowns that subdomains share, and selection of the primal nodes on the interface Γ.
 //!
-//! The border between two pieces is tied at its ends, where it meets other borders or the edge of the model, and at
-//! nodes in between such that none is farther than a given number of elements from one. A node is tied with all of
-//! its unknowns: a position and a director leave a piece no motion but rotation about the director, and the second
-//! node takes that one.
+//! Primal nodes of an interface edge between two subdomains are its ends, where it meets other edges or the boundary of
+//! the model, and nodes in between such that no node is farther than a given number of elements from a primal one. All
+//! unknowns of a primal node are primal: its position and director leave a subdomain no motion but rotation about the
+//! director, which a second primal node prevents.
 
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
@@ -13,18 +13,18 @@ use super::{Quads, Terms};
 use crate::system::Numbering;
 use crate::system::numbering::CONSTRAINED;
 
-/// Nodes at which a piece is tied at least, where it has so many. Two take all rigid motions; three also where they
-/// lie close together.
+/// Minimum number of primal nodes of a subdomain, where it has so many nodes on the interface. Two prevent all rigid
+/// motions; three also where they lie close together.
 const FEWEST: usize = 3;
 
-/// Pieces of the nodal vectors.
+/// Subdomains of the nodal vectors.
 pub(super) struct Sharing {
-    /// Pieces of the vectors that lie in several, ascending.
+    /// Subdomains of the vectors that lie in several, ascending.
     pub shared: BTreeMap<u32, Vec<u32>>,
 }
 
 impl Sharing {
-    /// From the pieces of the terms.
+    /// Finds the shared vectors from the subdomains of the terms.
     pub fn new(terms: &Terms, subdomain_of_term: impl Fn(usize) -> u32, vectors: usize) -> Self {
         let mut first = vec![u32::MAX; vectors];
         let mut more = Vec::new();
@@ -50,15 +50,15 @@ impl Sharing {
     }
 }
 
-/// The nodes of the borders.
+/// Classification of the interface nodes.
 pub(super) struct PrimalNodes {
-    /// Those that are tied firmly.
+    /// Primal nodes, at which the subdomains are coupled.
     pub primal: BTreeSet<u32>,
-    /// The others: connected stretches of nodes between the same pieces, by node.
+    /// Interface edge of each other node: a connected set of nodes between the same subdomains.
     pub edges: HashMap<u32, u32>,
 }
 
-/// Finds the corners; no node is farther than `reach` elements from one along its border.
+/// Selects the primal nodes; no node is farther than `reach` elements from one along its interface edge.
 pub(super) fn select_primal_nodes(
     quads: &Quads<'_>,
     sharing: &Sharing,
@@ -81,7 +81,7 @@ pub(super) fn select_primal_nodes(
     let graph = node_graph(quads, |n| sets.contains_key(&n));
     let none = Vec::new();
     let around = |n: u32| graph.get(&n).unwrap_or(&none).iter().copied();
-    // Connected borders between the same pieces.
+    // Connected parts of the interface between the same subdomains.
     let mut interface_size: HashMap<u32, usize> = HashMap::new();
     let mut interface: Vec<Vec<u32>> = Vec::new();
     for (&node, set) in &sets {
@@ -104,7 +104,7 @@ pub(super) fn select_primal_nodes(
     }
     let same = |a: u32, b: u32| interface_size.get(&a) == interface_size.get(&b);
     let is_end = |n: u32| around(n).filter(|&m| same(n, m)).count() < 2;
-    // Whatever is wholly supported ties as well.
+    // Fully constrained nodes act as primal nodes, too.
     let mut primal: BTreeSet<u32> = sets.keys().copied().filter(|n| !free.contains(n)).collect();
     for many in [true, false] {
         for (number, members) in interface.iter().enumerate() {
@@ -143,7 +143,7 @@ pub(super) fn select_primal_nodes(
     PrimalNodes { primal: primal.intersection(&free).copied().collect(), edges }
 }
 
-/// Ties more nodes of pieces that are tied at fewer than [`FEWEST`], far from those that are.
+/// Adds primal nodes to subdomains with fewer than [`FEWEST`], far from those that there are.
 fn hold(quads: &Quads<'_>, sets: &BTreeMap<u32, Vec<u32>>, primal: &mut BTreeSet<u32>) {
     let mut nodes: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for (&node, set) in sets {
@@ -166,7 +166,7 @@ fn hold(quads: &Quads<'_>, sets: &BTreeMap<u32, Vec<u32>>, primal: &mut BTreeSet
     }
 }
 
-/// Ties nodes of a border until none is farther than `reach` from a tied one.
+/// Adds primal nodes to an interface edge until no node is farther than `reach` from one.
 fn fill<I: Iterator<Item = u32>>(
     members: &[u32],
     around: &impl Fn(u32) -> I,
@@ -189,7 +189,7 @@ fn fill<I: Iterator<Item = u32>>(
             distance.insert(n, start);
             queue.push_back((n, start));
         }
-        // Starts at 0 come first.
+        // Nodes at distance 0 come first.
         queue.make_contiguous().sort_by_key(|&(n, d)| (d, n));
         while let Some((n, d)) = queue.pop_front() {
             for m in around(n).filter(|&m| within(m)) {
@@ -203,7 +203,7 @@ fn fill<I: Iterator<Item = u32>>(
         let Some(&farthest) = members.iter().max_by(|&&a, &&b| far(a).cmp(&far(b)).then(b.cmp(&a))) else {
             return;
         };
-        // A border that meets nothing is a ring: three nodes hold it.
+        // An interface edge that meets nothing is a ring: three primal nodes hold it.
         let ring = added > 0 && added < 3 && far(farthest) > 1;
         if far(farthest) == usize::MAX || far(farthest) > reach || ring {
             added += usize::from(far(farthest) == usize::MAX || added > 0);

@@ -1,11 +1,11 @@
-//! Kernels on the dense matrices of the interfaces: one square holds the matrix `S` on and below its diagonal, and
-//! above it the transposed factor of its first rows.
+//! Dense kernels on the Schur complement `S` of a subdomain's interface: its lower triangle, and the factor of its
+//! first rows in single precision.
 
 use tegula_sparse::FactorError;
 
-/// Numbers that are summed side by side.
+/// Number of products that are summed side by side.
 const LANES: usize = 8;
-/// Rows that are worked off together.
+/// Number of rows that are processed together.
 const ROWS: usize = 4;
 
 #[inline]
@@ -20,7 +20,7 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
 }
 
-/// `y += a x`, and `x · z`.
+/// Computes `y += a x` and returns `x · z`.
 #[inline]
 fn add_and_dot(a: f64, x: &[f64], y: &mut [f64], z: &[f64]) -> f64 {
     let mut sums = [0.0; LANES];
@@ -43,7 +43,7 @@ fn add_and_dot(a: f64, x: &[f64], y: &mut [f64], z: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
-/// `a · b` of a rounded row, in full precision.
+/// Scalar product `a · b` with a row that is rounded to single precision, summed in full precision.
 #[inline]
 fn dot_rounded(a: &[f32], b: &[f64]) -> f64 {
     let mut sums = [0.0; LANES];
@@ -56,21 +56,21 @@ fn dot_rounded(a: &[f32], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| f64::from(*a) * b).sum::<f64>()
 }
 
-/// A symmetric matrix `S` whose first rows, the dual ones, are factored: `S_DD = L Lᵀ`, `L_CD = S_CD L⁻ᵀ`.
+/// Schur complement `S` of a subdomain whose first rows, the dual ones, are factored: `S_DD = L Lᵀ`, `L_CD = S_CD L⁻ᵀ`.
 #[derive(Debug, Default)]
 pub(super) struct SchurComplement {
     /// Lower triangle of `S`, by columns.
     matrix: Vec<f64>,
-    /// Rows of `L` before the diagonal, then those of `L_CD`, rounded.
+    /// Rows of `L` before the diagonal, then the rows of `L_CD`, rounded to single precision.
     factor: Vec<f32>,
-    /// One over the diagonal of `L`.
+    /// Reciprocals of the diagonal of `L`.
     inverse: Vec<f64>,
     /// Order of `S`.
     size: usize,
 }
 
 impl SchurComplement {
-    /// From the lower triangle of `S` of order `size` (by columns of a square) and that of a copy of which the first
+    /// Stores the lower triangle of `S` of order `size` (by columns of a square) and that of a copy of which the first
     /// `dual` columns are factored.
     pub fn new(square: &[f64], factor: &[f64], (size, dual): (usize, usize)) -> Result<Self, FactorError> {
         let inverse: Vec<f64> = (0..dual).map(|i| 1.0 / factor[i * size + i]).collect();
@@ -96,12 +96,12 @@ impl SchurComplement {
         (0..self.size).map(|j| self.matrix[self.column(j)])
     }
 
-    /// Where a column of `S` begins.
+    /// Start of a column of `S` in the stored lower triangle.
     fn column(&self, j: usize) -> usize {
         j * (2 * self.size + 1 - j) / 2
     }
 
-    /// Adds the rows and columns of some unknowns to the lower triangle of `out`, by columns.
+    /// Adds the principal submatrix of some unknowns to the lower triangle of `out`, by columns.
     pub fn add_minor(&self, unknowns: &[u32], out: &mut [f64]) {
         let m = unknowns.len();
         for (j, &b) in unknowns.iter().enumerate() {
@@ -112,7 +112,7 @@ impl SchurComplement {
         }
     }
 
-    /// `y = S x`.
+    /// Matrix–vector product `y = S x`.
     pub fn product(&self, x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         let mut rest = self.matrix.as_slice();
@@ -124,7 +124,7 @@ impl SchurComplement {
         }
     }
 
-    /// `L y = b` for the dual rows, `−L_CD y` for the others, in place.
+    /// Forward substitution in place: `L y = b` for the dual rows, `−L_CD y` for the primal rows.
     pub fn forward(&self, x: &mut [f64]) {
         let dual = self.inverse.len();
         let mut rest = self.factor.as_slice();
@@ -136,12 +136,12 @@ impl SchurComplement {
         }
     }
 
-    /// `Lᵀ x_D = y − L_CDᵀ x_C` in place; the other rows hold `x_C`.
+    /// Backward substitution in place: `Lᵀ x_D = y − L_CDᵀ x_C`; the primal rows hold `x_C`.
     pub fn backward(&self, x: &mut [f64]) {
         let dual = self.inverse.len();
         let mut end = self.size;
         while end > 0 {
-            // Some rows together: what stands before them is read and written once.
+            // Several rows are processed together, so that the entries before them are read and written once.
             let first = end.saturating_sub(ROWS);
             let before = first.min(dual);
             let mut values = [0.0; ROWS];
@@ -163,7 +163,7 @@ impl SchurComplement {
         }
     }
 
-    /// A row of `L` before the diagonal, or of `L_CD`.
+    /// Row of `L` before the diagonal, or row of `L_CD`.
     fn row(&self, j: usize) -> &[f32] {
         let dual = self.inverse.len();
         let length = j.min(dual);
@@ -172,7 +172,7 @@ impl SchurComplement {
     }
 }
 
-/// `x −= Σ vₖ rₖ`.
+/// Update `x −= Σ vₖ rₖ` with several rows.
 #[inline]
 fn subtract(v: [f64; ROWS], rows: [&[f32]; ROWS], x: &mut [f64]) {
     let n = x.len();

@@ -1,9 +1,9 @@
-//! A piece of a shell: its unknowns in the order of their elimination, the fronts in which the inner ones are
-//! eliminated, and what is left at its border.
+//! Subdomain of a shell: its unknowns in elimination order, the fronts in which the interior unknowns are eliminated,
+//! and the Schur complement on its interface.
 //!
-//! The elements of a piece are halved again and again. A nodal vector is eliminated in the smallest half in which
-//! all of its elements lie; the rest goes up the tree. What reaches the root are the unknowns of the border with
-//! the matrix `S = K_BB − K_BI K_II⁻¹ K_IB`.
+//! The elements of a subdomain are bisected recursively, which gives the assembly tree. A nodal vector is eliminated in
+//! the smallest branch that contains all of its elements; the others stay in the contribution block, which goes up the
+//! tree. The unknowns of the interface reach the root, with the Schur complement `S = K_BB − K_BI K_II⁻¹ K_IB`.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -24,68 +24,69 @@ use crate::system::numbering::CONSTRAINED;
 use tegula_sparse::FactorError;
 use tegula_sparse::zeros;
 
-/// Elements of the smallest halves.
+/// Largest number of elements of a leaf of the assembly tree.
 const LEAF: usize = 6;
 
-/// Marks a coordinate that is not free.
+/// Marks a constrained degree of freedom.
 const NONE: u32 = u32::MAX;
 
-/// A dense matrix of unknowns that are eliminated in it and of those that it passes on.
+/// Front: dense matrix of the fully summed columns that are eliminated in it and of the rows of its contribution block.
 #[derive(Debug)]
 struct Front {
-    /// First unknown that is eliminated here.
+    /// First fully summed column.
     first: usize,
-    /// How many.
+    /// Number of fully summed columns.
     width: usize,
-    /// Unknowns that are passed on, ascending.
+    /// Unknowns of the contribution block, ascending.
     rows: Vec<u32>,
-    /// Terms that enter here.
+    /// Terms that are assembled in this front.
     terms: Range<usize>,
-    /// The two fronts before it in the tree, the second is the one right before.
+    /// Children in the assembly tree; the second one is the front right before this one.
     children: Option<(usize, usize)>,
-    /// Where its columns begin among the factors of the piece.
+    /// Start of its panel among the panels of the subdomain.
     panel: usize,
 }
 
-/// What does not change with the matrix.
+/// Symbolic factorisation of a subdomain, which does not depend on the values of the matrix.
 #[derive(Debug)]
 pub(super) struct Subdomain {
-    /// Its number.
+    /// Number of the subdomain.
     pub number: u32,
     fronts: Vec<Front>,
-    /// Terms in the order of the tree: where their blocks begin, and where their vectors do; then the ends.
+    /// Start of the blocks and start of the vectors of each term, in tree order; then the ends.
     terms: Vec<[u32; 2]>,
-    /// Vectors of the terms, as numbers in `vectors`.
+    /// Vectors of the terms, as indices of `vectors`.
     term_vectors: Vec<u32>,
-    /// Nodal vectors with free coordinates, and the places of those coordinates; the last one stands for all without.
+    /// Nodal vectors with free degrees of freedom, and the places of these; the last entry stands for all vectors
+    /// without any.
     vectors: Vec<(u32, [u32; 3])>,
-    /// Free coordinate at each place: inner ones, then dual ones, then those of the corners.
+    /// Free degree of freedom at each place: interior unknowns, then dual unknowns, then primal unknowns.
     pub unknowns: Vec<u32>,
-    /// Inner unknowns.
+    /// Number of interior unknowns.
     pub inner: usize,
-    /// Dual unknowns: of the border but not of a corner.
+    /// Number of dual unknowns: on the interface, but not primal.
     pub dual: usize,
-    /// Numbers in the panels of all fronts.
+    /// Number of entries in the panels of all fronts.
     panels: usize,
-    /// Largest stack of what waits to be passed on.
+    /// Largest size of the contribution-block stack.
     stack: usize,
 }
 
-/// What the unknowns of the mesh are to a piece.
+/// Roles of the unknowns of the mesh in a subdomain.
 pub(super) struct Roles<'a> {
     pub numbering: &'a Numbering,
-    /// Vectors that several pieces share.
+    /// Whether several subdomains share a vector.
     pub shared: &'a dyn Fn(u32) -> bool,
-    /// Vectors of corners.
+    /// Whether a vector belongs to a primal node.
     pub primal: &'a dyn Fn(u32) -> bool,
 }
 
 impl Subdomain {
-    /// Analyses the piece of some elements; `terms_of` gives the terms of an element. Returns with it, for each
-    /// term in order, its number.
+    /// Symbolic factorisation of the subdomain of some elements; `terms_of` gives the terms of an element. Returns with
+    /// it the number of each of its terms, in tree order.
     ///
     /// # Errors
-    /// Its blocks are too many to be indexed.
+    /// The blocks are too many to be indexed.
     pub fn new(
         quads: &Quads<'_>,
         terms: &Terms,
@@ -100,7 +101,7 @@ impl Subdomain {
             order.extend(terms_of(cell));
             term_start.push(order.len());
         }
-        // Vectors with free coordinates, and first and last of the cells that touch them.
+        // Vectors with free degrees of freedom, and the first and the last of the cells that touch each.
         let mut number: HashMap<u32, u32> = HashMap::new();
         let mut vectors: Vec<u32> = Vec::new();
         let mut span: Vec<(usize, usize)> = Vec::new();
@@ -124,7 +125,7 @@ impl Subdomain {
             touched.dedup();
         }
         let shared: Vec<bool> = vectors.iter().map(|&v| (roles.shared)(v)).collect();
-        // The branch in which each vector is eliminated.
+        // Branch in which each vector is eliminated.
         let mut columns: Vec<Vec<u32>> = vec![Vec::new(); branches.len()];
         for (n, &(low, high)) in span.iter().enumerate() {
             if shared[n] {
@@ -172,7 +173,7 @@ impl Subdomain {
         out.place(interface_size(false).into_iter(), roles.numbering);
         out.dual = out.unknowns.len() - out.inner;
         out.place(interface_size(true).into_iter(), roles.numbering);
-        // Rows: what the halves or the cells touch, without what is eliminated.
+        // Rows of each front: unknowns of its children's rows or of its cells, without those that are eliminated.
         let mut rows: Vec<Vec<u32>> = Vec::with_capacity(branches.len());
         for (b, branch) in branches.iter().enumerate() {
             let (first, width) = bounds[b];
@@ -206,7 +207,7 @@ impl Subdomain {
             out.panels += width * (width + rows.len());
             out.fronts.push(Front { first, width, rows, terms, children: branch.children, panel });
         }
-        // One more for the vectors without free coordinates.
+        // One more entry for the vectors without free degrees of freedom.
         let without = out.vectors.len() as u32;
         out.vectors.push((0, [NONE; 3]));
         let index = |n: usize| u32::try_from(n).map_err(|_| FactorError::TooLarge);
@@ -233,28 +234,28 @@ impl Subdomain {
         }
     }
 
-    /// Unknowns of the border.
+    /// Number of interface unknowns.
     pub fn interface_size(&self) -> usize {
         self.unknowns.len() - self.inner
     }
 
-    /// Unknowns at corners.
+    /// Number of primal unknowns.
     pub fn primal(&self) -> usize {
         self.interface_size() - self.dual
     }
 
-    /// Numbers in the blocks of all terms.
+    /// Number of entries in the blocks of all terms.
     pub fn blocks(&self) -> usize {
         self.terms.last().map_or(0, |end| end[0] as usize)
     }
 
-    /// Those of one term.
+    /// Range of the blocks of one term.
     pub fn term(&self, term: usize) -> Range<usize> {
         self.terms[term][0] as usize..self.terms[term + 1][0] as usize
     }
 
-    /// What is added to the diagonal of this piece: shifts of nodal vectors, divided by the number of pieces where
-    /// they are shared. `pieces` gives that for an unknown of the border. Empty: nothing is.
+    /// Shifts of the diagonal of this subdomain: shifts of nodal vectors, divided by the number of subdomains that
+    /// share them, which `subdomains` gives for an interface unknown. Empty without shifts.
     pub fn shifts(&self, shifts: &[f64], subdomains: impl Fn(usize) -> usize) -> Vec<f64> {
         if shifts.is_empty() {
             return Vec::new();
@@ -269,7 +270,7 @@ impl Subdomain {
         out
     }
 
-    /// Adds the blocks of a leaf's terms to its columns and to what it passes on.
+    /// Assembles the blocks of a leaf's terms in its panel and in its contribution block.
     fn enter(
         &self,
         front: &Front,
@@ -316,8 +317,8 @@ impl Subdomain {
         }
     }
 
-    /// Eliminates the inner unknowns and factors what is left at the border. Returns with the factors what is left at
-    /// the corners when the dual unknowns are eliminated, too: lower triangle by columns.
+    /// Eliminates the interior unknowns and factors the Schur complement on the interface. Returns the factors and the
+    /// Schur complement at the primal unknowns, after elimination of the dual unknowns, too: lower triangle by columns.
     ///
     /// # Errors
     /// A pivot is not positive, or the memory does not suffice.
@@ -398,7 +399,8 @@ impl Subdomain {
         Ok((Factored { panels, schur }, left))
     }
 
-    /// `L y = b` for the inner unknowns; what they leave at the border is taken off there.
+    /// Forward substitution `L y = b` for the interior unknowns, whose contribution is subtracted from the interface
+    /// unknowns.
     pub fn forward(&self, factored: &Factored, x: &mut [f64], rows: &mut Vec<f64>) {
         for front in self.fronts.iter().filter(|f| f.width > 0) {
             let (first, second) = panel(&factored.panels, front);
@@ -418,7 +420,7 @@ impl Subdomain {
         }
     }
 
-    /// `Lᵀ x = y` for the inner unknowns; the border holds the solution.
+    /// Backward substitution `Lᵀ x = y` for the interior unknowns; the interface unknowns hold the solution.
     pub fn backward(&self, factored: &Factored, x: &mut [f64], rows: &mut Vec<f64>) {
         for front in self.fronts.iter().rev().filter(|f| f.width > 0) {
             let (first, second) = panel(&factored.panels, front);
@@ -441,7 +443,7 @@ fn panel<'a>(panels: &'a [f64], front: &Front) -> (MatRef<'a, f64>, MatRef<'a, f
     MatRef::from_column_major_slice(panel, height, front.width).split_at_row(front.width)
 }
 
-/// Adds what a half passes on to columns and rows of the whole.
+/// Extend-add: adds a child's contribution block to the panel and to the contribution block of its parent.
 fn add(
     rows: &[u32],
     place: &[u32],
@@ -465,14 +467,14 @@ fn add(
     }
 }
 
-/// Why a piece could not be factored.
+/// Reason why a subdomain could not be factored.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Refused {
-    /// The inner unknowns have a pivot that is not positive.
+    /// A pivot of the interior unknowns is not positive.
     Inner,
-    /// Those of the border have, with the corners held.
+    /// A pivot of the dual unknowns is not positive, with the primal unknowns held.
     Border,
-    /// Something else.
+    /// Another error of the factorisation.
     Factor(FactorError),
 }
 
@@ -482,28 +484,28 @@ impl From<FactorError> for Refused {
     }
 }
 
-/// The factors of a piece.
+/// Factors of a subdomain.
 #[derive(Debug)]
 pub(super) struct Factored {
-    /// Columns of all fronts.
+    /// Panels of all fronts.
     panels: Vec<f64>,
-    /// Matrix of the border.
+    /// Schur complement on the interface.
     pub schur: SchurComplement,
 }
 
-/// Memory of a thread.
+/// Workspace of a thread.
 #[derive(Default)]
 pub(super) struct Scratch {
     stack: Vec<f64>,
     place: Vec<u32>,
-    /// Matrix of the border, its factor, and what is left at the corners.
+    /// Schur complement on the interface; `factor` is its factor, `coarse` the Schur complement at the primal unknowns.
     square: Vec<f64>,
     factor: Vec<f64>,
     coarse: Vec<f64>,
     dense: Dense,
 }
 
-/// Memory of the dense kernels.
+/// Workspace of the dense kernels.
 #[derive(Default)]
 struct Dense(Option<(usize, MemBuffer)>);
 

@@ -1,18 +1,18 @@
-//! Condition of the tridiagonal matrix that conjugate gradients make of the preconditioned one.
+//! Condition number of the preconditioned matrix, from the tridiagonal Lanczos matrix T of the conjugate gradients.
 //!
-//! With the steps `α_k` and the ratios `β_k` of the iteration it has `1/α_k + β_{k−1}/α_{k−1}` on its diagonal and
-//! `√β_k/α_k` beside it. Its largest and its smallest eigenvalue are found by bisection: as many eigenvalues are below
-//! `x` as pivots of `T − x` are negative. That takes time in proportion to the number of iterations.
+//! With the step lengths `α_k` and the ratios `β_k` of the iteration, T has `1/α_k + β_{k−1}/α_{k−1}` on its diagonal
+//! and `√β_k/α_k` beside it. Its largest and its smallest eigenvalue are found by bisection: as many eigenvalues are
+//! below `x` as pivots of `T − x` are negative (Sturm sequence). The time is proportional to the number of iterations.
 //!
 //! Y. Saad, *Iterative Methods for Sparse Linear Systems*, 2nd ed., SIAM (2003), section 6.7.3; G. H. Golub,
 //! C. F. Van Loan, *Matrix Computations*, 4th ed. (2013), section 8.4.1.
 
-/// Relative width at which an eigenvalue is known well enough.
+/// Relative width of the bisection interval at which an eigenvalue is accurate enough.
 const WIDTH: f64 = 1e-6;
 
-/// Condition from the `(α, β)` of all iterations; 1 without any.
+/// Condition number from the `(α, β)` of all iterations; 1 without any.
 pub(super) fn condition(coefficients: &[(f64, f64)]) -> f64 {
-    // Gershgorin: no eigenvalue is above.
+    // Gershgorin bound: no eigenvalue is larger.
     let mut top = 0.0_f64;
     let mut before = 0.0;
     rows(coefficients).for_each(|(diagonal, beside)| {
@@ -28,7 +28,7 @@ pub(super) fn condition(coefficients: &[(f64, f64)]) -> f64 {
     largest / smallest
 }
 
-/// Diagonal of each row and what stands right of it; nothing does in the last one.
+/// Diagonal entry of each row and the entry to the right of it, zero in the last row.
 fn rows(coefficients: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> + '_ {
     let mut passed = 0.0;
     coefficients.iter().enumerate().map(move |(k, &(alpha, beta))| {
@@ -38,10 +38,10 @@ fn rows(coefficients: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> + '_ {
     })
 }
 
-/// The eigenvalue below which, with itself, there are `count`; all are positive and at most `top`.
+/// Eigenvalue number `count` in ascending order; all eigenvalues are positive and at most `top`.
 fn eigenvalue(coefficients: &[(f64, f64)], top: f64, count: usize) -> f64 {
     let (mut low, mut high) = (0.0, top);
-    // Eigenvalues smaller than rounding of the largest are not known.
+    // Eigenvalues smaller than the rounding of the largest one are not known.
     while high - low > WIDTH * high && high > f64::EPSILON * top {
         let middle = 0.5 * (low + high);
         if below(coefficients, middle) >= count {

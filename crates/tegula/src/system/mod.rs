@@ -200,17 +200,30 @@ impl System {
     }
 
     /// Factor of a load or prescribed motion at a time.
+    ///
+    /// In statics the time is the load factor λ. Below λ = 0 loads are brought in that an amplitude gives at λ = 0 already:
+    /// its factor is `(1 + λ) f(0)` from λ = −1 on, where nothing acts.
     pub fn amplitude(&self, amplitude: Option<usize>, time: f64) -> f64 {
         match amplitude {
+            Some(i) if self.proportional && time < 0.0 => (1.0 + time) * self.amplitudes[i].value(0.0),
             Some(i) => self.amplitudes[i].value(time),
-            None if self.proportional => time,
+            None if self.proportional => f64::max(time, 0.0),
             None => 1.0,
         }
+    }
+
+    /// Load factor at which a static analysis starts: −1 where an amplitude is not 0 at load factor 0, else 0. Materials
+    /// that yield remember these loads, and a step to them can be cut.
+    pub fn first_load_factor(&self) -> f64 {
+        let mut used = self.amplitudes_in_use();
+        let loaded = used.any(|(i, _)| self.amplitudes.get(i).is_some_and(|a| a.value(0.0) != 0.0));
+        if self.proportional && loaded { -1.0 } else { 0.0 }
     }
 
     /// The first amplitude in use that has no finite value at a time, or no finite velocity or acceleration where
     /// a prescribed motion of a transient analysis follows it; for people.
     pub fn undefined_amplitude(&self, time: f64) -> Option<String> {
+        let time = if self.proportional { f64::max(time, 0.0) } else { time };
         self.amplitudes_in_use().find_map(|(i, motion)| {
             let (what, value) = self.amplitudes.get(i)?.undefined(time, motion && !self.proportional)?;
             let name = self.amplitude_name(i);

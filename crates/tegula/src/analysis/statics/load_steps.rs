@@ -21,6 +21,15 @@ const INCREMENT_TOLERANCE: f64 = 1e-6;
 /// Halvings of a load step after which its length is but rounding of the load factor.
 const MOST_CUTBACKS: i32 = 40;
 
+/// State of a static analysis before its first step: the reference configuration.
+pub fn first_state(system: &System, options: &StaticAnalysis) -> State {
+    State {
+        time: system.first_load_factor(),
+        next_step: 1.0 / f64::from(options.load_steps.max(1)),
+        ..State::at_rest(system)
+    }
+}
+
 /// The analysis between two load steps.
 pub(super) struct LoadSteps<'a, S> {
     newton: Newton<S>,
@@ -58,7 +67,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         start: Option<State>,
     ) -> Self {
         let largest = 1.0 / f64::from(options.load_steps.max(1));
-        let state = start.unwrap_or_else(|| State { next_step: largest, ..State::at_rest(system) });
+        let state = start.unwrap_or_else(|| first_state(system, options));
         newton.restore(system, &state, state.step > 0);
         // The tangent of a linear model is the same in smaller steps: they cannot help.
         let cutbacks = if system.linear { 0 } else { options.max_cutbacks as i32 };
@@ -384,7 +393,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         newton.restore(system, state, state.step > 0);
         let at = |time| StaticEquation { u: state.u.clone(), time, ..equation.clone() };
         let (response, mode, _) = newton.softest_mode(system, &at(state.time), &at(target)).ok()?;
-        let mean = system.norm(&state.u) / state.time;
+        let mean = system.norm(&state.u) / (state.time - system.first_load_factor());
         let softened = response / (target - state.time) / mean;
         let mut critical = CriticalPoint::of(failure, mode, softened)?;
         critical.look_at_enhanced_strains(system, state);

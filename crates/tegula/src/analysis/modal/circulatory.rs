@@ -1,0 +1,101 @@
+//! Modes under loads that follow the motion and have no potential: refused where they matter.
+//!
+//! The tangent of such loads is K + N with a skew N, and vibrations about the equilibrium satisfy
+//! `(K + N) φ = λ M φ`. Modes of K alone change by N in the second order,
+//!
+//! ```text
+//! δλᵢ = Σⱼ Nᵢⱼ² / (λⱼ − λᵢ),   Nᵢⱼ = φᵢ·N φⱼ = −Nⱼᵢ
+//! ```
+//!
+//! and pairs of nearly equal λ in the first one, where they may become complex: vibrations that grow (flutter; H. Ziegler,
+//! *Principles of structural stability*, 1968).
+
+use super::Mode;
+use super::problem::Problem;
+use crate::analysis::State;
+use crate::analysis::statics::state_kinematics;
+use crate::element::TangentWeights;
+use crate::system::CirculatoryStiffness;
+use crate::system::assembly::TangentParts;
+use crate::{Error, Result};
+use nalgebra::DMatrix;
+use tegula_sparse::Factor as _;
+use tegula_sparse::norm::larger;
+
+/// Change of an eigenvalue λ = ω² by N, over λ, up to which N is left out: that of a frequency is half of it.
+const NEGLIGIBLE: f64 = 2e-3;
+
+/// Refuses modes that the circulatory part of follower loads would change. The modes with strain are given.
+///
+/// # Errors
+/// A frequency would change by more than 0.1 %, or the shifted stiffness cannot be factored.
+pub(super) fn refuse(problem: &mut Problem, modes: &[Mode], equilibrium: &State) -> Result<()> {
+    let system = problem.system;
+    let mut skew = CirculatoryStiffness::new(system);
+    let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
+    let parts = TangentParts { weights, mass: 0.0, time: equilibrium.time };
+    skew.take(system, &state_kinematics(system, &equilibrium.u, equilibrium.time), &parts);
+    let elastic: Vec<&Mode> = modes.iter().filter(|m| !m.rigid).collect();
+    if skew.is_zero() || elastic.is_empty() {
+        return Ok(());
+    }
+    if !problem.factor_shifted() {
+        return Err(Error::Outside("the shifted matrix changed between two factorisations".into()));
+    }
+    let size = problem.pattern.size();
+    let numbering = &problem.newton.assembly.numbering;
+    let reduced: Vec<Vec<f64>> = elastic
+        .iter()
+        .map(|mode| {
+            let mut x = vec![0.0; size];
+            numbering.reduce(&mode.shape, &mut x);
+            x
+        })
+        .collect();
+    let products: Vec<Vec<f64>> = reduced
+        .iter()
+        .map(|x| {
+            let mut out = vec![0.0; size];
+            skew.product(numbering, x, &mut out);
+            out
+        })
+        .collect();
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let lambdas: Vec<f64> = elastic.iter().map(|m| m.omega * m.omega.abs()).collect();
+    // Coupling to all modes, those that were not asked for too: Nφ·(K − σM)⁻¹ Nφ = Σ N²/(λ − σ).
+    let mut changes: Vec<f64> = products
+        .iter()
+        .zip(&lambdas)
+        .map(|(product, lambda)| {
+            let mut response = product.clone();
+            problem.newton.solver.solve(&mut response);
+            (dot(product, &response) / lambda).abs()
+        })
+        .collect();
+    // Coupling of the modes at hand, whatever their distance.
+    let coupled = DMatrix::from_fn(elastic.len(), elastic.len(), |i, j| {
+        dot(&reduced[i], &products[j]) + if i == j { lambdas[i] } else { 0.0 }
+    });
+    let found = coupled.complex_eigenvalues();
+    for (change, lambda) in changes.iter_mut().zip(&lambdas) {
+        let nearest = found.iter().map(|z| (z.re - lambda).hypot(z.im)).reduce(f64::min);
+        *change = larger(*change, nearest.unwrap_or(f64::NAN) / lambda.abs());
+    }
+    let worst = (0..changes.len()).reduce(|a, b| if changes[b] > changes[a] { b } else { a }).unwrap_or(0);
+    let largest = changes.iter().copied().reduce(larger).unwrap_or(f64::NAN);
+    if largest <= NEGLIGIBLE {
+        return Ok(());
+    }
+    Err(Error::Singular {
+        what: format!(
+            "The loads follow the motion and have no potential: the skew part of their stiffness would change ω² of the mode \
+             of {:.4e} Hz by about {:.2} %, and may make vibrations grow (flutter). Modes of the symmetric part \
+             would be wrong.",
+            elastic[worst].frequency_hz.abs(),
+            100.0 * largest
+        ),
+        help: "Let a transient analysis vibrate about the equilibrium; or use loads of constant direction (`traction`, \
+               `edge`, `force`), or pressures on surfaces whose edges are supported, which have a potential."
+            .into(),
+    })
+}
