@@ -298,3 +298,30 @@ fn automatic_steps_stay_stable_under_stretch() {
         assert!(last < 0.75 * first, "{element:?}: {last} after {first}");
     }
 }
+
+/// Damping forces lag by half a step: near the critical one that costs a part of what they dissipate, which is no sign of
+/// instability. The error falls with the step.
+#[test]
+fn damped_motions_that_begin_with_a_velocity_are_taken_at_the_automatic_step() {
+    let mut m = model(plate([0.5, 0.3], [8, 3], 0.0), 1e7, 0.01);
+    m.materials.insert("m".into(), Material::Isotropic(Isotropic::new(1e7, 0.3, 1e3)));
+    m.damping = Damping { stiffness: 1e-4, ..Default::default() };
+    let wave = ExpressionAmplitude { expression: "sin(20*t)".into() };
+    m.amplitudes.insert("wave".into(), Amplitude::Expression(wave));
+    m.conditions.push(Condition::Prescribe(PrescribeComponent {
+        on: "u_max_v_max".into(),
+        of: NodalVector::Position,
+        component: Axis::Z,
+        value: 0.05,
+        amplitude: Some("wave".into()),
+    }));
+    let error = |max_step: Option<f64>| {
+        let mut m = with(&m, explicit(true), 0.1, None);
+        if let Analysis::Transient(t) = &mut m.analysis {
+            t.max_step = max_step;
+        }
+        run(&m, &mut Notes::default()).1.unwrap().statistics.energy_error
+    };
+    let (automatic, fine, finer) = (error(None), error(Some(1e-4)), error(Some(5e-5)));
+    assert!(automatic < 0.1 && (1.7..2.3).contains(&(fine / finer)), "{automatic} {fine} {finer}");
+}

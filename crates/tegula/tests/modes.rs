@@ -329,7 +329,8 @@ fn joined_bodies_of_very_different_stiffness_are_right_or_refused() {
 }
 
 /// A pressure on a sheet with free edges has no potential. Frequencies about its equilibrium are those of K + N; the symmetric
-/// part K alone gives others: for Beck's column at two fifths of its flutter load 3.0 for 4.5 Hz.
+/// part K alone gives others: for Beck's column under P = 4 EI/L² it gives ωL²√(m/EI) = 3.51, and Beck's characteristic
+/// equation 4.06.
 #[test]
 fn modes_under_a_pressure_without_potential_are_refused() {
     let run = |pressure: f64, all_edges: bool| {

@@ -6,8 +6,8 @@ use crate::{Issue, Vec3};
 /// Most elements of a generated mesh: node numbers then fit 32 bits with room to spare.
 pub(super) const MOST_ELEMENTS: u64 = 50_000_000;
 
-/// Coordinates beyond 10^±100 overflow when multiplied thrice.
-const HUGE: f64 = 1e100;
+/// Coordinates beyond 10^±60: products of five, which angles and volumes of elements take, overflow at 10^±61.
+const HUGE: f64 = 1e60;
 
 /// Directions and lengths that differ by less, relative to themselves, count as equal.
 pub(super) const TINY: f64 = 1e-9;
@@ -31,7 +31,7 @@ impl Input {
             return;
         }
         let help = if value > 0.0 && value.is_finite() {
-            "give a number between 1e-100 and 1e100: beyond it areas and volumes cannot be computed; change the unit of length"
+            "give a number between 1e-60 and 1e60: beyond it areas and angles cannot be computed; change the unit of length"
         } else {
             "give a positive number"
         };
@@ -44,7 +44,7 @@ impl Input {
             return Some(Vec3::from(value));
         }
         let help = if value.iter().all(|x| x.is_finite()) {
-            "give coordinates below 1e100 in size, or change the unit of length"
+            "give coordinates below 1e60 in size, or change the unit of length"
         } else {
             "give three finite numbers"
         };
