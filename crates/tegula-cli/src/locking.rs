@@ -19,7 +19,7 @@ pub struct Locking {
     /// Elements, of: ems, cm, mitc4, solid-shell, ancf-full
     #[arg(long, value_delimiter = ',', default_value = "ems,mitc4,cm,solid-shell")]
     elements: Vec<String>,
-    /// What is switched off, one at a time, of: nothing, ans-shear, ans-thickness, eas, thickness-eas
+    /// Remedies that are switched off, one at a time: nothing, ans-shear, ans-thickness, eas, thickness-eas
     #[arg(long, value_delimiter = ',', default_value = "nothing,ans-shear,ans-thickness,eas,thickness-eas")]
     without: Vec<String>,
     /// Length or radius over thickness (beam: over depth)

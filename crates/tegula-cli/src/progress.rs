@@ -16,7 +16,7 @@ const PLAIN_EVERY: f64 = 0.1;
 /// Marks of the bar.
 const MARKS: u64 = 1000;
 
-/// What is printed on the way.
+/// Detail of the lines printed during a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Detail {
     /// Nothing but errors.

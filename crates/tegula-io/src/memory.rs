@@ -14,7 +14,7 @@ use tegula::model::{Analysis, LinearSolver, MeshSource, Model, Scheme};
 pub struct Limit {
     /// Memory that may be taken (bytes).
     pub bytes: u64,
-    /// What sets the limit, as the subject of *… has 4 GiB*.
+    /// Origin of the limit, as the subject of *… has 4 GiB*.
     pub source: &'static str,
 }
 

@@ -455,7 +455,7 @@ fn redundant_constraints_are_singular() {
     assert_eq!(m.solve().err(), Some(FactorError::Singular));
 }
 
-/// What a front passes on that was not eliminated says nothing: here it would empty the columns of the next one.
+/// The contribution block of a front that was not eliminated is void: here it would empty the columns of the next front.
 #[test]
 fn fronts_above_delayed_columns_decide_nothing() {
     let (held, others) = (100, 200);

@@ -1,4 +1,4 @@
-//! What each integrator costs for what error: tables and pictures.
+//! Work and precision of the integrators: cost of each over its error, as tables and pictures.
 //!
 //! ```text
 //! cargo run --release --example work_precision -- [KEY=VALUE...]

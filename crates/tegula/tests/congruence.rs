@@ -42,7 +42,7 @@ fn layered(direction: [f64; 3]) -> Model {
     m
 }
 
-/// The same with a field of heat for each element, which begins from nothing: under a field of its own, no element counts
+/// This model with a field of heat for each element, which begins from nothing: under a field of its own, no element counts
 /// as one like another.
 fn apart(m: &Model, mesh: &Mesh) -> (Model, Mesh) {
     let (mut m, mut mesh) = (m.clone(), mesh.clone());

@@ -1,4 +1,4 @@
-//! What every element owes to the program, on random warped, curved and distorted elements with
+//! Contract of every element, tested on random warped, curved and distorted elements with
 //! every combination of the locking remedies: forces and tangents are exact derivatives (checked
 //! by dual numbers through the same generic kernel), rigid motions cost nothing, exactly six
 //! motions are free of energy, the numbering of the nodes does not matter, and the enhanced

@@ -1,4 +1,4 @@
-//! What every registered element type owes to the program, on random warped and distorted elements and every
+//! Contract of every registered element type, tested on random warped and distorted elements and every
 //! combination of its remedies, through the interface that the program itself uses.
 //!
 //! Energies are polynomials of degree four and forces of degree three in the displacements, so a

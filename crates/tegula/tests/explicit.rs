@@ -45,7 +45,7 @@ fn distance(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (Vec3::from(*a) - Vec3::from(*b)).norm_squared()).sum::<f64>().sqrt()
 }
 
-/// The same model with lumped mass, for implicit steps and modes.
+/// Model `m` with lumped mass, for implicit steps and modes.
 fn twin(m: &Model) -> System {
     let (_, lumped) = compile(m);
     let (_, mut system) = compile(&with(m, NEWMARK, 1.0, None));
@@ -206,7 +206,7 @@ fn the_energy_balance_of_a_linear_motion_is_exact() {
     assert!(error < 1e-11, "{error:e}");
 }
 
-/// What is not finite ends the analysis in the step where it arises, with its place.
+/// Values that are not finite end the analysis in the step where they arise, and the error names the place.
 #[test]
 fn values_that_are_not_finite_are_an_error_with_their_place() {
     let mut m = vibrating(4, 0.05);

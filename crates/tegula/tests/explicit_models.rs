@@ -30,7 +30,7 @@ fn run(m: &Model, observer: &mut dyn Observer) -> Result<TransientOutcome> {
     dynamics::run(&system, t, None, observer)
 }
 
-/// The same model with lumped mass, for implicit steps.
+/// Model `m` with lumped mass, for implicit steps.
 fn twin(m: &Model) -> System {
     let (_, lumped) = compile(m);
     let (_, mut system) = compile(&with(m, NEWMARK, 1.0, None));
@@ -264,7 +264,7 @@ impl Observer for Stop {
     }
 }
 
-/// An interrupted run ends with a report, and goes on from there to the same bits.
+/// An interrupted run ends with a report, and restarts from there with identical bits.
 #[test]
 fn an_interrupted_run_goes_on_where_it_was() {
     let mut m = strip();

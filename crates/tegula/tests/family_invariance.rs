@@ -1,4 +1,4 @@
-//! What elements owe with every kind of material, layup and prescribed strain: independence of the numbering,
+//! Properties of elements with every kind of material, layup and prescribed strain: independence of the numbering,
 //! objectivity, forces and tangents as derivatives; masses and weights of uneven layups; what is warned of.
 
 #![allow(clippy::unwrap_used)]

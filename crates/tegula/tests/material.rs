@@ -1,4 +1,4 @@
-//! What every material owes to the program, and each law against closed forms.
+//! Contract of every material law, and each law against closed forms.
 
 #![allow(clippy::unwrap_used)]
 

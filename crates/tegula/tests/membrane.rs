@@ -6,6 +6,7 @@ mod common;
 
 use common::{Notes, compile, displacement, model, on, plate, static_options, vector_load};
 use tegula::analysis::statics;
+use tegula::material::NeoHookeanForm;
 use tegula::model::*;
 use tegula::norm::larger;
 use tegula::{Error, Result};
@@ -165,4 +166,45 @@ fn rubber_between_hinges_bears_pressure_on_coarse_meshes() {
     }
     rise(5);
     rise(7);
+}
+
+/// A rubber block is compressed to half its length between rigid, smooth plates, its mid-surface held plane. A half-space loses stability
+/// at a stretch of 0.444 under simple compression (M. A. Biot, Appl. Sci. Res. A 12 (1963) 168–182). Blocks of elements follow to a
+/// stretch that does not depend on the mesh: not one that falls with the length of elements over the thickness.
+#[test]
+fn compressed_rubber_stays_stable_on_any_mesh() {
+    let meshes = [(4, 0.05), (4, 0.2), (8, 0.2), (8, 0.4)];
+    for (element, meshes) in [(ElementKind::Cm, &meshes[..]), (ElementKind::SolidShell, &meshes[3..])] {
+        for &(n, thickness) in meshes {
+            let mut m = model(plate([1.0, 1.0], [n, n], 0.0), 1.0, thickness);
+            let law = NeoHookean { shear: 1e6, bulk: 50e6, density: 0.0, form: NeoHookeanForm::default() };
+            m.materials.insert("m".into(), Material::NeoHookean(law));
+            m.sections[0].element = element;
+            let symmetry = |set: &str, normal| Condition::Symmetry(SymmetryPlane { on: set.into(), normal });
+            let mut conditions = vec![symmetry("u_min", [1.0, 0.0, 0.0]), symmetry("v_min", [0.0, 1.0, 0.0])];
+            conditions.push(Condition::Fix(FixComponents {
+                on: "all".into(),
+                position: vec![Axis::Z],
+                director: vec![],
+            }));
+            conditions.push(Condition::Prescribe(PrescribeComponent {
+                on: "u_max".into(),
+                of: NodalVector::Position,
+                component: Axis::X,
+                value: -0.5,
+                amplitude: None,
+            }));
+            m.conditions = conditions;
+            m.analysis = Analysis::Static(StaticAnalysis { load_steps: 10, ..Default::default() });
+            let stretch = match run(&m) {
+                Ok(_) => 0.5,
+                Err(Error::NotConverged { at, .. }) => {
+                    1.0 - 0.5 * at.trim_start_matches("load factor ").parse::<f64>().unwrap()
+                }
+                Err(error) => panic!("{error}"),
+            };
+            println!("{element:?} {n} elements, h = {thickness}: stable to {stretch}");
+            assert!((0.49..0.57).contains(&stretch), "{element:?} {n} {thickness}: {stretch}");
+        }
+    }
 }

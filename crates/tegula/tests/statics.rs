@@ -169,7 +169,7 @@ fn plain_newton_finds_the_same_equilibrium() {
     assert!((u - Vec3::new(0.550805282, 0.004817232, -1.111460771)).norm() < 2e-9, "{u:?}");
 }
 
-/// The same mesh with all quads the other way round: directors point to the other side.
+/// Mesh with the node order of all quads reversed: directors point to the other side.
 fn reversed(mesh: &Mesh) -> Mesh {
     let mut out = mesh.clone();
     let order = [0, 3, 2, 1];

@@ -65,7 +65,7 @@ fn cylinder(n: u32, young: f64, density: f64, units: Units) -> Model {
     m
 }
 
-/// What has to be the same: dimensionless nodal vectors, energies in joule, counts.
+/// Results that must not depend on units: dimensionless nodal vectors, energies in joule, counts.
 struct Result {
     u: Vec<f64>,
     energies: Vec<f64>,

@@ -49,7 +49,7 @@ const UNEXPECTED: &str = "compare it with the templates: tegula new static";
 /// A model file that has been read: the model and the text it came from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Deck {
-    /// What the file says.
+    /// Model that the file describes.
     pub model: Model,
     /// Path of the file.
     pub path: PathBuf,

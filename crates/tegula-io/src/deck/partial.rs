@@ -1,4 +1,4 @@
-//! What else is wrong with a model file whose keys or values are wrong already.
+//! Further mistakes of a model file whose keys or values are wrong already.
 //!
 //! They are taken out, and what a model cannot do without is filled in. If the rest is a model, it is checked as
 //! one, so that the person who repairs the file sees all of its mistakes and not only the first kind. What may
@@ -76,7 +76,7 @@ fn mesh_of(path: &Path, model: &Model) -> Result<Mesh, Vec<Issue>> {
     if issues.is_empty() { Ok(mesh) } else { Err(issues) }
 }
 
-/// What is wrong with sets. A mesh that was changed has the names of the one that is meant, not its places; and
+/// Mistakes of sets. A mesh that was changed has the names of the one that is meant, not its places; and
 /// not even those where its type, its points or its file are concerned.
 fn sets(model: &Model, mesh: &Mesh, keys: &[String]) -> Vec<Issue> {
     let mut issues = check::sets(model, mesh);

@@ -8,7 +8,7 @@ pub(super) fn schema() -> Value {
     schemars::schema_for!(Model).to_value()
 }
 
-/// What the schema expects of a value.
+/// Kind of value that the schema expects.
 #[derive(Debug, Clone)]
 pub(super) enum Wanted<'s> {
     /// A table with these keys.
@@ -82,7 +82,7 @@ pub(super) fn resolve<'s>(root: &'s Value, mut schema: &'s Value) -> &'s Value {
     schema
 }
 
-/// What `schema`, part of the schema `root`, expects of a value.
+/// Kind of value that `schema`, part of the schema `root`, expects.
 pub(super) fn wanted<'s>(root: &'s Value, schema: &'s Value) -> Wanted<'s> {
     let schema = resolve(root, schema);
     if let Some(choices) = schema.get("enum").and_then(Value::as_array) {
@@ -191,7 +191,7 @@ impl Wanted<'_> {
     }
 }
 
-/// What the documentation says about a key.
+/// Documentation of a key.
 pub(super) fn doc<'s>(root: &'s Value, schema: &'s Value) -> &'s str {
     let text = |s: &'s Value| s.get("description").and_then(Value::as_str);
     text(schema).or_else(|| text(resolve(root, schema))).unwrap_or_default()

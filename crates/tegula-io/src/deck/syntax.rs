@@ -92,7 +92,7 @@ const PLAIN: &[(&str, &str, &str)] = &[
     ("recursion limit", "the key has too many dots", "shorten it"),
 ];
 
-/// What is wrong and what to do: from the parser's message, the text it points
+/// Mistake and remedy in words: from the parser's message, the text it points
 /// to, the text before that on its line and behind it, and the whole line.
 fn explain(error: &str, token: &str, [before, after]: [&str; 2], line: &str) -> (String, String) {
     let is = |start: &str| error.starts_with(start);

@@ -1,4 +1,4 @@
-//! What an unknown key was meant to be.
+//! Suggestions for an unknown key.
 
 use serde_json::Value;
 

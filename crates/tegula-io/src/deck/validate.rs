@@ -26,7 +26,7 @@ pub(super) fn validate(source: &Source, root: &DeTable<'_>) -> Vec<Diagnostic> {
 struct Place<'s> {
     key: String,
     span: std::ops::Range<usize>,
-    /// What the documentation says about it.
+    /// Documentation of the value.
     doc: &'s str,
 }
 
@@ -236,7 +236,7 @@ impl<'s> Validator<'_, 's> {
         }
     }
 
-    /// What to do about a value of the wrong kind.
+    /// Remedy for a value of the wrong kind.
     fn remedy(&self, wanted_here: &Wanted<'s>, found: &DeValue<'_>, place: &Place<'s>) -> String {
         let key = place.key.as_str();
         let name = key.rsplit('.').next().unwrap_or_default();
@@ -293,7 +293,7 @@ fn choose(found: &str, choices: &[&str]) -> String {
     }
 }
 
-/// What stands in the text, in words.
+/// Description of a value of the text, in words.
 fn describe(found: &DeValue<'_>) -> String {
     match found {
         DeValue::String(text) => format!("the string \"{}\"", shorten(text)),

@@ -7,7 +7,7 @@
 //! | `history.csv` | motion of the points, energies, momenta, reactions: a row a step |
 //! | `modes.csv`, `modes.pvd`, `modes/NNNN.vtu` | natural frequencies and mode shapes |
 //! | `*.png` | pictures of all that |
-//! | `checkpoint.bin` | what `resume` goes on from |
+//! | `checkpoint.bin` | restart file, read by `run --resume` |
 //! | `log.txt` | events |
 //!
 //! A run says `running` in its summary until it has ended, so nothing half done looks complete.
@@ -51,7 +51,7 @@ pub struct JobOptions {
     pub force: bool,
 }
 
-/// What a run is about to do.
+/// Announcement of a run: analysis, size, first and last time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Start {
     /// Title of the model.
@@ -126,7 +126,7 @@ pub enum JobError {
     /// The analysis failed; what it had found up to there is in the folder.
     #[error("{error}")]
     Analysis {
-        /// What happened.
+        /// Error of the analysis.
         error: tegula::Error,
         /// The result folder.
         folder: PathBuf,

@@ -19,7 +19,7 @@ pub struct Prepared {
     pub system: System,
     /// The recorded points.
     pub probes: Vec<Probe>,
-    /// What is most likely not meant, though it can be computed.
+    /// Warnings: the model can be computed but is most likely not meant so.
     pub warnings: Vec<Diagnostic>,
     /// Fingerprint of the model file and of its mesh file.
     pub fingerprint: u64,

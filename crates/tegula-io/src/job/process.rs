@@ -1,4 +1,4 @@
-//! What the process has cost so far, as the operating system counts it.
+//! Processor time and memory of the process so far, as the operating system counts them.
 
 /// Processor time of all threads, user and system (s); `None` where it is not known.
 pub fn cpu_seconds() -> Option<f64> {

@@ -30,7 +30,7 @@ pub(super) struct Recorder<'a> {
     pub prepared: &'a Prepared,
     pub folder: ResultFolder,
     pub summary: Summary,
-    /// What the next checkpoint holds; its notes count the parts of the run before this one.
+    /// Data of the next checkpoint; its notes count the parts of the run before this one.
     pub memory: Memory,
     watch: &'a mut dyn JobObserver,
     history: HistoryWriter,
@@ -51,7 +51,7 @@ pub(super) struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// Starts anew, or goes on from `memory`.
+    /// Recorder of a new run, or of one that restarts from `memory`.
     pub fn new(
         model: &'a Model,
         prepared: &'a Prepared,
@@ -165,7 +165,7 @@ impl<'a> Recorder<'a> {
                 self.forces = Some(self.finder.find(&self.prepared.system, None, &self.memory.state));
             }
         }
-        // A run that goes on from here writes the last field file again only when it is due.
+        // A run that restarts from here writes the last field file again only when it is due.
         let mut extra = Vec::new();
         if status != Status::Complete {
             (self.memory.notes.frames, self.memory.notes.last_frame) = (regular.frames, regular.last_frame);

@@ -15,7 +15,7 @@ use crate::out::{Checkpoint, OutputError};
 
 const REMEDY: &str = "Run without `--resume` to start anew";
 
-/// Everything that a run goes on from.
+/// Checkpoint data: everything that a run restarts from.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Memory {
     /// The state at the end of the last step.

@@ -61,7 +61,7 @@ fn completed(prepared: &Prepared, options: &JobOptions) -> Option<Summary> {
     (same && summary.status == Status::Complete).then_some(summary)
 }
 
-/// What a run says of itself when it wants a result folder.
+/// Identity of a run, with which it claims a result folder.
 pub(super) fn claim<'a>(deck: &'a Deck, prepared: &Prepared, options: &JobOptions) -> Claim<'a> {
     Claim { model: &deck.path, fingerprint: prepared.fingerprint, force: options.force }
 }
@@ -115,7 +115,7 @@ fn conclude(mut recorder: Recorder<'_>, outcome: tegula::Result<()>) -> Result<S
     }
 }
 
-/// What is about to happen.
+/// Announcement of a run.
 pub(super) fn start(deck: &Deck, prepared: &Prepared, memory: Option<&Memory>) -> Start {
     let (analysis, end) = match &deck.model.analysis {
         Analysis::Static(_) => ("static", 1.0),

@@ -89,7 +89,7 @@ pub struct Summary {
     pub version: String,
     /// How the run stands.
     pub status: Status,
-    /// What went wrong, where it failed.
+    /// Error message of a run that failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
     /// `static`, `modal` or `transient`.

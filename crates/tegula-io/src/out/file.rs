@@ -21,7 +21,7 @@ pub enum OutputError {
     Write {
         /// File that should have been written.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         cause: io::Error,
     },
     /// The operating system refused to read.
@@ -29,7 +29,7 @@ pub enum OutputError {
     Read {
         /// File that should have been read.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         cause: io::Error,
     },
     /// The data handed over do not fit together; nothing was written.
@@ -37,7 +37,7 @@ pub enum OutputError {
     Refused {
         /// File that should have been written.
         path: PathBuf,
-        /// What does not fit, and what would.
+        /// Value that does not fit, and values that would.
         problem: String,
     },
     /// The file was read but does not hold what it should.
@@ -45,9 +45,9 @@ pub enum OutputError {
     Damaged {
         /// File that was read.
         path: PathBuf,
-        /// What is wrong with it, and where.
+        /// Mistake and its place.
         problem: String,
-        /// What to do.
+        /// Remedy.
         remedy: String,
     },
     /// A checkpoint that belongs to another model.

@@ -1,4 +1,4 @@
-//! What a run leaves on disk: fields, histories and checkpoints.
+//! Result files of a run: fields, histories and checkpoints.
 //!
 //! | file | written by | read by |
 //! |---|---|---|

@@ -49,7 +49,7 @@ impl<'a> DataArray<'a> {
         Self { name: name.into(), components, component_names: None, values: values.into() }
     }
 
-    /// The same array with its components named.
+    /// Array with named components.
     pub fn with_component_names(mut self, names: &'a [&'a str]) -> Self {
         self.component_names = Some(names);
         self
@@ -87,7 +87,7 @@ pub fn is_own(path: &Path) -> bool {
     read.is_ok() && beginning.windows(MARK.len()).any(|bytes| bytes == MARK.as_bytes())
 }
 
-/// What does not fit in the grid, in words.
+/// Reports data that do not fit the grid, in words.
 fn check(grid: &VtuGrid<'_>) -> Result<(), String> {
     let points = grid.points.len();
     if !grid.time.is_finite() {

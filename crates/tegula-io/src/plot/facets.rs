@@ -177,7 +177,7 @@ impl<'a> Shading<'a> {
     }
 }
 
-/// What one facet does to a sample.
+/// Contribution of one facet to a sample.
 #[derive(Clone, Copy)]
 struct Fragment {
     /// Number of the sample in its band.

@@ -53,9 +53,9 @@ pub struct Series {
 pub struct LinePlot {
     /// Title above the plot.
     pub title: String,
-    /// What the horizontal axis shows, with its unit.
+    /// Quantity of the horizontal axis, with its unit.
     pub x_label: String,
-    /// What the vertical axis shows, with its unit.
+    /// Quantity of the vertical axis, with its unit.
     pub y_label: String,
     /// The curves, drawn in this order.
     pub series: Vec<Series>,
@@ -184,7 +184,7 @@ fn draw(plot: &LinePlot) -> Canvas {
     canvas
 }
 
-/// What a legend must not cover: the chains, or their points alone.
+/// Lines that a legend must not cover: the chains, or their points alone.
 fn occupied(style: Style, chains: Vec<Vec<Point>>) -> Vec<Vec<Point>> {
     match style {
         Style::Markers => chains.into_iter().flatten().map(|p| vec![p]).collect(),

@@ -46,7 +46,7 @@ pub struct SurfacePlot {
     pub quads: Vec<[u32; 4]>,
     /// From where to look.
     pub view: View,
-    /// What the colours mean, with its unit; stands beside the colour bar.
+    /// Quantity shown by the colours, with its unit; stands beside the colour bar.
     pub color_label: String,
     /// Whether values are averaged at the nodes and run smoothly, or each element has one colour.
     pub smooth: bool,
@@ -143,7 +143,7 @@ fn labelled(plot: &SurfacePlot) -> Result<(Canvas, Labels), String> {
     Ok((canvas, labels))
 }
 
-/// What does not fit together, in words.
+/// Reports data of a picture that do not fit together, in words.
 fn check(plot: &SurfacePlot) -> Result<(), String> {
     if plot.snapshots.is_empty() || plot.quads.is_empty() {
         return Err("the picture needs at least one snapshot and one element".into());

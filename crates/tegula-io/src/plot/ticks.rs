@@ -22,7 +22,7 @@ pub struct Ticks {
     pub major: Vec<(f64, String)>,
     /// Places of thinner grid lines.
     pub minor: Vec<f64>,
-    /// What all labels share, for example `×10⁻³`; empty if nothing.
+    /// Factor common to all labels, for example `×10⁻³`; empty if there is none.
     pub shared: String,
 }
 

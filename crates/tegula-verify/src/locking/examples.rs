@@ -48,7 +48,7 @@ impl Example {
         }
     }
 
-    /// What the slenderness is.
+    /// Definition of the slenderness.
     pub fn slenderness(self) -> &'static str {
         match self {
             Self::Plate => "L/h",

@@ -14,7 +14,7 @@ use tegula::model::{ElementKind, Section};
 pub use examples::Example;
 pub use report::{csv, markdown, picture};
 
-/// What an element can do without.
+/// Locking remedy that an element can do without.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Remedy {
     /// Nothing is switched off.
@@ -94,7 +94,7 @@ pub fn element_name(element: ElementKind) -> &'static str {
     }
 }
 
-/// What a study runs over.
+/// Parameters of a study.
 #[derive(Debug, Clone)]
 pub struct Study {
     /// Problems.
@@ -116,7 +116,7 @@ pub struct Row {
     pub example: Example,
     /// Element.
     pub element: ElementKind,
-    /// What it went without.
+    /// Remedy that was switched off.
     pub without: Remedy,
     /// Length over thickness.
     pub slenderness: u32,

@@ -25,7 +25,7 @@ pub fn csv(rows: &[Row]) -> String {
     out
 }
 
-/// What all rows of a line of the table share.
+/// First rows of the lines of the table; the rows of a line differ in the mesh only.
 fn lines(rows: &[Row]) -> Vec<&Row> {
     let mut out: Vec<&Row> = Vec::new();
     for r in rows {

@@ -66,7 +66,7 @@ pub struct Row {
     pub scheme: Scheme,
     /// Its steps.
     pub stepping: Stepping,
-    /// What it has done.
+    /// Counts of the run.
     pub statistics: Statistics,
     /// Iterations, and factorisations at their price in iterations; steps of the explicit scheme.
     pub work: f64,
@@ -90,11 +90,11 @@ pub struct Reference {
     pub price: f64,
     /// Step of the reference (time).
     pub step: f64,
-    /// What the extrapolation has moved: the error of the short steps themselves. That of the reference is smaller.
+    /// Change by the extrapolation: the error of the short steps themselves. That of the reference is smaller.
     pub uncertainty: f64,
 }
 
-/// What a study runs over.
+/// Parameters of a study.
 #[derive(Debug, Clone)]
 pub struct Study {
     /// Motions.

@@ -8,7 +8,7 @@ use tegula::model::Scheme;
 use tegula_io::out::OutputError;
 use tegula_io::plot::{LinePlot, Series, Style, lines};
 
-/// What an error is held against.
+/// Measure of cost, the abscissa of a work-precision diagram.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cost {
     /// Processor seconds of all threads.

@@ -125,7 +125,7 @@ pub fn sze(report: &mut Report) -> Result<()> {
     Ok(())
 }
 
-/// The same against the literature: every point of the load path within a share of the largest displacement.
+/// Sze's benchmarks against the literature: every point of the load path within a share of the largest displacement.
 pub fn sze_literature(report: &mut Report) -> Result<()> {
     let all = records(SZE_LITERATURE);
     // Sixteen chords of a full circle: the tip ends 2.8 % of the length from where the arc closes; second order, so 32 are

@@ -33,7 +33,7 @@ const ELEMENTS: [&str; 4] = ["ems", "cm", "mitc4", "solid-shell"];
 /// A map from (u, v), counted in coarse elements, to position and unit normal.
 type Map = fn(f64, f64) -> (Vec3, Vec3);
 
-/// What acts at the tip.
+/// Load at the tip.
 #[derive(Clone, Copy)]
 enum Tip {
     /// A force of 1, shared out over the edge as a constant line load; its direction.

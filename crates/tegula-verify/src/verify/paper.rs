@@ -90,7 +90,7 @@ fn plates(report: &mut Report) -> Result<()> {
     Ok(())
 }
 
-/// What happens without the remedies.
+/// Rows that show locking without the remedies.
 fn locking(report: &mut Report) -> Result<()> {
     // Cylindrical bending of the plate by eq. 38, F L³/(3 D W).
     let strip = 8.6667e-4;

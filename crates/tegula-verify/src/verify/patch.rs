@@ -75,7 +75,7 @@ fn distorted() -> Mesh {
     mesh(inner)
 }
 
-/// The same with a rectangle inside.
+/// MacNeal and Harder's patch with a rectangle inside.
 fn regular() -> Mesh {
     mesh([[0.08, 0.04], [0.16, 0.04], [0.16, 0.08], [0.08, 0.08]])
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use tegula::norm::larger;
 
-/// What a value is held against.
+/// Standard by which a value is judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
@@ -23,7 +23,7 @@ pub enum Verdict {
 pub struct Row {
     /// Case.
     pub case: String,
-    /// What the value is.
+    /// Quantity.
     pub quantity: String,
     /// Element type and switches.
     pub element: String,

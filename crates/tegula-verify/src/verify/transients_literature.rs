@@ -95,7 +95,7 @@ pub fn all(report: &mut Report) -> Result<()> {
     compute(report, 2, &["ems", "cm"])
 }
 
-/// The same with meshes halved twice.
+/// Transients of the literature with meshes halved twice.
 pub fn fine(report: &mut Report) -> Result<()> {
     compute(report, 3, &["ems", "cm", "mitc4"])
 }

@@ -1,4 +1,4 @@
-//! What the examples that measure growth share.
+//! Functions and models shared by the examples that measure growth.
 #![allow(dead_code, clippy::unwrap_used)]
 
 /// Slope of the least-squares line.

@@ -1,15 +1,14 @@
 //! The fully parameterized plate of the absolute nodal coordinate formulation: 48 coordinates.
 //!
-//! A. M. Mikkola, A. A. Shabana, *A non-incremental finite element procedure for the analysis of large
-//! deformation of plates and shells in mechanical system applications*, Multibody Syst. Dyn. 9 (2003)
-//! 283–309. A node has its position and three gradients `r,x r,y r,z`; the mid-surface is an incomplete
-//! bicubic (12 shape functions), the gradient along the thickness bilinear. Strains and stresses are
-//! three-dimensional with full integration (5×5×2) and without any remedy: the element locks, in thickness
-//! and in transverse shear, and is here to be compared with.
+//! A. M. Mikkola, A. A. Shabana, *A non-incremental finite element procedure for the analysis of large deformation of
+//! plates and shells in mechanical system applications*, Multibody Syst. Dyn. 9 (2003) 283–309. A node has its position
+//! and three gradients `r,x r,y r,z`; the mid-surface is an incomplete bicubic (12 shape functions), the gradient along
+//! the thickness bilinear. Strains and stresses are three-dimensional with full integration (5×5×2) and without any
+//! remedy: the element locks, in thickness and in transverse shear, and serves for comparison.
 //!
-//! Nodes share the gradients along two unit tangents of the surface; an element turns them into derivatives with
-//! respect to its natural coordinates ([`NodalTransform`]), so any quadrilateral mesh will do. Each integration
-//! point has six strains of its own and is a group of its own.
+//! Nodes share the gradients along two unit tangents of the surface; an element transforms them to derivatives with
+//! respect to its natural coordinates ([`NodalTransform`]), so any quadrilateral mesh works. Each integration point has
+//! six sampled strains and is an element group of its own.
 
 use nalgebra::DMatrix;
 
@@ -24,13 +23,13 @@ use crate::section::SectionInertia;
 use crate::system::VectorKind;
 use crate::{Mat3, Vec3};
 
-/// Nodal vectors: positions of nodes 1–4, directors, first and second tangential gradients.
+/// Number of nodal vectors: positions of nodes 1–4, directors, first and second tangential gradients.
 const VECTORS: usize = 16;
-/// Samples of one integration point.
+/// Number of sampled strains of one integration point.
 const SAMPLES: usize = 6;
-/// Integration points over the thickness.
+/// Number of integration points over the thickness.
 const HEIGHTS: usize = 2;
-/// Abscissae and weights of Gauss's rule of order 5.
+/// Abscissae and weights of the five-point Gauss rule.
 const RULE: [(f64, f64); 5] = [
     (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
     (-0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
@@ -38,17 +37,17 @@ const RULE: [(f64, f64); 5] = [
     (0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
     (0.906_179_845_938_664, 0.236_926_885_056_189_1),
 ];
-/// Points over the mid-surface.
+/// Number of integration points over the mid-surface.
 const POINTS: usize = RULE.len() * RULE.len();
 
-/// The element.
+/// Fully parameterized ANCF plate element.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AncfFull {
     /// Thickness h (length).
     pub thickness: f64,
 }
 
-/// Values and natural derivatives of the mid-surface's shape functions: of r, r,ξ and r,η of each node.
+/// Shape functions of the mid-surface for r, r,ξ and r,η of each node: values and derivatives by ξ and η.
 struct Bicubic {
     value: [[f64; 3]; 4],
     xi: [[f64; 3]; 4],
@@ -86,7 +85,7 @@ fn bilinear(xi: f64, eta: f64) -> [[f64; 4]; 3] {
     [shape(xi, eta), super::geometry::shape_xi(eta), super::geometry::shape_eta(xi)]
 }
 
-/// Coefficients of a direction: those of the mid-surface, and `z` times those of the director.
+/// Coefficients of a base vector: shape functions of the mid-surface, and `z` times those of the director.
 fn coefficients(surface: &[[f64; 3]; 4], director: &[f64; 4], z: f64) -> [f64; VECTORS] {
     std::array::from_fn(|v| {
         let a = v % 4;
@@ -109,7 +108,7 @@ impl AncfFull {
         ([xi, eta], w * v)
     }
 
-    /// Coefficients of ∂x/∂ξ, ∂x/∂η, ∂x/∂z.
+    /// Coefficients of the base vectors ∂x/∂ξ, ∂x/∂η, ∂x/∂z.
     fn directions([xi, eta]: [f64; 2], z: f64) -> [[f64; VECTORS]; 3] {
         let (surface, [n, n_xi, n_eta]) = (Bicubic::at(xi, eta), bilinear(xi, eta));
         [
@@ -130,8 +129,8 @@ impl AncfFull {
         t
     }
 
-    /// Natural derivatives at the nodes from gradients along unit tangents: along an edge the surface advances by
-    /// half the edge's length in the direction of the edge's projection on the tangent plane.
+    /// Natural derivatives at the nodes from gradients along unit tangents: along an edge the position advances by half
+    /// the length of the edge, in the direction of its projection on the tangent plane.
     fn transform(g: &ShellGeometry) -> NodalTransform<VECTORS> {
         let mut t = Box::new([[0.0; VECTORS]; VECTORS]);
         for v in 0..8 {
@@ -156,7 +155,7 @@ impl AncfFull {
         NodalTransform(t)
     }
 
-    /// Reference vectors of the element type.
+    /// Nodal vectors of the element type in the reference configuration.
     fn reference(g: &ShellGeometry) -> [[f64; 3]; VECTORS] {
         let model = std::array::from_fn(|v| {
             let a = v % 4;
@@ -196,7 +195,7 @@ impl ShellElement for AncfFull {
         true
     }
 
-    /// Its strains have two heights of their own.
+    /// True: the sampled strains belong to two fixed heights.
     fn takes_linear_sheets_only(&self) -> bool {
         true
     }

@@ -1,17 +1,17 @@
-//! Bilinear shells of linear materials, many at a time: the kernel that static and dynamic analyses spend their
-//! element work in.
+//! Vectorised kernel of bilinear shells of linear materials, in which static and dynamic analyses spend their element
+//! work.
 //!
 //! Energy and forces are those of [`QuadraticGroup`](super::QuadraticGroup), which is the reference that this kernel
 //! is tested against. It differs in four ways:
 //!
-//! * One element per lane of a vector register. What elements own is stored in batches of `lanes::BATCH`; the width of
-//!   the registers is found when the program runs.
-//! * Strains are taken as the [independent forms](super::forms) of the element type in the basis of its bilinear
-//!   interpolation. Derivatives of forms are vectors of this basis, without weights; the way back to the nodes is
-//!   sums and differences.
-//! * Elements of one shape share `H`. It is stored for batches of elements, and only for those that differ.
-//! * `H` is split into blocks of forms that are coupled in any element of the group. Bending of a symmetric section
-//!   does not couple with the rest; on flat elements membrane, shear and thickness do not couple either.
+//! * One element per lane of a vector register. Element data is stored in batches of `lanes::BATCH`; the width of the
+//!   registers is detected at run time.
+//! * Strains are the [independent quadratic forms](super::forms) of the element type in the basis of its bilinear
+//!   interpolation. Derivatives of forms are vectors of this basis, without coefficients; nodal forces and blocks
+//!   follow by sums and differences.
+//! * Congruent elements share `H`. It is stored per batch of elements, and only for batches that differ.
+//! * `H` is split into diagonal blocks of forms that are coupled in any element of the group. Bending of a symmetric
+//!   section does not couple with the rest; on flat elements membrane, shear and thickness do not couple either.
 
 #[cfg(test)]
 mod operations;
@@ -30,38 +30,39 @@ use super::lanes::{BATCH, LaneWork, Lanes, in_batches, run};
 use super::shell::Condensed;
 use crate::Vec3;
 
-/// Elements that one task works on.
+/// Elements per parallel task.
 const CHUNK: usize = 64;
-/// Coordinates of an element.
+/// Number of coordinates of an element.
 pub(super) const COORDINATES: usize = 3 * VECTORS;
-/// Blocks in the lower triangle of the element matrix.
+/// Number of 3×3 blocks in the lower triangle of the element matrix.
 pub(super) const BLOCKS: usize = VECTORS * (VECTORS + 1) / 2;
-/// Rows of the product of H and derivatives that are summed in registers together.
+/// Rows of a product with H that are summed in registers together (register blocking).
 pub(super) const ROWS: usize = 4;
 
-/// What is known of the elements while they are collected.
+/// Elements of a group while they are collected: connectivity, reference geometry, mass and stiffness.
 #[derive(Debug, Clone, Default)]
 pub struct BilinearMembers {
-    /// Nodal vectors per element.
+    /// Connectivity: nodal vectors per element.
     pub vectors: Vec<[u32; VECTORS]>,
-    /// Reference: coordinates of the vectors of the basis per element.
+    /// Reference configuration: components of the basis vectors per element.
     pub reference: Vec<f64>,
-    /// Number of the shape of each element.
+    /// Shape index of each element; congruent elements share it.
     pub shapes: Vec<u32>,
-    /// Scalar mass of the pairs of nodal vectors, lower triangle per shape.
+    /// Mass per shape: one scalar per pair of nodal vectors, lower triangle by rows.
     pub mass: Vec<f64>,
-    /// `RᵀHR` of the needed forms per shape, lower triangle by rows.
+    /// Stiffness `RᵀHR` of the needed forms per shape, lower triangle by rows.
     pub stiffness: Vec<f64>,
-    /// Stress that would hold back the prescribed strains, forms per field and shape.
+    /// Generalised stress of the prescribed strains when fully restrained, one value per form, for each field and
+    /// shape.
     pub prescribed: Vec<f64>,
-    /// Energy of the fields held back, by pairs of fields, per shape.
+    /// Energy of the prescribed strain fields when fully restrained, by pairs of fields, per shape.
     pub prescribed_energy: Vec<f64>,
-    /// Number of fields of the model; 0 if none acts on this group.
+    /// Number of prescribed strain fields of the model; 0 if none acts on this group.
     pub fields: usize,
 }
 
 impl BilinearMembers {
-    /// Adds an element.
+    /// Adds an element with a shape of its own.
     pub fn push(
         &mut self,
         forms: &Forms,
@@ -84,7 +85,7 @@ impl BilinearMembers {
         self.mass.extend_from_slice(mass);
     }
 
-    /// Adds an element of the shape of an earlier one; false if there is no such element.
+    /// Adds an element congruent to element `first`; false if there is no such element.
     pub fn push_like(&mut self, first: usize, vectors: [u32; VECTORS], geometry: &ShellGeometry) -> bool {
         let Some(&shape) = self.shapes.get(first) else { return false };
         self.shapes.push(shape);
@@ -101,8 +102,8 @@ impl BilinearMembers {
         self.vectors.push(vectors);
     }
 
-    /// Batches of shapes that differ, and the one that each batch of elements has. Lanes without an element have the
-    /// shape of the last one.
+    /// Distinct batches of shapes, and the index of the one that each batch of elements has. Lanes without an element
+    /// have the shape of the last one.
     fn batches(&self) -> (Vec<u32>, Vec<u32>) {
         let mut known = HashMap::new();
         let (mut shapes, mut of_batch) = (Vec::new(), Vec::new());
@@ -118,58 +119,59 @@ impl BilinearMembers {
     }
 }
 
-/// Forms that are coupled by H.
+/// Diagonal block of H: a set of coupled forms.
 #[derive(Debug, Clone)]
 pub(super) struct Coupled {
-    /// Their numbers, ascending.
+    /// Indices of the forms, ascending.
     pub forms: Vec<usize>,
-    /// First of their entries of H, lower triangle by rows.
+    /// Index of the first entry of the block in H, lower triangle by rows.
     pub first: usize,
-    /// Where the entries are, by full rows; rows are filled up to a multiple of [`ROWS`].
+    /// Indices of the entries by full rows, padded to a multiple of [`ROWS`].
     pub places: Vec<usize>,
-    /// Derivatives with respect to each vector of the basis: number among these forms, and vector that it is.
+    /// Derivatives with respect to each vector of the basis: pairs of a form's index in `forms` and the basis vector
+    /// that is its derivative.
     pub derivatives: [Vec<(usize, usize)>; BASIS],
 }
 
-/// Elements of one type and section. Strains are taken from the reference geometry that they were made with.
+/// Group of bilinear shells of one type and section. Strains refer to the reference geometry given at construction.
 pub struct BilinearGroup {
     name: &'static str,
     forms: Forms,
-    /// True if forms quadratic in z are needed.
+    /// True if the elements need forms quadratic in z.
     pub(super) quadratic: bool,
-    /// Stress resultants that are stored per element: all forms but those quadratic in z, or all.
+    /// Number of generalised stresses stored per element: one per form, all forms but those quadratic in z, or all.
     pub(super) stored: usize,
     pub(super) coupled: Vec<Coupled>,
     /// Entries of H per element.
     pub(super) entries: usize,
-    /// Vectors of the basis of the reference, in batches.
+    /// Basis vectors of the reference configuration, in batches.
     pub(super) reference: Vec<f64>,
-    /// Which of the batches that differ in shape each batch of elements has.
+    /// Index of the distinct batch of shapes that each batch of elements has.
     pub(super) of_batch: Vec<u32>,
-    /// H in batches that differ: `BATCH` values of each entry.
+    /// H of the distinct batches of shapes: `BATCH` values of each entry.
     pub(super) h: Vec<f64>,
-    /// Stress of the fields of prescribed strain, likewise.
+    /// Generalised stress of the prescribed strain fields when fully restrained, stored like `h`.
     pub(super) prescribed: Vec<f64>,
-    /// Energy of the fields per shape.
+    /// Energy of the prescribed strain fields when fully restrained, by pairs of fields, per shape.
     prescribed_energy: Vec<f64>,
-    /// Shape of each element.
+    /// Shape index of each element.
     shapes: Vec<u32>,
     pub(super) fields: usize,
     pub(super) vectors: Vec<[u32; VECTORS]>,
-    /// Scalar mass per shape.
+    /// Mass per shape: one scalar per pair of nodal vectors, lower triangle by rows.
     mass: Vec<f64>,
     pub(super) retardation_time: f64,
     arch: Arch,
 }
 
-/// Place of an entry in a lower triangle by rows.
+/// Index of the entry (i, j) of a symmetric matrix in its lower triangle, stored by rows.
 pub(super) fn lower(i: usize, j: usize) -> usize {
     let (i, j) = (i.max(j), i.min(j));
     i * (i + 1) / 2 + j
 }
 
 impl BilinearGroup {
-    /// A group of elements.
+    /// Group of the collected elements.
     pub fn new(name: &'static str, forms: Forms, members: BilinearMembers, retardation_time: f64) -> Self {
         let needed = &forms.needed;
         let n = needed.len();
@@ -239,7 +241,8 @@ impl Coupled {
     }
 }
 
-/// Sets of forms that no element couples with other forms. Entries within rounding of zero couple nothing.
+/// Connected components of the coupling of the forms by H: no element couples forms of different sets. Entries within
+/// round-off of zero do not couple.
 fn coupled_forms(n: usize, stiffness: &[f64]) -> Vec<Vec<usize>> {
     let mut set: Vec<usize> = (0..n).collect();
     for h in stiffness.chunks_exact(n * (n + 1) / 2) {
@@ -317,12 +320,12 @@ impl LaneWork for ForcesAndTangent<'_> {
     }
 }
 
-/// What [`PerElement`] computes.
+/// Quantity that [`PerElement`] computes.
 #[derive(Clone, Copy)]
 enum Wanted<'a> {
-    /// Stress resultants, extrapolated along an increment.
+    /// Generalised stresses, extrapolated along an increment where one is given.
     Stress(Option<(&'a [Nodal], f64)>),
-    /// Stored energy, without what the fields of prescribed strain store by themselves.
+    /// Stored energy, without the constant part of the prescribed strain fields.
     Energy,
 }
 
@@ -371,7 +374,7 @@ impl LaneWork for PerElement<'_> {
 }
 
 impl BilinearGroup {
-    /// A measure of the deformation of one element in the samples of its type.
+    /// Strain measure of one element, as the sampled strains of its type.
     fn samples(&self, element: usize, k: &Kinematics, measure: Measure) -> Vec<f64> {
         let l = Lanes { simd: Scalar::new(), first: element };
         let mut forms = [0.0; MOST];

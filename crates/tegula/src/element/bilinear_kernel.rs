@@ -1,8 +1,8 @@
 //! Strains, forces and tangent of bilinear shells in vector registers: the arithmetic of
 //! [`BilinearGroup`](super::bilinear::BilinearGroup), one element per lane.
 //!
-//! Loops over the terms of the forms are written out by macros, so that all places are known when it is compiled and
-//! intermediate values stay in registers.
+//! Macros unroll the loops over the terms of the forms, so that all indices are known at compile time and intermediate
+//! values stay in registers.
 
 use pulp::{Simd, bytemuck};
 
@@ -12,44 +12,45 @@ use super::group::{Kinematics, Motion, Nodal, TangentWeights};
 use super::lanes::{BATCH, Lanes};
 use super::quadratic::{add_curvature, multiply_blocks};
 
-/// Blocks in the lower triangle of the element matrix in the basis.
+/// Number of 3×3 blocks in the lower triangle of the element matrix in the basis.
 const BASIS_BLOCKS: usize = BASIS * (BASIS + 1) / 2;
 
-/// A vector of space per lane.
+/// Three-dimensional vector per lane.
 pub type Triple<S> = [<S as Simd>::f64s; 3];
-/// The vectors of the basis.
+/// Basis vectors r₁ r₂ r₃ d₀ d₁ d₂ d₃ per lane.
 pub type Basis<S> = [Triple<S>; BASIS];
-/// A number per form.
+/// One number per form and lane.
 pub type PerForm<S> = [<S as Simd>::f64s; MOST];
 
-/// Strains and stress resultants: memory that is used again and again, since clearing it would take time.
+/// Workspace for strains and generalised stresses; it is reused, since clearing it would take time.
 pub type StrainAndStress<S> = [PerForm<S>; 2];
 
-/// That memory.
+/// New workspace for strains and generalised stresses.
 #[inline(always)]
 pub fn strain_and_stress<S: Simd>(simd: S) -> StrainAndStress<S> {
     [[simd.splat_f64s(0.0); MOST]; 2]
 }
 
-/// A measure of the deformation of a motion.
+/// Strain measure of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measure {
-    /// The strain of the stress: mean strain plus the retardation time times its rate.
+    /// Strain from which the stress follows with Kelvin–Voigt damping: mean strain plus the retardation time times its
+    /// rate.
     Effective,
-    /// The strain at the end.
+    /// Strain at the end of the motion.
     End,
-    /// The rate of strain.
+    /// Strain rate.
     Rate,
 }
 
-/// What the tangent of the elements of a register is made in.
+/// Workspace for the tangents of the elements of a register.
 pub struct Workspace<S: Simd> {
     forms: StrainAndStress<S>,
-    /// Rows of H S.
+    /// Rows of H B.
     hs: [Triple<S>; MOST + ROWS],
-    /// Lower blocks in the basis.
+    /// Lower-triangle blocks in the basis.
     basis: [[S::f64s; 9]; BASIS_BLOCKS],
-    /// Lower blocks of the nodal vectors.
+    /// Lower-triangle blocks of the nodal vectors.
     nodal: [[S::f64s; 9]; BLOCKS],
 }
 
@@ -69,13 +70,13 @@ impl<S: Simd> Workspace<S> {
 }
 
 impl BilinearGroup {
-    /// What the shapes of these lanes have, of values stored `per_shape`.
+    /// Batch for the shapes of these lanes in an array of `per_shape` values per shape.
     #[inline(always)]
     fn of_shape<'a, S: Simd>(&self, l: Lanes<S>, values: &'a [f64], per_shape: usize) -> &'a [S::f64s] {
         l.batch_at(values, per_shape, self.of_batch[l.first / BATCH] as usize)
     }
 
-    /// Vectors of the basis of a field.
+    /// Basis vectors of a nodal field.
     #[inline(always)]
     pub fn basis<S: Simd>(&self, l: Lanes<S>, field: &[Nodal]) -> Basis<S> {
         // Lanes without an element repeat the last one.
@@ -121,7 +122,7 @@ impl BilinearGroup {
         out
     }
 
-    /// Strains of a motion, and the vectors of the basis on which its stress acts.
+    /// Computes the strains of a motion; returns the basis vectors of the configuration in which its stress acts.
     #[inline(always)]
     pub fn strained<S: Simd>(
         &self,
@@ -131,8 +132,8 @@ impl BilinearGroup {
         strain: &mut PerForm<S>,
     ) -> Basis<S> {
         let tau = self.retardation_time;
-        // Fields, their share in the directions on which the stress acts, and in the result. The last field of a state
-        // is a velocity.
+        // Fields, their weight in the configuration in which the stress acts, and in the result. The last field of a
+        // state is a velocity.
         let (fields, share, weights, rate) = match (k.motion, wanted) {
             (Motion::State { u, .. }, Measure::End) => ([Some(u), None], 1.0, [1.0, 0.0], false),
             (Motion::State { u, velocity }, Measure::Rate) => ([Some(u), velocity], 1.0, [0.0, 1.0], true),
@@ -183,7 +184,7 @@ impl BilinearGroup {
         out
     }
 
-    /// The same with the usual sizes of blocks written out.
+    /// `H s` with the loops over the usual block sizes unrolled.
     #[inline(always)]
     fn multiply_fast<S: Simd>(&self, l: Lanes<S>, s: &PerForm<S>, out: &mut PerForm<S>) {
         let h = self.of_shape(l, &self.h, self.entries);
@@ -200,7 +201,8 @@ impl BilinearGroup {
         }
     }
 
-    /// Stress resultants of strains under the prescribed strains; those of forms that the elements do not need stay.
+    /// Generalised stresses of strains under the prescribed strains; entries of forms that the elements do not need
+    /// stay unchanged.
     #[inline(always)]
     pub fn stress<S: Simd>(&self, l: Lanes<S>, strain: &PerForm<S>, factors: &[f64], n: &mut PerForm<S>) {
         self.multiply_fast(l, strain, n);
@@ -231,7 +233,7 @@ impl BilinearGroup {
         sum
     }
 
-    /// Nodal forces of stress resultants.
+    /// Nodal forces of the generalised stresses `n` in the configuration `x`.
     #[inline(always)]
     fn forces<S: Simd>(&self, l: Lanes<S>, x: &Basis<S>, n: &PerForm<S>) -> [Triple<S>; VECTORS] {
         let mut f = [[l.splat(0.0); 3]; BASIS];
@@ -258,7 +260,7 @@ impl BilinearGroup {
         out
     }
 
-    /// `factor · Sᵀ H S` in the basis.
+    /// Adds the material part `factor · Bᵀ H B` of the tangent in the basis.
     #[inline(always)]
     fn add_material<S: Simd>(&self, l: Lanes<S>, x: &Basis<S>, factor: f64, work: &mut Workspace<S>) {
         let zero = l.splat(0.0);
@@ -312,7 +314,7 @@ impl BilinearGroup {
         }
     }
 
-    /// Second derivatives of the forms times stress resultants.
+    /// Adds the geometric part of the tangent in the basis: second derivatives of the forms times generalised stresses.
     #[inline(always)]
     fn add_geometric<S: Simd>(&self, l: Lanes<S>, n: &PerForm<S>, factor: f64, work: &mut Workspace<S>) {
         let factor = l.splat(factor);
@@ -361,7 +363,7 @@ impl BilinearGroup {
         let acting = self.strained(l, k, Measure::Effective, strain);
         self.stress(l, strain, k.interior.factors, n);
         l.write(self.forces(l, &acting, n).as_flattened(), COORDINATES, forces);
-        // What is read from the store must not stay in the workspace.
+        // A copy, since the stored stresses read below must not stay in the workspace.
         let mut n = *n;
         let LanesTangent { weights: w, stress, prescribed, blocks } = tangent;
         if let Some(stored) = stress {
@@ -400,19 +402,19 @@ impl BilinearGroup {
     }
 }
 
-/// A [`TangentRequest`](super::TangentRequest) with the blocks of one register of elements.
+/// [`TangentRequest`](super::TangentRequest) with the blocks of one register of elements.
 pub struct LanesTangent<'a> {
-    /// Weights of its parts.
+    /// Weights of the parts of the tangent.
     pub weights: &'a TangentWeights,
-    /// Stress of the geometric part, of all elements of the group.
+    /// Generalised stresses of the geometric part, for all elements of the group; `None`: stress of the motion.
     pub stress: Option<&'a [f64]>,
-    /// Increment of prescribed coordinates.
+    /// Increment of the prescribed degrees of freedom, zero elsewhere.
     pub prescribed: Option<&'a [Nodal]>,
-    /// Lower blocks of these elements.
+    /// Output: lower-triangle blocks of these elements.
     pub blocks: &'a mut [f64],
 }
 
-/// Adds the product with a block of H of known size to `out`, both triangles from the lower one.
+/// Product with a diagonal block of H of known size, written to `out`; the lower triangle stands for both.
 #[inline(always)]
 fn multiply_block<S: Simd, const N: usize>(
     l: Lanes<S>,
@@ -429,7 +431,7 @@ fn multiply_block<S: Simd, const N: usize>(
     let size = N * (N + 1) / 2;
     let first = l.part(c.first);
     let h = &h[first..first + (size - 1) * Lanes::<S>::PARTS + 1];
-    // Two rows at a time: two sums in registers, and each product of a column is touched once for both.
+    // Two rows at a time: two sums in registers, and each product of a column is updated once for both.
     let place = |i, j| lower(i, j) * Lanes::<S>::PARTS;
     for i in (1..N).step_by(2) {
         let mut sums = [l.splat(0.0); 2];
@@ -458,7 +460,7 @@ fn multiply_block<S: Simd, const N: usize>(
     }
 }
 
-/// The same for any size.
+/// Product with a diagonal block of H of any size, written to `out`.
 #[inline(always)]
 fn multiply_large<S: Simd>(l: Lanes<S>, c: &Coupled, h: &[S::f64s], s: &PerForm<S>, out: &mut PerForm<S>) {
     let n = c.forms.len();
@@ -477,7 +479,7 @@ fn multiply_large<S: Simd>(l: Lanes<S>, c: &Coupled, h: &[S::f64s], s: &PerForm<
     }
 }
 
-/// `a·b` over the forms.
+/// Scalar product `a·b` over the forms.
 #[inline(always)]
 pub fn dot<S: Simd>(l: Lanes<S>, a: &PerForm<S>, b: &PerForm<S>) -> S::f64s {
     let mut sum = l.splat(0.0);
@@ -499,14 +501,14 @@ fn advanced<S: Simd>(l: Lanes<S>, mut x: Basis<S>, p: &Basis<S>, factor: f64) ->
     x
 }
 
-/// From `Σ_m ξ_m k_m` without the constant to the four nodes.
+/// Values `Σ_m ξ_m k_m` at the four nodes, m = 1 … 3: without the constant.
 #[inline(always)]
 fn from_three<S: Simd>(l: Lanes<S>, [k1, k2, k3]: [S::f64s; 3]) -> [S::f64s; 4] {
     let (u, v) = (l.add(k1, k2), l.sub(k1, k2));
     [l.sub(k3, u), l.sub(v, k3), l.add(k3, u), l.sub(l.sub(k2, k1), k3)]
 }
 
-/// The same with the constant.
+/// Values `Σ_m ξ_m k_m` at the four nodes, m = 0 … 3: with the constant.
 #[inline(always)]
 fn from_four<S: Simd>(l: Lanes<S>, [k0, k1, k2, k3]: [S::f64s; 4]) -> [S::f64s; 4] {
     let (u, v) = (l.add(k1, k2), l.sub(k1, k2));
@@ -530,7 +532,7 @@ fn to_nodes<S: Simd>(l: Lanes<S>, k: &[[S::f64s; 9]; BASIS_BLOCKS], out: &mut [[
                 }
                 full[m][m] = k[lower(m, m)][at];
             }
-            // Positions: over the rows, then over the columns; then directors with both.
+            // Positions first, over the rows, then over the columns; then directors with positions and directors.
             let mut columns = [[zero; 4]; BASIS];
             for n in 0..3 {
                 columns[n] = from_three(l, [full[0][n], full[1][n], full[2][n]]);

@@ -10,10 +10,11 @@
 //! 2 ε̃ = (gᵢ·gⱼ) − (Gᵢ·Gⱼ)
 //! ```
 //!
-//! The coefficients of 1, z and z² are sampled one by one. Assumed natural strains for transverse shear (points A–D)
-//! and thickness (nodes) are those of the EMS element. Three-dimensional stresses lock in bending, because ε_zz
-//! cannot grow linearly with z as Poisson's effect asks: enhanced strains `ζ·{1, ξ, η, ξη}` of ε_zz cure this.
-//! One of them fails the bending patch test on distorted meshes, three and four pass.
+//! The coefficients of 1, z and z² are sampled separately. Assumed natural strains for transverse shear (points A–D)
+//! and thickness (nodes) are those of the EMS element. Three-dimensional stresses lock in bending (Poisson thickness
+//! locking), because ε_zz cannot grow linearly with z as Poisson's effect requires: enhanced strains `ζ·{1, ξ, η, ξη}`
+//! of ε_zz cure this. With one of them the element fails the bending patch test on distorted meshes, with three or four
+//! it passes.
 //!
 //! | strain | sampled at | count |
 //! |---|---|---|
@@ -22,10 +23,11 @@
 //! | 2ε̃xz, 2ε̃yz | C, D and A, B on the mid-surface (ANS) | 2 + 2 |
 //! | ε̃zz | nodes (ANS) | 4 |
 //!
-//! In elements shorter than a quarter of the thickness, transverse shear has the part `z d,ξ·d = z ∂(½ d·d)/∂ξ`, which is taken from the
-//! samples of ε̃zz: differences along the edges. Without it nothing holds directors that stretch and shrink in turn, and
-//! elements shorter than a third of the thickness lose stability in bending. In longer ones it counts for nothing, and the
-//! element is that of the paper.
+//! In elements shorter than a quarter of the thickness, transverse shear has the part `z d,ξ·d = z ∂(½ d·d)/∂ξ`, which
+//! follows from the sampled ε̃zz by differences along the edges. Without it the hourglass mode in which directors
+//! alternately stretch and shrink has no stiffness, and elements shorter than a third of the thickness lose stability
+//! in bending. In longer elements of other than hyperelastic materials the part is left out, and the element is that of
+//! the paper.
 
 use nalgebra::{DMatrix, Matrix6, SMatrix};
 
@@ -38,9 +40,9 @@ use super::shell::{GroupBuilder, GroupSetup, QuadraticBuilder, ShellElement, Str
 use super::strains::SampledStrains;
 use crate::section::SectionInertia;
 
-/// Samples with assumed natural shear strain.
+/// Number of sampled strains with assumed natural transverse shear.
 pub const SAMPLES: usize = 32;
-/// Samples without it.
+/// Number of sampled strains without assumed natural transverse shear.
 pub const SAMPLES_WITHOUT_ANS_SHEAR: usize = 44;
 const DIRECTIONS: usize = 20;
 const VECTORS: usize = 8;
@@ -51,23 +53,25 @@ const XY: usize = 12;
 const ZZ: usize = 24;
 const SHEAR: usize = 28;
 
-/// Stiffness of the enhanced stretch over Young's modulus: about the shear modulus of rubber. A tenth to three times
-/// Young's modulus serve as well.
+/// Stabilisation stiffness of the enhanced thickness stretch over Young's modulus: about the shear modulus of rubber.
+/// Values from a tenth to three times Young's modulus work as well.
 const STRETCH_STIFFNESS: f64 = 1.0 / 3.0;
 
-/// The element with its locking remedies.
+/// ANCF continuum-mechanics shell with its locking remedies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CmShell {
     /// Assumed natural strain for transverse shear.
     pub ans_shear: bool,
     /// Assumed natural strain for the thickness.
     pub ans_thickness: bool,
-    /// Membrane part.
+    /// Membrane formulation.
     pub membrane: Membrane,
     /// Number of enhanced parameters of the thickness strain: 0, 1, 3 or 4.
     pub thickness_parameters: usize,
     /// Thickness h (length).
     pub thickness: f64,
+    /// True for hyperelastic materials, whose transverse shear has its part linear in z in elements of any length.
+    pub rubber: bool,
 }
 
 impl CmShell {
@@ -126,17 +130,34 @@ impl CmShell {
         t
     }
 
-    /// Number of enhanced parameters of the thickness strain that are even over the thickness and vary over the element.
+    /// Number of enhanced parameters of the thickness strain that are uniform over the thickness and vary over the
+    /// element.
     ///
-    /// Assumed shear leaves normal strains in the plane that vary over the element, and no parameters that even them
-    /// out. The thickness, which neighbours share at the nodes, could not follow them without a change of volume: a
-    /// nearly incompressible sheet would lock, and buckle under the stresses of the locking. The parameters have a
-    /// stiffness of their own, or thicknesses that alternate from node to node would cost nothing.
+    /// Assumed shear leaves in-plane normal strains that vary over the element, and no parameters that smooth them. The
+    /// thickness, which neighbours share at the nodes, could not follow them without a change of volume: a nearly
+    /// incompressible sheet would show volumetric locking and buckle under its stresses. The parameters have a
+    /// stabilisation stiffness of their own; otherwise thicknesses that alternate from node to node would form
+    /// zero-energy modes.
     fn stretch_parameters(&self) -> usize {
         if self.membrane == Membrane::AssumedShear { 3 } else { 0 }
     }
 
-    /// Covariant strains of a Gauss point at the height z from the samples.
+    /// Weight of the transverse shear strain linear in z, `z d,ξ·d`, in the shear energy.
+    ///
+    /// Hyperelastic materials have the weight 1 in elements of any length. Without this strain, the thickness can alternate from
+    /// element to element at no cost in shear, and compressed sheets lose stability long before the surface of a half-space
+    /// does (M. A. Biot, *Surface instability of rubber in compression*, Appl. Sci. Res. A 12 (1963) 168–182).
+    fn linear_shear_share(&self, g: &ShellGeometry) -> f64 {
+        if self.rubber {
+            1.0
+        } else if g.is_shorter_than(ShellGeometry::SHORT * self.thickness) {
+            ShellGeometry::SHORT_SHARE
+        } else {
+            0.0
+        }
+    }
+
+    /// Covariant strains of a Gauss point at the height z from the sampled strains.
     fn covariant(&self, g: &ShellGeometry, point: usize, z: f64) -> DMatrix<f64> {
         let [xi, eta] = GAUSS_POINTS[point];
         let (i_xi, i_eta) = (point % 2, point / 2);
@@ -166,11 +187,12 @@ impl CmShell {
                 c[(4, SHEAR + i)] = 0.5 * (1.0 + side * eta);
                 c[(5, SHEAR + 2 + i)] = 0.5 * (1.0 + side * xi);
             }
-            if self.ans_thickness && g.is_shorter_than(ShellGeometry::SHORT * self.thickness) {
-                // z d,ξ·d is the slope of ½ z d·d.
+            let share = self.linear_shear_share(g);
+            if self.ans_thickness && share > 0.0 {
+                // z d,ξ·d is the derivative of ½ z d·d.
                 for (a, gradient) in stretch_gradient(xi, eta).into_iter().enumerate() {
                     for (i, slope) in gradient.into_iter().enumerate() {
-                        c[(4 + i, ZZ + a)] = ShellGeometry::SHORT_SHARE.sqrt() * z * slope;
+                        c[(4 + i, ZZ + a)] = share.sqrt() * z * slope;
                     }
                 }
             }
@@ -183,7 +205,7 @@ impl CmShell {
         c
     }
 
-    /// Strains at the height z over a Gauss point, before enhanced and assumed ones.
+    /// Strain operator at the height z over a Gauss point, without enhanced strains and assumed in-plane shear.
     fn point_strains(&self, g: &ShellGeometry, point: usize, z: f64) -> Result<PointStrains, String> {
         let [xi, eta] = GAUSS_POINTS[point];
         let base = g.base(xi, eta, z);
@@ -207,7 +229,8 @@ impl CmShell {
         })
     }
 
-    /// Amplitudes of the enhanced shear strains that assumed shear takes off, from the samples of the mid-surface.
+    /// Amplitudes of the enhanced shear modes that the assumed shear projects out, from the sampled strains of the
+    /// mid-surface.
     fn assumed_shear(&self, g: &ShellGeometry) -> Result<DMatrix<f64>, String> {
         let points = (0..4)
             .map(|point| {
@@ -220,17 +243,17 @@ impl CmShell {
     }
 }
 
-/// Strains of a point before enhanced and assumed ones.
+/// Strain operator of a point, without enhanced strains and assumed in-plane shear.
 struct PointStrains {
-    /// Strains in the frame from the samples.
+    /// Strains in the frame from the sampled strains.
     samples: DMatrix<f64>,
-    /// Strains in the frame from covariant ones of the centre, times the ratio of the measures (eq. 29).
+    /// Strains in the frame from covariant strains at the centre, times the ratio of the measures (eq. 29).
     centre: Matrix6<f64>,
     frame: crate::Mat3,
     measure: f64,
 }
 
-/// In-plane shear strains that grow with ξ and with η.
+/// Enhanced in-plane shear modes, linear in ξ and in η.
 fn shear_polynomials(centre: &Matrix6<f64>, point: usize) -> DMatrix<f64> {
     let [xi, eta] = GAUSS_POINTS[point];
     DMatrix::from_fn(6, 2, |i, j| centre[(i, 2)] * [xi, eta][j])

@@ -1,20 +1,22 @@
-//! From sampled strains to the stress resultants conjugate to them.
+//! Generalised constitutive law of an element: from sampled strains to the generalised stresses work-conjugate to them.
 //!
-//! With a linear material the energy is `½ sᵀHs` and everything inside of the element is in the
-//! constant matrix `H` ([`LinearConstitution`]); else it is summed over integration points
-//! ([`super::points::PointConstitution`]).
+//! With a linear material the energy is `½ sᵀHs`, and the constant matrix `H` ([`LinearConstitution`]) contains the
+//! integrated stiffness and the static condensation of the enhanced parameters. Otherwise the energy is summed over
+//! integration points ([`super::points::PointConstitution`]).
 
 use super::group::Interior;
 
-/// Energy of the elements of a group as a function of their sampled strains.
+/// Generalised constitutive law of a group: energy ψ of each element as a function of its sampled strains s, with its
+/// derivatives.
 pub trait Constitution<const S: usize>: Send + Sync {
-    /// Stress resultants n = ∂ψ/∂s.
+    /// Generalised stresses n = ∂ψ/∂s.
     fn stress(&self, element: usize, s: &[f64; S], interior: &Interior) -> [f64; S];
 
-    /// Stress of a step from `old` to `new` that does the work ψ(new) − ψ(old) on `new − old`.
+    /// Algorithmic stress of a step from `old` to `new` in the energy–momentum scheme (discrete gradient): its work on
+    /// `new − old` is ψ(new) − ψ(old).
     fn mean_stress(&self, element: usize, old: &[f64; S], new: &[f64; S], interior: &Interior) -> [f64; S];
 
-    /// Calls `f` with n and with H = ∂²ψ/∂s² by rows.
+    /// Calls `f` with the tangent H = ∂²ψ/∂s², by rows.
     fn with_tangent<R>(
         &self,
         element: usize,
@@ -23,7 +25,7 @@ pub trait Constitution<const S: usize>: Send + Sync {
         f: impl FnOnce(&[f64]) -> R,
     ) -> R;
 
-    /// ∂²ψ/∂s² at `s` times a change of the strains.
+    /// Product of the tangent ∂²ψ/∂s² at `s` with a change of the strains.
     fn tangent_product(
         &self,
         element: usize,
@@ -32,33 +34,35 @@ pub trait Constitution<const S: usize>: Send + Sync {
         interior: &Interior,
     ) -> [f64; S];
 
-    /// Stiffness of the reference times a strain rate: what rate damping acts with.
+    /// Stiffness of the reference configuration times a strain rate; τ times this is the stress of Kelvin–Voigt
+    /// damping.
     fn viscous(&self, element: usize, rate: &[f64; S]) -> [f64; S];
 
     /// Stored energy ψ.
     fn energy(&self, element: usize, s: &[f64; S], interior: &Interior) -> f64;
 
-    /// Enhanced parameters and internal variables per element.
+    /// Number of history variables per element: enhanced parameters and internal variables.
     fn history(&self) -> usize {
         0
     }
 
-    /// Internal variables that belong to `s`; returns the energy dissipated since the stored ones.
+    /// Computes the history variables at `s`; returns the energy dissipated since the committed ones.
     fn update(&self, _element: usize, _s: &[f64; S], _interior: &Interior, _history: &mut [f64]) -> f64 {
         0.0
     }
 }
 
-/// Linear material: `ψ = ½ sᵀHs − Σ f n₀·s + ½ Σ f f c₀` with fields of prescribed strain of factors f.
+/// Linear generalised constitutive law: `ψ = ½ sᵀHs − Σ f n₀·s + ½ Σ f f c₀` with prescribed strain fields of factors
+/// f.
 #[derive(Debug, Clone, Default)]
 pub struct LinearConstitution<const S: usize> {
-    /// `S × S` per element, by rows.
+    /// H: condensed stiffness, `S × S` per element, by rows.
     pub h: Vec<f64>,
-    /// Stress that would hold back the prescribed strains, `S` per field and element.
+    /// n₀: generalised stress of the prescribed strains when fully restrained, `S` per field and element.
     pub prescribed: Vec<f64>,
-    /// Energy of the fields held back, by pairs of fields, per element.
+    /// c₀: energy of the prescribed strain fields when fully restrained, by pairs of fields, per element.
     pub prescribed_energy: Vec<f64>,
-    /// Number of fields of the model; 0 if none acts on this group.
+    /// Number of prescribed strain fields of the model; 0 if none acts on this group.
     pub fields: usize,
 }
 
@@ -77,7 +81,7 @@ impl<const S: usize> LinearConstitution<S> {
         n
     }
 
-    /// Stress of each field and its factor.
+    /// Factor f and restrained stress n₀ of each prescribed strain field.
     #[inline(always)]
     fn fields<'a>(
         &'a self,
@@ -93,7 +97,7 @@ impl<const S: usize> LinearConstitution<S> {
     }
 }
 
-/// What an element's fields of prescribed strain store by themselves, `½ Σ f f c₀`, with c₀ by pairs of fields.
+/// Constant part of an element's energy due to prescribed strain fields, `½ Σ f f c₀`, with c₀ by pairs of fields.
 pub(super) fn energy_of_fields(constants: &[f64], factors: &[f64]) -> f64 {
     let rows = constants.chunks_exact(factors.len().max(1)).zip(factors);
     rows.flat_map(|(row, a)| row.iter().zip(factors).map(move |(c, b)| 0.5 * a * b * c)).sum()

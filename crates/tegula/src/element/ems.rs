@@ -15,7 +15,7 @@
 //! | ε̃, κ̃ | samples | covariant strains and curvatures (eqs. 12, 22) |
 //! | G(ξ) α | `enhanced` | enhanced assumed strain (eqs. 28–31) |
 //!
-//! Because everything is bilinear, few samples carry all of it (g = 1/√3):
+//! Because the interpolation is bilinear, few sampling points determine all strains (g = 1/√3):
 //!
 //! | strain | sampled at | count | form |
 //! |---|---|---|---|
@@ -26,9 +26,9 @@
 //! | 2ε̃xz | C(0,−1), D(0,1) (ANS, eq. 33) | 2 | r,ξ·d |
 //! | 2ε̃yz | A(−1,0), B(1,0) | 2 | r,η·d |
 //!
-//! With a linear material the energy is `½ sᵀ H s`. The condition on the enhanced
-//! parameters (eq. 36) is linear in α with constant matrices, so α is eliminated
-//! once, `H ← H − K_αsᵀ K_αα⁻¹ K_αs`: nothing is left to iterate or to store.
+//! With a linear material the energy is `½ sᵀ H s`. The condition on the enhanced parameters (eq. 36) is linear in α
+//! with constant matrices, so static condensation eliminates α once, `H ← H − K_αsᵀ K_αα⁻¹ K_αs`, without iterations
+//! and stored parameters.
 //!
 //! Where the paper leaves a choice:
 //! * G (eq. 29) is built in the frame of the Gauss point from the base of the centre,
@@ -51,16 +51,16 @@ use super::strains::SampledStrains;
 use crate::Mat3;
 use crate::section::SectionInertia;
 
-/// Nodal vectors: positions of nodes 1–4, then their directors.
+/// Number of nodal vectors: positions of nodes 1–4, then their directors.
 pub const VECTORS: usize = 8;
-/// Coordinates.
+/// Number of coordinates of an element.
 pub const COORDINATES: usize = 24;
-/// Samples with assumed natural shear strain.
+/// Number of sampled strains with assumed natural transverse shear.
 pub const SAMPLES: usize = 24;
-/// Samples without it: transverse shear is taken at the Gauss points.
+/// Number of sampled strains without assumed natural transverse shear, which is then sampled at the Gauss points.
 pub const SAMPLES_WITHOUT_ANS_SHEAR: usize = 28;
 
-/// Room for directions.
+/// Largest number of base vectors.
 pub const DIRECTIONS: usize = 20;
 
 const KXX: usize = 8;
@@ -68,15 +68,14 @@ const KYY: usize = 10;
 const KXY: usize = 12;
 const SHEAR: usize = 16;
 
-/// The element with its locking remedies, each of which can be switched off to show
-/// the locking that it cures.
+/// ANCF EMS shell with its locking remedies, each of which can be switched off to show the locking that it cures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct EmsShell {
     /// Assumed natural strain for transverse shear (eq. 33).
     pub ans_shear: bool,
     /// Assumed natural strain for the thickness (eq. 34).
     pub ans_thickness: bool,
-    /// Membrane part; the paper's is [`Membrane::Eas`], 4 parameters (eqs. 27–31).
+    /// Membrane formulation; the paper's is [`Membrane::Eas`], 4 parameters (eqs. 27–31).
     pub membrane: Membrane,
 }
 
@@ -86,15 +85,15 @@ impl Default for EmsShell {
     }
 }
 
-/// Strains per sample at a Gauss point.
+/// Strain operator at a Gauss point: strains from sampled strains and enhanced parameters.
 #[derive(Debug, Clone)]
 pub struct PointStrains {
-    /// Rows ε_xx, ε_yy, 2ε_xy, ε_zz, 2ε_xz, 2ε_yz, κ_xx, κ_yy, 2κ_xy in the cross-section
-    /// frame; columns are the samples.
+    /// Rows ε_xx, ε_yy, 2ε_xy, ε_zz, 2ε_xz, 2ε_yz, κ_xx, κ_yy, 2κ_xy in the cross-section frame; columns are the
+    /// sampled strains.
     pub matrix: SMatrix<f64, 9, SAMPLES_WITHOUT_ANS_SHEAR>,
-    /// Share of the enhanced parameters in ε_xx, ε_yy, 2ε_xy (eq. 29).
+    /// Coefficients of the enhanced parameters in ε_xx, ε_yy, 2ε_xy (eq. 29).
     pub enhanced: SMatrix<f64, 3, 4>,
-    /// Gradient of ε_zz along the axes i and j of the frame, from the samples.
+    /// Gradient of ε_zz along the axes i and j of the frame, from the sampled strains.
     pub stretch_gradient: SMatrix<f64, 2, SAMPLES_WITHOUT_ANS_SHEAR>,
     /// Cross-section frame.
     pub frame: Mat3,
@@ -103,12 +102,12 @@ pub struct PointStrains {
 }
 
 impl EmsShell {
-    /// First thickness sample; they come last.
+    /// Index of the first sampled thickness strain; these come last.
     fn zz(&self) -> usize {
         if self.ans_shear { SHEAR + 4 } else { SHEAR + 8 }
     }
 
-    /// The sampled strains; `S` is the number of samples, or 4 less to leave out those of the thickness.
+    /// Table of the sampled strains; `S` is their number, or 4 less to leave out the thickness strains.
     pub fn strains<const S: usize>(&self) -> SampledStrains<VECTORS, COORDINATES, S, DIRECTIONS> {
         let mut t = SampledStrains::new();
         let position = |n: [f64; 4]| std::array::from_fn(|a| if a < 4 { n[a] } else { 0.0 });
@@ -162,7 +161,7 @@ impl EmsShell {
         t
     }
 
-    /// Strains at a Gauss point from the samples.
+    /// Strain operator at a Gauss point, from sampled strains and enhanced parameters.
     ///
     /// # Errors
     /// The cross-section frame is not defined there: collapsed element or director in the surface.
@@ -246,7 +245,7 @@ impl EmsShell {
         Ok(strains)
     }
 
-    /// Amplitudes of the enhanced shear strains that assumed shear takes off, from the samples.
+    /// Amplitudes of the enhanced shear modes that the assumed shear projects out, from the sampled strains.
     fn assumed_shear(&self, g: &ShellGeometry) -> Result<DMatrix<f64>, String> {
         let points = (0..4)
             .map(|point| {

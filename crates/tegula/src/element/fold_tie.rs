@@ -1,48 +1,52 @@
 //! Director-angle constraint at folds and junctions, by a penalty that vanishes with the mesh.
 //!
 //! Where sheets meet at an angle each keeps its own director d of the common node. Bending of one sheet about the
-//! common edge has to turn the others by the same angle; the remaining rotations of a director follow the edge itself,
-//! through the transverse shear of its sheet. The constraint is that the angle φ between two directors stays φ₀.
+//! common edge has to rotate the others by the same angle; the remaining rotations of a director follow the edge
+//! itself, through the transverse shear of its sheet. The constraint is that the angle φ between two directors stays
+//! φ₀.
 //!
-//! **Strain.** With directors that may stretch, dᵢ = (1 + eᵢ) nᵢ, the product d₁·d₂ alone answers to both: its change
-//! is −sin φ₀ Δφ + cos φ₀ (e₁ + e₂), which weakens with the angle and turns a change of thickness into a rotation. The
+//! **Strain.** With extensible directors, dᵢ = (1 + eᵢ) nᵢ, the product d₁·d₂ alone responds to both: its change is
+//! −sin φ₀ Δφ + cos φ₀ (e₁ + e₂), which weakens with the angle and couples a change of thickness with the rotation. The
 //! quadratic form
 //!
 //! ```text
-//! s = [d₁·d₂ − ½ cos φ₀ (d₁·d₁ + d₂·d₂)] / sin φ₀ − (the same at the reference)
+//! s = [d₁·d₂ − ½ cos φ₀ (d₁·d₁ + d₂·d₂)] / sin φ₀ − (value at the reference)
 //! ```
 //!
-//! changes by −Δφ, whatever φ₀, and not at all with the stretches: a common stretch drops out exactly, different ones to
-//! first order. At a rotation Δφ it is −sin Δφ − cot φ₀ (1 − cos Δφ). Its gradient with respect to d₁ is a unit vector
-//! across d₁, so that the tie passes on a moment and no thickness force, and does no work on directors of constant
-//! length beyond their rotation. The sampled products are the same for all ties; the angle is in the matrix `H`.
+//! changes by −Δφ, whatever φ₀, and not at all with the stretches: a common stretch drops out exactly, different ones
+//! to first order. At a rotation Δφ it is −sin Δφ − cot φ₀ (1 − cos Δφ). Its gradient with respect to d₁ is a unit
+//! vector perpendicular to d₁, so that the constraint transfers a moment and no thickness force, and does no work on
+//! inextensible directors beyond their rotation. All constraints share the sampled products; the angle is in the matrix
+//! `H`.
 //!
-//! **Stiffness.** A rotational spring k per length of fold lies in series with the sheets. A row of elements of length a
-//! beside the fold turns by a/D under a unit moment per length (D: bending stiffness of the section). The tie has
+//! **Stiffness.** A rotational spring k per length of fold lies in series with the sheets. A row of elements of length
+//! a beside the fold rotates by a/D under a unit moment per length (D: bending stiffness of the section). The
+//! constraint has the stiffness
 //!
 //! ```text
 //! k = 2 γ D / a,        at a node  K = k b = γ D b²/A
 //! ```
 //!
-//! with the node's share b of the fold and A = a b/2 of the sheet's area, so that it adds 1/(2γ) of the rotation that one
-//! row of elements has anyway. This share falls in proportion to the element size, for any thickness and any angle. γ is
-//! `STIFFNESS`, or `EXPLICIT_STIFFNESS` where the critical time step or the rotary inertia pays for it. Of several
-//! sheets the stiffest counts. A penalty of this size does not spoil the conditioning: thin elements have stiffer terms
-//! themselves, E h A = 6 (a/h)² D b/a for the thickness stretch of a director.
+//! with the node's tributary length b of the fold and A = a b/2 of the sheet's area, so that it adds 1/(2γ) of the
+//! rotation that one row of elements has anyway. This error falls in proportion to the element size, for any thickness
+//! and any angle. γ is `STIFFNESS`, or `EXPLICIT_STIFFNESS` in explicit integration, where the penalty costs critical
+//! time step or rotary inertia. Of several sheets the stiffest is decisive. A penalty of this size does not spoil the
+//! conditioning: thin elements have stiffer terms themselves, E h A = 6 (a/h)² D b/a for the thickness stretch of a
+//! director.
 
 use super::strains::SampledStrains;
 use crate::Vec3;
 
-/// Nodal vectors: the two directors.
+/// Number of nodal vectors of a constraint: the two directors.
 pub const VECTORS: usize = 2;
 
-/// γ: stiffness of a tie over the bending stiffness of one row of elements beside the fold.
+/// γ: stiffness of a director-angle constraint over the bending stiffness of one row of elements beside the fold.
 pub const STIFFNESS: f64 = 1e3;
 
-/// γ of explicit integration: inertia or time step grow with the stiffness of a tie.
+/// γ of explicit integration: a stiffer constraint needs more rotary inertia or a smaller time step.
 pub const EXPLICIT_STIFFNESS: f64 = 20.0;
 
-/// Sampled products d₁·d₂, ½ d₁·d₁ and ½ d₂·d₂.
+/// Sampled strains of the constraint: the products d₁·d₂, ½ d₁·d₁ and ½ d₂·d₂.
 pub fn strains() -> SampledStrains<2, 6, 3, 2> {
     let mut t = SampledStrains::new();
     let first = t.direction([1.0, 0.0]);
@@ -53,8 +57,8 @@ pub fn strains() -> SampledStrains<2, 6, 3, 2> {
     t
 }
 
-/// `H` by rows of a tie of rotational stiffness `k` (moment per angle) between two unit directors at the reference, which
-/// are neither parallel nor antiparallel: `k a aᵀ` with `s = a·(d₁·d₂, ½ d₁·d₁, ½ d₂·d₂)`.
+/// `H` by rows of a director-angle constraint of rotational stiffness `k` (moment per angle) between two unit directors
+/// at the reference, which are neither parallel nor antiparallel: `k a aᵀ` with `s = a·(d₁·d₂, ½ d₁·d₁, ½ d₂·d₂)`.
 pub fn stiffness(d: [&Vec3; 2], k: f64) -> [f64; 9] {
     let (cosine, sine) = (d[0].dot(d[1]), d[0].cross(d[1]).norm());
     let a = [1.0 / sine, -cosine / sine, -cosine / sine];

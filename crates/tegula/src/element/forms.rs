@@ -6,8 +6,8 @@
 //! 4 r = r₀ + ξ r₁ + η r₂ + ξη r₃,    4 d = d₀ + ξ d₁ + η d₂ + ξη d₃,    r₁ = Σ_a ξ_a r_a, …
 //! ```
 //!
-//! with the nodes a at the corners (±1, ±1). Whatever is sampled of the surface's metric, its curvature and the
-//! director is a combination of few scalar products of `r₁ r₂ r₃ d₀ d₁ d₂ d₃`:
+//! with the nodes a at the corners (±1, ±1). Every sampled strain (metric and curvature of the surface, transverse
+//! shear, thickness) is a linear combination of few scalar products of `r₁ r₂ r₃ d₀ d₁ d₂ d₃`:
 //!
 //! | strain | forms | count |
 //! |---|---|---|
@@ -17,42 +17,42 @@
 //! | transverse shear at the middle of the edges | r₁·d₀ + r₃·d₂, r₁·d₂ + r₃·d₀, r₂·d₀ + r₃·d₁, r₂·d₁ + r₃·d₀ | 4 |
 //! | thickness at the nodes | ½ Σ dᵢ·dᵢ, d₀·d₁ + d₂·d₃, d₀·d₂ + d₁·d₃, d₀·d₃ + d₁·d₂ | 4 |
 //!
-//! The elastic-middle-surface element needs 20 of them for its 24 samples. `s = R f` holds for all displacements, so
-//! the energy `½ sᵀHs` is `½ fᵀ(RᵀHR)f`. All weights of the forms' derivatives are one, which is what the
-//! [kernel](super::bilinear) makes use of.
+//! The elastic-middle-surface element needs 20 of them for its 24 sampled strains. `s = R f` holds for all
+//! displacements, so the energy `½ sᵀHs` is `½ fᵀ(RᵀHR)f`. All coefficients of the forms' derivatives are one, which
+//! the [kernel](super::bilinear) exploits.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::geometry::NODES;
 use super::strains::SampledStrains;
 
-/// Vectors of the basis: r₁ r₂ r₃ d₀ d₁ d₂ d₃.
+/// Number of vectors of the basis: r₁ r₂ r₃ d₀ d₁ d₂ d₃.
 pub const BASIS: usize = 7;
-/// Nodal vectors: four positions, four directors.
+/// Number of nodal vectors: four positions, four directors.
 pub const VECTORS: usize = 8;
-/// Most forms that an element can need.
+/// Largest number of forms of an element type.
 pub const MOST: usize = 26;
 
-/// Numbers of the vectors of the basis.
+/// Index of r₁ in the basis.
 pub const R1: usize = 0;
-/// r₂.
+/// Index of r₂ in the basis.
 pub const R2: usize = 1;
-/// r₃.
+/// Index of r₃ in the basis.
 pub const R3: usize = 2;
-/// d₀.
+/// Index of d₀ in the basis.
 pub const D0: usize = 3;
-/// d₁.
+/// Index of d₁ in the basis.
 pub const D1: usize = 4;
-/// d₂.
+/// Index of d₂ in the basis.
 pub const D2: usize = 5;
-/// d₃.
+/// Index of d₃ in the basis.
 pub const D3: usize = 6;
 
-/// First of the forms that are quadratic in z; they come last.
+/// Index of the first form that is quadratic in z; these forms come last.
 pub const QUADRATIC: usize = 20;
 
 /// Calls a macro with `form, a, b` for the forms of membrane, curvature, shear and thickness: form = Σ a·b, with one
-/// half for a = b and both orders for a ≠ b. So the derivative of a form with respect to a is the sum of its b.
+/// half for a = b and both orders for a ≠ b. The derivative of a form with respect to a is therefore the sum of its b.
 macro_rules! surface_terms {
     ($call:ident) => {
         $call!(0, R1, R1);
@@ -117,7 +117,7 @@ macro_rules! surface_terms {
     };
 }
 
-/// The same for the forms that are quadratic in z.
+/// Calls a macro with `form, a, b` for the forms that are quadratic in z, in the convention of `surface_terms`.
 macro_rules! quadratic_terms {
     ($call:ident) => {
         $call!(20, D1, D1);
@@ -134,7 +134,7 @@ macro_rules! quadratic_terms {
 
 pub(super) use {quadratic_terms, surface_terms};
 
-/// All terms `(form, a, b)`.
+/// Terms `(form, a, b)` of all forms.
 fn terms() -> Vec<(usize, usize, usize)> {
     let mut terms = Vec::new();
     macro_rules! push {
@@ -147,7 +147,7 @@ fn terms() -> Vec<(usize, usize, usize)> {
     terms
 }
 
-/// Share of each nodal vector in a vector of the basis: ±1 or 0.
+/// Coefficient (±1 or 0) of each nodal vector in a vector of the basis.
 pub(super) fn shares(vector: usize) -> [f64; VECTORS] {
     std::array::from_fn(|a| {
         let [xi, eta] = NODES[a % 4];
@@ -162,19 +162,19 @@ pub(super) fn shares(vector: usize) -> [f64; VECTORS] {
     })
 }
 
-/// Forms that an element type needs, and its samples in terms of them.
+/// Quadratic forms that an element type needs, and its sampled strains in terms of them.
 #[derive(Debug, Clone)]
 pub struct Forms {
-    /// `R`: samples from forms; columns of forms that are not needed are zero.
+    /// `R` of `s = R f`: sampled strains from forms; columns of forms that are not needed are zero.
     pub samples: DMatrix<f64>,
-    /// All `(form, a, b)` of needed forms.
+    /// Terms `(form, a, b)` of the needed forms.
     pub terms: Vec<(usize, usize, usize)>,
-    /// Numbers of the needed forms.
+    /// Indices of the needed forms, ascending.
     pub needed: Vec<usize>,
 }
 
 impl Forms {
-    /// The forms of an element type; none if its samples are not combinations of them.
+    /// Forms of an element type; `None` if its sampled strains are not linear combinations of them.
     pub fn of<const M: usize, const N: usize, const S: usize, const D: usize>(
         strains: &SampledStrains<M, N, S, D>,
     ) -> Option<Self> {
@@ -182,7 +182,7 @@ impl Forms {
             return None;
         }
         let mut terms = terms();
-        // 2 A of each form, lower triangle; of a ≠ b both orders are in the list.
+        // `2 A` of each form, lower triangle; for a ≠ b the list holds both orders.
         let mut columns = DMatrix::zeros(VECTORS * (VECTORS + 1) / 2, MOST);
         for &(form, left, right) in &terms {
             let (p, q) = (shares(left), shares(right));

@@ -1,4 +1,5 @@
-//! Frames and tensor transformations of the reference configuration.
+//! Frames and tensor transformations of the reference configuration. Equation numbers are those of the paper cited in
+//! [`super::ems`].
 
 use nalgebra::{Matrix2, Matrix3, SMatrix};
 
@@ -8,41 +9,43 @@ use crate::{Mat3, Vec3};
 /// Reference geometry of an element: nodal positions and directors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShellGeometry {
-    /// Positions of the nodes.
+    /// Nodal positions.
     pub positions: [Vec3; 4],
-    /// Directors of the nodes.
+    /// Nodal directors.
     pub directors: [Vec3; 4],
     /// Unit tangents of the surface at the nodes, for elements whose nodes have them.
     pub tangents: [[Vec3; 2]; 4],
 }
 
 impl ShellGeometry {
-    /// Part of the thickness below which elements are short: their transverse shear has a part linear in z. Longer ones
-    /// would bend otherwise than the theory of first order for a tenth of a per cent, in composite plates of L/h = 10.
+    /// Ratio of element length to thickness below which an element is short: its transverse shear has a part linear in
+    /// z. In longer elements this part would change bending by a tenth of a per cent against first-order shear
+    /// deformation theory, in composite plates of L/h = 10.
     pub const SHORT: f64 = 0.25;
 
-    /// Share of the stiffness of that part which is taken. A third holds cantilevers of L = 5 h up to fibre strains of 0.39;
-    /// a tenth lets go of them at 0.3. In-plane bending of beams as thick as they are deep makes the thickness vary, too,
-    /// and there the whole part would be too stiff by 0.75 % (0.24 % for a third) on elements of h/8.
+    /// Fraction of the stiffness of the transverse shear linear in z that short elements use. One third keeps
+    /// cantilevers of L = 5 h stable up to fibre strains of 0.39; one tenth loses stability at 0.3. In-plane bending of
+    /// beams as thick as they are deep makes the thickness vary, too, and there the full stiffness would be too stiff
+    /// by 0.75 % (0.24 % for a third) on elements of h/8.
     pub const SHORT_SHARE: f64 = 1.0 / 3.0;
 
-    /// From positions and directors; tangents come from the directors.
+    /// Geometry from positions and directors; the tangents follow from the directors.
     pub fn new(positions: [Vec3; 4], directors: [Vec3; 4]) -> Self {
         Self { positions, directors, tangents: directors.map(|d| tangents(&d)) }
     }
 
-    /// Mean of the nodes.
+    /// Mean of the nodal positions.
     pub fn centre(&self) -> Vec3 {
         self.positions.iter().sum::<Vec3>() / 4.0
     }
 
-    /// True if one of the lines between the middles of opposite edges is shorter than a length.
+    /// True if one of the two lines between the midpoints of opposite edges is shorter than `length`.
     pub fn is_shorter_than(&self, length: f64) -> bool {
         let [a, b, c, d] = self.positions;
         0.5 * (b + c - a - d).norm() < length || 0.5 * (c + d - a - b).norm() < length
     }
 
-    /// Covariant base at the height z: ∂(r + z d)/∂(ξ, η, z).
+    /// Covariant base vectors at the height z, as columns: ∂(r + z d)/∂(ξ, η, z).
     pub fn base(&self, xi: f64, eta: f64, z: f64) -> Mat3 {
         let mut base = covariant_base(&self.positions, &self.directors, xi, eta);
         if z != 0.0 {
@@ -55,12 +58,12 @@ impl ShellGeometry {
     }
 }
 
-/// Two unit tangents of a surface with the director `d`: the projection of the axis that is most across `d`
-/// (x before y before z), and `d × t₁`.
+/// Two unit tangents of a surface with the director `d`: the projection of the coordinate axis most nearly
+/// perpendicular to `d` (x before y before z), and `d × t₁`.
 pub fn tangents(d: &Vec3) -> [Vec3; 2] {
     let mut axis = Vec3::x();
     for e in [Vec3::y(), Vec3::z()] {
-        // A margin, so that rounding does not decide between equals.
+        // The margin keeps round-off from deciding between equals.
         if d.dot(&e).abs() < d.dot(&axis).abs() - 1e-6 * d.norm() {
             axis = e;
         }
@@ -72,7 +75,7 @@ pub fn tangents(d: &Vec3) -> [Vec3; 2] {
 /// Natural coordinates of the four nodes.
 pub const NODES: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
 
-/// 1/√3, the Gauss point of order 2.
+/// 1/√3, abscissa of the two-point Gauss rule.
 pub const GAUSS: f64 = 0.577_350_269_189_625_8;
 
 /// The 2×2 Gauss points (ξ, η), weights 1; ξ runs fastest.
@@ -93,8 +96,8 @@ pub fn shape_eta(xi: f64) -> [f64; 4] {
     NODES.map(|[x, y]| 0.25 * y * (1.0 + x * xi))
 }
 
-/// Slopes ∂/∂ξ and ∂/∂η at a point of a quantity that is given at the nodes: differences along the edges, interpolated
-/// across as assumed transverse shear is.
+/// Coefficients, node by node, of the derivatives ∂/∂ξ and ∂/∂η of a nodal quantity at a point: differences along the
+/// edges, interpolated across the element like the assumed natural transverse shear.
 pub fn stretch_gradient(xi: f64, eta: f64) -> [[f64; 2]; 4] {
     NODES.map(|[x, y]| [0.25 * x * (1.0 + y * eta), 0.25 * y * (1.0 + x * xi)])
 }
@@ -146,7 +149,7 @@ pub fn in_plane_transformation(c_inverse: &Matrix2<f64>) -> SMatrix<f64, 3, 3> {
     SMatrix::from_fn(|row, column| entry(|k, i| c_inverse[(k, i)], PAIRS[row], PAIRS[column]))
 }
 
-/// Share of the covariant component `(k, l)` in the physical component `(i, j)`.
+/// Coefficient of the covariant component `(k, l)` in the physical component `(i, j)`.
 fn entry(inverse: impl Fn(usize, usize) -> f64, (i, j): (usize, usize), (k, l): (usize, usize)) -> f64 {
     let tensor = if k == l {
         inverse(k, i) * inverse(k, j)
@@ -156,8 +159,8 @@ fn entry(inverse: impl Fn(usize, usize) -> f64, (i, j): (usize, usize), (k, l): 
     if i == j { tensor } else { 2.0 * tensor }
 }
 
-/// ∫N_aN_b dA₀ times the inertia of the section: scalar mass of the lower triangle of the pairs of
-/// positions 1–4 and directors 1–4.
+/// Consistent mass ∫N_aN_b dA₀ times the inertia of the section: one scalar per pair of the positions 1–4 and directors
+/// 1–4, lower triangle by rows.
 pub fn shell_mass(g: &ShellGeometry, inertia: &SectionInertia) -> Vec<f64> {
     let mut nn = [[0.0; 4]; 4];
     for [xi, eta] in GAUSS_POINTS {

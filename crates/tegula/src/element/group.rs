@@ -1,19 +1,20 @@
-//! What the program asks of a group of elements of one type and section.
+//! Interface of a group of elements of one type and section: forces, tangent, mass, energy, history variables.
 
-/// A nodal vector as stored in fields.
+/// Components of a nodal vector, as stored in fields.
 pub type Nodal = [f64; 3];
 
-/// The motion at which elements are evaluated; displacements of all nodal vectors from the reference.
+/// Motion at which elements are evaluated, as displacements of all nodal vectors from the reference configuration.
 #[derive(Debug, Clone, Copy)]
 pub enum Motion<'a> {
-    /// A state: stress of the strain `s(u)`, with the rate `S(u) v` where damping acts.
+    /// A state: stress of the strain `s(u)`, with the strain rate `B(u) v` where Kelvin–Voigt damping acts.
     State {
         /// Displacements.
         u: &'a [Nodal],
         /// Velocities, needed where a group has a retardation time.
         velocity: Option<&'a [Nodal]>,
     },
-    /// A step of the energy–momentum scheme: stress of `½(s_n + s_{n+1})` acting at `½(u_n + u_{n+1})`.
+    /// A step of the energy–momentum scheme: the stress of the mean strain `½(s_n + s_{n+1})` acts in the mid-step
+    /// configuration `½(u_n + u_{n+1})`.
     Step {
         /// Displacements at the start of the step.
         old: &'a [Nodal],
@@ -24,56 +25,59 @@ pub enum Motion<'a> {
     },
 }
 
-/// Weights of the parts of a tangent `material · SᵀHS + geometric · Σ 2n A⊗I`.
+/// Weights of the parts of a tangent `material · BᵀHB + geometric · Σ 2n A⊗I`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TangentWeights {
-    /// dn/dδ = `stress` · H S; the material part is `force` times as much.
+    /// Weight of the stress increment, dn/dδ = `stress` · H B; the material part is `force` times as much.
     pub stress: f64,
-    /// Share of the change of the directions in a step.
+    /// Change of the base vectors (of the configuration in which the stress acts) per change of the displacement; the
+    /// geometric part is `force` times as much.
     pub direction: f64,
     /// Factor of the internal force in the residual.
     pub force: f64,
-    /// Factor of the velocity change per displacement change, for rate damping.
+    /// Velocity change per displacement change, for Kelvin–Voigt damping.
     pub rate: f64,
 }
 
-/// What the elements are evaluated with.
+/// Evaluation point of the elements: configuration, motion, time and history variables.
 #[derive(Debug, Clone, Copy)]
 pub struct Kinematics<'a> {
     /// Nodal vectors of the reference configuration.
     pub reference: &'a [Nodal],
-    /// The motion.
+    /// Motion: a state or a step.
     pub motion: Motion<'a>,
-    /// Small displacements: strains linear in the displacement.
+    /// Geometrically linear analysis: strains linear in the displacement.
     pub linear: bool,
     /// Time (load factor) at which prescribed strains act.
     pub time: f64,
-    /// What the materials remember and suffer.
+    /// History variables and factors of the prescribed strains.
     pub interior: Interior<'a>,
-    /// Which nodal vectors keep their length; empty: none.
+    /// Mask of the inextensible directors among the nodal vectors; empty: none.
     pub unit: &'a [bool],
 }
 
 impl<'a> Kinematics<'a> {
-    /// A motion; the assembly fills in what the materials remember.
+    /// Evaluation point of a motion; the assembly fills in the history variables.
     pub fn new(reference: &'a [Nodal], motion: Motion<'a>, linear: bool, time: f64) -> Self {
         Self { reference, motion, linear, time, interior: Interior::default(), unit: &[] }
     }
 }
 
-/// What acts inside of the elements besides their deformation.
+/// History (internal) variables and factors of the prescribed strains: they determine the stress besides the
+/// deformation.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Interior<'a> {
-    /// Internal variables at the end of the last step: those of the group's elements one after another.
+    /// Committed history variables (end of the last step) of the group, element by element: enhanced parameters and
+    /// internal variables.
     pub history: &'a [f64],
-    /// Factor of each field of prescribed strain of the model; empty: there are none.
+    /// Factor of each prescribed strain field of the model; empty: there are none.
     pub factors: &'a [f64],
 }
 
-/// What the number of an element from which on elements are evaluated is a multiple of.
+/// Batch alignment: the first element of a batch is a multiple of this.
 pub const ALIGNMENT: usize = super::lanes::BATCH;
 
-/// Elements of one type, evaluated together.
+/// Group of elements of one type, evaluated together.
 pub trait ElementGroup: Send + Sync {
     /// Name of the element type.
     fn name(&self) -> &'static str;
@@ -83,24 +87,25 @@ pub trait ElementGroup: Send + Sync {
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
-    /// Nodal vectors of an element.
+    /// Connectivity: nodal vectors of an element.
     fn vectors(&self, element: usize) -> &[u32];
     /// Number of nodal vectors per element.
     fn vectors_per_element(&self) -> usize;
-    /// Number of stress resultants per element.
+    /// Number of generalised stresses per element, work-conjugate to its strains.
     fn stresses_per_element(&self) -> usize;
-    /// Scalar mass of the pairs of nodal vectors (lower triangle) of an element.
+    /// Mass matrix of an element: one scalar per pair of nodal vectors, lower triangle by rows.
     fn mass(&self, element: usize) -> &[f64];
-    /// Retardation time of rate damping.
+    /// Retardation time τ of Kelvin–Voigt damping.
     fn retardation_time(&self) -> f64;
-    /// Internal forces of the elements from `first` on (a multiple of [`ALIGNMENT`]), one block of
-    /// `3 · vectors_per_element` per element, as many as `forces` has room for; with `tangent` also the lower blocks
-    /// of the tangent, whose geometric part takes the stress `stress` (of the motion where `None`).
-    /// A `prescribed` increment adds `tangent · increment` to the force.
+    /// Internal forces of a batch of elements: from `first` on (a multiple of [`ALIGNMENT`]) as many as `forces` has
+    /// room for, one block of `3 · vectors_per_element` each. With `tangent` also the lower-triangle blocks of the
+    /// tangent, whose geometric part takes [`TangentRequest::stress`] (the stress of the motion where `None`); an
+    /// increment [`TangentRequest::prescribed`] adds `tangent · increment` to the force.
     fn evaluate(&self, k: &Kinematics, first: usize, forces: &mut [f64], tangent: Option<TangentRequest>);
-    /// Stress resultants of the strains in which the group works.
+    /// Generalised stresses, work-conjugate to the strains in which the group works (sampled strains or quadratic
+    /// forms).
     fn stresses(&self, k: &Kinematics, stresses: &mut [f64]);
-    /// Stress extrapolated along an increment: `n ← n(motion) + weight · H S δ`.
+    /// Generalised stresses extrapolated along an increment: `n ← n(motion) + weight · H B δ`.
     fn extrapolate(
         &self,
         k: &Kinematics,
@@ -108,29 +113,29 @@ pub trait ElementGroup: Send + Sync {
         weights: &TangentWeights,
         stresses: &mut [f64],
     );
-    /// Stored energy of each element (of the end of a step); `½ sᵀHs` for linear materials.
+    /// Stored energy of each element (at the end of a step); `½ sᵀHs` for linear materials.
     fn energies(&self, k: &Kinematics, energies: &mut [f64]);
     /// Sampled strains of one element (at the end of a step).
     fn sampled_strains(&self, element: usize, k: &Kinematics) -> Vec<f64>;
-    /// Rates `S(q) v` of the sampled strains of one element, at a state `q` with the velocity `v`.
+    /// Rates `B(q) v` of the sampled strains of one element, at a state `q` with the velocity `v`.
     fn strain_rates(&self, element: usize, k: &Kinematics) -> Vec<f64>;
-    /// Enhanced parameters and internal variables per element.
+    /// Number of history variables per element: enhanced parameters and internal variables.
     fn history_per_element(&self) -> usize;
-    /// Internal variables at the end of a step; returns the energy that the materials dissipated in it.
+    /// Computes the history variables at the end of a step; returns the energy that the materials dissipate in it.
     fn update_history(&self, k: &Kinematics, history: &mut [f64]) -> f64;
-    /// Power τ ṡᵀHṡ dissipated in each element.
+    /// Power τ ṡᵀHṡ that Kelvin–Voigt damping dissipates in each element.
     fn dissipation(&self, k: &Kinematics, power: &mut [f64]);
 }
 
-/// What a tangent is made with.
+/// Request for the tangent: weights, stress of the geometric part, output buffer.
 #[derive(Debug)]
 pub struct TangentRequest<'a> {
-    /// Weights of its parts.
+    /// Weights of the parts of the tangent.
     pub weights: TangentWeights,
-    /// Stress of the geometric part, of all elements of the group; that of the motion where `None`.
+    /// Generalised stresses of the geometric part, for all elements of the group; `None`: stress of the motion.
     pub stress: Option<&'a [f64]>,
-    /// Increment of prescribed coordinates, zero elsewhere.
+    /// Increment of the prescribed degrees of freedom, zero elsewhere.
     pub prescribed: Option<&'a [Nodal]>,
-    /// Lower blocks, `9 · blocks` per element.
+    /// Output: 3×3 blocks of the lower triangle, `9 · blocks` values per element.
     pub blocks: &'a mut [f64],
 }

@@ -1,14 +1,14 @@
-//! One element per lane of a vector register, for every width of registers from one source.
+//! SIMD across elements: one element per lane of a vector register, one source for every register width.
 //!
-//! What elements own is stored in batches of [`BATCH`] elements, value by value: a register of 8, 4, 2 or 1 lanes
-//! takes a whole batch or a part of it. So the layout does not depend on the machine.
+//! Element data is stored in batches of [`BATCH`] elements, value by value (array of structures of arrays): a register
+//! of 8, 4, 2 or 1 lanes takes a whole batch or a part of it. The layout therefore does not depend on the machine.
 
 use pulp::{Arch, Simd, WithSimd, bytemuck};
 
-/// Elements that are stored together: as many as the widest registers have lanes.
+/// Elements per batch: as many as the widest registers have lanes.
 pub const BATCH: usize = 8;
 
-/// Copies values stored one element after another into batches.
+/// Copies values stored element by element into the batch layout.
 pub fn in_batches(values: &[f64], per_element: usize) -> Vec<f64> {
     if per_element == 0 {
         return Vec::new();
@@ -24,22 +24,22 @@ pub fn in_batches(values: &[f64], per_element: usize) -> Vec<f64> {
     out
 }
 
-/// Registers of one instruction set, working on the lanes `sub · LANES ..` of a batch.
+/// Registers of one instruction set that hold the elements from `first` on.
 #[derive(Clone, Copy)]
 pub struct Lanes<S: Simd> {
     /// Instruction set.
     pub simd: S,
-    /// First element.
+    /// First element of the register.
     pub first: usize,
 }
 
 impl<S: Simd> Lanes<S> {
     /// Lanes of a register.
     pub const LANES: usize = S::F64_LANES;
-    /// Groups of lanes in a batch.
+    /// Registers per batch.
     pub const PARTS: usize = BATCH / S::F64_LANES;
 
-    /// The same number in all lanes.
+    /// Broadcast of one number to all lanes.
     #[inline(always)]
     pub fn splat(self, value: f64) -> S::f64s {
         self.simd.splat_f64s(value)
@@ -73,41 +73,40 @@ impl<S: Simd> Lanes<S> {
         self.simd.mul_add_e_f64s(a, b, c)
     }
 
-    /// Counts operations of every lane for the tests; nothing otherwise.
+    /// Counts floating-point operations of every lane in tests; does nothing otherwise.
     #[inline(always)]
     fn count(_operations: usize) {
         #[cfg(test)]
         operations::add(_operations * Self::LANES);
     }
 
-    /// The batch that these lanes belong to, of values stored `per_element`; entry i is at
-    /// [`part`](Self::part)`(i)`.
+    /// Batch of these lanes in an array of `per_element` values per element; entry i is at [`part`](Self::part)`(i)`.
     #[inline(always)]
     pub fn batch(self, values: &[f64], per_element: usize) -> &[S::f64s] {
         self.batch_at(values, per_element, self.first / BATCH)
     }
 
-    /// The batch of this number.
+    /// Batch `number` of an array of `per_element` values per element.
     #[inline(always)]
     pub fn batch_at(self, values: &[f64], per_element: usize, number: usize) -> &[S::f64s] {
         let size = per_element * BATCH;
         S::as_simd_f64s(&values[number * size..(number + 1) * size]).0
     }
 
-    /// Where an entry is in a [`batch`](Self::batch).
+    /// Index of an entry in a [`batch`](Self::batch).
     #[inline(always)]
     pub fn part(self, entry: usize) -> usize {
         entry * Self::PARTS + self.first % BATCH / Self::LANES
     }
 
-    /// A number of each lane.
+    /// Register filled lane by lane with `of_lane(lane)`.
     #[inline(always)]
     pub fn gather(self, of_lane: impl Fn(usize) -> f64) -> S::f64s {
         let values: [f64; BATCH] = std::array::from_fn(of_lane);
         S::as_simd_f64s(&values[..Self::LANES]).0[0]
     }
 
-    /// Reads values stored one element after another, `count` each, into lanes.
+    /// Reads `count` values per element, stored element by element, into lanes.
     #[inline(always)]
     pub fn read(self, values: &[f64], count: usize, to: &mut [S::f64s]) {
         let flat: &mut [f64] = bytemuck::cast_slice_mut(to);
@@ -119,7 +118,7 @@ impl<S: Simd> Lanes<S> {
         }
     }
 
-    /// Writes lanes one element after another.
+    /// Writes lanes back element by element, `count` values each.
     #[inline(always)]
     pub fn write(self, from: &[S::f64s], count: usize, out: &mut [f64]) {
         let flat: &[f64] = bytemuck::cast_slice(from);
@@ -131,7 +130,7 @@ impl<S: Simd> Lanes<S> {
     }
 }
 
-/// Works on `count` elements from `first` on, which begins a batch, a register at a time.
+/// Runs `work` on `count` elements from `first` on, one register at a time; `first` begins a batch.
 #[inline]
 pub fn run(arch: Arch, first: usize, count: usize, work: impl LaneWork) {
     debug_assert_eq!(first % BATCH, 0);
@@ -140,13 +139,13 @@ pub fn run(arch: Arch, first: usize, count: usize, work: impl LaneWork) {
     arch.dispatch(Dispatch { first, count, work });
 }
 
-/// Work on the elements of a task, a register at a time.
+/// Kernel that processes the elements of a task, one register at a time.
 pub trait LaneWork {
-    /// Memory that the registers of a task use one after another.
+    /// Workspace that the registers of a task use one after another.
     type Space<S: Simd>;
-    /// That memory.
+    /// New workspace of a task.
     fn space<S: Simd>(simd: S) -> Self::Space<S>;
-    /// Works on the lanes of elements that are `offset` from the task's first on.
+    /// Processes the elements in `lanes`, which begin `offset` elements behind the first of the task.
     fn work<S: Simd>(&mut self, lanes: Lanes<S>, offset: usize, space: &mut Self::Space<S>);
 }
 
@@ -180,17 +179,17 @@ pub mod operations {
         static ARCH: Cell<Option<Arch>> = const { Cell::new(None) };
     }
 
-    /// Adds operations.
+    /// Adds operations to the count of this thread.
     pub fn add(operations: usize) {
         COUNT.set(COUNT.get() + operations);
     }
 
-    /// Instruction set in place of the machine's, where one is asked for.
+    /// Instruction set that replaces the machine's, where a test asks for one.
     pub fn arch() -> Option<Arch> {
         ARCH.get()
     }
 
-    /// Operations of some work on this thread, by an instruction set or that of the machine.
+    /// Floating-point operations of `work` on this thread, with a given instruction set or the machine's own.
     pub fn of(arch: Option<Arch>, work: impl FnOnce()) -> usize {
         ARCH.set(arch);
         let before = COUNT.get();

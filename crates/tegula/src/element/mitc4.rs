@@ -1,5 +1,5 @@
-//! The bilinear shell with assumed transverse shear and directors of unit length (MITC4), the element of
-//! most shell programs.
+//! Bilinear shell with assumed natural transverse shear and inextensible directors (MITC4), the element of most shell
+//! programs.
 //!
 //! E. N. Dvorkin, K.-J. Bathe, *A continuum mechanics based four-node shell element for general
 //! non-linear analysis*, Eng. Comput. 1 (1984) 77–88. Its strains are those of the elastic-middle-surface
@@ -15,22 +15,23 @@ use super::membrane::Membrane;
 use super::shell::{GroupBuilder, GroupSetup, QuadraticBuilder, ShellElement, StrainOperator};
 use crate::section::SectionInertia;
 
-/// Samples with assumed natural shear strain.
+/// Number of sampled strains with assumed natural transverse shear.
 const SAMPLES: usize = 20;
-/// Samples without it.
+/// Number of sampled strains without assumed natural transverse shear.
 const SAMPLES_WITHOUT_ANS_SHEAR: usize = 24;
 
-/// The element with its locking remedies.
+/// MITC4 shell element with its locking remedies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Mitc4 {
     /// Assumed natural strain for transverse shear.
     pub ans_shear: bool,
-    /// Membrane part.
+    /// Membrane formulation.
     pub membrane: Membrane,
 }
 
 impl Mitc4 {
-    /// The element whose directors may stretch; its thickness samples come last.
+    /// Element with extensible directors that supplies the strains; its sampled thickness strains come last and are
+    /// left out here.
     fn extensible(&self) -> EmsShell {
         EmsShell { ans_shear: self.ans_shear, ans_thickness: true, membrane: self.membrane }
     }

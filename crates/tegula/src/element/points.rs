@@ -1,13 +1,13 @@
-//! Energy summed over integration points whose materials need not be linear.
+//! Generalised constitutive law by numerical integration: energy summed over integration points, whose materials need
+//! not be linear.
 //!
 //! ```text
 //! ψ(s) = min over α of  ½ xᵀKx + Σ_p w_p W_p(L_p x − Σ f ε₀),    x = (s, α)
 //! ```
 //!
-//! The enhanced parameters α are found by Newton's method inside of every evaluation, starting from
-//! those of the last step, and eliminated from the tangent:
-//! `H = K_ss − K_sα K_αα⁻¹ K_αs`. Stress and tangent are therefore functions of the sampled strains
-//! and of what the material remembers from the last step, and of nothing else.
+//! Every evaluation solves for the enhanced parameters α by Newton's method, starting from the committed ones of the
+//! last step, and condenses them statically: `H = K_ss − K_sα K_αα⁻¹ K_αs`. Stress and tangent are therefore functions
+//! of the sampled strains and of the committed history variables alone.
 
 use nalgebra::{DMatrix, Matrix6, Vector6};
 
@@ -18,27 +18,28 @@ use crate::material::Law;
 
 /// Largest number of enhanced parameters.
 pub const MAX_PARAMETERS: usize = 12;
-/// Largest number of internal variables at a point.
+/// Largest number of internal variables at an integration point.
 const MAX_HISTORY: usize = 16;
-/// Iterations for the enhanced parameters before the strain counts as impossible.
+/// Newton iterations for the enhanced parameters before an evaluation fails.
 const MAX_ITERATIONS: usize = 40;
 
 type Parameters = [f64; MAX_PARAMETERS];
 type ParameterMatrix = [[f64; MAX_PARAMETERS]; MAX_PARAMETERS];
 
-/// The stations of one element, sorted into linear and other ones.
+/// Integration points of one element, sorted into linear and nonlinear ones.
 #[derive(Debug, Clone)]
 pub struct PointElement {
-    /// K of the linear stations for x = (s, α).
+    /// K: summed stiffness of the linear integration points for x = (s, α).
     linear: DMatrix<f64>,
-    /// Stress on x of each field of prescribed strain in linear stations, one after another.
+    /// Generalised stress, conjugate to x, of each prescribed strain field in the linear integration points, field by
+    /// field.
     linear_prescribed: Vec<f64>,
-    /// Law, weight, L (6 rows of x), prescribed strains (6 per field) of the others.
+    /// Law, weight, L (6 rows of x), prescribed strains (6 per field) of the nonlinear integration points.
     points: Vec<(usize, f64, Vec<f64>, Vec<f64>)>,
 }
 
 impl PointElement {
-    /// Sorts stations.
+    /// Sorts integration points and sums the linear ones.
     pub fn new(stations: Vec<Station>, samples: usize, parameters: usize, fields: usize) -> Self {
         let n = samples + parameters;
         let mut linear = DMatrix::zeros(n, n);
@@ -69,13 +70,13 @@ impl PointElement {
     }
 }
 
-/// Materials of a group's elements point by point.
+/// Generalised constitutive law of a group, integrated point by point.
 #[derive(Debug, Clone, Default)]
 pub struct PointConstitution<const S: usize> {
     laws: Vec<Law>,
     /// Number of enhanced parameters.
     parameters: usize,
-    /// Points per element.
+    /// Nonlinear integration points per element.
     points: usize,
     law: Vec<u32>,
     weight: Vec<f64>,
@@ -83,21 +84,21 @@ pub struct PointConstitution<const S: usize> {
     strain: Vec<f64>,
     /// Prescribed strains, 6 per field and point.
     prescribed: Vec<f64>,
-    /// K of the linear stations by rows per element; empty if there are none.
+    /// K of the linear integration points by rows per element; empty if there are none.
     linear: Vec<f64>,
     linear_prescribed: Vec<f64>,
-    /// Number of fields of prescribed strain.
+    /// Number of prescribed strain fields.
     fields: usize,
-    /// Internal variables per element.
+    /// History variables per element: enhanced parameters and internal variables.
     history: usize,
-    /// H of the reference, `S × S` per element.
+    /// H of the reference configuration, `S × S` per element.
     reference: Vec<f64>,
 }
 
 /// K_ss and K_sα of an element.
 type Blocks<'a, const S: usize> = (&'a mut [[f64; S]; S], &'a mut [[f64; MAX_PARAMETERS]; S]);
 
-/// What a pass over the points of an element collects.
+/// Stress, energy and dissipation, summed over the integration points of an element.
 struct Pass<const S: usize> {
     stress: [f64; S],
     energy: f64,
@@ -105,7 +106,7 @@ struct Pass<const S: usize> {
 }
 
 impl<const S: usize> PointConstitution<S> {
-    /// From the elements of a group.
+    /// Law of a group from its elements.
     pub fn new(laws: Vec<Law>, elements: Vec<PointElement>, parameters: usize) -> Self {
         let n = S + parameters;
         let points = elements.first().map_or(0, |e| e.points.len());
@@ -139,7 +140,7 @@ impl<const S: usize> PointConstitution<S> {
         out
     }
 
-    /// Strain at a point for x = (s, α).
+    /// Strain at an integration point for x = (s, α).
     fn strain_at(&self, point: usize, s: &[f64; S], alpha: &Parameters, interior: &Interior) -> Vector6<f64> {
         let n = S + self.parameters;
         let l = &self.strain[point * 6 * n..(point + 1) * 6 * n];
@@ -166,7 +167,7 @@ impl<const S: usize> PointConstitution<S> {
         strain
     }
 
-    /// Calls `f(point, law, its strain, its committed variables, their place)` for the points of an element.
+    /// Calls `f(point, law, strain, committed variables, their index range)` for the integration points of an element.
     fn for_each_point(
         &self,
         element: usize,
@@ -186,7 +187,7 @@ impl<const S: usize> PointConstitution<S> {
         Some(())
     }
 
-    /// Row `i` of K x − Σ f σ₀ of the linear stations.
+    /// Row `i` of K x − Σ f σ₀ of the linear integration points.
     fn linear_row(
         &self,
         element: usize,
@@ -216,7 +217,8 @@ impl<const S: usize> PointConstitution<S> {
         self.linear.get((element * n + i) * n + j).copied().unwrap_or(0.0)
     }
 
-    /// Parameters that make the energy stationary, and K_αα there, factored.
+    /// Enhanced parameters that make the energy stationary, and the factored K_αα there; `None` if a material law
+    /// cannot be evaluated or Newton's method does not converge.
     fn parameters(
         &self,
         element: usize,
@@ -276,13 +278,13 @@ impl<const S: usize> PointConstitution<S> {
             if !decrement.is_finite() {
                 return None;
             }
-            // Quadratic: what is this small now is nothing after the correction just made.
+            // Quadratic convergence: after the correction just made the error is below round-off.
             close = decrement <= 1e-16 * scale;
         }
         None
     }
 
-    /// Stress, energy and new internal variables, and with `tangent` the upper parts of K_ss and K_sα.
+    /// Stress, energy and updated history variables, and with `tangent` the blocks K_ss and K_sα.
     fn pass(
         &self,
         element: usize,
@@ -364,7 +366,7 @@ impl<const S: usize> PointConstitution<S> {
                 h[i][j] -= sum;
             }
         }
-        // Rounding leaves H unsymmetric in the last digit.
+        // Round-off leaves H unsymmetric in the last digit.
         for i in 0..S {
             for j in 0..i {
                 let mean = 0.5 * (h[i][j] + h[j][i]);
@@ -381,7 +383,7 @@ impl<const S: usize> PointConstitution<S> {
     }
 }
 
-/// Adds LᵀCL, split into the parts of the samples and of the parameters.
+/// Adds LᵀCL, split into its blocks K_ss and K_sα.
 fn add_tangent<const S: usize>(
     l: &[f64],
     n: usize,
@@ -419,7 +421,7 @@ fn add_tangent<const S: usize>(
     }
 }
 
-/// LDLᵀ in place of the leading `n × n` part.
+/// LDLᵀ factorization, in place, of the leading `n × n` part.
 fn factor(k: &mut ParameterMatrix, n: usize) -> Option<()> {
     for j in 0..n {
         for c in 0..j {
@@ -463,8 +465,8 @@ impl<const S: usize> Constitution<S> for PointConstitution<S> {
             .map_or([f64::NAN; S], |p| p.stress)
     }
 
-    /// O. Gonzalez, *Time integration and discrete Hamiltonian systems*, J. Nonlinear Sci. 6 (1996) 449–467,
-    /// in the metric of the reference stiffness.
+    /// Discrete gradient of O. Gonzalez, *Time integration and discrete Hamiltonian systems*, J. Nonlinear Sci. 6
+    /// (1996) 449–467, in the metric of the reference stiffness.
     fn mean_stress(&self, element: usize, old: &[f64; S], new: &[f64; S], interior: &Interior) -> [f64; S] {
         let middle = std::array::from_fn(|i| 0.5 * (old[i] + new[i]));
         let change: [f64; S] = std::array::from_fn(|i| new[i] - old[i]);

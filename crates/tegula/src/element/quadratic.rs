@@ -12,17 +12,17 @@ use super::group::{ElementGroup, Interior, Kinematics, Motion, Nodal, TangentReq
 use super::strains::{Directions, SampledStrains};
 use super::transform::NodalTransform;
 
-/// Elements that one task works on.
+/// Elements per parallel task.
 const CHUNK: usize = 64;
 
-/// What a group of elements is made of, besides its constitution.
+/// Connectivity, mass and nodal transformations of a group of elements.
 #[derive(Debug, Clone)]
 pub struct Members<const M: usize> {
-    /// Nodal vectors per element.
+    /// Connectivity: nodal vectors per element.
     pub vectors: Vec<[u32; M]>,
-    /// Scalar mass of the pairs of nodal vectors, lower triangle per element.
+    /// Mass per element: one scalar per pair of nodal vectors, lower triangle by rows.
     pub mass: Vec<f64>,
-    /// From the nodal vectors of the model to those of the element type, where they are not the same.
+    /// Maps from the nodal vectors of the model to those of the element type; empty where both agree.
     pub transforms: Vec<NodalTransform<M>>,
 }
 
@@ -32,7 +32,7 @@ impl<const M: usize> Default for Members<M> {
     }
 }
 
-/// Elements of `M` nodal vectors, `N = 3 M` coordinates, `S` samples, `D` directions.
+/// Group of elements with `M` nodal vectors, `N = 3 M` coordinates, `S` sampled strains and `D` base vectors.
 pub struct QuadraticGroup<const M: usize, const N: usize, const S: usize, const D: usize, C> {
     name: &'static str,
     strains: SampledStrains<M, N, S, D>,
@@ -42,20 +42,20 @@ pub struct QuadraticGroup<const M: usize, const N: usize, const S: usize, const 
     arch: Arch,
 }
 
-/// Directions and strains of a motion.
+/// Strain state of an element: base vectors, generalised stresses and sampled strains of a motion.
 struct Strained<const S: usize, const D: usize> {
-    /// Directions on which the stress acts.
+    /// Base vectors of the configuration in which the stress acts: current (state) or mid-step (step).
     acting: Directions<f64, D>,
-    /// Stress resultants.
+    /// Generalised stresses.
     stress: [f64; S],
-    /// Strain at which the tangent is taken.
+    /// Sampled strains at which the tangent is taken.
     strain: [f64; S],
 }
 
 impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitution<S>>
     QuadraticGroup<M, N, S, D, C>
 {
-    /// A group of elements.
+    /// Group of elements with their generalised constitutive law.
     pub fn new(
         name: &'static str,
         strains: SampledStrains<M, N, S, D>,
@@ -76,7 +76,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitu
         }
     }
 
-    /// The element's share of what is inside of the group.
+    /// History variables of an element, and the factors of the prescribed strains.
     #[inline(always)]
     fn interior<'a>(&self, element: usize, k: &Kinematics<'a>) -> Interior<'a> {
         let n = self.constitution.history();
@@ -101,7 +101,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitu
         (p, s)
     }
 
-    /// Strain at the end of the motion.
+    /// Sampled strains at the end of the motion.
     #[inline(always)]
     fn strain(&self, e: usize, k: &Kinematics) -> [f64; S] {
         let (Motion::State { u, .. } | Motion::Step { new: u, .. }) = k.motion;
@@ -109,7 +109,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitu
         self.strains_at(e, k, &p0, u).1
     }
 
-    /// Rate of strain of the motion; zero where it has no velocity.
+    /// Rates of the sampled strains of the motion; zero where it has no velocity.
     fn rate(&self, e: usize, k: &Kinematics) -> [f64; S] {
         let p0 = self.strains.directions(&self.gather(e, k.reference));
         match k.motion {
@@ -130,7 +130,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitu
         }
     }
 
-    /// Stress of the motion and the directions on which it acts.
+    /// Strain state of the motion: generalised stresses, and base vectors of the configuration in which they act.
     #[inline(always)]
     fn stress(&self, e: usize, k: &Kinematics) -> Strained<S, D> {
         let p0 = self.strains.directions(&self.gather(e, k.reference));
@@ -206,7 +206,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitu
     }
 }
 
-/// A [`TangentRequest`] with the blocks of one element.
+/// [`TangentRequest`] with the blocks of one element.
 struct OneTangent<'a> {
     weights: &'a TangentWeights,
     stress: Option<&'a [f64]>,
@@ -214,8 +214,8 @@ struct OneTangent<'a> {
     blocks: &'a mut [f64],
 }
 
-/// A vector d of constant length moves on a sphere: its second variation −d |δ|² adds −(f·d) I for the force f on it
-/// to the lower blocks of an element matrix.
+/// Curvature term of the inextensible directors: a vector d of constant length moves on a sphere; its second variation
+/// −d |δ|² adds −(f·d) I, with the force f on it, to the lower-triangle blocks of an element matrix.
 pub(super) fn add_curvature(k: &Kinematics, vectors: &[u32], f: &[Nodal], factor: f64, blocks: &mut [f64]) {
     for (a, (&v, f)) in vectors.iter().zip(f).enumerate().filter(|(_, (v, _))| k.unit[**v as usize]) {
         let v = v as usize;
@@ -231,7 +231,7 @@ pub(super) fn add_curvature(k: &Kinematics, vectors: &[u32], f: &[Nodal], factor
     }
 }
 
-/// Adds `scale · K d` for the lower blocks of a symmetric element matrix.
+/// Adds `scale · K d` to `out`; `blocks` holds the lower triangle of the symmetric element matrix K.
 pub(super) fn multiply_blocks(blocks: &[f64], d: &[Nodal], scale: f64, out: &mut [f64]) {
     let mut block = blocks.chunks_exact(9);
     for a in 0..d.len() {

@@ -1,4 +1,4 @@
-//! The shell element types by the names that model files use.
+//! Registry of the shell element types, by their names in model files.
 
 use super::ancf_full::AncfFull;
 use super::cm::CmShell;
@@ -13,8 +13,13 @@ impl ElementKind {
     pub const ALL: [Self; 5] = [Self::Ems, Self::Cm, Self::Mitc4, Self::SolidShell, Self::AncfFull];
 }
 
-/// The element type of a section with its remedies.
+/// Element type of a section, with its locking remedies.
 pub fn shell(section: &Section, thickness: f64) -> Box<dyn ShellElement> {
+    shell_of(section, thickness, false)
+}
+
+/// Element type of a section whose materials are known; `rubber` is true if one of them is hyperelastic.
+pub fn shell_of(section: &Section, thickness: f64, rubber: bool) -> Box<dyn ShellElement> {
     let Section { ans_shear, ans_thickness, .. } = *section;
     let membrane = section.membrane_part();
     let continuum = CmShell {
@@ -23,6 +28,7 @@ pub fn shell(section: &Section, thickness: f64) -> Box<dyn ShellElement> {
         membrane,
         thickness_parameters: usize::from(section.thickness_eas),
         thickness,
+        rubber,
     };
     match section.element {
         ElementKind::Ems => Box::new(EmsShell { ans_shear, ans_thickness, membrane }),

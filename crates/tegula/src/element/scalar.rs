@@ -2,8 +2,8 @@
 
 use std::ops::{Add, AddAssign, Mul, Sub};
 
-/// What the kernels ask of a number: `f64` in production, dual numbers in the
-/// tests that check forces and tangents as derivatives.
+/// Number type of the element kernels: `f64` in production, dual numbers in the tests that check forces and tangents as
+/// derivatives.
 pub trait Scalar:
     Copy + From<f64> + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + AddAssign
 {

@@ -1,8 +1,8 @@
-//! What a shell element type gives to the program.
+//! Interface of a shell element type, and the builder of its element groups.
 //!
-//! An element type is its table of sampled strains and the strains at any height over a few points
-//! of its mid-surface. Sections and materials turn them into [`Station`]s, the terms of the
-//! element's energy; enhanced strains are eliminated here, once where all materials are linear.
+//! An element type consists of its table of sampled strains and of strain operators at any height over a few points of
+//! its mid-surface. Sections and materials turn them into integration points ([`Station`]), the terms of the element's
+//! energy; static condensation of the enhanced parameters takes place here, once, where all materials are linear.
 
 use std::fmt::Debug;
 
@@ -22,16 +22,16 @@ use crate::material::Law;
 use crate::section::SectionInertia;
 use crate::system::VectorKind;
 
-/// Strains at a point of an element.
+/// Strain operator at a point of an element: strains from sampled strains and enhanced parameters.
 #[derive(Debug, Clone)]
 pub struct StrainOperator {
-    /// Rows ε_xx, ε_yy, 2ε_xy, ε_zz, 2ε_xz, 2ε_yz in the frame; columns are the samples.
+    /// Rows ε_xx, ε_yy, 2ε_xy, ε_zz, 2ε_xz, 2ε_yz in the frame; columns are the sampled strains.
     pub samples: DMatrix<f64>,
-    /// The same for the enhanced parameters.
+    /// Rows as in `samples`; columns are the enhanced parameters.
     pub enhanced: DMatrix<f64>,
     /// Orthonormal frame, z along the director.
     pub frame: Mat3,
-    /// Reference area (per height: volume) that the point stands for.
+    /// Reference area (volume per height for solid elements) that the point stands for.
     pub measure: f64,
 }
 
@@ -43,22 +43,22 @@ pub trait ShellElement: Debug + Send + Sync {
     fn samples(&self) -> usize;
     /// Number of enhanced parameters.
     fn parameters(&self) -> usize;
-    /// The same element without enhanced in-plane strains; `None` if it has none.
+    /// This element without enhanced in-plane strains; `None` if it has none.
     fn without_enhanced_strains(&self) -> Option<Box<dyn ShellElement>> {
         None
     }
-    /// True if stresses are three-dimensional and integrated over the thickness; false if the element
-    /// works with resultants of a section in plane stress.
+    /// True if stresses are three-dimensional and integrated over the thickness; false if the element works with the
+    /// stress resultants of a section in plane stress.
     fn is_solid(&self) -> bool;
     /// Kinds of the vectors of a node, position first.
     fn nodal_vectors(&self) -> &'static [VectorKind] {
         &[VectorKind::Position, VectorKind::Director]
     }
-    /// True if directors keep their length.
+    /// True if directors are inextensible.
     fn unit_directors(&self) -> bool {
         false
     }
-    /// True if it computes nothing but one layer of a linear material with two points over the thickness.
+    /// True if the element supports only one layer of a linear material with two integration points over the thickness.
     fn takes_linear_sheets_only(&self) -> bool {
         false
     }
@@ -66,109 +66,109 @@ pub trait ShellElement: Debug + Send + Sync {
     fn surface_points(&self) -> usize {
         4
     }
-    /// Strains at the height `z` over a point of the mid-surface.
+    /// Strain operator at the height `z` over a point of the mid-surface.
     ///
     /// # Errors
     /// The geometry is invalid there; the text says how.
     fn operator(&self, g: &ShellGeometry, point: usize, z: f64) -> Result<StrainOperator, String>;
-    /// Gradient of the stretch of the thickness along the first two axes of the frame, from the samples, for elements
-    /// that work with resultants. `z ∇ε_zz` is the part of the transverse shear that is linear in z.
+    /// Gradient of the thickness strain ε_zz along the first two axes of the frame, from the sampled strains, for
+    /// elements that work with stress resultants. `z ∇ε_zz` is the part of the transverse shear that is linear in z.
     fn stretch_gradient(&self, _g: &ShellGeometry, _point: usize) -> Option<DMatrix<f64>> {
         None
     }
-    /// Stiffness of the last enhanced parameters per modulus over the thickness, ∫E dz; empty if they have none of their
-    /// own.
+    /// Stabilisation stiffness of the last enhanced parameters, per ∫E dz over the thickness; empty if they have none.
     fn parameter_stiffness(&self, _g: &ShellGeometry) -> Vec<f64> {
         Vec::new()
     }
-    /// Scalar mass of the lower triangle of pairs of nodal vectors.
+    /// Consistent mass: one scalar per pair of nodal vectors, lower triangle by rows.
     fn mass(&self, g: &ShellGeometry, inertia: &SectionInertia) -> Vec<f64>;
-    /// Collects the elements of a section.
+    /// Builder that collects the elements of a section.
     fn builder(&self, setup: GroupSetup) -> Box<dyn GroupBuilder>;
 }
 
-/// What the elements of a group have in common.
+/// Data that the elements of a group share.
 #[derive(Debug, Clone, Default)]
 pub struct GroupSetup {
-    /// Retardation time of rate damping.
+    /// Retardation time τ of Kelvin–Voigt damping.
     pub retardation_time: f64,
-    /// Laws that stations refer to.
+    /// Material laws that integration points refer to.
     pub laws: Vec<Law>,
-    /// Number of fields of prescribed strain that act on the group, or 0.
+    /// Number of prescribed strain fields that act on the group, or 0.
     pub fields: usize,
-    /// Use the kernel that serves every element type where a faster one would be chosen: its reference.
+    /// Uses the general kernel, which serves every element type, where a faster one would be chosen: the reference for
+    /// tests.
     pub reference_kernel: bool,
 }
 
-/// A term of an element's energy: `w ψ(L s + G α − Σ f ε₀)`.
+/// Integration point: a term `w ψ(L s + G α − Σ f ε₀)` of an element's energy.
 #[derive(Debug, Clone)]
 pub struct Station {
-    /// L.
+    /// L: strains from the sampled strains s.
     pub samples: DMatrix<f64>,
-    /// G.
+    /// G: strains from the enhanced parameters α.
     pub enhanced: DMatrix<f64>,
-    /// Material.
+    /// Material response ψ.
     pub response: StationResponse,
-    /// w.
+    /// w: integration weight.
     pub weight: f64,
-    /// ε₀ of each field of prescribed strain.
+    /// ε₀ of each prescribed strain field.
     pub prescribed: Vec<DVector<f64>>,
 }
 
-/// Material of a station.
+/// Material response of an integration point.
 #[derive(Debug, Clone)]
 pub enum StationResponse {
-    /// `½ εᵀ C ε − σ₀·ε` per field of prescribed strain, with `σ₀ = C ε₀`.
+    /// Linear elastic: `½ εᵀ C ε − σ₀·ε` per prescribed strain field, with `σ₀ = C ε₀`.
     Linear(DMatrix<f64>),
-    /// A law of the group by its number; six strains.
+    /// Material law of the group, by index; it takes six strains.
     Law(usize),
 }
 
-/// One element to be added to a group.
+/// Element to be added to a group.
 #[derive(Debug)]
 pub struct Member<'a> {
-    /// Its nodal vectors.
+    /// Connectivity: nodal vectors of the element.
     pub vectors: &'a [u32],
-    /// Its geometry.
+    /// Reference geometry of the element.
     pub geometry: &'a ShellGeometry,
-    /// Its energy.
+    /// Integration points, the terms of the element's energy.
     pub stations: Vec<Station>,
-    /// Lower triangle of its scalar mass.
+    /// Mass: one scalar per pair of nodal vectors, lower triangle by rows.
     pub mass: Vec<f64>,
 }
 
-/// Collects elements.
+/// Builder of element groups.
 pub trait GroupBuilder {
     /// Adds an element.
     ///
     /// # Errors
-    /// Its enhanced strains are not independent.
+    /// The enhanced strains of the element are linearly dependent.
     fn push(&mut self, member: Member) -> Result<(), String>;
-    /// Adds an element that is member `first` moved and turned as a rigid body; false if each element of this group has
-    /// to be pushed by itself.
+    /// Adds an element that is congruent to element `first` (moved and rotated as a rigid body) and shares its
+    /// stiffness; false if each element of this group has to be pushed by itself.
     fn push_like(&mut self, _first: usize, _vectors: &[u32], _geometry: &ShellGeometry) -> bool {
         false
     }
-    /// The groups; element `e` is member `e` of each.
+    /// Finished groups; element `e` is the same element in each.
     fn finish(self: Box<Self>) -> Vec<Box<dyn ElementGroup>>;
 }
 
-/// Stiffness of an element with linear materials, enhanced parameters eliminated.
+/// Statically condensed stiffness of an element with linear materials.
 #[derive(Debug, Clone)]
 pub struct Condensed {
     /// `H` of the energy `½ sᵀHs`.
     pub stiffness: DMatrix<f64>,
-    /// `−K_αα⁻¹ K_αs`: α from the samples.
+    /// `−K_αα⁻¹ K_αs`: enhanced parameters α from the sampled strains.
     pub recovery: DMatrix<f64>,
-    /// Stress of each field of prescribed strain, held back.
+    /// Generalised stress of each prescribed strain field when fully restrained.
     pub prescribed: Vec<DVector<f64>>,
-    /// α of each field of prescribed strain.
+    /// α of each prescribed strain field.
     pub prescribed_parameters: Vec<DVector<f64>>,
-    /// Energy of pairs of fields.
+    /// Energy of the prescribed strain fields when fully restrained, by pairs of fields.
     pub prescribed_energy: DMatrix<f64>,
 }
 
-/// Sums linear stations and eliminates α: `H ← H − K_αsᵀ K_αα⁻¹ K_αs`.
+/// Static condensation: sums the linear integration points and eliminates α, `H ← H − K_αsᵀ K_αα⁻¹ K_αs`.
 ///
 /// # Errors
 /// K_αα is not positive definite.
@@ -217,7 +217,7 @@ pub fn condense(
             }
         }
     }
-    // Rounding leaves H unsymmetric in the last digit; the tangent must be symmetric.
+    // Round-off leaves H unsymmetric in the last digit; the tangent must be symmetric.
     let h = (&h + h.transpose()) * 0.5;
     Ok(Condensed { stiffness: h, recovery, prescribed: n, prescribed_parameters, prescribed_energy: energy })
 }
@@ -231,12 +231,12 @@ pub struct QuadraticBuilder<const M: usize, const N: usize, const S: usize, cons
     members: Members<M>,
     linear: LinearConstitution<S>,
     points: Vec<PointElement>,
-    /// Where the faster kernel serves: the forms of the element type, and what it takes in place of `linear`.
+    /// Data of the bilinear kernel where it applies: forms of the element type, and elements in place of `linear`.
     bilinear: Option<(Forms, BilinearMembers)>,
 }
 
 impl<const M: usize, const N: usize, const S: usize, const D: usize> QuadraticBuilder<M, N, S, D> {
-    /// For elements with the given strains.
+    /// Builder for elements with the given sampled strains.
     pub fn new(
         name: &'static str,
         strains: SampledStrains<M, N, S, D>,
@@ -252,7 +252,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> QuadraticBu
         Self { name, strains, parameters, setup, members, linear, points, bilinear }
     }
 
-    /// Adds the map of the element pushed next.
+    /// Adds the nodal transformation of the element pushed next.
     pub fn push_transform(&mut self, transform: NodalTransform<M>) {
         self.members.transforms.push(transform);
     }

@@ -1,21 +1,21 @@
 //! The eight-node solid shell: positions at the bottom and at the top only.
 //!
-//! Its nodes lie at `x = r ± (h/2) d` over the nodes of the mid-surface. The program stores `r` and `d` instead of
-//! the two positions: the same unknowns in another basis, in which a solid shell shares its edges with every
-//! other shell, and all loads, supports and results apply to it. The trilinear interpolation of the eight nodes is
-//! `x = r + z d`, the kinematics of [`super::cm`]. With transverse shear assumed from the middle of the edges
-//! (S. Klinkel, F. Gruttmann, W. Wagner, *A robust non-linear solid shell element based on a mixed variational
-//! formulation*, Int. J. Numer. Meth. Engng 65 (2006) 1363–1378), thickness strain from the corners (P. Betsch,
-//! E. Stein, Commun. Numer. Meth. Engng 11 (1995) 899–909), four enhanced parameters in the plane and up to four over
-//! the thickness, it is what other programs offer as an eight-node solid shell, and the same element as the
-//! continuum-mechanics shell: independent programs of the two print the same digits for thick plates.
+//! Its nodes lie at `x = r ± (h/2) d` over the nodes of the mid-surface. The program stores `r` and `d` instead of the
+//! two positions: the same unknowns in another basis, in which a solid shell shares its edges with every other shell,
+//! and all loads, supports and results apply to it. The trilinear interpolation of the eight nodes is `x = r + z d`,
+//! the kinematics of [`super::cm`]. With transverse shear assumed from the middle of the edges (S. Klinkel, F.
+//! Gruttmann, W. Wagner, *A robust non-linear solid shell element based on a mixed variational formulation*, Int. J.
+//! Numer. Meth. Engng 65 (2006) 1363–1378), thickness strain from the corners (P. Betsch, E. Stein, Commun. Numer.
+//! Meth. Engng 11 (1995) 899–909), four enhanced parameters in the plane and up to four over the thickness, it is the
+//! eight-node solid shell of other programs, and equivalent to the continuum-mechanics shell: independent programs of
+//! the two print the same digits for thick plates.
 
 use super::cm::{CmShell, SAMPLES, SAMPLES_WITHOUT_ANS_SHEAR};
 use super::geometry::ShellGeometry;
 use super::shell::{GroupBuilder, GroupSetup, QuadraticBuilder, ShellElement, StrainOperator};
 use crate::section::SectionInertia;
 
-/// The element, by its continuum-mechanics twin.
+/// Eight-node solid shell, implemented by the equivalent continuum-mechanics shell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolidShell(pub CmShell);
 

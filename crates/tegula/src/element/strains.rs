@@ -3,29 +3,28 @@
 //! An element of `M` nodal vectors `v_a` has `S` sampled strains
 //!
 //! ```text
-//! s_k(v) = Σ_t w_t (P_t · Q_t) − (the same at the reference),   P = Σ_a p_a v_a,  Q = Σ_a q_a v_a
+//! s_k(v) = Σ_t w_t (P_t · Q_t) − (value at the reference),   P = Σ_a p_a v_a,  Q = Σ_a q_a v_a
 //! ```
 //!
-//! that is `s_k = Σ_ab A_k[a,b] v_a·v_b − s_k⁰` with `A_k = Σ_t w_t ½ (p qᵀ + q pᵀ)`.
-//! `P` and `Q` are *directions* of the element: a tangent of the mid-surface at a
-//! sampling point, the director there, its derivative. With the stress resultants
-//! `n = ∂ψ/∂s` conjugate to the samples follow
+//! that is `s_k = Σ_ab A_k[a,b] v_a·v_b − s_k⁰` with `A_k = Σ_t w_t ½ (p qᵀ + q pᵀ)`. `P` and `Q` are *base vectors* of
+//! the element ([`Directions`]): a tangent of the mid-surface at a sampling point, the director there, its derivative.
+//! With the generalised stresses `n = ∂ψ/∂s`, work-conjugate to the sampled strains, follow
 //!
 //! ```text
-//! S = ∂s/∂v          rows 2 Σ_b A_k[a,b] v_bᵀ
-//! f = Sᵀ n           internal force
-//! K = Sᵀ H S + Σ_k 2 n_k A_k ⊗ I₃       exact tangent, symmetric
+//! B = ∂s/∂v          strain–displacement matrix, rows 2 Σ_b A_k[a,b] v_bᵀ
+//! f = Bᵀ n           internal force
+//! K = Bᵀ H B + Σ_k 2 n_k A_k ⊗ I₃       exact tangent, symmetric
 //! ```
 //!
-//! Strains are computed from displacements, `s = P₀·q + p·Q₀ + p·q`, not as a
-//! difference of two metrics: thin shells under small loads would lose digits.
+//! Strains are computed from displacements, `s = P₀·q + p·Q₀ + p·q`, not as a difference of two metrics, in which thin
+//! shells under small loads would lose digits.
 
 use super::scalar::{Scalar, Triple, dot};
 
-/// Values of the `D` directions of one element.
+/// Base vectors of one element, `D` of them.
 pub type Directions<T, const D: usize> = [Triple<T>; D];
 
-/// A product `weight · (left · right)` that contributes to a sample.
+/// Term `weight · (left · right)` of a sampled strain.
 #[derive(Debug, Clone, Copy)]
 struct Term {
     sample: usize,
@@ -34,8 +33,8 @@ struct Term {
     right: usize,
 }
 
-/// The sampled strains of an element type: `M` nodal vectors, `N = 3 M`
-/// coordinates, `S` samples, room for `D` directions.
+/// Sampled strains of an element type: `M` nodal vectors, `N = 3 M` coordinates, `S` sampled strains, at most `D` base
+/// vectors.
 #[derive(Debug, Clone)]
 pub struct SampledStrains<const M: usize, const N: usize, const S: usize, const D: usize> {
     directions: Vec<[f64; M]>,
@@ -54,20 +53,20 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> SampledStra
     /// Blocks in the lower triangle of the element matrix.
     pub const BLOCKS: usize = M * (M + 1) / 2;
 
-    /// No samples yet.
+    /// Empty table, without base vectors and terms.
     pub fn new() -> Self {
         const { assert!(N == 3 * M) };
         Self { directions: Vec::new(), terms: Vec::new(), geometric: vec![vec![0.0; Self::BLOCKS]; S] }
     }
 
-    /// Adds a direction `Σ_a coefficients[a] v_a` and returns its number.
+    /// Adds a base vector `Σ_a coefficients[a] v_a` and returns its index.
     pub fn direction(&mut self, coefficients: [f64; M]) -> usize {
         debug_assert!(self.directions.len() < D);
         self.directions.push(coefficients);
         self.directions.len() - 1
     }
 
-    /// Adds `weight · (left · right)` to a sample.
+    /// Adds the term `weight · (left · right)` to a sampled strain.
     pub fn product(&mut self, sample: usize, weight: f64, left: usize, right: usize) {
         self.terms.push(Term { sample, weight, left, right });
         let (p, q) = (self.directions[left], self.directions[right]);
@@ -80,12 +79,12 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> SampledStra
         }
     }
 
-    /// `2 A_k` of a sample, lower triangle by rows.
+    /// `2 A_k` of a sampled strain, lower triangle by rows.
     pub fn form(&self, sample: usize) -> &[f64] {
         &self.geometric[sample]
     }
 
-    /// Values of the directions for the nodal vectors `v`.
+    /// Base vectors for the nodal vectors `v`.
     #[inline(always)]
     pub fn directions<T: Scalar>(&self, v: &[Triple<T>; M]) -> Directions<T, D> {
         let mut out = [[T::from(0.0); 3]; D];
@@ -103,8 +102,8 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> SampledStra
         out
     }
 
-    /// Strains of the displacement directions `p` from the reference directions `p0`;
-    /// `quadratic = false` leaves out the products of displacements (small displacements).
+    /// Sampled strains from the base vectors `p0` of the reference configuration and their displacements `p`;
+    /// `quadratic = false` leaves out the products of displacements (geometrically linear).
     #[inline(always)]
     pub fn strains<T: Scalar>(&self, p0: &Directions<T, D>, p: &Directions<T, D>, quadratic: bool) -> [T; S] {
         let mut s = [T::from(0.0); S];
@@ -118,7 +117,8 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> SampledStra
         s
     }
 
-    /// `S(x) v`: change of the strains at the directions `x` with the directions `v` of a velocity or increment.
+    /// `B(x) v`: change of the sampled strains at the base vectors `x` with the base vectors `v` of a velocity or
+    /// increment.
     #[inline(always)]
     pub fn rates<T: Scalar>(&self, x: &Directions<T, D>, v: &Directions<T, D>) -> [T; S] {
         let mut s = [T::from(0.0); S];
@@ -128,7 +128,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> SampledStra
         s
     }
 
-    /// `Sᵀ(x) n`: nodal forces of the stress resultants `n` at the directions `x`.
+    /// `Bᵀ(x) n`: nodal forces of the generalised stresses `n` at the base vectors `x`.
     #[inline(always)]
     pub fn force<T: Scalar>(&self, x: &Directions<T, D>, n: &[T; S]) -> [Triple<T>; M] {
         let mut on_direction = [[T::from(0.0); 3]; D];
@@ -154,7 +154,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> SampledStra
         f
     }
 
-    /// `S(x)`: derivatives of the samples with respect to the coordinates.
+    /// Strain–displacement matrix `B(x)`: derivatives of the sampled strains with respect to the coordinates.
     #[inline(always)]
     pub fn gradient(&self, x: &Directions<f64, D>) -> [[f64; N]; S] {
         let mut s = [[0.0; N]; S];
@@ -171,8 +171,8 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> SampledStra
         s
     }
 
-    /// Adds `material · SᵀHS + geometric · Σ_k 2 n_k A_k ⊗ I₃` to the blocks of the lower
-    /// triangle of an element matrix: block (a, b ≤ a) at `9 (a (a+1)/2 + b)`, by rows.
+    /// Tangent `material · BᵀHB + geometric · Σ_k 2 n_k A_k ⊗ I₃`, written to the blocks of the lower triangle of an
+    /// element matrix: block (a, b ≤ a) at `9 (a (a+1)/2 + b)`, by rows.
     #[inline(always)]
     pub fn tangent(
         &self,

@@ -1,7 +1,7 @@
 //! Linear maps between the nodal vectors of the model and those of an element type.
 //!
-//! Nodes share vectors that have a meaning of their own; an element type may be written in others, such
-//! as derivatives with respect to its natural coordinates.
+//! Elements share nodal vectors with a geometric meaning (positions, directors, gradients); an element type may be
+//! formulated in others, such as derivatives with respect to its natural coordinates.
 
 use super::group::Nodal;
 
@@ -10,7 +10,7 @@ use super::group::Nodal;
 pub struct NodalTransform<const M: usize>(pub Box<[[f64; M]; M]>);
 
 impl<const M: usize> NodalTransform<M> {
-    /// `T v`.
+    /// `T v`: nodal vectors of the element type from those of the model.
     pub fn apply(&self, v: &[Nodal; M]) -> [Nodal; M] {
         let mut out = [[0.0; 3]; M];
         for (out, row) in out.iter_mut().zip(self.0.iter()) {
@@ -23,7 +23,7 @@ impl<const M: usize> NodalTransform<M> {
         out
     }
 
-    /// `Tᵀ f`: forces on the vectors of the model.
+    /// `Tᵀ f`: forces on the nodal vectors of the model.
     pub fn apply_transposed(&self, f: &[Nodal; M]) -> [Nodal; M] {
         let mut out = [[0.0; 3]; M];
         for (f, row) in f.iter().zip(self.0.iter()) {

@@ -1,25 +1,25 @@
-//! Functions of time and their derivatives.
+//! Amplitudes: functions of time and their derivatives.
 
 use super::Formula;
 use super::formula;
 use crate::model::Amplitude;
 
-/// A function of time that a load or a prescribed motion follows.
+/// Amplitude: the function of time of a load or a prescribed motion.
 #[derive(Debug, Clone)]
 pub enum TimeFunction {
-    /// The same at all times.
+    /// Constant value.
     Constant(f64),
-    /// Straight lines between points, constant before and after.
+    /// Linear interpolation between points, constant before and after.
     Table(Vec<(f64, f64)>),
     /// A formula with its first and second derivative.
     Formula(Formula),
 }
 
 impl TimeFunction {
-    /// From the model's amplitude.
+    /// Function of an amplitude of the model.
     ///
     /// # Errors
-    /// What is wrong with it and what to do.
+    /// The amplitude is invalid: description of the mistake, and remedy.
     pub fn new(amplitude: &Amplitude) -> Result<Self, (String, String)> {
         match amplitude {
             Amplitude::Constant(c) if c.value.is_finite() => Ok(Self::Constant(c.value)),
@@ -50,7 +50,7 @@ impl TimeFunction {
         }
     }
 
-    /// True for a formula, whose course between two times is not known from its values there.
+    /// True for a formula: its values at two times do not determine the values between them.
     pub fn is_formula(&self) -> bool {
         matches!(self, Self::Formula(_))
     }
@@ -82,7 +82,7 @@ impl TimeFunction {
         }
     }
 
-    /// First derivative just before a time: at a point of a table the slope to the left.
+    /// First derivative just before a time: at a point of a table the left-sided slope.
     pub fn rate_before(&self, t: f64) -> f64 {
         match self {
             Self::Table(points) => {
@@ -105,7 +105,7 @@ impl TimeFunction {
     }
 }
 
-/// Value and slope; at a point the slope to the right.
+/// Value and slope of a table; at a point the right-sided slope.
 fn table(points: &[(f64, f64)], t: f64) -> (f64, f64) {
     let after = points.partition_point(|p| p.0 <= t);
     if after == 0 {
@@ -168,7 +168,7 @@ mod tests {
                 .undefined(2.0, false)
                 .is_some_and(|(what, x)| what == "value" && x.is_nan())
         );
-        // The powers that people write have all derivatives at 0.
+        // Common formulas have all derivatives at 0.
         for text in
             ["t", "t^2", "t^3", "3*t^2 - 2*t^3", "1 - cos(2*PI*t)", "exp(-t)*sin(t)", "tanh(t)", "t*t"]
         {

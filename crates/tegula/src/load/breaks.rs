@@ -1,14 +1,14 @@
-//! Instants at which a function of time breaks: kinks of tables, turning points of formulas.
+//! Break points of amplitudes: kinks of tables, turning points (local extrema) of formulas.
 
 use super::TimeFunction;
 
-/// Distance from a straight line, over the range of the values, below which points of a table lie on it.
+/// Distance from a straight line, relative to the range of the values, below which points of a table lie on it.
 const ROUND_OFF: f64 = 1e-12;
-/// Change of value between two turning points, over the range of the values, below which they are noise.
+/// Change of value between two turning points, relative to the range of the values, below which it is noise.
 const NOISE: f64 = 1e-9;
-/// Intervals in which the rate of a formula is looked at for a change of sign.
+/// Number of intervals in which the rate of a formula is checked for a change of sign.
 const INTERVALS: u32 = 4096;
-/// Halvings that find a change of sign to the last bit.
+/// Bisection steps that locate a change of sign to the last bit.
 const HALVINGS: u32 = 60;
 
 impl TimeFunction {
@@ -20,12 +20,12 @@ impl TimeFunction {
         }
     }
 
-    /// Times between two others at which a formula turns from growing to falling or back; those of a table are kinks.
+    /// Times of the local extrema of a formula between `from` and `to`; empty for tables, whose extrema are kinks.
     pub fn turning_points(&self, from: f64, to: f64) -> Vec<f64> {
         let Self::Formula(_) = self else { return Vec::new() };
         let at = |i: u32| from + (to - from) * f64::from(i) / f64::from(INTERVALS);
         let mut found = Vec::new();
-        // The last time at which the rate was not zero.
+        // Last time at which the rate was not zero, and the rate there.
         let mut before: Option<(f64, f64)> = None;
         for t in (0..=INTERVALS).map(at) {
             let rate = self.rate(t);
@@ -53,7 +53,7 @@ impl TimeFunction {
         found
     }
 
-    /// The time at which the rate, of the sign `sign` at `low`, changes its sign before `high`.
+    /// Bisection for the time at which the rate, of the sign `sign` at `low`, changes its sign before `high`.
     fn change_of_sign(&self, mut low: f64, mut high: f64, sign: f64) -> f64 {
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
@@ -67,8 +67,8 @@ impl TimeFunction {
     }
 }
 
-/// Times of those points between which a polyline, constant before and after, is straight to round-off: a point is
-/// passed while the line from the last corner to the next point passes all points between at that distance.
+/// Times of the corners of a polyline that is constant before and after, and straight between corners up to round-off:
+/// a point is skipped while the line from the last corner to the next point passes all points between at that distance.
 fn corners(points: &[(f64, f64)]) -> Vec<f64> {
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return Vec::new() };
     let (low, high) =

@@ -1,7 +1,7 @@
-//! Loads that follow the motion: pressure and moments.
+//! Follower loads: pressure and moments.
 //!
-//! Such loads have no potential in general, so their stiffness `−∂f/∂x` is not symmetric. Its symmetric part enters the
-//! tangent of the model. The skew part, the *circulatory* stiffness of
+//! Such loads have no potential in general, so their load stiffness `−∂f/∂x` is not symmetric. Its symmetric part
+//! enters the tangent of the model. The skew part, the *circulatory* stiffness of
 //! [`CirculatoryStiffness`](crate::system::CirculatoryStiffness), is added in the solution of the linear systems. It
 //! vanishes for conservative cases: pressure on closed or supported edges, moments in the plane of bending.
 
@@ -9,33 +9,33 @@ use crate::element::Nodal;
 use crate::element::geometry::{GAUSS_POINTS, shape, shape_eta, shape_xi};
 use crate::{Mat3, Vec3};
 
-/// Blocks `−∂f_a/∂x_b` of a follower load.
+/// Load stiffness: blocks `−∂f_a/∂x_b` of a follower load.
 pub type LoadStiffness = [[Mat3; 4]; 4];
 
-/// A load that depends on the positions and directors it acts on.
+/// Follower load: it depends on the positions and directors on which it acts.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FollowerLoad {
     /// Pressure on a quad (positions of its nodes): `f_a = −p ∫N_a r,ξ × r,η dξdη`.
     Pressure {
-        /// Nodal vectors.
+        /// Nodal vectors: positions of the four nodes.
         vectors: [u32; 4],
         /// Pressure at amplitude 1 [force/area].
         pressure: f64,
-        /// Amplitude.
+        /// Index of the amplitude.
         amplitude: Option<usize>,
     },
-    /// A moment constant in space that turns a director: `f = m × d / |d|²`, from
-    /// `δW = m·δθ`, `δθ = d × δd / |d|²`. The drilling component `m·d` does no work.
+    /// Spatially constant moment on a director: `f = m × d / |d|²`, from `δW = m·δθ`, `δθ = d × δd / |d|²`. The
+    /// drilling component `m·d` does no work.
     Moment {
-        /// The director.
+        /// Nodal vector of the director.
         vector: u32,
         /// Moment at amplitude 1 [force·length].
         moment: Vec3,
-        /// Amplitude.
+        /// Index of the amplitude.
         amplitude: Option<usize>,
     },
-    /// A moment constant in space at one end of a mesh edge, all of it: the director takes what turns it, and a couple of
-    /// forces on the ends of the edge takes the drilling component.
+    /// Spatially constant moment at one end of a mesh edge, with all its components: the director takes those that
+    /// rotate it, and a couple of forces on the ends of the edge takes the drilling component.
     ///
     /// With the edge `t = r_b − r_a`, `w = d × t` and the work `m·δθ` of the rotation of director and edge,
     /// `δθ = d × δd/|d|² + d w·(δt − (d·t) δd/|d|²)/|w|²`, which is the rotation itself for every rigid motion:
@@ -49,13 +49,13 @@ pub enum FollowerLoad {
         vectors: [u32; 3],
         /// Moment at amplitude 1 [force·length].
         moment: Vec3,
-        /// Amplitude.
+        /// Index of the amplitude.
         amplitude: Option<usize>,
     },
 }
 
 impl FollowerLoad {
-    /// Nodal vectors on which it acts.
+    /// Nodal vectors on which the load acts.
     pub fn vectors(&self) -> &[u32] {
         match self {
             Self::Pressure { vectors, .. } => vectors,
@@ -64,7 +64,7 @@ impl FollowerLoad {
         }
     }
 
-    /// Amplitude that it follows.
+    /// Index of the amplitude of the load.
     pub fn amplitude(&self) -> Option<usize> {
         match self {
             Self::Pressure { amplitude, .. }
@@ -97,7 +97,7 @@ impl FollowerLoad {
         }
     }
 
-    /// All blocks of −∂f/∂x at amplitude 1.
+    /// Load stiffness −∂f/∂x at amplitude 1, all blocks.
     pub fn derivative(&self, x: &[Vec3]) -> LoadStiffness {
         let mut k = [[Mat3::zeros(); 4]; 4];
         match self {
@@ -129,7 +129,7 @@ impl FollowerLoad {
         k
     }
 
-    /// Lower blocks of the symmetric part of −∂f/∂x at amplitude 1.
+    /// Symmetric part of the load stiffness −∂f/∂x at amplitude 1, blocks of the lower triangle.
     pub fn stiffness(&self, x: &[Vec3], blocks: &mut [f64]) {
         let k = self.derivative(x);
         let mut out = blocks.chunks_exact_mut(9);
@@ -143,7 +143,7 @@ impl FollowerLoad {
         }
     }
 
-    /// Share of a moment that does no work at the nodal vectors `x`: its drilling component over all of it.
+    /// Fraction of a moment that does no work at the nodal vectors `x`: its drilling component over its magnitude.
     pub fn lost_share(&self, x: &[Vec3]) -> f64 {
         match self {
             Self::Moment { moment, .. } if moment.norm() > 0.0 => {
@@ -154,7 +154,7 @@ impl FollowerLoad {
     }
 }
 
-/// Forces of a moment at an edge: one half of the couple at its ends, and that on the director.
+/// Nodal forces of an edge moment: force F of the couple at the ends of the edge, and force f on the director.
 struct EdgeForces {
     couple: Vec3,
     director: Vec3,
@@ -166,7 +166,7 @@ fn edge_forces(m: &Vec3, t: &Vec3, d: &Vec3) -> EdgeForces {
     EdgeForces { director: (m.cross(d) - couple * d.dot(t)) / d.norm_squared(), couple }
 }
 
-/// Derivatives by t and d: of the couple, of the force on the director.
+/// Derivatives with respect to t and d (columns) of the couple and of the force on the director (rows).
 fn edge_derivative(m: &Vec3, t: &Vec3, d: &Vec3) -> [[Mat3; 2]; 2] {
     let EdgeForces { couple, director } = edge_forces(m, t, d);
     let w = d.cross(t);
@@ -198,7 +198,7 @@ mod tests {
         ]
     }
 
-    /// Each kind of load with nodal vectors to act on.
+    /// Every kind of load with nodal vectors on which it acts.
     fn loads() -> [(FollowerLoad, Vec<Vec3>); 3] {
         let moment = Vec3::new(0.3, -1.0, 0.5);
         let edge = vec![Vec3::new(0.1, 0.2, 0.3), Vec3::new(0.9, -0.3, 0.7), Vec3::new(0.3, 0.4, 1.1)];

@@ -1,7 +1,8 @@
-//! Formulas in `t`, with their derivatives, and what is wrong with those that are none.
+//! Amplitude formulas in `t`: evaluation with first and second derivatives, and messages for invalid formulas.
 //!
-//! A formula becomes a short program over numbers that carry their derivatives; nothing is differentiated as text, so
-//! time and memory grow with the length of the formula only.
+//! A formula is compiled to a short program, which is evaluated on numbers that carry their derivatives (forward
+//! automatic differentiation). Nothing is differentiated symbolically, so time and memory grow with the length of the
+//! formula only.
 
 mod jet;
 mod parse;
@@ -11,14 +12,14 @@ use parse::{Instruction, LONGEST, evaluate, parse};
 
 use super::TimeFunction;
 
-/// A formula in `t`, ready to be evaluated.
+/// Formula in `t`, compiled for evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Formula {
     program: Box<[Instruction]>,
 }
 
 impl Formula {
-    /// Value at a time; NaN where it has none.
+    /// Value at a time; NaN where the formula is undefined.
     pub fn value(&self, t: f64) -> f64 {
         evaluate(&self.program, t)
     }
@@ -38,10 +39,10 @@ impl Formula {
     }
 }
 
-/// Reads a formula.
+/// Parses a formula.
 ///
 /// # Errors
-/// What is wrong with it and what to do.
+/// The text is not a valid formula: description of the mistake, and remedy.
 pub(super) fn read(text: &str) -> Result<TimeFunction, (String, String)> {
     let remedy = || {
         let names: Vec<&str> = Function::NAMED.iter().map(|(name, _)| *name).collect();
@@ -75,7 +76,7 @@ pub(super) fn read(text: &str) -> Result<TimeFunction, (String, String)> {
     }
 }
 
-/// The formula as a message shows it: whole, or its beginning.
+/// Formula as quoted in messages: whole, or its beginning.
 fn quoted(text: &str) -> String {
     const SHOWN: usize = 200;
     match text.char_indices().nth(SHOWN) {

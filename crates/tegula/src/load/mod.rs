@@ -1,4 +1,4 @@
-//! Loads: functions of time, constant nodal forces, forces that follow the motion.
+//! Loads: amplitudes, constant nodal forces, follower loads.
 
 pub mod amplitude;
 mod breaks;

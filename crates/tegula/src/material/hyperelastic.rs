@@ -5,18 +5,18 @@
 //! ψ = μ/2 (I1 − 3) − μ ln J + λ/2 (ln J)²                                    coupled
 //! ```
 //!
-//! The split form lets a large bulk modulus κ mean "nearly incompressible" and nothing else. G. A. Holzapfel,
-//! *Nonlinear Solid Mechanics*, Wiley 2000, Sects. 6.4–6.6. Differences such as `1 − C⁻¹ = 2C⁻¹E` are formed from
-//! the strain, so that small strains keep their digits.
+//! In the isochoric–volumetric split form a large bulk modulus κ means "nearly incompressible" and nothing else. G. A.
+//! Holzapfel, *Nonlinear Solid Mechanics*, Wiley 2000, Sects. 6.4–6.6. Differences such as `1 − C⁻¹ = 2C⁻¹E` are formed
+//! from the strain, so that small strains keep their digits.
 
 use nalgebra::{Matrix3, Matrix6, Vector6};
 
 use super::{PAIRS, Response, Strain, components, tensor};
 
-/// A hyperelastic law.
+/// Hyperelastic law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Hyperelastic {
-    /// Mooney–Rivlin with isochoric split; neo-Hooke for c01 = 0, μ = 2 (c10 + c01).
+    /// Mooney–Rivlin with isochoric–volumetric split; neo-Hooke for c01 = 0, μ = 2 (c10 + c01).
     Split {
         /// c10 [force/area].
         c10: f64,
@@ -25,7 +25,7 @@ pub enum Hyperelastic {
         /// Bulk modulus κ [force/area].
         bulk: f64,
     },
-    /// Neo-Hooke without split.
+    /// Neo-Hooke without isochoric–volumetric split.
     Coupled {
         /// Shear modulus μ [force/area].
         mu: f64,
@@ -47,7 +47,7 @@ pub enum NeoHookeanForm {
     Coupled,
 }
 
-/// Invariants of a strain without cancellation.
+/// Invariants of a strain, computed without cancellation.
 struct Invariants {
     e: Matrix3<f64>,
     /// C⁻¹.
@@ -74,7 +74,7 @@ impl Invariants {
             return None;
         }
         let c = Matrix3::identity() + e * 2.0;
-        // A strain with det C > 0 may still be turned inside out twice; a real one has positive stretches.
+        // det C > 0 also holds if two eigenvalues of C are negative; a deformation has a positive definite C.
         c.cholesky()?;
         let inverse = c.try_inverse()?;
         let log = 0.5 * change.ln_1p();
@@ -112,7 +112,7 @@ impl Hyperelastic {
         let (stress, tangent, energy) = match *self {
             Self::Split { c10, c01, bulk } => {
                 let j = 1.0 + v.volume;
-                // J^(−2/3) and J^(−4/3), and how far they are from 1.
+                // J^(−2/3) and J^(−4/3), and their differences from 1.
                 let (p, q) = ((-2.0 / 3.0 * v.log).exp(), (-4.0 / 3.0 * v.log).exp());
                 let (p1, q1) = ((-2.0 / 3.0 * v.log).exp_m1(), (-4.0 / 3.0 * v.log).exp_m1());
                 let (i1, i2) = (3.0 + 2.0 * v.trace, 3.0 + v.i2);

@@ -20,7 +20,7 @@ pub fn isotropic(young: f64, poisson: f64) -> Matrix6<f64> {
     c
 }
 
-/// Plane stress of an isotropic material: `E/(1−ν²) [1 ν 0; ν 1 0; 0 0 (1−ν)/2]`.
+/// Plane-stress stiffness of an isotropic material: `E/(1−ν²) [1 ν 0; ν 1 0; 0 0 (1−ν)/2]`.
 pub fn isotropic_plane_stress(young: f64, poisson: f64) -> Matrix3<f64> {
     let nu = poisson;
     Matrix3::new(1.0, nu, 0.0, nu, 1.0, 0.0, 0.0, 0.0, 0.5 * (1.0 - nu)) * (young / (1.0 - nu * nu))
@@ -62,7 +62,7 @@ impl Orthotropy {
         self.shear.iter().all(|g| *g > 0.0) && unit.symmetric_eigenvalues().min() > 1e-9
     }
 
-    /// Three-dimensional stiffness; zero if the constants have no inverse.
+    /// Three-dimensional stiffness; zero if the compliance is singular.
     pub fn stiffness(&self) -> Matrix6<f64> {
         let mut c = Matrix6::zeros();
         let Some(normal) = self.compliance().try_inverse() else { return c };

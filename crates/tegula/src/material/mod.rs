@@ -1,8 +1,8 @@
-//! Materials at a point: strain in, stress and tangent out, as pure functions.
+//! Constitutive laws at a material point: stress and tangent as pure functions of strain and history variables.
 //!
-//! Strains are Green–Lagrange's, stresses the second of Piola and Kirchhoff, in an orthonormal frame of the
-//! reference configuration; components are ordered xx, yy, xy, zz, xz, yz with engineering shear strains.
-//! What a material remembers is given to it and handed back; nothing is stored here.
+//! Strains are Green–Lagrange strains, stresses second Piola–Kirchhoff stresses, in an orthonormal frame of the
+//! reference configuration; components are ordered xx, yy, xy, zz, xz, yz with engineering shear strains. The caller
+//! passes history variables in and receives the updated ones; nothing is stored here.
 
 pub mod hyperelastic;
 pub mod linear;
@@ -19,15 +19,15 @@ pub type Strain = Vector6<f64>;
 /// Stress xx, yy, xy, zz, xz, yz [force/area].
 pub type Stress = Vector6<f64>;
 
-/// Rows and columns of the six components.
+/// Tensor indices (row, column) of the six components.
 pub(crate) const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (0, 1), (2, 2), (0, 2), (1, 2)];
 
-/// Answer of a material.
+/// Response of a material: stress, tangent and energies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response {
-    /// Stress S.
+    /// Second Piola–Kirchhoff stress S.
     pub stress: Stress,
-    /// ∂S/∂E, symmetric.
+    /// Consistent tangent ∂S/∂E, symmetric.
     pub tangent: Matrix6<f64>,
     /// Stored energy per reference volume.
     pub energy: f64,
@@ -35,21 +35,22 @@ pub struct Response {
     pub dissipation: f64,
 }
 
-/// A material law.
+/// Material law.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Law {
-    /// `S = C E`.
+    /// Linear elastic (St. Venant–Kirchhoff): `S = C E`.
     Linear(Box<Matrix6<f64>>),
-    /// Hyperelastic, isotropic.
+    /// Isotropic hyperelastic.
     Hyperelastic(Hyperelastic),
-    /// Plastic with von Mises' yield condition.
+    /// Von Mises (J2) plasticity.
     Plastic(Plasticity),
-    /// The same under plane stress: only xx, yy and xy act; zz and transverse shear are linear and uncoupled.
+    /// Von Mises plasticity under plane stress: only xx, yy and xy yield; zz and transverse shear are linear and
+    /// uncoupled.
     PlaneStressPlastic(Plasticity),
 }
 
 impl Law {
-    /// Number of internal variables.
+    /// Number of internal (history) variables.
     pub fn history(&self) -> usize {
         match self {
             Self::Linear(_) | Self::Hyperelastic(_) => 0,
@@ -62,8 +63,9 @@ impl Law {
         matches!(self, Self::Linear(_))
     }
 
-    /// Stress, tangent and energies for a strain; `updated` receives the internal variables that go with it.
-    /// `None` where the law has no answer: no volume is left, or the return to the yield surface does not converge.
+    /// Stress, tangent and energies for a strain; `updated` receives the internal variables that belong to it. `None`
+    /// where the law cannot be evaluated: `C = 1 + 2E` is not positive definite, or the return mapping does not
+    /// converge.
     pub fn respond(&self, strain: &Strain, committed: &[f64], updated: &mut [f64]) -> Option<Response> {
         match self {
             Self::Linear(c) => {

@@ -1,18 +1,19 @@
-//! Plasticity under plane stress, for layers of shells that work with resultants.
+//! Von Mises plasticity under plane stress, for the layers of shells that work with stress resultants.
 //!
-//! ε_zz is found so that σ_zz of the three-dimensional law vanishes, and eliminated from the tangent. Transverse
-//! shear does not take part in yielding: shells with resultants carry it by their shear stiffness.
+//! A local Newton iteration finds ε_zz with σ_zz = 0 in the three-dimensional law, and static condensation eliminates
+//! it from the tangent. Transverse shear takes no part in yielding: shells with stress resultants carry it by their
+//! shear stiffness.
 
 use nalgebra::Matrix6;
 
 use super::plasticity::Plasticity;
 use super::{Response, Strain};
 
-/// Iterations for ε_zz.
+/// Largest number of Newton iterations for ε_zz.
 const MAX_ITERATIONS: usize = 60;
 const ZZ: usize = 3;
 
-/// Answer for the strains xx, yy, 2xy; the components zz, xz, yz respond linearly with E and G.
+/// Response to the strains xx, yy, 2xy; the components zz, xz, yz respond linearly with E and G.
 pub(super) fn respond(
     law: &Plasticity,
     strain: &Strain,
@@ -23,7 +24,7 @@ pub(super) fn respond(
     let plastic = |i: usize| committed.get(i).copied().unwrap_or(0.0);
     let mut inner = Strain::zeros();
     inner.fixed_rows_mut::<3>(0).copy_from(&strain.fixed_rows::<3>(0));
-    // The elastic answer to begin with.
+    // Initial value: elastic response.
     inner[ZZ] = plastic(ZZ) - nu / (1.0 - nu) * (inner[0] - plastic(0) + inner[1] - plastic(1));
     let mut close = false;
     for _ in 0..MAX_ITERATIONS {
@@ -52,7 +53,7 @@ pub(super) fn respond(
         if !inner[ZZ].is_finite() {
             return None;
         }
-        // Quadratic near the solution: one more correction and nothing is left.
+        // Quadratic convergence: after one more correction the error is below round-off.
         let size = inner.fixed_rows::<4>(0).amax();
         close = step.abs() <= 1e-12 * size || size == 0.0;
     }

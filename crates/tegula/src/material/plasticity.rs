@@ -1,26 +1,26 @@
-//! Plasticity with von Mises' yield condition, isotropic and kinematic hardening.
+//! Von Mises (J2) plasticity with isotropic and kinematic hardening.
 //!
 //! ```text
 //! S = C (E − Ep),   f = |dev S − β| − √(2/3) σ_y(p),
 //! σ_y(p) = y₀ + H p + (y∞ − y₀)(1 − exp(−δ p)),   β̇ = ⅔ H_k Ėp
 //! ```
 //!
-//! Green–Lagrange strains are split additively, which holds for any rotation and for strains that are small (a few
-//! percent). Return mapping along the radius with its consistent tangent: J. C. Simo, T. J. R. Hughes,
-//! *Computational Inelasticity*, Springer 1998, Box 3.2.
+//! The Green–Lagrange strain splits additively into elastic and plastic parts, which holds for arbitrary rotations and
+//! small strains (a few percent). Radial return mapping with the consistent tangent: J. C. Simo, T. J. R.
+//! Hughes, *Computational Inelasticity*, Springer 1998, Box 3.2.
 
 use nalgebra::{Matrix6, Vector6};
 
 use super::{Response, Strain};
 
-/// Internal variables: plastic strain (tensor components, 6), back stress (6), equivalent plastic strain.
+/// Number of internal variables: plastic strain (tensor components, 6), back stress (6), equivalent plastic strain.
 pub const HISTORY: usize = 13;
-/// Place of the equivalent plastic strain.
+/// Index of the equivalent plastic strain among the internal variables.
 pub const EQUIVALENT: usize = 12;
-/// Excess over the yield stress that is nothing but rounding.
+/// Relative excess over the yield stress that counts as round-off.
 const ROUNDING: f64 = 1e-11;
 
-/// The material.
+/// Elastoplastic material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plasticity {
     /// Young's modulus E [force/area].
@@ -99,8 +99,8 @@ impl Plasticity {
 
         let (mut slip, mut normal, mut tangent) =
             (0.0, Vector6::zeros(), ones * bulk + identity * (2.0 * mu));
-        // A state that has yielded lies on the yield surface but for rounding, which must not choose its tangent: it is
-        // the elastic one until the strain goes on.
+        // A yielded state lies on the yield surface up to round-off, which must not select its tangent: the tangent is
+        // elastic until the strain continues.
         if excess > ROUNDING * root * self.yield_at(p).0 {
             slip = self.slip(size, p, mu)?;
             normal = relative / size;
@@ -136,12 +136,13 @@ impl Plasticity {
         })
     }
 
-    /// Plastic slip Δγ that brings a relative stress of a size back to the yield surface.
+    /// Plastic multiplier Δγ that returns a relative stress of norm `size` to the yield surface; `None` if Newton's
+    /// method does not converge.
     fn slip(&self, size: f64, p: f64, mu: f64) -> Option<f64> {
         let root = (2.0_f64 / 3.0).sqrt();
         let stiffness = 2.0 * mu + 2.0 / 3.0 * self.kinematic;
         let mut slip = 0.0;
-        // Convex and falling: Newton's method comes from the left and stays there.
+        // The residual is convex and decreasing: Newton's method converges monotonically from the left.
         for _ in 0..60 {
             let (stress, slope) = self.yield_at(p + root * slip);
             let f = size - stiffness * slip - root * stress;
@@ -150,7 +151,7 @@ impl Plasticity {
             if !slip.is_finite() {
                 return None;
             }
-            // A residual of rounding, or a correction that no longer counts.
+            // Converged: the residual is round-off, or the correction is negligible.
             if f.abs() <= 4.0 * f64::EPSILON * size || step.abs() <= 1e-14 * slip.abs() {
                 return Some(slip);
             }

@@ -1,9 +1,9 @@
-//! What to compute: static, modal, transient.
+//! Analyses of the model file: static, modal, transient.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What to compute.
+/// Analysis to run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "kebab-case")]
 pub enum Analysis {

@@ -1,4 +1,4 @@
-//! What can be wrong with a model, found all at once and said for people.
+//! Checks of a model: all mistakes are found at once and told for people.
 
 use std::collections::BTreeMap;
 

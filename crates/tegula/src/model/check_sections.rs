@@ -1,4 +1,4 @@
-//! What can be wrong with sections: missing values, layups, and what an element type cannot do.
+//! Checks of sections: missing values, layups, and materials that an element type cannot take.
 
 use super::checker::Checker;
 use super::{Analysis, Material, Membrane, Model, PrescribedStrain, Scheme, Section};
@@ -173,7 +173,7 @@ fn layers(model: &Model, s: &Section, key: &str, c: &mut Checker) {
     }
 }
 
-/// What the element cannot do with a material.
+/// Reports a material that the element type cannot take.
 fn ability(model: &Model, s: &Section, key: &str, name: &str, material: &Material, c: &mut Checker) {
     let element = registry::shell(s, s.whole_thickness().max(f64::MIN_POSITIVE));
     let (word, kind) = (element.name(), material.kind());

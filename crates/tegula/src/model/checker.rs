@@ -6,7 +6,7 @@ use crate::Issue;
 /// Largest positive quantity, and the inverse of the smallest one: three of them may be multiplied.
 const LARGEST: f64 = 1e100;
 
-/// What was found wrong so far.
+/// Mistakes found so far.
 #[derive(Default)]
 pub(super) struct Checker {
     pub(super) issues: Vec<Issue>,

@@ -18,7 +18,7 @@ const CELL: f64 = 1e-9;
 /// An element as seen from its own frame.
 struct Shape {
     numbers: Vec<f64>,
-    /// What differences may be rounding.
+    /// Largest difference that counts as rounding.
     tolerance: f64,
 }
 
@@ -66,9 +66,9 @@ type Key = (Vec<i64>, Vec<bool>);
 /// A shape that was not met before.
 pub(super) struct NewShape(Key, Shape);
 
-/// What is known of the shape of an element.
+/// Congruence of an element with those seen before.
 pub(super) enum Likeness {
-    /// That of an earlier element.
+    /// Congruent with the earlier element of this number.
     Like(usize),
     /// Not met before.
     New(NewShape),

@@ -1,4 +1,4 @@
-//! What can be wrong with the amplitudes of a model, over the whole course of its analysis.
+//! Checks of the amplitudes of a model over the whole time of its analysis.
 
 use super::{Amplitude, Analysis, Condition, Load, Model};
 use crate::Issue;

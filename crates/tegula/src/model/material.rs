@@ -267,7 +267,7 @@ impl Material {
         }
     }
 
-    /// What is wrong with its values.
+    /// Mistakes in its values.
     pub fn issues(&self, key: &str) -> Vec<Issue> {
         let mut c = super::checker::Checker::default();
         let poisson = |c: &mut super::checker::Checker, nu: f64| {

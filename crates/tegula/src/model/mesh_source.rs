@@ -29,7 +29,7 @@ pub enum MeshSource {
     Gmsh(GmshMesh),
 }
 
-/// What all generators share.
+/// Grid of elements, common to all generators.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Grid {
@@ -200,7 +200,7 @@ impl GmshMesh {
 }
 
 impl MeshSource {
-    /// What the model says of nodes that coincide without being connected.
+    /// Key `merge_coincident`: whether coincident nodes are merged.
     pub fn merge_coincident(&self) -> Option<bool> {
         match self {
             Self::Plate(m) => m.grid.merge_coincident,

@@ -1,4 +1,4 @@
-//! What the user says: plain data, read from a model file or built in code.
+//! The model as plain data, read from a model file or built in code.
 //!
 //! Every type here is both the Rust interface and the model-file format: the
 //! keys of the TOML file are the field names, the JSON Schema is derived from
@@ -46,7 +46,7 @@ pub struct Model {
     /// One line that says what the model is; it appears in results and pictures.
     #[serde(default)]
     pub title: String,
-    /// What to compute.
+    /// Analysis to run.
     pub analysis: Analysis,
     /// The mid-surface: a generator or a mesh file.
     pub mesh: MeshSource,
@@ -75,7 +75,7 @@ pub struct Model {
     /// Functions of time by name, used by loads and prescribed motions.
     #[serde(default)]
     pub amplitudes: BTreeMap<String, Amplitude>,
-    /// What to write.
+    /// Results to write.
     #[serde(default)]
     pub output: Output,
 }
@@ -200,7 +200,7 @@ pub enum ElementKind {
     /// Shear-deformable bilinear shell of the absolute nodal coordinate formulation, elastic middle surface.
     #[default]
     Ems,
-    /// The same nodes with three-dimensional stresses integrated over the thickness.
+    /// `ems` with three-dimensional stresses integrated over the thickness: continuum mechanics based shell.
     Cm,
     /// Bilinear shell with directors of unit length (MITC4 with enhanced membrane strains).
     Mitc4,
@@ -274,7 +274,7 @@ pub struct Damping {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "kebab-case")]
 pub enum Amplitude {
-    /// The same value at all times.
+    /// One value at all times.
     Constant(ConstantAmplitude),
     /// From 0 at `start` linearly to 1 at `end`, constant before and after.
     Ramp(RampAmplitude),
@@ -284,7 +284,7 @@ pub enum Amplitude {
     Expression(ExpressionAmplitude),
 }
 
-/// The same value at all times.
+/// One value at all times.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ConstantAmplitude {
@@ -321,7 +321,7 @@ pub struct ExpressionAmplitude {
     pub expression: String,
 }
 
-/// What a run writes.
+/// Results that a run writes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Output {

@@ -259,7 +259,7 @@ impl Elements {
             if section.membrane.is_none() && section.eas && compiled.has_rubber() {
                 section.membrane = Some(Membrane::AssumedShear);
             }
-            let element = registry::shell(&section, compiled.thickness);
+            let element = registry::shell_of(&section, compiled.thickness, compiled.has_rubber());
             self.section(model, &section, compiled, element, &quads, (mesh, directors, vectors), issues);
         }
     }

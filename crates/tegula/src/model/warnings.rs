@@ -1,4 +1,4 @@
-//! What is most likely not meant, though it can be computed.
+//! Warnings: models that can be computed but are most likely not meant.
 
 use std::collections::BTreeSet;
 

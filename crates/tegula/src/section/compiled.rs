@@ -1,4 +1,5 @@
-//! A section of the model, ready to give its elements their energy.
+//! Compiled section of the model: layers, material laws and section stiffness, which give the elements their
+//! integration points.
 
 use nalgebra::{DMatrix, DVector, Matrix6, SMatrix, SVector, Vector3, Vector6};
 
@@ -12,7 +13,7 @@ use crate::material::Law;
 use crate::model::{Material, PrescribedStrain};
 use crate::{Mat3, Vec3};
 
-/// A layer of one material.
+/// Layer of one material.
 #[derive(Debug, Clone)]
 pub struct Layer {
     /// Height of its lower side (length).
@@ -25,14 +26,14 @@ pub struct Layer {
     pub name: String,
     /// Material.
     pub material: Material,
-    /// Number of its law in [`CompiledSection::laws`] where it is not linear.
+    /// Index of its law in [`CompiledSection::laws`] where its material is not linear.
     pub law: Option<usize>,
     /// Heights and weights of its integration points.
     pub points: Vec<(f64, f64)>,
 }
 
 impl Layer {
-    /// A layer with its integration points.
+    /// Layer with its integration points: Gauss–Lobatto rule if they include the `ends`, otherwise Gauss–Legendre rule.
     pub fn new(
         name: &str,
         material: &Material,
@@ -47,49 +48,49 @@ impl Layer {
         Self { bottom, top, angle, name: name.into(), material: material.clone(), law: None, points }
     }
 
-    /// ∫1 dz, ∫z dz, ∫z² dz.
+    /// Moments ∫1 dz, ∫z dz, ∫z² dz of the layer.
     pub fn moments(&self) -> [f64; 3] {
         let (a, b) = (self.bottom, self.top);
         [b - a, 0.5 * (b * b - a * a), (b * b * b - a * a * a) / 3.0]
     }
 }
 
-/// A section of the model with its materials.
+/// Section of the model with its material laws.
 #[derive(Debug, Clone)]
 pub struct CompiledSection {
-    /// Whole thickness (length).
+    /// Total thickness (length).
     pub thickness: f64,
     /// Layers from the bottom to the top.
     pub layers: Vec<Layer>,
-    /// Laws that are not linear; empty if all are.
+    /// Nonlinear material laws; empty if all materials are linear.
     pub laws: Vec<Law>,
     /// Inertia per area.
     pub inertia: SectionInertia,
     /// Direction that layer angles are measured from; its projection on the surface is taken.
     pub direction: Vec3,
-    /// Stiffness of the whole section in the axes of `direction`.
+    /// Section stiffness in the axes of `direction`.
     pub resultant: Resultant,
-    /// Factors of the transverse shear stiffness of three-dimensional materials.
+    /// Shear correction factors of three-dimensional materials.
     pub shear_factors: [f64; 2],
     /// Coefficient α of [`Self::shear_reduction`].
     pub shear_stabilization: f64,
-    /// True if every layer is the same in all directions of the surface.
+    /// True if every layer is isotropic in the surface.
     pub isotropic: bool,
 }
 
-/// Stiffness per area of a section.
+/// Section stiffness per area.
 #[derive(Debug, Clone)]
 pub enum Resultant {
-    /// The same in all directions.
+    /// Isotropic in the surface.
     Isotropic(SectionStiffness),
-    /// A stack of layers.
+    /// Laminate: a stack of layers.
     Laminate(Laminate),
-    /// None: the materials have three-dimensional stresses only; the modulus stands for them where an estimate will do.
+    /// No section stiffness: the materials have three-dimensional stresses only; the value ∫E3 dz serves for estimates.
     None(f64),
 }
 
 impl Resultant {
-    /// Stiffness in axes from which the section's direction is at an angle.
+    /// Section stiffness in axes from which the section's direction is rotated by `turn` (rad).
     pub fn at(&self, turn: f64) -> SectionStiffness {
         match self {
             Self::Isotropic(s) => s.clone(),
@@ -98,7 +99,7 @@ impl Resultant {
         }
     }
 
-    /// Stiffness of the director's stretch, ∫E3 dz.
+    /// Stiffness of the thickness stretch, ∫E3 dz.
     pub fn stretch(&self) -> f64 {
         match self {
             Self::Isotropic(s) => s.thickness,
@@ -149,16 +150,17 @@ impl CompiledSection {
         Ok(self.turn(frame)? + layer.angle)
     }
 
-    /// Stiffness of a layer of an element in plane stress, with E in zz and its shear moduli.
+    /// Stiffness of a layer of an element in plane stress, with E in zz and the reduced transverse shear moduli.
     pub fn stiffness_plane(&self, layer: &Layer, turn: f64, g: &ShellGeometry) -> Matrix6<f64> {
         let mut c = plane_stress_3d(&layer.material, turn);
         c.view_mut((4, 4), (2, 2)).scale_mut(self.shear_reduction(g));
         c
     }
 
-    /// Factor `h²/(h² + α l²)` of the transverse shear stiffness of an element that works with resultants; l is its
-    /// longest edge. Where elements are longer than the sheet is thick, it takes off what an element cannot follow of
-    /// the layers at free edges, whose width is of the order of h; with l/h it tends to 1.
+    /// Stabilisation factor `h²/(h² + α l²)` of the transverse shear stiffness of an element that works with stress
+    /// resultants; l is its longest edge. Where elements are longer than the shell is thick, it removes what an element
+    /// cannot resolve of the boundary layers at free edges, whose width is of the order of h; it tends to 1 as l/h
+    /// tends to 0.
     ///
     /// M. Lyly, R. Stenberg, T. Vihinen, *A stable bilinear element for the Reissner–Mindlin plate model*, Comput.
     /// Methods Appl. Mech. Eng. 110 (1993) 343–357.
@@ -168,7 +170,7 @@ impl CompiledSection {
         h2 / (h2 + self.shear_stabilization * edges.fold(0.0, f64::max))
     }
 
-    /// Prescribed strain at a height, where it is a strain; nothing for prescribed stresses.
+    /// Prescribed strain of a layer at the height `z`; a prestress σ counts as the strain −C⁻¹σ.
     ///
     /// # Errors
     /// A direction is normal to the surface there.
@@ -188,7 +190,8 @@ impl CompiledSection {
         if self.isotropic { Ok(0.0) } else { Self::angle(frame, &self.direction) }
     }
 
-    /// The terms of an element's energy; `prescribed` holds the fields of prescribed strain that act on it.
+    /// Integration points of an element, the terms of its energy; `prescribed` holds the prescribed strain fields that
+    /// act on it.
     ///
     /// # Errors
     /// The geometry is invalid; the text says how.
@@ -221,7 +224,7 @@ impl CompiledSection {
         Ok(out)
     }
 
-    /// Three-dimensional stresses at the integration points over the thickness.
+    /// Adds integration points over the thickness with three-dimensional stresses.
     fn over_thickness(
         &self,
         element: &dyn ShellElement,
@@ -242,7 +245,8 @@ impl CompiledSection {
         Ok(())
     }
 
-    /// Resultants of the section; layers that are not linear are integrated in plane stress.
+    /// Adds an integration point with the section stiffness. If a layer is not linear, this point has transverse shear
+    /// and thickness stiffness only, and the layers are integrated over the thickness in plane stress.
     fn with_resultants(
         &self,
         element: &dyn ShellElement,
@@ -256,7 +260,7 @@ impl CompiledSection {
         let above = element.operator(g, point, 1.0)?;
         let turn = self.turn(&middle.frame)?;
         let mut stiffness = resultants(&self.resultant.at(turn));
-        // Second moment of the transverse shear stiffness, as if it were even over the thickness.
+        // Second moment of the transverse shear stiffness, as if it were uniform over the thickness.
         let shear_moment = stiffness.fixed_view::<2, 2>(4, 4)
             * (self.thickness * self.thickness / 12.0 * ShellGeometry::SHORT_SHARE);
         stiffness.view_mut((4, 4), (2, 2)).scale_mut(self.shear_reduction(g));
@@ -294,7 +298,7 @@ impl CompiledSection {
                 Some(p) => {
                     let mut strain = self.resultant_strain(p, &middle.frame, turn, &stiffness, linear)?;
                     if element.unit_directors() {
-                        // What keeps its length does not take part in the stretch of the thickness.
+                        // Inextensible directors take no part in the thickness stretch.
                         strain[3] = 0.0;
                     }
                     Ok(strain.resize_vertically(rows, 0.0))
@@ -327,7 +331,7 @@ impl CompiledSection {
         Ok(())
     }
 
-    /// A point of a layer at the height `z`, of which the first `components` strains belong to the layer.
+    /// Integration point of a layer at the height `z`; prescribed strains act on its first `components` strains.
     fn layer_station(
         &self,
         layer: &Layer,
@@ -355,7 +359,8 @@ impl CompiledSection {
         })
     }
 
-    /// Stiffness of a layer (at the reference) in axes that its first axis is turned from.
+    /// Three-dimensional stiffness of a layer at zero strain, in axes from which its first axis is rotated by `turn`,
+    /// with shear correction factors.
     pub fn stiffness_3d(&self, layer: &Layer, turn: f64) -> Matrix6<f64> {
         let law = layer.material.law_3d();
         let mut zero = [0.0; 16];
@@ -376,7 +381,7 @@ impl CompiledSection {
         c
     }
 
-    /// Prescribed strain at a height.
+    /// Prescribed strain of a layer at the height `z`; a prestress σ counts as the strain −C⁻¹σ.
     fn strain_3d(
         &self,
         prescribed: &PrescribedStrain,
@@ -406,7 +411,7 @@ impl CompiledSection {
         Ok(DVector::from_column_slice(strain.as_slice()))
     }
 
-    /// Prescribed strain of the resultants ε, ε_zz, γ, κ.
+    /// Prescribed section strains ε, ε_zz, γ, κ, conjugate to the stress resultants.
     fn resultant_strain(
         &self,
         prescribed: &PrescribedStrain,
@@ -455,7 +460,7 @@ impl CompiledSection {
     }
 }
 
-/// Matrix of resultants (n, n_zz, q, m) from (ε, ε_zz, γ, κ).
+/// Section stiffness matrix: stress resultants (n, n_zz, q, m) from (ε, ε_zz, γ, κ).
 pub fn resultants(section: &SectionStiffness) -> SMatrix<f64, 9, 9> {
     let mut d = SMatrix::<f64, 9, 9>::zeros();
     d.fixed_view_mut::<3, 3>(0, 0).copy_from(&section.membrane);
@@ -471,7 +476,7 @@ fn dynamic<const N: usize>(m: &SMatrix<f64, N, N>) -> DMatrix<f64> {
     DMatrix::from_column_slice(N, N, m.as_slice())
 }
 
-/// Plane stress in xx, yy, xy; E in zz, no coupling; shear moduli.
+/// Stiffness of a material: plane stress in xx, yy, xy; uncoupled E in zz and transverse shear moduli.
 fn plane_stress_3d(material: &Material, turn: f64) -> Matrix6<f64> {
     let mut out = Matrix6::zeros();
     let Some((plane, shear, thickness)) = material.plane_stress() else { return out };
@@ -486,7 +491,7 @@ fn plane_stress_3d(material: &Material, turn: f64) -> Matrix6<f64> {
     out
 }
 
-/// Thermal expansion in axes that the material's first axis is turned from.
+/// Thermal expansion in axes from which the material's first axis is rotated by `turn`.
 fn expansion(material: &Material, turn: f64) -> Vector6<f64> {
     let [a1, a2, a3] = material.expansion();
     let plane = turned_strain(Vector3::new(a1, a2, 0.0), turn);
@@ -499,17 +504,17 @@ fn in_plane(v: &Vector3<f64>) -> Vector6<f64> {
     Vector6::new(v[0], v[1], v[2], 0.0, 0.0, 0.0)
 }
 
-/// Strains xx, yy, 2xy in the frame from those in axes turned by `angle` from it.
+/// Strains xx, yy, 2xy in the frame from those in axes rotated by `angle` from it.
 pub fn turned_strain(e: Vector3<f64>, angle: f64) -> Vector3<f64> {
     strain_turn(-angle) * e
 }
 
-/// Stresses xx, yy, xy in the frame from those in axes turned by `angle` from it.
+/// Stresses xx, yy, xy in the frame from those in axes rotated by `angle` from it.
 pub fn turned_stress(s: Vector3<f64>, angle: f64) -> Vector3<f64> {
     strain_turn(angle).transpose() * s
 }
 
-/// Strains xx, yy, 2xy, zz, 2xz, 2yz along axes turned by an angle about z.
+/// Transformation of the strains xx, yy, 2xy, zz, 2xz, 2yz to axes rotated by `angle` about z.
 fn turn_3d(angle: f64) -> Matrix6<f64> {
     let mut t = Matrix6::identity();
     t.fixed_view_mut::<3, 3>(0, 0).copy_from(&strain_turn(angle));

@@ -1,6 +1,6 @@
-//! Failure of a ply in plane stress: Tsai–Wu and maximum stress.
+//! First-ply failure in plane stress: Tsai–Wu and maximum-stress criteria.
 //!
-//! Stresses are those of ply axes: σ11, σ22, τ12. First failure only; nothing is degraded.
+//! Stresses are in ply axes: σ11, σ22, τ12. The criteria mark first failure only, without degradation.
 
 use nalgebra::Vector3;
 use schemars::JsonSchema;
@@ -51,7 +51,7 @@ impl Strengths {
         Self { xt, xc, yt, yc, s12, tsai_wu_interaction: interaction() }
     }
 
-    /// What is wrong with the values: pairs of the key and what it must be.
+    /// Invalid values: pairs of the key and the condition that it must meet.
     pub fn mistakes(&self) -> Vec<(&'static str, &'static str)> {
         let sizes = [("xt", self.xt), ("xc", self.xc), ("yt", self.yt), ("yc", self.yc), ("s12", self.s12)];
         let mut out: Vec<_> = sizes
@@ -70,7 +70,7 @@ impl Strengths {
         out
     }
 
-    /// The Tsai–Wu index f; failure at 1:
+    /// Tsai–Wu index f; failure at 1:
     ///
     /// ```text
     /// f = F1 σ1 + F2 σ2 + F11 σ1² + F22 σ2² + F66 τ12² + 2 F12 σ1 σ2
@@ -90,12 +90,12 @@ impl Strengths {
     pub fn tsai_wu_reserve(&self, stress: &Vector3<f64>) -> f64 {
         let (b, a) = self.tsai_wu_terms(stress);
         let root = (b * b + 4.0 * a).sqrt();
-        // Both are the positive root; each is taken where it does not cancel.
+        // Both expressions are the positive root; each is used where it does not cancel.
         if b >= 0.0 { 2.0 / (b + root) } else { (root - b) / (2.0 * a) }
     }
 
     fn tsai_wu_terms(&self, stress: &Vector3<f64>) -> (f64, f64) {
-        // Over the geometric means the coefficients neither overflow nor lose digits.
+        // Scaled by geometric means the coefficients neither overflow nor lose digits.
         let (x, y) = ((self.xt * self.xc).sqrt(), (self.yt * self.yc).sqrt());
         let (s1, s2, s6) = (stress[0] / x, stress[1] / y, stress[2] / self.s12);
         let linear =
@@ -103,8 +103,8 @@ impl Strengths {
         (linear, s1 * s1 + s2 * s2 + s6 * s6 + 2.0 * self.tsai_wu_interaction * s1 * s2)
     }
 
-    /// Maximum stress: the greatest ratio of a stress to its strength, failure at 1, and the mode it
-    /// belongs to. The index is proportional to the load; its inverse is the reserve factor.
+    /// Maximum-stress index: the greatest ratio of a stress to its strength, failure at 1, and its failure mode. The
+    /// index is proportional to the load; its inverse is the reserve factor.
     pub fn maximum_stress(&self, stress: &Vector3<f64>) -> (f64, FailureMode) {
         use FailureMode::*;
         let of = |s: f64, tension: (f64, FailureMode), compression: (f64, FailureMode)| {
@@ -174,7 +174,7 @@ mod tests {
 
     #[test]
     fn the_interaction_is_that_of_biaxial_stress() {
-        // Equal reserve in tension and compression: f = s1² + s2² + 2 F12* s1 s2 over the strengths.
+        // Equal strengths in tension and compression: f = s1² + s2² + 2 F12* s1 s2 over the strengths.
         let mut s = Strengths::new(10.0, 10.0, 2.0, 2.0, 1.0);
         let both = Vector3::new(10.0, 2.0, 0.0);
         assert!((s.tsai_wu(&both) - 1.0).abs() < 1e-12, "1 + 1 − 2·½");

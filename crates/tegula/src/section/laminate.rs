@@ -17,35 +17,35 @@ use super::ply::{Ply, shear_turn, strain_turn, turned_plane_stress, turned_shear
 use super::shear_correction::ShearProfile;
 use super::{SectionInertia, SectionStiffness};
 
-/// Why plies do not make a laminate.
+/// Errors in the definition of a laminate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LaminateError {
-    /// There is nothing to bond.
+    /// The laminate has no plies.
     #[error("a laminate needs at least one ply")]
     Empty,
-    /// A ply has values that no sheet can have.
+    /// A ply has invalid values.
     #[error("ply {} from the bottom: {what}", .ply + 1)]
     Ply {
         /// Index of the ply, from the bottom, counted from 0.
         ply: usize,
-        /// What is wrong with it and what it must be.
+        /// Description of the mistake and of the valid values.
         what: &'static str,
     },
-    /// Values of the whole laminate.
+    /// The laminate as a whole has invalid values.
     #[error("{0}")]
     Whole(&'static str),
 }
 
-/// Plies bonded to each other, from the bottom (against the director) to the top.
+/// Laminate: plies bonded to each other, from the bottom (against the director) to the top.
 ///
-/// The laminate has axes of its own: x along its 0° direction. How they lie in the cross-section frame
-/// is the argument `turn` of the functions.
+/// The laminate has axes of its own: x along its 0° direction. The argument `turn` of the methods is their angle in the
+/// cross-section frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Laminate {
     plies: Vec<Ply>,
-    /// Height of the bottom of each ply and of the top of the last above the laminate's middle (length).
+    /// Heights above the laminate mid-plane of the bottom of each ply and of the top of the last (length).
     heights: Vec<f64>,
-    /// Height of the laminate's middle above the reference surface (length).
+    /// Height of the laminate mid-plane above the reference surface (length).
     offset: f64,
     profile: ShearProfile,
     /// S in laminate axes [force/length].
@@ -61,27 +61,27 @@ pub struct PlyPoint {
     pub strain: Vector3<f64>,
     /// Stresses σ11, σ22, τ12 [force/area].
     pub stress: Vector3<f64>,
-    /// Transverse shear strains γ13, γ23, of the stresses below.
+    /// Transverse shear strains γ13, γ23 that belong to `shear_stress`.
     pub shear_strain: Vector2<f64>,
     /// Transverse shear stresses τ13, τ23 [force/area]; continuous through the thickness.
     pub shear_stress: Vector2<f64>,
 }
 
-/// Strains and stresses of one ply.
+/// Strains and stresses of one ply at its faces and its middle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlyState {
-    /// At the side against the director.
+    /// Bottom face of the ply (against the director).
     pub bottom: PlyPoint,
-    /// At half of the ply's thickness.
+    /// Middle of the ply's thickness.
     pub middle: PlyPoint,
-    /// At the side towards the director.
+    /// Top face of the ply (towards the director).
     pub top: PlyPoint,
 }
 
 impl Laminate {
-    /// Bonds plies, bottom to top; the reference surface is at half of the total thickness. The
-    /// transverse shear stiffness is the layup's own, from the equilibrium of cylindrical bending: it
-    /// contains its correction, and `S = 5/6 G h` for a homogeneous section.
+    /// Laminate of plies, bottom to top; the reference surface is at half of the total thickness. The transverse shear
+    /// stiffness follows from the equilibrium of cylindrical bending of the layup: it contains the shear correction,
+    /// and `S = 5/6 G h` for a homogeneous section.
     ///
     /// # Errors
     ///
@@ -105,8 +105,8 @@ impl Laminate {
         Ok(Self { plies, heights, offset: 0.0, profile, shear })
     }
 
-    /// Moves the laminate: its middle is at the height `offset` above the reference surface (length,
-    /// along the director). The bottom is the reference surface with half of the thickness.
+    /// Moves the laminate: its mid-plane is at the height `offset` above the reference surface (length, along the
+    /// director). With an offset of half the thickness the reference surface is the bottom face.
     ///
     /// # Errors
     ///
@@ -119,9 +119,9 @@ impl Laminate {
         Ok(self)
     }
 
-    /// Takes given correction factors c_xz, c_yz of the laminate axes instead of the layup's own:
-    /// `S = C (∫G dz) C` with `C = diag(√c_xz, √c_yz)`, which is `diag(c) ∫G dz` for cross-plies. 5/6 each
-    /// is common in the literature of first-order shear deformation theory.
+    /// Replaces the layup's own shear correction by given factors c_xz, c_yz in laminate axes: `S = C (∫G dz) C` with
+    /// `C = diag(√c_xz, √c_yz)`, which is `diag(c) ∫G dz` for cross-plies. 5/6 each is common in the literature of
+    /// first-order shear deformation theory.
     ///
     /// # Errors
     ///
@@ -145,17 +145,18 @@ impl Laminate {
         self.heights[self.plies.len()] - self.heights[0]
     }
 
-    /// Height of the laminate's middle above the reference surface (length).
+    /// Height of the laminate mid-plane above the reference surface (length).
     pub fn offset(&self) -> f64 {
         self.offset
     }
 
-    /// ∫G dz in laminate axes [force/length]: transverse shear stiffness of a constant strain.
+    /// Uncorrected transverse shear stiffness ∫G dz in laminate axes [force/length], of a shear strain constant over
+    /// the thickness.
     pub fn uncorrected_shear(&self) -> Matrix2<f64> {
         self.plies.iter().map(|p| turned_shear(&p.shear, p.angle) * p.thickness).sum()
     }
 
-    /// A, B, D, S and Z per reference area in the cross-section frame.
+    /// Section stiffness A, B, D, S and Z per reference area in the cross-section frame.
     ///
     /// `turn` is the angle from x of the frame to the laminate's 0° direction, about the director, from x
     /// towards y (rad). `Z = ∫E3 dz`: the director stretches by the same strain at every height.
@@ -184,7 +185,7 @@ impl Laminate {
         out
     }
 
-    /// ∫ρ dz, ∫ρ z dz and ∫ρ z² dz per reference area.
+    /// Section inertia ∫ρ dz, ∫ρ z dz and ∫ρ z² dz per reference area.
     pub fn inertia(&self) -> SectionInertia {
         let mut out = SectionInertia { mass: 0.0, coupling: 0.0, rotary: 0.0 };
         for (k, p) in self.plies.iter().enumerate() {
@@ -196,14 +197,13 @@ impl Laminate {
         out
     }
 
-    /// Strains and stresses of every ply, bottom to top, in ply axes, from the strains `membrane` ε,
-    /// `curvature` κ (engineering xy) and `shear` γ = (γ_xz, γ_yz) in the cross-section frame. `turn` as
-    /// in [`Laminate::stiffness`].
+    /// Strains and stresses of every ply, bottom to top, in ply axes, from the strains `membrane` ε, `curvature` κ
+    /// (engineering xy) and `shear` γ = (γ_xz, γ_yz) in the cross-section frame. For `turn` see
+    /// [`Laminate::stiffness`].
     ///
-    /// In the plane `ε(z) = ε − z κ` and `σ = Q ε(z)`. The transverse shear stress is that of
-    /// equilibrium in cylindrical bending under the resultants `q = S γ`: continuous, zero at both
-    /// faces, of the resultant q. It is far closer to the stress of the solid than `G γ`, which jumps
-    /// between plies.
+    /// In the plane `ε(z) = ε − z κ` and `σ = Q ε(z)`. The transverse shear stress is that of equilibrium in
+    /// cylindrical bending under the resultants `q = S γ`: continuous, zero at both faces, with the resultant q. It is
+    /// far closer to the three-dimensional stress than `G γ`, which jumps between plies.
     pub fn recover(
         &self,
         turn: f64,
@@ -218,7 +218,7 @@ impl Laminate {
                 let height = z + self.offset;
                 let strain = t * (membrane - curvature * height);
                 let shear_stress = r * self.profile.at(p, k, &self.heights, z) * resultant;
-                // Checked when the laminate was made: the shear moduli have an inverse.
+                // `Laminate::new` has checked that the shear moduli have an inverse.
                 let flexibility = p.shear.try_inverse().unwrap_or_else(Matrix2::zeros);
                 PlyPoint {
                     height,
@@ -234,7 +234,7 @@ impl Laminate {
         self.plies.iter().enumerate().map(state).collect()
     }
 
-    /// Height of the middle of ply k above the reference surface.
+    /// Height of the mid-plane of ply k above the reference surface.
     fn middle_of(&self, k: usize) -> f64 {
         0.5 * (self.heights[k] + self.heights[k + 1]) + self.offset
     }

@@ -1,4 +1,4 @@
-//! Through the thickness: stiffness and inertia of a section per area.
+//! Shell sections: stiffness and inertia per area, integrated through the thickness.
 
 pub mod compiled;
 pub mod failure;
@@ -14,7 +14,7 @@ use nalgebra::{Matrix2, Matrix3};
 use crate::model::Isotropic;
 pub use compiled::CompiledSection;
 
-/// Stiffness of a section per reference area: resultants from strains and curvatures,
+/// Section stiffness per reference area: stress resultants from strains and curvatures,
 ///
 /// ```text
 /// n = A ε + B κ      membrane [force/length]
@@ -48,7 +48,7 @@ pub struct SectionInertia {
 }
 
 impl SectionStiffness {
-    /// No stiffness.
+    /// Zero stiffness.
     pub fn zero() -> Self {
         Self {
             membrane: Matrix3::zeros(),
@@ -59,8 +59,8 @@ impl SectionStiffness {
         }
     }
 
-    /// A homogeneous isotropic section in plane stress (eqs. 24, 26):
-    /// `A = h D_p`, `D = h³/12 D_p`, `S = h G diag(c_xz, c_yz)`, `Z = h E`.
+    /// Stiffness of a homogeneous isotropic section in plane stress (eqs. 24, 26): `A = h D_p`, `D = h³/12 D_p`,
+    /// `S = h G diag(c_xz, c_yz)`, `Z = h E`.
     pub fn homogeneous(material: &Isotropic, thickness: f64, shear_correction: [f64; 2]) -> Self {
         let (e, nu, h) = (material.young, material.poisson, thickness);
         let plane_stress =
@@ -77,12 +77,12 @@ impl SectionStiffness {
 }
 
 impl SectionInertia {
-    /// The inertia times a factor.
+    /// Inertia times a factor.
     pub fn scaled(&self, factor: f64) -> Self {
         Self { mass: factor * self.mass, rotary: factor * self.rotary, coupling: factor * self.coupling }
     }
 
-    /// A homogeneous section: ρh and ρh³/12.
+    /// Inertia of a homogeneous section: ρh and ρh³/12.
     pub fn homogeneous(density: f64, thickness: f64) -> Self {
         Self { mass: density * thickness, rotary: density * thickness.powi(3) / 12.0, coupling: 0.0 }
     }

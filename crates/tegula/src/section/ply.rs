@@ -1,4 +1,4 @@
-//! One ply of a laminate and how its stiffness turns.
+//! Ply of a laminate, and transformation of its stiffness to rotated axes.
 //!
 //! Components are those of the plane, (xx, yy, xy) with the engineering shear `γ_xy = 2ε_xy`, and the
 //! transverse shears (xz, yz). Ply axes are 1 (fibre), 2 (across the fibre) and 3 (director); angles are
@@ -8,7 +8,7 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 use super::laminate::LaminateError;
 
-/// One ply: a homogeneous orthotropic sheet.
+/// Ply: a homogeneous orthotropic sheet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ply {
     /// Thickness t (length).
@@ -19,20 +19,20 @@ pub struct Ply {
     pub plane_stress: Matrix3<f64>,
     /// diag(G13, G23): transverse shear moduli in ply axes [force/area].
     pub shear: Matrix2<f64>,
-    /// Modulus of the stretch of the director [force/area].
+    /// Modulus E3 of the thickness stretch [force/area].
     pub thickness_modulus: f64,
     /// Density ρ [mass/volume].
     pub density: f64,
 }
 
 impl Ply {
-    /// Q̄: reduced stiffness in axes from which the ply is turned by `angle` + `turn`.
+    /// Q̄: transformed reduced stiffness in axes from which the ply is rotated by `angle` + `turn`.
     pub(super) fn plane_stress_at(&self, turn: f64) -> Matrix3<f64> {
         turned_plane_stress(&self.plane_stress, self.angle + turn)
     }
 
-    /// What makes the ply useless for a laminate: sizes that are not positive, stiffness that is not
-    /// symmetric or yields energy.
+    /// Validates the ply: an error for sizes that are not positive and for a stiffness that is not symmetric and
+    /// positive definite.
     pub(super) fn check(&self, ply: usize) -> Result<(), LaminateError> {
         let wrong = |what: &'static str| Err(LaminateError::Ply { ply, what });
         if !(self.thickness.is_finite() && self.thickness > 0.0) {
@@ -84,7 +84,7 @@ pub fn orthotropic_plane_stress(young_1: f64, young_2: f64, poisson_12: f64, she
     Matrix3::new(young_1 / d, coupling, 0.0, coupling, young_2 / d, 0.0, 0.0, 0.0, shear_12)
 }
 
-/// T(θ): plane strains (xx, yy, xy) in axes turned by θ from x towards y.
+/// T(θ): transformation of the in-plane strains (xx, yy, xy) to axes rotated by θ from x towards y.
 ///
 /// ```text
 ///     ⎡  c²    s²    cs   ⎤
@@ -96,33 +96,33 @@ pub fn strain_turn(angle: f64) -> Matrix3<f64> {
     Matrix3::new(c * c, s * s, c * s, s * s, c * c, -c * s, -2.0 * c * s, 2.0 * c * s, c * c - s * s)
 }
 
-/// R(θ): transverse shears (xz, yz) in axes turned by θ: `γ' = R γ`, `τ = Rᵀ τ'`.
+/// R(θ): transformation of the transverse shears (xz, yz) to axes rotated by θ: `γ' = R γ`, `τ = Rᵀ τ'`.
 pub fn shear_turn(angle: f64) -> Matrix2<f64> {
     let (s, c) = angle.sin_cos();
     Matrix2::new(c, s, -s, c)
 }
 
-/// Q̄ = Tᵀ Q T: the stiffness `q` of axes that are turned by `angle`, seen from the axes they are turned
-/// from. It holds for A, B and D too.
+/// Q̄ = Tᵀ Q T: stiffness `q`, given in axes rotated by `angle`, transformed to the axes they are rotated from. It
+/// holds for A, B and D too.
 pub fn turned_plane_stress(q: &Matrix3<f64>, angle: f64) -> Matrix3<f64> {
     let t = strain_turn(angle);
     let turned = t.transpose() * q * t;
-    // Rounding leaves the last digit unsymmetric.
+    // Round-off leaves the last digit unsymmetric.
     (turned + turned.transpose()) * 0.5
 }
 
-/// Rᵀ S R: the transverse shear stiffness `s` of axes that are turned by `angle`, seen from the axes they
-/// are turned from.
+/// Rᵀ S R: transverse shear stiffness `s`, given in axes rotated by `angle`, transformed to the axes they are rotated
+/// from.
 pub fn turned_shear(s: &Matrix2<f64>, angle: f64) -> Matrix2<f64> {
     let r = shear_turn(angle);
     let turned = r.transpose() * s * r;
     (turned + turned.transpose()) * 0.5
 }
 
-/// The angle from x of a frame to the projection of `direction` on its plane, about the director (rad).
+/// Angle from x of a frame to the projection of `direction` on its plane, about the director (rad).
 ///
-/// `x` and `y` are the unit vectors of the plane. `None` if the direction is normal to the plane up to
-/// 1e-6 of its length: then it says nothing about angles in it.
+/// `x` and `y` are the unit vectors of the plane. `None` if the direction is normal to the plane up to 1e-6 of its
+/// length and defines no angle.
 pub fn angle_in_plane(direction: &Vector3<f64>, x: &Vector3<f64>, y: &Vector3<f64>) -> Option<f64> {
     let inplane = Vector2::new(direction.dot(x), direction.dot(y));
     (inplane.norm() > 1e-6 * direction.norm()).then(|| inplane.y.atan2(inplane.x))

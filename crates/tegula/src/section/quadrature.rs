@@ -10,7 +10,7 @@ fn legendre(n: usize, x: f64) -> (f64, f64) {
     (value, n as f64 * (x * value - before) / (x * x - 1.0))
 }
 
-/// Abscissae and weights of Gauss's rule with `n` points, ascending; exact to degree 2n − 1.
+/// Abscissae and weights of the Gauss–Legendre rule with `n` points, ascending; exact to degree 2n − 1.
 pub fn gauss(n: usize) -> Vec<(f64, f64)> {
     if n <= 1 {
         return vec![(0.0, 2.0)];
@@ -30,7 +30,7 @@ pub fn gauss(n: usize) -> Vec<(f64, f64)> {
     rule
 }
 
-/// Lobatto's rule with `n ≥ 3` points, which include the ends; exact to degree 2n − 3.
+/// Abscissae and weights of the Gauss–Lobatto rule with `n ≥ 3` points, which include the ends; exact to degree 2n − 3.
 pub fn lobatto(n: usize) -> Vec<(f64, f64)> {
     let n = n.max(3);
     let end = 2.0 / (n * (n - 1)) as f64;
@@ -52,7 +52,7 @@ pub fn lobatto(n: usize) -> Vec<(f64, f64)> {
     rule
 }
 
-/// Takes out rounding: rules are symmetric about 0.
+/// Removes round-off: the rule becomes exactly symmetric about 0.
 fn symmetrize(rule: &mut [(f64, f64)]) {
     let n = rule.len();
     for i in 0..n.div_ceil(2) {

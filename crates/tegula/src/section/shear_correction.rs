@@ -1,9 +1,9 @@
 //! Transverse shear stiffness of a layup from the equilibrium of cylindrical bending.
 //!
-//! First-order theory gives every ply the same transverse shear strain. In truth the shear stress follows
-//! from equilibrium of the stresses in the plane, `τ_a,z = −σ_ab,b`. Take bending that varies along x of the
-//! laminate only, without membrane forces and twisting moments. Nothing changes along y, so the strains that
-//! vary are ε_xx, γ_xy, κ_xx, κ_xy, and their gradients follow from
+//! First-order theory gives every ply the same transverse shear strain. In fact the shear stress follows from
+//! equilibrium of the stresses in the plane, `τ_a,z = −σ_ab,b`. Take bending that varies along x of the laminate only,
+//! without membrane forces and twisting moments. Nothing changes along y, so the strains that vary are ε_xx, γ_xy,
+//! κ_xx, κ_xy, and their gradients follow from
 //!
 //! ```text
 //! n_xx,x = 0    n_xy,x = 0    M_xx,x = q_x    M_xy,x = 0          M = ∫σ z dz
@@ -22,15 +22,15 @@
 //! (1992) 1537–1552). Rohwer (DFVLR-FB 88-32, 1988) differs: there M_yy,x = 0 instead of κ_yy,x = 0, which
 //! changes a fraction of a percent for carbon cross-plies, and more in the small S_12 of other layups.
 //!
-//! S belongs to the laminate and turns with it as a tensor. The directions of cylindrical bending are the 0°
-//! and 90° directions of the laminate, as in the sources: if neither is a principal direction of bending,
-//! S depends somewhat on the choice.
+//! S belongs to the laminate and rotates with it as a tensor. The directions of cylindrical bending are the 0° and 90°
+//! directions of the laminate, as in the sources: if neither is a principal direction of bending, S depends somewhat on
+//! the choice.
 
 use nalgebra::{Matrix2, Matrix4, Vector3, Vector4};
 
 use super::ply::{Ply, turned_shear};
 
-/// Shear stress through the thickness per shear force, in laminate axes.
+/// Transverse shear stress profile F(z) through the thickness per shear force, in laminate axes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ShearProfile {
     /// Gradients of (ε, −κ) along x per q_x, and along y per q_y.
@@ -40,8 +40,8 @@ pub(super) struct ShearProfile {
 }
 
 impl ShearProfile {
-    /// The profile and S [force/length]; `heights` are those of the plies' sides above the middle of the
-    /// laminate. `None` if rounding spoils the elimination (stiffnesses too far apart).
+    /// Shear stress profile and S [force/length]; `heights` are those of the ply interfaces and faces above the
+    /// laminate mid-plane. `None` if round-off spoils the elimination (stiffnesses too far apart).
     pub(super) fn new(plies: &[Ply], heights: &[f64]) -> Option<(Self, Matrix2<f64>)> {
         let gradients = [gradients(plies, heights, 0)?, gradients(plies, heights, 1)?];
         let mut profile = Self { gradients, bottoms: Vec::with_capacity(plies.len()) };
@@ -64,8 +64,7 @@ impl ShearProfile {
         (shear.cholesky().is_some() && shear.iter().all(|v| v.is_finite())).then_some((profile, shear))
     }
 
-    /// F(z) [1/length] in ply `k`, at the height z above the middle of the laminate: columns q_x, q_y; rows
-    /// τ_xz, τ_yz.
+    /// F(z) [1/length] in ply `k`, at the height z above the laminate mid-plane: columns q_x, q_y; rows τ_xz, τ_yz.
     pub(super) fn at(&self, ply: &Ply, k: usize, heights: &[f64], z: f64) -> Matrix2<f64> {
         let q = ply.plane_stress_at(0.0);
         let below = heights[k];
@@ -83,7 +82,7 @@ fn gradients(plies: &[Ply], heights: &[f64], axis: usize) -> Option<[Vector3<f64
     let mut stiffness = Matrix4::zeros();
     for (k, p) in plies.iter().enumerate() {
         let q = p.plane_stress_at(0.0);
-        // Heights over h: all entries are of the same size.
+        // Heights are divided by h, so that all entries have the same magnitude.
         let (t, z) = (p.thickness, 0.5 * (heights[k] + heights[k + 1]) / h);
         let moments = [1.0, z, z * z + (t / h) * (t / h) / 12.0];
         for a in 0..4 {

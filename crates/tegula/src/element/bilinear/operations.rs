@@ -16,7 +16,7 @@ use crate::model::{
     OnSet, PlateMesh, StaticAnalysis,
 };
 
-/// Elements: a whole number of batches.
+/// Number of elements: whole batches.
 const ELEMENTS: usize = 64;
 
 fn plate() -> MeshSource {
@@ -41,7 +41,7 @@ fn cylinder() -> MeshSource {
     })
 }
 
-/// Operations per element of the forces, and of forces with tangent, by an instruction set or that of the machine.
+/// Operations per element of the forces, and of forces with tangent, with a given instruction set or the machine's own.
 fn counted(mesh: MeshSource, element: ElementKind, arch: Option<Arch>) -> [f64; 2] {
     let analysis = Analysis::Static(StaticAnalysis::default());
     let mut model = Model::new(mesh, analysis, Isotropic::new(1e6, 0.3, 1.0), 0.01);
@@ -82,7 +82,7 @@ fn operations_per_element_are_those_that_are_known() {
     assert_eq!(found, known);
 }
 
-/// Registers of one lane do what those of eight do.
+/// Registers of one lane need as many operations per element as those of eight lanes.
 #[test]
 fn operations_do_not_depend_on_the_instruction_set() {
     for element in [ElementKind::Ems, ElementKind::Cm, ElementKind::Mitc4] {

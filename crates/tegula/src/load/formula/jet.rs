@@ -1,4 +1,4 @@
-//! Numbers that carry their derivatives: forward differentiation of second order.
+//! Jets, numbers that carry their derivatives: forward automatic differentiation of second order.
 //!
 //! A jet holds value, first and second derivative in one variable. Functions of jets follow from the chain rule
 //! `(f∘u)' = f'(u) u'`, `(f∘u)'' = f''(u) u'² + f'(u) u''` (Griewank & Walther, Evaluating Derivatives, 2008, ch. 13).
@@ -93,7 +93,7 @@ impl Function {
         }
     }
 
-    /// `f''/f'²` at `x`, where the value is `y`, of functions that grow slowly: there f'' underflows long before
+    /// `f''/f'²` at `x`, where the value is `y`, of slowly growing functions, whose f'' underflows long before
     /// `f'' u'² = (f''/f'²) (f' u')²` does.
     fn curvature_by_rate(self, x: f64, y: f64) -> Option<f64> {
         match self {
@@ -208,7 +208,7 @@ impl Jet {
 
     /// The chain rule: a function with the derivatives `[f', f'']` and the value `value` at this jet.
     fn chain(self, value: f64, [first, second]: [f64; 2]) -> Self {
-        // Derivatives that are infinite at this place do not matter to what stands still there.
+        // A constant argument has zero derivatives even where those of the function are infinite.
         if self.is_constant() {
             return Self::constant(value);
         }
@@ -224,7 +224,8 @@ impl Jet {
         }
     }
 
-    /// `selfⁿ`; a factor of the derivatives that is zero stays zero where the power of 0 behind it is infinite.
+    /// `selfⁿ` for a constant exponent; a zero factor of a derivative makes it zero even where the power of 0 behind it
+    /// is infinite.
     fn to_constant(self, n: f64) -> Self {
         if self.value.abs() > 1.0 && !self.is_constant() {
             // By ratios: powers of large values underflow before their products with large rates do.

@@ -1,4 +1,4 @@
-//! From the text of a formula to its program in postfix order, by precedence climbing (Pratt 1973).
+//! Parser of formulas: from the text to a program in postfix order, by precedence climbing (Pratt 1973).
 //!
 //! | binds | operators | groups |
 //! |---|---|---|
@@ -11,12 +11,12 @@
 
 use super::jet::{Function, Number, Operator};
 
-/// Characters that a formula may have.
+/// Largest number of characters of a formula.
 pub(super) const LONGEST: usize = 4096;
-/// Brackets, signs and operators that may stand within each other; also the largest number of operands in waiting.
+/// Largest nesting depth of brackets, signs and operators; also the size of the operand stack.
 pub(super) const DEEPEST: usize = 64;
 
-/// Functions that people know from other programs but that have kinks or jumps, so that they cannot be differentiated.
+/// Functions that are common in other programs but have kinks or jumps, so that they cannot be differentiated.
 const ROUGH: [&str; 11] =
     ["abs", "signum", "floor", "round", "ceil", "trunc", "fract", "cbrt", "atan2", "min", "max"];
 const CONSTANTS: [(&str, f64); 6] = [
@@ -41,7 +41,7 @@ pub(super) enum Instruction {
     Combine(Operator),
 }
 
-/// Value of a program at the variable `t`; its operands never exceed the stack, which the parser has seen to.
+/// Value of a program at the variable `t`; the parser guarantees that its operands fit on the stack.
 pub(super) fn evaluate<N: Number>(program: &[Instruction], t: N) -> N {
     let mut stack = [N::constant(0.0); DEEPEST];
     let mut height = 0;
@@ -75,10 +75,10 @@ enum Token {
     Close,
 }
 
-/// Translates a formula.
+/// Parses a formula into a program.
 ///
 /// # Errors
-/// The reason why the text is no formula, to be read behind *the expression …*.
+/// The text is not a valid formula: the reason, which continues the sentence *the expression …*.
 pub(super) fn parse(text: &str) -> Result<Vec<Instruction>, String> {
     let tokens = tokens(text)?;
     let mut parser = Parser { tokens: &tokens, at: 0, program: Vec::new(), operands: 0 };
@@ -138,7 +138,7 @@ fn tokens(text: &str) -> Result<Vec<Token>, String> {
     Ok(out)
 }
 
-/// Length of the number with which a text begins; the letter of an exponent is no name.
+/// Length of the number at the beginning of a text; the letter of an exponent belongs to the number and is no name.
 fn number(text: &str) -> usize {
     let digits = |s: &str| s.find(|c: char| !c.is_ascii_digit()).unwrap_or(s.len());
     let mut end = digits(text);
@@ -178,7 +178,7 @@ struct Parser<'a> {
     tokens: &'a [Token],
     at: usize,
     program: Vec<Instruction>,
-    /// Operands that wait for their operator.
+    /// Operands on the stack at this point of the program.
     operands: usize,
 }
 
@@ -187,7 +187,7 @@ impl Parser<'_> {
         self.tokens.get(self.at).copied()
     }
 
-    /// The next token, if it is one of these operators.
+    /// Consumes and returns the next token if it is one of these operators.
     fn accept(&mut self, operators: &str) -> Option<char> {
         match self.peek() {
             Some(Token::Operator(c)) if operators.contains(c) => {
@@ -226,7 +226,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// Signs before a power: they apply to the whole of it.
+    /// Signs before a power; they apply to the whole power: `-t^2` means `-(t^2)`.
     fn signed(&mut self, depth: usize) -> Result<(), String> {
         let mut negative = false;
         while let Some(sign) = self.accept("+-") {
@@ -264,7 +264,7 @@ impl Parser<'_> {
                 while let Some(sign) = self.accept("+-") {
                     negative ^= sign == '-';
                 }
-                // Brackets around an argument count by themselves.
+                // Brackets around an argument count as a level of their own.
                 let bracketed = matches!(self.peek(), Some(Token::Open));
                 self.operand(if bracketed { depth } else { depth + 1 })?;
                 if negative {

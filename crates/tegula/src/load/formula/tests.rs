@@ -196,7 +196,7 @@ fn derivatives(text: &str, t: f64) -> [f64; 3] {
     [f.value(t), f.rate(t), f.acceleration(t)]
 }
 
-/// Derivatives where intermediate values are far from 1: smoothed ramps and their like.
+/// Derivatives with intermediate values far from 1, as in smoothed ramps.
 #[test]
 fn derivatives_survive_large_intermediate_values() {
     // (ln(1 + e^x))'' = 1/(4 cosh²(x/2)) in x = t/w, which has died out; the first derivative is 1.

@@ -10,7 +10,7 @@ use nalgebra::Matrix2;
 use super::laminate::Laminate;
 use super::ply::{Ply, orthotropic_plane_stress};
 
-/// Engineering constants of a ply; transversely: E3 = E2.
+/// Engineering constants of a transversely isotropic ply: E3 = E2.
 #[derive(Clone, Copy)]
 struct Constants {
     e1: f64,
@@ -21,7 +21,7 @@ struct Constants {
     g23: f64,
 }
 
-/// The material of the literature on cross-ply plates, over E2.
+/// Material of the literature on cross-ply plates, moduli over E2.
 const E25: Constants = Constants { e1: 25.0, e2: 1.0, nu12: 0.25, g12: 0.5, g13: 0.5, g23: 0.2 };
 
 impl Constants {
@@ -41,14 +41,14 @@ impl Constants {
         }
     }
 
-    /// Plies of equal thickness at these angles in degrees, of the total thickness `h`.
+    /// Laminate of plies of equal thickness at these angles in degrees, of the total thickness `h`.
     fn laminate(&self, angles: &[f64], h: f64) -> Laminate {
         let t = h / angles.len() as f64;
         Laminate::new(angles.iter().map(|&a| self.ply(a, t)).collect()).unwrap()
     }
 }
 
-/// An unsymmetric layup of two materials without any symmetry of its own.
+/// Layup of two materials without any symmetry.
 fn arbitrary() -> Laminate {
     let other = Constants { e1: 9.0, e2: 2.0, nu12: 0.3, g12: 0.8, g13: 0.7, g23: 0.6 };
     Laminate::new(vec![E25.ply(30.0, 0.2), other.ply(-55.0, 0.35), E25.ply(80.0, 0.1), other.ply(10.0, 0.3)])

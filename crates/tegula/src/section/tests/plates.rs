@@ -23,7 +23,7 @@ fn stiffness(l: &Laminate, alpha: f64, beta: f64) -> Matrix5 {
     c.fixed_view_mut::<3, 3>(3, 3).copy_from(&s.bending);
     c.fixed_view_mut::<2, 2>(6, 6).copy_from(&s.shear);
     let mut b = SMatrix::<f64, 8, 5>::zeros();
-    // Rows: ε_xx, ε_yy, γ_xy, then κ = −(the same of θ), then γ_xz, γ_yz.
+    // Rows: ε_xx, ε_yy, γ_xy, then κ = −(these strains of θ), then γ_xz, γ_yz.
     for (row, column, sign) in [(0, 0, 1.0), (3, 3, -1.0)] {
         b[(row, column)] = -alpha * sign;
         b[(row + 1, column + 1)] = -beta * sign;
@@ -44,7 +44,7 @@ fn deflection(l: &Laminate, m: usize, n: usize) -> f64 {
     stiffness(l, m as f64 * wave, n as f64 * wave).cholesky().unwrap().solve(&load)[2]
 }
 
-/// Deflection of the middle under a uniform load of 1.
+/// Deflection at the centre under a uniform load of 1.
 fn uniform(l: &Laminate) -> f64 {
     let sign = |m: usize| if m % 4 == 1 { 1.0 } else { -1.0 };
     let mut sum = 0.0;
@@ -94,7 +94,7 @@ fn deflections_and_frequencies_of_the_literature() {
 
 #[test]
 fn neither_the_turn_nor_the_reference_surface_matters() {
-    // The same plate, described from its bottom face: only the amplitudes of u and v change.
+    // The reference surface at the bottom face changes only the amplitudes of u and v.
     let l = E25.laminate(&[0.0, 90.0, 0.0, 0.0], 1.0);
     let moved = l.clone().with_offset(0.5).unwrap();
     near(deflection(&moved, 1, 3) / deflection(&l, 1, 3), 1.0, 1e-10, "deflection");

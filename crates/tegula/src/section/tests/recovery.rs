@@ -1,4 +1,4 @@
-//! Strains and stresses of plies.
+//! Recovery of the strains and stresses of plies.
 
 use nalgebra::{Vector2, Vector3};
 

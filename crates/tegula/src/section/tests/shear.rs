@@ -1,4 +1,4 @@
-//! The transverse shear stiffness.
+//! Transverse shear stiffness of laminates.
 //!
 //! Published numbers of Vlachoutsis, Int. J. Numer. Methods Eng. 33 (1992) 1537–1552, and of Rohwer,
 //! DFVLR-FB 88-32 (1988), are taken as the test collection of the program `composites` (S. G. P. Castro,
@@ -177,7 +177,7 @@ fn the_stiffness_turns_as_a_tensor() {
         near(turned.trace(), s.trace(), 1e-12, "trace");
         near(turned.determinant(), s.determinant(), 1e-12, "determinant");
     }
-    // A quarter turn of the laminate is a quarter turn of its plies: the same two directions of bending.
+    // A quarter turn of the laminate is a quarter turn of its plies, with the two directions of bending exchanged.
     let quarter = std::f64::consts::FRAC_PI_2;
     let plies = l.plies().iter().map(|p| Ply { angle: p.angle + quarter, ..p.clone() }).collect();
     let other = Laminate::new(plies).unwrap().stiffness(0.0).shear;

@@ -80,7 +80,7 @@ fn the_coupling_of_two_cross_plies() {
     for (i, j) in [(0, 1), (0, 2), (1, 2), (2, 2)] {
         near(s.coupling[(i, j)], 0.0, 1e-12, "other B");
     }
-    // Pulled along x, the stiff bottom wants to stay short: the top moves out, m = Bᵀ ε.
+    // Under tension along x the stiff bottom elongates less than the top: m = Bᵀ ε.
     assert!(b > 0.0);
 }
 
