@@ -1,9 +1,8 @@
-//! The one error type: what is wrong, where in the model, what to do.
+//! Error type of the library: what is wrong, where in the model, what to do.
 
 use std::fmt;
 
-/// Where in the model an issue sits: the path of a model-file key, such as
-/// `loads[2].on`, or a place in the mesh.
+/// Place of an issue in the model: the path of a model-file key, such as `loads[2].on`, or a place in the mesh.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Place {
     /// Path of the key in the model file, dots between tables and `[i]` for
@@ -24,14 +23,14 @@ impl fmt::Display for Place {
     }
 }
 
-/// One thing wrong with a model, written for the person who has to repair it.
+/// Issue: one thing wrong with a model, written for the person who has to repair it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Issue {
     /// Key of the model that is at fault.
     pub place: Place,
-    /// What is wrong, naming the element, set or node: one sentence.
+    /// Mistake, naming the element, set or node: one sentence.
     pub message: String,
-    /// What to do about it: one sentence.
+    /// Remedy: one sentence.
     pub help: String,
 }
 
@@ -48,7 +47,7 @@ impl fmt::Display for Issue {
     }
 }
 
-/// Everything that can go wrong in the library.
+/// Error of the library.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum Error {
     /// The model contradicts itself or cannot be computed; all issues found at once.
@@ -59,33 +58,33 @@ pub enum Error {
     NotConverged {
         /// Load factor or time that could not be reached, as text.
         at: String,
-        /// What happened, with the node or element where the residual is largest.
+        /// Reason, with the node or element where the residual is largest.
         reason: String,
-        /// What the user can try.
+        /// Remedies that the user can try.
         help: String,
     },
-    /// An explicit motion cannot go on: its energy balance is broken, or values are no longer finite.
+    /// An explicit motion is unstable: its energy balance is broken, or values are no longer finite.
     #[error("the motion cannot go on at {at}: {reason}\n  {help}")]
     Unstable {
         /// Time and step at which it ended, as text.
         at: String,
-        /// What happened, with the node or element where it is worst.
+        /// Reason, with the node or element where it is worst.
         reason: String,
-        /// What the user can try.
+        /// Remedies that the user can try.
         help: String,
     },
     /// A linear system could not be solved.
     #[error("{what}\n  {help}")]
     Singular {
-        /// What is singular and where.
+        /// Description of the singularity and its place.
         what: String,
-        /// What the user can do.
+        /// Remedies for the user.
         help: String,
     },
     /// The run was interrupted from outside; results up to the last finished step are complete.
     #[error("interrupted")]
     Interrupted,
-    /// Something outside the mechanics failed (an observer could not write, say).
+    /// Failure outside the mechanics (an observer could not write, say).
     #[error("{0}")]
     Outside(String),
 }

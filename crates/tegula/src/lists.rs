@@ -1,9 +1,9 @@
-//! One list for each of the numbers 0, 1, …, all in two arrays.
+//! Compressed lists (as in compressed sparse rows): one list for each of the numbers 0, 1, …, all in two arrays.
 
-/// Lists of values by number.
+/// Lists of values by key, in compressed storage.
 #[derive(Debug)]
 pub(crate) struct Lists<T> {
-    /// First value of each list, and the end of the last.
+    /// First value of each list, and the end of the last one.
     start: Vec<u32>,
     values: Vec<T>,
 }
@@ -27,7 +27,7 @@ impl<T: Copy + Default> Lists<T> {
         Self { start, values }
     }
 
-    /// The list of a key.
+    /// List of a key.
     pub fn of(&self, key: usize) -> &[T] {
         &self.values[self.start[key] as usize..self.start[key + 1] as usize]
     }

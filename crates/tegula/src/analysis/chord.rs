@@ -1,104 +1,110 @@
-//! When the factor of an earlier tangent serves on.
+//! Modified Newton with lagged tangent: reuse policy for the factor of an earlier tangent.
 //!
-//! Newton's method with the tangent of an earlier iterate, the chord method, contracts errors by a constant factor θ
-//! instead of squaring them, but an iteration costs forces and a solve instead of a factorisation. Two rules decide:
+//! Modified Newton (the chord method), with the tangent of an earlier iterate, contracts errors by a constant factor θ
+//! instead of squaring them, but an iteration costs forces and a solve instead of a factorisation. Two rules decide on
+//! reuse:
 //!
 //! - **Within a step** the contraction is measured from the energies `e = δ·R` of the increments. The error after an
-//!   increment δ is θ|δ|, so with an old factor `1 + ln(θ|δ|/tolerance)/ln(1/θ)` further iterations are needed. A new
-//!   tangent is taken if that is more than it costs, or if increments do not halve. An increment that shows this is not
-//!   made: the equations of large time steps have several solutions, and an old factor may lead to one that has nothing
-//!   to do with the motion. If the factor is that of an earlier step, the step begins anew with tangents of its own.
-//! - **From step to step** the tangent at the start of an earlier step stays until a step takes more iterations than
-//!   the average one since then, the price of the factor included: the average would rise from there on. Where steps
-//!   need tangents of their own all the same, none is kept for some steps, twice as many each time.
+//!   increment δ is θ|δ|, so with a lagged tangent `1 + ln(θ|δ|/tolerance)/ln(1/θ)` further iterations are needed. A
+//!   new tangent is factored if they cost more than it does, or if increments do not halve. An increment that shows
+//!   this is discarded: the equations of large time steps have several solutions, and a lagged tangent may lead to one
+//!   that has nothing to do with the motion. If the factor is that of an earlier step, the step restarts with tangents
+//!   of its own.
+//! - **From step to step** the tangent at the start of an earlier step is reused until a step takes more iterations
+//!   than the average step since then, the cost of the factor included: the average would rise from there on. If a step
+//!   needs tangents of its own all the same, reuse pauses for some steps, twice as many each time.
 //!
-//! Prices are counted in operations, not on a clock, so that results repeat. C. T. Kelley, *Iterative Methods for
-//! Linear and Nonlinear Equations*, SIAM 1995, Sect. 5.4.
+//! Costs are counted in operations, not on a clock, so that results repeat. C. T. Kelley, *Iterative Methods for Linear
+//! and Nonlinear Equations*, SIAM 1995, Sect. 5.4.
 
 use crate::element::Nodal;
 
-/// Newton's method leaves next to nothing of an error; an old factor leaves a part of it, which must be this much below
-/// the tolerance of energy: a thousandth in the norm of energy in statics.
+/// Factor on the energy tolerance when the last increment came from a lagged tangent, in statics: Newton squares the
+/// remaining error, modified Newton multiplies it by the contraction θ, so the estimate θ²·energy must be this much
+/// smaller: a thousandth in the energy norm.
 const REST: f64 = 1e-6;
-/// The same in time steps, where the error of the integration is far above: a tenth.
+/// Factor on the energy tolerance after a lagged tangent, in time steps, where the error of the integration is far
+/// larger: a tenth in the energy norm.
 const REST_IN_TIME: f64 = 1e-2;
 
-/// Operations of the dense kernels in the time that an iteration with an old factor takes for one entry of it, where the
-/// factor stays in the processor's cache. A solution takes 11 and 13 of them on the quarter cylinders of 16² and 32²
-/// elements (last number of the example `factor_times`); the rest is for forces and vectors.
+/// Cost of an iteration with a lagged tangent for each entry of the factor, in operations of the dense kernels, where
+/// the factor stays in the processor's cache. A solve takes 11 and 13 of them on the quarter cylinders of 16² and 32²
+/// elements (last number of the example `factor_times`); forces and vectors take the remainder.
 const OPERATIONS_IN_CACHE: f64 = 17.0;
-/// The same for larger factors, which a solution waits for: 39, 64 and 71 on 64², 128² and 256².
+/// Cost of such an iteration for each entry of a larger factor, where memory bounds the solve: the solve takes 39, 64
+/// and 71 operations on 64², 128² and 256² elements.
 const OPERATIONS_BEYOND: f64 = 50.0;
-/// Entries of the largest factor that stays in the cache: between the 0.9 million of 32² and the 4.8 million of 64².
+/// Entries of the largest factor that stays in the cache: between the 0.9 million of 32² elements and the 4.8 million
+/// of 64².
 const ENTRIES_IN_CACHE: usize = 2_000_000;
-/// Assembly of a tangent in iterations with an old factor.
+/// Cost of assembling a tangent, in iterations with a lagged tangent.
 const ASSEMBLY_PRICE: f64 = 1.5;
-/// Increments that shrink less than this ask for a new tangent.
+/// Largest contraction of increments with which a lagged tangent is kept; slower convergence asks for a new tangent.
 const SLOWEST: f64 = 0.5;
-/// The first increment with an old factor is made if it is at most this part of the one before, which the tangent itself
-/// found. A larger one is the mark of a tangent that has changed much.
+/// Largest ratio of the first increment with a lagged tangent to the one before, which the tangent of its own iterate
+/// gave. A larger increment shows that the tangent has changed much, and is discarded.
 const MOST_AFTER_FRESH: f64 = 0.1;
-/// Energy of the increments since a tangent, over the model's energy, below which its pivots tell the stability of an
-/// equilibrium: three thousandths in the norm of energy.
+/// Energy of the increments since a tangent, over the model's energy, below which its negative pivots decide on the
+/// stability of an equilibrium: three thousandths in the energy norm.
 const SAME_EQUILIBRIUM: f64 = 1e-5;
 
-/// What an old factor may leave over of the tolerance of energy, in time steps or in statics.
+/// Factor on the energy tolerance with a lagged tangent, in time steps or in statics.
 pub fn rest(in_time: bool) -> f64 {
     if in_time { REST_IN_TIME } else { REST }
 }
 
-/// Price of a tangent and its factor, in iterations with an old factor: from the operations of a factorisation and the
-/// entries of the factor.
+/// Cost of a tangent and its factor, in iterations with a lagged tangent: from the operations of a factorisation and
+/// the entries of the factor.
 pub fn price(operations: f64, entries: usize) -> f64 {
     let per_entry = if entries > ENTRIES_IN_CACHE { OPERATIONS_BEYOND } else { OPERATIONS_IN_CACHE };
     ASSEMBLY_PRICE + operations / (per_entry * entries.max(1) as f64)
 }
 
-/// The tangent whose factor serves several time steps, as the state it was taken at, and what it has served for.
+/// Lagged tangent, reused in several time steps: the state at which it is computed, and counters of its use.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LaggedTangent {
-    /// Whether there is one.
+    /// Whether there is a lagged tangent.
     pub valid: bool,
-    /// Time of the state.
+    /// Time of the state at which the tangent is computed.
     pub time: f64,
-    /// Length of the step it was taken for.
+    /// Length of the step for which the tangent is computed.
     pub dt: f64,
-    /// Displacements of the state.
+    /// Displacements at which the tangent is computed.
     pub u: Vec<Nodal>,
-    /// Velocities, where the model is damped by its strain rates.
+    /// Velocities at which the tangent is computed, where the model has strain-rate damping.
     pub v: Vec<Nodal>,
-    /// Enhanced parameters and internal variables.
+    /// Enhanced parameters and internal variables at which the tangent is computed.
     pub history: Vec<f64>,
-    /// Steps since then.
+    /// Steps since the tangent was computed.
     pub steps: u32,
-    /// Iterations since then.
+    /// Iterations since the tangent was computed.
     pub iterations: u32,
-    /// Those of the last step.
+    /// Iterations of the last step.
     pub last: u32,
-    /// Steps that are still made with tangents of their own.
+    /// Steps left in the pause of reuse, made with tangents of their own.
     pub pause: u32,
-    /// Such steps after the next failure.
+    /// Length of the pause after the next failure (steps).
     pub next_pause: u32,
 }
 
-/// Longest pause of a lagged tangent (steps).
+/// Longest pause in the reuse of a lagged tangent (steps).
 const LONGEST_PAUSE: u32 = 16;
 
 impl LaggedTangent {
-    /// Whether it serves for a step of length `dt`, if a new one costs `price`.
+    /// Whether the lagged tangent is reused in a step of length `dt`, if a new one costs `price` iterations.
     pub fn serves(&self, dt: f64, price: f64) -> bool {
         let average = (price + f64::from(self.iterations)) / f64::from(self.steps.max(1));
         self.valid && self.dt == dt && (self.steps == 0 || f64::from(self.last) <= average)
     }
 
-    /// It does not serve: steps are made with tangents of their own for a while.
+    /// Gives up the lagged tangent: steps are made with tangents of their own during a pause.
     pub fn fail(&mut self) {
         self.valid = false;
         self.pause = self.next_pause.max(1);
         self.next_pause = (2 * self.pause).min(LONGEST_PAUSE);
     }
 
-    /// Counts a finished step, which took `tangents` of its own.
+    /// Counts a finished step, which factored `tangents` of its own.
     pub fn served(&mut self, iterations: u32, tangents: u32) {
         if self.pause > 0 {
             self.pause -= 1;
@@ -113,18 +119,18 @@ impl LaggedTangent {
     }
 }
 
-/// An increment of an iteration.
+/// Increment of an iteration.
 #[derive(Debug, Clone, Copy)]
 pub struct Increment {
-    /// Its energy over that of the model.
+    /// Energy of the increment over that of the model.
     pub energy: f64,
-    /// Its size over the displacement.
+    /// Norm of the increment over the displacement scale.
     pub size: f64,
-    /// How many times larger it is than what may be left at the end, in the norm of energy or of displacement.
+    /// Ratio of the increment to the largest one allowed at the end, in the energy norm or in that of displacement.
     pub excess: f64,
-    /// Whether it was found with the tangent of its iterate.
+    /// Whether the tangent of the increment's own iterate gave it (full Newton).
     pub fresh: bool,
-    /// Energy and size themselves.
+    /// Energy and norm of the increment, not scaled.
     pub absolute: [f64; 2],
 }
 
@@ -135,7 +141,7 @@ pub struct Increments {
 }
 
 impl Default for Increments {
-    /// None yet; memory for some.
+    /// Empty list with memory for some increments.
     fn default() -> Self {
         Self { list: Vec::with_capacity(64) }
     }
@@ -147,12 +153,13 @@ impl Increments {
         self.list.clear();
     }
 
-    /// Adds one.
+    /// Adds an increment.
     pub fn push(&mut self, increment: Increment) {
         self.list.push(increment);
     }
 
-    /// Ratio of the last two increments: that of the errors, if the factor stays; infinite before there are two.
+    /// Ratio of the last two increments: the contraction of the errors, if the factor stays; infinite before there are
+    /// two.
     pub fn contraction(&self) -> f64 {
         let [.., before, last] = self.list.as_slice() else { return f64::INFINITY };
         let ratio = (last.energy / before.energy).sqrt().max(last.size / before.size);
@@ -160,16 +167,17 @@ impl Increments {
         if last.fresh { 2.0 * ratio } else { ratio }
     }
 
-    /// Whether an increment of this energy and size, found with an old factor, is too large beside the one before to be
-    /// made.
+    /// Whether an increment of this energy and size, found with a lagged tangent, is too large beside the one before to
+    /// be accepted.
     pub fn too_large(&self, energy: f64, size: f64) -> bool {
         let Some(last) = self.list.last() else { return false };
         let most = if last.fresh { MOST_AFTER_FRESH } else { SLOWEST };
-        // What is not a number is too large.
+        // NaN counts as too large.
         !(energy <= most * most * last.absolute[0] && size <= most * last.absolute[1])
     }
 
-    /// Some(false): the last three energies did not shrink; Some(true): nor did those of the last twelve.
+    /// Stagnation test. `Some(false)`: the energies of the last three increments are all above half the smallest one
+    /// before; `Some(true)`: those of the last twelve are; `None`: no stagnation.
     pub fn stagnation(&self) -> Option<bool> {
         let stuck = |k: usize| {
             let Some(first) = self.list.len().checked_sub(k).filter(|first| *first > 0) else { return false };
@@ -179,9 +187,9 @@ impl Increments {
         if stuck(12) { Some(true) } else { stuck(3).then_some(false) }
     }
 
-    /// Whether the factor at hand should serve for the next increment, with `left` further iterations allowed. In time
-    /// steps the second increment is always made with the factor of the first: a step changes little. Static steps
-    /// change much, so there the factor serves for the last increments only.
+    /// Reuse policy within a step: whether the present factor gives the next increment, with `left` further iterations
+    /// allowed. In time steps the second increment always reuses the factor of the first, since a step changes little.
+    /// Static steps change much, so there only the last increments reuse a factor.
     pub fn old_factor_serves(&self, in_time: bool, price: f64, left: u32) -> bool {
         if price == 0.0 {
             return false;

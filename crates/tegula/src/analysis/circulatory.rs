@@ -1,19 +1,20 @@
-//! Linear systems with the unsymmetric tangent of loads that follow the motion.
+//! Linear systems with the unsymmetric tangent of follower loads.
 //!
-//! The tangent is `K + N`: K is symmetric and solved with ([`TangentSolver`]), N is the skew
-//! [`CirculatoryStiffness`] of the loads. With `x = K⁻¹ R` the increment δ satisfies
+//! The tangent is `K + N`: K is symmetric and has a solver ([`TangentSolver`]), N is the skew [`CirculatoryStiffness`]
+//! of the loads. With `x = K⁻¹ R` the increment δ satisfies
 //!
 //! ```text
 //! (I + K⁻¹ N) δ = x
 //! ```
 //!
-//! N acts on few coordinates (those of loaded edges). GMRES solves for these alone, `(I + P K⁻¹ N) δ_P = P x`, with one
-//! solution of K and no product with K for each iteration; then `δ = x − K⁻¹ N δ_P`. The number of iterations is that of
-//! the motions which N couples noticeably, whatever the mesh.
+//! N acts on few degrees of freedom (those of loaded edges). GMRES solves for these alone, `(I + P K⁻¹ N) δ_P = P x`,
+//! with one solve with K and no product with K in each iteration; then `δ = x − K⁻¹ N δ_P`. The number of iterations is
+//! that of the motions which N couples noticeably, whatever the mesh.
 //!
-//! Where K has negative pivots, N may balance them: the eigenvalues of `K + N` next to zero decide on stability by
-//! divergence ([`super::newton`]). Let N grow from nothing to its whole, `K + s N` with s from 0 to 1: a
-//! real eigenvalue crosses zero where this is singular, and then 1/s is an eigenvalue of `−K⁻¹ N`. Those above 1 are few.
+//! Where K has negative pivots, N may compensate them: the eigenvalues of `K + N` next to zero decide on stability by
+//! divergence ([`super::newton`]). Let N grow from zero to its full value, `K + s N` with s from 0 to 1: a real
+//! eigenvalue crosses zero where this matrix is singular, and then 1/s is an eigenvalue of `−K⁻¹ N`. Few eigenvalues
+//! are above 1.
 
 use super::solver::TangentSolver;
 use crate::element::Kinematics;
@@ -21,66 +22,66 @@ use crate::system::assembly::TangentParts;
 use crate::system::{CirculatoryStiffness, Numbering, System};
 use tegula_sparse::gmres::{Gmres, noise, norm, project_out};
 
-/// A solution with a larger residual is refused.
+/// Relative residual above which a solution is refused.
 const REFUSED: f64 = 1e-2;
-/// Iterations at most.
+/// Largest number of GMRES iterations.
 const MOST_ITERATIONS: usize = 200;
 /// Largest number of Krylov vectors, and of their entries (160 MB).
 const MOST_VECTORS: usize = 80;
 const MOST_ENTRIES: usize = 20_000_000;
 
-/// Arnoldi steps after which eigenvalues of `−K⁻¹ N` are looked at; their change from look to look at which they are accepted;
-/// and their imaginary part over the real one below which they count as real.
+/// Arnoldi steps between two checks of the eigenvalues of `−K⁻¹ N`; their change from check to check at which they are
+/// accepted; and their imaginary part over the real one below which they count as real.
 const EIGENVALUE_STEPS: usize = 5;
 const SETTLED: f64 = 1e-3;
 const REAL: f64 = 1e-6;
-/// Part of a vector across others below which it depends on them.
+/// Fraction of a vector orthogonal to others below which it counts as linearly dependent on them.
 const DEPENDENT: f64 = 1e-3;
 
-/// What a solution is for, which decides on its accuracy.
+/// Purpose of a solution, which decides on its accuracy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Purpose {
-    /// An increment with the tangent of its iterate.
+    /// Increment with the tangent of its iterate (full Newton).
     Increment,
-    /// An increment with the tangent of another iterate, or in a time step.
+    /// Increment with a lagged tangent, or in a time step.
     Contraction,
-    /// A vector of the Arnoldi process.
+    /// Vector of the Arnoldi process.
     Eigenvalues,
 }
 
 impl Purpose {
-    /// Residual over the right side.
+    /// Tolerance on the residual over the right side.
     fn tolerance(self) -> f64 {
         match self {
-            // Newton's method keeps its speed.
+            // Newton's method keeps its quadratic convergence.
             Self::Increment => 1e-6,
-            // An old tangent contracts errors no better; and in time steps masses make N weak: six runs of 100 steps of a
-            // strip under follower loads took 3788 Newton iterations with N to 1e-6, and 3795 without N at all.
+            // A lagged tangent contracts errors no better; and in time steps masses make N weak: six runs of 100 steps
+            // of a strip under follower loads took 3788 Newton iterations with N to 1e-6, and 3795 without N at all.
             Self::Contraction => 1e-2,
-            // Less than what eigenvalues may change between two looks at them.
+            // The error must be smaller than the accepted change of eigenvalues between two checks.
             Self::Eigenvalues => 1e-4,
         }
     }
 }
 
-/// Solutions with the skew stiffness of follower loads beside the symmetric tangent.
+/// Solver for the symmetric tangent plus the skew circulatory stiffness of follower loads.
 pub(super) struct CirculatoryLoads {
     operator: Operator,
     gmres: Gmres,
-    /// Coordinates on which the loads act: right side, solution, residual.
+    /// Right side, solution and residual in the degrees of freedom on which the loads act.
     right: Vec<f64>,
     solution: Vec<f64>,
     residual: Vec<f64>,
-    /// Size of `K⁻¹ N x` over that of x, found last in the present step; infinite before.
+    /// Norm of `K⁻¹ N x` over that of x, as found last in the present step; infinite before.
     strength: f64,
 }
 
-/// `K⁻¹ N` with its buffers of all free coordinates.
+/// Operator `K⁻¹ N` with its buffers of all free degrees of freedom.
 struct Operator {
     stiffness: CirculatoryStiffness,
     values: Vec<f64>,
     product: Vec<f64>,
-    /// Solutions so far.
+    /// Number of solves with K so far.
     solutions: u64,
 }
 
@@ -92,7 +93,7 @@ impl Operator {
         solver.solve_tangent(&mut self.product)
     }
 
-    /// `product = K⁻¹ N x` of coordinates on which the loads act.
+    /// `product = K⁻¹ N x` for x in the degrees of freedom on which the loads act.
     fn apply_to_part<S: TangentSolver>(
         &mut self,
         solver: &mut S,
@@ -108,7 +109,7 @@ impl Operator {
 }
 
 impl CirculatoryLoads {
-    /// For the loads of a system; `None` where their stiffness has no skew part.
+    /// Solver for the follower loads of a system; `None` where their stiffness has no skew part.
     pub fn new(system: &System) -> Option<Self> {
         if system.linear || system.followers.is_empty() {
             return None;
@@ -129,30 +130,30 @@ impl CirculatoryLoads {
         })
     }
 
-    /// Whether the loads have no skew part at the tangent at hand.
+    /// Whether the follower loads have no skew stiffness at the present tangent.
     pub fn is_zero(&self) -> bool {
         self.operator.stiffness.is_zero()
     }
 
-    /// Takes the stiffness that belongs to a tangent.
+    /// Computes the circulatory stiffness that belongs to a tangent.
     pub fn take(&mut self, system: &System, k: &Kinematics, parts: &TangentParts) {
         self.operator.stiffness.take(system, k, parts);
     }
 
-    /// A new step begins: how strong the loads are is to be found anew.
+    /// Begins a step: the strength of the loads has to be found again.
     pub fn begin_step(&mut self) {
         self.strength = f64::INFINITY;
     }
 
-    /// Solutions of the symmetric tangent so far, for the loads alone.
+    /// Number of solves with the symmetric tangent so far, for the follower loads alone.
     pub fn solutions(&self) -> u64 {
         self.operator.solutions
     }
 
-    /// Turns `x = K⁻¹ R` into the solution of `(K + N) δ = R`, as exact as its purpose needs.
+    /// Corrects `x = K⁻¹ R` to the solution of `(K + N) δ = R`, as exact as its purpose needs.
     ///
     /// # Errors
-    /// The linear solver failed, or the iteration did not converge; why, for people.
+    /// The linear solver failed, or GMRES did not converge; the text gives the reason.
     pub fn correct<S: TangentSolver>(
         &mut self,
         solver: &mut S,
@@ -172,7 +173,7 @@ impl CirculatoryLoads {
         operator.stiffness.gather(&operator.product, residual);
         let size = norm(right);
         *strength = if size > 0.0 { norm(residual) / size } else { 0.0 };
-        // A step of δ = x − K⁻¹ N δ leaves the square of the strength.
+        // One fixed-point step, x − K⁻¹ N x, leaves the square of the strength as relative error.
         if !(*strength * *strength <= tolerance) {
             solution.copy_from_slice(right);
             residual.iter_mut().for_each(|r| *r = -*r);
@@ -196,11 +197,13 @@ impl CirculatoryLoads {
         Ok(())
     }
 
-    /// Number of real eigenvalues that cross zero while N grows from nothing to its whole: that of the real eigenvalues of
-    /// `−K⁻¹ N` above 1, multiple ones counted as often. `None` where they are not found with the vectors at hand.
+    /// Number of real eigenvalues of `K + s N` that cross zero while s grows from 0 to 1: the number of real
+    /// eigenvalues of `−K⁻¹ N` above 1, with multiplicity. `None` where the available Krylov vectors do not suffice to
+    /// find them.
     ///
-    /// The Arnoldi process finds a multiple eigenvalue once. So it is repeated without the eigenvectors that are known
-    /// (deflation; Y. Saad, *Numerical methods for large eigenvalue problems*, 2011, Sect. 4.2) until it finds nothing new.
+    /// The Arnoldi process finds a multiple eigenvalue once. It is therefore repeated without the eigenvectors that are
+    /// known (deflation; Y. Saad, *Numerical methods for large eigenvalue problems*, 2011, Sect. 4.2) until it finds
+    /// nothing new.
     ///
     /// # Errors
     /// The linear solver failed.

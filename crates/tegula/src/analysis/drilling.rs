@@ -1,7 +1,7 @@
-//! Drilling components of moments during a run.
+//! Monitor of the drilling components of moments during a run.
 //!
-//! A single director resists no rotation about itself, so a moment that is constant in space loses its component along
-//! the director as the shell turns. The user is told how much.
+//! A single director resists no rotation about itself, so a moment that is constant in space loses its drilling
+//! component, the one along the director, as the shell rotates. The monitor tells the user how much.
 
 use super::Observer;
 use crate::Vec3;
@@ -9,24 +9,24 @@ use crate::element::Nodal;
 use crate::load::FollowerLoad;
 use crate::system::System;
 
-/// Lost share of a moment that is reported first.
+/// Share of a moment lost to the drilling component that triggers the first report.
 const FIRST: f64 = 0.01;
-/// It is reported again when it has grown by this factor.
+/// Growth factor of the lost share that triggers the next report.
 const GROWTH: f64 = 2.0;
 
-/// Reports lost shares of moments, each time that they have grown.
+/// Drilling monitor: reports the lost shares of moments each time that they have grown.
 pub(super) struct DrillingWatch {
-    /// Share from which on the next report is due.
+    /// Lost share that triggers the next report.
     next: f64,
 }
 
 impl DrillingWatch {
-    /// Nothing is reported yet.
+    /// Monitor without any report yet.
     pub fn new() -> Self {
         Self { next: FIRST }
     }
 
-    /// Looks at a state; `at` says for people where it is.
+    /// Checks a state; `at` gives its time or load factor as text.
     pub fn look(
         &mut self,
         system: &System,

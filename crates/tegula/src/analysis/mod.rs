@@ -1,4 +1,4 @@
-//! Analyses: statics, natural frequencies, motion in time.
+//! Analyses: statics, natural frequencies, transient dynamics.
 
 pub mod chord;
 mod circulatory;
@@ -16,7 +16,7 @@ use crate::system::System;
 use chord::LaggedTangent;
 pub use newton::Stability;
 
-/// State of a model at a time: plain data, a checkpoint is its dump.
+/// State of a model at a time: plain data; a checkpoint is its dump.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct State {
     /// Time (load factor in statics).
@@ -25,12 +25,12 @@ pub struct State {
     pub step: u64,
     /// Displacements of the nodal vectors.
     pub u: Vec<Nodal>,
-    /// Velocities; none where nothing moves.
+    /// Velocities; empty in statics.
     pub v: Vec<Nodal>,
-    /// Accelerations; none where nothing moves.
+    /// Accelerations; empty in statics.
     pub a: Vec<Nodal>,
     /// Mean accelerations of the last finished time step of a nonlinear model, from which the next one is predicted;
-    /// empty before and for other analyses.
+    /// empty before the first step and for other analyses.
     pub mean_a: Vec<Nodal>,
     /// Enhanced parameters and internal variables of the materials.
     pub history: Vec<f64>,
@@ -42,25 +42,27 @@ pub struct State {
     pub work: f64,
     /// Energy dissipated by damping since the start.
     pub dissipated: f64,
-    /// Largest energy met so far: scale of the convergence test.
+    /// Largest energy so far: scale of the convergence test.
     pub energy_scale: f64,
-    /// Part of the energy by which explicit steps swing about what they keep, ⅛ Δt² a·M a, summed over the steps.
+    /// Swing term of explicit steps, ⅛ Δt² a·M a: part of the energy that oscillates about the conserved one, summed
+    /// over the steps.
     pub swing: f64,
     /// Largest displacement of a static equilibrium so far ([`System::norm`]): scale of the convergence test.
     pub displacement_scale: f64,
-    /// The form of Newton's method that does not suit the materials at first sight has found the last static equilibrium.
+    /// Whether the last static equilibrium was found with the form of Newton's method that is not the default one for
+    /// the materials.
     pub other_form: bool,
-    /// Size of the response to the loads at the start of the last static step, over its length.
+    /// Norm of the response to the loads at the start of the last static step, over the step's length.
     pub compliance: f64,
-    /// Negative pivots of the tangent at the last static equilibrium: above 0 it is unstable, unless loads that follow
-    /// the motion stabilise it.
+    /// Negative pivots of the tangent at the last static equilibrium: above 0 it is unstable, unless follower loads
+    /// stabilise it.
     pub negative_pivots: usize,
-    /// The tangent whose factor serves several time steps.
+    /// Lagged tangent, whose factor is reused in several time steps.
     pub tangent: LaggedTangent,
 }
 
 impl State {
-    /// The reference configuration at rest.
+    /// Reference configuration at rest.
     pub fn at_rest(system: &System) -> Self {
         let history = system.groups.iter().map(|g| g.len() * g.history_per_element()).sum();
         Self { u: vec![[0.0; 3]; system.vectors()], history: vec![0.0; history], ..Self::default() }
@@ -77,7 +79,7 @@ pub struct Balance {
     /// Potential of gravity, 0 at the start; in statics that of all loads of constant direction, −F·u.
     pub potential: f64,
     /// Work of all other loads, of prescribed motions and of prescribed strains that change with time since the start;
-    /// in statics of loads that follow the motion and of prescribed motions.
+    /// in statics of follower loads and of prescribed motions.
     pub work: f64,
     /// Energy dissipated since the start.
     pub dissipated: f64,
@@ -90,35 +92,35 @@ pub struct Balance {
     pub angular_momentum: [f64; 3],
 }
 
-/// Counts of what an analysis has done.
+/// Run counters of an analysis.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Statistics {
     /// Finished steps.
     pub steps: u64,
-    /// Iterations, those of repeated steps included.
+    /// Iterations, including those of repeated steps.
     pub iterations: u64,
     /// Numerical factorisations.
     pub factorizations: u64,
-    /// Steps repeated smaller.
+    /// Cut-backs: steps repeated with a smaller length.
     pub cutbacks: u64,
-    /// Iterations of the iterative linear solver, and solutions for the unsymmetric stiffness of loads that follow the
-    /// motion; 0 with the direct solver and without such loads.
+    /// Iterations of the iterative linear solver, and solves for the circulatory stiffness of follower loads; 0 with
+    /// the direct solver and without such loads.
     pub linear_iterations: u64,
-    /// Last lower bound of the critical step of an explicit scheme (time); 0 for others.
+    /// Latest lower bound of the critical time step of an explicit scheme (time); 0 for others.
     pub critical_step: f64,
-    /// Largest error of the energy balance that an explicit scheme met, over the largest kinetic or strain energy
-    /// (of this run, if it was resumed); 0 for others.
+    /// Largest error of the energy balance of an explicit scheme, over the largest kinetic or strain energy (of this
+    /// run, if it was resumed); 0 for others.
     pub energy_error: f64,
 }
 
-/// A finished step.
+/// Finished step, as observers get it.
 #[derive(Debug)]
 pub struct Step<'a> {
-    /// The state at its end.
+    /// State at the end of the step.
     pub state: &'a State,
-    /// Energies and momenta.
+    /// Energies and momenta at the end of the step.
     pub balance: &'a Balance,
-    /// Counts so far.
+    /// Run counters so far.
     pub statistics: &'a Statistics,
     /// Iterations of this step.
     pub iterations: u32,
@@ -126,26 +128,26 @@ pub struct Step<'a> {
     pub end: f64,
 }
 
-/// Watches an analysis: progress, writers, probes.
+/// Observer of an analysis: progress, writers, probes.
 pub trait Observer {
-    /// A step is finished.
+    /// Receives a finished step.
     ///
     /// # Errors
     /// Ends the analysis ([`Error::Interrupted`](crate::Error::Interrupted) on request of the user).
     fn on_step(&mut self, step: &Step) -> Result<()>;
-    /// An iteration is finished: its number, energy of the increment over the energy scale, size of the increment.
+    /// Receives a finished iteration: its number, energy of the increment over the energy scale, size of the increment.
     fn on_iteration(&mut self, _iteration: u32, _energy: f64, _increment: f64) {}
-    /// A step has failed and is repeated smaller or given up: counts so far, this attempt among them.
+    /// Receives a failed step, which is cut back or given up: run counters so far, this attempt included.
     fn on_repeat(&mut self, _statistics: &Statistics) {}
-    /// Something the user may want to know (a step cut back, a rounding floor).
+    /// Receives a message of interest to the user (a cut-back, stagnation at round-off).
     fn on_event(&mut self, _message: &str) {}
-    /// Asked between iterations; true ends the analysis after the last finished step.
+    /// Stop request, asked between iterations; true ends the analysis after the last finished step.
     fn interrupted(&self) -> bool {
         false
     }
 }
 
-/// An observer that watches nothing.
+/// Observer that ignores everything.
 #[derive(Debug, Default, Clone, Copy)]
 pub struct Silent;
 

@@ -1,9 +1,9 @@
 //! Natural frequencies and mode shapes: `K φ = ω² M φ` about the reference configuration or an equilibrium.
 //!
-//! Rigid modes are known beforehand, from geometry and supports. The lowest modes with strain are found across them by
-//! shift-invert Lanczos, with a shift below zero, so that the matrix to factor is positive definite also for free
-//! bodies; where nearly all modes of a small model are wanted, all are found at once. A Sturm count (negative pivots of
-//! `K − sM` with `s` in a gap between modes) proves that none was missed.
+//! Rigid modes are known beforehand, from geometry and supports. The lowest elastic modes are found orthogonal to them
+//! by shift-invert Lanczos, with a shift below zero, so that the matrix to factor is positive definite also for free
+//! bodies; where nearly all modes of a small model are wanted, a dense solver finds all at once. A Sturm sequence count
+//! (negative pivots of `K − sM` with `s` in a gap between modes) proves that none was missed.
 
 mod circulatory;
 mod dense;
@@ -23,12 +23,12 @@ use search::Search;
 use tegula_sparse::Factor as _;
 use tegula_sparse::lanczos::RitzPair;
 
-/// Times that missed modes are searched for.
+/// Number of rounds in which missed modes are searched for.
 const ROUNDS: usize = 5;
-/// Places in a gap, as parts of the way across, where eigenvalues are counted until a factorisation succeeds.
+/// Places in a gap, as fractions of its width, where eigenvalues are counted until a factorisation succeeds.
 const PLACES: [f64; 4] = [0.5, 0.35, 0.65, 0.2];
-/// Difference of a mode's strain energy from the eigenvalue of the assembled stiffness, over its value, from which on
-/// rounding of the stiffness hides the mode.
+/// Difference of a mode's strain energy from the eigenvalue of the assembled stiffness, over its value, above which
+/// round-off of the stiffness hides the mode.
 const HIDDEN: f64 = 1e-2;
 
 /// A vibration mode.
@@ -38,12 +38,13 @@ pub struct Mode {
     pub frequency_hz: f64,
     /// Circular frequency ω [rad/time]; 0 for rigid modes, negative: −√−λ of an unstable equilibrium.
     pub omega: f64,
-    /// True for a motion of a part of the model as a whole, without strain.
+    /// Whether the mode is a rigid motion of a part of the model.
     pub rigid: bool,
     /// Shape in all nodal vectors, of modal mass 1.
     pub shape: Vec<Nodal>,
-    /// Norm of the residual of the shift-inverted problem over its eigenvalue; of `Kφ − λMφ` over its terms where all
-    /// modes were found at once. Of a rigid mode: ω² by its strain energy over that of the softest coordinate.
+    /// Norm of the residual of the shift-inverted problem over its eigenvalue; of `Kφ − λMφ` over its terms where the
+    /// dense solver found all modes. Of a rigid mode: ω² by its strain energy over that of the softest degree of
+    /// freedom.
     pub residual: f64,
 }
 
@@ -52,17 +53,18 @@ pub struct Mode {
 pub struct ModalOutcome {
     /// The modes.
     pub modes: Vec<Mode>,
-    /// Counts; iterations are applications of the inverse.
+    /// Run counters; iterations are applications of the inverse.
     pub statistics: Statistics,
-    /// The Sturm count was made and agreed: no mode below those found is missing.
+    /// Whether the Sturm sequence count was made and agreed: no mode below those found is missing.
     pub sturm_checked: bool,
 }
 
 /// Finds the `wanted` lowest modes.
 ///
 /// # Errors
-/// The mass is not positive definite, the iteration does not find the modes, the Sturm count disagrees, rounding hides
-/// a mode, loads that follow the motion have no potential and would change a mode, or the observer has asked to stop, which is noticed between two applications of the inverse.
+/// The mass is not positive definite, the iteration does not find the modes, the Sturm sequence count disagrees,
+/// round-off hides a mode, circulatory follower loads (which have no potential) would change a mode, or the observer
+/// has asked to stop, which is noticed between two applications of the inverse.
 pub fn run(
     system: &System,
     wanted: usize,
@@ -123,7 +125,7 @@ pub fn prestress(system: &System, observer: &mut dyn Observer) -> Result<StaticO
 }
 
 /// Factors with the shifts of all groups. Where no stress can make the configuration unstable, shifts whose matrix is
-/// not positive definite are lost in rounding and taken further away.
+/// not positive definite are lost in round-off and are moved further below zero.
 fn settle(problem: &mut Problem) -> Result<()> {
     let attempts = if problem.stress_free { ROUNDS } else { 1 };
     for _ in 0..attempts {
@@ -153,7 +155,7 @@ fn hidden(reason: String) -> Error {
     }
 }
 
-/// Finds the modes of all groups and counts the eigenvalues below them; true if the count was made and agreed.
+/// Finds the modes of all groups and checks them by a Sturm sequence count; true if the count was made and agreed.
 fn find(problem: &mut Problem, searches: &mut [Search], observer: &mut dyn Observer) -> Result<bool> {
     for _ in 0..ROUNDS {
         for search in searches.iter_mut() {
@@ -181,7 +183,7 @@ fn find(problem: &mut Problem, searches: &mut [Search], observer: &mut dyn Obser
     Err(miscounted(counted, found))
 }
 
-/// Eigenvalues below the last gap of each group: counted by a factorisation, and found.
+/// Eigenvalues below the last gap of each group: their Sturm sequence count, and the number found.
 fn count(problem: &mut Problem, searches: &[Search]) -> Option<(usize, usize)> {
     PLACES.into_iter().find_map(|part| {
         let gaps: Vec<(f64, usize)> = searches.iter().map(|s| s.gap(problem, part)).collect();
@@ -200,13 +202,13 @@ fn miscounted(counted: usize, found: usize) -> Error {
     }
 }
 
-/// The first rigid modes, as many as are wanted.
+/// Rigid modes, up to the number that is wanted.
 fn rigid_modes(problem: &mut Problem, wanted: usize) -> Vec<Mode> {
     let system = problem.system;
     let mut modes = Vec::new();
     for index in 0..problem.rigid.len().min(wanted) {
         let shape = problem.rigid.shape(index, &problem.parts);
-        // Under loads parts count by their translations, which strain no configuration.
+        // Under loads the rigid modes of parts are their translations, which strain no configuration.
         let energy = problem.newton.assembly.small_strain_energy(system, &shape);
         let group = problem.groups.iter().find(|g| g.rigid.contains(&index));
         let residual = 2.0 * energy / group.map_or(f64::NAN, |g| g.lowest);
@@ -215,17 +217,17 @@ fn rigid_modes(problem: &mut Problem, wanted: usize) -> Vec<Mode> {
     modes
 }
 
-/// A mode with strain.
+/// Elastic mode.
 ///
 /// # Errors
-/// The assembled stiffness does not hold it.
+/// The assembled stiffness does not resolve the mode.
 fn mode(problem: &mut Problem, lambda: f64, pair: RitzPair) -> Result<Mode> {
     let system = problem.system;
     let mut shape = vec![[0.0; 3]; system.vectors()];
     problem.newton.assembly.numbering.expand(&pair.vector, &mut shape);
     let mut exact = lambda;
     if problem.stress_free {
-        // The strain energy gives the quotient without cancellation.
+        // The strain energy gives the Rayleigh quotient without cancellation.
         exact = problem.newton.assembly.small_strain_energy(system, &shape) / system.kinetic_energy(&shape);
         if !((exact - lambda).abs() <= HIDDEN * exact.abs()) {
             return Err(hidden(format!(

@@ -1,4 +1,4 @@
-//! Newton's method for one step of statics or dynamics, plain or mixed.
+//! Newton's method for one step of statics or dynamics, displacement-based or mixed.
 //!
 //! Mixed: the geometric part of the tangent carries stresses extrapolated from the last
 //! iterate,
@@ -32,62 +32,64 @@ use super::solver::{self, Linearization, TangentSolver};
 use super::statics::state_kinematics;
 use super::{Observer, State};
 
-/// The equation of one step: `rest(q) − force · f_int(q) = 0`.
+/// Equation of one step: `rest(q) − force · f_int(q) = 0`, with `rest` the external minus inertia forces.
 pub trait Equation {
-    /// The motion at the present iterate.
+    /// Motion at the present iterate.
     fn kinematics<'a>(&'a self, system: &'a System) -> Kinematics<'a>;
-    /// Weights of the tangent.
+    /// Tangent coefficients.
     fn parts(&self) -> TangentParts;
-    /// Loads minus inertia and everything else that is not internal force of this iterate.
+    /// External minus inertia forces: all forces but the internal forces of this iterate.
     fn rest(&self, system: &System, out: &mut [Nodal]);
-    /// Adds an increment of all nodal vectors.
+    /// Adds an increment to all nodal vectors.
     fn apply(&mut self, system: &System, increment: &[Nodal]);
-    /// Increment that brings the supported coordinates to their prescribed values; false if there is none.
+    /// Increment that brings the constrained degrees of freedom to their prescribed values; false if there is none.
     fn prescribed(&self, system: &System, increment: &mut [Nodal]) -> bool;
-    /// Largest turn (rad) of the first increment, if it is limited: an increment of all coordinates can be scaled where
-    /// the step begins with an equilibrium, since that is the answer to a part of the load.
+    /// Step limiter: largest rotation (rad) of the first increment, if it is limited. The increment of all degrees of
+    /// freedom can be scaled where the step begins with an equilibrium, since it is then the response to a part of the
+    /// load.
     fn first_turn(&self, _system: &System) -> Option<f64> {
         None
     }
-    /// Energy to which the energy of an increment is compared.
+    /// Energy scale, to which the energy of an increment is compared.
     fn energy_scale(&self, system: &System, assembly: &mut Assembly) -> f64;
-    /// Size of the displacement of the step or of the state, to which increments are compared.
+    /// Displacement scale: norm of the displacement of the step or of the state, to which increments are compared.
     fn displacement_scale(&self, system: &System) -> f64;
-    /// Energy of the error that the iteration may leave over, beside what the tolerance says, where the energy of the
-    /// first increment was `first`.
+    /// Bound on the energy of the iteration error, in addition to the tolerance, where the energy of the first
+    /// increment is `first`.
     fn error_limit(&self, _first: f64) -> f64 {
         f64::INFINITY
     }
 }
 
-/// Energy of an increment over that of the model that is nothing but round-off.
+/// Energy of an increment over that of the model that is pure round-off.
 const ROUND_OFF: f64 = 1e-26;
 
-/// When an iteration is finished.
+/// Convergence criteria of an iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerances {
     /// Energy of the increment |δ·R| over the energy scale.
     pub energy: f64,
-    /// Size of the increment over the displacement scale.
+    /// Norm of the increment over the displacement scale.
     pub increment: f64,
-    /// Iterations at most.
+    /// Largest number of iterations.
     pub max_iterations: u32,
 }
 
-/// A step that converged.
+/// Outcome of a step that converged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Converged {
-    /// Iterations.
+    /// Number of iterations.
     pub iterations: u32,
-    /// Tangents taken for it.
+    /// Number of tangents factored in the step.
     pub tangents: u32,
     /// Negative pivots of the last tangent.
     pub negative_pivots: usize,
-    /// Most negative pivots of a tangent on the way.
+    /// Largest number of negative pivots of a tangent of the iteration.
     pub most_negative_pivots: usize,
-    /// Size of the first increment before it was limited: the answer of the step's start to the change of the loads.
+    /// Norm of the first increment before the step limiter: the response of the step's start to the change of the
+    /// loads.
     pub first_increment: f64,
-    /// The increments stopped shrinking at the rounding floor of the model.
+    /// Whether the increments stagnated at round-off of the model.
     pub floor: bool,
 }
 
@@ -98,34 +100,34 @@ pub enum Cause {
     Interrupted,
     /// The material law or the enhanced strains of an element could not be evaluated.
     Material,
-    /// Forces or increments are not finite, or the increments carry the model far away.
+    /// Forces or increments are not finite, or an increment moves the model far away.
     Flight,
     /// The tangent is singular, or the linear solver failed.
     Tangent,
-    /// Increments found with the factor of an earlier tangent do not shrink.
+    /// Increments found with a lagged tangent do not shrink.
     OldTangent,
-    /// The energy of the increments has stopped shrinking above the rounding floor.
+    /// The energy of the increments stagnates above round-off.
     Stagnation,
-    /// The iterations allowed did not suffice.
+    /// The allowed iterations do not suffice.
     Iterations,
 }
 
-/// A step that did not converge.
+/// Outcome of a step that did not converge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Diverged {
-    /// Iterations spent.
+    /// Number of iterations spent.
     pub iterations: u32,
-    /// Most negative pivots of a tangent on the way.
+    /// Largest number of negative pivots of a tangent of the iteration.
     pub most_negative_pivots: usize,
-    /// Cause, for advice.
+    /// Cause, on which advice depends.
     pub cause: Cause,
-    /// Cause and place, for people.
+    /// Message with cause and place.
     pub reason: String,
-    /// It began with the factor of an earlier tangent: with its own it may converge.
+    /// Whether the step began with a lagged tangent: with its own tangents it may converge.
     pub began_with_old_factor: bool,
 }
 
-/// Solver and buffers, made once for an analysis.
+/// Newton solver with its buffers, made once for an analysis.
 pub struct Newton<S = SparseLdlt> {
     /// Element buffers and tangent.
     pub assembly: Assembly,
@@ -137,40 +139,40 @@ pub struct Newton<S = SparseLdlt> {
     increment: Vec<Nodal>,
     right_side: Vec<f64>,
     solution: Vec<f64>,
-    /// Memory of the materials, while a tangent of another state is taken.
+    /// History variables, saved while the tangent of another state is computed.
     history: Vec<f64>,
     increments: Increments,
     held: Held,
-    /// Axes of the vectors where the tangent was taken.
+    /// Local frames of the vectors where the tangent was computed.
     axes: Numbering,
-    /// How far the nodes have turned since then; made when it is first needed.
+    /// Co-rotational update of the lagged tangent: rotations of the nodes since then; made when first needed.
     turning: Option<Turning>,
-    /// Price of a tangent and its factor, in iterations with an old one.
+    /// Cost of a tangent and its factor, in iterations with a lagged tangent.
     price: f64,
-    /// Skew stiffness of loads that follow the motion, where there is some.
+    /// Circulatory (skew) stiffness of follower loads, where there is some.
     circulatory: Option<CirculatoryLoads>,
     /// Iterations of the present step.
     iterations: u32,
-    /// Most negative pivots of a tangent of the present step.
+    /// Largest number of negative pivots of a tangent of the present step.
     most_negative_pivots: usize,
 }
 
-/// Which tangent the factor at hand belongs to.
+/// Tangent that is factored: the one that the present factor belongs to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Held {
-    /// None that could serve again.
+    /// No tangent that could be reused.
     Nothing,
-    /// That of a linear model with these parts.
+    /// Tangent of a linear model with these coefficients.
     Linear(TangentParts),
     /// The [`LaggedTangent`] of the state.
     Lagged,
-    /// An iterate of the present step.
+    /// Tangent of an iterate of the present step.
     Iterate,
 }
 
 impl Newton {
-    /// Analyses the pattern for the direct solver and makes the buffers. Without a method it takes the one that suits
-    /// the materials.
+    /// Analyses the pattern for the direct solver and makes the buffers. `None` selects the form of Newton's method
+    /// that suits the materials.
     ///
     /// # Errors
     /// The factor does not fit in memory, or the system was compiled without a pattern of the tangent.
@@ -180,7 +182,7 @@ impl Newton {
 }
 
 impl<S: TangentSolver> Newton<S> {
-    /// The same with another linear solver.
+    /// Newton solver with a given linear solver. `None` selects the form of Newton's method that suits the materials.
     pub fn with_solver(system: &System, method: Option<NewtonMethod>, solver: S) -> Self {
         let n = system.vectors();
         let price = solver.price();
@@ -211,16 +213,16 @@ impl<S: TangentSolver> Newton<S> {
         }
     }
 
-    /// Iterations of the linear solver, and solutions for the circulatory part of follower loads, so far.
+    /// Iterations of the linear solver, and solves for the circulatory part of follower loads, so far.
     pub fn linear_iterations(&self) -> u64 {
         self.solver.linear_iterations() + self.circulatory.as_ref().map_or(0, CirculatoryLoads::solutions)
     }
 
-    /// Sees to it that a factor is at hand for a time step of length `dt` from a state: that of an earlier step, or a
-    /// new one at the state. Linear models and prescribed motions, which need a tangent anyway, are left alone.
+    /// Provides a factor for a time step of length `dt` from a state: the lagged tangent of an earlier step, or a new
+    /// one at the state. Linear models and prescribed motions, which need a tangent anyway, are skipped.
     ///
-    /// A resumed run finds the earlier tangent again from what the state tells of it, so that it goes on as if it had
-    /// not been stopped.
+    /// A resumed run recomputes the lagged tangent from the checkpoint data in the state, so that it continues as if it
+    /// had not been stopped.
     pub fn prepare(
         &mut self,
         system: &System,
@@ -241,7 +243,7 @@ impl<S: TangentSolver> Newton<S> {
         turning.find(system, &state.tangent.u, predicted);
     }
 
-    /// Takes the tangent at a state for this step and later ones.
+    /// Computes the lagged tangent at a state, for this step and later ones.
     fn renew(&mut self, system: &System, parts: &TangentParts, dt: f64, state: &mut State) {
         let State { u, v, history, tangent, time, .. } = state;
         tangent.u.clone_from(u);
@@ -254,7 +256,7 @@ impl<S: TangentSolver> Newton<S> {
         tangent.valid = self.take_tangent(system, parts, tangent);
     }
 
-    /// Factors the tangent at a state; false if it has no factor.
+    /// Factors the tangent at a state; false if the factorisation fails.
     fn take_tangent(&mut self, system: &System, parts: &TangentParts, at: &LaggedTangent) -> bool {
         let velocity = (!at.v.is_empty()).then_some(at.v.as_slice());
         let motion = Motion::State { u: &at.u, velocity };
@@ -283,8 +285,8 @@ impl<S: TangentSolver> Newton<S> {
         self.held == Held::Lagged
     }
 
-    /// Begins anew at a state: memory of its materials, and the stresses that the first tangent takes. A state that is no
-    /// equilibrium, as the first of an analysis may be, takes none.
+    /// Restarts from a state: sets its history variables, and the extrapolated stress of the first tangent. For a state
+    /// that is no equilibrium, as the first of an analysis may be, this stress is zero.
     pub fn restore(&mut self, system: &System, state: &State, equilibrium: bool) {
         self.assembly.history.copy_from_slice(&state.history);
         if equilibrium {
@@ -294,17 +296,17 @@ impl<S: TangentSolver> Newton<S> {
         }
     }
 
-    /// Form of the iteration.
+    /// Form of Newton's method.
     pub fn method(&self) -> NewtonMethod {
         self.method
     }
 
-    /// Changes the form of the iteration from the next step on.
+    /// Changes the form of Newton's method from the next step on.
     pub fn set_method(&mut self, method: NewtonMethod) {
         self.method = method;
     }
 
-    /// Gives up the factor at hand, which has failed.
+    /// Discards the present factor, with which a step has failed.
     pub fn forget(&mut self, state: &mut State) {
         self.held = Held::Nothing;
         state.tangent.fail();
@@ -313,7 +315,7 @@ impl<S: TangentSolver> Newton<S> {
     /// Iterates an equation to convergence.
     ///
     /// # Errors
-    /// It did not converge; the iterate is useless then.
+    /// The iteration did not converge; the iterate is useless then.
     pub fn solve(
         &mut self,
         system: &System,
@@ -390,7 +392,8 @@ impl<S: TangentSolver> Newton<S> {
                     prepared = loop {
                         solver.assemble(assembly, &at, internal);
                         solver.add_curvature(assembly, &at, &self.residual);
-                        // Without finite forces there is more to be told than that there is no factor.
+                        // Non-finite forces are reported below, with a better message than that of a failed
+                        // factorisation.
                         if !internal.iter().flatten().all(|f| f.is_finite()) {
                             break Ok(0);
                         }
@@ -411,7 +414,8 @@ impl<S: TangentSolver> Newton<S> {
             }
             let turning = self.turning.as_ref().filter(|_| reuse && self.held == Held::Lagged);
             if reuse {
-                // What holds a vector to its length must not be taken for a force by the axes of another state.
+                // The constraint force of an inextensible director must not act as a force in the local frame of
+                // another state.
                 self.assembly.numbering.free_part(&mut self.residual);
             } else {
                 self.axes.copy_axes(&self.assembly.numbering);
@@ -455,7 +459,7 @@ impl<S: TangentSolver> Newton<S> {
             if !energy.is_finite() {
                 return Err((Cause::Flight, "the increment is not finite".into()));
             }
-            // Where large steps have several solutions, an old factor must not lead to another one.
+            // Where large steps have several solutions, a lagged tangent must not lead to another one.
             if reuse && !system.linear {
                 let size = system.norm(&self.increment);
                 let matters = size > tolerances.increment * equation.displacement_scale(system);
@@ -471,7 +475,7 @@ impl<S: TangentSolver> Newton<S> {
             if iteration == 1 {
                 first_increment = system.norm(&self.increment);
             }
-            // Under loads that turn with the shell, or turn it, later increments go as far astray.
+            // Under follower loads that rotate with the shell, or rotate it, later increments overshoot as far.
             if (iteration == 1 || !system.followers.is_empty())
                 && let Some(turn) = equation.first_turn(system)
             {
@@ -514,7 +518,7 @@ impl<S: TangentSolver> Newton<S> {
                 fresh: !reuse,
                 absolute: [energy, size],
             });
-            // The error behind an increment is the contraction times it.
+            // The error behind an increment is the increment times the contraction.
             let error = self.increments.contraction().powi(2).min(1.0) * energy;
             let left = if rest < 1.0 { error } else { energy };
             let converged = energy <= tolerances.energy * energy_scale
@@ -533,10 +537,9 @@ impl<S: TangentSolver> Newton<S> {
                 return Ok(done);
             }
             if let Some(floor) = self.increments.stagnation() {
-                // Near a rigid motion there is next to no energy to compare with: increments that are
-                // nothing but rounding are enough then.
-                // So are increments without any energy beside that of stresses that support each other: there the
-                // displacement is nothing itself.
+                // Near a rigid motion there is next to no energy to compare with: increments at round-off suffice then.
+                // Increments whose energy is round-off beside that of self-equilibrated stresses suffice, too: there
+                // the displacement itself vanishes.
                 let rounding = size <= 1e-10 * size_scale || relative <= ROUND_OFF;
                 if rounding || (relative <= 1e-9 && size <= 1e-5 * size_scale) {
                     return Ok(Converged { floor: true, ..done });
@@ -554,7 +557,8 @@ impl<S: TangentSolver> Newton<S> {
     }
 }
 
-/// Shortens an increment that turns a director, or carries a node over the model's length, by more than this.
+/// Step limiter: scales an increment that rotates a director by more than `turn` (rad), or moves a node by more than
+/// `turn` times the model's length.
 fn shorten(system: &System, turn: f64, increment: &mut [Nodal]) {
     let size = |(d, kind): (&Nodal, &VectorKind)| {
         let length = if *kind == VectorKind::Position { system.length } else { 1.0 };
@@ -566,7 +570,7 @@ fn shorten(system: &System, turn: f64, increment: &mut [Nodal]) {
     }
 }
 
-/// Free coordinates of the increment; the prescribed ones stay where there are some.
+/// Expands the free degrees of freedom of an increment; with `keep` the prescribed ones retain their values.
 fn expand_free(numbering: &Numbering, free: &[f64], keep: bool, field: &mut [Nodal]) {
     if !keep {
         numbering.expand(free, field);
@@ -583,7 +587,8 @@ fn expand_free(numbering: &Numbering, free: &[f64], keep: bool, field: &mut [Nod
     }
 }
 
-/// Bends increments of vectors that keep their length back to their sphere, along the great circle.
+/// Retraction of the increments of inextensible directors onto the unit sphere, along the great circle (exponential
+/// map).
 fn retract(system: &System, numbering: &Numbering, k: &Kinematics, increment: &mut [Nodal]) {
     let (Motion::State { u, .. } | Motion::Step { new: u, .. }) = k.motion;
     for unit in &numbering.unit {
@@ -599,13 +604,14 @@ fn retract(system: &System, numbering: &Numbering, k: &Kinematics, increment: &m
         }
         let change = across * (angle.sin() / angle) - d * (2.0 * (0.5 * angle).sin().powi(2));
         let target = d + change;
-        // Round-off of the length is taken back along the vector only: across it a short step would take it for a motion.
+        // Round-off of the length is corrected along the vector only: across it a short step would take it for a
+        // motion.
         let back = unit.project(target, &reference) - target;
         increment[v] = (change + target * target.dot(&back)).into();
     }
 }
 
-/// Where the residual is largest, for people.
+/// Place of the largest residual, as text.
 pub fn largest(system: &System, numbering: &Numbering, residual: &[Nodal]) -> String {
     let mut free = vec![[0.0; 3]; residual.len()];
     numbering.supported_part(residual, &mut free);

@@ -8,64 +8,65 @@ use crate::system::{Assembly, System};
 use crate::{Error, Result};
 use tegula_sparse::{Factor, FactorError, SparseLdlt};
 
-/// Error of a linear solution in the energy norm, over its own size or the square root of the energy to which
-/// increments are compared: the iteration to equilibrium does not notice.
+/// Error of a linear solution in the energy norm, over its own norm or the square root of the energy scale of the
+/// increments, that does not affect Newton's method.
 const TOLERANCE: f64 = 1e-10;
-/// A correction is solved to this share of itself at least.
+/// Largest relative error of a correction.
 const SHARE: f64 = 1e-3;
-/// Iterations after which a linear system is given up.
+/// Largest number of iterations for a linear system.
 const MOST_ITERATIONS: usize = 500;
 
-/// Where a tangent is taken, and of what.
+/// Linearisation point of a tangent and its coefficients.
 pub struct Linearization<'a> {
     /// The compiled model.
     pub system: &'a System,
-    /// The motion.
+    /// Motion at which the tangent is computed.
     pub motion: &'a Kinematics<'a>,
-    /// Parts of the tangent.
+    /// Tangent coefficients.
     pub parts: &'a TangentParts,
-    /// The geometric part takes the extrapolated stress.
+    /// Whether the geometric stiffness uses the extrapolated stress.
     pub extrapolated: bool,
     /// Increment whose product with the tangent is added to the forces.
     pub prescribed: Option<&'a [Nodal]>,
 }
 
-/// Solves the linear systems of Newton's method.
+/// Linear solver of Newton's method.
 pub trait TangentSolver {
-    /// A new step begins.
+    /// Begins a step.
     fn begin_step(&mut self) {}
-    /// Tells the energy to which increments are compared.
+    /// Sets the energy scale, to which increments are compared.
     fn note_energy(&mut self, _scale: f64) {}
-    /// Forces, and the elements' part of the tangent: as [`Assembly::forces_and_tangent`].
+    /// Assembles the internal forces and the element part of the tangent, like [`Assembly::forces_and_tangent`].
     fn assemble(&mut self, assembly: &mut Assembly, at: &Linearization, out: &mut [Nodal]);
-    /// Adds the curvature of the sphere of unit vectors: as [`Assembly::add_curvature`].
+    /// Adds the curvature of the unit sphere of inextensible directors to the tangent, like
+    /// [`Assembly::add_curvature`].
     fn add_curvature(&mut self, assembly: &mut Assembly, at: &Linearization, rest: &[Nodal]);
-    /// Prepares solutions with the tangent that was assembled, whose memory it may use up. Returns its negative pivots, or
-    /// nothing if it must be assembled once more.
+    /// Prepares solves with the assembled tangent, whose memory it may use up. Returns the number of negative pivots,
+    /// or `None` if the tangent must be assembled once more.
     ///
     /// # Errors
-    /// There is no solution, or this solver cannot find it; why, for people.
+    /// There is no solution, or this solver cannot find it; the text gives the reason.
     fn prepare(&mut self, assembly: &mut Assembly) -> std::result::Result<Option<usize>, String>;
     /// Solves in place.
     ///
     /// # Errors
-    /// No solution of the wanted accuracy was found; why, for people.
+    /// No solution of the required accuracy was found; the text gives the reason.
     fn solve_tangent(&mut self, x: &mut [f64]) -> std::result::Result<(), String>;
-    /// Gives back the memory of the factor: there will be no more solutions.
+    /// Releases the memory of the factor: no more solves follow.
     fn release(&mut self) {}
-    /// Price of preparing a tangent in iterations with an old one; 0: an old one never serves.
+    /// Cost of preparing a tangent, in iterations with a lagged tangent; 0: no tangent is ever reused.
     fn price(&self) -> f64 {
         0.0
     }
-    /// Tangents prepared so far.
+    /// Number of tangents prepared so far.
     fn tangents(&self) -> usize;
-    /// Iterations of all solutions so far; 0 where there are none.
+    /// Iterations of all solves so far; 0 for a direct solver.
     fn linear_iterations(&self) -> u64 {
         0
     }
 }
 
-/// The direct solver of a system.
+/// Direct solver of a system.
 ///
 /// # Errors
 /// The factor does not fit in memory, or the system was compiled without a pattern of the tangent.
@@ -128,17 +129,17 @@ impl TangentSolver for SparseLdlt {
     }
 }
 
-/// Conjugate gradients over the pieces of the mesh.
+/// Conjugate gradients preconditioned by BDDC over the subdomains of the mesh.
 pub struct Iterative {
     bddc: Bddc,
     tangents: usize,
     iterations: u64,
-    /// Energy to which increments are compared; 0 before the first iteration of a step.
+    /// Energy scale, to which increments are compared; 0 before the first iteration of a step.
     energy: f64,
 }
 
 impl Iterative {
-    /// Divides the mesh of a system.
+    /// Partitions the mesh of a system into subdomains.
     ///
     /// # Errors
     /// There is not enough memory.
@@ -180,7 +181,7 @@ impl TangentSolver for Iterative {
     fn prepare(&mut self, assembly: &mut Assembly) -> std::result::Result<Option<usize>, String> {
         self.tangents += 1;
         self.bddc.factor(&assembly.numbering).map_err(explain)?;
-        // All pivots of a matrix of which the tangent is a restriction are positive.
+        // The partially assembled matrix, of which the tangent is a restriction, has positive pivots only.
         Ok(Some(0))
     }
 

@@ -17,13 +17,14 @@ use crate::{Error, Result};
 use load_steps::LoadSteps;
 pub use load_steps::first_state;
 
-/// Largest turn (rad) of the first increment of a load step. The answer of the undeformed shell to the whole load leads
-/// thin shells so far astray that the way back takes longer: on the quarter cylinder of Sect. 5.2 with 64 × 64 elements
-/// limits of 0.3 to 0.5 take 8 tangents, 0.2 and 0.6 take 9, and 0.8 takes 13. Prescribed strains bend shells without
-/// load, and full increments find the way best.
+/// Step limiter: largest rotation (rad) of the first increment of a load step. The response of the undeformed shell to
+/// the whole load overshoots so far on thin shells that the way back takes longer: on the quarter cylinder of Sect. 5.2
+/// with 64 × 64 elements limits of 0.3 to 0.5 take 8 tangents, 0.2 and 0.6 take 9, and 0.8 takes 13. Prescribed strains
+/// bend shells without load, and full increments converge best there.
 const FIRST_TURN: f64 = 0.4;
-/// A step that is repeated begins with a quarter of that turn, the next one with a sixteenth: sheets that stretch long before
-/// they turn far (L/h = 10⁵) find their equilibrium from there, where no shorter step helps.
+/// Largest number of reductions of the step limiter: a repeated step begins with a quarter of the rotation, the next
+/// one with a sixteenth. Sheets that stretch long before they rotate far (L/h = 10⁵) find their equilibrium from there,
+/// where no shorter step helps.
 const MOST_SHORTENED: u32 = 2;
 
 /// Equilibrium at a load factor: `F(λ) − f_int(u) = 0`.
@@ -33,10 +34,10 @@ pub struct StaticEquation {
     pub u: Vec<Nodal>,
     /// Load factor.
     pub time: f64,
-    /// Strain energy and displacement that increments are compared with at least: the largest equilibrium values of the
+    /// Smallest strain energy and displacement to which increments are compared: the largest equilibrium values of the
     /// path so far. On the way back to the unloaded state those of the iterate vanish.
     pub scales: [f64; 2],
-    /// Repeated attempts at the present step: each makes the first increment shorter.
+    /// Repeated attempts at the present step: each reduces the step limiter.
     pub attempts: u32,
 }
 
@@ -81,7 +82,7 @@ impl Equation for StaticEquation {
     }
 }
 
-/// A state without rates.
+/// Kinematics of a state without rates.
 pub fn state_kinematics<'a>(system: &'a System, u: &'a [Nodal], time: f64) -> Kinematics<'a> {
     Kinematics::new(&system.reference, Motion::State { u, velocity: None }, system.linear, time)
 }
@@ -95,7 +96,7 @@ pub fn add(field: &mut [Nodal], increment: &[Nodal]) {
     }
 }
 
-/// Increment of the supported coordinates to their prescribed values at a time; false if it vanishes.
+/// Increment of the constrained degrees of freedom to their prescribed values at a time; false if it vanishes.
 pub fn prescribed_increment(system: &System, time: f64, u: &[Nodal], increment: &mut [Nodal]) -> bool {
     if system.numbering.prescribed.is_empty() {
         return false;
@@ -112,14 +113,14 @@ pub fn prescribed_increment(system: &System, time: f64, u: &[Nodal], increment: 
     any
 }
 
-/// Equilibrium under the full loads.
+/// Outcome of a static analysis, at full load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StaticOutcome {
     /// Final state.
     pub state: State,
-    /// Its energies.
+    /// Energies of the final state.
     pub balance: Balance,
-    /// Counts.
+    /// Run counters.
     pub statistics: Statistics,
     /// Negative pivots of the tangent at the end: above 0 the equilibrium is unstable.
     pub negative_pivots: usize,
@@ -128,7 +129,7 @@ pub struct StaticOutcome {
 /// Runs a static analysis from `start` (the reference configuration where `None`) to load factor 1.
 ///
 /// # Errors
-/// No equilibrium was found, or only an unstable one; the error says where the model stood.
+/// No equilibrium was found, or only an unstable one; the error names the load factor reached and describes the state.
 pub fn run(
     system: &System,
     options: &StaticAnalysis,
@@ -146,7 +147,7 @@ pub fn run(
     }
 }
 
-/// No step can be taken to a time at which an amplitude has no value.
+/// Error of a step to a time at which an amplitude is undefined.
 pub(super) fn undefined(what: &str, (reached, wanted): (f64, f64), reason: String) -> Error {
     Error::NotConverged {
         at: format!("{what} {wanted:.6e}"),
@@ -173,7 +174,7 @@ fn energies(system: &System, assembly: &mut Assembly, state: &State) -> Balance 
     }
 }
 
-/// Work of the loads that follow the motion over a load step, by the trapezoidal rule.
+/// Work of follower loads over a load step, by the trapezoidal rule.
 fn follower_work(
     system: &System,
     (from, start): (&[Nodal], f64),
@@ -189,7 +190,7 @@ fn follower_work(
     dot(force, to) - dot(force, from)
 }
 
-/// Reactions of the supports: force that they exert on the supported coordinates.
+/// Reactions of the supports: forces that they exert on the constrained degrees of freedom.
 pub fn reactions(system: &System, assembly: &mut Assembly, state: &State) -> Vec<Nodal> {
     let n = system.vectors();
     let (mut internal, mut external) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);

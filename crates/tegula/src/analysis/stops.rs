@@ -1,13 +1,14 @@
-//! Times at which a step ends whatever its length: breaks of the amplitudes in use, and times that the user wants.
+//! Stops: times at which a step ends whatever its length, namely breaks of the amplitudes in use and times that the
+//! user wants.
 
 use crate::system::System;
 
-/// Smallest distance of two stops over the length of the analysis. The second of two points of a table that are closer
-/// together, a jump, is met this far behind the first.
+/// Smallest distance of two stops over the length of the analysis. Where two points of a table are closer together (a
+/// jump), the stop of the second lies this far behind the first.
 const SMALLEST_GAP: f64 = 1e-9;
-/// Distance over the length of the analysis below which two stops are the same one but for round-off.
+/// Distance over the length of the analysis below which two stops differ by round-off only.
 const SAME: f64 = 1e-12;
-/// Part of a load step by which a multiple of it may be missed.
+/// Tolerance, over the load step, within which a load factor counts as a multiple of it.
 const ON_GRID: f64 = 1e-6;
 
 /// Times (load factors) at which steps end.
@@ -18,7 +19,7 @@ pub struct Stops {
 
 impl Stops {
     /// Stops of an analysis from 0 to `end`: kinks of tables and ramps, in statics also turning points of formulas, and
-    /// what the user wants.
+    /// the times that the user requests.
     pub fn of(system: &System, end: f64) -> Self {
         let mut used: Vec<usize> = system.amplitudes_in_use().map(|(i, _)| i).collect();
         used.sort_unstable();
@@ -27,7 +28,7 @@ impl Stops {
         let breaks = functions.map(|f| {
             let mut breaks = f.kinks();
             if system.proportional {
-                // Materials that yield, and structures that buckle, remember where their load turned.
+                // Yielding materials and buckling structures depend on the load history, so load reversals are stops.
                 breaks.extend(f.turning_points(0.0, end));
             }
             breaks
@@ -40,7 +41,7 @@ impl Stops {
         Self::merged([times].into_iter(), end)
     }
 
-    /// One list of the lists of several sources.
+    /// Merges the lists of several sources.
     fn merged(sources: impl Iterator<Item = Vec<f64>>, end: f64) -> Self {
         let mut all: Vec<f64> = sources.flat_map(|times| spaced(times, end)).collect();
         all.sort_unstable_by(f64::total_cmp);
@@ -58,15 +59,15 @@ impl Stops {
         self.times.binary_search_by(|t| t.total_cmp(&time)).is_ok()
     }
 
-    /// End of a load step from `time` that shall not be longer than `wanted`: the next of `steps` equal parts of the
-    /// way from 0 to 1, or a stop before it.
+    /// End of a load step from `time`, at most `wanted` long: the next of `steps` equal parts of the range from 0 to 1,
+    /// or a stop before it.
     pub fn load_step_end(&self, time: f64, wanted: f64, steps: u32) -> f64 {
         let target = self.bracket(time, steps).1;
-        // A last sliver of a step would only repeat the one before.
+        // A tiny last step would only repeat the one before.
         if time + 1.0001 * wanted >= target { target } else { time + wanted }
     }
 
-    /// The stop or multiple of the load step that a load factor has reached or passed last, and the next one.
+    /// Stop or multiple of the load step that a load factor has reached or passed last, and the next one.
     pub fn bracket(&self, time: f64, steps: u32) -> (f64, f64) {
         let parts = f64::from(steps.max(1));
         let passed = (time * parts + ON_GRID).floor();
@@ -77,8 +78,8 @@ impl Stops {
     }
 }
 
-/// Times between 0 and `end` in order, none closer to the one before than the smallest gap: of several times within it
-/// there is one, at its end.
+/// Sorted times between 0 and `end`, none closer to the one before than the smallest gap: several times within it
+/// become one, at its end.
 fn spaced(mut times: Vec<f64>, end: f64) -> Vec<f64> {
     let gap = SMALLEST_GAP * end;
     times.retain(|&t| t > 0.0 && t < end - gap);

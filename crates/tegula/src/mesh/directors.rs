@@ -1,11 +1,11 @@
-//! One director a node on smooth surfaces, several where sheets meet at an angle.
+//! Directors of a mesh: one per node on smooth surfaces, several where sheets meet at an angle.
 //!
 //! At each node the normals of the quads around are gathered into groups:
 //! neighbours whose normals at the node differ by less than the fold angle join.
 //! Each group gets one director, the mean of its normals weighted by the quads'
 //! inner angles at the node (Thürmer & Wüthrich, J. Graphics Tools 3, 1998), which
 //! does not depend on how finely the quads around the node are cut.
-//! Groups at one node form a rigid cross and are tied to each other.
+//! Groups at one node form a rigid cross: director-angle constraints tie them to each other.
 
 use super::Mesh;
 use super::facet::{Facet, angle_between, show};
@@ -17,7 +17,7 @@ use crate::{Error, Issue, Result, Vec3};
 /// Neighbouring facets that meet at a larger angle (degrees) form a fold.
 pub const FOLD_ANGLE_DEGREES: f64 = 20.0;
 
-/// The directors of a mesh.
+/// Directors of a mesh.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Directors {
     /// Unit vector of each director; those of a node follow one another, nodes in ascending order.
@@ -26,13 +26,13 @@ pub struct Directors {
     pub node: Vec<u32>,
     /// Director at each corner of each quad.
     pub corners: Vec<[u32; 4]>,
-    /// Pairs of directors at one node whose angle has to stay, nodes in ascending order.
+    /// Director-angle constraints: pairs of directors at one node whose angle is constant, nodes in ascending order.
     pub ties: Vec<Tie>,
     /// First director of each node; `u32::MAX` at nodes without quads.
     pub first: Vec<u32>,
 }
 
-/// A pair of directors of one node whose angle has to stay.
+/// Director-angle constraint: a pair of directors of one node whose angle is constant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tie {
     /// The directors.
@@ -47,14 +47,14 @@ impl Directors {
         self.node[tie.directors[0] as usize]
     }
 
-    /// The directors of `mesh`, whose facets form a fold where they meet at
-    /// `fold_angle_degrees` or more ([`FOLD_ANGLE_DEGREES`] is a good choice).
+    /// Directors of `mesh`, whose facets form a fold where they meet at `fold_angle_degrees` or more
+    /// ([`FOLD_ANGLE_DEGREES`] is a good choice).
     ///
     /// The normal at a corner is `mesh.normals` where given, else the bilinear r,ξ × r,η.
     ///
     /// # Errors
-    /// Fold angles outside 0…180; what makes up no mesh (see [`super::quality::check`]), neighbours
-    /// of opposite orientation among it; elements without normal; nodes where normals cancel.
+    /// Fold angles outside 0…180; an invalid mesh (see [`super::quality::check`]), including neighbours of opposite
+    /// orientation; elements without normal; nodes where normals cancel.
     pub fn of(mesh: &Mesh, fold_angle_degrees: f64) -> Result<Self> {
         if !(fold_angle_degrees > 0.0 && fold_angle_degrees <= 180.0) {
             return Err(Error::model(
@@ -78,7 +78,7 @@ impl Directors {
     }
 }
 
-/// Unit normals at the corners of all quads, four a quad.
+/// Unit normals at the corners of all quads, four per quad.
 fn corner_normals(mesh: &Mesh) -> Result<Vec<Vec3>> {
     let mut normals = Vec::with_capacity(4 * mesh.quads.len());
     let mut missing = Vec::new();
@@ -91,7 +91,7 @@ fn corner_normals(mesh: &Mesh) -> Result<Vec<Vec3>> {
                 (None, Some(facet)) => facet_normal(facet, corner),
                 (None, None) => Vec3::zeros(),
             };
-            // divided first, so that small elements do not lose their normal
+            // Scaled first, so that small elements do not lose their normal.
             let unit = (normal / normal.amax()).normalize();
             if !unit.iter().all(|x| x.is_finite()) {
                 missing.push((e, quad[corner]));
@@ -108,7 +108,7 @@ fn corner_normals(mesh: &Mesh) -> Result<Vec<Vec3>> {
     if issues.is_empty() { Ok(normals) } else { Err(Error::Model(issues)) }
 }
 
-/// r,ξ × r,η at a corner; the mean normal where the corner is flat or turned in.
+/// Normal r,ξ × r,η at a corner; the mean normal where the corner is flat or reentrant.
 fn facet_normal(facet: &Facet, corner: usize) -> Vec3 {
     let (normal, mean) = (facet.corner_normal(corner), facet.area_vector());
     if normal.dot(&mean) > 1e-9 * mean.norm_squared() { normal } else { mean }
@@ -132,7 +132,7 @@ fn join_neighbours(mesh: &Mesh, edges: &Edges, normals: &[Vec3], fold_angle: f64
     joined
 }
 
-/// The corners at one node that share a director.
+/// Corners at one node that share a director.
 struct Group {
     /// Representative corner.
     root: usize,
@@ -167,7 +167,7 @@ fn gather(mesh: &Mesh, normals: &[Vec3], joined: &mut Disjoint, fold_angle: f64)
         for &corner in here {
             let quad = &mesh.quads[corner / 4];
             let angle = Facet::of(mesh, quad).map_or(0.0, |facet| facet.corner_angle(corner % 4));
-            // a corner of no angle still has a say, be it small
+            // A corner of no angle still contributes, with a small weight.
             let weight = angle.max(1e-6);
             let ends = [quad[(corner + 1) % 4], quad[(corner + 3) % 4]];
             let root = joined.root(corner);
@@ -231,8 +231,8 @@ fn gather(mesh: &Mesh, normals: &[Vec3], joined: &mut Disjoint, fold_angle: f64)
     if issues.is_empty() { Ok(directors) } else { Err(Error::Model(issues)) }
 }
 
-/// A group that has an edge in common with this one, if all others are parallel to it within a degree: d₁·d₂ does
-/// not change to first order there, so that no tie would hold it.
+/// Group that has an edge in common with this one, if all others are parallel to it within a degree: d₁·d₂ does not
+/// change to first order there, so that no director-angle constraint would hold it.
 fn untied<'a>(group: &Group, groups: &'a [Group]) -> Option<&'a Group> {
     let parallel = |other: &Group| {
         let (a, b) = (group.sum.normalize(), other.sum.normalize());
@@ -243,8 +243,8 @@ fn untied<'a>(group: &Group, groups: &'a [Group]) -> Option<&'a Group> {
     others.clone().all(parallel).then(|| others.find(shares)).flatten()
 }
 
-/// Joins groups that touch at the node only, without a common edge, and have the same
-/// direction: two nearly parallel directors could not be tied by their angle.
+/// Joins groups that touch at the node only, without a common edge, and have equal directions: a director-angle
+/// constraint could not tie two nearly parallel directors.
 fn join_touching(groups: &mut Vec<Group>, joined: &mut Disjoint, fold_angle: f64) {
     let mut b = 1;
     while b < groups.len() {
@@ -266,7 +266,7 @@ fn join_touching(groups: &mut Vec<Group>, joined: &mut Disjoint, fold_angle: f64
     }
 }
 
-/// The corners (4 × quad + corner) at each node: those of node n are `corners[start[n]..start[n + 1]]`.
+/// Corners (4 × quad + corner) at each node: those of node n are `corners[start[n]..start[n + 1]]`.
 fn corners_of_nodes(mesh: &Mesh) -> (Vec<usize>, Vec<usize>) {
     let mut start = vec![0; mesh.positions.len() + 1];
     for &node in mesh.quads.iter().flatten() {

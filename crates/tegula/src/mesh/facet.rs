@@ -11,7 +11,7 @@ pub(super) struct Facet {
 }
 
 impl Facet {
-    /// The facet of a quad; `None` if a node index is out of range.
+    /// Facet of a quad; `None` if a node index is out of range.
     pub fn of(mesh: &Mesh, quad: &[u32; 4]) -> Option<Self> {
         let mut x = [Vec3::zeros(); 4];
         for (corner, &node) in x.iter_mut().zip(quad) {

@@ -1,4 +1,4 @@
-//! Where sheets meet at an angle: the lines along which neighbouring elements have directors of their own.
+//! Folds of a mesh: lines along which sheets meet at an angle and neighbouring elements have directors of their own.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -41,15 +41,15 @@ pub struct Prism {
 pub struct Folds {
     /// Lines in the order of their first edges.
     pub lines: Vec<Fold>,
-    /// What looks like a curved surface; not where the true normals are known.
+    /// Elements that look like a curved surface; `None` where the true normals are known.
     pub prism: Option<Prism>,
 }
 
-/// An edge of a fold.
+/// Edge of a fold.
 struct FoldEdge {
     nodes: [u32; 2],
     sheets: usize,
-    /// Angle between two neighbours (degrees), positive where they turn to the side of their directors.
+    /// Angle between two neighbours (degrees), positive where they fold to the side of their directors.
     turn: Option<f64>,
     sides: [EdgeUse; 2],
 }
@@ -72,7 +72,7 @@ impl Folds {
     }
 }
 
-/// The edge of some elements if they have different directors at one of its ends.
+/// Fold edge of some elements if they have different directors at one of its ends.
 fn fold_edge(mesh: &Mesh, directors: &Directors, uses: &[EdgeUse]) -> Option<FoldEdge> {
     let [first, .., last] = uses else { return None };
     let director = |side: &EdgeUse, node| directors.corners[side.quad as usize][side.corner_at(node)];

@@ -24,14 +24,14 @@ use super::surfaces::{Annulus, Cylinder, Plate, Sphere, Surface};
 use crate::model::{AnnulusMesh, CylinderMesh, Grid, MeshSource, PlateMesh, SphereMesh};
 use crate::{Error, Result};
 
-/// The mesh that `source` describes.
+/// Generates the mesh that `source` describes.
 ///
 /// A plate whose axes are not at right angles becomes a parallelogram. A polyline
 /// with more segments than elements gets one element a segment.
 ///
 /// # Errors
-/// Everything wrong with the numbers of `source`, all at once, under the keys of the model
-/// (`mesh.radius`, …); and for Gmsh files, which this library does not read.
+/// Everything wrong with the numbers of `source`, all at once, under the keys of the model (`mesh.radius`, …); and Gmsh
+/// files, which this library does not read.
 pub fn generate(source: &MeshSource) -> Result<Mesh> {
     let mut input = Input::default();
     match source {
@@ -152,7 +152,7 @@ fn sphere(source: &SphereMesh, input: &mut Input) -> Option<(Sphere, Lines)> {
     Some((Sphere { center: center?, radius, longitudes, latitudes }, lines))
 }
 
-/// The lines of a grid, unless something is wrong already.
+/// Lines of a grid; `None` if an issue was found before.
 fn graded(grid: &Grid, joined: bool, input: &Input) -> Option<Lines> {
     input.issues.is_empty().then(|| Lines::graded(grid.elements, grid.grading, joined))
 }

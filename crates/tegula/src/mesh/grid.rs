@@ -35,7 +35,7 @@ impl Progression {
         if self.exponent == 0.0 { s } else { (s * self.exponent.exp_m1()).ln_1p() / self.exponent }
     }
 
-    /// The piece between the parts `a` and `b` of all elements, again over 0…1.
+    /// Progression between the parts `a` and `b` of all elements, again over 0…1.
     pub fn piece(self, a: f64, b: f64) -> Self {
         Self { exponent: self.exponent * (b - a) }
     }
@@ -82,7 +82,7 @@ impl Lines {
         self.u.len() - usize::from(self.joined)
     }
 
-    /// Node at column i and row j. Generators bound the number of elements, so it fits.
+    /// Number of the node at column i and row j. Generators bound the number of elements, so it fits.
     fn node(&self, i: usize, j: usize) -> u32 {
         let columns = self.columns();
         (j * columns + if i == columns { 0 } else { i }) as u32

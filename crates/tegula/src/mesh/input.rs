@@ -1,4 +1,4 @@
-//! Checks of what the user gave to a generator: everything wrong is collected, nothing is guessed.
+//! Checks of the user's input to a generator: all mistakes are collected, nothing is guessed.
 
 use crate::model::Grid;
 use crate::{Issue, Vec3};
@@ -6,26 +6,26 @@ use crate::{Issue, Vec3};
 /// Most elements of a generated mesh: node numbers then fit 32 bits with room to spare.
 pub(super) const MOST_ELEMENTS: u64 = 50_000_000;
 
-/// Coordinates beyond 10^±60: products of five, which angles and volumes of elements take, overflow at 10^±61.
+/// Limit of coordinates, 10^±60: products of five, which angles and volumes of elements take, overflow at 10^±61.
 const HUGE: f64 = 1e60;
 
-/// Directions and lengths that differ by less, relative to themselves, count as equal.
+/// Relative difference below which directions and lengths count as equal.
 pub(super) const TINY: f64 = 1e-9;
 
-/// Collects what is wrong.
+/// Collector of the issues of a generator's input.
 #[derive(Default)]
 pub(super) struct Input {
-    /// Everything found so far.
+    /// Issues found so far.
     pub issues: Vec<Issue>,
 }
 
 impl Input {
-    /// Notes something wrong.
+    /// Adds an issue.
     pub fn wrong(&mut self, key: &str, message: impl Into<String>, help: impl Into<String>) {
         self.issues.push(Issue::new(key, message, help));
     }
 
-    /// A size that has to be positive.
+    /// Checks a size, which has to be positive.
     pub fn size(&mut self, key: &str, name: &str, value: f64) {
         if value > 1.0 / HUGE && value < HUGE {
             return;
@@ -38,7 +38,7 @@ impl Input {
         self.wrong(key, format!("{name} is {value:?}"), help);
     }
 
-    /// A position.
+    /// Checks a position.
     pub fn point(&mut self, key: &str, name: &str, value: [f64; 3]) -> Option<Vec3> {
         if value.iter().all(|x| x.abs() < HUGE) {
             return Some(Vec3::from(value));
@@ -52,10 +52,10 @@ impl Input {
         None
     }
 
-    /// A direction, returned as a unit vector.
+    /// Checks a direction and returns it as a unit vector.
     pub fn direction(&mut self, key: &str, name: &str, value: [f64; 3]) -> Option<Vec3> {
         let vector = self.point(key, name, value)?;
-        // divided first, so that the norm of short directions does not vanish
+        // Scaled first, so that the norm of short directions does not vanish.
         let unit = (vector / vector.amax()).try_normalize(0.0);
         let unit = unit.filter(|unit| unit.iter().all(|x| x.is_finite()));
         if unit.is_none() {
@@ -68,7 +68,8 @@ impl Input {
         unit
     }
 
-    /// First and last angle (degrees): different, at most a turn apart. Returns whether they are a full turn.
+    /// Checks the first and last angle (degrees): different, at most a turn apart. Returns whether they are a full
+    /// turn.
     pub fn angles(&mut self, key: &str, name: &str, [first, last]: [f64; 2]) -> bool {
         let span = (last - first).abs();
         if !(first.abs() < HUGE && last.abs() < HUGE) {
@@ -95,7 +96,7 @@ impl Input {
         false
     }
 
-    /// No element may span half a turn: its nodes would tell no side from the other.
+    /// Checks that no element spans half a turn: its nodes would not distinguish its two sides.
     pub fn element_span(&mut self, name: &str, [first, last]: [f64; 2], lines: &[f64]) {
         let widest = lines.windows(2).map(|line| line[1] - line[0]).fold(0.0, f64::max);
         let span = (last - first).abs() * widest;
@@ -108,7 +109,7 @@ impl Input {
         }
     }
 
-    /// The grid's own numbers.
+    /// Checks the numbers of the grid itself.
     pub fn grid(&mut self, grid: &Grid) {
         let [nu, nv] = grid.elements;
         if nu == 0 || nv == 0 {
@@ -137,7 +138,7 @@ impl Input {
         }
     }
 
-    /// The number of elements altogether.
+    /// Checks the total number of elements.
     pub fn element_count(&mut self, count: u64) {
         if count > MOST_ELEMENTS {
             self.wrong(

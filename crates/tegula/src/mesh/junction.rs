@@ -1,4 +1,4 @@
-//! Which pairs of directors at a node are tied by their angle, so that they turn as a rigid cross.
+//! Director-angle constraints at a node: pairs of directors tied by their angle, so that they rotate as a rigid cross.
 //!
 //! Small rotations of n unit directors have 2n components; a rigid cross leaves three of them, two if the directors lie
 //! in one plane, where rotation about the common edge is all that angles can tell (the others follow the edge). A tie of
@@ -12,7 +12,8 @@ use crate::Vec3;
 /// Directors nearer to parallel than this (degrees) cannot be tied by their angle.
 pub(super) const UNTIED_DEGREES: f64 = 1.0;
 
-/// Part of a condition that must not follow from the ones before it.
+/// Norm of a condition after Gram–Schmidt orthogonalisation against the ones before it, above which it counts as
+/// independent.
 const INDEPENDENT: f64 = 0.1;
 
 /// Pairs of the unit vectors `directors` to be tied, ascending, each with the length of the edges that its sheets have in

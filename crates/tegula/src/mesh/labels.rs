@@ -1,7 +1,7 @@
-//! The numbers by which the person who made a mesh knows its nodes and elements.
+//! Numbers of nodes and elements in the user's mesh file.
 //!
-//! Inside, nodes and quads are counted from 0. A mesh file has numbers of its own, with gaps and in any order;
-//! messages have to speak of those.
+//! Inside, nodes and quads are counted from 0. A mesh file has numbers of its own, with gaps and in any order; messages
+//! use these.
 
 use super::Mesh;
 use crate::Issue;
@@ -30,17 +30,17 @@ impl Labels {
 }
 
 impl Mesh {
-    /// Number of a node for people: that of the mesh file, or the internal one, counted from 0.
+    /// Number of a node in messages: that of the mesh file, or the internal one, counted from 0.
     pub fn node_label(&self, node: u32) -> u64 {
         self.labels.as_ref().map_or(u64::from(node), |labels| labels.node(node as usize))
     }
 
-    /// Number of a quad for people: that of the mesh file, or the internal one, counted from 0.
+    /// Number of a quad in messages: that of the mesh file, or the internal one, counted from 0.
     pub fn quad_label(&self, quad: usize) -> u64 {
         self.labels.as_ref().map_or(quad as u64, |labels| labels.quad(quad))
     }
 
-    /// Lets issues of the mesh as a whole name the file that it was read from, and moves them to the key of the file.
+    /// Makes issues of the mesh as a whole name the file that it was read from, and moves them to the key of the file.
     pub(crate) fn name_file(&self, issues: &mut [Issue]) {
         let Some(labels) = &self.labels else { return };
         for issue in issues.iter_mut().filter(|issue| issue.place.key == "mesh") {

@@ -3,8 +3,8 @@
 //! | name | is |
 //! |---|---|
 //! | node | a point of the mid-surface |
-//! | quad | four nodes, counter-clockwise seen from the side the director points to; natural coordinates (−1,−1), (1,−1), (1,1), (−1,1) |
-//! | director | unit normal of the *true* surface at a node; one a node on smooth surfaces, several where sheets meet at an angle |
+//! | quad | four nodes, counter-clockwise about the director; natural coordinates (−1,−1), (1,−1), (1,1), (−1,1) |
+//! | director | unit normal of the *true* surface at a node; one if smooth, several where sheets meet at an angle |
 //! | set | a name for nodes, edges or quads, used by conditions, loads, sections and output |
 
 pub mod directors;
@@ -37,10 +37,10 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Nodes of each quad, counter-clockwise about the director.
     pub quads: Vec<[u32; 4]>,
-    /// Exact unit normals of the true surface at the corners of each quad, where
-    /// whoever made the mesh knows them; otherwise they are averaged from the facets.
+    /// Exact unit normals of the true surface at the corners of each quad, where the source of the mesh knows them;
+    /// otherwise they are averaged from the facets.
     pub normals: Option<Vec<[Vec3; 4]>>,
-    /// Thickness at each node (length), where the file holds it: the mesh was made of solids.
+    /// Thickness at each node (length), where the file holds it because the mesh was made of solids.
     pub thickness: Option<Vec<f64>>,
     /// Named sets of nodes, without repetition.
     pub node_sets: BTreeMap<String, Vec<u32>>,

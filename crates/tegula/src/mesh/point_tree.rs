@@ -1,4 +1,4 @@
-//! Points in a k-d tree: those within a box are found in logarithmic time, however finely parts of a mesh are graded.
+//! k-d tree of points: finds those within a box in logarithmic time, however finely parts of a mesh are graded.
 //!
 //! J. L. Bentley, *Multidimensional binary search trees used for associative searching*, Comm. ACM 18 (1975) 509–517.
 

@@ -1,4 +1,4 @@
-//! The folded sheet: checks of the polyline, and how its segments share the elements.
+//! Folded sheet: checks of the polyline, and the division of the elements among its segments.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -9,13 +9,13 @@ use super::surfaces::Extrusion;
 use crate::Vec3;
 use crate::model::ExtrusionMesh;
 
-/// The surface of a swept polyline and the lines of its grid.
+/// Surface of a swept polyline and the lines of its grid.
 ///
 /// A graded polyline is graded as a whole: elements and nodes lie where the
 /// progression puts them on the unfolded sheet, but for the small shift that
 /// brings a node to every vertex.
 ///
-/// Returns nothing where `input` has gained issues.
+/// Returns `None` where `input` has gained issues.
 pub(super) fn extrusion(source: &ExtrusionMesh, input: &mut Input) -> Option<(Extrusion, Lines)> {
     let before = input.issues.len();
     input.grid(&source.grid);
@@ -33,7 +33,7 @@ pub(super) fn extrusion(source: &ExtrusionMesh, input: &mut Input) -> Option<(Ex
     Some((Extrusion { vertices, sweep: Vec3::from(source.sweep), normals }, lines))
 }
 
-/// The vertices, and whether the last one is the first again; nothing if there is no usable polyline.
+/// Vertices, and whether the last one is the first again; `None` if there is no usable polyline.
 fn vertices(source: &ExtrusionMesh, input: &mut Input) -> Option<(Vec<Vec3>, bool)> {
     let key = |i: usize| format!("mesh.vertices[{i}]");
     let given = &source.vertices;
@@ -71,7 +71,7 @@ fn vertices(source: &ExtrusionMesh, input: &mut Input) -> Option<(Vec<Vec3>, boo
     if closed {
         vertices[last] = vertices[0];
     }
-    // Sheets that meet elsewhere than at the ends would lie there unconnected.
+    // Sheets that meet elsewhere than at the ends would not be connected there.
     let mut seen = BTreeMap::new();
     let cell = TINY * length;
     for (i, vertex) in vertices.iter().enumerate().take(last + usize::from(!closed)) {
@@ -113,7 +113,7 @@ fn normals(vertices: &[Vec3], along: Vec3, closed: bool, input: &mut Input) -> V
     normals
 }
 
-/// The grid's lines; u counts segments, so that vertices are whole numbers.
+/// Lines of the grid; u counts segments, so that vertices are whole numbers.
 fn lines(lengths: &[f64], total: usize, source: &ExtrusionMesh, closed: bool) -> Lines {
     let whole: f64 = lengths.iter().sum();
     let progression = Progression::new(total, source.grid.grading[0]);

@@ -1,4 +1,4 @@
-//! Is this a mesh one can compute with, and how well shaped are its elements?
+//! Mesh checks: whether a mesh is valid, and how well shaped its elements are.
 //!
 //! Thresholds are relative to each element's own size. Messages number elements and
 //! nodes as the mesh file does; those of a generated mesh are counted from 0.
@@ -10,18 +10,18 @@ use super::facet::{Facet, angle_between, show};
 use super::topology::{EdgeUse, Edges};
 use crate::Issue;
 
-/// Issues of one kind that are written out.
+/// Number of issues of one kind that are written out.
 const SHOWN: usize = 20;
 
 /// Areas and Jacobians below this part of the squared diagonal are zero.
 const FLAT: f64 = 1e-10;
 
-/// Neighbours whose normals differ by more (degrees) lie on one another. The angle between their directors
-/// could not tie them: its derivative, the sine, is below 2 % there.
+/// Angle between the normals of neighbours (degrees) above which they lie on one another. The angle between their
+/// directors could not tie them: its derivative, the sine, is below 2 % there.
 const FOLDED_BACK_DEGREES: f64 = 179.0;
 
-/// Everything that makes a mesh unusable, in the order: no elements, coordinates,
-/// elements, neighbours, sets. Empty for a good mesh.
+/// Issues that make a mesh unusable, in the order: no elements, coordinates, elements, neighbours, sets. Empty for a
+/// good mesh.
 pub fn check(mesh: &Mesh) -> Vec<Issue> {
     let edges = Edges::of(&mesh.quads);
     let mut issues = check_structure(mesh, &edges);
@@ -32,8 +32,8 @@ pub fn check(mesh: &Mesh) -> Vec<Issue> {
     issues
 }
 
-/// What has to hold before anything can be said about directors: elements exist, with
-/// four different existing nodes at finite positions, and neighbours are oriented alike.
+/// Issues of the mesh structure that prevent any check of directors: elements must exist, with four different existing
+/// nodes at finite positions, and neighbours must be oriented alike.
 pub(super) fn check_structure(mesh: &Mesh, edges: &Edges) -> Vec<Issue> {
     let mut issues = Vec::new();
     if mesh.quads.is_empty() {
@@ -90,7 +90,7 @@ pub(super) fn check_structure(mesh: &Mesh, edges: &Edges) -> Vec<Issue> {
     issues
 }
 
-/// Collapsed and inside-out elements.
+/// Issues of collapsed and inverted elements.
 fn check_shapes(mesh: &Mesh, issues: &mut Vec<Issue>) {
     let mut collapsed = Vec::new();
     let mut concave = Vec::new();
@@ -101,7 +101,7 @@ fn check_shapes(mesh: &Mesh, issues: &mut Vec<Issue>) {
         }
         let area = facet.area_vector();
         let flat = FLAT * facet.diagonal().powi(2);
-        // an undefined area (overflow) counts as none
+        // An undefined area (overflow) counts as zero.
         if area.norm() > flat {
             let mean = area.normalize();
             if let Some(corner) = (0..4).find(|&k| facet.corner_normal(k).dot(&mean) <= flat) {
@@ -131,7 +131,7 @@ fn check_shapes(mesh: &Mesh, issues: &mut Vec<Issue>) {
     });
 }
 
-/// Elements on the same four nodes.
+/// Issues of elements on equal sets of four nodes.
 fn check_duplicates(mesh: &Mesh, issues: &mut Vec<Issue>) {
     let mut first = HashMap::with_capacity(mesh.quads.len());
     let mut duplicates = Vec::new();
@@ -150,7 +150,7 @@ fn check_duplicates(mesh: &Mesh, issues: &mut Vec<Issue>) {
     });
 }
 
-/// Neighbours that lie on one another: the surface is folded back along their common edge.
+/// Issues of neighbours that lie on one another: the surface is folded back along their common edge.
 fn check_folds(mesh: &Mesh, edges: &Edges, issues: &mut Vec<Issue>) {
     let flattest = FOLDED_BACK_DEGREES.to_radians();
     let normal = |edge: &EdgeUse, node| {
@@ -183,7 +183,7 @@ fn check_folds(mesh: &Mesh, edges: &Edges, issues: &mut Vec<Issue>) {
     });
 }
 
-/// Empty sets and sets of things that do not exist.
+/// Issues of empty sets and of sets of things that do not exist.
 fn check_sets(mesh: &Mesh, issues: &mut Vec<Issue>) {
     let nodes = mesh.node_sets.iter().map(|(name, set)| (name, "node", set.len(), set.iter().max().copied()));
     let edges = mesh
@@ -250,7 +250,7 @@ fn repeated_node(quad: &[u32; 4]) -> Option<u32> {
     (1..4).find(|&k| quad[..k].contains(&quad[k])).map(|k| quad[k])
 }
 
-/// How well shaped the elements are.
+/// Shape quality of the elements of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quality {
     /// Area of the smallest element, projected on its mean plane (length²).
@@ -265,7 +265,7 @@ pub struct Quality {
     pub max_angle_deg: f64,
 }
 
-/// Extremes of the shapes of all elements. Without elements, those of a square of no area.
+/// Extremes of the shapes of all elements; without elements, those of a square of zero area.
 pub fn quality(mesh: &Mesh) -> Quality {
     let mut quality = Quality {
         min_area: f64::INFINITY,
@@ -281,7 +281,7 @@ pub fn quality(mesh: &Mesh) -> Quality {
         let angles = [0, 1, 2, 3].map(|k| facet.corner_angle(k).to_degrees());
         let [longest, largest_angle] = [sides, angles].map(|x| x.into_iter().fold(0.0, f64::max));
         let [shortest, smallest_angle] = [sides, angles].map(|x| x.into_iter().fold(f64::INFINITY, f64::min));
-        // the corners lie above and below the mean plane in turn, by half the distance of the diagonals
+        // The corners lie above and below the mean plane in turn, by half the distance of the diagonals.
         let height = 0.5 * (facet.x[1] - facet.x[0]).dot(&area_vector).abs() / area;
         quality.min_area = quality.min_area.min(area);
         quality.max_aspect = quality.max_aspect.max(longest / shortest);

@@ -1,7 +1,8 @@
-//! Parts of a mesh that touch without being connected.
+//! Seams: parts of a mesh that touch without being connected.
 //!
 //! Parts meshed apart have nodes of their own along their common edge: nodes that coincide, and nodes that lie on an
-//! element of the other part where the division differs. Nothing connects them, and the parts move apart without a word.
+//! element of the other part where the division differs (hanging nodes). Nothing connects them, and the parts move
+//! apart without any error.
 
 use rayon::prelude::*;
 
@@ -20,7 +21,7 @@ pub const COINCIDENT: f64 = 1e-3;
 const ON_BOUNDARY: f64 = 2e-2;
 const NARROW: f64 = 0.1;
 
-/// A node on an element that does not have it.
+/// Hanging node: a node on an element that does not have it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Hanging {
     /// The node, on the boundary of its own sheet.
@@ -29,14 +30,14 @@ pub struct Hanging {
     pub quad: u32,
 }
 
-/// Nodes along which parts of a mesh, or parts of one sheet, touch without being connected.
+/// Seam: nodes along which parts of a mesh, or parts of one sheet, touch without being connected.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Seam {
     /// Pairs of nodes at one place.
     pub coincident: Vec<[u32; 2]>,
     /// Nodes on elements that do not have them and none that coincides with them.
     pub hanging: Vec<Hanging>,
-    /// Least and largest coordinates of its nodes (length).
+    /// Least and largest coordinates of the seam's nodes (length).
     pub extent: [Vec3; 2],
 }
 
@@ -75,7 +76,7 @@ impl Mesh {
         if coincident.is_empty() && hanging.is_empty() {
             return Vec::new();
         }
-        // Everything found goes by its nodes; neighbours along an edge belong to one seam.
+        // Seams are sets of nodes; neighbours along an edge belong to one seam.
         let mut joined = Disjoint::new(self.positions.len());
         let mut on_seam = vec![false; self.positions.len()];
         for &[a, b] in &coincident {
@@ -112,11 +113,11 @@ impl Mesh {
         seams
     }
 
-    /// Makes one node of those that coincide and returns how many are gone; sets, numbers and thicknesses follow. The
-    /// first of several nodes stays where it is.
+    /// Merges nodes that coincide and returns how many are removed; sets, numbers and thicknesses follow. The first of
+    /// several nodes stays where it is.
     ///
     /// # Errors
-    /// Elements that would lose a side.
+    /// Elements would lose a side.
     pub fn merge_coincident_nodes(&mut self) -> Result<usize, Vec<Issue>> {
         let pairs = self.coincident_nodes();
         let mut joined = Disjoint::new(self.positions.len());
@@ -160,7 +161,7 @@ impl Mesh {
         Ok(kept.len() - count as usize)
     }
 
-    /// Leaves out the nodes that are not `kept` and gives the others their new numbers.
+    /// Removes the nodes that are not `kept` and gives the others their new numbers.
     fn renumber(&mut self, kept: &[bool], new: impl Fn(u32) -> u32) {
         fn keep<T>(list: &mut Vec<T>, kept: &[bool]) {
             let mut flags = kept.iter();

@@ -1,8 +1,7 @@
-//! Named parts of a mesh, and where things are.
+//! Named parts of a mesh, and searches for nodes by position.
 //!
-//! The name [`ALL`] always stands for the whole mesh. Nodes that no quad uses
-//! (construction points left over in a mesh file) belong to no part unless a
-//! set names them.
+//! The name [`ALL`] always stands for the whole mesh. Orphan nodes, which no quad uses (construction points left over
+//! in a mesh file), belong to no part unless a set names them.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +10,7 @@ use super::facet::{Facet, show};
 use super::topology::Edges;
 use crate::{Issue, Vec3};
 
-/// The name of the whole mesh.
+/// Name of the whole mesh.
 pub const ALL: &str = "all";
 
 impl Mesh {
@@ -67,7 +66,7 @@ impl Mesh {
         (name == ALL).then(|| (0u32..).take(self.quads.len()).collect())
     }
 
-    /// All names a part of the mesh goes by, sorted, [`ALL`] among them.
+    /// Names of all parts of the mesh, sorted, [`ALL`] among them.
     pub fn set_names(&self) -> Vec<String> {
         let sets = self.node_sets.keys().chain(self.edge_sets.keys()).chain(self.quad_sets.keys());
         let mut names: Vec<String> = sets.cloned().chain([ALL.to_owned()]).collect();
@@ -118,7 +117,7 @@ impl Mesh {
         edges.iter().filter(|uses| uses.len() == 1).map(|uses| uses[0].nodes()).collect()
     }
 
-    /// The mesh with all coordinates times `factor`, which must not be zero.
+    /// Mesh with all coordinates times `factor`, which must not be zero.
     ///
     /// Normals stay: r,u × r,v keeps its direction even under a negative factor.
     #[must_use]
@@ -163,7 +162,8 @@ impl Mesh {
     /// The node nearest to the point `name` at `position`.
     ///
     /// # Errors
-    /// What is wrong and what to do: it is farther away than the longest diagonal of an element, or there is none.
+    /// The point is farther from the node than the longest diagonal of an element, or there is no node: message and
+    /// remedy.
     pub fn node_near(&self, name: &str, position: Vec3) -> Result<u32, (String, String)> {
         let facets = self.quads.iter().filter_map(|quad| Facet::of(self, quad));
         let reach = facets.map(|facet| facet.diagonal()).fold(0.0, f64::max);

@@ -1,4 +1,4 @@
-//! The parametrised surfaces behind the generators.
+//! Parametrised surfaces behind the generators.
 //!
 //! Each maps parameters (u, v) to a position r and knows its exact unit normal
 //! r,u × r,v / |r,u × r,v|. Angles come in degrees, and quarter turns give exact
@@ -157,7 +157,7 @@ impl Surface for Extrusion {
     }
 }
 
-/// The value a part `t` of the way from the first to the last, exact at both ends.
+/// Value a part `t` of the way from the first to the last, exact at both ends.
 fn between(ends: [f64; 2], t: f64) -> f64 {
     ends[0] * (1.0 - t) + ends[1] * t
 }

@@ -1,4 +1,4 @@
-//! Which quads meet at which edge, and which nodes hang together.
+//! Mesh topology: quads that meet at an edge, and connected parts.
 
 use super::Mesh;
 
@@ -30,12 +30,11 @@ impl EdgeUse {
     }
 }
 
-/// All sides of all quads, those of one edge next to each other.
+/// Sides of all quads, sorted so that those of one edge follow one another.
 pub(super) struct Edges(Vec<EdgeUse>);
 
 impl Edges {
-    /// The edges of `quads`, sorted by node and quad; sides of no length (a node
-    /// repeated in a quad) are left out.
+    /// Edges of `quads`, sorted by node and quad; sides of no length (a node repeated in a quad) are left out.
     pub fn of(quads: &[[u32; 4]]) -> Self {
         let mut uses = Vec::with_capacity(4 * quads.len());
         for (number, quad) in (0u32..).zip(quads) {
@@ -50,7 +49,7 @@ impl Edges {
         Self(uses)
     }
 
-    /// The uses of each edge in turn: one on the boundary, two inside a sheet,
+    /// Uses of each edge, edge by edge: one on the boundary, two inside a sheet,
     /// three or more where sheets join.
     pub fn iter(&self) -> impl Iterator<Item = &[EdgeUse]> {
         self.0.chunk_by(|a, b| a.low == b.low && a.high == b.high)
@@ -86,7 +85,7 @@ impl Disjoint {
         Self((0u32..).take(count).collect())
     }
 
-    /// The number that represents the set of another.
+    /// Number that represents the set of another.
     pub fn root(&mut self, number: usize) -> usize {
         let parents = &mut self.0;
         let mut number = number;
@@ -97,7 +96,7 @@ impl Disjoint {
         number
     }
 
-    /// Makes one set of two.
+    /// Unites the sets of two numbers.
     pub fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.root(a), self.root(b));
         self.0[a.max(b)] = a.min(b) as u32;

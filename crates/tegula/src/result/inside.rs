@@ -1,4 +1,4 @@
-//! Strains and stresses inside of one element at a state, and their changes with a small motion about it.
+//! Strains and stresses inside one element at a state, and their changes with a small motion about it.
 
 use std::sync::Arc;
 
@@ -16,10 +16,10 @@ use crate::section::CompiledSection;
 use crate::section::compiled::Layer;
 use crate::system::{Shell, System};
 
-/// State of a model as the recovery of stresses sees it, or a small motion about that state.
+/// Snapshot for the recovery of stresses: state of a model, or a small motion about that state.
 ///
 /// Strains of a small motion φ about the state q are the linear ones, δs = S(q) φ, and stresses their product with the
-/// material's tangent at q: a rigid motion has none, whatever its amplitude.
+/// material's tangent at q: a rigid motion has no stress, whatever its amplitude.
 pub struct Snapshot<'a> {
     /// The compiled model.
     pub system: &'a System,
@@ -34,7 +34,7 @@ pub struct Snapshot<'a> {
 }
 
 impl<'a> Snapshot<'a> {
-    /// State of a model.
+    /// Snapshot of a state of a model.
     pub fn new(system: &'a System, state: &'a State) -> Self {
         let factors =
             system.prescribed_strains.iter().map(|f| system.amplitude(f.amplitude, state.time)).collect();
@@ -51,7 +51,7 @@ impl<'a> Snapshot<'a> {
         Self { system, state, small: None, factors, history }
     }
 
-    /// Small motion `shape` about a state, such as a mode.
+    /// Snapshot of a small motion `shape` about a state, such as a mode.
     pub fn of_small_motion(system: &'a System, state: &'a State, shape: &'a [Nodal]) -> Self {
         Self { small: Some(shape), ..Self::new(system, state) }
     }
@@ -88,24 +88,26 @@ impl<'a> Snapshot<'a> {
             .collect()
     }
 
-    /// Energies of the shells of [`System::shells`] that single elements do not tell: none for a small motion.
+    /// Stored energies of all elements, by group, for the shells of [`System::shells`]; `None` for a small motion, whose
+    /// energy is computed element by element.
     pub(super) fn stored_energies(&self) -> Option<Vec<Vec<f64>>> {
         self.small.is_none().then(|| self.energies())
     }
 }
 
-/// What elements of one shape have in common. It is made from the first of them, so that results do not depend on which
-/// one a thread meets first.
+/// Data common to congruent elements. They are made from the first of the elements, so that results do not depend on
+/// which one a thread meets first.
 pub struct Shape {
     section: usize,
     number: usize,
-    /// Terms of the energy, in the order of [`CompiledSection::stations`].
+    /// Terms of the energy (integration points), in the order in which [`CompiledSection`] lists them.
     pub stations: Vec<Station>,
-    /// Number of those that stand for points of the element; the last one may hold enhanced parameters.
+    /// Number of terms that stand for points of the element; the last term may hold enhanced parameters.
     points: usize,
     /// Frames of the points of the mid-surface, relative to that of the centre.
     pub frames: Vec<Mat3>,
-    /// How enhanced parameters follow from the samples, where all materials are linear.
+    /// Recovery of the enhanced parameters from the sampled strains, where all materials are linear (static
+    /// condensation).
     recovery: Option<Condensed>,
 }
 
@@ -129,7 +131,7 @@ impl Shape {
     }
 }
 
-/// Samples and enhanced parameters: of a state, or their changes.
+/// Sampled strains and enhanced parameters: of a state, or their changes.
 #[derive(Debug, Clone)]
 struct Generalised {
     samples: DVector<f64>,
@@ -137,13 +139,13 @@ struct Generalised {
 }
 
 impl Generalised {
-    /// Strain of an operator's rows.
+    /// Strain from the rows of a strain operator.
     fn strain(&self, samples: &DMatrix<f64>, enhanced: &DMatrix<f64>) -> DVector<f64> {
         samples * &self.samples + enhanced * &self.parameters
     }
 }
 
-/// The inside of an element.
+/// Interior of an element, for the recovery of strains and stresses.
 pub struct Inside<'a> {
     section: &'a CompiledSection,
     geometry: ShellGeometry,
@@ -151,7 +153,7 @@ pub struct Inside<'a> {
     prescribed: Vec<Option<&'a PrescribedStrain>>,
     factors: &'a [f64],
     history: &'a [f64],
-    /// What it shares with others.
+    /// Data shared with congruent elements.
     pub shape: Arc<Shape>,
     state: Generalised,
     /// Change with the small motion of which strains and stresses are wanted.
@@ -161,7 +163,8 @@ pub struct Inside<'a> {
 /// Strain at a point.
 #[derive(Debug, Clone)]
 pub struct PointStrain {
-    /// Strains xx, yy, 2xy, zz, 2xz, 2yz in the frame, prescribed strains taken off; of a small motion, its own.
+    /// Strains xx, yy, 2xy, zz, 2xz, 2yz in the frame, minus the prescribed strains; for a small motion, the strains of
+    /// the motion alone.
     pub strain: Vector6<f64>,
     /// Strain of the state about which a small motion is superposed.
     about: Option<Vector6<f64>>,
@@ -172,12 +175,12 @@ pub struct PointStrain {
 }
 
 impl<'a> Inside<'a> {
-    /// `None` where the element's geometry is invalid, which a built system excludes.
+    /// Interior of an element; `None` where the element's geometry is invalid, which a built system excludes.
     pub fn new(snapshot: &'a Snapshot<'a>, shell: &'a Shell) -> Option<Self> {
         Self::after(snapshot, shell, &mut None)
     }
 
-    /// The inside of an element after another one, which often has the same shape.
+    /// Interior of an element after another one, which often has the same shape.
     pub fn after(
         snapshot: &'a Snapshot<'a>,
         shell: &'a Shell,
@@ -223,7 +226,8 @@ impl<'a> Inside<'a> {
         Some(inside)
     }
 
-    /// Change of the enhanced parameters with that of the samples: `δα = −K_αα⁻¹ K_αs δs` with the tangents at the state.
+    /// Change of the enhanced parameters with that of the sampled strains: `δα = −K_αα⁻¹ K_αs δs` with the tangents at
+    /// the state.
     fn changed(&self, samples: DVector<f64>) -> Option<Generalised> {
         let count = self.element.parameters();
         let parameters = if count == 0 {
@@ -247,7 +251,8 @@ impl<'a> Inside<'a> {
         Some(Generalised { samples, parameters })
     }
 
-    /// Answer of the law of each station that has one, at the state; none where the law has no answer.
+    /// Response of the law of each integration point that has one, at the state; `None` where the law cannot be
+    /// evaluated.
     fn answers(&self) -> Vec<Option<Response>> {
         let mut at = self.state.parameters.len();
         let mut answer = |s: &Station| match &s.response {
@@ -265,7 +270,7 @@ impl<'a> Inside<'a> {
         self.shape.stations.iter().map(&mut answer).collect()
     }
 
-    /// Strain of a station at the state, prescribed strains taken off.
+    /// Strain of an integration point at the state, minus the prescribed strains.
     fn strain_of_state(&self, station: &Station) -> DVector<f64> {
         let mut strain = self.state.strain(&station.samples, &station.enhanced);
         for (factor, e0) in self.factors.iter().zip(&station.prescribed) {
@@ -274,7 +279,8 @@ impl<'a> Inside<'a> {
         strain
     }
 
-    /// Strain of a station, prescribed strains taken off; of a small motion, its own.
+    /// Strain of an integration point, minus the prescribed strains; for a small motion, the strain of the motion
+    /// alone.
     pub fn station_strain(&self, station: &Station) -> DVector<f64> {
         match &self.change {
             None => self.strain_of_state(station),
@@ -282,7 +288,7 @@ impl<'a> Inside<'a> {
         }
     }
 
-    /// Stress of each station with respect to its strains; of a small motion, its own.
+    /// Stress of each integration point, conjugate to its strains; for a small motion, the stress of the motion alone.
     pub fn station_stresses(&self) -> Vec<DVector<f64>> {
         let mut stresses = self.all_station_stresses();
         stresses.truncate(self.shape.points);
@@ -308,7 +314,7 @@ impl<'a> Inside<'a> {
         stations.map(|(s, stress)| 0.5 * s.weight * stress.dot(&self.station_strain(s))).sum()
     }
 
-    /// Internal variables of the stations that have some, with the number of the law.
+    /// Internal variables of the integration points that have a law, with the number of the law.
     pub fn station_history(&self) -> Vec<(usize, &'a [f64])> {
         let mut at = self.state.parameters.len();
         self.shape
@@ -344,8 +350,8 @@ impl<'a> Inside<'a> {
         })
     }
 
-    /// Stress xx, yy, xy, zz, xz, yz in the frame at the height `z` of a layer whose material remembers nothing; of a
-    /// small motion, its own.
+    /// Stress xx, yy, xy, zz, xz, yz in the frame at the height `z` of a layer whose material has no history; for a
+    /// small motion, the stress of the motion alone.
     pub fn stress(&self, point: usize, z: f64, layer: &Layer) -> Option<(Vector6<f64>, PointStrain)> {
         let at = self.strain(point, z, layer)?;
         let stress = match layer.law {
@@ -371,7 +377,7 @@ impl<'a> Inside<'a> {
         Some((stress, at))
     }
 
-    /// Stress of the station of a point that is nearest to a height, and its frame.
+    /// Stress of the integration point over a point of the mid-surface that is nearest to a height, and its frame.
     pub fn stress_of_nearest_station(
         &self,
         point: usize,

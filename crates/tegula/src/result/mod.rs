@@ -1,4 +1,4 @@
-//! From a state back to engineering quantities: resultants and stresses of shells, motion of points.
+//! Recovery of engineering quantities from a state: resultants and stresses of shells, motion of points.
 
 pub mod inside;
 pub mod plies;

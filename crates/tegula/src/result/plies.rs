@@ -1,8 +1,8 @@
 //! Stresses of plies in their own axes, failure indices, and plastic strain.
 //!
 //! Quantities are means over the element's points of the mid-surface, at the bottom, the middle and the top of each
-//! ply. In-plane stresses are those of the ply's material for the strain there, prescribed strains taken off.
-//! Transverse shear stresses of elements with resultants follow from equilibrium over the thickness.
+//! ply. In-plane stresses are those of the ply's material for the strain there minus the prescribed strains. Transverse
+//! shear stresses of elements with resultants follow from equilibrium over the thickness.
 
 use std::sync::Arc;
 
@@ -40,24 +40,24 @@ pub struct PlyResult {
 /// Failure indices of a ply, the worst of its bottom, middle and top; 1 is the limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlyFailure {
-    /// Tsai and Wu's index.
+    /// Index of Tsai and Wu.
     pub tsai_wu: f64,
-    /// Factor by which the stresses may grow until that index is 1.
+    /// Factor by which the stresses can grow until that index is 1.
     pub reserve: f64,
-    /// Greatest stress over its strength.
+    /// Greatest ratio of a stress to its strength.
     pub max_stress: f64,
-    /// Which stress that is.
+    /// Stress with the greatest ratio.
     pub mode: FailureMode,
 }
 
-/// Plies of all shells at a state, in the order of [`System::shells`], from the bottom to the top; none for a shell
-/// whose stresses cannot be had there.
+/// Plies of all shells at a state, in the order of [`System::shells`], from the bottom to the top; empty for a shell
+/// whose stresses cannot be evaluated there.
 pub fn recover_plies(system: &System, state: &State) -> Vec<Vec<PlyResult>> {
     of_shells(&Snapshot::new(system, state))
 }
 
-/// Plies of all shells of a snapshot, in the order of [`recover_plies`]. Stresses of a small motion are its own; failure
-/// indices then belong to them alone.
+/// Plies of all shells of a snapshot, in the order of [`recover_plies`]. For a small motion stresses are those of the
+/// motion alone, and failure indices then belong to them alone.
 pub fn of_shells(snapshot: &Snapshot) -> Vec<Vec<PlyResult>> {
     let shells = &snapshot.system.shells;
     shells
@@ -89,7 +89,8 @@ fn plies(snapshot: &Snapshot, shell: &Shell, last: &mut Option<Arc<Shape>>) -> O
                 let plane = turned_stress(Vector3::new(stress[0], stress[1], stress[2]), -turn);
                 let shear = match &section.resultant {
                     Resultant::Laminate(laminate) if !element.is_solid() => {
-                        // The first station holds the resultants; their shear forces spread by equilibrium.
+                        // The first integration point holds the resultants; equilibrium spreads their shear forces over
+                        // the thickness.
                         let q = Vector2::new(stations[point * per_point][4], stations[point * per_point][5]);
                         let of_section = turn - layer.angle;
                         let gamma = laminate.stiffness(of_section).shear.try_inverse()? * q;

@@ -1,13 +1,14 @@
 //! Reactions of supports and prescribed motions, resultants of loads, and the balance of all forces.
 //!
 //! With the internal forces f, the loads F, the inertia and mass damping I = M a + α M v, the unbalanced forces of the
-//! nodal vectors are g = f + I − F. Along free coordinates the equation of motion makes them vanish; along supported
-//! ones they are the reactions R. The forces on positions sum up to the resultant; a generalised force on a director
-//! is a moment: a nodal vector x (arm of a position, director or gradient) under the force f contributes x × f. Internal
-//! forces have neither resultant nor moment, so F + R − I must vanish, which is what the [balance](Equilibrium) tells.
+//! nodal vectors are g = f + I − F. Along free degrees of freedom the equation of motion makes them vanish; along
+//! constrained ones they are the reactions R. The forces on positions sum up to the resultant; a generalised force on a
+//! director is a moment: a nodal vector x (arm of a position, director or gradient) under the force f contributes x ×
+//! f. Internal forces have neither resultant nor moment, so F + R − I must vanish, which the [balance](Equilibrium)
+//! measures.
 //!
-//! The forces are those that the equation of the step holds: at its end for statics, Newmark and explicit steps; for HHT
-//! weighted between its ends, for the energy–momentum scheme at its middle.
+//! The forces are those of the equation of the step: at its end for statics, Newmark and explicit steps; for HHT
+//! weighted between its ends, for the energy–momentum scheme at its midpoint.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -24,7 +25,8 @@ use crate::system::{Assembly, System, VectorKind};
 pub struct Resultant {
     /// Force.
     pub force: Vec3,
-    /// Moment about the point of the set, [`ForceSet::about`](crate::system::ForceSet::about); of sums about the origin.
+    /// Moment about the point of the set, [`ForceSet::about`](crate::system::ForceSet::about); for sums about the
+    /// origin.
     pub moment: Vec3,
 }
 
@@ -46,7 +48,8 @@ pub struct Equilibrium {
 }
 
 impl Equilibrium {
-    /// Reaction force and moment at a node: the generalised forces on its directors and gradients turn it.
+    /// Reaction force and moment at each node: the moment comes from the generalised forces on its directors and
+    /// gradients.
     pub fn at_nodes(&self, system: &System, u: &[Nodal]) -> (Vec<Nodal>, Vec<Nodal>) {
         let nodes = system.position_of.len();
         let (mut forces, mut moments) = (vec![[0.0; 3]; nodes], vec![[0.0; 3]; nodes]);
@@ -64,21 +67,21 @@ impl Equilibrium {
     }
 }
 
-/// Where in a step the equation of motion holds.
+/// Instant of a step at which the equation of motion holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Instant {
     End,
-    /// Forces with this weight of the start of the step.
+    /// Forces between the ends, with this weight of the start of the step.
     Between(f64),
     Middle,
 }
 
-/// Supported directions of a nodal vector and the sets of supports that their reactions belong to.
+/// Constrained directions of a nodal vector and the sets of supports that their reactions belong to.
 struct Supported {
     vector: usize,
     /// Orthonormal directions, each with its set.
     axes: Vec<(Vec3, usize)>,
-    /// The vector is a director that keeps its length and can turn about its one direction.
+    /// Whether the vector is an inextensible director that can rotate about its one constrained direction.
     turns: bool,
 }
 
@@ -91,7 +94,7 @@ struct Forces<'a> {
     loads: Vec<(f64, f64, Cow<'a, [Nodal]>)>,
 }
 
-/// Finds reactions.
+/// Recovery of reactions and of the balance of forces.
 pub struct ReactionFinder {
     assembly: Assembly,
     instant: Instant,
@@ -99,7 +102,7 @@ pub struct ReactionFinder {
 }
 
 impl ReactionFinder {
-    /// For a scheme of time integration, `None` for statics.
+    /// Recovery for a scheme of time integration, `None` for statics.
     pub fn new(system: &System, scheme: Option<Scheme>) -> Self {
         let instant = match scheme {
             Some(Scheme::Hht(s)) => Instant::Between(-s.alpha),
@@ -109,11 +112,11 @@ impl ReactionFinder {
         Self { assembly: Assembly::for_forces(system), instant, supported: supported(system) }
     }
 
-    /// Forces of a step from `old` to `new`; at `new` alone without a step.
+    /// Equilibrium of the forces of a step from `old` to `new`; at `new` alone without a step.
     pub fn find(&mut self, system: &System, old: Option<&State>, new: &State) -> Equilibrium {
         let old = old.filter(|old| old.u.len() == new.u.len() && old.time < new.time);
         self.assembly.history.copy_from_slice(&new.history);
-        // A jump of velocities changes damping forces at once: the equation of the step before holds no longer.
+        // A jump of velocities changes damping forces at once: the equation of the step before no longer holds.
         let jumped = system.has_kink(new.time) && system.has_rate_damping();
         let forces = match (self.instant, old) {
             (Instant::Between(weight), Some(old)) if !jumped => self.between(system, (old, new), weight),
@@ -146,7 +149,7 @@ impl ReactionFinder {
         }
     }
 
-    /// Energy–momentum scheme: forces of the step, which act at its middle.
+    /// Energy–momentum scheme: forces of the step, which act at its midpoint.
     fn middle<'a>(&mut self, system: &System, old: &State, new: &State) -> Forces<'a> {
         let dt = new.time - old.time;
         let middle = old.time + 0.5 * dt;
@@ -208,8 +211,8 @@ impl ReactionFinder {
     }
 }
 
-/// Supported nodal vectors. Where conditions meet at a node, an axis belongs to the first one of the file that supports
-/// it.
+/// Constrained nodal vectors. Where conditions meet at a node, a direction belongs to the first condition of the file
+/// that constrains it.
 fn supported(system: &System) -> Vec<Supported> {
     let mut by_vector: BTreeMap<usize, Vec<&Support>> = BTreeMap::new();
     for support in &system.supports {
@@ -233,7 +236,7 @@ fn supported(system: &System) -> Vec<Supported> {
         }
         let turns = units.contains_key(&vector);
         if turns {
-            // A support along the director says nothing: its length is kept anyway.
+            // A support along the director is redundant: its length is constant anyway.
             let fixed = units[&vector]?;
             axes.retain(|(axis, _)| axis.dot(&fixed).abs() > 0.5);
         }
@@ -250,7 +253,8 @@ impl Supported {
         self.axes.iter().map(move |(axis, set)| {
             let mut along = force.dot(axis);
             if self.turns {
-                // What keeps the director's length is internal and has no moment; the support takes the rest.
+                // The constraint force on the inextensible director is internal and has no moment; the support takes
+                // the rest.
                 let across = d - axis * axis.dot(&d);
                 let length = force.dot(&across) / across.norm_squared().max(f64::MIN_POSITIVE);
                 along -= length * d.dot(axis);
@@ -293,7 +297,7 @@ fn combine([a, b]: [f64; 2], x: &[Nodal], y: &[Nodal]) -> Vec<Nodal> {
     x.iter().zip(y).map(|(x, y)| std::array::from_fn(|i| a * x[i] + b * y[i])).collect()
 }
 
-/// A nodal vector on which forces act: the reference one in linear models.
+/// Nodal vector on which forces act (arm of their moment): the reference one in linear models.
 fn arm(system: &System, u: &[Nodal], v: usize) -> Vec3 {
     let reference = Vec3::from(system.reference[v]);
     if system.linear { reference } else { reference + Vec3::from(u[v]) }

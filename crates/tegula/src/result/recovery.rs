@@ -30,7 +30,7 @@ use crate::section::compiled::Layer;
 use crate::system::{Shell, ShellSection, System};
 use tegula_sparse::norm::larger;
 
-/// Elements below which threads do not share the work.
+/// Number of elements below which threads do not share the work.
 pub(super) const CHUNK: usize = 64;
 
 /// Quantities of one shell element.
@@ -38,7 +38,7 @@ pub(super) const CHUNK: usize = 64;
 pub struct ShellResult {
     /// Membrane resultants n_xx, n_yy, n_xy [force/length].
     pub membrane: [f64; 3],
-    /// Bending resultants m_xx, m_yy, m_xy (force); above 0 the bottom surface is pulled.
+    /// Bending resultants m_xx, m_yy, m_xy (force); above 0 the bottom surface is in tension.
     pub bending: [f64; 3],
     /// Transverse shear resultants q_xz, q_yz [force/length].
     pub shear: [f64; 2],
@@ -52,19 +52,19 @@ pub struct ShellResult {
     pub energy_density: f64,
     /// Reference area (area).
     pub area: f64,
-    /// Axes x, y, z of the frame that the components belong to, at the reference.
+    /// Axes x, y, z of the frame of the components, in the reference configuration.
     pub axes: [[f64; 3]; 3],
 }
 
-/// The quantities of all shells at a state, in the order of [`System::shells`].
+/// Resultants, stresses and energy of all shells at a state, in the order of [`System::shells`].
 pub fn recover(system: &System, state: &State) -> Vec<ShellResult> {
     shells(&Snapshot::new(system, state))
 }
 
-/// The quantities of all shells of a snapshot, in the order of [`System::shells`].
+/// Resultants, stresses and energy of all shells of a snapshot, in the order of [`System::shells`].
 ///
-/// Those of a small motion are linear in its amplitude, but for the energy ½ δε·C δε per area, which is quadratic, and
-/// von Mises' stress, which is homogeneous.
+/// For a small motion they are linear in its amplitude, but for the energy ½ δε·C δε per area, which is quadratic, and
+/// the von Mises stress, which is homogeneous.
 pub fn shells(snapshot: &Snapshot) -> Vec<ShellResult> {
     let energies = snapshot.stored_energies();
     let energy = |shell: &Shell| {
@@ -78,7 +78,8 @@ pub fn shells(snapshot: &Snapshot) -> Vec<ShellResult> {
         .collect()
 }
 
-/// One element. Its geometry was valid when the system was built, so nothing fails here.
+/// Resultants, stresses and energy of one element. Its geometry was valid when the system was built, so nothing fails
+/// here.
 fn element(
     snapshot: &Snapshot,
     shell: &Shell,
@@ -121,7 +122,7 @@ fn element(
     Some(out)
 }
 
-/// Resultants n, n_zz, q, m of a point of the mid-surface from the stresses of its stations.
+/// Resultants n, n_zz, q, m of a point of the mid-surface from the stresses of its integration points.
 fn resultants(section: &CompiledSection, solid: bool, stresses: &[DVector<f64>]) -> [f64; 9] {
     let mut out = [0.0; 9];
     let mut stations = stresses.iter();
@@ -196,8 +197,8 @@ fn equivalent(s: &Vector6<f64>) -> f64 {
     (0.5 * normal + 3.0 * (s[2] * s[2] + s[4] * s[4] + s[5] * s[5])).sqrt()
 }
 
-/// In-plane turn from one frame to another. Frames of a warped element also tilt, which is left out:
-/// components are carried along with the surface.
+/// In-plane rotation from one frame to another. Frames of a warped element also tilt, which is neglected: components
+/// are convected with the surface.
 #[derive(Debug, Clone, Copy)]
 struct Turn {
     cos: f64,

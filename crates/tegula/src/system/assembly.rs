@@ -8,7 +8,7 @@ use crate::Vec3;
 use crate::element::{ElementGroup, Interior, Kinematics, Motion, Nodal, TangentRequest, TangentWeights};
 use crate::lists::Lists;
 
-/// What a tangent is made of.
+/// Tangent coefficients: weights of the element parts, factor of the mass, and time of the follower loads.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TangentParts {
     /// Weights of the element parts.
@@ -19,28 +19,28 @@ pub struct TangentParts {
     pub time: f64,
 }
 
-/// Lower tangent blocks of some elements of a group.
+/// Lower tangent blocks of a batch of elements of a group.
 #[derive(Clone, Copy)]
 pub struct ElementBlocks<'a> {
-    /// The group.
+    /// Element group of the batch.
     pub group: &'a dyn ElementGroup,
-    /// First of the elements.
+    /// First element of the batch.
     pub first: usize,
-    /// Their blocks.
+    /// Lower blocks of the elements, one element after another.
     pub blocks: &'a [f64],
 }
 
-/// Models of so many portions give back the buffer of one when the tangent is summed: the factorisation wants memory then,
-/// and to get it again is little work for them.
+/// Number of batches from which on a model releases the batch buffer when the tangent is summed: the factorisation
+/// needs memory then, and reallocation is cheap for such models.
 const MANY_PORTIONS: usize = 8;
 
-/// Buffers for one analysis; nothing is allocated after it is made, but for models of many portions.
+/// Assembly buffers for one analysis; nothing is allocated after they are made, except for models of many batches.
 pub struct Assembly {
     /// Element forces, all groups one after another.
     element_forces: Vec<f64>,
-    /// Tangent blocks of a portion of the elements or follower loads.
+    /// Tangent blocks of a batch of elements or follower loads.
     blocks: Vec<f64>,
-    /// Extrapolated stress of the samples, all groups.
+    /// Extrapolated stress, conjugate to the sampled strains, all groups.
     pub stress: Vec<f64>,
     /// Values of the tangent's lower triangle.
     pub values: Vec<f64>,
@@ -48,13 +48,13 @@ pub struct Assembly {
     energies: Vec<f64>,
     /// Enhanced parameters and internal variables at the end of the last step, all groups.
     pub history: Vec<f64>,
-    /// The same at the end of the present step.
+    /// Enhanced parameters and internal variables at the end of the present step, all groups.
     new_history: Vec<f64>,
     /// Factors of the fields of prescribed strain.
     factors: Vec<f64>,
-    /// Supports, and axes of the vectors that keep their length at their present values.
+    /// Constrained degrees of freedom, and local frames of inextensible directors at their present values.
     pub numbering: Numbering,
-    /// Where in `element_forces` (in units of nodal vectors) the parts of each nodal vector are.
+    /// Places in `element_forces` (in units of nodal vectors) of the contributions to each nodal vector.
     force_sources: Lists<u32>,
 }
 
@@ -67,7 +67,7 @@ impl Assembly {
         out
     }
 
-    /// Buffers for forces and energies; those of a tangent are made when one is wanted.
+    /// Buffers for forces and energies; those of a tangent are made on demand.
     pub fn for_forces(system: &System) -> Self {
         let mut sources: Vec<(u32, u32)> = Vec::new();
         let mut stresses = 0;
@@ -105,7 +105,7 @@ impl Assembly {
         }
     }
 
-    /// Turns the axes of vectors that keep their length to the directions on which the forces of a motion act.
+    /// Rotates the local frames of inextensible directors to the configuration on which the forces of a motion act.
     pub fn follow(&mut self, system: &System, k: &Kinematics) {
         if !self.numbering.unit.is_empty() && !k.linear {
             self.numbering.follow(|v| current_vector(system, k, v));
@@ -126,7 +126,7 @@ impl Assembly {
         self.gather_forces(out);
     }
 
-    /// Internal forces and the values of the tangent. With `extrapolated` the geometric part takes
+    /// Internal forces and the values of the tangent. With `extrapolated` the geometric stiffness uses
     /// [`stress`](Self::stress). A `prescribed` increment adds tangent times increment to the forces.
     pub fn forces_and_tangent(
         &mut self,
@@ -139,7 +139,7 @@ impl Assembly {
     ) {
         self.values.resize(system.pattern.values(), 0.0);
         self.blocks.resize(9 * largest_portion(system), 0.0);
-        // As one piece of work of the thread pool: from outside, each of the many small ones would wait to be taken.
+        // A single task of the thread pool: from outside, each of the many small ones would wait to be scheduled.
         let work = || {
             system.pattern.begin(parts.mass, &self.numbering, &mut self.values);
             let mut portion = 0;
@@ -155,8 +155,8 @@ impl Assembly {
         }
     }
 
-    /// Internal forces of a motion; the tangent is not summed but handed over, the lower blocks of one element or load that
-    /// follows the motion after the other. Otherwise like [`forces_and_tangent`](Self::forces_and_tangent).
+    /// Internal forces of a motion; the tangent is not summed but handed over, the lower blocks of one element or
+    /// follower load after the other. Otherwise like [`forces_and_tangent`](Self::forces_and_tangent).
     pub fn forces_and_blocks(
         &mut self,
         system: &System,
@@ -192,7 +192,7 @@ impl Assembly {
         rayon::join(work, || ());
     }
 
-    /// Only the element work of [`forces_and_tangent`](Self::forces_and_tangent), to see what it takes.
+    /// Element work of [`forces_and_tangent`](Self::forces_and_tangent) alone, to measure its cost.
     pub fn element_work(&mut self, system: &System, k: &Kinematics, parts: &TangentParts, out: &mut [Nodal]) {
         self.blocks.resize(9 * largest_portion(system), 0.0);
         let work = || {
@@ -202,7 +202,7 @@ impl Assembly {
         rayon::join(work, || ());
     }
 
-    /// Hands the tangent blocks of all elements to `f`, some at a time, group by group.
+    /// Hands the tangent blocks of all elements to `f`, batch by batch, group by group.
     pub fn for_each_element(
         &mut self,
         system: &System,
@@ -218,8 +218,8 @@ impl Assembly {
         });
     }
 
-    /// Evaluates the elements, then the loads that follow the motion, portion by portion as the pattern counts them, and
-    /// hands group and first element (none: loads), the blocks, and what they may be summed into to `take`.
+    /// Evaluates the elements, then the follower loads, in the batches of the pattern, and hands group and first
+    /// element (`None`: loads), the blocks, and the numbering and values for their sum to `take`.
     fn portions(
         &mut self,
         system: &System,
@@ -270,8 +270,8 @@ impl Assembly {
         }
     }
 
-    /// Adds the curvature of the sphere of unit vectors under the forces `rest` that act on them from outside to the
-    /// values of the tangent.
+    /// Adds the curvature of the unit sphere of inextensible directors under the forces `rest` that act on them from
+    /// outside to the values of the tangent.
     pub fn add_curvature(
         &mut self,
         system: &System,
@@ -300,7 +300,7 @@ impl Assembly {
         });
     }
 
-    /// The first shell whose last forces are not numbers, for people: its material had no answer to its strain.
+    /// First shell whose last forces are not finite, as text: its material law could not be evaluated.
     pub fn without_answer(&self, system: &System) -> Option<String> {
         let mut at = 0;
         for (index, group) in system.groups.iter().enumerate() {
@@ -319,7 +319,7 @@ impl Assembly {
         None
     }
 
-    /// Values of the mass matrix of the free coordinates.
+    /// Values of the mass matrix of the free degrees of freedom.
     pub fn mass_values(&self, system: &System, values: &mut [f64]) {
         system.pattern.mass_values(&self.numbering, values);
     }
@@ -354,7 +354,7 @@ impl Assembly {
         }
     }
 
-    /// Takes over what the materials remember at the end of a converged step; returns the energy they dissipated in it.
+    /// Commits the history variables at the end of a converged step; returns the energy dissipated in it.
     pub fn commit(&mut self, system: &System, k: &Kinematics) -> f64 {
         let dissipated = self.find_history(system, k);
         if !self.history.is_empty() {
@@ -363,7 +363,7 @@ impl Assembly {
         dissipated
     }
 
-    /// Finds what the materials would remember after a step to a motion; returns the energy they would dissipate in it.
+    /// Computes the history variables after a step to a motion; returns the energy that would be dissipated in it.
     fn find_history(&mut self, system: &System, k: &Kinematics) -> f64 {
         if self.history.is_empty() {
             return 0.0;
@@ -382,13 +382,13 @@ impl Assembly {
     }
 
     /// Work of prescribed strains that change with time while the model moves from `old` to `new` (displacement and
-    /// time): what stored and dissipated energy gain beyond the work of the internal forces.
+    /// time): the gain of stored and dissipated energy beyond the work of the internal forces.
     ///
-    /// With the energy Π(u, t) that it takes to deform the model to u under the prescribed strains of the time t, the
-    /// internal forces of the middle of the step do the work Π(u₁, ½) − Π(u₀, ½). The rest of the change of Π is
-    /// `Π(u₁, t₁) − Π(u₁, ½) + Π(u₀, ½) − Π(u₀, t₀)`: exact for the energy–momentum scheme, of second order for
-    /// the others. Where materials yield the two half steps lie on both sides of the kink between loading and
-    /// unloading, and the balance is of first order.
+    /// Let Π(u, t) be the energy needed to deform the model to u under the prescribed strains of the time t. The
+    /// internal forces at the midpoint of the step do the work Π(u₁, ½) − Π(u₀, ½). The remaining change of Π is
+    /// `Π(u₁, t₁) − Π(u₁, ½) + Π(u₀, ½) − Π(u₀, t₀)`: exact for the energy–momentum scheme, of second order for the others.
+    /// Where materials yield the two half steps lie on both sides of the kink between loading and unloading, and the
+    /// balance is of first order.
     pub fn prescribed_strain_work(
         &mut self,
         system: &System,
@@ -451,7 +451,7 @@ impl Assembly {
     }
 }
 
-/// Curvature of the sphere of each vector that keeps its length, under the forces `rest` that act on it from outside.
+/// Curvature of the unit sphere of each inextensible director, under the forces `rest` that act on it from outside.
 pub fn curvature<'a>(
     system: &'a System,
     numbering: &'a Numbering,
@@ -465,19 +465,20 @@ pub fn curvature<'a>(
     })
 }
 
-/// Blocks of the lower triangle of `vectors` nodal vectors.
+/// Number of blocks in the lower triangle of `vectors` nodal vectors.
 pub(super) fn pairs(vectors: usize) -> usize {
     vectors * (vectors + 1) / 2
 }
 
-/// Most blocks of a portion of the elements or of the loads that follow the motion.
+/// Largest number of blocks in a batch of elements or follower loads.
 fn largest_portion(system: &System) -> usize {
     let groups = system.groups.iter().map(|g| g.len().min(PORTION) * pairs(g.vectors_per_element()));
     let loads = system.followers.chunks(PORTION);
     groups.chain(loads.map(|l| l.iter().map(|load| pairs(load.vectors().len())).sum())).max().unwrap_or(0)
 }
 
-/// The motion with what is inside of a group's elements; takes the group's part off the front of `history`.
+/// Motion with history and prescribed strains of a group's elements; splits the group's part from the front of
+/// `history`.
 fn inside<'a>(
     system: &'a System,
     k: &Kinematics<'a>,
@@ -490,7 +491,7 @@ fn inside<'a>(
     Kinematics { interior: Interior { history: mine, factors }, unit: &system.unit, ..*k }
 }
 
-/// A nodal vector on which the forces of a motion act.
+/// Nodal vector of the configuration on which the forces of a motion act.
 pub(super) fn current_vector(system: &System, k: &Kinematics, v: usize) -> Vec3 {
     let mut x = Vec3::from(system.reference[v]);
     if !k.linear {
@@ -502,7 +503,7 @@ pub(super) fn current_vector(system: &System, k: &Kinematics, v: usize) -> Vec3 
     x
 }
 
-/// Nodal vectors on which the forces of a motion act.
+/// Nodal vectors of the configuration on which the forces of a motion act.
 fn current(system: &System, k: &Kinematics, vectors: &[u32], x: &mut [Vec3; 4]) {
     for (x, &v) in x.iter_mut().zip(vectors) {
         *x = current_vector(system, k, v as usize);

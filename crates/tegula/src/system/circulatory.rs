@@ -1,15 +1,16 @@
-//! Circulatory stiffness: the skew part of the stiffness of loads that follow the motion.
+//! Circulatory stiffness: the skew part of the stiffness of follower loads.
 //!
-//! Its symmetric part lies in the pattern of the tangent; the skew part acts on few nodal vectors. That of a pressure on
-//! a surface is a sum over its boundary, since the parts of elements cancel along common edges:
+//! The symmetric part of that stiffness lies in the pattern of the tangent; the skew part acts on few nodal vectors.
+//! For a pressure on a surface the skew part is a sum over its boundary, since the parts of elements cancel along
+//! common edges:
 //!
 //! ```text
 //! ½ (K_ab − K_baᵀ) = −½ p ∮ N_a N_b [dr]×
 //! ```
 //!
 //! (K. Schweizerhof, E. Ramm, *Displacement dependent pressure loads in nonlinear finite element analyses*, Comput.
-//! Struct. 18 (1984) 1099–1114). That of a moment on a director is `−(m·d) [d]×/|d|⁴`: it vanishes with the drilling
-//! component. The name is that of the forces: H. Ziegler, *Principles of structural stability*, 1968.
+//! Struct. 18 (1984) 1099–1114). For a moment on a director it is `−(m·d) [d]×/|d|⁴`, which vanishes with the drilling
+//! component. The name is that of circulatory forces: H. Ziegler, *Principles of structural stability*, 1968.
 
 use std::collections::BTreeMap;
 
@@ -20,22 +21,22 @@ use crate::element::Kinematics;
 use crate::load::FollowerLoad;
 use crate::{Mat3, Vec3};
 
-/// Pressures of neighbours that differ by less than this part of themselves cancel along their common edge.
+/// Relative difference of the pressures of neighbours up to which they cancel along their common edge.
 const CANCELLED: f64 = 1e-12;
-/// Skew blocks below this part of the load's stiffness are rounding.
+/// Skew blocks below this part of the load's stiffness are round-off.
 const ROUNDING: f64 = 1e-13;
 
 /// An edge on the boundary of a surface under pressure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct PressureEdge {
-    /// Positions of its ends, around the surface.
+    /// Positions of the edge's ends, in the sense around the surface.
     ends: [u32; 2],
     /// Pressure at amplitude 1.
     pressure: f64,
     amplitude: Option<usize>,
 }
 
-/// The block of two nodal vectors; that of `(column, row)` is minus its transpose.
+/// Skew block of two nodal vectors; the block of `(column, row)` is minus its transpose.
 #[derive(Debug, Clone, Copy)]
 struct Block {
     row: u32,
@@ -43,21 +44,22 @@ struct Block {
     values: Mat3,
 }
 
-/// Skew part of the stiffness of all follower loads, taken at a motion.
+/// Skew part of the stiffness of all follower loads, computed at a motion.
 #[derive(Debug, Clone)]
 pub struct CirculatoryStiffness {
     edges: Vec<PressureEdge>,
-    /// Numbers of the follower loads that are moments.
+    /// Indices of the follower loads that are moments.
     moments: Vec<u32>,
     blocks: Vec<Block>,
-    /// Free coordinates on which it acts, ascending.
+    /// Free degrees of freedom on which the stiffness acts, ascending.
     support: Vec<u32>,
-    /// Scale of each: 1/length of positions, 1 of directors, so that results do not depend on units.
+    /// Scale of each degree of freedom of `support`: 1/length of positions, 1 of directors, so that results do not
+    /// depend on units.
     scales: Vec<f64>,
 }
 
 impl CirculatoryStiffness {
-    /// Lists the vectors concerned; no stiffness is taken yet.
+    /// Lists the nodal vectors concerned; no stiffness is computed yet.
     pub fn new(system: &System) -> Self {
         let edges = boundary(&system.followers);
         let is_moment = |l: &FollowerLoad| !matches!(l, FollowerLoad::Pressure { .. });
@@ -84,7 +86,7 @@ impl CirculatoryStiffness {
         Self { edges, moments, blocks: Vec::with_capacity(most), support, scales }
     }
 
-    /// Takes the stiffness at a motion, with the weights of a tangent.
+    /// Computes the stiffness at a motion, with the coefficients of a tangent.
     pub fn take(&mut self, system: &System, k: &Kinematics, parts: &TangentParts) {
         self.blocks.clear();
         if k.linear {
@@ -116,7 +118,7 @@ impl CirculatoryStiffness {
             for (a, &row) in vectors.iter().enumerate() {
                 for (b, &column) in vectors[..=a].iter().enumerate() {
                     let values = (stiffness[a][b] - stiffness[b][a].transpose()) * (0.5 * factor);
-                    // Also where it is not a number: the solution tells.
+                    // NaN is kept: the solver reports it.
                     if !(values.amax() <= ROUNDING * factor.abs() * largest) {
                         self.blocks.push(Block { row, column, values });
                     }
@@ -125,24 +127,24 @@ impl CirculatoryStiffness {
         }
     }
 
-    /// True if there is none at the motion where it was taken.
+    /// Whether the stiffness is zero at the motion where it was computed.
     pub fn is_zero(&self) -> bool {
         self.blocks.is_empty()
     }
 
-    /// Free coordinates on which it acts, ascending.
+    /// Free degrees of freedom on which the stiffness acts, ascending.
     pub fn support(&self) -> &[u32] {
         &self.support
     }
 
-    /// Scaled values of the free coordinates on which it acts.
+    /// Gathers the scaled values of the free degrees of freedom on which the stiffness acts.
     pub fn gather(&self, x: &[f64], out: &mut [f64]) {
         for ((out, &n), scale) in out.iter_mut().zip(&self.support).zip(&self.scales) {
             *out = scale * x[n as usize];
         }
     }
 
-    /// Free coordinates with these scaled values where it acts, and zero elsewhere.
+    /// Scatters scaled values to the free degrees of freedom on which the stiffness acts; the others become zero.
     pub fn scatter(&self, values: &[f64], x: &mut [f64]) {
         x.fill(0.0);
         for ((value, &n), scale) in values.iter().zip(&self.support).zip(&self.scales) {
@@ -150,7 +152,7 @@ impl CirculatoryStiffness {
         }
     }
 
-    /// `out = N x` for free coordinates along the axes of `numbering`.
+    /// `out = N x` for free degrees of freedom in the local frames of `numbering`.
     pub fn product(&self, numbering: &Numbering, x: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         let read = |v: u32| {
@@ -174,7 +176,7 @@ impl CirculatoryStiffness {
     }
 }
 
-/// Edges that do not cancel: on the boundary of a surface, or between different pressures.
+/// Loaded edges that do not cancel: on the boundary of a surface, or between different pressures.
 fn boundary(loads: &[FollowerLoad]) -> Vec<PressureEdge> {
     let mut sums: BTreeMap<([u32; 2], Option<usize>), [f64; 2]> = BTreeMap::new();
     for load in loads {

@@ -1,11 +1,11 @@
-//! Bounds of the highest frequency by single elements.
+//! Bounds of the highest frequency by single elements (element eigenvalue theorem).
 //!
 //! Let the elements share the lumped mass, `m_v = Σ_e m_v^e`. Then no eigenvalue of `K x = ω² M x` is above the largest
-//! one of a single element with its share, whatever the supports: `x·K x / x·M x` is the mean of the quotients of the
-//! elements, weighted with their `x·M_e x`. B. Irons, G. Treharne, *A bound theorem in eigenvalues and its practical
-//! applications*, Proc. 3rd Conf. Matrix Methods in Structural Mechanics, Wright–Patterson (1971). The largest eigenvalue
-//! of an element is bounded in turn by `(tr A³²)^(1/32)`, `A = M_e^(−½) K_e M_e^(−½)`, which is at most `q^(1/32)` too
-//! high where q eigenvalues are as large. No matrix of the model is made.
+//! one of a single element with its share, whatever the supports: `x·K x / x·M x` is the mean of the Rayleigh quotients
+//! of the elements, weighted with their `x·M_e x`. B. Irons, G. Treharne, *A bound theorem in eigenvalues and its
+//! practical applications*, Proc. 3rd Conf. Matrix Methods in Structural Mechanics, Wright–Patterson (1971). The
+//! largest eigenvalue of an element is bounded in turn by `(tr A³²)^(1/32)`, `A = M_e^(−½) K_e M_e^(−½)`, which is at
+//! most `q^(1/32)` too high where q eigenvalues are as large. No global matrix is assembled.
 
 use rayon::prelude::*;
 
@@ -15,26 +15,27 @@ use super::numbering::VectorKind;
 use crate::Vec3;
 use crate::element::{ElementGroup, Nodal};
 
-/// Coordinates of an element at most.
+/// Largest number of degrees of freedom of an element.
 const LARGEST: usize = 24;
-/// How often A is squared: the trace is that of the power 2^(SQUARINGS + 1).
+/// Number of squarings of A: the trace is that of the power 2^(SQUARINGS + 1).
 const SQUARINGS: i32 = 4;
-/// Elements that one task looks at.
+/// Elements per task.
 const CHUNK: usize = 32;
 
-/// How elements share the mass of their nodal vectors: shells by their own part of it; ties, which have none, get half.
+/// Shares of the elements in the mass of their nodal vectors: shells share by their own part of it; ties, which have
+/// none, get half.
 #[derive(Debug)]
 pub struct MassShares {
     /// Sum of the elements' own masses of each nodal vector.
     own: Vec<f64>,
     /// Number of massless elements at each nodal vector.
     massless: Vec<u32>,
-    /// Number of loads that follow the motion at each nodal vector.
+    /// Number of follower loads at each nodal vector.
     loads: Vec<u32>,
 }
 
 impl MassShares {
-    /// For the elements and loads of a system.
+    /// Mass shares for the elements and loads of a system.
     pub fn new(system: &System) -> Self {
         let n = system.vectors();
         let mut out = Self { own: vec![0.0; n], massless: vec![0; n], loads: vec![0; n] };
@@ -98,7 +99,8 @@ pub fn row_sums(kinds: &[VectorKind], vectors: &[u32], mass: &[f64]) -> [f64; 8]
     out
 }
 
-/// Bound of the largest eigenvalue of each of some elements; only coordinates of the kinds that `wanted` names count.
+/// Bound of the largest eigenvalue of each element of a batch; only degrees of freedom of the kinds that `wanted`
+/// selects count.
 pub fn of_elements(
     system: &System,
     shares: &MassShares,
@@ -131,7 +133,7 @@ pub fn of_elements(
     out
 }
 
-/// Bound of the largest eigenvalue of some elements.
+/// Bound of the largest eigenvalue of any element of a batch.
 pub fn of_part(
     system: &System,
     shares: &MassShares,
@@ -161,7 +163,7 @@ pub fn of_part(
         .reduce(|| 0.0, larger)
 }
 
-/// Bound of the largest eigenvalue that the symmetric part of the loads that follow the motion adds.
+/// Bound of the largest eigenvalue that the symmetric part of the stiffness of follower loads adds.
 pub fn of_followers(system: &System, shares: &MassShares, mass: &[f64], u: &[Nodal], time: f64) -> f64 {
     if system.linear {
         return 0.0;
@@ -176,7 +178,7 @@ pub fn of_followers(system: &System, shares: &MassShares, mass: &[f64], u: &[Nod
             x[a] = Vec3::from(system.reference[v]) + Vec3::from(u[v]);
             part[a] = mass[v] / f64::from(shares.loads[v].max(1));
         }
-        // −∂f/∂x: what is added to the stiffness.
+        // The stiffness gains −∂f/∂x.
         load.stiffness(&x[..n], &mut blocks[..9 * pairs(n)]);
         let factor = system.amplitude(load.amplitude(), time);
         blocks.iter_mut().for_each(|k| *k *= factor);
@@ -186,12 +188,12 @@ pub fn of_followers(system: &System, shares: &MassShares, mass: &[f64], u: &[Nod
     highest
 }
 
-/// The larger of two values; not a number if one of them is none.
+/// Larger of two values; NaN if one of them is NaN.
 fn larger(a: f64, b: f64) -> f64 {
     if b.is_nan() { b } else { a.max(b) }
 }
 
-/// A symmetric matrix of one element, and room for its square.
+/// Symmetric matrix of one element, with space for its square.
 struct Square {
     a: [[f64; LARGEST]; LARGEST],
     squared: [[f64; LARGEST]; LARGEST],
@@ -203,7 +205,7 @@ impl Square {
         Self { a: [[0.0; LARGEST]; LARGEST], squared: [[0.0; LARGEST]; LARGEST], size: 0 }
     }
 
-    /// `M^(−½) K M^(−½)` of the vectors that `wanted` names.
+    /// Sets `M^(−½) K M^(−½)` of the vectors that `wanted` selects.
     #[inline(always)]
     fn fill(&mut self, blocks: &[f64], mass: &[f64], wanted: impl Fn(usize) -> bool) {
         let m = mass.len();
@@ -228,7 +230,7 @@ impl Square {
         }
     }
 
-    /// Bound of the largest eigenvalue; it need not be close where it is not above `enough`.
+    /// Bound of the largest eigenvalue; it need not be tight where it is not above `enough`.
     #[inline(always)]
     fn bound(&mut self, enough: f64) -> f64 {
         let n = self.size;

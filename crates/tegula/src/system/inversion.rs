@@ -1,7 +1,7 @@
-//! Finds elements that a motion has turned inside out.
+//! Detection of inverted elements.
 //!
-//! Strains are quadratic, so an element that has passed through itself has small strains again and Newton's
-//! method can settle there. No real shell gets there: such a state is not an answer.
+//! Strains are quadratic, so an element that has passed through itself has small strains again and Newton's method can
+//! converge there. No real shell gets there: such a state is no solution.
 
 use rayon::prelude::*;
 
@@ -10,10 +10,10 @@ use crate::Vec3;
 use crate::element::Nodal;
 use crate::element::geometry::{GAUSS_POINTS, covariant_base};
 
-/// Elements that one task looks at.
+/// Elements per task.
 const CHUNK: usize = 256;
 
-/// The first shell whose volume measure `det[r,ξ r,η d]` has changed its sign at an integration point, for people.
+/// First inverted shell, whose volume measure `det[r,ξ r,η d]` has changed its sign at an integration point, as text.
 pub fn inside_out(system: &System, u: &[Nodal]) -> Option<String> {
     if system.linear {
         return None;

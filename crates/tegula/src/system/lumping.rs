@@ -4,10 +4,10 @@
 //! and rigid translations are kept. O. C. Zienkiewicz, R. L. Taylor, *The Finite Element Method*, vol. 1, 5th ed.
 //! (2000), app. I.
 //!
-//! A director vibrates across the thickness with about √(12 E/ρ)/h, far above the membrane's √(E/ρ)/element size. Its
-//! inertia may therefore be raised until, element by element, the highest frequency of the directors is not above the
-//! highest one of the positions of any element. This adds a rotary inertia of about the element size squared, which
-//! vanishes with the mesh.
+//! A director vibrates across the thickness with about √(12 E/ρ)/h, far above the membrane's √(E/ρ)/element size.
+//! Rotary-inertia scaling may therefore raise its inertia until, element by element, the highest frequency of the
+//! directors is not above the highest one of the positions of any element. This adds a rotary inertia of about the
+//! element size squared, which vanishes with the mesh.
 
 use super::assembly::{ElementBlocks, pairs};
 use super::element_frequency::{MassShares, of_elements, row_sums};
@@ -16,11 +16,11 @@ use super::{System, VectorKind};
 use crate::Issue;
 use crate::element::{Interior, Kinematics, Motion, TangentRequest, TangentWeights};
 
-/// Coupled mass below this part of the mean of both masses is rounding.
+/// Coupling mass below this part of the mean of both masses is round-off.
 const ROUNDING: f64 = 1e-10;
 
-/// Gives a system the lumped mass of its elements and of the `added` masses (pairs of nodal vectors); with `scale` the
-/// inertia of directors is raised. Returns what cannot be lumped.
+/// Lumps the mass of a system's elements and the `added` masses (pairs of nodal vectors); with `scale` it scales the
+/// rotary inertia of directors. Returns issues for masses that cannot be lumped.
 pub fn lump(system: &mut System, added: &[(u32, u32, f64)], scale: bool) -> Vec<Issue> {
     if let Some((what, help)) = unsuitable(system) {
         return vec![Issue::new("analysis.scheme", what, help)];
@@ -47,7 +47,7 @@ pub fn lump(system: &mut System, added: &[(u32, u32, f64)], scale: bool) -> Vec<
     Vec::new()
 }
 
-/// Why explicit steps cannot be taken with the elements of a system, and what to do.
+/// Reason why explicit steps cannot be taken with the elements of a system, and the remedy.
 fn unsuitable(system: &System) -> Option<(&'static str, &'static str)> {
     let other = "use another element, or `newmark`, `hht` or `energy-momentum`";
     if !system.unit.is_empty() {
@@ -62,7 +62,7 @@ fn unsuitable(system: &System) -> Option<(&'static str, &'static str)> {
             other,
         ));
     }
-    // An offset ties positions to directors by mass.
+    // An offset couples positions and directors by mass.
     let coupled = system.groups.iter().any(|group| {
         (0..group.len()).any(|e| {
             let (vectors, mass) = (group.vectors(e), group.mass(e));
@@ -86,8 +86,8 @@ fn unsuitable(system: &System) -> Option<(&'static str, &'static str)> {
     ))
 }
 
-/// Raises the mass of directors until the bound of their frequencies in every element is at most the highest one of
-/// positions.
+/// Rotary-inertia scaling: raises the mass of directors until the bound of their frequencies in every element is at
+/// most the highest one of positions.
 fn raise_directors(system: &System, shares: &MassShares, mass: &mut [f64]) {
     let (mut membrane, mut directors) = (0.0_f64, Vec::new());
     at_rest(system, |part| {
@@ -107,12 +107,12 @@ fn raise_directors(system: &System, shares: &MassShares, mass: &mut [f64]) {
     }
 }
 
-/// Hands the stiffness of all elements in the reference configuration to `take`, some at a time, group by group.
+/// Hands the stiffness of all elements in the reference configuration to `take`, batch by batch, group by group.
 fn at_rest(system: &System, mut take: impl FnMut(ElementBlocks)) {
     let rest = vec![[0.0; 3]; system.vectors()];
     let factors: Vec<f64> =
         system.prescribed_strains.iter().map(|f| system.amplitude(f.amplitude, 0.0)).collect();
-    // Of the material only: prescribed strains would add their stress.
+    // Material stiffness only: prescribed strains would add their stress.
     let weights = TangentWeights { stress: 1.0, direction: 0.0, force: 1.0, rate: 0.0 };
     let motion = Motion::State { u: &rest, velocity: None };
     let k = Kinematics::new(&system.reference, motion, system.linear, 0.0);

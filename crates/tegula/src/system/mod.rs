@@ -31,21 +31,21 @@ pub use pattern::Pattern;
 use tegula_sparse::SymmetricPattern;
 pub use turning::Turning;
 
-/// A force on nodal vectors that does not depend on the motion.
+/// Dead load: a force on nodal vectors that does not depend on the motion.
 #[derive(Debug, Clone)]
 pub struct DeadLoad {
     /// Force at amplitude 1.
     pub force: Vec<Nodal>,
     /// Amplitude; `None`: grows with the load factor in statics, constant in transients.
     pub amplitude: Option<usize>,
-    /// Gravity: its potential is part of the energy.
+    /// Whether the load is gravity, whose potential is part of the energy.
     pub gravity: bool,
 }
 
 /// A set of the mesh on which supports or a load act, for the recovery of resultants.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceSet {
-    /// Name for people: of the set, and of the kind of load where it is one.
+    /// Name in messages: of the set, and of the kind of load where it is one.
     pub name: String,
     /// Keys of the model that act on it.
     pub keys: Vec<String>,
@@ -58,24 +58,24 @@ pub struct ForceSet {
 pub struct Shell {
     /// Quad of the mesh.
     pub quad: u32,
-    /// Its element groups.
+    /// Element groups of the shell.
     pub groups: Range<usize>,
-    /// Its number in each of them.
+    /// Index of the shell's element in each of its groups.
     pub member: usize,
     /// Section.
     pub section: usize,
-    /// The first element of the section of the same shape, by its number in the groups.
+    /// First congruent element of the section, by its index in the groups.
     pub shape: usize,
-    /// Which fields of prescribed strain act on it; empty: none.
+    /// Flags of the fields of prescribed strain that act on the shell; empty: none.
     pub prescribed: Vec<bool>,
 }
 
-/// A section with its element type.
+/// Shell section with its element type.
 #[derive(Debug)]
 pub struct ShellSection {
     /// Layers and stiffness.
     pub section: CompiledSection,
-    /// Element type with its remedies.
+    /// Element type with its locking remedies.
     pub element: Box<dyn ShellElement>,
 }
 
@@ -92,7 +92,7 @@ pub struct PrescribedField {
 pub struct System {
     /// Nodal vectors of the reference configuration.
     pub reference: Vec<Nodal>,
-    /// What each nodal vector is.
+    /// Kind of each nodal vector.
     pub kinds: Vec<VectorKind>,
     /// Node of each nodal vector.
     pub nodes: Vec<u32>,
@@ -102,7 +102,7 @@ pub struct System {
     pub director_of: Vec<u32>,
     /// Local to global numbers.
     pub index_map: IndexMap,
-    /// Supports and free coordinates.
+    /// Constrained and free degrees of freedom.
     pub numbering: Numbering,
     /// Elements.
     pub groups: Vec<Box<dyn ElementGroup>>,
@@ -112,41 +112,41 @@ pub struct System {
     pub sections: Vec<ShellSection>,
     /// Fields of prescribed strain.
     pub prescribed_strains: Vec<PrescribedField>,
-    /// Which nodal vectors keep their length; empty: none.
+    /// Flags of the inextensible directors among the nodal vectors; empty: none.
     pub unit: Vec<bool>,
     /// Forces independent of the motion.
     pub dead_loads: Vec<DeadLoad>,
-    /// Forces that follow the motion.
+    /// Follower loads.
     pub followers: Vec<FollowerLoad>,
     /// Supports as the model has them, condition by condition.
     pub supports: Vec<Support>,
-    /// Sets on which they act.
+    /// Sets on which the supports act.
     pub support_sets: Vec<ForceSet>,
     /// Loads of the model.
     pub load_sets: Vec<ForceSet>,
-    /// Number of the load that each of the dead loads belongs to.
+    /// Index of the load that each of the dead loads belongs to.
     pub load_of_dead: Vec<usize>,
-    /// Number of the load that each of the loads that follow the motion belongs to.
+    /// Index of the load that each of the follower loads belongs to.
     pub load_of_follower: Vec<usize>,
     /// Functions of time.
     pub amplitudes: Vec<TimeFunction>,
-    /// Their names.
+    /// Names of the amplitudes.
     pub amplitude_names: Vec<String>,
     /// Sparsity and mass.
     pub pattern: Pattern,
-    /// Compiled for explicit integration: lumped mass, and no pattern of a tangent.
+    /// Whether the system was compiled for explicit integration: lumped mass, and no pattern of a tangent.
     pub explicit: bool,
-    /// The pattern holds the tangent: not for explicit steps nor for the iterative linear solver, which need none.
+    /// Whether the pattern holds the tangent, which neither explicit steps nor the iterative linear solver need.
     pub has_tangent_pattern: bool,
     /// Rayleigh factor of the mass.
     pub mass_damping: f64,
     /// Size of the model: largest side of its bounding box (length).
     pub length: f64,
-    /// Small displacements.
+    /// Whether displacements are small (geometrically linear model).
     pub linear: bool,
-    /// Loads without amplitude grow with time (statics) instead of being constant.
+    /// Whether loads without amplitude grow with time (statics) instead of being constant.
     pub proportional: bool,
-    /// Velocities at the start; none if all are zero.
+    /// Velocities at the start; empty if all are zero.
     pub initial_velocity: Vec<Nodal>,
     /// Times (load factors) at which the user wants a step to end.
     pub wanted_times: Vec<f64>,
@@ -157,7 +157,7 @@ pub struct System {
 }
 
 impl System {
-    /// Pattern of the tangent and of the mass of the free coordinates.
+    /// Pattern of the tangent and of the mass of the free degrees of freedom.
     pub fn tangent_pattern(&self) -> SymmetricPattern {
         self.pattern.compressed(&self.numbering)
     }
@@ -174,7 +174,7 @@ impl System {
         self.reference.len()
     }
 
-    /// Number of free coordinates.
+    /// Number of free degrees of freedom.
     pub fn unknowns(&self) -> usize {
         self.numbering.unknowns
     }
@@ -184,12 +184,12 @@ impl System {
         self.sections.iter().any(|s| s.section.laws.iter().any(|law| law.history() > 0))
     }
 
-    /// Number of a node for people: that of the mesh file, or the internal one, counted from 0.
+    /// Number of a node in messages: that of the mesh file, or the internal one, counted from 0.
     pub fn node_label(&self, node: u32) -> u64 {
         self.labels.as_ref().map_or(u64::from(node), |labels| labels.node(node as usize))
     }
 
-    /// Number of a quad for people: that of the mesh file, or the internal one, counted from 0.
+    /// Number of a quad in messages: that of the mesh file, or the internal one, counted from 0.
     pub fn quad_label(&self, quad: u32) -> u64 {
         self.labels.as_ref().map_or(u64::from(quad), |labels| labels.quad(quad as usize))
     }
@@ -201,8 +201,8 @@ impl System {
 
     /// Factor of a load or prescribed motion at a time.
     ///
-    /// In statics the time is the load factor λ. Below λ = 0 loads are brought in that an amplitude gives at λ = 0 already:
-    /// its factor is `(1 + λ) f(0)` from λ = −1 on, where nothing acts.
+    /// In statics the time is the load factor λ. Loads that an amplitude gives already at λ = 0 are applied below
+    /// λ = 0: the factor is `(1 + λ) f(0)` from λ = −1 on, where nothing acts.
     pub fn amplitude(&self, amplitude: Option<usize>, time: f64) -> f64 {
         match amplitude {
             Some(i) if self.proportional && time < 0.0 => (1.0 + time) * self.amplitudes[i].value(0.0),
@@ -212,16 +212,16 @@ impl System {
         }
     }
 
-    /// Load factor at which a static analysis starts: −1 where an amplitude is not 0 at load factor 0, else 0. Materials
-    /// that yield remember these loads, and a step to them can be cut.
+    /// Load factor at which a static analysis starts: −1 where an amplitude is not 0 at load factor 0, else 0. Yielding
+    /// materials keep these loads in their history, and a step to them can be cut back.
     pub fn first_load_factor(&self) -> f64 {
         let mut used = self.amplitudes_in_use();
         let loaded = used.any(|(i, _)| self.amplitudes.get(i).is_some_and(|a| a.value(0.0) != 0.0));
         if self.proportional && loaded { -1.0 } else { 0.0 }
     }
 
-    /// The first amplitude in use that has no finite value at a time, or no finite velocity or acceleration where
-    /// a prescribed motion of a transient analysis follows it; for people.
+    /// Undefined amplitude at a time: the first one in use that has no finite value, or no finite velocity or
+    /// acceleration where a prescribed motion of a transient analysis follows it; as text.
     pub fn undefined_amplitude(&self, time: f64) -> Option<String> {
         let time = if self.proportional { f64::max(time, 0.0) } else { time };
         self.amplitudes_in_use().find_map(|(i, motion)| {
@@ -274,7 +274,7 @@ impl System {
             .sum()
     }
 
-    /// Writes the prescribed displacements at a time into the supported coordinates of `u`.
+    /// Writes the prescribed displacements at a time into the constrained degrees of freedom of `u`.
     pub fn prescribe(&self, time: f64, u: &mut [Nodal]) {
         self.write_prescribed(u, |value, amplitude| value * self.amplitude(amplitude, time));
     }
@@ -289,7 +289,7 @@ impl System {
         self.write_prescribed(v, |value, a| a.map_or(0.0, |a| value * self.amplitudes[a].rate_before(time)));
     }
 
-    /// Whether elements are damped by their strain rates.
+    /// Whether elements have strain-rate damping.
     pub fn has_rate_damping(&self) -> bool {
         self.groups.iter().any(|g| g.retardation_time() != 0.0)
     }
@@ -316,7 +316,7 @@ impl System {
         }
     }
 
-    /// Work of forces over the change of the prescribed coordinates between two displacements.
+    /// Work of forces over the change of the prescribed degrees of freedom between two displacements.
     pub fn work_of_prescribed(&self, forces: &[Nodal], from: &[Nodal], to: &[Nodal]) -> f64 {
         let work = |&(coordinate, _, _): &(u32, f64, Option<usize>)| {
             let (v, c) = (coordinate as usize / 3, coordinate as usize % 3);
@@ -326,7 +326,7 @@ impl System {
         self.numbering.prescribed.iter().map(work).sum()
     }
 
-    /// Product of forces and a change along the prescribed coordinates.
+    /// Product of forces and a change along the prescribed degrees of freedom.
     pub fn product_of_prescribed(&self, forces: &[Nodal], change: &[Nodal]) -> f64 {
         let product = |&(coordinate, _, _): &(u32, f64, Option<usize>)| {
             let (v, c) = (coordinate as usize / 3, coordinate as usize % 3);

@@ -1,11 +1,11 @@
-//! Nodal vectors, their supports, and the numbers of the free coordinates.
+//! Nodal vectors, their supports, and the numbers of the free degrees of freedom.
 
 use std::collections::BTreeSet;
 
 use crate::element::Nodal;
 use crate::{Mat3, Vec3};
 
-/// What a nodal vector is.
+/// Kind of a nodal vector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VectorKind {
     /// Position of a node.
@@ -28,11 +28,11 @@ pub struct Support {
     pub direction: Vec3,
     /// Value times amplitude that the component follows; `None`: fixed.
     pub motion: Option<Motion>,
-    /// Key of the model that says so.
+    /// Key of the model that defines the support.
     pub key: String,
 }
 
-/// Two supports that want different values of one component.
+/// Conflict: two supports that prescribe different values of one component.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Conflict {
     /// Nodal vector.
@@ -43,38 +43,39 @@ pub struct Conflict {
     pub keys: [String; 2],
 }
 
-/// Marks a coordinate that is not free.
+/// Mark of a constrained degree of freedom.
 pub const CONSTRAINED: u32 = u32::MAX;
 
-/// Supports and numbers of the coordinates.
+/// Constrained degrees of freedom, and numbers of the free ones.
 ///
-/// Each nodal vector has three coordinates along its axes: the global ones, or its own frame where a
-/// support is inclined. Supported coordinates are eliminated; the free ones are numbered consecutively.
+/// Each nodal vector has three degrees of freedom along its axes: the global ones, or a local frame where a support is
+/// inclined. Constrained degrees of freedom are eliminated; the free ones are numbered consecutively.
 #[derive(Debug, Clone)]
 pub struct Numbering {
-    /// Number of the free coordinate `3 v + c`, or [`CONSTRAINED`].
+    /// Number of the free degree of freedom `3 v + c`, or [`CONSTRAINED`].
     pub free: Vec<u32>,
-    /// Axes of the vectors (as columns) that have their own; empty if none has.
+    /// Local frames (axes as columns) of the vectors that have one; empty if none has.
     frames: Vec<Option<Mat3>>,
-    /// Prescribed coordinates: `3 v + c`, value, amplitude.
+    /// Prescribed degrees of freedom: `3 v + c`, value, amplitude.
     pub prescribed: Vec<(u32, f64, Option<usize>)>,
-    /// Number of free coordinates.
+    /// Number of free degrees of freedom.
     pub unknowns: usize,
-    /// Vectors that keep their length: their axes turn with them, the last one along the vector.
+    /// Inextensible directors: their local frames rotate with them, the last axis along the vector.
     pub unit: Vec<UnitVector>,
 }
 
-/// A nodal vector that keeps its length.
+/// Inextensible director: a nodal vector of constant length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnitVector {
     /// Nodal vector.
     pub vector: u32,
-    /// A direction along which it is supported.
+    /// Direction along which the director is supported, if there is one.
     pub fixed: Option<Vec3>,
 }
 
 impl UnitVector {
-    /// Axes of the vector at its present value `d`: two along which it may change (one, if it is supported), and the rest.
+    /// Local frame of the director at its present value `d`: two axes along which it may change (one, if it is
+    /// supported), and the remaining ones.
     fn axes(&self, d: &Vec3) -> Mat3 {
         let d = d.normalize();
         match self.fixed {
@@ -89,7 +90,7 @@ impl UnitVector {
         }
     }
 
-    /// The value of length 1 (and with the supported component of `reference`) that is nearest to `d`.
+    /// Projection onto the constraint: unit vector nearest to `d` (with the supported component of `reference`).
     pub fn project(&self, d: Vec3, reference: &Vec3) -> Vec3 {
         let Some(a) = self.fixed else { return d.normalize() };
         let along = a.dot(reference);
@@ -99,8 +100,8 @@ impl UnitVector {
 }
 
 impl Numbering {
-    /// Numbers the coordinates of `vectors` nodal vectors under the given supports; those of `unit` keep their length
-    /// unless they are wholly supported.
+    /// Numbers the degrees of freedom of `vectors` nodal vectors under the given supports; those of `unit` are
+    /// inextensible unless they are fully constrained.
     ///
     /// # Errors
     /// Supports that prescribe the same component differently.
@@ -130,7 +131,7 @@ impl Numbering {
                 let rest = axes.iter().fold(s.direction, |d, (a, _)| d - a * a.dot(&s.direction));
                 if rest.norm() > 1e-9 {
                     if rest.norm() < 1.0 - 1e-9 && s.motion.is_some() {
-                        // The part along the earlier supports would have to be taken off its value.
+                        // Its value would have to be reduced by the part along the earlier supports.
                         clash(axes[0].1, s);
                     }
                     axes.push((rest.normalize(), s));
@@ -145,7 +146,7 @@ impl Numbering {
                 if let Some((_, s)) = axes.iter().find(|(_, s)| s.motion.is_some()) {
                     clash(s, s);
                 }
-                // A support along the vector says nothing: its length is kept anyway.
+                // A support along the director is redundant: its length is constant anyway.
                 axes.retain(|(a, _)| a.dot(&d).abs() < 1.0 - 1e-9);
                 if axes.len() < 2 {
                     let director = UnitVector { vector: v as u32, fixed: axes.first().map(|(a, _)| *a) };
@@ -201,37 +202,37 @@ impl Numbering {
         }
     }
 
-    /// Turns the axes of vectors that keep their length to their present values.
+    /// Rotates the local frames of inextensible directors to their present values.
     pub fn follow(&mut self, value: impl Fn(usize) -> Vec3) {
         for unit in &self.unit {
             self.frames[unit.vector as usize] = Some(unit.axes(&value(unit.vector as usize)));
         }
     }
 
-    /// Takes over the axes that the vectors of another state have.
+    /// Copies the local frames of the vectors from another state.
     pub fn copy_axes(&mut self, other: &Self) {
         if !self.unit.is_empty() {
             self.frames.copy_from_slice(&other.frames);
         }
     }
 
-    /// Numbers of the three coordinates of a vector.
+    /// Numbers of the three degrees of freedom of a vector.
     pub fn of(&self, vector: usize) -> [u32; 3] {
         [self.free[3 * vector], self.free[3 * vector + 1], self.free[3 * vector + 2]]
     }
 
-    /// Axes of a vector (as columns) that has its own.
+    /// Local frame (axes as columns) of a vector that has one.
     #[inline]
     pub fn frame(&self, vector: usize) -> Option<&Mat3> {
         self.frames.get(vector)?.as_ref()
     }
 
-    /// True if all coordinates of a vector are free and along the global axes.
+    /// Whether all degrees of freedom of a vector are free and along the global axes.
     pub fn is_plain(&self, vector: usize) -> bool {
         self.frame(vector).is_none() && self.of(vector).iter().all(|&n| n != CONSTRAINED)
     }
 
-    /// Components of a field along the axes of a vector.
+    /// Components of a field in the local frame of a vector.
     pub fn to_axes(&self, vector: usize, value: Nodal) -> Nodal {
         match self.frame(vector) {
             None => value,
@@ -239,7 +240,7 @@ impl Numbering {
         }
     }
 
-    /// Global components from those along the axes of a vector.
+    /// Global components from those in the local frame of a vector.
     pub fn from_axes(&self, vector: usize, value: Nodal) -> Nodal {
         match self.frame(vector) {
             None => value,
@@ -247,7 +248,7 @@ impl Numbering {
         }
     }
 
-    /// Turns a block of a matrix (by rows) to the axes of its vectors: `Qᵢᵀ K Qⱼ`.
+    /// Rotates a block of a matrix (by rows) to the local frames of its vectors: `Qᵢᵀ K Qⱼ`.
     #[inline]
     pub fn rotate(&self, k: &mut [f64; 9], i: usize, j: usize) {
         let (q_i, q_j) = (self.frame(i), self.frame(j));
@@ -268,7 +269,7 @@ impl Numbering {
         }
     }
 
-    /// Free coordinates of a field.
+    /// Free degrees of freedom of a field.
     pub fn reduce(&self, field: &[Nodal], free: &mut [f64]) {
         for (v, value) in field.iter().enumerate() {
             let local = self.to_axes(v, *value);
@@ -280,7 +281,7 @@ impl Numbering {
         }
     }
 
-    /// Field of free coordinates, zero where supported.
+    /// Field of given free degrees of freedom, zero where constrained.
     pub fn expand(&self, free: &[f64], field: &mut [Nodal]) {
         for (v, value) in field.iter_mut().enumerate() {
             let local = self.of(v).map(|n| if n == CONSTRAINED { 0.0 } else { free[n as usize] });
@@ -288,7 +289,7 @@ impl Numbering {
         }
     }
 
-    /// The part of a field along supported coordinates (reactions of a residual).
+    /// Part of a field along constrained degrees of freedom (reactions of a residual).
     pub fn supported_part(&self, field: &[Nodal], out: &mut [Nodal]) {
         for (v, (value, out)) in field.iter().zip(out).enumerate() {
             let mut local = self.to_axes(v, *value);
@@ -301,7 +302,7 @@ impl Numbering {
         }
     }
 
-    /// Takes from the vectors that keep their length the part of a field along supported coordinates.
+    /// Removes from inextensible directors the part of a field along constrained degrees of freedom.
     pub fn free_part(&self, field: &mut [Nodal]) {
         for unit in &self.unit {
             let v = unit.vector as usize;
@@ -315,7 +316,7 @@ impl Numbering {
         }
     }
 
-    /// True if a vector has at least one free coordinate.
+    /// True if a vector has at least one free degree of freedom.
     pub fn is_free(&self, vector: usize) -> bool {
         self.of(vector).iter().any(|&n| n != CONSTRAINED)
     }

@@ -1,7 +1,7 @@
 //! Sparsity pattern of the tangent and the gather lists that fill it.
 //!
-//! The unit is the 3×3 block of a pair of nodal vectors. Elements are worked off in portions of [`PORTION`]: they write
-//! their blocks to a buffer that holds one portion, and every block of the matrix takes its contributions from there in
+//! The unit is the 3×3 block of a pair of nodal vectors. Elements are processed in batches of equal size: they write
+//! their blocks to a buffer that holds one batch, and every block of the matrix gathers its contributions from there in
 //! a fixed order. Nothing is locked, and the result does not depend on the number of threads.
 
 mod builder;
@@ -17,52 +17,52 @@ use crate::element::Nodal;
 pub use builder::PatternBuilder;
 use tegula_sparse::SymmetricPattern;
 
-/// Elements of a portion: their blocks (10 MB) stay in the last cache of a processor until they are summed. With 1024, in a
-/// nearer one, a thread takes 3 % less time, but two take 23 % more, as they wait for each other after every portion. A
+/// Elements of a batch: their blocks (10 MB) stay in the last cache of a processor until they are summed. With 1024, in
+/// a nearer one, a thread takes 3 % less time, but two take 23 % more, as they wait for each other after every batch. A
 /// multiple of [`ALIGNMENT`](crate::element::group::ALIGNMENT).
 pub const PORTION: usize = 4096;
 
-/// Blocks of the lower triangle, by block column, and where their parts come from.
+/// Block pattern of the lower triangle, by block column, and the sources of the contributions to each block.
 #[derive(Debug)]
 pub struct Pattern {
     /// First block of each block column.
     column_start: Vec<u32>,
     /// Block row of each block; rows ascend within a column, the first is the diagonal.
     row: Vec<u32>,
-    /// First of `tail` of each block column.
+    /// First entry of `tail` for each block column.
     tail_start: Vec<u32>,
-    /// Values of a column from a block on to its end; the same for all free columns of a block column. Left out where all
-    /// rows of the block column are free: there it is three for each block.
+    /// Number of values of a column from a block on to its end; equal for all free columns of a block column. Left out
+    /// where all rows of the block column are free: there it is three for each block.
     tail: Vec<u32>,
     /// Scalar mass of each block; empty: none has any.
     mass: Vec<f64>,
     /// Blocks without an element.
     alone: Vec<u32>,
-    /// What each portion of the elements contributes.
+    /// Contributions of each batch of elements.
     portions: Vec<Portion>,
-    /// Column pointers of the free coordinates.
+    /// Column pointers of the free degrees of freedom.
     pub column_pointers: Arc<Vec<usize>>,
 }
 
-/// Contributions of a portion of the elements.
+/// Contributions of a batch of elements.
 #[derive(Debug, Default)]
 struct Portion {
     /// Blocks of the matrix, ascending.
     targets: Vec<Target>,
     /// Sources of all targets, one after another.
     sources: Vec<Source>,
-    /// Where the targets are divided.
+    /// Division of the targets into tasks.
     tasks: Vec<Task>,
 }
 
-/// A block of the matrix: its number times four, with flags.
+/// Target block of the matrix: its number times four, with flags.
 #[derive(Debug, Clone, Copy)]
 struct Target(u32);
 
 impl Target {
-    /// No earlier portion contributes.
+    /// Flag: no earlier batch contributes.
     const FIRST: u32 = 1;
-    /// All coordinates free, along the global axes.
+    /// Flag: all degrees of freedom are free, along the global axes.
     const PLAIN: u32 = 2;
 
     fn new(block: usize, first: bool, plain: bool) -> Self {
@@ -78,18 +78,18 @@ impl Target {
     }
 }
 
-/// A block in the buffer of the portion: its number times four, with flags.
+/// Source block in the buffer of the batch: its number times four, with flags.
 #[derive(Debug, Clone, Copy)]
 struct Source(u32);
 
 impl Source {
-    /// To be transposed.
+    /// Flag: the block is to be transposed.
     const TRANSPOSED: u32 = 1;
-    /// The last one of its target.
+    /// Flag: the last source of its target.
     const LAST: u32 = 2;
 }
 
-/// Whole block columns of the targets, for one thread.
+/// Task for one thread: whole block columns of the targets.
 #[derive(Debug, Clone, Copy)]
 struct Task {
     /// First target, and first of its sources.
@@ -101,28 +101,28 @@ struct Task {
     value: usize,
 }
 
-/// A block column at work.
+/// Block column that is being summed.
 #[derive(Debug, Clone, Copy)]
 struct Column<'a> {
     number: usize,
-    /// First block, and the one after the last.
+    /// First block of the column, and the one after the last.
     start: usize,
     end: usize,
-    /// Values from each block on; empty: three for each.
+    /// Number of values from each block on; empty: three for each.
     tail: &'a [u32],
-    /// Ends of the columns of its coordinates; zero for those that are not free.
+    /// Ends of the columns of its degrees of freedom; zero for constrained ones.
     ends: [usize; 3],
 }
 
 impl Column<'_> {
-    /// Values of a column from a block on to its end, with those above the diagonal.
+    /// Number of values of a column from a block on to its end, with those above the diagonal.
     #[inline]
     fn below(&self, block: usize) -> usize {
         if self.tail.is_empty() { 3 * (self.end - block) } else { self.tail[block - self.start] as usize }
     }
 }
 
-/// Rows of a column of the free coordinates, from its diagonal on: those of the blocks with these block rows.
+/// Rows of a column of the free degrees of freedom, from its diagonal on, in the blocks with these block rows.
 fn rows_below<'a>(
     rows: &'a [u32],
     numbering: &'a Numbering,
@@ -158,12 +158,12 @@ fn sum(sources: &mut Iter<Source>, buffer: &[f64]) -> [f64; 9] {
 }
 
 impl Pattern {
-    /// Number of stored values: lower triangle of the free coordinates.
+    /// Number of stored values: lower triangle of the free degrees of freedom.
     pub fn values(&self) -> usize {
         self.column_pointers.last().copied().unwrap_or(0)
     }
 
-    /// The pattern in compressed columns. Its row numbers are found anew each time: few need them for long.
+    /// Pattern in compressed columns. Its row numbers are computed again in each call: few callers need them for long.
     pub fn compressed(&self, numbering: &Numbering) -> SymmetricPattern {
         let mut rows = Vec::with_capacity(self.values());
         for j in 0..self.vectors() {
@@ -184,7 +184,7 @@ impl Pattern {
         self.column_start[column] as usize..self.column_start[column + 1] as usize
     }
 
-    /// The block column of a block that lies in the column `from` or behind it: mostly there.
+    /// Block column of a block that lies in the column `from` (most often) or behind it.
     #[inline]
     fn column_of(&self, block: usize, from: usize) -> usize {
         if block < self.column_start[from + 1] as usize {
@@ -193,7 +193,7 @@ impl Pattern {
         from + 1 + self.column_start[from + 2..].partition_point(|&start| start as usize <= block)
     }
 
-    /// A block column, for values of which the first is that of number `offset`.
+    /// Block column for a slice of values that begins with value number `offset`.
     #[inline]
     fn column(&self, number: usize, numbering: &Numbering, offset: usize) -> Column<'_> {
         let Range { start, end } = self.blocks(number);
@@ -210,7 +210,7 @@ impl Pattern {
         self.mass.get(block).copied().unwrap_or(0.0)
     }
 
-    /// Begins the sum of `mass_factor · M` and element blocks: what has no element.
+    /// Begins the sum of `mass_factor · M` and element blocks with the blocks that have no element.
     pub fn begin(&self, mass_factor: f64, numbering: &Numbering, values: &mut [f64]) {
         let mut column = 0;
         for &block in &self.alone {
@@ -221,7 +221,7 @@ impl Pattern {
         }
     }
 
-    /// Adds the blocks of a portion of the elements. Portions are added one after another, all of them.
+    /// Adds the blocks of a batch of elements. All batches are added, one after another.
     pub fn add(
         &self,
         portion: usize,
@@ -234,7 +234,7 @@ impl Pattern {
         self.add_tasks(portion, 0..portion.tasks.len(), (buffer, mass_factor), numbering, values, 0);
     }
 
-    /// Adds to `values`, of which the first is that of number `offset`.
+    /// Adds the contributions of tasks to `values`, a slice that begins with value number `offset`.
     fn add_tasks(
         &self,
         portion: &Portion,
@@ -257,7 +257,7 @@ impl Pattern {
         let Some(task) = portion.tasks.get(tasks.start) else { return };
         let end = portion.tasks.get(tasks.end).map_or(portion.targets.len(), |next| next.target as usize);
         let (buffer, mass_factor) = parts;
-        // In statics no mass is even read.
+        // In statics the mass is not even read.
         let mass = if mass_factor == 0.0 { &[] } else { self.mass.as_slice() };
         let mut sources = portion.sources[task.source as usize..].iter();
         let mut column = self.column(task.column as usize, numbering, offset);
@@ -299,7 +299,7 @@ impl Pattern {
                         values[r] = k[3 * r + c] + if first { 0.0 } else { values[r] };
                     }
                 } else {
-                    // Above the diagonal nothing is stored: there the column before ends.
+                    // Nothing is stored above the diagonal: the column before ends there.
                     for r in c..3 {
                         values[at + r] = k[3 * r + c] + if first { 0.0 } else { values[at + r] };
                     }
@@ -338,7 +338,7 @@ impl Pattern {
         }
     }
 
-    /// Values of the mass matrix of the free coordinates.
+    /// Values of the mass matrix of the free degrees of freedom.
     pub fn mass_values(&self, numbering: &Numbering, values: &mut [f64]) {
         for j in 0..self.vectors() {
             let column = self.column(j, numbering, 0);

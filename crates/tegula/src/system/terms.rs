@@ -1,4 +1,4 @@
-//! What contributes to the tangent, for solvers that divide the mesh.
+//! Terms of the tangent for BDDC, which partitions the mesh into subdomains.
 
 use super::{System, VectorKind};
 use crate::Vec3;
@@ -6,8 +6,8 @@ use crate::bddc::{Bddc, BddcError, Options, Quads, Terms};
 use crate::lists::Lists;
 
 impl System {
-    /// A solver that divides the mesh of this system into pieces. Its terms are the elements of all groups, then the
-    /// loads that follow the motion.
+    /// BDDC solver that partitions the mesh of this system into subdomains. Its terms are the elements of all groups,
+    /// then the follower loads.
     ///
     /// # Errors
     /// There is not enough memory.
@@ -30,7 +30,7 @@ impl System {
         }
         let around = quads.iter().enumerate().flat_map(|(q, quad)| quad.iter().map(move |&n| (n, q as u32)));
         let quads_of = Lists::by_key(positions.len(), around);
-        // What is no shell goes to the shell that holds most of its vectors.
+        // Terms other than shells go to the shell that holds most of their vectors.
         let home = |vectors: &[u32]| {
             let around = |v: &u32| quads_of.of(self.nodes[*v as usize] as usize).iter().copied();
             let held = |q: u32| {

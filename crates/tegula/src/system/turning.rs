@@ -1,8 +1,8 @@
-//! How far the surroundings of each node have turned between two states.
+//! Co-rotational update of the lagged tangent: rotations of the nodes between two states.
 //!
-//! A shell that moves without much deformation keeps its tangent but for the turning of its parts: `K ≈ R K₀ Rᵀ`, with
-//! a rotation for each node. The rotation of a node is the one nearest to the change of its vectors and of the edges to
-//! its neighbours, `Σ (x_j − x_i) ⊗ (X_j − X_i)/|X_j − X_i|² + Σ d ⊗ D`.
+//! A shell that moves without much deformation keeps its tangent but for the rotation of its parts: `K ≈ R K₀ Rᵀ`, with
+//! a rotation for each node. The rotation of a node is the one nearest (polar decomposition) to the change of its
+//! vectors and of the edges to its neighbours, `Σ (x_j − x_i) ⊗ (X_j − X_i)/|X_j − X_i|² + Σ d ⊗ D`.
 
 use nalgebra::Rotation3;
 use rayon::prelude::*;
@@ -13,23 +13,23 @@ use crate::element::Nodal;
 use crate::lists::Lists;
 use crate::{Mat3, Vec3};
 
-/// Turn (rad) below which the search for a rotation ends: it turns an approximate tangent.
+/// Rotation (rad) below which the iteration for a nearest rotation ends: the tangent that it rotates is approximate.
 const ACCURACY: f64 = 1e-7;
-/// Iterations for a rotation at most.
+/// Largest number of iterations for a rotation.
 const ITERATIONS: usize = 30;
 
-/// Rotations of the nodes, and what they are found from.
+/// Co-rotational update of the lagged tangent: rotations of the nodes, and the vectors that define them.
 pub struct Turning {
-    /// Nodal vectors by node: of positions of the neighbours, and of directors of the node itself.
+    /// Nodal vectors by node: positions of the neighbours, and directors of the node itself.
     partners: Lists<u32>,
     /// Rotation of each node.
     rotations: Vec<Mat3>,
-    /// Vectors that are free to turn.
+    /// Flags of the vectors that are free to rotate.
     free: Vec<bool>,
 }
 
 impl Turning {
-    /// For the nodes of a system, not turned.
+    /// Identity rotations for the nodes of a system.
     pub fn new(system: &System) -> Self {
         let mut pairs: Vec<(u32, u32)> = Vec::new();
         for group in &system.groups {
@@ -47,7 +47,7 @@ impl Turning {
         pairs.sort_unstable();
         pairs.dedup();
         let nodes = system.position_of.len();
-        // A vector that keeps its length is free to turn, though it has but two free coordinates.
+        // An inextensible director is free to rotate, though it has but two free degrees of freedom.
         let mut free: Vec<bool> =
             (0..system.vectors()).map(|v| system.numbering.of(v).iter().all(|&n| n != CONSTRAINED)).collect();
         for unit in &system.numbering.unit {
@@ -82,7 +82,7 @@ impl Turning {
         });
     }
 
-    /// Turns a field: `R x`, or `Rᵀ x`.
+    /// Rotates a field: `R x`, or `Rᵀ x` if `transposed`.
     pub fn turn(&self, system: &System, transposed: bool, field: &mut [Nodal]) {
         for (v, value) in field.iter_mut().enumerate() {
             if self.free[v] {
@@ -94,7 +94,7 @@ impl Turning {
     }
 }
 
-/// The rotation nearest to a matrix, found from the identity on.
+/// Rotation nearest to a matrix (polar decomposition), iterated from the identity.
 fn nearest_rotation(m: &Mat3) -> Mat3 {
     Rotation3::from_matrix_eps(m, ACCURACY, ITERATIONS, Rotation3::identity()).into_inner()
 }

@@ -1,32 +1,34 @@
-//! Formulas of loads and motions inside a step, held against the straight line that a step sees of them.
+//! Amplitude check: compares the formulas of loads and motions inside a step with the straight line that a step sees of
+//! them.
 //!
-//! All schemes take loads at the ends of a step or in its middle: to second order they see the line through the values
-//! at its ends. A step is resolved where no formula in use departs from that line by more than a share of its range over
-//! the whole analysis. For a sine of circular frequency ω the departure is about (ω Δt)²/16 of the range, so the share
-//! goes with the tolerance to the power ⅔, as does the square of the step. Tables need no such check: steps end on
-//! their kinks.
+//! All schemes take loads at the ends of a step or at its midpoint: to second order they see the line through the
+//! values at its ends. A step is resolved where no formula in use departs from that line by more than a share of its
+//! range over the whole analysis. For a sine of circular frequency ω the departure is about (ω Δt)²/16 of the range, so
+//! the share scales with the tolerance to the power ⅔, as does the square of the step. Tables need no such check: steps
+//! end on their kinks.
 
 use crate::model::TransientAnalysis;
 use crate::system::System;
 
-/// Share of the range at the reference tolerance: sixteen steps to a period of a sine.
+/// Allowed departure over the range at the reference tolerance: sixteen steps to a period of a sine.
 const SHARE: f64 = 0.01;
 const REFERENCE_TOLERANCE: f64 = 1e-5;
-/// Limits of the share, whatever the tolerance.
+/// Limits of the allowed departure, whatever the tolerance.
 const SMALLEST_SHARE: f64 = 1e-6;
 const LARGEST_SHARE: f64 = 0.1;
-/// Departure in a constant step, over the range, of which the user is told: five steps to a period of a sine.
+/// Departure in a constant step, over the range, above which the user is warned: five steps to a period of a sine.
 const TOLD: f64 = 0.1;
-/// Samples in a step at least.
+/// Smallest number of samples in a step.
 const SAMPLES: usize = 5;
-/// Samples over the analysis at least: what a formula does in less than this part of it may be missed.
+/// Smallest number of samples over the analysis: the check may miss details of a formula shorter than this part of it.
 const INSTANTS: f64 = 32_768.0;
-/// Steps ahead that must be resolved before a step grows, so that it does not swing with the phase of a sine.
+/// Number of steps ahead that must be resolved before a step grows, so that its length does not oscillate with the
+/// phase of a sine.
 const AHEAD: u32 = 8;
-/// Part of the analysis below which no step is cut for a formula: there it jumps.
+/// Part of the analysis below which no step is cut for a formula: the formula jumps there.
 const SHORTEST: f64 = 1e-7;
 
-/// A formula in use.
+/// Formula in use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Watched {
     amplitude: usize,
@@ -35,10 +37,10 @@ struct Watched {
     told: bool,
 }
 
-/// A formula that a step does not see.
+/// Formula that a step does not resolve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PassedOver {
-    /// Its amplitude.
+    /// Amplitude of the formula.
     pub amplitude: usize,
     fixed: bool,
     time: f64,
@@ -47,7 +49,7 @@ pub struct PassedOver {
 }
 
 impl PassedOver {
-    /// For people, without the name.
+    /// Message without the name of the amplitude.
     pub fn message(&self) -> String {
         let Self { time, dt, departure, .. } = self;
         format!(
@@ -56,30 +58,30 @@ impl PassedOver {
         )
     }
 
-    /// Remedy.
+    /// Remedy for the user.
     pub fn help(&self) -> &'static str {
         if self.fixed { "give a shorter `time_step`, or none" } else { "it jumps there" }
     }
 
-    /// For the log.
+    /// Message for the log, with the name of the amplitude.
     pub fn event(&self, system: &System) -> String {
         let name = system.amplitude_name(self.amplitude);
         format!("time {:.6e}: the amplitude \"{name}\" {}: {}", self.time, self.message(), self.help())
     }
 }
 
-/// Formulas that constant steps pass over, with the first such step of each.
+/// Formulas that constant steps do not resolve, with the first such step of each.
 pub fn passed_over(system: &System, options: &TransientAnalysis) -> Vec<PassedOver> {
     let Some(step) = options.time_step else { return Vec::new() };
     let mut check = AmplitudeCheck::new(system, options);
     let steps = options.end_time / step;
-    // Of very many steps some are looked at.
+    // A very large number of steps is sampled.
     let stride = (steps / INSTANTS).max(1.0) * step;
     let times = (0_u32..).map(|i| f64::from(i) * stride).take_while(|t| *t < options.end_time);
     times.filter_map(|t| check.passed_over(system, t, step)).collect()
 }
 
-/// Formulas in use and how closely steps must resolve them.
+/// Amplitude check of a run: formulas in use and how closely steps must resolve them.
 #[derive(Debug, Clone)]
 pub struct AmplitudeCheck {
     watched: Vec<Watched>,
@@ -89,7 +91,7 @@ pub struct AmplitudeCheck {
 }
 
 impl AmplitudeCheck {
-    /// For an analysis.
+    /// Amplitude check for an analysis.
     pub fn new(system: &System, options: &TransientAnalysis) -> Self {
         let end = options.end_time;
         let mut used: Vec<usize> = system.amplitudes_in_use().map(|(i, _)| i).collect();
@@ -129,7 +131,7 @@ impl AmplitudeCheck {
         };
         let mut dt = wanted;
         while !resolved(dt, if dt > last { AHEAD } else { 1 }) {
-            // The last length, and with it the factor, stays where it serves.
+            // The last length, and with it the factor, is kept where it suffices.
             if last < dt && last > 0.5 * dt && resolved(last, 1) {
                 return last;
             }
@@ -138,8 +140,8 @@ impl AmplitudeCheck {
         dt
     }
 
-    /// A formula that the step from `time` of length `dt` passes over, because its length is constant or because the
-    /// formula jumps; each formula once.
+    /// Formula that the step from `time` of length `dt` does not resolve, because its length is constant or because the
+    /// formula jumps; each formula is returned once.
     pub fn passed_over(&mut self, system: &System, time: f64, dt: f64) -> Option<PassedOver> {
         if !self.fixed && dt > SHORTEST * self.end {
             return None;
@@ -162,13 +164,13 @@ impl AmplitudeCheck {
         let count = SAMPLES.max((INSTANTS * dt / self.end).ceil() as usize);
         let end = (time + dt).min(self.end);
         let off = |t: f64| (f.value(t) - first - (last - first) * (t - time) / (end - time)).abs();
-        // What has no value is refused elsewhere.
+        // Undefined values are refused elsewhere.
         let largest = samples(time, end, count).map(off).filter(|x| x.is_finite()).max_by(f64::total_cmp);
         largest.unwrap_or(0.0) / w.range
     }
 }
 
-/// Irregular times within a span, one in each of `count` equal parts: no period hides between them.
+/// Irregular times within an interval, one in each of `count` equal parts: no period hides between them.
 fn samples(from: f64, to: f64, count: usize) -> impl Iterator<Item = f64> {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     (0..count).map(move |i| {

@@ -1,4 +1,4 @@
-//! The critical step of central differences, `2/ω` with the highest circular frequency ω: a value below it.
+//! Lower bound of the critical time step `2/ω` of central differences, with the highest circular frequency ω.
 
 use crate::analysis::State;
 use crate::analysis::statics::state_kinematics;
@@ -7,25 +7,25 @@ use crate::system::assembly::TangentParts;
 use crate::system::element_frequency::{MassShares, of_followers, of_part};
 use crate::system::{Assembly, System};
 
-/// Finds steps that are not above the critical one.
+/// Estimator of the critical time step from below.
 pub struct CriticalStep {
     shares: MassShares,
-    /// Retardation time of the damping of strain rates (time).
+    /// Retardation time of the strain-rate damping (time).
     retardation: f64,
 }
 
 impl CriticalStep {
-    /// For a system.
+    /// Estimator for a system.
     pub fn new(system: &System) -> Self {
         let retardation = system.groups.iter().map(|g| g.retardation_time()).fold(0.0, f64::max);
         Self { shares: MassShares::new(system), retardation }
     }
 
-    /// A lower bound of the critical step at a state with the lumped masses `mass` (time). The assembly holds what
-    /// the materials remember there.
+    /// Lower bound of the critical time step at a state with the lumped masses `mass` (time). The assembly holds the
+    /// history variables of that state.
     ///
-    /// ω is that of the element with the highest frequency, see [`crate::system::element_frequency`]. Damping of strain
-    /// rates by forces of the last half step lowers it to `2/ω (√(1 + ξ²) − ξ)`, `ξ = τ ω/2`.
+    /// ω is that of the element with the highest frequency, see [`crate::system::element_frequency`]. Strain-rate
+    /// damping with the velocity of the last half step lowers the bound to `2/ω (√(1 + ξ²) − ξ)`, `ξ = τ ω/2`.
     pub fn below(&self, system: &System, assembly: &mut Assembly, mass: &[f64], state: &State) -> f64 {
         let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
         let parts = TangentParts { weights, mass: 0.0, time: state.time };

@@ -7,9 +7,9 @@
 //! ```
 //!
 //! does exactly the work `½ s₁ᵀHs₁ − ½ s₀ᵀHs₀` over the step. With
-//! `M (v₁ − v₀)/Δt + f = F_mid` and `½ (v₀ + v₁) = (q₁ − q₀)/Δt` energy and both momenta are
-//! kept for any step that Newton's method can solve. J. C. Simo, N. Tarnow, *The discrete
-//! energy-momentum method*, ZAMP 43 (1992) 757–792.
+//! `M (v₁ − v₀)/Δt + f = F_mid` and `½ (v₀ + v₁) = (q₁ − q₀)/Δt` energy and both momenta are conserved for any step
+//! that Newton's method can solve. J. C. Simo, N. Tarnow, *The discrete energy-momentum method*, ZAMP 43 (1992)
+//! 757–792.
 //!
 //! The exact tangent `½ S(q_mid)ᵀ H S(q₁)` is slightly unsymmetric; `S(q_mid)` on both sides is
 //! symmetric, costs an iteration more and gives the same result.
@@ -23,7 +23,7 @@ use crate::element::{Kinematics, Motion, Nodal, TangentWeights};
 use crate::system::assembly::{TangentParts, add_follower_loads};
 use crate::system::{Assembly, System};
 
-/// Conserves energy and momenta.
+/// Energy–momentum scheme: conserves energy and momenta.
 pub struct EnergyMomentum {
     dt: f64,
     time: f64,
@@ -33,7 +33,7 @@ pub struct EnergyMomentum {
     a: Vec<Nodal>,
     u_old: Vec<Nodal>,
     v_old: Vec<Nodal>,
-    /// Forces or velocities that only pass through.
+    /// Scratch space for forces or velocities.
     buffer: Vec<Nodal>,
     internal: Vec<Nodal>,
     reaction: Vec<Nodal>,
@@ -43,7 +43,7 @@ pub struct EnergyMomentum {
 }
 
 impl EnergyMomentum {
-    /// For a system.
+    /// Scheme for a system.
     pub fn new(system: &System) -> Self {
         let zero = vec![[0.0; 3]; system.vectors()];
         Self {
@@ -63,12 +63,12 @@ impl EnergyMomentum {
         }
     }
 
-    /// Changes mean accelerations and velocities by what belongs to a change of displacements, so that
-    /// ½ (v₀ + v₁) = (u₁ − u₀)/Δt for free coordinates. They are never formed from the difference of displacements: of a
-    /// step much shorter than the motion that would leave round-off only.
+    /// Updates mean accelerations and velocities for a change of displacements, so that ½ (v₀ + v₁) = (u₁ − u₀)/Δt
+    /// holds for free degrees of freedom. They are never formed from the difference of displacements: of a step much
+    /// shorter than the motion that would leave round-off only.
     ///
-    /// Supported coordinates take the velocities of their motion. The formula above would let an error of their
-    /// velocity change its sign from step to step for ever.
+    /// Constrained degrees of freedom take the velocities of their motion. The formula above would let an error of
+    /// their velocity change its sign from step to step for ever.
     fn change_rates(&mut self, system: &System, change: &[Nodal]) {
         let second = 2.0 / (self.dt * self.dt);
         for (a, change) in self.a.iter_mut().zip(change) {
@@ -94,7 +94,7 @@ impl EnergyMomentum {
         if system.numbering.prescribed.is_empty() {
             return 0.0;
         }
-        // The reaction is what the equation of motion leaves over at the supported coordinates.
+        // The reaction is the residual of the equation of motion at the constrained degrees of freedom.
         self.rest(system, buffer);
         for (f, r) in internal.iter_mut().zip(buffer.iter()) {
             (0..3).for_each(|i| f[i] -= r[i]);
@@ -186,8 +186,8 @@ impl Integrator for EnergyMomentum {
         state.v.copy_from_slice(&self.v);
     }
 
-    /// Error of the midpoint rule, Δt³/12 times the rate of the acceleration, from the mean
-    /// accelerations of two steps. In the first step the initial acceleration stands for the step before.
+    /// Error of the midpoint rule, Δt³/12 times the rate of the acceleration, from the mean accelerations of two steps.
+    /// In the first step the initial acceleration replaces that of the step before.
     fn local_error(&self, system: &System, state: &State) -> f64 {
         let factor = self.dt.powi(3) / 12.0 / (0.5 * (self.dt + state.last_step));
         system.position_rms(|n| std::array::from_fn(|i| factor * (self.a[n][i] - self.a_old[n][i])))
@@ -216,7 +216,7 @@ impl Integrator for EnergyMomentum {
     }
 
     fn tolerances(&self, max_iterations: u32) -> Tolerances {
-        // Energy and momenta are kept to what the iteration leaves over of the forces: go to the rounding floor.
+        // Energy and momenta are conserved up to the residual of the iteration, which therefore goes down to round-off.
         Tolerances { energy: 1e-20, increment: 1e-8, max_iterations }
     }
 }

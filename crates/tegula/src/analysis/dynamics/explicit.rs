@@ -1,4 +1,4 @@
-//! Central differences with lumped mass, as kick–drift–kick: positions and velocities belong to the same times.
+//! Central differences with lumped mass in kick–drift–kick form: positions and velocities belong to equal times.
 //!
 //! ```text
 //! v½ = v₀ + ½ Δt a₀
@@ -7,13 +7,13 @@
 //! v₁ = v½ + ½ Δt a₁
 //! ```
 //!
-//! Stable below the critical step. Damping of strain rates acts with the velocity of the half step, damping of the
-//! mass is implicit. T. Belytschko, W. K. Liu, B. Moran, *Nonlinear Finite Elements for Continua and Structures*
-//! (2000), sect. 6.2.
+//! Stable below the critical time step. Strain-rate damping acts with the velocity of the half step, mass damping is
+//! implicit. T. Belytschko, W. K. Liu, B. Moran, *Nonlinear Finite Elements for Continua and Structures* (2000), sect.
+//! 6.2.
 //!
 //! It follows that `½ v·M v − ⅛ Δt² a·M a` gains exactly the work that all forces do by the trapezoidal rule. For
-//! linear motions that is the work of the strain energy and the loads, so the energy balance without the *swing*
-//! `⅛ Δt² a·M a` is exact whatever the step; what it misses is error of nonlinear motions.
+//! linear motions that is the work of the strain energy and the loads, so the energy balance without the *swing* term
+//! `⅛ Δt² a·M a` is exact whatever the step; its residual is the error of nonlinear motions.
 
 use rayon::prelude::*;
 
@@ -26,35 +26,35 @@ use crate::system::numbering::CONSTRAINED;
 use crate::system::{Assembly, Numbering, System, dot3};
 use crate::{Error, Result};
 
-/// Nodal vectors that one task moves at least.
+/// Smallest number of nodal vectors that one task moves.
 const GRAIN: usize = 4096;
 
-/// What a step works with; nothing is allocated after it is made.
+/// Explicit integrator with its buffers; nothing is allocated after it is made.
 pub(super) struct Explicit<'a> {
     system: &'a System,
     pub(super) assembly: Assembly,
     /// Mass of each nodal vector.
     pub(super) mass: Vec<f64>,
     u_old: Vec<Nodal>,
-    /// Velocities of the middle of the step.
+    /// Velocities at the midpoint of the step.
     middle: Vec<Nodal>,
-    /// Loads at the end of the last step and before it.
+    /// Loads at the end of the last step, and at its start.
     loads: Vec<Nodal>,
     loads_old: Vec<Nodal>,
     forces: Vec<Nodal>,
-    /// Reactions of supports that move, at the end of the last step and before it; else empty.
+    /// Reactions of moving supports at the end of the last step, and at its start; empty without such supports.
     reactions: Vec<Nodal>,
     reactions_old: Vec<Nodal>,
     damped: bool,
-    /// a·M a of the free coordinates.
+    /// Product a·M a of the free degrees of freedom.
     inertia: f64,
 }
 
 impl<'a> Explicit<'a> {
-    /// For a system that was compiled for explicit integration.
+    /// Integrator for a system that was compiled for explicit integration.
     ///
     /// # Errors
-    /// It was not.
+    /// The system was compiled for other analyses.
     pub(super) fn new(system: &'a System) -> Result<Self> {
         if !system.explicit {
             return Err(Error::model(
@@ -88,7 +88,7 @@ impl<'a> Explicit<'a> {
         })
     }
 
-    /// Adds the free accelerations under the forces `rest`.
+    /// Adds the free accelerations under the unbalanced forces `rest`.
     pub(super) fn accelerate(&self, rest: &[Nodal], a: &mut [Nodal]) {
         for (v, (a, r)) in a.iter_mut().zip(rest).enumerate() {
             let free = free_acceleration(&self.system.numbering, v, *r, self.mass[v]);
@@ -98,7 +98,7 @@ impl<'a> Explicit<'a> {
         }
     }
 
-    /// Loads, reactions and inertia of the state from which steps start.
+    /// Initialises loads, reactions and inertia at the state from which steps start.
     pub(super) fn begin(&mut self, state: &State) {
         self.assembly.history.copy_from_slice(&state.history);
         self.find_loads(state);
@@ -112,7 +112,7 @@ impl<'a> Explicit<'a> {
     /// One step of length `dt` to the time `end`.
     ///
     /// # Errors
-    /// Where accelerations are no longer finite, for people.
+    /// Accelerations are no longer finite; the text gives the place.
     pub(super) fn step(&mut self, state: &mut State, dt: f64, end: f64) -> std::result::Result<(), String> {
         let system = self.system;
         self.u_old.copy_from_slice(&state.u);
@@ -153,8 +153,8 @@ impl<'a> Explicit<'a> {
                 state.work += system.kinetic_energy(&state.v) - before;
             }
             if self.damped {
-                // Reactions hold the damping of the velocity at the end; that of the half step is not known where a run
-                // is resumed.
+                // Reactions include the damping forces of the velocity at the end of the step; that of the half step is
+                // unknown where a run is resumed.
                 self.find_forces(state);
             }
             self.find_reactions(state);
@@ -163,10 +163,10 @@ impl<'a> Explicit<'a> {
         Ok(())
     }
 
-    /// Velocities of the middle of the step that take supports to where they shall be.
+    /// Velocities at the midpoint of the step that bring the supports to their prescribed positions.
     fn lead_supports(&mut self, u: &[Nodal], dt: f64, end: f64) {
         let numbering = &self.system.numbering;
-        // Reactions of two steps ago make room.
+        // The buffer of the reactions of two steps ago is reused.
         self.reactions.copy_from_slice(u);
         self.system.prescribe(end, &mut self.reactions);
         for (v, (middle, next)) in self.middle.iter_mut().zip(&self.reactions).enumerate() {
@@ -215,7 +215,7 @@ impl<'a> Explicit<'a> {
         );
     }
 
-    /// a·M a of the free coordinates.
+    /// Product a·M a of the free degrees of freedom.
     fn free_inertia(&self, a: &[Nodal]) -> f64 {
         let numbering = &self.system.numbering;
         let product = |(v, (a, m)): (usize, (&Nodal, &f64))| {
@@ -240,7 +240,7 @@ impl<'a> Explicit<'a> {
         self.system.numbering.supported_part(&self.forces, &mut self.reactions);
     }
 
-    /// Adds the work and dissipation of the step that ended, and takes over what materials remember.
+    /// Adds the work and dissipation of the step that ended, and commits the history variables.
     fn account(&mut self, state: &mut State, dt: f64) {
         let (system, end) = (self.system, state.time);
         let trapezoid = |old: &[Nodal], new: &[Nodal]| {
@@ -273,7 +273,7 @@ impl<'a> Explicit<'a> {
         }
     }
 
-    /// Where accelerations are no longer finite.
+    /// Message with the place where accelerations are no longer finite.
     fn without_finite_acceleration(&self, state: &State) -> String {
         match self.assembly.without_answer(self.system) {
             Some(element) => format!("the forces of {element} are no longer finite"),
@@ -281,7 +281,7 @@ impl<'a> Explicit<'a> {
         }
     }
 
-    /// The node whose motion holds most kinetic energy, or is not finite, for people.
+    /// Node whose motion has the largest kinetic energy, or one that is not finite, as text.
     pub(super) fn fastest(&self, state: &State) -> String {
         let energy = |v: usize| {
             let twice = self.mass[v] * dot3(state.v[v], state.v[v]);
@@ -298,7 +298,7 @@ impl<'a> Explicit<'a> {
     }
 }
 
-/// Acceleration of a nodal vector under a force, zero along supports.
+/// Acceleration of a nodal vector under a force, zero along constrained directions.
 #[inline]
 fn free_acceleration(numbering: &Numbering, vector: usize, force: Nodal, mass: f64) -> Nodal {
     let mut local = numbering.to_axes(vector, force);

@@ -1,4 +1,4 @@
-//! The course of an explicit analysis: its step, its reports, and when it ends.
+//! Driver of an explicit analysis: its step length, its reports, and when it ends.
 
 use super::amplitude_check::AmplitudeCheck;
 use super::critical_step::CriticalStep;
@@ -13,45 +13,46 @@ use crate::model::TransientAnalysis;
 use crate::system::{System, inside_out};
 use crate::{Error, Result};
 
-/// Part of the bound of the critical step that is taken: what may change until it is found anew.
+/// Safety factor on the bound of the critical time step: margin for its changes until it is estimated again.
 const SAFETY: f64 = 0.9;
-/// Steps after which the critical step of a nonlinear model is found anew at the latest. In this time sound passes about
-/// 90 elements.
+/// Largest number of steps between two estimates of the critical time step of a nonlinear model. In this time sound
+/// passes about 90 elements.
 const INTERVAL: u64 = 100;
-/// Change of a fibre's length, over its length, after which the critical step is found anew. Where a sheet of St.
-/// Venant–Kirchhoff's material is stretched by λ its highest frequency grows with √((3λ² − 1)/2), at λ = 1 by 1.5 times
-/// the strain: that leaves most of the safety to what changes in one step.
+/// Change of a fibre's length, over its length, after which the critical time step is estimated again. Where a sheet of
+/// St. Venant–Kirchhoff material is stretched by λ, its highest frequency grows with √((3λ² − 1)/2), at λ = 1 by 1.5
+/// times the strain: that leaves most of the safety margin to the changes within one step.
 const CHANGE: f64 = 0.02;
-/// Steps from one look at the fibres to the next; a look takes a few per cent of a step.
+/// Steps between two checks of the fibres; a check takes a few per cent of a step.
 const LOOK: u64 = 2;
-/// Steps from one report to the next. Strain energy costs about as much as a step; in ten steps near the critical one no
-/// motion that the mesh resolves goes through a period.
+/// Steps between two reports. Strain energy costs about as much as a step; in ten steps near the critical one no motion
+/// that the mesh resolves goes through a period.
 const REPORT: u64 = 10;
-/// Largest error of the energy balance over the largest kinetic or strain energy and what was dissipated. Linear motions keep
-/// the balance to rounding, resolved nonlinear ones to well below a hundredth. Damping forces lag by half a step, which
-/// costs a part of what they dissipate.
+/// Largest error of the energy balance over the sum of the largest kinetic or strain energy and the dissipated energy.
+/// Linear motions keep the balance to round-off, resolved nonlinear ones to well below a hundredth. Damping forces lag
+/// by half a step, which costs a part of what they dissipate.
 const BROKEN: f64 = 0.05;
-/// A motion is unstable whose kinetic and strain energy are this many times what it can have got. At the safety factor
-/// the energy of the highest mode varies five-fold in a stable motion.
+/// Ratio of kinetic and strain energy to the energy supplied above which a motion is unstable. At the safety factor the
+/// energy of the highest mode varies five-fold in a stable motion.
 const BLOW_UP: f64 = 100.0;
 
-/// Part of the size of the model that an unseen motion covers in the whole analysis.
+/// Displacement of a negligible motion in the whole analysis, over the size of the model.
 const UNSEEN: f64 = 1e-9;
 
-/// Energies that a motion is held against.
+/// Energy-balance monitor: reference energies for those of a motion.
 struct Watch {
-    /// Total energy, and kinetic and strain energy, at time 0.
+    /// Total energy (`total`), and kinetic and strain energy (`first`), at time 0.
     total: f64,
     first: f64,
-    /// Most that the motion can have got.
+    /// Largest energy that the initial state and the loads can have supplied to the motion.
     given: f64,
-    /// Energy of a motion that nobody sees: loads that begin like a Gaussian pulse grow by powers of ten in a step, and no
+    /// Energy of a negligible motion: loads that begin like a Gaussian pulse grow by powers of ten in a step, and no
     /// ratio of energies means anything then.
     unseen: f64,
 }
 
 impl Watch {
-    /// Error of the energy balance over the largest energy so far; an explanation where the motion is not to be trusted.
+    /// Error of the energy balance over the largest energy so far, and a message where the motion is unstable or the
+    /// balance broken.
     fn look(&mut self, balance: &Balance, scheme: &Explicit, state: &State) -> (f64, Option<String>) {
         let stored = balance.kinetic + balance.strain;
         self.given = self.given.max(self.first + balance.work.abs() + balance.potential.abs());
@@ -84,7 +85,7 @@ impl Watch {
 /// Integrates the motion explicitly from `start` (rest or the initial velocities where `None`).
 ///
 /// # Errors
-/// The energy balance is broken, values are no longer finite, elements turned inside out, or the user interrupted.
+/// The energy balance is broken, values are no longer finite, elements are inverted, or the user interrupted.
 pub(super) fn run(
     system: &System,
     options: &TransientAnalysis,
@@ -96,7 +97,7 @@ pub(super) fn run(
     if fresh && let Some(reason) = system.undefined_amplitude(0.0) {
         return Err(undefined("time", (0.0, 0.0), reason));
     }
-    // Also where a run is resumed: the energy at time 0 is what later energies are held against.
+    // A resumed run needs this, too: later energies are compared with the energy at time 0.
     let mut first = initial_motion(system);
     let rest = unbalanced_forces(system, &mut scheme.assembly, &first);
     scheme.accelerate(&rest, &mut first.a);
@@ -128,7 +129,7 @@ pub(super) fn run(
             && state.tangent.valid
             && state.step.is_multiple_of(LOOK)
             && !(fibres.change(system, &state.u) <= CHANGE);
-        // A resumed run keeps the step it had, until the next one is due.
+        // A resumed run keeps its step until the next estimate is due.
         let due = fresh && !found || changed || !system.linear && state.step.is_multiple_of(INTERVAL);
         if !found || due {
             let step = critical.below(system, &mut scheme.assembly, &scheme.mass, &state);
@@ -194,7 +195,7 @@ pub(super) fn run(
     Ok(TransientOutcome { state, balance, statistics })
 }
 
-/// Keeps where the critical step was found, for runs that are resumed.
+/// Stores the state at which the critical time step was estimated, for runs that are resumed.
 fn remember(state: &mut State) {
     state.tangent.valid = true;
     state.tangent.time = state.time;
@@ -212,7 +213,7 @@ fn report(
     observer.on_step(&Step { state, balance, statistics, iterations: 0, end: options.end_time })
 }
 
-/// The end of a motion that cannot go on.
+/// Error of a motion that became unstable.
 fn unstable(state: &State, options: &TransientAnalysis, statistics: &Statistics, reason: String) -> Error {
     let (step, critical) = (state.last_step, statistics.critical_step);
     let safe = SAFETY * critical;

@@ -1,4 +1,5 @@
-//! Change of the elements' shape since the critical step was found: fibres at both surfaces of the shell.
+//! Change of the elements' shape since the last estimate of the critical time step: fibres at both surfaces of the
+//! shell.
 
 use rayon::prelude::*;
 
@@ -11,29 +12,29 @@ use tegula_sparse::norm::larger;
 const PAIRS: [(usize, usize); 6] = [(0, 1), (1, 2), (2, 3), (3, 0), (0, 2), (1, 3)];
 /// Fibres of an element: pairs of corners at the top and at the bottom, and the directors.
 const FIBRES: usize = 2 * PAIRS.len() + 4;
-/// Elements that one task looks at.
+/// Elements per task.
 const CHUNK: usize = 256;
 
-/// Lengths of fibres when the critical step was last found.
+/// Lengths of fibres at the last estimate of the critical time step.
 pub(super) struct FibreWatch {
     /// Squared lengths, element by element of [`System::shells`].
     squares: Vec<[f64; FIBRES]>,
 }
 
 impl FibreWatch {
-    /// No lengths yet.
+    /// Monitor without lengths yet.
     pub fn new(system: &System) -> Self {
         Self { squares: vec![[0.0; FIBRES]; system.shells.len()] }
     }
 
-    /// Takes the lengths at displacements `u`.
+    /// Stores the lengths at displacements `u`.
     pub fn take(&mut self, system: &System, u: &[Nodal]) {
         self.squares.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(shell, squares)| {
             *squares = fibres(system, shell, u);
         });
     }
 
-    /// Largest change of a fibre's length since then, over its length; not a number if one of them is none.
+    /// Largest change of a fibre's length since [`take`](Self::take), over its length; NaN if any change is NaN.
     pub fn change(&self, system: &System, u: &[Nodal]) -> f64 {
         let of_shell = |(shell, before): (usize, &[f64; FIBRES])| {
             let pairs = fibres(system, shell, u).into_iter().zip(before);

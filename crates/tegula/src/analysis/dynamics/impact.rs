@@ -1,11 +1,11 @@
-//! Impacts: the velocity of a prescribed motion jumps, and masses take part in it.
+//! Impacts: the velocity of a prescribed motion jumps, and the masses coupled to it respond.
 //!
 //! The equations of motion integrated over the instant of a jump Δv_s of prescribed velocities, in which no other force
-//! is infinite, are `M_ff Δv_f + M_fs Δv_s = 0`. So free coordinates next to the prescribed ones take a velocity, too, as
-//! long as a consistent mass matrix couples them. At the start of a motion this is the projection of the given velocities
-//! on the shape functions.
+//! is infinite, are `M_ff Δv_f + M_fs Δv_s = 0`. Free degrees of freedom next to the prescribed ones therefore take a
+//! velocity, too, if a consistent mass matrix couples them. At the start of a motion this is the projection of the
+//! given velocities onto the shape functions.
 //!
-//! Damping of strain rates changes its forces with the velocities at once, and accelerations follow: `M_ff Δa_f = −Δf`.
+//! Strain-rate damping changes its forces with the velocities at once, and accelerations follow: `M_ff Δa_f = −Δf`.
 
 use super::{curve_unit_vectors, state_with_rates};
 use crate::analysis::State;
@@ -15,9 +15,9 @@ use crate::error::{Error, Result};
 use crate::system::System;
 use tegula_sparse::Factor;
 
-/// Changes velocities, and with them accelerations, from those before a kink of a prescribed motion to those behind it. Mean
-/// accelerations of a step (`mean`), which no equation of an instant holds, stay. Returns the kinetic energy that the impact
-/// gives.
+/// Updates velocities, and with them accelerations, from those before a kink of a prescribed motion to those behind it.
+/// Mean accelerations of a step (`mean`), which satisfy no equation of an instant, stay. Returns the kinetic energy
+/// that the impact supplies.
 ///
 /// # Errors
 /// The mass matrix is singular.
@@ -35,8 +35,8 @@ pub(super) fn pass_kink(system: &System, newton: &mut Newton, mean: bool, state:
     Ok(system.kinetic_energy(&state.v) - before)
 }
 
-/// Accelerations that belong to the change of the internal forces with the velocities from `old` ones, with the factor of the
-/// mass matrix.
+/// Changes the accelerations by the response to the change of the internal forces that follows from the change of the
+/// velocities from `old` ones; reuses the factor of the mass matrix.
 fn change_accelerations(system: &System, newton: &mut Newton, old: &[Nodal], state: &mut State) {
     let (mut behind, mut change) = (vec![[0.0; 3]; old.len()], vec![[0.0; 3]; old.len()]);
     newton.assembly.forces(system, &state_with_rates(system, state), &mut behind);
@@ -50,7 +50,7 @@ fn change_accelerations(system: &System, newton: &mut Newton, old: &[Nodal], sta
     curve_unit_vectors(system, &state.u, &mut state.v, &mut state.a);
 }
 
-/// Adds what the mass matrix, with its factor, answers to forces on free coordinates.
+/// Adds the response of the mass matrix, with its factor, to forces on free degrees of freedom.
 pub(super) fn add_free_response(system: &System, newton: &mut Newton, forces: &[Nodal], field: &mut [Nodal]) {
     let mut free = vec![0.0; system.unknowns()];
     newton.assembly.numbering.reduce(forces, &mut free);
@@ -62,10 +62,10 @@ pub(super) fn add_free_response(system: &System, newton: &mut Newton, forces: &[
     }
 }
 
-/// Factors the mass matrix along the axes that the assembly follows.
+/// Factors the mass matrix in the local frames that the assembly follows.
 ///
 /// # Errors
-/// It is singular.
+/// The mass matrix is singular.
 pub(super) fn factor_mass(system: &System, newton: &mut Newton) -> Result<()> {
     let mut mass = vec![0.0; system.pattern.values()];
     newton.assembly.mass_values(system, &mut mass);
@@ -79,8 +79,8 @@ pub(super) fn factor_mass(system: &System, newton: &mut Newton) -> Result<()> {
     })
 }
 
-/// Adds `−M_ff⁻¹ M_fs Δv_s` to the free velocities, with the factor of the mass matrix. Δv_s is the change from the `old`
-/// velocities along prescribed coordinates.
+/// Adds `−M_ff⁻¹ M_fs Δv_s` to the free velocities, with the factor of the mass matrix. Δv_s is the change from the
+/// `old` velocities along prescribed degrees of freedom.
 pub(super) fn share_jump(system: &System, newton: &mut Newton, old: &[Nodal], state: &mut State) {
     let mut jump = old.to_vec();
     system.prescribe_velocity(state.time, &mut jump);

@@ -1,4 +1,4 @@
-//! Motion in time: consistent start, step control, energy balance; one file an integrator.
+//! Transient dynamics: consistent start, step control, energy balance; one file per integrator.
 
 mod amplitude_check;
 pub mod critical_step;
@@ -31,26 +31,26 @@ pub use step_end::Span;
 use step_end::StepEnds;
 use tegula_sparse::Factor as _;
 
-/// A time integration scheme: the equation of a step and what it says about its error.
+/// Time integration scheme: the equation of a step, its error estimate and its energy account.
 ///
-/// Adding one: a file beside this one that implements the trait, a variant of
-/// [`Scheme`] and a line in [`integrator`].
+/// To add a scheme, write a file beside this one that implements the trait, a variant of [`Scheme`] and a line in
+/// [`integrator`].
 pub trait Integrator: Equation {
     /// Starts a step from a state, with a prediction of its end.
     fn begin(&mut self, system: &System, assembly: &mut Assembly, state: &State, span: Span);
     /// Displacements at the present iterate of the end of the step.
     fn displacements(&self) -> &[Nodal];
-    /// Displacements, velocities and accelerations at the end of a converged step.
+    /// Writes displacements, velocities and accelerations at the end of a converged step to the state.
     fn finish(&mut self, system: &System, state: &mut State);
-    /// Root mean square error of position of the step over the model's length.
+    /// Local error: root mean square error of position of the step over the model's length.
     fn local_error(&self, system: &System, state: &State) -> f64;
-    /// Work of the loads that constant gravity does not count, and dissipation, during the step.
+    /// External work (of loads other than constant gravity, and of prescribed motions) and dissipation of the step.
     fn exchange(&mut self, system: &System, assembly: &mut Assembly, state: &State) -> Exchange;
-    /// When its iteration is finished.
+    /// Convergence criteria of its iteration.
     fn tolerances(&self, max_iterations: u32) -> Tolerances;
 }
 
-/// Energy that a step exchanges with the outside.
+/// External work and dissipation of a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Exchange {
     /// Work of loads other than constant gravity, and of prescribed motions.
@@ -59,7 +59,7 @@ pub struct Exchange {
     pub dissipated: f64,
 }
 
-/// The integrator of a scheme; `None` for explicit ones, which have no equation to solve.
+/// Integrator of a scheme; `None` for explicit ones, which have no equation to solve.
 pub fn integrator(system: &System, scheme: Scheme) -> Option<Box<dyn Integrator>> {
     Some(match scheme {
         Scheme::Newmark(s) => Box::new(Newmark::new(system, s.beta, s.gamma, 0.0)),
@@ -72,24 +72,24 @@ pub fn integrator(system: &System, scheme: Scheme) -> Option<Box<dyn Integrator>
     })
 }
 
-/// The end of a transient analysis.
+/// Outcome of a transient analysis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransientOutcome {
     /// Final state.
     pub state: State,
-    /// Its energies and momenta.
+    /// Energies and momenta of the final state.
     pub balance: Balance,
-    /// Counts.
+    /// Run counters.
     pub statistics: Statistics,
 }
 
-/// Steps shorter than this part of the end time give up.
+/// Smallest step over the end time; a run with shorter steps gives up.
 const SMALLEST_STEP: f64 = 1e-10;
 
 /// Integrates the motion from `start` (rest or the initial velocities where `None`).
 ///
 /// # Errors
-/// A step did not converge even when cut to almost nothing, or the user interrupted.
+/// A step did not converge even after cut-backs to the smallest length, or the user interrupted.
 pub fn run(
     system: &System,
     options: &TransientAnalysis,
@@ -132,7 +132,7 @@ pub fn run(
     }
     let mut old_velocities = vec![[0.0; 3]; system.vectors()];
     let mean = matches!(options.scheme, Scheme::EnergyMomentum(_));
-    // A step that failed with an old factor is repeated without.
+    // A step that failed with a lagged tangent is repeated with its own tangents.
     let mut own_tangents = false;
     let mut drilling = DrillingWatch::new();
     while state.time < options.end_time {
@@ -142,7 +142,7 @@ pub fn run(
         if let Some(found) = check.passed_over(system, state.time, dt) {
             observer.on_event(&found.event(system));
         }
-        // Schemes look into the step, too.
+        // Schemes evaluate loads inside the step, too.
         let gap = [0.5, 1.0].into_iter().find_map(|part| system.undefined_amplitude(state.time + part * dt));
         if let Some(reason) = gap {
             return Err(undefined("time", (state.time, span.end), reason));
@@ -258,18 +258,18 @@ pub fn run(
     Ok(TransientOutcome { state, balance, statistics })
 }
 
-/// Trouble of a time step.
+/// Reason why a time step is cut back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Trouble {
-    /// Its local error is above the tolerance.
+    /// Local error above the tolerance.
     Inaccurate,
-    /// It inverts an element.
+    /// Inverted element.
     Inverted,
-    /// Its iteration does not converge.
+    /// Iteration that does not converge.
     Iteration(Cause),
 }
 
-/// Advice for a motion whose steps shrink to nothing: what fits the trouble of the last one, and is not in use already.
+/// Advice for a motion whose cut-backs reach the smallest step: it fits the last failure, and is not in use already.
 fn advice(system: &System, options: &TransientAnalysis, trouble: Trouble) -> String {
     match trouble {
         Trouble::Inverted | Trouble::Iteration(Cause::Material) => {
@@ -319,11 +319,11 @@ fn given_velocities(system: &System) -> Vec<Nodal> {
     given
 }
 
-/// Displacements and velocities at time 0, and accelerations of supported coordinates only.
+/// Displacements and velocities at time 0, and accelerations of constrained degrees of freedom only.
 fn initial_motion(system: &System) -> State {
     let n = system.vectors();
     let mut state = State { v: given_velocities(system), a: vec![[0.0; 3]; n], ..State::at_rest(system) };
-    // Supports hold from the start: an initial velocity across them is not possible.
+    // Supports hold from the start: an initial velocity along constrained directions is not possible.
     let mut supported = vec![[0.0; 3]; n];
     system.numbering.supported_part(&state.v, &mut supported);
     for (v, s) in state.v.iter_mut().zip(&supported) {
@@ -338,8 +338,8 @@ fn initial_motion(system: &System) -> State {
     state
 }
 
-/// Forces at time 0 that are not balanced by the accelerations of a state: `F − f_int − C v − M a`. The assembly's axes
-/// follow it.
+/// Unbalanced forces at time 0 for the accelerations of a state: `F − f_int − C v − M a`. The assembly's local frames
+/// follow the state.
 fn unbalanced_forces(system: &System, assembly: &mut Assembly, state: &State) -> Vec<Nodal> {
     let n = system.vectors();
     let k = state_with_rates(system, state);
@@ -358,7 +358,7 @@ fn unbalanced_forces(system: &System, assembly: &mut Assembly, state: &State) ->
     rest
 }
 
-/// A state with its velocities.
+/// Kinematics of a state with its velocities.
 fn state_with_rates<'a>(system: &'a System, state: &'a State) -> Kinematics<'a> {
     let motion = Motion::State { u: &state.u, velocity: Some(&state.v) };
     Kinematics::new(&system.reference, motion, system.linear, state.time)
@@ -387,7 +387,7 @@ pub(super) fn work(force: &[Nodal], from: &[Nodal], to: &[Nodal]) -> f64 {
     dot(force, to) - dot(force, from)
 }
 
-/// Size of the change of the nodal vectors in a step.
+/// Norm of the change of the nodal vectors in a step.
 pub(super) fn step_size(system: &System, from: &[Nodal], to: &[Nodal]) -> f64 {
     let mut sum = 0.0;
     for (v, kind) in system.kinds.iter().enumerate() {
@@ -398,7 +398,7 @@ pub(super) fn step_size(system: &System, from: &[Nodal], to: &[Nodal]) -> f64 {
     (sum / from.len().max(1) as f64).sqrt()
 }
 
-/// Copies the supported coordinates of a field: a prediction must not move them.
+/// Copies the constrained degrees of freedom of a field: a prediction must not move them.
 pub(super) fn copy_supported(system: &System, from: &[Nodal], to: &mut [Nodal]) {
     for (v, to) in to.iter_mut().enumerate() {
         if !system.linear && system.unit.get(v) == Some(&true) && system.numbering.is_free(v) {
@@ -416,10 +416,10 @@ pub(super) fn copy_supported(system: &System, from: &[Nodal], to: &mut [Nodal]) 
     project_unit_vectors(system, to);
 }
 
-/// Takes the supported coordinates of a prediction back to where they were, and finds by how much that moves it.
+/// Resets the constrained degrees of freedom of a prediction to their old values, and finds by how much that moves it.
 ///
-/// Vectors that keep their length are moved along themselves: round-off across them, divided by the square of a short
-/// step, would be an acceleration.
+/// Inextensible directors are moved along themselves: round-off across them, divided by the square of a short step,
+/// would be an acceleration.
 pub(super) fn hold_supported(system: &System, from: &[Nodal], to: &mut [Nodal], moved: &mut [Nodal]) {
     moved.copy_from_slice(to);
     copy_supported(system, from, to);
@@ -436,7 +436,7 @@ pub(super) fn hold_supported(system: &System, from: &[Nodal], to: &mut [Nodal], 
     }
 }
 
-/// Brings vectors that keep their length back to it.
+/// Projects inextensible directors onto their length.
 pub(super) fn project_unit_vectors(system: &System, u: &mut [Nodal]) {
     if system.linear {
         return;
@@ -448,8 +448,8 @@ pub(super) fn project_unit_vectors(system: &System, u: &mut [Nodal]) {
     }
 }
 
-/// Velocities of vectors d that keep their length are across them, v·d = 0, and their accelerations point inwards by
-/// a·d = −v·v; what the integration of the free vectors leaves over would grow from step to step.
+/// Projection of rates onto the constraint manifold of inextensible directors d: velocities satisfy v·d = 0, and
+/// accelerations a·d = −v·v. The drift that the integration of the free vectors leaves would grow from step to step.
 pub(super) fn curve_unit_vectors(system: &System, u: &[Nodal], v: &mut [Nodal], a: &mut [Nodal]) {
     for unit in &system.numbering.unit {
         let i = unit.vector as usize;
@@ -458,7 +458,7 @@ pub(super) fn curve_unit_vectors(system: &System, u: &[Nodal], v: &mut [Nodal], 
             d += Vec3::from(u[i]);
         }
         let (mut rate, mut second) = (Vec3::from(v[i]), Vec3::from(a[i]));
-        // A supported component stays; the vector then turns on a circle, whose radius need not be its length.
+        // A constrained component stays; the vector then rotates on a circle, whose radius need not be its length.
         if let Some(axis) = unit.fixed {
             d -= axis * axis.dot(&d);
             rate -= axis * axis.dot(&rate);

@@ -23,16 +23,16 @@ use crate::element::{Kinematics, Motion, Nodal, TangentWeights};
 use crate::system::assembly::{TangentParts, add_follower_loads};
 use crate::system::{Assembly, System};
 
-/// Error of the iteration over the part of the prediction that the acceleration makes, at most, in parts of the square of
-/// the first increment over it. That increment is ½ Δt³ j with the rate j of the acceleration, six times the error of
-/// the integration, so the iteration adds less than a tenth of that error.
+/// Bound of |e|/|p| over (|δ|/|p|)², with e the error of the iteration, p = ½ Δt² ā the part of the prediction that the
+/// acceleration makes, and δ the first increment. The increment is ½ Δt³ j with the rate j of the acceleration, six
+/// times the error of the integration, so the iteration adds less than a tenth of that error.
 const SHARE: f64 = 1.0 / 60.0;
-/// Largest value of that error, whatever the first increment.
+/// Largest error of the iteration over the acceleration part ½ Δt² ā of the prediction, whatever the first increment.
 const LARGEST_PART: f64 = 1e-4;
 /// Error of the iteration over the first increment in the very first step, which begins without an acceleration.
 const FIRST_STEP: f64 = 1e-7;
 
-/// Newmark and HHT.
+/// Newmark and HHT integrator.
 pub struct Newmark {
     beta: f64,
     gamma: f64,
@@ -45,23 +45,23 @@ pub struct Newmark {
     u_old: Vec<Nodal>,
     v_old: Vec<Nodal>,
     a_old: Vec<Nodal>,
-    /// Loads minus damping and internal force at the start of the step; only for α_f ≠ 0.
+    /// External forces minus damping and internal forces at the start of the step; only for α_f ≠ 0.
     old_rest: Vec<Nodal>,
     loads_old: Vec<Nodal>,
-    /// Forces that only pass through.
+    /// Scratch space for forces.
     buffer: Vec<Nodal>,
     reaction: Vec<Nodal>,
     supported: Vec<Nodal>,
     energy_scale: f64,
-    /// Energy of ½ Δt² ā, the part of the prediction that the mean acceleration ā of the step before makes; none in the
-    /// first step.
+    /// Energy of ½ Δt² ā, the part of the prediction that the mean acceleration ā of the step before makes; `None` in
+    /// the first step.
     predicted: Option<f64>,
     damped: bool,
     mass_damping: f64,
 }
 
 impl Newmark {
-    /// With parameters β, γ and α_f.
+    /// Integrator with parameters β, γ and α_f.
     pub fn new(system: &System, beta: f64, gamma: f64, alpha_f: f64) -> Self {
         let zero = vec![[0.0; 3]; system.vectors()];
         Self {
@@ -88,7 +88,7 @@ impl Newmark {
         }
     }
 
-    /// Displacements predicted for the end of the step, with the velocities and accelerations that belong to them.
+    /// Predicts displacements at the end of the step, with the consistent velocities and accelerations.
     ///
     /// Rates are never formed from the difference of displacements: of a step much shorter than the motion that would
     /// leave round-off only.
@@ -110,7 +110,7 @@ impl Newmark {
         self.buffer = moved;
     }
 
-    /// Changes velocities and accelerations by what belongs to a change of displacements.
+    /// Updates velocities and accelerations for a change of displacements.
     fn change_rates(&mut self, system: &System, change: &[Nodal]) {
         let second = 1.0 / (self.beta * self.dt * self.dt);
         let first = self.gamma / (self.beta * self.dt);
@@ -180,10 +180,10 @@ impl Equation for Newmark {
         step_size(system, &self.u_old, &self.u)
     }
 
-    /// An error e of the end of a step is an impulse M e/(β Δt), which adds up from step to step: e must vanish with Δt⁴
-    /// where the error of the integration vanishes with Δt³. The first increment δ corrects the prediction, of which
-    /// p = ½ Δt² ā is a part, so it is of the order of Δt³ and |δ|/|p| of the order of Δt over the time scale of the
-    /// motion. Hence |e| ≤ κ |p| with κ a part of (|δ|/|p|)², all in the norm of energy.
+    /// Bound of the iteration error. An error e of the end of a step is an impulse M e/(β Δt), which adds up from step
+    /// to step: e must vanish with Δt⁴ where the error of the integration vanishes with Δt³. The first increment δ
+    /// corrects the prediction, of which p = ½ Δt² ā is a part, so it is of the order of Δt³ and |δ|/|p| of the order
+    /// of Δt over the time scale of the motion. Hence |e| ≤ κ |p| with κ a part of (|δ|/|p|)², all in the energy norm.
     fn error_limit(&self, first: f64) -> f64 {
         let Some(predicted) = self.predicted else { return FIRST_STEP * FIRST_STEP * first };
         let scale = predicted.max(first);
@@ -269,10 +269,10 @@ impl Integrator for Newmark {
 }
 
 impl Newmark {
-    /// Adds the forces that held vectors to their length at the start of the step.
+    /// Adds the constraint forces of inextensible directors at the start of the step.
     ///
-    /// They act along the old vectors. At the end of the step, whose equation holds across the new vectors, they have
-    /// a part that would be missing, an error of first order.
+    /// They act along the old directors. At the end of the step, whose equation holds across the new directors, they
+    /// have a component whose omission would be an error of first order.
     fn add_old_constraint_forces(
         &mut self,
         system: &System,
@@ -318,7 +318,7 @@ impl Newmark {
                     r[i] -= f[i];
                 }
             }
-            // Not of the directors that keep their length: they turn, and no support does work on them.
+            // Inextensible directors are left out: they rotate, and no support does work on them.
             total += 0.5 * system.work_of_prescribed(&reaction, &self.u_old, &self.u);
         }
         (self.reaction, self.buffer) = (reaction, loads);

@@ -1,4 +1,4 @@
-//! Where the iteration of an implicit step begins.
+//! Predictor of an implicit step: where the iteration begins.
 //!
 //! ```text
 //! u₁ ≈ u₀ + Δt v₀ + ½ Δt² ā,   ā = (v₀ − v₋₁)/Δt₋₁
@@ -6,13 +6,13 @@
 //!
 //! with the mean acceleration ā of the step before. The acceleration a₀ itself would spoil the prediction where the
 //! scheme has no numerical damping: that of modes far stiffer than the step resolves changes its sign from step to
-//! step. The mean is nearly free of them. In the first step, and in linear models, whose first increment is exact, it
-//! is left out.
+//! step. The mean is nearly free of these modes. In the first step, and in linear models, whose first increment is
+//! exact, it is left out.
 
 use crate::analysis::State;
 use crate::element::Nodal;
 
-/// Displacements at the end of a step of length `dt` from a state.
+/// Predicts the displacements at the end of a step of length `dt` from a state.
 pub(super) fn predict(state: &State, dt: f64, u: &mut [Nodal]) {
     let half = 0.5 * dt * dt;
     for (n, u) in u.iter_mut().enumerate() {
@@ -21,12 +21,12 @@ pub(super) fn predict(state: &State, dt: f64, u: &mut [Nodal]) {
     }
 }
 
-/// Mean acceleration of a nodal vector in the step before, with which the prediction is made.
+/// Mean acceleration of a nodal vector in the step before, used in the prediction.
 pub(super) fn mean_acceleration(state: &State, n: usize) -> Nodal {
     state.mean_a.get(n).copied().unwrap_or_default()
 }
 
-/// Remembers the mean accelerations of a finished step of length `dt`, which began with the velocities `before`.
+/// Stores the mean accelerations of a finished step of length `dt`, which began with the velocities `before`.
 pub(super) fn remember(before: &[Nodal], dt: f64, state: &mut State) {
     state.mean_a.resize(state.v.len(), [0.0; 3]);
     for ((mean, old), new) in state.mean_a.iter_mut().zip(before).zip(&state.v) {

@@ -1,26 +1,26 @@
-//! Automatic time steps from the local error.
+//! Automatic time step control by the local error.
 
 use crate::analysis::State;
 use crate::model::TransientAnalysis;
 use crate::system::System;
 
-/// A step is repeated if its error is this many times the tolerance.
+/// Multiple of the tolerance above which the error of a step leads to its repetition.
 const REJECT: f64 = 2.0;
-/// Aim below the tolerance, so that few steps are repeated.
+/// Safety factor on the new step length, so that few steps are repeated.
 const SAFETY: f64 = 0.9;
 /// Largest growth from one step to the next.
 const GROWTH: f64 = 1.5;
 /// Largest reduction from one step to the next.
 const REDUCTION: f64 = 0.3;
-/// The step stays, and with it the factor, while the error would change it no more than this.
+/// Range of the proposed change of the step in which the step, and with it the factor, is kept.
 const KEEP: std::ops::Range<f64> = 0.9..1.4;
-/// Part of the wanted step below which a step was shortened by a stop.
+/// Ratio to the wanted length below which a step counts as shortened by a stop.
 const SHORTENED: f64 = 0.999;
-/// Tangents above which the step does not grow.
+/// Number of tangents above which the step does not grow.
 const MANY_TANGENTS: u32 = 10;
 
-/// Chooses time steps so that the local error, root mean square of position over the model's
-/// length, stays near the tolerance. The error of a second-order scheme grows with Δt³.
+/// Step control: chooses time steps so that the local error, root mean square of position over the model's length,
+/// stays near the tolerance. The error of a second-order scheme grows with Δt³.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepControl {
     tolerance: f64,
@@ -31,7 +31,7 @@ pub struct StepControl {
 }
 
 impl StepControl {
-    /// From the options of an analysis.
+    /// Step control from the options of an analysis.
     pub fn new(options: &TransientAnalysis) -> Self {
         Self {
             tolerance: options.tolerance,
@@ -42,7 +42,7 @@ impl StepControl {
         }
     }
 
-    /// First step: free motion with the initial acceleration covers the tolerance.
+    /// First step: in it free motion with the initial acceleration covers about the tolerance.
     pub fn first(&self, system: &System, state: &State) -> f64 {
         let acceleration = system.position_rms(|v| state.a[v]);
         let velocity = system.position_rms(|v| state.v[v]);
@@ -56,16 +56,16 @@ impl StepControl {
         self.fixed.or(self.initial).unwrap_or(step).min(self.largest)
     }
 
-    /// True if the error of a step can stand.
+    /// Whether the error of a step is acceptable.
     pub fn accepts(&self, error: f64) -> bool {
         self.fixed.is_some() || error <= REJECT * self.tolerance
     }
 
-    /// Length of the next step after one of length `dt` that took so many tangents. A step was `wanted` that was as
+    /// Length of the next step after one of length `dt` that factored `tangents` tangents. The step was `wanted` as
     /// long, or longer where a stop has shortened it.
     pub fn next(&self, dt: f64, wanted: f64, error: f64, tangents: u32) -> f64 {
         if let Some(fixed) = self.fixed {
-            // After a repeated smaller step the wanted one is approached again.
+            // After a cut-back the constant length is approached again.
             return fixed.min(wanted.max(2.0 * dt));
         }
         let factor = if error > 0.0 { SAFETY * (self.tolerance / error).cbrt() } else { f64::INFINITY };

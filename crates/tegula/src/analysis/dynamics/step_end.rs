@@ -1,21 +1,23 @@
-//! Where time steps end: on stops, on the grid of a constant step, and at the end of the analysis.
+//! Ends of time steps: on stops, on the grid of a constant step, and at the end of the analysis.
 
 use crate::analysis::stops::Stops;
 use crate::model::{Scheme, TransientAnalysis};
 use crate::system::System;
 
-/// Part of a constant step by which a multiple of it may be missed: adding a million steps leaves less round-off.
+/// Tolerance, over a constant step, within which a time counts as a multiple of it: adding a million steps leaves less
+/// round-off.
 const ON_GRID: f64 = 1e-3;
-/// Step beyond the next stop that is still taken as one to it, and one that is the same but for round-off.
+/// Distance to the next stop over the step up to which the step ends there, and the one above which both are equal but
+/// for round-off.
 const REACHED: f64 = 1.000_001;
 const SAME: f64 = 0.999_999_999;
 
-/// A step that is to be taken.
+/// Time step to be taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Span {
-    /// Its length.
+    /// Length of the step (time).
     pub dt: f64,
-    /// Its end (time).
+    /// End of the step (time).
     pub end: f64,
 }
 
@@ -25,14 +27,14 @@ pub struct StepEnds {
     stops: Stops,
     fixed: Option<f64>,
     end: f64,
-    /// Whether the last two steps to a stop share what is left.
+    /// Whether the last two steps to a stop share the remaining time.
     shares: bool,
     /// Whether the scheme takes loads of the step before.
     lags: bool,
 }
 
 impl StepEnds {
-    /// For an analysis.
+    /// Ends of the steps of an analysis.
     pub fn new(system: &System, options: &TransientAnalysis) -> Self {
         let end = options.end_time;
         let shares = options.time_step.is_none() && !system.explicit;
@@ -40,10 +42,10 @@ impl StepEnds {
         Self { stops: Stops::of(system, end), fixed: options.time_step, end, shares, lags }
     }
 
-    /// The step from `time` that shall not be longer than `wanted`, after one of length `last`.
+    /// Step from `time`, at most `wanted` long, after one of length `last`.
     ///
-    /// The acceleration of HHT at the end of a step holds α of the load at its start. The next step takes that over its
-    /// own length: the impulse is right where both are equally long, as they must be where the load has broken.
+    /// The acceleration of HHT at the end of a step contains α of the load at its start. The next step applies that
+    /// over its own length: the impulse is right where both are equally long, as they must be at a break of the load.
     pub fn next(&self, time: f64, wanted: f64, last: f64) -> Span {
         let broken = self.lags && last > 0.0 && self.stops.contains(time);
         let wanted = if broken { wanted.min(last) } else { wanted };
@@ -51,11 +53,11 @@ impl StepEnds {
         let left = target - time;
         let wanted = self.fixed.map_or(wanted, |fixed| to_grid(time, fixed, wanted));
         if left <= REACHED * wanted {
-            // Only rounding apart: the length, and with it the factor of a linear model, stays.
+            // The difference is round-off only: the length, and with it the factor of a linear model, stays.
             let dt = if left >= SAME * wanted { wanted } else { left };
             Span { dt, end: target }
         } else if (self.shares || broken) && left < 2.0 * wanted {
-            // The last two steps share what is left, so that no sliver remains.
+            // The last two steps share the remaining time, so that no tiny step remains.
             Span { dt: 0.5 * left, end: time + 0.5 * left }
         } else {
             Span { dt: wanted, end: time + wanted }
@@ -88,7 +90,7 @@ mod tests {
         StepEnds { stops, fixed, end: 1.0, shares: fixed.is_none(), lags: false }
     }
 
-    /// All ends of steps of the wanted length.
+    /// Ends of all steps of the wanted length.
     fn course(ends: &StepEnds, wanted: f64) -> Vec<f64> {
         let mut times = vec![0.0];
         while times[times.len() - 1] < 1.0 {

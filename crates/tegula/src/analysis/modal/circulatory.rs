@@ -1,4 +1,4 @@
-//! Modes under loads that follow the motion and have no potential: refused where they matter.
+//! Modes under circulatory follower loads, which have no potential: refused where the loads matter.
 //!
 //! The tangent of such loads is K + N with a skew N, and vibrations about the equilibrium satisfy
 //! `(K + N) φ = λ M φ`. Modes of K alone change by N in the second order,
@@ -22,10 +22,10 @@ use nalgebra::DMatrix;
 use tegula_sparse::Factor as _;
 use tegula_sparse::norm::larger;
 
-/// Change of an eigenvalue λ = ω² by N, over λ, up to which N is left out: that of a frequency is half of it.
+/// Change of an eigenvalue λ = ω² by N, over λ, up to which N is neglected: that of a frequency is half of it.
 const NEGLIGIBLE: f64 = 2e-3;
 
-/// Refuses modes that the circulatory part of follower loads would change. The modes with strain are given.
+/// Refuses `modes` of which the circulatory stiffness of follower loads would change an elastic one.
 ///
 /// # Errors
 /// A frequency would change by more than 0.1 %, or the shifted stiffness cannot be factored.
@@ -62,7 +62,7 @@ pub(super) fn refuse(problem: &mut Problem, modes: &[Mode], equilibrium: &State)
         .collect();
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let lambdas: Vec<f64> = elastic.iter().map(|m| m.omega * m.omega.abs()).collect();
-    // Coupling to all modes, those that were not asked for too: Nφ·(K − σM)⁻¹ Nφ = Σ N²/(λ − σ).
+    // Coupling to all modes, including those that were not asked for: Nφ·(K − σM)⁻¹ Nφ = Σ N²/(λ − σ).
     let mut changes: Vec<f64> = products
         .iter()
         .zip(&lambdas)
@@ -72,7 +72,7 @@ pub(super) fn refuse(problem: &mut Problem, modes: &[Mode], equilibrium: &State)
             (dot(product, &response) / lambda).abs()
         })
         .collect();
-    // Coupling of the modes at hand, whatever their distance.
+    // Coupling among the computed modes, whatever their distance.
     let coupled = DMatrix::from_fn(elastic.len(), elastic.len(), |i, j| {
         dot(&reduced[i], &products[j]) + if i == j { lambdas[i] } else { 0.0 }
     });

@@ -1,8 +1,8 @@
-//! All modes of a small group of parts at once, by dense matrices.
+//! Dense eigensolver: all modes of a small group of parts at once.
 //!
-//! With M = L Lᵀ the eigenvalues of L⁻¹ K L⁻ᵀ are those of the problem, the high ones to all digits. Of the low ones
-//! rounding leaves an error of the size of the largest times the machine's precision: they are found anew in the space
-//! of their vectors, by Rayleigh and Ritz with the inverse, whose largest eigenvalues they are.
+//! With M = L Lᵀ the eigenvalues of L⁻¹ K L⁻ᵀ are those of the problem, the high ones to all digits. In the low ones
+//! round-off leaves an error of the size of the largest times the machine precision: a Rayleigh–Ritz step with the
+//! inverse, whose largest eigenvalues they are, refines them in the space of their vectors.
 
 use nalgebra::{Cholesky, DMatrix};
 
@@ -11,15 +11,15 @@ use crate::analysis::Observer;
 use crate::{Error, Result};
 use tegula_sparse::lanczos::{RitzPair, SymmetricOperator as _};
 
-/// Part of the largest eigenvalue at hand below which modes are found anew.
+/// Part of the largest eigenvalue of the round below which modes are refined.
 const LOW: f64 = 1e-6;
-/// Most rounds of that: eigenvalues over this many times six decades.
+/// Largest number of refinements: for eigenvalues over this many times six decades.
 const ROUNDS: usize = 4;
 
-/// All modes with strain of a group, in ascending order, with the factor of its shift at hand.
+/// All elastic modes of a group, in ascending order, with the factor of its shift already computed.
 ///
 /// # Errors
-/// The mass is not positive definite, or the observer wants to stop.
+/// The mass is not positive definite, or the observer has asked to stop.
 pub(super) fn all(problem: &mut Problem, group: usize, observer: &dyn Observer) -> Result<Vec<RitzPair>> {
     go_on(observer)?;
     let (k, m) = matrices(problem, group);
@@ -35,7 +35,7 @@ pub(super) fn all(problem: &mut Problem, group: usize, observer: &dyn Observer) 
     let half = solved(&k);
     let mut standard = solved(&half.transpose());
     standard = (&standard + standard.transpose()) * 0.5;
-    // Rigid modes are known: they are moved behind all others.
+    // Rigid modes are known: their eigenvalues are moved behind all others (deflation).
     let beyond = 4.0 * standard.iter().map(|x| x * x).sum::<f64>().sqrt();
     let rigid = rigid_vectors(problem, group);
     if rigid.ncols() > 0 {
@@ -54,7 +54,7 @@ pub(super) fn all(problem: &mut Problem, group: usize, observer: &dyn Observer) 
     Ok(found.pairs(problem, group, (&k, &m)))
 }
 
-/// K and M of a group.
+/// Stiffness K and mass M of a group.
 fn matrices(problem: &Problem, group: usize) -> (DMatrix<f64>, DMatrix<f64>) {
     let unknowns = &problem.groups[group].unknowns;
     let mut place = vec![usize::MAX; problem.pattern.size()];
@@ -75,7 +75,7 @@ fn matrices(problem: &Problem, group: usize) -> (DMatrix<f64>, DMatrix<f64>) {
     (k, m)
 }
 
-/// Rigid modes of a group, one a column.
+/// Rigid modes of a group, one per column.
 fn rigid_vectors(problem: &Problem, group: usize) -> DMatrix<f64> {
     let Problem { groups, rigid, parts, newton, .. } = problem;
     let group = &groups[group];
@@ -97,7 +97,8 @@ struct Spectrum {
 }
 
 impl Spectrum {
-    /// Finds low modes anew, those far below the low ones once more. Leaves the factor of the group's own shift.
+    /// Refines low modes by Rayleigh–Ritz steps, those far below the low ones once more. Leaves the factor of the
+    /// group's own shift.
     fn refine(
         &mut self,
         problem: &mut Problem,
@@ -125,7 +126,7 @@ impl Spectrum {
         }
     }
 
-    /// Eigenvalues and vectors in the image of the `low` first vectors under the inverse.
+    /// Rayleigh–Ritz step: eigenvalues and vectors in the image of the `low` first vectors under the inverse.
     fn ritz(
         &mut self,
         problem: &mut Problem,
@@ -149,7 +150,7 @@ impl Spectrum {
             Ok(y)
         };
         let mut basis = image(&(m * self.vectors.columns(0, low)))?;
-        // Orthonormal in M: twice, since images of different vectors can be nearly parallel.
+        // M-orthonormalisation, twice, since images of different vectors can be nearly parallel.
         for _ in 0..2 {
             let Some(factor) = Cholesky::new(scaled_gram(&mut basis, m)) else { return Ok(()) };
             let Some(q) = factor.l().solve_lower_triangular(&basis.transpose()) else { return Ok(()) };
@@ -167,7 +168,8 @@ impl Spectrum {
         Ok(())
     }
 
-    /// Pairs of the inverse with the group's shift, and the residuals of `K φ − λ M φ` over those of its largest terms.
+    /// Eigenpairs of the inverse with the group's shift, and the residuals of `K φ − λ M φ` over the larger of its two
+    /// terms.
     fn pairs(
         &self,
         problem: &Problem,
@@ -190,7 +192,7 @@ impl Spectrum {
     }
 }
 
-/// Scales columns to length 1 in M and returns their scalar products.
+/// Scales columns to length 1 in M and returns their Gram matrix.
 fn scaled_gram(basis: &mut DMatrix<f64>, m: &DMatrix<f64>) -> DMatrix<f64> {
     let mut m_basis = m * &*basis;
     for column in 0..basis.ncols() {

@@ -1,8 +1,8 @@
-//! The eigenvalue problem `K φ = λ M φ` of a model, split into groups of connected parts.
+//! Eigenvalue problem `K φ = λ M φ` of a model, split into groups of connected parts.
 //!
-//! Parts that nothing connects vibrate by themselves. Where their frequencies are decades apart, no shift suits all of
-//! them: what is small beside the shift of the one is large beside that of the other, and rounding of the stiff part
-//! hides the soft one. Parts of like frequencies therefore form a group, with a shift of its own.
+//! Unconnected parts vibrate independently. Where their frequencies are decades apart, no shift suits all of them: what
+//! is small beside the shift of the one is large beside that of the other, and round-off of the stiff part hides the
+//! soft one. Parts of like frequencies therefore form a group, with a shift of its own.
 
 use super::rigid::{Parts, RigidModes};
 use crate::analysis::newton::Newton;
@@ -16,14 +16,14 @@ use crate::{Error, Result};
 use tegula_sparse::lanczos::SymmetricOperator;
 use tegula_sparse::{Factor as _, SymmetricPattern};
 
-/// Ratio of the estimated eigenvalues λ of parts from which on they belong to another group.
+/// Ratio of the estimated eigenvalues λ of parts above which they belong to different groups.
 const APART: f64 = 1e4;
-/// First shift as a part of the lowest quotient of the diagonals of K and M.
+/// First shift as a part of the lowest ratio of the diagonals of K and M.
 const FIRST_SHIFT: f64 = 1e-10;
-/// Times that the first shift is multiplied by 100 before the matrix counts as not positive.
+/// Number of times that the first shift is multiplied by 100 before the matrix counts as indefinite.
 const ATTEMPTS: usize = 12;
 
-/// A rigid mode in the free coordinates of its part, with its product with M.
+/// Rigid mode in the free degrees of freedom of its part, with its product with M.
 struct Sparse {
     rows: Vec<u32>,
     values: Vec<f64>,
@@ -34,22 +34,22 @@ struct Sparse {
 pub(super) struct Group {
     /// λ of the shift.
     pub shift: f64,
-    /// Free coordinates.
+    /// Free degrees of freedom of the group.
     pub unknowns: Vec<u32>,
-    /// Rigid modes among `RigidModes`.
+    /// Indices of the group's rigid modes in `RigidModes`.
     pub rigid: Vec<usize>,
     modes: Vec<Sparse>,
-    /// Lowest quotient of the diagonals of K and M: ω² of the softest coordinate.
+    /// Lowest ratio of the diagonals of K and M: ω² of the softest degree of freedom.
     pub lowest: f64,
 }
 
 impl Group {
-    /// Number of modes with strain.
+    /// Number of elastic modes.
     pub fn elastic(&self) -> usize {
         self.unknowns.len() - self.rigid.len()
     }
 
-    /// Takes the rigid modes off a vector: `x −= r (r·M x)`.
+    /// Projects a vector onto the M-orthogonal complement of the rigid modes: `x −= r (r·M x)`.
     pub fn project(&self, x: &mut [f64]) {
         for mode in &self.modes {
             let product: f64 = mode.rows.iter().zip(&mode.m_values).map(|(&i, m)| m * x[i as usize]).sum();
@@ -58,7 +58,7 @@ impl Group {
     }
 }
 
-/// Stiffness and mass of the free coordinates about a state, and their groups.
+/// Stiffness and mass of the free degrees of freedom about a state, and their groups.
 pub(super) struct Problem<'a> {
     pub system: &'a System,
     pub newton: Newton,
@@ -68,11 +68,11 @@ pub(super) struct Problem<'a> {
     pub groups: Vec<Group>,
     pub parts: Parts,
     pub rigid: RigidModes,
-    /// True where the strain energy of a small motion is ½ δs·H δs: about a stress-free reference of linear materials.
+    /// Whether the strain energy of a small motion is ½ δs·H δs: about a stress-free reference of linear materials.
     pub stress_free: bool,
     /// Applications of the inverse so far.
     pub applications: u64,
-    /// Group of each free coordinate.
+    /// Group of each free degree of freedom.
     group_of: Vec<u32>,
     values: Vec<f64>,
 }
@@ -117,7 +117,7 @@ impl<'a> Problem<'a> {
         Ok(out)
     }
 
-    /// Finds the groups.
+    /// Splits the parts into groups.
     fn split(&mut self) -> Result<()> {
         let part_of = self.part_of_unknowns();
         let mut lowest = vec![f64::INFINITY; self.parts.count()];
@@ -167,7 +167,7 @@ impl<'a> Problem<'a> {
         Ok(())
     }
 
-    /// Part of each free coordinate.
+    /// Part of each free degree of freedom.
     fn part_of_unknowns(&self) -> Vec<usize> {
         let numbering = &self.newton.assembly.numbering;
         let size = self.pattern.size();
@@ -180,8 +180,8 @@ impl<'a> Problem<'a> {
         out
     }
 
-    /// Factors `K − λ_g M` with a λ for each group; returns the number of eigenvalues below them, `None` where the
-    /// factorisation fails.
+    /// Factors `K − λ_g M` with a λ for each group; returns the Sturm sequence count, the number of eigenvalues below
+    /// them, `None` where the factorisation fails.
     pub fn factor(&mut self, lambda: impl FnMut(&Group) -> f64) -> Option<usize> {
         let lambdas: Vec<f64> = self.groups.iter().map(lambda).collect();
         let (pointers, _) = self.pattern.columns();
@@ -199,10 +199,10 @@ impl<'a> Problem<'a> {
         self.factor(|g| g.shift) == Some(0)
     }
 
-    /// Sets shifts far below the lowest modes with strain that still make the matrix positive definite, and factors it.
+    /// Sets shifts far below the lowest elastic modes that still make the matrix positive definite, and factors it.
     ///
     /// # Errors
-    /// There are none, or the observer wants to stop.
+    /// There are no such shifts, or the observer has asked to stop.
     pub fn first_shift(&mut self, observer: &dyn Observer) -> Result<()> {
         self.groups.iter_mut().for_each(|g| g.shift = -FIRST_SHIFT * g.lowest);
         for _ in 0..=ATTEMPTS {
@@ -221,13 +221,13 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Operator of a group with the factor at hand.
+    /// Shift-invert operator of a group with the present factor.
     pub fn operator<'b>(&'b mut self, group: usize, watch: &'b dyn Observer) -> ShiftInvert<'b, 'a> {
         ShiftInvert { problem: self, group, watch }
     }
 }
 
-/// Tangent at a state, in the free coordinates.
+/// Tangent at a state, in the free degrees of freedom.
 fn stiffness(
     system: &System,
     newton: &mut Newton,
@@ -260,7 +260,7 @@ pub(super) fn go_on(watch: &dyn Observer) -> Result<()> {
     if watch.interrupted() { Err(Error::Interrupted) } else { Ok(()) }
 }
 
-/// `(K − σM)⁻¹ M` of one group, across its rigid modes.
+/// Shift-invert operator `(K − σM)⁻¹ M` of one group, in the complement of its rigid modes.
 pub(super) struct ShiftInvert<'b, 'a> {
     problem: &'b mut Problem<'a>,
     group: usize,

@@ -1,9 +1,10 @@
 //! Rigid modes: motions without strain that the supports leave free, part by part.
 //!
-//! A part is what elements connect. Its six rigid motions (three translations, three rotations about its centre) that
-//! no support forbids are modes of frequency 0. They follow from geometry and mass alone, so that neither the stiffness
-//! of the model nor that of its other parts blurs them. Under stress a rotation changes the energy (a pendulum in its
-//! field of gravity): parts that the equilibrium has moved count by their translations only.
+//! A part is a set of nodal vectors that elements connect. Those of its six rigid motions (three translations, three
+//! rotations about its centre) that no support prevents are modes of frequency 0. They follow from geometry and mass
+//! alone, so that round-off in the stiffness of the model or of its other parts does not affect them. Under stress a
+//! rotation changes the energy (a pendulum in its field of gravity): parts that the equilibrium has moved count by
+//! their translations only.
 
 use nalgebra::{DMatrix, SMatrix, SymmetricEigen};
 
@@ -12,9 +13,9 @@ use crate::element::Nodal;
 use crate::system::numbering::Numbering;
 use crate::system::{System, VectorKind, dot3};
 
-/// Rigid motions of a part: t + ω × x of positions, ω × d of directors.
+/// Number of rigid motions of a part: t + ω × x of positions, ω × d of directors.
 const MOTIONS: usize = 6;
-/// Share of the largest eigenvalue of the supports' rows below which a motion counts as free.
+/// Fraction of the largest eigenvalue of the supports' Gram matrix below which a motion counts as free.
 const FREE: f64 = 1e-12;
 
 type Six = SMatrix<f64, MOTIONS, MOTIONS>;
@@ -85,14 +86,14 @@ impl Parts {
 /// A rigid mode of one part, of modal mass 1.
 struct RigidMode {
     part: usize,
-    /// Translation and rotation.
+    /// Coefficients of translation and rotation.
     motion: [f64; MOTIONS],
 }
 
-/// The rigid modes of a model.
+/// Rigid modes of a model.
 pub(super) struct RigidModes {
     modes: Vec<RigidMode>,
-    /// The six motions of all parts at once.
+    /// Six rigid motions, each of all parts at once.
     fields: Vec<Vec<Nodal>>,
 }
 
@@ -156,7 +157,7 @@ impl RigidModes {
     }
 }
 
-/// The six motions of all parts: unit translations, and rotations about the centres that move the outermost node by
+/// Six rigid motions of all parts: unit translations, and rotations about the centres that move the outermost node by
 /// about 1; and the sizes of the parts.
 fn motions(system: &System, u: &[Nodal], parts: &Parts) -> (Vec<Vec<Nodal>>, Vec<f64>) {
     let current = |v: usize| Vec3::from(system.reference[v]) + Vec3::from(u[v]);
@@ -191,7 +192,7 @@ fn mass_products(system: &System, field: &[Nodal]) -> Vec<Nodal> {
     out
 }
 
-/// Scalar products of the motions of each part.
+/// Gram matrices of the motions of each part.
 fn gram(fields: &[Vec<Nodal>], parts: &Parts, product: impl Fn(&[Nodal]) -> Vec<Nodal>) -> Vec<Six> {
     let mut out = vec![Six::zeros(); parts.count()];
     for j in 0..MOTIONS {
@@ -206,7 +207,7 @@ fn gram(fields: &[Vec<Nodal>], parts: &Parts, product: impl Fn(&[Nodal]) -> Vec<
     out
 }
 
-/// Scalar products of what the supports forbid of the motions; directors count by the size of their part.
+/// Gram matrices of the constrained components of the motions; directors are scaled by the size of their part.
 fn supports_gram(
     system: &System,
     fields: &[Vec<Nodal>],
@@ -214,7 +215,7 @@ fn supports_gram(
     mut supported: impl FnMut(&[Vec<Nodal>]) -> Vec<Vec<Nodal>>,
 ) -> Vec<Six> {
     let rows = supported(fields);
-    // A rounding of the expansion is no support.
+    // Round-off of the expansion is no support.
     let rounding = 64.0 * f64::EPSILON;
     let kept = |field: usize, v: usize| -> Nodal {
         let whole = dot3(fields[field][v], fields[field][v]);
@@ -235,7 +236,8 @@ fn supports_gram(
     out
 }
 
-/// Motions that the supports' rows leave free, orthogonal in the mass of the part and of modal mass 1.
+/// Motions that the supports' rows leave free (their null space), orthogonal in the mass of the part and of unit modal
+/// mass.
 fn modes_of_part(rows: &Six, mass: &Six) -> Vec<[f64; MOTIONS]> {
     let eigen = SymmetricEigen::new(*rows);
     let largest = eigen.eigenvalues.max();

@@ -1,4 +1,4 @@
-//! Lowest modes with strain of a group of parts: block Lanczos, or all of them at once where nearly all are wanted.
+//! Lowest elastic modes of a group of parts: block Lanczos, or a dense eigensolver where nearly all of them are wanted.
 
 use super::dense;
 use super::problem::{Problem, go_on};
@@ -6,38 +6,38 @@ use crate::analysis::Observer;
 use crate::{Error, Result};
 use tegula_sparse::lanczos::{BlockLanczos, RitzPair};
 
-/// Residual of a pair, over its value, at which a mode counts as found. The eigenvalue's error is its square.
+/// Residual of a Ritz pair, over its value, at which a mode counts as found. The eigenvalue's error is its square.
 const TOLERANCE: f64 = 1e-8;
 /// Basis vectors per wanted mode before the iteration gives up.
 const BASIS_PER_MODE: usize = 40;
-/// Modes beyond the wanted ones that are found, for a gap behind them.
+/// Number of modes computed beyond the wanted ones, to find a gap behind them.
 const EXTRA: usize = 4;
-/// Shift as a part of the eigenvalue of the last wanted mode, below zero.
+/// Distance of the shift below zero, as a part of the eigenvalue of the last wanted mode.
 const SHIFT: f64 = 0.05;
-/// Largest group of which all modes are found at once.
+/// Largest number of unknowns of a group that the dense eigensolver takes.
 const DENSE: usize = 1600;
-/// Distance of neighbours, over their value, from which on there is a gap between them.
+/// Distance of neighbouring eigenvalues, over their value, above which there is a gap between them.
 const GAP: f64 = 1e-4;
 
-/// The search for the lowest modes of a group.
+/// Search for the lowest modes of a group.
 pub(super) struct Search {
     group: usize,
-    /// Wanted modes with strain.
+    /// Number of elastic modes that are wanted.
     wanted: usize,
     lanczos: Option<BlockLanczos>,
     pairs: Vec<RitzPair>,
-    /// λ of the pairs, ascending.
+    /// Eigenvalues λ of the pairs, ascending.
     lambdas: Vec<f64>,
 }
 
 impl Search {
-    /// Search for the `wanted` lowest modes with strain of a group.
+    /// Search for the `wanted` lowest elastic modes of a group.
     pub fn new(problem: &Problem, group: usize, wanted: usize) -> Self {
         let wanted = wanted.min(problem.groups[group].elastic());
         Self { group, wanted, lanczos: None, pairs: Vec::new(), lambdas: Vec::new() }
     }
 
-    /// Pairs found beyond the wanted ones.
+    /// Number of pairs to be found: the wanted ones and some beyond.
     fn extra(&self, problem: &Problem) -> usize {
         (self.wanted + EXTRA).min(problem.groups[self.group].elastic())
     }
@@ -51,8 +51,8 @@ impl Search {
         self.wanted.clamp(2, 8)
     }
 
-    /// Estimates the eigenvalue of the last wanted mode by a few blocks, and sets the group's shift to a part of it: of
-    /// that size it converges fast and the matrix stays well conditioned.
+    /// Estimates the eigenvalue of the last wanted mode by a few blocks, and sets the group's shift to a part of it:
+    /// with a shift of that size Lanczos converges fast and the matrix stays well conditioned.
     pub fn estimate(&mut self, problem: &mut Problem, observer: &dyn Observer) -> Result<()> {
         if self.wanted == 0 || self.is_dense(problem) {
             return Ok(());
@@ -70,7 +70,7 @@ impl Search {
         Ok(())
     }
 
-    /// Finds the modes with the factor at hand, that of the groups' shifts. Called again it looks for modes that it has
+    /// Finds the modes with the present factor, that of the groups' shifts. A repeated call looks for modes that were
     /// missed.
     pub fn run(&mut self, problem: &mut Problem, observer: &mut dyn Observer) -> Result<()> {
         if self.wanted == 0 {
@@ -98,7 +98,7 @@ impl Search {
             none => none.insert(BlockLanczos::new(&mut problem.operator(self.group, &*observer), block)),
         };
         loop {
-            // Beyond the dimension of the space there is but rounding.
+            // Beyond the dimension of the space there is only round-off.
             let full = lanczos.len() >= elastic;
             let added = lanczos.expand(&mut problem.operator(self.group, &*observer));
             go_on(observer)?;
@@ -121,9 +121,9 @@ impl Search {
         Ok(())
     }
 
-    /// Where to count eigenvalues, and how many there shall be below: in a gap behind the last wanted mode, or else in
-    /// front of the modes of nearly the same frequency that it belongs to. `part` of the way from one side of the gap to
-    /// the other.
+    /// Place of a Sturm sequence count, and the number of eigenvalues expected below it: in a gap behind the last
+    /// wanted mode, or else in front of the modes of nearly equal frequency that it belongs to. The place is the
+    /// fraction `part` of the way from one side of the gap to the other.
     pub fn gap(&self, problem: &Problem, part: f64) -> (f64, usize) {
         let rigid = problem.groups[self.group].rigid.len();
         let is_gap = |i: &usize| self.lambdas[*i] - self.lambdas[*i - 1] > GAP * self.lambdas[*i].abs();
@@ -135,12 +135,12 @@ impl Search {
                 (low + part * (high - low), rigid + i)
             }
             (None, Some(first)) if *first > 0.0 => (part * first, rigid),
-            // A mode below zero, or none with strain: nothing may be below the shift.
+            // A negative eigenvalue, or no elastic mode: nothing may be below the shift.
             (None, _) => (problem.groups[self.group].shift, 0),
         }
     }
 
-    /// Found pairs with their λ by the shift, the wanted ones only.
+    /// Wanted pairs with their λ by the shift.
     pub fn finish(self) -> impl Iterator<Item = (f64, RitzPair)> {
         self.lambdas.into_iter().zip(self.pairs).take(self.wanted)
     }

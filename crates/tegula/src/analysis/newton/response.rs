@@ -1,4 +1,4 @@
-//! Linear responses of an equilibrium: to a change of the loads, and its softest mode.
+//! Linear response of an equilibrium to a change of the loads, and its softest mode.
 
 use super::{Equation, Held, Newton, expand_free};
 use crate::analysis::circulatory::Purpose;
@@ -11,10 +11,10 @@ use tegula_sparse::gmres::noise;
 /// Inverse iterations for the softest mode: its error is the ratio of the two lowest eigenvalues to this power.
 const INVERSE_ITERATIONS: usize = 24;
 
-/// Lowest mode of a tangent.
+/// Lowest eigenmode of a tangent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SoftestMode {
-    /// Shape; its size ([`System::norm`]) is 1.
+    /// Mode shape, of norm 1 ([`System::norm`]).
     pub shape: Vec<Nodal>,
     /// Cosine of the angle between this mode and the response to the loads.
     pub excited: f64,
@@ -23,8 +23,8 @@ pub struct SoftestMode {
 }
 
 impl<S: TangentSolver> Newton<S> {
-    /// Size of the response of the equilibrium found last to the change of the loads from `before` to `after`, two
-    /// equations with its displacements. Its factor serves, that of the last tangent of the iteration.
+    /// Norm of the linear response of the last equilibrium to the change of the loads from `before` to `after`, two
+    /// equations with its displacements. The factor of the last tangent of the iteration is reused.
     ///
     /// # Errors
     /// The linear solver failed.
@@ -36,7 +36,7 @@ impl<S: TangentSolver> Newton<S> {
     ) -> Result<f64, String> {
         let moved = before.prescribed(system, &mut self.increment);
         if moved {
-            // The product of the tangent with a prescribed motion comes with its assembly.
+            // The assembly of the tangent also gives its product with a prescribed motion.
             self.linearize(system, after, Some(before))?;
         } else {
             after.rest(system, &mut self.residual);
@@ -47,11 +47,11 @@ impl<S: TangentSolver> Newton<S> {
         self.find_response(system, moved, true)
     }
 
-    /// Takes the tangent of an equilibrium and finds its response to a change of the loads from there to `before`, and
-    /// its softest mode. Returns the size of the response, the mode and the number of negative pivots.
+    /// Factors the tangent of an equilibrium and finds its linear response to a change of the loads from there to
+    /// `loaded`, and its softest mode. Returns the norm of the response, the mode and the number of negative pivots.
     ///
     /// # Errors
-    /// There is no factor, or the linear solver failed.
+    /// The tangent has no factor, or the linear solver failed.
     pub fn softest_mode(
         &mut self,
         system: &System,
@@ -70,7 +70,7 @@ impl<S: TangentSolver> Newton<S> {
         let answer = self.increment.clone();
         let work: f64 =
             self.residual.as_flattened().iter().zip(answer.as_flattened()).map(|(f, u)| f * u).sum();
-        // 1/λ of the mode, whose metric is the number of vectors.
+        // 1/λ of the mode, whose square in the metric is the number of vectors.
         let mut compliance = 0.0;
         let mut shape: Vec<Nodal> = vec![[0.0; 3]; system.vectors()];
         for (x, random) in shape.as_flattened_mut().iter_mut().zip(noise()) {
@@ -94,7 +94,7 @@ impl<S: TangentSolver> Newton<S> {
         Ok((response, SoftestMode { shape, excited, energy }, negative))
     }
 
-    /// Number of negative pivots of the tangent at an iterate, which is assembled and factored for it.
+    /// Number of negative pivots of the tangent at an iterate; assembles and factors this tangent.
     ///
     /// # Errors
     /// The linear solver failed.
@@ -102,8 +102,8 @@ impl<S: TangentSolver> Newton<S> {
         self.linearize(system, equation, None)
     }
 
-    /// Assembles and factors the tangent at an iterate. The residual becomes that of the loads and prescribed motions of
-    /// `loaded`, in whose place prescribed motions are zero without it. Returns the number of negative pivots.
+    /// Assembles and factors the tangent at an iterate. The residual becomes that of the loads and prescribed motions
+    /// of `loaded`; without it prescribed motions are zero. Returns the number of negative pivots.
     fn linearize(
         &mut self,
         system: &System,
@@ -137,8 +137,8 @@ impl<S: TangentSolver> Newton<S> {
         Ok(negative)
     }
 
-    /// Adds what prescribed strains change of the internal forces f between two equations of the same displacements to
-    /// the residual: f(`first`) − f(`second`).
+    /// Adds the change of the internal forces f due to prescribed strains, between two equations with equal
+    /// displacements, to the residual: f(`first`) − f(`second`).
     fn change_of_forces(&mut self, system: &System, first: &dyn Equation, second: &dyn Equation) {
         if system.prescribed_strains.is_empty() {
             return;
@@ -151,8 +151,8 @@ impl<S: TangentSolver> Newton<S> {
         }
     }
 
-    /// Solves for the residual, with the unsymmetric tangent if it is `whole`; prescribed coordinates keep their increment
-    /// if they have `moved`, else they are at rest. Returns the size of the increment.
+    /// Solves for the residual, with the unsymmetric tangent if it is `whole`; prescribed degrees of freedom keep their
+    /// increment if they have `moved`, else they are at rest. Returns the norm of the increment.
     fn find_response(&mut self, system: &System, moved: bool, whole: bool) -> Result<f64, String> {
         self.axes.reduce(&self.residual, &mut self.solution);
         self.solver.solve_tangent(&mut self.solution)?;

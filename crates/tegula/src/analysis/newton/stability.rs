@@ -7,15 +7,15 @@ use crate::analysis::solver::TangentSolver;
 use crate::system::System;
 use tegula_sparse::gmres::{Gmres, noise};
 
-/// Arnoldi steps after which Ritz values are looked at.
+/// Arnoldi steps between two checks of the Ritz values.
 const EIGENVALUE_STEPS: usize = 10;
-/// A real negative Ritz value is an eigenvalue if it changes by no more than this share from look to look: those of an
-/// unfinished process come and go.
+/// Relative change from check to check up to which a real negative Ritz value counts as an eigenvalue: those of an
+/// unconverged process come and go.
 const SETTLED: f64 = 1e-3;
-/// Looks in a row without a real negative Ritz value after which there is no such eigenvalue.
+/// Number of consecutive checks without a real negative Ritz value after which there is no such eigenvalue.
 const LOOKS_WITHOUT: usize = 2;
-/// Imaginary part over the real one below which an eigenvalue counts as real, and its size over the largest one from which on
-/// it is more than noise.
+/// Imaginary part over the real one up to which an eigenvalue counts as real, and its modulus over the largest one
+/// above which it is more than noise.
 const REAL: f64 = 1e-3;
 const NOISE: f64 = 1e-6;
 /// Largest number of Krylov vectors, and of their entries (160 MB).
@@ -25,30 +25,30 @@ const MOST_ENTRIES: usize = 20_000_000;
 /// Stability of an equilibrium by divergence, from negative pivots and circulatory loads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stability {
-    /// The tangent has no negative eigenvalue, nor has its symmetric part.
+    /// Neither the tangent nor its symmetric part has a negative eigenvalue.
     Stable,
-    /// The tangent has a negative eigenvalue: so many negative pivots of the symmetric part show it.
+    /// The tangent has a negative eigenvalue, shown by this number of negative pivots of the symmetric part.
     Unstable(usize),
-    /// The symmetric part has so many negative pivots, but the tangent has no real negative eigenvalue: circulatory loads
-    /// balance them, or turn pairs of them into vibrations.
+    /// The symmetric part has this number of negative pivots, but the tangent has no real negative eigenvalue:
+    /// circulatory loads compensate them, or turn pairs of them into vibrations.
     Undecided(usize),
 }
 
 /// Eigenvalues of an unsymmetric tangent next to zero.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct NextToZero {
-    /// One is real and negative: its motion goes away without vibrating.
+    /// Whether one is real and negative: its motion grows without vibrating (divergence).
     real_negative: bool,
-    /// There are complex pairs.
+    /// Whether there are complex pairs.
     complex: bool,
 }
 
 impl<S: TangentSolver> Newton<S> {
-    /// Stability by divergence of the equilibrium found last, from the negative pivots of its symmetric tangent. The
-    /// circulatory part of follower loads is taken into account; to be asked before another tangent is taken.
+    /// Stability by divergence of the equilibrium found last, from the negative pivots of its symmetric tangent and the
+    /// circulatory part of follower loads. Valid only until another tangent is computed.
     ///
     /// # Errors
-    /// The linear solver failed; why, for people.
+    /// The linear solver failed; the text gives the reason.
     pub fn stability(&mut self, system: &System, negative_pivots: usize) -> Result<Stability, String> {
         if negative_pivots == 0 {
             // xᵀ(K + N) x = xᵀ K x > 0: no eigenvalue has a negative real part.
@@ -64,7 +64,7 @@ impl<S: TangentSolver> Newton<S> {
             return Ok(Stability::Unstable(negative_pivots));
         }
         let nearest = self.eigenvalues_next_to_zero(system)?;
-        // Eigenvalues that have not crossed zero may have become complex pairs, of which one must be seen then.
+        // Eigenvalues that have not crossed zero may have become complex pairs, one of which must then be found.
         let left = crossings.is_some_and(|n| n < negative_pivots);
         if nearest.real_negative || (left && !nearest.complex) {
             return Ok(Stability::Unstable(negative_pivots));
@@ -72,8 +72,8 @@ impl<S: TangentSolver> Newton<S> {
         Ok(Stability::Undecided(negative_pivots))
     }
 
-    /// Eigenvalues next to zero of the tangent of the equilibrium found last, with the circulatory part of follower loads:
-    /// Arnoldi's process on `(K + N)⁻¹ D`, D the metric of [`System::norm`].
+    /// Eigenvalues next to zero of the tangent of the equilibrium found last, with the circulatory part of follower
+    /// loads: Arnoldi process on `(K + N)⁻¹ D`, D the metric of [`System::norm`].
     ///
     /// # Errors
     /// The linear solver failed.
@@ -106,7 +106,7 @@ impl<S: TangentSolver> Newton<S> {
     }
 }
 
-/// Real negative eigenvalues by size, and whether there are complex ones.
+/// Real negative eigenvalues in ascending order, and whether there are complex ones.
 fn negative_and_complex(values: &[[f64; 2]]) -> (Vec<f64>, bool) {
     let largest = values.iter().map(|[re, im]| re.hypot(*im)).reduce(f64::max).unwrap_or(0.0);
     let counts = |[re, im]: &&[f64; 2]| re.hypot(*im) > NOISE * largest;

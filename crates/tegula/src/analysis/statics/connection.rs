@@ -1,4 +1,5 @@
-//! Connection of an equilibrium with the last one: has the step followed a stable path, or has the structure snapped?
+//! Snap-through test of a load step: has it followed a stable path from the last equilibrium, or has the structure
+//! snapped?
 //!
 //! A path of stable equilibria u(τ) under the loads F(τ) of a step, 0 ≤ τ ≤ 1, has two properties that are tested from what
 //! is known at the ends of the step.
@@ -10,44 +11,44 @@
 //!   |Δu| ≤ 1.5 max(|u'(0)|, |u'(1)|),   K u' = ΔF
 //!   ```
 //!
-//!   Near a limit point u'(0) grows beyond all bounds and says nothing. So a step that begins softer than the one before
-//!   must not end with less than half of the speed: `|u'(1)| ≥ ½ |u'(0)|`.
+//!   Near a limit point u'(0) grows beyond all bounds and carries no information. A step that begins softer than the one
+//!   before must therefore not end with less than half of the speed: `|u'(1)| ≥ ½ |u'(0)|`.
 //!
 //!   u'(0) is the first increment of Newton's method, u'(1) costs a solution with the last factor, and only where the first
 //!   increment is short or the path softens. The norm is that of `System::norm`. Halving the step decides: on a path u'
 //!   becomes uniform in the step, a snap keeps its length.
-//! - **Energy.** Loads of constant direction that grow in proportion, F = F₀ + τ ΔF, do the work of the strain energy U. With
-//!   `Π* = F·u − U` it is `dΠ*/dτ = ΔF·u`, and stability, `ΔF·u' = u'·K u' > 0`, lets ΔF·u grow along the path, so
+//! - **Energy.** Loads of constant direction that grow in proportion, F = F₀ + τ ΔF, do the work of the strain energy U.
+//!   With `Π* = F·u − U` it is `dΠ*/dτ = ΔF·u`, and stability, `ΔF·u' = u'·K u' > 0`, lets ΔF·u grow along the path, so
 //!
 //!   ```text
 //!   ΔF·u(0) ≤ Π*(1) − Π*(0) ≤ ΔF·u(1)
 //!   ```
 //!
-//!   In a snap Π* gains the energy that is released. Near a limit point, where u'(0) is large, this alone is left over.
+//!   In a snap Π* gains the energy that is released. Near a limit point, where u'(0) is large, only this test is left.
 //!
 //! J. M. T. Thompson, G. W. Hunt, *A General Theory of Elastic Stability*, Wiley 1973, for the sign of ΔF·u'.
 //!
-//! Not seen is a snap within one step whose tangents at both ends are as soft as the snap is long, and which releases less
-//! energy than the bound leaves: shorter load steps see more.
+//! The tests miss a snap within one step whose tangents at both ends are as soft as the snap is long, and which
+//! releases less energy than the bound leaves: shorter load steps see more.
 
 use super::StaticEquation;
 use crate::analysis::newton::Equation;
 use crate::element::Nodal;
 use crate::system::{Assembly, System, dot};
 
-/// Displacement of a step over that of the faster of its two ends, from which on the step is not believed. Large steps on
-/// smooth paths reach 1.27 (quarter cylinder of Sect. 5.2 in one step), snaps of roofs begin at 2.1.
+/// Ratio of the displacement of a step to that of the faster of its two ends above which the step is doubted. Large
+/// steps on smooth paths reach 1.27 (quarter cylinder of Sect. 5.2 in one step), snaps of roofs begin at 2.1.
 const LEAP: f64 = 1.5;
-/// Speed at the end of a step over that at its start, below which it is not believed on a path that softens.
+/// Ratio of the speed at the end of a step to that at its start below which the step is doubted on a path that softens.
 const STIFFER: f64 = 0.5;
-/// Speed at the start of a step over that at the start of the one before, from which on a path softens.
+/// Ratio of the speed at the start of a step to that at the start of the one before above which a path softens.
 pub(super) const SOFTER: f64 = 1.1;
-/// Rounding of energies, over their sum.
+/// Round-off of energies, over their sum.
 const ROUNDING: f64 = 1e-9;
 
-/// Energy released in a step, over the bound ΔF·(u(1) − u(0)) of stable paths; 0 where the bound holds or does not apply:
-/// to loads that follow the motion, prescribed motions and strains, loads that do not grow in proportion, and materials
-/// that dissipate.
+/// Energy released in a step, over the bound ΔF·(u(1) − u(0)) of stable paths; 0 where the bound holds or does not
+/// apply: to follower loads, prescribed motions and strains, loads that do not grow in proportion, and materials that
+/// dissipate.
 pub(super) fn released_energy(
     system: &System,
     assembly: &mut Assembly,
@@ -83,24 +84,24 @@ pub(super) fn released_energy(
     if gain > most + rounding && range > rounding { (gain - most) / range } else { 0.0 }
 }
 
-/// Displacement of a step beside the speeds at its ends.
+/// Displacement of a step and the speeds at its ends.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Speeds {
     /// Displacement of the step, |Δu|.
     pub moved: f64,
-    /// Speed at its start, |u'(0)|.
+    /// Speed at the start of the step, |u'(0)|.
     pub start: f64,
-    /// The path becomes softer up to there.
+    /// Whether the path softens up to the start of the step.
     pub softens: bool,
 }
 
 impl Speeds {
-    /// Whether the speed at the end of the step decides.
+    /// Whether the decision needs the speed at the end of the step.
     pub fn need_the_end(&self) -> bool {
         self.softens || self.moved > LEAP * self.start
     }
 
-    /// Doubt that a path leads through the step, from the speed |u'(1)| at its end, for people.
+    /// Reason to doubt that a path leads through the step, from the speed |u'(1)| at its end, as text.
     pub fn doubt(&self, end: f64) -> Option<String> {
         let fastest = self.start.max(end);
         if self.moved > LEAP * fastest {

@@ -1,18 +1,18 @@
-//! How much of a mode's stiffness the enhanced strains of the elements take away.
+//! Share of a mode's stiffness that the enhanced strains of the elements remove.
 //!
-//! Enhanced strains lower the stiffness of in-plane bending of an element. A mode of instability that lives on this
-//! lowering may belong to the elements and not to the structure (T. Sussman, K.-J. Bathe, Comput. Struct. 140 (2014)
+//! Enhanced strains lower the stiffness of in-plane bending of an element. A mode of instability that relies on this
+//! reduction may belong to the elements and not to the structure (T. Sussman, K.-J. Bathe, Comput. Struct. 140 (2014)
 //! 14–22): its material stiffness `φᵀ SᵀHS φ` is many times larger with the strains of the displacements alone.
 
 use crate::element::shell::{GroupSetup, Member, ShellElement};
 use crate::element::{ElementGroup, Interior, Kinematics, Motion, Nodal, TangentWeights};
 use crate::system::{ShellSection, System};
 
-/// Share from which on a message mentions it: the stiffness of the mode would double.
+/// Share above which a message mentions it: without enhanced strains the stiffness of the mode would double.
 pub(super) const NOTEWORTHY: f64 = 0.5;
 
-/// Share of the material stiffness of a mode at displacements `u` that the enhanced in-plane strains take away,
-/// `1 − φᵀ K φ / φᵀ K̂ φ` with K̂ of the same elements without them.
+/// Share of the material stiffness of a mode at displacements `u` that the enhanced in-plane strains remove,
+/// `1 − φᵀ K φ / φᵀ K̂ φ` with K̂ of equal elements without enhanced strains.
 ///
 /// `None` where no element has enhanced strains, where a material yields, so that its stiffness depends on the path, or
 /// where the stiffness without them is not positive, either.
@@ -38,7 +38,7 @@ pub(super) fn share(system: &System, u: &[Nodal], time: f64, mode: &[Nodal]) -> 
     (any && without > 0.0).then(|| 1.0 - with / without)
 }
 
-/// `φᵀ SᵀHS φ` of the elements of a section if they were of the type `element`.
+/// Material stiffness `φᵀ SᵀHS φ` of the elements of a section, computed with the element type `element`.
 fn stiffness(
     system: &System,
     number: usize,
@@ -59,7 +59,7 @@ fn stiffness(
     Some(builder.finish().iter().map(|group| quadratic_form(group.as_ref(), k, mode)).sum())
 }
 
-/// `φᵀ SᵀHS φ` of a group, with the rates `S φ` of its sampled strains.
+/// Material stiffness `φᵀ SᵀHS φ` of a group, with the rates `S φ` of its sampled strains.
 fn quadratic_form(group: &dyn ElementGroup, k: &Kinematics, mode: &[Nodal]) -> f64 {
     let size = group.stresses_per_element();
     let history = vec![0.0; group.len() * group.history_per_element()];

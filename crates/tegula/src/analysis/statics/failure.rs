@@ -1,4 +1,4 @@
-//! Reasons why a load step finds no equilibrium, and what can be done.
+//! Failure of a load step: reasons why no equilibrium is found, and remedies.
 
 use super::{State, enhanced};
 use crate::analysis::newton::{Cause, Diverged, SoftestMode};
@@ -6,17 +6,18 @@ use crate::element::Nodal;
 use crate::model::{LinearSolver, StaticAnalysis};
 use crate::system::{System, VectorKind, dot};
 
-/// Energy of the softest mode over that of the whole response, from which on a critical point is a limit point: at a
-/// bifurcation the loads do no work on the mode, but for rounding, which its softness amplifies.
+/// Energy of the softest mode over that of the whole response above which a critical point is a limit point: at a
+/// bifurcation the loads do no work on the mode, but for round-off, which its softness amplifies.
 const EXCITED: f64 = 1e-3;
-/// The tangent at the last equilibrium is this much softer than on the average of the path, and the softest mode is
-/// nearly the whole of its response: then negative pivots on the way tell of a limit point.
+/// Evidence of a limit point where pivots are negative on the way: the tangent at the last equilibrium is this much
+/// softer than on the average of the path, and the softest mode is this share of its response, nearly the whole.
 const SOFTENED: f64 = 2.0;
 const DOMINANT: f64 = 0.9;
-/// Part of the nodal vectors that a load may act on for its displacement to be prescribed instead.
+/// Inverse of the largest part of the nodal vectors that a load may act on for its displacement to be prescribed
+/// instead.
 const FEW: usize = 4;
 
-/// Kind of failure.
+/// Kind of failure of a load step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     /// The iteration did not converge.
@@ -35,9 +36,9 @@ pub(super) enum Kind {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Failure {
     pub kind: Kind,
-    /// Reason, for people.
+    /// Reason, as text.
     pub reason: String,
-    /// Most negative pivots of a tangent on the way.
+    /// Largest number of negative pivots of a tangent on the way.
     pub negative_pivots: usize,
 }
 
@@ -50,16 +51,16 @@ impl From<Diverged> for Failure {
 /// Limit or bifurcation point next to the last equilibrium.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct CriticalPoint {
-    /// A limit point; else a bifurcation point.
+    /// Whether it is a limit point; else it is a bifurcation point.
     limit: bool,
     mode: Vec<Nodal>,
-    /// Share of the stiffness of the mode that enhanced strains take away, where it is known.
+    /// Share of the stiffness of the mode that enhanced strains remove, where it is known.
     enhanced: Option<f64>,
 }
 
 impl CriticalPoint {
-    /// The kind of critical point that a failure, the softest mode at the last equilibrium and the compliance there over
-    /// that of the whole path tell of; `None` where they tell of none.
+    /// Critical point that a failure, the softest mode at the last equilibrium and the compliance there over that of
+    /// the whole path indicate; `None` where they indicate none.
     pub fn of(failure: &Failure, mode: SoftestMode, softened: f64) -> Option<Self> {
         let proved = matches!(failure.kind, Kind::Unstable | Kind::Leap);
         let likely = softened > SOFTENED && mode.excited > DOMINANT;
@@ -67,12 +68,12 @@ impl CriticalPoint {
         (proved || likely).then_some(Self { limit, mode: mode.shape, enhanced: None })
     }
 
-    /// Looks whether the mode lives in the enhanced strains of the elements.
+    /// Finds the share of the enhanced strains of the elements in the stiffness of the mode.
     pub fn look_at_enhanced_strains(&mut self, system: &System, state: &State) {
         self.enhanced = enhanced::share(system, &state.u, state.time, &self.mode);
     }
 
-    /// Words about the part of the enhanced strains in the mode.
+    /// Text about the share of the enhanced strains in the mode.
     fn of_enhanced_strains(&self) -> String {
         match self.enhanced {
             Some(share) if share > enhanced::NOTEWORTHY => format!(
@@ -90,7 +91,7 @@ impl Failure {
         Self { kind, reason, negative_pivots }
     }
 
-    /// Failure of a structure whose tangent has negative pivots without any stress.
+    /// Failure of a structure whose tangent has negative pivots without any stress, from round-off.
     pub fn of_rounding(negative_pivots: usize) -> Self {
         let reason = format!(
             "the stiffness matrix of the unloaded structure has {negative_pivots} negative pivot(s), which only rounding can \
@@ -99,13 +100,13 @@ impl Failure {
         Self::new(Kind::Rounding, reason, 0)
     }
 
-    /// Whether another form of Newton's method may find an equilibrium where this one has found none.
+    /// Whether the other form of Newton's method may find an equilibrium where this one has found none.
     pub fn depends_on_the_form(&self) -> bool {
         use Cause::{Flight, Iterations, Material, Stagnation};
         matches!(self.kind, Kind::Iteration(Flight | Iterations | Material | Stagnation))
     }
 
-    /// Reason with what was met on the way from the last equilibrium to a load factor.
+    /// Reason, with the events on the way from the last equilibrium to a load factor.
     pub fn told(
         &self,
         system: &System,
@@ -211,7 +212,7 @@ impl Failure {
     }
 }
 
-/// Ways past a limit point.
+/// Advice on how to pass a limit point, or a bend that looks like one.
 fn beyond_limit_point(system: &System, options: &StaticAnalysis) -> String {
     let mut advice = past_the_limit(system);
     if options.max_cutbacks < 25 {
@@ -223,7 +224,7 @@ fn beyond_limit_point(system: &System, options: &StaticAnalysis) -> String {
     advice
 }
 
-/// Ways past a limit point of the path.
+/// Advice on how to pass a limit point of the path.
 fn past_the_limit(system: &System) -> String {
     if !system.numbering.prescribed.is_empty() {
         return "Beyond it the structure snaps though its motion is prescribed; a transient analysis with some damping \
@@ -243,7 +244,7 @@ fn past_the_limit(system: &System) -> String {
     }
 }
 
-/// Ways beyond a bifurcation point.
+/// Advice on how to continue beyond a bifurcation point.
 fn beyond_bifurcation(options: &StaticAnalysis) -> String {
     let mut advice = String::from(
         "Real structures leave the path there: add a small imperfection or side load, and follow the buckled shape.",

@@ -1,4 +1,4 @@
-//! Load steps of a static analysis, with cut-back.
+//! Load steps of a static analysis, with cut-backs.
 
 use super::connection::{SOFTER, Speeds, released_energy};
 use super::failure::{CriticalPoint, Failure, Kind};
@@ -13,12 +13,12 @@ use crate::model::{NewtonMethod, StaticAnalysis};
 use crate::system::{System, inside_out};
 use crate::{Error, Result};
 
-/// Energy of the last increment over the strain energy: small enough that reactions balance the loads to 1e-12,
-/// also where loads that follow the motion make convergence linear.
+/// Energy of the last increment over the strain energy: small enough that reactions balance the loads to 1e-12, also
+/// where follower loads make convergence linear.
 const ENERGY_TOLERANCE: f64 = 1e-18;
-/// Last increment over the displacement.
+/// Norm of the last increment over that of the displacement.
 const INCREMENT_TOLERANCE: f64 = 1e-6;
-/// Halvings of a load step after which its length is but rounding of the load factor.
+/// Number of halvings of a load step after which its length is round-off of the load factor.
 const MOST_CUTBACKS: i32 = 40;
 
 /// State of a static analysis before its first step: the reference configuration.
@@ -30,36 +30,36 @@ pub fn first_state(system: &System, options: &StaticAnalysis) -> State {
     }
 }
 
-/// The analysis between two load steps.
+/// Static analysis between two load steps.
 pub(super) struct LoadSteps<'a, S> {
     newton: Newton<S>,
     system: &'a System,
     options: &'a StaticAnalysis,
     tolerances: Tolerances,
-    /// Form of Newton's method that suits the materials, or that was asked for.
+    /// Form of Newton's method that suits the materials, or that the user chose.
     default_form: NewtonMethod,
     /// First and longest step.
     largest: f64,
     /// Load factors at which steps end whatever their length.
     stops: Stops,
-    /// Part of the way between two of these, or of a load step, below which a step gives up.
+    /// Smallest step over the distance between two stops, or over a load step; a run with shorter steps gives up.
     smallest_part: f64,
     /// The last equilibrium.
     state: State,
-    /// The next one.
+    /// Equation of the next equilibrium.
     equation: StaticEquation,
     balance: Balance,
     statistics: Statistics,
     external: Vec<Nodal>,
-    /// Reactions at the last equilibrium; none where no motion is prescribed.
+    /// Reactions at the last equilibrium; empty where no motion is prescribed.
     reactions: Vec<Nodal>,
     drilling: DrillingWatch,
-    /// Forces of the test of a step.
+    /// Scratch space for the forces in the snap-through test of a step.
     buffers: [Vec<Nodal>; 2],
 }
 
 impl<'a, S: TangentSolver> LoadSteps<'a, S> {
-    /// Begins at `start`, at the reference configuration where there is none.
+    /// Starts from `start`, or from the reference configuration where there is none.
     pub fn new(
         mut newton: Newton<S>,
         system: &'a System,
@@ -96,7 +96,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         }
     }
 
-    /// Takes steps to the full load.
+    /// Runs load steps up to the full load.
     pub fn run(mut self, observer: &mut dyn Observer) -> Result<StaticOutcome> {
         while self.state.time < 1.0 {
             let target = self.target();
@@ -120,9 +120,9 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         self.stops.load_step_end(self.state.time, self.state.next_step, self.options.load_steps)
     }
 
-    /// Iterates to the equilibrium at a load factor; the inner error says why there is none to be accepted.
+    /// Iterates to the equilibrium at a load factor; the inner error gives the reason why none is accepted.
     ///
-    /// Where one form of Newton's method finds none, the other is tried before the load is cut.
+    /// Where one form of Newton's method finds no equilibrium, the other is tried before a cut-back.
     fn attempt(
         &mut self,
         target: f64,
@@ -169,7 +169,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         }
     }
 
-    /// Iterates with the form of Newton's method at hand.
+    /// Iterates with the present form of Newton's method.
     fn iterate(
         &mut self,
         target: f64,
@@ -232,7 +232,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         Ok(converged)
     }
 
-    /// Refuses an equilibrium that no stable path leads to: a snap-through. See `connection`.
+    /// Refuses an equilibrium that no stable path leads to (snap-through test, see `connection`).
     fn connect(
         &mut self,
         target: f64,
@@ -276,7 +276,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         Err(Failure::new(Kind::Leap, reason, converged.most_negative_pivots))
     }
 
-    /// Displacement of the step ([`System::norm`]).
+    /// Norm of the displacement of the step ([`System::norm`]).
     fn moved(&mut self) -> f64 {
         let Self { external, equation, state, system, .. } = self;
         external.copy_from_slice(&equation.u);
@@ -286,13 +286,13 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         system.norm(external)
     }
 
-    /// Makes the equilibrium the state at the end of the step.
+    /// Accepts the equilibrium as the state at the end of the step.
     fn accept(&mut self, target: f64, converged: Converged, observer: &mut dyn Observer) -> Result<()> {
         let Self { newton, system, state, equation, external, .. } = self;
         state.negative_pivots = converged.negative_pivots;
         state.work += follower_work(system, (&state.u, state.time), (&equation.u, target), external);
         if !self.reactions.is_empty() {
-            // Before materials remember the step: their stress at its end is that of the step.
+            // Before the history is committed: the stress at the end of the step must be that of the step.
             let end = State { time: target, u: equation.u.clone(), ..State::default() };
             let after = reactions(system, &mut newton.assembly, &end);
             for forces in [&self.reactions, &after] {
@@ -301,7 +301,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             self.reactions = after;
         }
         state.compliance = converged.first_increment / (target - state.time);
-        // A step that a stop has shortened tells nothing about the next one.
+        // The length of a step that a stop has shortened is no measure for the next one.
         state.next_step = self.largest.min(state.next_step.max(2.0 * (target - state.time)));
         state.u.copy_from_slice(&equation.u);
         state.time = target;
@@ -313,7 +313,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         newton.assembly.reset_stress(system, &k);
         self.statistics.steps = state.step;
         if state.time >= 1.0 {
-            // What is written at the end needs memory, too.
+            // Writing the final results needs memory, too.
             newton.solver.release();
         }
         self.balance = energies(system, &mut newton.assembly, state);
@@ -331,7 +331,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         if observer.interrupted() && state.time < 1.0 { Err(Error::Interrupted) } else { Ok(()) }
     }
 
-    /// Halves a step that failed, or gives up.
+    /// Halves a step that failed (cut-back), or gives up.
     fn cut_back(&mut self, target: f64, failure: Failure, observer: &mut dyn Observer) -> Result<()> {
         let step = 0.5 * (target - self.state.time);
         let (last, next) = self.stops.bracket(self.state.time, self.options.load_steps);
@@ -351,7 +351,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         Ok(())
     }
 
-    /// Error of a step that cannot be halved any more.
+    /// Error of a step that no cut-back can save.
     fn give_up(&mut self, target: f64, failure: &Failure) -> Error {
         let rounding = self.negative_pivots_at_rest(failure).map(Failure::of_rounding);
         let failure = rounding.as_ref().unwrap_or(failure);
@@ -368,8 +368,8 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         }
     }
 
-    /// Negative pivots of the tangent of the unloaded structure: without stresses it has none but for rounding. `None` where
-    /// a failure is of another kind.
+    /// Negative pivots of the tangent of the unloaded structure: without stresses it has none but for round-off. `None`
+    /// where a failure is of another kind.
     fn negative_pivots_at_rest(&mut self, failure: &Failure) -> Option<usize> {
         let rest = self.state.step == 0 && self.system.prescribed_strains.is_empty();
         if failure.negative_pivots == 0 || !(rest || self.system.linear) {
@@ -401,7 +401,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
     }
 }
 
-/// Words for a form of Newton's method.
+/// Name of a form of Newton's method in messages.
 fn name(form: NewtonMethod) -> &'static str {
     match form {
         NewtonMethod::Mixed => "mixed Newton",

@@ -179,7 +179,8 @@ fn the_energy_density_integrates_to_the_strain_energy() {
     near(results.iter().map(|r| r.area).sum(), 2.0, 2.0, "area");
 }
 
-/// A state of hydrostatic pressure has none, each normal stress alone is itself, each shear stress alone counts √3.
+/// The von Mises stress of hydrostatic pressure is 0, that of a single normal stress is its size, and that of a single
+/// shear stress √3 times its size.
 #[test]
 fn equivalent_stress_of_three_dimensional_states() {
     assert_eq!(equivalent(&Vector6::new(7.0, 7.0, 0.0, 7.0, 0.0, 0.0)), 0.0);

@@ -1,4 +1,4 @@
-//! Makes the sparsity pattern from the nodal vectors that elements couple.
+//! Builder of the sparsity pattern, from the nodal vectors that elements couple.
 
 use rayon::prelude::*;
 
@@ -6,21 +6,21 @@ use super::{PORTION, Pattern, Portion, Source, Target, Task, rows_below};
 use crate::system::numbering::{CONSTRAINED, Numbering};
 use crate::{Error, Result};
 
-/// Blocks of a task: it ends with the block column in which it reaches as many.
+/// Smallest number of blocks of a task: it ends with the block column in which it reaches as many.
 const GRAIN: usize = 512;
-/// Most blocks of a tangent: their numbers share 32 bits with two flags.
+/// Largest number of blocks of a tangent: their numbers share 32 bits with two flags.
 const MOST_BLOCKS: usize = 1 << 30;
 
-/// Adds up the pattern from elements.
+/// Builder of the sparsity pattern, element by element.
 #[derive(Debug, Default)]
 pub struct PatternBuilder {
-    /// Finished portions without their targets, and the blocks that are to be those.
+    /// Finished batches without their targets, each with the keys of the blocks that become its targets.
     portions: Vec<(Portion, Vec<u64>)>,
-    /// Block and source, of the last portion.
+    /// Block keys and sources of the last batch.
     entries: Vec<(u64, u32)>,
     /// Masses that are not zero.
     masses: Vec<(u64, f64)>,
-    /// Elements and blocks in the last portion.
+    /// Numbers of elements and blocks in the last batch.
     elements: usize,
     blocks: u32,
     /// Whether the tangent is wanted, not only the mass.
@@ -32,12 +32,12 @@ fn key(a: u32, b: u32) -> u64 {
 }
 
 impl PatternBuilder {
-    /// For the tangent and the mass, or for the mass alone.
+    /// Builder for the tangent and the mass, or for the mass alone.
     pub fn new(tangent: bool) -> Self {
         Self { tangent, ..Self::default() }
     }
 
-    /// The elements that come next are not of the same portion as those before.
+    /// Ends a batch: the next elements belong to another one.
     pub fn end_portion(&mut self) {
         (self.elements, self.blocks) = (0, 0);
         if self.entries.is_empty() {
@@ -56,7 +56,7 @@ impl PatternBuilder {
         self.entries.clear();
     }
 
-    /// Adds an element whose lower blocks come next in the buffer.
+    /// Adds an element, whose lower blocks come next in the buffer.
     pub fn element(&mut self, vectors: &[u32], mass: &[f64]) {
         if self.elements == PORTION {
             self.end_portion();
@@ -87,7 +87,7 @@ impl PatternBuilder {
         }
     }
 
-    /// The pattern of the free coordinates.
+    /// Builds the pattern of the free degrees of freedom.
     ///
     /// # Errors
     /// The elements couple more pairs of nodal vectors than can be numbered.
@@ -112,7 +112,7 @@ impl PatternBuilder {
 
         let mut column_start = vec![0; vectors + 1];
         let mut row = Vec::with_capacity(keys.len());
-        // Statics without gravity needs no density: then nothing is kept.
+        // Statics without gravity needs no density: then no mass is stored.
         let mut mass = if self.masses.is_empty() { Vec::new() } else { vec![0.0; keys.len()] };
         let mut m = 0;
         for (block, &k) in keys.iter().enumerate() {
@@ -174,7 +174,7 @@ impl PatternBuilder {
 }
 
 impl Portion {
-    /// Finds the targets; `met` tells which blocks of the matrix have appeared already.
+    /// Finds the targets of the batch; `met` tells which blocks of the matrix have appeared already.
     fn aim(
         &mut self,
         wanted: &[u64],
@@ -195,7 +195,7 @@ impl Portion {
             .collect();
     }
 
-    /// Divides the targets, whose keys these are, into tasks.
+    /// Divides the targets, which have these keys, into tasks.
     fn divide(&mut self, keys: &[u64], value_start: &[usize]) {
         let mut ends = self.sources.iter().enumerate().filter(|(_, s)| s.0 & Source::LAST != 0);
         let (mut source, mut last) = (0, None);

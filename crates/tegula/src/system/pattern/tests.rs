@@ -22,7 +22,7 @@ fn quads(n: u32) -> Vec<[u32; 4]> {
     (0..(n - 1) * (n - 1)).map(quad).collect()
 }
 
-/// Free along the axes, wholly supported, supported along an axis and along an inclined direction.
+/// Vectors in turn free, wholly constrained, constrained along an axis and along an inclined direction.
 fn numbering(vectors: usize) -> Numbering {
     let support = |vector, direction| Support { vector, direction, motion: None, key: String::new() };
     let supports = [
@@ -35,7 +35,8 @@ fn numbering(vectors: usize) -> Numbering {
     Numbering::new(vectors, &supports, &Default::default(), &vec![[0.0; 3]; vectors]).unwrap()
 }
 
-/// Sums elements in two portions, and compares with the dense matrix of the global coordinates, turned to the axes.
+/// Sums elements in two batches, and compares with the dense matrix of the global degrees of freedom, rotated to the
+/// local frames.
 fn compare(with_mass: bool) {
     let n = 16;
     let vectors = (n * n) as usize;

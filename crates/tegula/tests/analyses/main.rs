@@ -1,0 +1,25 @@
+//! Analyses: statics, stability, modes, time integration, linear solvers, loads and reactions.
+//!
+//! One binary of many modules: each binary of its own would be compiled and linked with the whole library.
+#![allow(clippy::unwrap_used)]
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod critical_points;
+mod dynamics;
+mod explicit;
+mod explicit_models;
+mod family_dynamics;
+mod follower;
+mod integrators;
+mod iterative_statics;
+mod lagged_tangent;
+mod linear_solvers;
+mod load_paths;
+mod loads_in_time;
+mod modes;
+mod nonlinear_materials;
+mod reactions;
+mod sheet_to_membrane;
+mod statics;

@@ -1,0 +1,21 @@
+//! Elements, sections and materials: contracts, patch tests, invariance, stiffness and stress recovery.
+//!
+//! One binary of many modules: each binary of its own would be compiled and linked with the whole library.
+#![allow(clippy::unwrap_used)]
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod congruence;
+mod element_contract;
+mod element_family;
+mod family_invariance;
+mod folds;
+mod free_edges;
+mod kernel;
+mod material;
+mod membrane;
+mod patch;
+mod plies;
+mod totals;
+mod units;
