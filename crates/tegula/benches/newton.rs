@@ -14,7 +14,7 @@ use tegula::analysis::{Silent, dynamics};
 use tegula::element::TangentWeights;
 use tegula::model::{Analysis, ElementKind, Model, TransientAnalysis};
 use tegula::system::Assembly;
-use tegula::system::assembly::TangentParts;
+use tegula::system::assembly::TangentCoefficients;
 use tegula_sparse::{Factor, SparseLdlt};
 
 fn iteration(c: &mut Criterion) {
@@ -24,7 +24,7 @@ fn iteration(c: &mut Criterion) {
     let u = vec![[1e-3; 3]; system.vectors()];
     let mut forces = vec![[0.0; 3]; system.vectors()];
     let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
-    let parts = TangentParts { weights, mass: 0.0, time: 1.0 };
+    let parts = TangentCoefficients { weights, mass: 0.0, time: 1.0 };
     let k = state_kinematics(&system, &u, 1.0);
     let mut group = c.benchmark_group(format!("newton-{n}x{n}"));
     group.sample_size(20);

@@ -24,7 +24,7 @@ use tegula::analysis::statics::state_kinematics;
 use tegula::element::TangentWeights;
 use tegula::model::ElementKind;
 use tegula::system::Assembly;
-use tegula::system::assembly::TangentParts;
+use tegula::system::assembly::TangentCoefficients;
 use tegula_sparse::{Factor, SparseLdlt};
 
 fn main() {
@@ -40,7 +40,7 @@ fn main() {
     let u = vec![[0.0; 3]; system.vectors()];
     let mut forces = u.clone();
     let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
-    let parts = TangentParts { weights, mass: 0.0, time: 1.0 };
+    let parts = TangentCoefficients { weights, mass: 0.0, time: 1.0 };
     let k = state_kinematics(&system, &u, 1.0);
     assembly.forces_and_tangent(&system, &k, &parts, false, None, &mut forces);
     let pattern = system.tangent_pattern();

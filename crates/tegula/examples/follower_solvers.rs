@@ -25,7 +25,7 @@ use tegula::analysis::statics::{self, state_kinematics};
 use tegula::analysis::{Observer, Step};
 use tegula::element::TangentWeights;
 use tegula::model::*;
-use tegula::system::assembly::{TangentParts, add_follower_loads};
+use tegula::system::assembly::{TangentCoefficients, add_follower_loads};
 use tegula::system::{Assembly, CirculatoryStiffness};
 use tegula_sparse::{Factor, SparseLdlt};
 
@@ -68,7 +68,7 @@ fn main() {
         let outcome = statics::run(&system, &options, None, &mut counts).unwrap();
 
         let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
-        let parts = TangentParts { weights, mass: 0.0, time: 1.0 };
+        let parts = TangentCoefficients { weights, mass: 0.0, time: 1.0 };
         let k = state_kinematics(&system, &outcome.state.u, 1.0);
         let mut assembly = Assembly::new(&system);
         assembly.follow(&system, &k);

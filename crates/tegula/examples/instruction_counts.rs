@@ -17,7 +17,7 @@ use common::loaded_quarter_cylinder;
 use tegula::analysis::statics::state_kinematics;
 use tegula::element::TangentWeights;
 use tegula::model::ElementKind;
-use tegula::system::assembly::TangentParts;
+use tegula::system::assembly::TangentCoefficients;
 use tegula::system::{Assembly, System};
 
 fn main() {
@@ -35,7 +35,7 @@ fn repeat(system: &System, part: &str, times: usize) {
     let u = vec![[1e-3; 3]; system.vectors()];
     let mut forces = vec![[0.0; 3]; system.vectors()];
     let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
-    let parts = TangentParts { weights, mass: 0.0, time: 1.0 };
+    let parts = TangentCoefficients { weights, mass: 0.0, time: 1.0 };
     let k = state_kinematics(system, &u, 1.0);
     for _ in 0..times {
         match part {

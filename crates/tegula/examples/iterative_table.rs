@@ -22,7 +22,7 @@ use tegula::analysis::statics::state_kinematics;
 use tegula::bddc::{Convergence, Options, StoppingCriterion};
 use tegula::element::TangentWeights;
 use tegula::system::Assembly;
-use tegula::system::assembly::TangentParts;
+use tegula::system::assembly::TangentCoefficients;
 use tegula_sparse::{Factor as _, SparseLdlt};
 
 const WANTED: StoppingCriterion =
@@ -71,7 +71,7 @@ fn solve(system: &System) -> (Convergence, f64) {
     system.numbering.reduce(&field, &mut load);
 
     let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
-    let parts = TangentParts { weights, mass: 0.0, time: 1.0 };
+    let parts = TangentCoefficients { weights, mass: 0.0, time: 1.0 };
     let k = state_kinematics(system, &u, 1.0);
     let mut assembly = Assembly::new(system);
     let mut pieces = system.bddc(&Options::default()).unwrap();

@@ -4,7 +4,7 @@ use tegula::{Mesh, System};
 
 use super::history::{BEHIND, PER_POINT};
 use super::recorder::Recorder;
-use super::snapshots::{Kept, shown};
+use super::snapshots::{StoredSnapshot, shown};
 use super::{Prepared, fields, history};
 use crate::out::{OutputError, csv};
 use crate::plot::{LinePlot, Series, Snapshot, Style, SurfacePlot, lines, surfaces};
@@ -213,7 +213,7 @@ pub(super) fn short(time: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-fn largest_displacement(mesh: &Mesh, system: &System, kept: &Kept) -> f64 {
+fn largest_displacement(mesh: &Mesh, system: &System, kept: &StoredSnapshot) -> f64 {
     let field = fields::nodal(system, &kept.displacements);
     debug_assert_eq!(field.len(), mesh.positions.len());
     field.iter().map(|u| u.iter().map(|x| x * x).sum::<f64>().sqrt()).fold(0.0, f64::max)

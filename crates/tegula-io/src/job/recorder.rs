@@ -9,7 +9,7 @@ use tegula::result::{Equilibrium, ReactionFinder, ShellResult, plastic_strains, 
 use tegula::system::Shell;
 use tegula::{Error, Result, System};
 
-use super::resume::{Memory, Notes};
+use super::resume::{CheckpointData, RunCounters};
 use super::summary::{PointResult, Status, Summary};
 use super::{
     JobObserver, Prepared, Progress, ResultFolder, Start, fields, forces, frames, history, process, snapshots,
@@ -31,7 +31,7 @@ pub(super) struct Recorder<'a> {
     pub folder: ResultFolder,
     pub summary: Summary,
     /// Data of the next checkpoint; its notes count the parts of the run before this one.
-    pub memory: Memory,
+    pub memory: CheckpointData,
     watch: &'a mut dyn JobObserver,
     history: HistoryWriter,
     series: PvdSeries,
@@ -57,7 +57,7 @@ impl<'a> Recorder<'a> {
         prepared: &'a Prepared,
         folder: ResultFolder,
         summary: Summary,
-        memory: Option<Memory>,
+        memory: Option<CheckpointData>,
         watch: &'a mut dyn JobObserver,
     ) -> std::result::Result<Self, OutputError> {
         summary.write(folder.path())?;
@@ -348,7 +348,7 @@ impl<'a> Recorder<'a> {
         let totals = self.memory.notes.total(&self.statistics);
         // The parts before stay in the memory; the file holds everything up to now.
         let before = self.memory.notes;
-        self.memory.notes = Notes {
+        self.memory.notes = RunCounters {
             rows: self.history.rows(),
             iterations: totals.iterations,
             factorizations: totals.factorizations,

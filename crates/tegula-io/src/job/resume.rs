@@ -6,31 +6,31 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use tegula::System;
-use tegula::analysis::chord::LaggedTangent;
+use tegula::analysis::lagged_tangent::LaggedTangent;
 use tegula::analysis::{Balance, State, Statistics};
 use tegula::element::Nodal;
 
-use super::snapshots::Kept;
+use super::snapshots::StoredSnapshot;
 use crate::out::{Checkpoint, OutputError};
 
 const REMEDY: &str = "Run without `--resume` to start anew";
 
 /// Checkpoint data: everything that a run restarts from.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Memory {
+pub(super) struct CheckpointData {
     /// The state at the end of the last step.
     pub state: State,
     /// Its energies and momenta.
     pub balance: Balance,
     /// Pictures kept so far.
-    pub kept: Vec<Kept>,
+    pub kept: Vec<StoredSnapshot>,
     /// Counts and places.
-    pub notes: Notes,
+    pub notes: RunCounters,
 }
 
 /// Counts and places in the files.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Notes {
+pub(super) struct RunCounters {
     /// Rows of the history.
     pub rows: u64,
     /// Field files.
@@ -54,7 +54,7 @@ pub(super) struct Notes {
     pub last_frame: f64,
 }
 
-impl Notes {
+impl RunCounters {
     /// The counts of this part added to those of earlier parts.
     pub fn total(&self, part: &Statistics) -> Statistics {
         Statistics {
@@ -69,7 +69,7 @@ impl Notes {
     }
 }
 
-impl Memory {
+impl CheckpointData {
     /// Saves it for the model with this fingerprint.
     pub fn save(&self, path: &Path, model_fingerprint: u64) -> Result<(), OutputError> {
         let (s, b) = (&self.state, &self.balance);
@@ -182,7 +182,7 @@ impl Memory {
         let mut kept = Vec::new();
         while checkpoint.arrays.contains_key(&format!("picture {} time", kept.len())) {
             let i = kept.len();
-            kept.push(Kept {
+            kept.push(StoredSnapshot {
                 time: fixed(&format!("picture {i} time"), 1)?[0],
                 displacements: vectors(&fixed(&format!("picture {i} displacements"), 3 * n)?),
                 values: array(&format!("picture {i} values"), None)?,

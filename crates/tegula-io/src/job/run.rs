@@ -5,7 +5,7 @@ use tegula::model::Analysis;
 use tegula::{Error, System};
 
 use super::recorder::Recorder;
-use super::resume::Memory;
+use super::resume::CheckpointData;
 use super::{
     Claim, Energy, JobError, JobObserver, JobOptions, Prepared, ResultFolder, Start, Status, Summary, modal,
     pictures, prepare,
@@ -34,7 +34,7 @@ pub fn run(deck: &Deck, options: &JobOptions, watch: &mut dyn JobObserver) -> Re
     };
     let memory = if options.resume {
         let path = folder.file("checkpoint.bin");
-        Some(Memory::load(&path, prepared.fingerprint, &prepared.system)?)
+        Some(CheckpointData::load(&path, prepared.fingerprint, &prepared.system)?)
     } else {
         None
     };
@@ -116,7 +116,7 @@ fn conclude(mut recorder: Recorder<'_>, outcome: tegula::Result<()>) -> Result<S
 }
 
 /// Announcement of a run.
-pub(super) fn start(deck: &Deck, prepared: &Prepared, memory: Option<&Memory>) -> Start {
+pub(super) fn start(deck: &Deck, prepared: &Prepared, memory: Option<&CheckpointData>) -> Start {
     let (analysis, end) = match &deck.model.analysis {
         Analysis::Static(_) => ("static", 1.0),
         Analysis::Modal(_) => ("modal", 1.0),

@@ -8,7 +8,7 @@ pub(super) const INSTANTS: usize = 6;
 
 /// The shell at an instant.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Kept {
+pub(super) struct StoredSnapshot {
     /// Time.
     pub time: f64,
     /// Displacements of the nodal vectors.
@@ -18,20 +18,20 @@ pub(super) struct Kept {
 }
 
 /// True if a state is the first at or behind one of the evenly spaced instants.
-pub(super) fn wanted(kept: &[Kept], time: f64, end: f64) -> bool {
+pub(super) fn wanted(kept: &[StoredSnapshot], time: f64, end: f64) -> bool {
     let instants = (INSTANTS - 1) as f64;
     let number = |t: f64| (t / end * instants * (1.0 + 1e-9)).floor();
     kept.last().is_none_or(|last| time > last.time && number(time) > number(last.time))
 }
 
 /// Whether the last state is missing: it is shown wherever it stands between the evenly spaced instants.
-pub(super) fn lacks(kept: &[Kept], time: f64) -> bool {
+pub(super) fn lacks(kept: &[StoredSnapshot], time: f64) -> bool {
     kept.last().is_none_or(|last| last.time < time)
 }
 
 /// The instants of the picture: the last state is worth more than one close before it.
-pub(super) fn shown(kept: &[Kept]) -> Vec<&Kept> {
-    let mut shown: Vec<&Kept> = kept.iter().collect();
+pub(super) fn shown(kept: &[StoredSnapshot]) -> Vec<&StoredSnapshot> {
+    let mut shown: Vec<&StoredSnapshot> = kept.iter().collect();
     if shown.len() > INSTANTS {
         shown.remove(INSTANTS - 1);
     }
@@ -39,8 +39,8 @@ pub(super) fn shown(kept: &[Kept]) -> Vec<&Kept> {
 }
 
 /// Keeps a state.
-pub(super) fn keep(kept: &mut Vec<Kept>, state: &State, values: Vec<f64>) {
-    kept.push(Kept { time: state.time, displacements: state.u.clone(), values });
+pub(super) fn keep(kept: &mut Vec<StoredSnapshot>, state: &State, values: Vec<f64>) {
+    kept.push(StoredSnapshot { time: state.time, displacements: state.u.clone(), values });
 }
 
 #[cfg(test)]

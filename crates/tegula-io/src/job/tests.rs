@@ -11,8 +11,8 @@ use std::path::Path;
 use tegula::System;
 use tegula::analysis::State;
 
-use super::resume::Memory;
-use super::snapshots::Kept;
+use super::resume::CheckpointData;
+use super::snapshots::StoredSnapshot;
 use super::*;
 use crate::deck::Deck;
 use crate::out::{PvdSeries, csv};
@@ -188,7 +188,7 @@ fn a_killed_run_resumes_from_its_last_checkpoint() {
 }
 
 /// A memory in which no two numbers are equal.
-fn distinct(system: &System) -> Memory {
+fn distinct(system: &System) -> CheckpointData {
     let mut number = 0.0;
     let mut next = || {
         number += 1.0;
@@ -196,7 +196,7 @@ fn distinct(system: &System) -> Memory {
     };
     let mut field =
         |count: usize| -> Vec<[f64; 3]> { (0..count).map(|_| [next(), next(), next()]).collect() };
-    let (n, mut memory) = (system.vectors(), Memory::default());
+    let (n, mut memory) = (system.vectors(), CheckpointData::default());
     let history = State::at_rest(system).history.len();
     assert!(history > 0);
     let state = &mut memory.state;
@@ -218,7 +218,7 @@ fn distinct(system: &System) -> Memory {
     (balance.momentum, balance.angular_momentum) = (field(1)[0], field(1)[0]);
     for _ in 0..2 {
         let values = field(1)[0].to_vec();
-        memory.kept.push(Kept { time: field(1)[0][0], displacements: field(n), values });
+        memory.kept.push(StoredSnapshot { time: field(1)[0][0], displacements: field(n), values });
     }
     let notes = &mut memory.notes;
     (notes.rows, notes.frames, notes.iterations, notes.factorizations) = (61, 62, 63, 64);
@@ -241,7 +241,7 @@ fn a_checkpoint_keeps_every_number_of_a_run() {
             (counts.valid, counts.u, counts.v, counts.history) = (false, vec![], vec![], vec![]);
         }
         memory.save(&path, 5).unwrap();
-        let found = Memory::load(&path, 5, &prepared.system).unwrap();
+        let found = CheckpointData::load(&path, 5, &prepared.system).unwrap();
         assert!(found == memory, "{found:?}\nfor\n{memory:?}");
     }
 }

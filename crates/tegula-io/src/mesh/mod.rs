@@ -36,9 +36,9 @@ pub struct MeshError {
     pub file: PathBuf,
     /// Place in it.
     pub at: At,
-    /// What is wrong: one sentence.
+    /// Mistake, in one sentence.
     pub message: String,
-    /// What to do about it.
+    /// Remedy.
     pub help: String,
 }
 

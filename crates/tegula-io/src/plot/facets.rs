@@ -110,11 +110,11 @@ pub(super) fn paint(canvas: &mut Canvas, placement: &Placement, patches: &[Patch
     for first in (0..grid.rows).step_by(BAND) {
         let rows = first..grid.rows.min(first + BAND as u32);
         let before = first as usize * grid.columns as usize;
-        let seen = |facet: &&Facet| {
+        let seen = |facet: &Facet| {
             let y = facet.corners.map(|c| c[1] * f64::from(grid.scale));
             y.iter().any(|y| *y >= f64::from(rows.start)) && y.iter().any(|y| *y <= f64::from(rows.end))
         };
-        for facet in facets.iter().filter(seen) {
+        for (number, facet) in (0_u32..).zip(&facets).filter(|(_, facet)| seen(facet)) {
             let patch = &patches[facet.patch as usize];
             let nearer = bias * f64::from(patch.owner) - zero;
             for [a, b, c] in [[0, 1, 2], [2, 3, 0]] {
@@ -124,19 +124,21 @@ pub(super) fn paint(canvas: &mut Canvas, placement: &Placement, patches: &[Patch
                     layers.push(Fragment {
                         sample: (sample - before) as u32,
                         depth: (plane.depth(at) + nearer) as f32,
-                        colour: surface.colour(facet, at),
-                        opacity: patch.opacity as f32,
-                        owner: patch.owner,
+                        facet: number,
                     });
                 });
             }
         }
-        layers.each_from_the_back(rows.len() * grid.columns as usize, |fragment| {
+        let opacity = |fragment: &Fragment| patches[facets[fragment.facet as usize].patch as usize].opacity;
+        let covers = |fragment: &Fragment| opacity(fragment) == 1.0;
+        layers.each_from_the_back(rows.len() * grid.columns as usize, covers, |fragment| {
+            let facet = &facets[fragment.facet as usize];
             let sample = before + fragment.sample as usize;
-            canvas.blend(sample, fragment.colour, f64::from(fragment.opacity));
             let (row, column) = (sample / grid.columns as usize, sample % grid.columns as usize);
             let scale = grid.scale as usize;
-            owners.numbers[row / scale * width + column / scale] = fragment.owner + 1;
+            let at = [column, row].map(|n| (n as f64 + 0.5) / scale as f64);
+            canvas.blend(sample, surface.colour(facet, at), opacity(fragment));
+            owners.numbers[row / scale * width + column / scale] = patches[facet.patch as usize].owner + 1;
         });
     }
     owners
@@ -183,9 +185,8 @@ struct Fragment {
     /// Number of the sample in its band.
     sample: u32,
     depth: f32,
-    colour: Rgb,
-    opacity: f32,
-    owner: u16,
+    /// Number of the facet.
+    facet: u32,
 }
 
 /// Fragments of a band of the sheet.
@@ -202,8 +203,14 @@ impl Layers {
         self.fragments.push(fragment);
     }
 
-    /// Hands over the fragments of all samples, sample by sample from the back to the front, and forgets them.
-    fn each_from_the_back(&mut self, samples: usize, mut take: impl FnMut(&Fragment)) {
+    /// Hands over the fragments of all samples, sample by sample from the back to the front, and forgets them. Those behind a
+    /// fragment that `covers` them are left out.
+    fn each_from_the_back(
+        &mut self,
+        samples: usize,
+        covers: impl Fn(&Fragment) -> bool,
+        mut take: impl FnMut(&Fragment),
+    ) {
         let Self { fragments, order, starts } = self;
         starts.clear();
         starts.resize(samples + 1, 0);
@@ -223,7 +230,8 @@ impl Layers {
             let here = &mut order[ends[0] as usize..ends[1] as usize];
             // The sort is stable and the order of the facets fixed: the same model gives the same picture.
             here.sort_by(|&a, &b| fragments[a as usize].depth.total_cmp(&fragments[b as usize].depth));
-            here.iter().for_each(|&number| take(&fragments[number as usize]));
+            let first = here.iter().rposition(|&number| covers(&fragments[number as usize])).unwrap_or(0);
+            here[first..].iter().for_each(|&number| take(&fragments[number as usize]));
         }
         fragments.clear();
     }

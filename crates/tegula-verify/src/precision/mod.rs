@@ -11,7 +11,7 @@
 //! motion is the cubic of its displacements and velocities; explicit steps are reported by tens, and the cubic spans ten
 //! of them. The cost is the processor time of all threads, and a count
 //! that does not depend on the machine: iterations, with factorisations at their price in iterations
-//! ([`tegula::analysis::chord::price`]).
+//! ([`tegula::analysis::lagged_tangent::cost`]).
 
 mod measure;
 mod report;

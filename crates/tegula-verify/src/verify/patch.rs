@@ -175,8 +175,7 @@ fn thickness_stresses(system: &System, state: &State) -> Vec<f64> {
     let of = |shell: &Shell| {
         let solid = system.sections[shell.section].element.is_solid();
         let thickness = if solid { 1.0 } else { H };
-        let stresses =
-            Inside::new(&snapshot, shell).map_or_else(Vec::new, |inside| inside.station_stresses());
+        let stresses = Inside::new(&snapshot, shell).map_or_else(Vec::new, |inside| inside.point_stresses());
         stresses.into_iter().map(move |s| s[3] / thickness)
     };
     system.shells.iter().flat_map(of).collect()

@@ -18,7 +18,7 @@
 
 use super::solver::TangentSolver;
 use crate::element::Kinematics;
-use crate::system::assembly::TangentParts;
+use crate::system::assembly::TangentCoefficients;
 use crate::system::{CirculatoryStiffness, Numbering, System};
 use tegula_sparse::gmres::{Gmres, noise, norm, project_out};
 
@@ -136,7 +136,7 @@ impl CirculatoryLoads {
     }
 
     /// Computes the circulatory stiffness that belongs to a tangent.
-    pub fn take(&mut self, system: &System, k: &Kinematics, parts: &TangentParts) {
+    pub fn take(&mut self, system: &System, k: &Kinematics, parts: &TangentCoefficients) {
         self.operator.stiffness.take(system, k, parts);
     }
 

@@ -1,9 +1,9 @@
 //! Analyses: statics, natural frequencies, transient dynamics.
 
-pub mod chord;
 mod circulatory;
 mod drilling;
 pub mod dynamics;
+pub mod lagged_tangent;
 pub mod modal;
 pub mod newton;
 pub mod solver;
@@ -13,7 +13,7 @@ pub mod stops;
 use crate::Result;
 use crate::element::Nodal;
 use crate::system::System;
-use chord::LaggedTangent;
+use lagged_tangent::LaggedTangent;
 pub use newton::Stability;
 
 /// State of a model at a time: plain data; a checkpoint is its dump.

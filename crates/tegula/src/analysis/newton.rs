@@ -21,13 +21,13 @@ pub use stability::Stability;
 
 use crate::element::{Kinematics, Motion, Nodal};
 use crate::model::NewtonMethod;
-use crate::system::assembly::{TangentParts, add_follower_stiffness};
-use crate::system::{Assembly, Numbering, System, Turning, VectorKind, dot};
+use crate::system::assembly::{TangentCoefficients, add_follower_stiffness};
+use crate::system::{Assembly, CorotationalUpdate, Numbering, System, VectorKind, dot};
 use crate::{Result, Vec3};
 use tegula_sparse::SparseLdlt;
 
-use super::chord::{self, Increment, Increments, LaggedTangent};
 use super::circulatory::{CirculatoryLoads, Purpose};
+use super::lagged_tangent::{self, Increment, Increments, LaggedTangent};
 use super::solver::{self, Linearization, TangentSolver};
 use super::statics::state_kinematics;
 use super::{Observer, State};
@@ -37,9 +37,9 @@ pub trait Equation {
     /// Motion at the present iterate.
     fn kinematics<'a>(&'a self, system: &'a System) -> Kinematics<'a>;
     /// Tangent coefficients.
-    fn parts(&self) -> TangentParts;
+    fn parts(&self) -> TangentCoefficients;
     /// External minus inertia forces: all forces but the internal forces of this iterate.
-    fn rest(&self, system: &System, out: &mut [Nodal]);
+    fn external_minus_inertia(&self, system: &System, out: &mut [Nodal]);
     /// Adds an increment to all nodal vectors.
     fn apply(&mut self, system: &System, increment: &[Nodal]);
     /// Increment that brings the constrained degrees of freedom to their prescribed values; false if there is none.
@@ -47,7 +47,7 @@ pub trait Equation {
     /// Step limiter: largest rotation (rad) of the first increment, if it is limited. The increment of all degrees of
     /// freedom can be scaled where the step begins with an equilibrium, since it is then the response to a part of the
     /// load.
-    fn first_turn(&self, _system: &System) -> Option<f64> {
+    fn first_rotation_limit(&self, _system: &System) -> Option<f64> {
         None
     }
     /// Energy scale, to which the energy of an increment is compared.
@@ -142,11 +142,11 @@ pub struct Newton<S = SparseLdlt> {
     /// History variables, saved while the tangent of another state is computed.
     history: Vec<f64>,
     increments: Increments,
-    held: Held,
+    factored: FactoredTangent,
     /// Local frames of the vectors where the tangent was computed.
     axes: Numbering,
     /// Co-rotational update of the lagged tangent: rotations of the nodes since then; made when first needed.
-    turning: Option<Turning>,
+    corotational: Option<CorotationalUpdate>,
     /// Cost of a tangent and its factor, in iterations with a lagged tangent.
     price: f64,
     /// Circulatory (skew) stiffness of follower loads, where there is some.
@@ -159,11 +159,11 @@ pub struct Newton<S = SparseLdlt> {
 
 /// Tangent that is factored: the one that the present factor belongs to.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Held {
+enum FactoredTangent {
     /// No tangent that could be reused.
     Nothing,
     /// Tangent of a linear model with these coefficients.
-    Linear(TangentParts),
+    Linear(TangentCoefficients),
     /// The [`LaggedTangent`] of the state.
     Lagged,
     /// Tangent of an iterate of the present step.
@@ -203,9 +203,9 @@ impl<S: TangentSolver> Newton<S> {
             right_side: vec![0.0; system.unknowns()],
             solution: vec![0.0; system.unknowns()],
             increments: Increments::default(),
-            held: Held::Nothing,
+            factored: FactoredTangent::Nothing,
             axes: system.numbering.clone(),
-            turning: None,
+            corotational: None,
             price,
             circulatory: CirculatoryLoads::new(system),
             iterations: 0,
@@ -226,7 +226,7 @@ impl<S: TangentSolver> Newton<S> {
     pub fn prepare(
         &mut self,
         system: &System,
-        (parts, predicted): (&TangentParts, &[Nodal]),
+        (parts, predicted): (&TangentCoefficients, &[Nodal]),
         dt: f64,
         state: &mut State,
     ) {
@@ -234,17 +234,17 @@ impl<S: TangentSolver> Newton<S> {
             state.tangent.valid = false;
             return;
         }
-        let serves = state.tangent.serves(dt, self.price)
-            && (self.held == Held::Lagged || self.take_tangent(system, parts, &state.tangent));
+        let serves = state.tangent.is_reusable(dt, self.price)
+            && (self.factored == FactoredTangent::Lagged || self.take_tangent(system, parts, &state.tangent));
         if !serves {
             self.renew(system, parts, dt, state);
         }
-        let turning = self.turning.get_or_insert_with(|| Turning::new(system));
-        turning.find(system, &state.tangent.u, predicted);
+        let corotational = self.corotational.get_or_insert_with(|| CorotationalUpdate::new(system));
+        corotational.find(system, &state.tangent.u, predicted);
     }
 
     /// Computes the lagged tangent at a state, for this step and later ones.
-    fn renew(&mut self, system: &System, parts: &TangentParts, dt: f64, state: &mut State) {
+    fn renew(&mut self, system: &System, parts: &TangentCoefficients, dt: f64, state: &mut State) {
         let State { u, v, history, tangent, time, .. } = state;
         tangent.u.clone_from(u);
         if system.has_rate_damping() {
@@ -257,12 +257,12 @@ impl<S: TangentSolver> Newton<S> {
     }
 
     /// Factors the tangent at a state; false if the factorisation fails.
-    fn take_tangent(&mut self, system: &System, parts: &TangentParts, at: &LaggedTangent) -> bool {
+    fn take_tangent(&mut self, system: &System, parts: &TangentCoefficients, at: &LaggedTangent) -> bool {
         let velocity = (!at.v.is_empty()).then_some(at.v.as_slice());
         let motion = Motion::State { u: &at.u, velocity };
         let k = Kinematics::new(&system.reference, motion, system.linear, at.time);
-        let parts = TangentParts { time: at.time, ..*parts };
-        self.held = Held::Nothing;
+        let parts = TangentCoefficients { time: at.time, ..*parts };
+        self.factored = FactoredTangent::Nothing;
         self.assembly.follow(system, &k);
         self.axes.copy_axes(&self.assembly.numbering);
         self.history.copy_from_slice(&self.assembly.history);
@@ -280,9 +280,9 @@ impl<S: TangentSolver> Newton<S> {
             loads.take(system, &k, &parts);
         }
         if prepared.is_ok() {
-            self.held = Held::Lagged;
+            self.factored = FactoredTangent::Lagged;
         }
-        self.held == Held::Lagged
+        self.factored == FactoredTangent::Lagged
     }
 
     /// Restarts from a state: sets its history variables, and the extrapolated stress of the first tangent. For a state
@@ -308,7 +308,7 @@ impl<S: TangentSolver> Newton<S> {
 
     /// Discards the present factor, with which a step has failed.
     pub fn forget(&mut self, state: &mut State) {
-        self.held = Held::Nothing;
+        self.factored = FactoredTangent::Nothing;
         state.tangent.fail();
     }
 
@@ -323,7 +323,7 @@ impl<S: TangentSolver> Newton<S> {
         tolerances: &Tolerances,
         observer: &mut dyn Observer,
     ) -> std::result::Result<Converged, Diverged> {
-        let began_with_old_factor = self.held == Held::Lagged;
+        let began_with_old_factor = self.factored == FactoredTangent::Lagged;
         (self.iterations, self.most_negative_pivots) = (0, 0);
         self.iterate(system, equation, tolerances, observer).map_err(|(cause, reason)| Diverged {
             iterations: self.iterations,
@@ -348,8 +348,8 @@ impl<S: TangentSolver> Newton<S> {
         if let Some(loads) = &mut self.circulatory {
             loads.begin_step();
         }
-        if self.held == Held::Iterate {
-            self.held = Held::Nothing;
+        if self.factored == FactoredTangent::Iterate {
+            self.factored = FactoredTangent::Nothing;
         }
         let (mut tangents, mut negative_pivots, mut first_increment) = (0, 0, 0.0);
         let mut extrapolated = true;
@@ -363,17 +363,17 @@ impl<S: TangentSolver> Newton<S> {
             let parts = equation.parts();
             let left = tolerances.max_iterations - iteration;
             let reuse = !has_prescribed
-                && match self.held {
-                    Held::Nothing => false,
-                    Held::Linear(p) => (p.weights, p.mass) == (parts.weights, parts.mass),
-                    Held::Lagged | Held::Iterate => {
+                && match self.factored {
+                    FactoredTangent::Nothing => false,
+                    FactoredTangent::Linear(p) => (p.weights, p.mass) == (parts.weights, parts.mass),
+                    FactoredTangent::Lagged | FactoredTangent::Iterate => {
                         self.increments.old_factor_serves(parts.mass != 0.0, self.price, left)
                     }
                 };
             if mixed && !reuse && !extrapolated {
                 self.assembly.reset_stress(system, &equation.kinematics(system));
             }
-            equation.rest(system, &mut self.residual);
+            equation.external_minus_inertia(system, &mut self.residual);
             let mut prepared = Ok(0);
             {
                 let k = equation.kinematics(system);
@@ -388,7 +388,7 @@ impl<S: TangentSolver> Newton<S> {
                     let prescribed = has_prescribed.then_some(self.increment.as_slice());
                     let at =
                         Linearization { system, motion: &k, parts: &parts, extrapolated: mixed, prescribed };
-                    self.held = Held::Nothing;
+                    self.factored = FactoredTangent::Nothing;
                     prepared = loop {
                         solver.assemble(assembly, &at, internal);
                         solver.add_curvature(assembly, &at, &self.residual);
@@ -412,7 +412,8 @@ impl<S: TangentSolver> Newton<S> {
                     r[i] -= parts.weights.force * f[i];
                 }
             }
-            let turning = self.turning.as_ref().filter(|_| reuse && self.held == Held::Lagged);
+            let corotational =
+                self.corotational.as_ref().filter(|_| reuse && self.factored == FactoredTangent::Lagged);
             if reuse {
                 // The constraint force of an inextensible director must not act as a force in the local frame of
                 // another state.
@@ -420,8 +421,8 @@ impl<S: TangentSolver> Newton<S> {
             } else {
                 self.axes.copy_axes(&self.assembly.numbering);
             }
-            if let Some(turning) = turning {
-                turning.turn(system, true, &mut self.residual);
+            if let Some(corotational) = corotational {
+                corotational.turn(system, true, &mut self.residual);
             }
             self.axes.reduce(&self.residual, &mut self.right_side);
             if !self.right_side.iter().all(|r| r.is_finite()) {
@@ -440,7 +441,8 @@ impl<S: TangentSolver> Newton<S> {
                 tangents += 1;
                 negative_pivots = prepared.map_err(tangent_failed)?;
                 self.most_negative_pivots = self.most_negative_pivots.max(negative_pivots);
-                self.held = if system.linear { Held::Linear(parts) } else { Held::Iterate };
+                self.factored =
+                    if system.linear { FactoredTangent::Linear(parts) } else { FactoredTangent::Iterate };
             }
             self.solution.copy_from_slice(&self.right_side);
             self.solver.solve_tangent(&mut self.solution).map_err(tangent_failed)?;
@@ -453,8 +455,8 @@ impl<S: TangentSolver> Newton<S> {
             }
             let energy = self.solution.iter().zip(&self.right_side).map(|(a, b)| a * b).sum::<f64>().abs();
             expand_free(&self.axes, &self.solution, has_prescribed, &mut self.increment);
-            if let Some(turning) = turning {
-                turning.turn(system, false, &mut self.increment);
+            if let Some(corotational) = corotational {
+                corotational.turn(system, false, &mut self.increment);
             }
             if !energy.is_finite() {
                 return Err((Cause::Flight, "the increment is not finite".into()));
@@ -464,11 +466,11 @@ impl<S: TangentSolver> Newton<S> {
                 let size = system.norm(&self.increment);
                 let matters = size > tolerances.increment * equation.displacement_scale(system);
                 if matters && self.increments.too_large(energy, size) {
-                    if self.held == Held::Lagged {
+                    if self.factored == FactoredTangent::Lagged {
                         let reason = "with an old tangent the increments do not shrink";
                         return Err((Cause::OldTangent, reason.into()));
                     }
-                    self.held = Held::Nothing;
+                    self.factored = FactoredTangent::Nothing;
                     continue;
                 }
             }
@@ -477,9 +479,9 @@ impl<S: TangentSolver> Newton<S> {
             }
             // Under follower loads that rotate with the shell, or rotate it, later increments overshoot as far.
             if (iteration == 1 || !system.followers.is_empty())
-                && let Some(turn) = equation.first_turn(system)
+                && let Some(turn) = equation.first_rotation_limit(system)
             {
-                shorten(system, turn, &mut self.increment);
+                limit_rotation(system, turn, &mut self.increment);
             }
             extrapolated = mixed && !reuse;
             if extrapolated {
@@ -502,7 +504,7 @@ impl<S: TangentSolver> Newton<S> {
             let size_scale = equation.displacement_scale(system);
             let relative = energy / energy_scale.max(f64::MIN_POSITIVE);
             observer.on_iteration(iteration, relative, size / size_scale.max(f64::MIN_POSITIVE));
-            let rest = if reuse && !system.linear { chord::rest(parts.mass != 0.0) } else { 1.0 };
+            let rest = if reuse && !system.linear { lagged_tangent::rest(parts.mass != 0.0) } else { 1.0 };
             if iteration == 1 && !system.linear {
                 limit = equation.error_limit(energy);
             }
@@ -559,7 +561,7 @@ impl<S: TangentSolver> Newton<S> {
 
 /// Step limiter: scales an increment that rotates a director by more than `turn` (rad), or moves a node by more than
 /// `turn` times the model's length.
-fn shorten(system: &System, turn: f64, increment: &mut [Nodal]) {
+fn limit_rotation(system: &System, turn: f64, increment: &mut [Nodal]) {
     let size = |(d, kind): (&Nodal, &VectorKind)| {
         let length = if *kind == VectorKind::Position { system.length } else { 1.0 };
         dot(&[*d], &[*d]).sqrt() / length

@@ -1,9 +1,9 @@
 //! Solvers of the linear systems of Newton's method.
 
-use super::chord;
+use super::lagged_tangent;
 use crate::bddc::{Bddc, BddcError, Options, StoppingCriterion};
 use crate::element::{Kinematics, Nodal};
-use crate::system::assembly::{TangentParts, curvature};
+use crate::system::assembly::{TangentCoefficients, curvature};
 use crate::system::{Assembly, System};
 use crate::{Error, Result};
 use tegula_sparse::{Factor, FactorError, SparseLdlt};
@@ -23,7 +23,7 @@ pub struct Linearization<'a> {
     /// Motion at which the tangent is computed.
     pub motion: &'a Kinematics<'a>,
     /// Tangent coefficients.
-    pub parts: &'a TangentParts,
+    pub parts: &'a TangentCoefficients,
     /// Whether the geometric stiffness uses the extrapolated stress.
     pub extrapolated: bool,
     /// Increment whose product with the tangent is added to the forces.
@@ -121,7 +121,7 @@ impl TangentSolver for SparseLdlt {
     }
 
     fn price(&self) -> f64 {
-        chord::price(self.operations(), self.factor_entries())
+        lagged_tangent::cost(self.operations(), self.factor_entries())
     }
 
     fn tangents(&self) -> usize {

@@ -10,7 +10,7 @@ use super::solver::Iterative;
 use super::{Balance, Observer, State, Statistics};
 use crate::element::{Kinematics, Motion, Nodal, TangentWeights};
 use crate::model::{LinearSolver, StaticAnalysis};
-use crate::system::assembly::{TangentParts, add_follower_loads};
+use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::system::{Assembly, System, dot};
 use crate::{Error, Result};
 
@@ -21,7 +21,7 @@ pub use load_steps::first_state;
 /// the whole load overshoots so far on thin shells that the way back takes longer: on the quarter cylinder of Sect. 5.2
 /// with 64 × 64 elements limits of 0.3 to 0.5 take 8 tangents, 0.2 and 0.6 take 9, and 0.8 takes 13. Prescribed strains
 /// bend shells without load, and full increments converge best there.
-const FIRST_TURN: f64 = 0.4;
+const FIRST_ROTATION: f64 = 0.4;
 /// Largest number of reductions of the step limiter: a repeated step begins with a quarter of the rotation, the next
 /// one with a sixteenth. Sheets that stretch long before they rotate far (L/h = 10⁵) find their equilibrium from there,
 /// where no shorter step helps.
@@ -46,15 +46,15 @@ impl Equation for StaticEquation {
         state_kinematics(system, &self.u, self.time)
     }
 
-    fn parts(&self) -> TangentParts {
-        TangentParts {
+    fn parts(&self) -> TangentCoefficients {
+        TangentCoefficients {
             weights: TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 },
             mass: 0.0,
             time: self.time,
         }
     }
 
-    fn rest(&self, system: &System, out: &mut [Nodal]) {
+    fn external_minus_inertia(&self, system: &System, out: &mut [Nodal]) {
         out.fill([0.0; 3]);
         system.add_dead_loads(self.time, 1.0, out);
         add_follower_loads(system, &self.kinematics(system), self.time, 1.0, out);
@@ -72,9 +72,9 @@ impl Equation for StaticEquation {
         assembly.strain_energy(system, &self.u, self.time).max(self.scales[0])
     }
 
-    fn first_turn(&self, system: &System) -> Option<f64> {
+    fn first_rotation_limit(&self, system: &System) -> Option<f64> {
         (!system.linear && system.prescribed_strains.is_empty())
-            .then(|| FIRST_TURN / f64::from(1 << (2 * self.attempts.min(MOST_SHORTENED))))
+            .then(|| FIRST_ROTATION / f64::from(1 << (2 * self.attempts.min(MOST_SHORTENED))))
     }
 
     fn displacement_scale(&self, system: &System) -> f64 {

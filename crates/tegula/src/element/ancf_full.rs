@@ -15,7 +15,7 @@ use nalgebra::DMatrix;
 use super::geometry::{NODES, ShellGeometry, cross_section_frame, shape, strain_transformation};
 use super::group::ElementGroup;
 use super::shell::{
-    GroupBuilder, GroupSetup, Member, QuadraticBuilder, ShellElement, Station, StrainOperator,
+    GroupBuilder, GroupSetup, IntegrationPoint, Member, QuadraticBuilder, ShellElement, StrainOperator,
 };
 use super::strains::SampledStrains;
 use super::transform::NodalTransform;
@@ -279,13 +279,15 @@ impl GroupBuilder for Builder {
     fn push(&mut self, member: Member) -> Result<(), String> {
         let no_mass = vec![0.0; member.mass.len()];
         let transform = AncfFull::transform(member.geometry);
-        for (k, (builder, station)) in self.points.iter_mut().zip(member.stations).enumerate() {
-            let samples = station.samples.columns(k * SAMPLES, SAMPLES).into_owned();
+        for (k, (builder, integration_point)) in
+            self.points.iter_mut().zip(member.integration_points).enumerate()
+        {
+            let samples = integration_point.samples.columns(k * SAMPLES, SAMPLES).into_owned();
             builder.push_transform(transform.clone());
             builder.push(Member {
                 vectors: member.vectors,
                 geometry: member.geometry,
-                stations: vec![Station { samples, ..station }],
+                integration_points: vec![IntegrationPoint { samples, ..integration_point }],
                 mass: if k == 0 { member.mass.clone() } else { no_mass.clone() },
             })?;
         }

@@ -22,8 +22,8 @@ use pulp::{Arch, Scalar, Simd};
 use rayon::prelude::*;
 
 use super::bilinear_kernel::{LanesTangent, Measure, StrainAndStress, Workspace, dot, strain_and_stress};
-use super::constitution::energy_of_fields;
 use super::forms::{BASIS, Forms, MOST, QUADRATIC, VECTORS, shares};
+use super::generalized_law::energy_of_fields;
 use super::geometry::ShellGeometry;
 use super::group::{ElementGroup, Kinematics, Nodal, TangentRequest, TangentWeights};
 use super::lanes::{BATCH, LaneWork, Lanes, in_batches, run};

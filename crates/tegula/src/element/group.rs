@@ -51,7 +51,7 @@ pub struct Kinematics<'a> {
     /// Time (load factor) at which prescribed strains act.
     pub time: f64,
     /// History variables and factors of the prescribed strains.
-    pub interior: Interior<'a>,
+    pub interior: InternalVariables<'a>,
     /// Mask of the inextensible directors among the nodal vectors; empty: none.
     pub unit: &'a [bool],
 }
@@ -59,14 +59,14 @@ pub struct Kinematics<'a> {
 impl<'a> Kinematics<'a> {
     /// Evaluation point of a motion; the assembly fills in the history variables.
     pub fn new(reference: &'a [Nodal], motion: Motion<'a>, linear: bool, time: f64) -> Self {
-        Self { reference, motion, linear, time, interior: Interior::default(), unit: &[] }
+        Self { reference, motion, linear, time, interior: InternalVariables::default(), unit: &[] }
     }
 }
 
 /// History (internal) variables and factors of the prescribed strains: they determine the stress besides the
 /// deformation.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Interior<'a> {
+pub struct InternalVariables<'a> {
     /// Committed history variables (end of the last step) of the group, element by element: enhanced parameters and
     /// internal variables.
     pub history: &'a [f64],

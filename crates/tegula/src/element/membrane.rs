@@ -32,7 +32,7 @@
 //! c_r² + c_s², at the 2×2 Gauss points.
 //!
 //! **Assumed shear.** The equations of the enhanced parameters contain the material tangent in Green–Lagrange strain.
-//! That of rubber is indefinite from moderate stretches on, although the material is stable: the geometric stiffness,
+//! For rubber it is indefinite from moderate stretches on, although the material is stable: the geometric stiffness,
 //! which compensates, does not act on the parameters. [`Membrane::AssumedShear`] has no such parameters: it projects
 //! the two enhanced shear modes out of the in-plane strains, by least squares over the element. On a rectangle this is
 //! the shear at the centre. Elements with three-dimensional stresses add three enhanced thickness strains, uniform over

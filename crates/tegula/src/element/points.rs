@@ -11,9 +11,9 @@
 
 use nalgebra::{DMatrix, Matrix6, Vector6};
 
-use super::constitution::Constitution;
-use super::group::Interior;
-use super::shell::{Station, StationResponse};
+use super::generalized_law::GeneralizedLaw;
+use super::group::InternalVariables;
+use super::shell::{IntegrationPoint, PointResponse};
 use crate::material::Law;
 
 /// Largest number of enhanced parameters.
@@ -40,18 +40,23 @@ pub struct PointElement {
 
 impl PointElement {
     /// Sorts integration points and sums the linear ones.
-    pub fn new(stations: Vec<Station>, samples: usize, parameters: usize, fields: usize) -> Self {
+    pub fn new(
+        integration_points: Vec<IntegrationPoint>,
+        samples: usize,
+        parameters: usize,
+        fields: usize,
+    ) -> Self {
         let n = samples + parameters;
         let mut linear = DMatrix::zeros(n, n);
         let mut linear_prescribed = vec![0.0; n * fields];
         let mut points = Vec::new();
-        for s in stations {
+        for s in integration_points {
             let rows = s.samples.nrows();
             let l = DMatrix::from_fn(rows, n, |i, j| {
                 if j < samples { s.samples[(i, j)] } else { s.enhanced[(i, j - samples)] }
             });
             match s.response {
-                StationResponse::Linear(c) => {
+                PointResponse::Linear(c) => {
                     let cl = c * &l * s.weight;
                     for (field, e0) in s.prescribed.iter().enumerate() {
                         for (j, value) in (cl.transpose() * e0).iter().enumerate() {
@@ -60,7 +65,7 @@ impl PointElement {
                     }
                     linear += l.transpose() * cl;
                 }
-                StationResponse::Law(law) => {
+                PointResponse::Law(law) => {
                     let e0 = s.prescribed.iter().flat_map(|e| e.iter().copied()).collect();
                     points.push((law, s.weight, l.transpose().as_slice().to_vec(), e0));
                 }
@@ -72,7 +77,7 @@ impl PointElement {
 
 /// Generalised constitutive law of a group, integrated point by point.
 #[derive(Debug, Clone, Default)]
-pub struct PointConstitution<const S: usize> {
+pub struct PointLaw<const S: usize> {
     laws: Vec<Law>,
     /// Number of enhanced parameters.
     parameters: usize,
@@ -105,7 +110,7 @@ struct Pass<const S: usize> {
     dissipation: f64,
 }
 
-impl<const S: usize> PointConstitution<S> {
+impl<const S: usize> PointLaw<S> {
     /// Law of a group from its elements.
     pub fn new(laws: Vec<Law>, elements: Vec<PointElement>, parameters: usize) -> Self {
         let n = S + parameters;
@@ -131,7 +136,7 @@ impl<const S: usize> PointConstitution<S> {
         }
         let elements = out.weight.len() / points.max(1);
         let zero = vec![0.0; history];
-        let interior = Interior { history: &zero, factors: &[] };
+        let interior = InternalVariables { history: &zero, factors: &[] };
         let mut reference = vec![0.0; elements * S * S];
         for (e, block) in reference.chunks_exact_mut(S * S).enumerate() {
             out.with_tangent(e, &[0.0; S], &interior, |h| block.copy_from_slice(h));
@@ -141,7 +146,13 @@ impl<const S: usize> PointConstitution<S> {
     }
 
     /// Strain at an integration point for x = (s, α).
-    fn strain_at(&self, point: usize, s: &[f64; S], alpha: &Parameters, interior: &Interior) -> Vector6<f64> {
+    fn strain_at(
+        &self,
+        point: usize,
+        s: &[f64; S],
+        alpha: &Parameters,
+        interior: &InternalVariables,
+    ) -> Vector6<f64> {
         let n = S + self.parameters;
         let l = &self.strain[point * 6 * n..(point + 1) * 6 * n];
         let mut strain = Vector6::zeros();
@@ -173,7 +184,7 @@ impl<const S: usize> PointConstitution<S> {
         element: usize,
         s: &[f64; S],
         alpha: &Parameters,
-        interior: &Interior,
+        interior: &InternalVariables,
         mut f: impl FnMut(usize, &Law, &Vector6<f64>, &[f64], std::ops::Range<usize>) -> Option<()>,
     ) -> Option<()> {
         let mut at = self.parameters;
@@ -194,7 +205,7 @@ impl<const S: usize> PointConstitution<S> {
         i: usize,
         s: &[f64; S],
         alpha: &Parameters,
-        interior: &Interior,
+        interior: &InternalVariables,
     ) -> f64 {
         if self.linear.is_empty() {
             return 0.0;
@@ -223,7 +234,7 @@ impl<const S: usize> PointConstitution<S> {
         &self,
         element: usize,
         s: &[f64; S],
-        interior: &Interior,
+        interior: &InternalVariables,
     ) -> Option<(Parameters, ParameterMatrix)> {
         let a = self.parameters;
         let mut alpha = [0.0; MAX_PARAMETERS];
@@ -290,7 +301,7 @@ impl<const S: usize> PointConstitution<S> {
         element: usize,
         s: &[f64; S],
         alpha: &Parameters,
-        interior: &Interior,
+        interior: &InternalVariables,
         mut tangent: Option<Blocks<'_, S>>,
         mut history: Option<&mut [f64]>,
     ) -> Option<Pass<S>> {
@@ -348,7 +359,7 @@ impl<const S: usize> PointConstitution<S> {
         &self,
         element: usize,
         s: &[f64; S],
-        interior: &Interior,
+        interior: &InternalVariables,
         h: &mut [[f64; S]; S],
     ) -> Option<()> {
         let a = self.parameters;
@@ -457,8 +468,8 @@ fn solve(k: &ParameterMatrix, n: usize, x: &mut Parameters) {
     }
 }
 
-impl<const S: usize> Constitution<S> for PointConstitution<S> {
-    fn stress(&self, element: usize, s: &[f64; S], interior: &Interior) -> [f64; S] {
+impl<const S: usize> GeneralizedLaw<S> for PointLaw<S> {
+    fn stress(&self, element: usize, s: &[f64; S], interior: &InternalVariables) -> [f64; S] {
         let parameters = self.parameters(element, s, interior);
         parameters
             .and_then(|(alpha, _)| self.pass(element, s, &alpha, interior, None, None))
@@ -467,7 +478,13 @@ impl<const S: usize> Constitution<S> for PointConstitution<S> {
 
     /// Discrete gradient of O. Gonzalez, *Time integration and discrete Hamiltonian systems*, J. Nonlinear Sci. 6
     /// (1996) 449–467, in the metric of the reference stiffness.
-    fn mean_stress(&self, element: usize, old: &[f64; S], new: &[f64; S], interior: &Interior) -> [f64; S] {
+    fn mean_stress(
+        &self,
+        element: usize,
+        old: &[f64; S],
+        new: &[f64; S],
+        interior: &InternalVariables,
+    ) -> [f64; S] {
         let middle = std::array::from_fn(|i| 0.5 * (old[i] + new[i]));
         let change: [f64; S] = std::array::from_fn(|i| new[i] - old[i]);
         let mut n = self.stress(element, &middle, interior);
@@ -488,7 +505,7 @@ impl<const S: usize> Constitution<S> for PointConstitution<S> {
         &self,
         element: usize,
         s: &[f64; S],
-        interior: &Interior,
+        interior: &InternalVariables,
         f: impl FnOnce(&[f64]) -> R,
     ) -> R {
         let mut h = [[0.0; S]; S];
@@ -503,7 +520,7 @@ impl<const S: usize> Constitution<S> for PointConstitution<S> {
         element: usize,
         s: &[f64; S],
         change: &[f64; S],
-        interior: &Interior,
+        interior: &InternalVariables,
     ) -> [f64; S] {
         self.with_tangent(element, s, interior, |h| {
             std::array::from_fn(|i| h[i * S..(i + 1) * S].iter().zip(change).map(|(a, b)| a * b).sum())
@@ -514,7 +531,7 @@ impl<const S: usize> Constitution<S> for PointConstitution<S> {
         self.multiply_reference(element, rate)
     }
 
-    fn energy(&self, element: usize, s: &[f64; S], interior: &Interior) -> f64 {
+    fn energy(&self, element: usize, s: &[f64; S], interior: &InternalVariables) -> f64 {
         let parameters = self.parameters(element, s, interior);
         parameters
             .and_then(|(alpha, _)| self.pass(element, s, &alpha, interior, None, None))
@@ -525,7 +542,7 @@ impl<const S: usize> Constitution<S> for PointConstitution<S> {
         self.history
     }
 
-    fn update(&self, element: usize, s: &[f64; S], interior: &Interior, history: &mut [f64]) -> f64 {
+    fn update(&self, element: usize, s: &[f64; S], interior: &InternalVariables, history: &mut [f64]) -> f64 {
         let parameters = self.parameters(element, s, interior);
         parameters
             .and_then(|(alpha, _)| self.pass(element, s, &alpha, interior, None, Some(history)))

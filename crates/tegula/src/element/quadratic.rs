@@ -7,8 +7,10 @@
 use pulp::Arch;
 use rayon::prelude::*;
 
-use super::constitution::Constitution;
-use super::group::{ElementGroup, Interior, Kinematics, Motion, Nodal, TangentRequest, TangentWeights};
+use super::generalized_law::GeneralizedLaw;
+use super::group::{
+    ElementGroup, InternalVariables, Kinematics, Motion, Nodal, TangentRequest, TangentWeights,
+};
 use super::strains::{Directions, SampledStrains};
 use super::transform::NodalTransform;
 
@@ -43,7 +45,7 @@ pub struct QuadraticGroup<const M: usize, const N: usize, const S: usize, const 
 }
 
 /// Strain state of an element: base vectors, generalised stresses and sampled strains of a motion.
-struct Strained<const S: usize, const D: usize> {
+struct StrainState<const S: usize, const D: usize> {
     /// Base vectors of the configuration in which the stress acts: current (state) or mid-step (step).
     acting: Directions<f64, D>,
     /// Generalised stresses.
@@ -52,7 +54,7 @@ struct Strained<const S: usize, const D: usize> {
     strain: [f64; S],
 }
 
-impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitution<S>>
+impl<const M: usize, const N: usize, const S: usize, const D: usize, C: GeneralizedLaw<S>>
     QuadraticGroup<M, N, S, D, C>
 {
     /// Group of elements with their generalised constitutive law.
@@ -78,14 +80,14 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitu
 
     /// History variables of an element, and the factors of the prescribed strains.
     #[inline(always)]
-    fn interior<'a>(&self, element: usize, k: &Kinematics<'a>) -> Interior<'a> {
+    fn interior<'a>(&self, element: usize, k: &Kinematics<'a>) -> InternalVariables<'a> {
         let n = self.constitution.history();
         let history = if n == 0 {
             &[][..]
         } else {
             k.interior.history.get(element * n..(element + 1) * n).unwrap_or(&[])
         };
-        Interior { history, factors: k.interior.factors }
+        InternalVariables { history, factors: k.interior.factors }
     }
 
     #[inline(always)]
@@ -132,7 +134,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitu
 
     /// Strain state of the motion: generalised stresses, and base vectors of the configuration in which they act.
     #[inline(always)]
-    fn stress(&self, e: usize, k: &Kinematics) -> Strained<S, D> {
+    fn stress(&self, e: usize, k: &Kinematics) -> StrainState<S, D> {
         let p0 = self.strains.directions(&self.gather(e, k.reference));
         let interior = self.interior(e, k);
         let mut acting = p0;
@@ -149,7 +151,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitu
                     let rate = self.strains.rates(&acting, &v);
                     add_scaled(&mut stress, &self.constitution.viscous(e, &rate), tau);
                 }
-                Strained { acting, stress, strain }
+                StrainState { acting, stress, strain }
             }
             Motion::Step { old, new, dt } => {
                 let (p_old, s_old) = self.strains_at(e, k, &p0, old);
@@ -164,14 +166,14 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitu
                     add_scaled(&mut stress, &self.constitution.viscous(e, &rate), tau);
                 }
                 let strain = std::array::from_fn(|i| 0.5 * (s_old[i] + s_new[i]));
-                Strained { acting, stress, strain }
+                StrainState { acting, stress, strain }
             }
         }
     }
 
     #[inline(always)]
     fn evaluate_one(&self, e: usize, k: &Kinematics, force: &mut [f64], tangent: Option<OneTangent>) {
-        let Strained { acting, stress: n, strain } = self.stress(e, k);
+        let StrainState { acting, stress: n, strain } = self.stress(e, k);
         let mut f = self.strains.force(&acting, &n);
         if let Some(t) = self.members.transforms.get(e) {
             f = t.apply_transposed(&f);
@@ -265,7 +267,7 @@ fn add_scaled<const S: usize>(to: &mut [f64; S], from: &[f64; S], factor: f64) {
     }
 }
 
-impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitution<S>> ElementGroup
+impl<const M: usize, const N: usize, const S: usize, const D: usize, C: GeneralizedLaw<S>> ElementGroup
     for QuadraticGroup<M, N, S, D, C>
 {
     fn name(&self) -> &'static str {
@@ -352,7 +354,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Constitu
     ) {
         let tau = self.retardation_time;
         stresses.par_chunks_mut(S).with_min_len(CHUNK).enumerate().for_each(|(e, out)| {
-            let Strained { acting, stress, strain } = self.stress(e, k);
+            let StrainState { acting, stress, strain } = self.stress(e, k);
             let delta = self.strains.directions(&self.gather(e, increment));
             let change = self.strains.rates(&acting, &delta);
             let product = self.constitution.tangent_product(e, &strain, &change, &self.interior(e, k));

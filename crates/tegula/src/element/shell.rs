@@ -1,7 +1,7 @@
 //! Interface of a shell element type, and the builder of its element groups.
 //!
 //! An element type consists of its table of sampled strains and of strain operators at any height over a few points of
-//! its mid-surface. Sections and materials turn them into integration points ([`Station`]), the terms of the element's
+//! its mid-surface. Sections and materials turn them into integration points ([`IntegrationPoint`]), the terms of the element's
 //! energy; static condensation of the enhanced parameters takes place here, once, where all materials are linear.
 
 use std::fmt::Debug;
@@ -9,11 +9,11 @@ use std::fmt::Debug;
 use nalgebra::{DMatrix, DVector};
 
 use super::bilinear::{BilinearGroup, BilinearMembers};
-use super::constitution::LinearConstitution;
 use super::forms::Forms;
+use super::generalized_law::LinearLaw;
 use super::geometry::ShellGeometry;
 use super::group::ElementGroup;
-use super::points::{PointConstitution, PointElement};
+use super::points::{PointElement, PointLaw};
 use super::quadratic::{Members, QuadraticGroup};
 use super::strains::SampledStrains;
 use super::transform::NodalTransform;
@@ -102,13 +102,13 @@ pub struct GroupSetup {
 
 /// Integration point: a term `w ψ(L s + G α − Σ f ε₀)` of an element's energy.
 #[derive(Debug, Clone)]
-pub struct Station {
+pub struct IntegrationPoint {
     /// L: strains from the sampled strains s.
     pub samples: DMatrix<f64>,
     /// G: strains from the enhanced parameters α.
     pub enhanced: DMatrix<f64>,
     /// Material response ψ.
-    pub response: StationResponse,
+    pub response: PointResponse,
     /// w: integration weight.
     pub weight: f64,
     /// ε₀ of each prescribed strain field.
@@ -117,7 +117,7 @@ pub struct Station {
 
 /// Material response of an integration point.
 #[derive(Debug, Clone)]
-pub enum StationResponse {
+pub enum PointResponse {
     /// Linear elastic: `½ εᵀ C ε − σ₀·ε` per prescribed strain field, with `σ₀ = C ε₀`.
     Linear(DMatrix<f64>),
     /// Material law of the group, by index; it takes six strains.
@@ -132,7 +132,7 @@ pub struct Member<'a> {
     /// Reference geometry of the element.
     pub geometry: &'a ShellGeometry,
     /// Integration points, the terms of the element's energy.
-    pub stations: Vec<Station>,
+    pub integration_points: Vec<IntegrationPoint>,
     /// Mass: one scalar per pair of nodal vectors, lower triangle by rows.
     pub mass: Vec<f64>,
 }
@@ -173,7 +173,7 @@ pub struct Condensed {
 /// # Errors
 /// K_αα is not positive definite.
 pub fn condense(
-    stations: &[Station],
+    integration_points: &[IntegrationPoint],
     samples: usize,
     parameters: usize,
     fields: usize,
@@ -184,8 +184,8 @@ pub fn condense(
     let mut n = vec![DVector::zeros(samples); fields];
     let mut n_alpha = vec![DVector::zeros(parameters); fields];
     let mut energy = DMatrix::zeros(fields, fields);
-    for s in stations {
-        let StationResponse::Linear(c) = &s.response else { continue };
+    for s in integration_points {
+        let PointResponse::Linear(c) = &s.response else { continue };
         let cl = c * &s.samples * s.weight;
         h += s.samples.transpose() * &cl;
         if parameters > 0 {
@@ -229,7 +229,7 @@ pub struct QuadraticBuilder<const M: usize, const N: usize, const S: usize, cons
     parameters: usize,
     setup: GroupSetup,
     members: Members<M>,
-    linear: LinearConstitution<S>,
+    linear: LinearLaw<S>,
     points: Vec<PointElement>,
     /// Data of the bilinear kernel where it applies: forms of the element type, and elements in place of `linear`.
     bilinear: Option<(Forms, BilinearMembers)>,
@@ -244,7 +244,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> QuadraticBu
         setup: GroupSetup,
     ) -> Self {
         let fields = setup.fields;
-        let linear = LinearConstitution { fields, ..LinearConstitution::default() };
+        let linear = LinearLaw { fields, ..LinearLaw::default() };
         let bilinear = Forms::of(&strains)
             .filter(|_| setup.laws.is_empty() && !setup.reference_kernel)
             .map(|forms| (forms, BilinearMembers { fields, ..BilinearMembers::default() }));
@@ -263,14 +263,14 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> GroupBuilde
 {
     fn push(&mut self, member: Member) -> Result<(), String> {
         if let Some((forms, members)) = &mut self.bilinear {
-            let c = condense(&member.stations, S, self.parameters, self.setup.fields)?;
+            let c = condense(&member.integration_points, S, self.parameters, self.setup.fields)?;
             let vectors =
                 member.vectors.try_into().map_err(|_| "it has not the nodal vectors of its type")?;
             members.push(forms, vectors, member.geometry, &c, &member.mass);
             return Ok(());
         }
         if self.setup.laws.is_empty() {
-            let c = condense(&member.stations, S, self.parameters, self.setup.fields)?;
+            let c = condense(&member.integration_points, S, self.parameters, self.setup.fields)?;
             // Symmetric, so columns serve as rows.
             self.linear.h.extend_from_slice(c.stiffness.as_slice());
             for n in &c.prescribed {
@@ -278,7 +278,12 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> GroupBuilde
             }
             self.linear.prescribed_energy.extend_from_slice(c.prescribed_energy.as_slice());
         } else {
-            self.points.push(PointElement::new(member.stations, S, self.parameters, self.setup.fields));
+            self.points.push(PointElement::new(
+                member.integration_points,
+                S,
+                self.parameters,
+                self.setup.fields,
+            ));
         }
         self.members.vectors.push(std::array::from_fn(|a| member.vectors[a]));
         self.members.mass.extend_from_slice(&member.mass);
@@ -300,7 +305,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> GroupBuilde
         if self.setup.laws.is_empty() {
             vec![Box::new(QuadraticGroup::new(self.name, self.strains, self.members, self.linear, tau))]
         } else {
-            let points = PointConstitution::<S>::new(self.setup.laws, self.points, self.parameters);
+            let points = PointLaw::<S>::new(self.setup.laws, self.points, self.parameters);
             vec![Box::new(QuadraticGroup::new(self.name, self.strains, self.members, points, tau))]
         }
     }

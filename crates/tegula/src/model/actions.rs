@@ -227,7 +227,7 @@ fn edge_moments(
 }
 
 /// Moments along a director: nothing of the shell resists there, so that part would be lost.
-pub(super) fn lost_moments(loads: &[FollowerLoad], vectors: &Vectors, mesh: &Mesh) -> Vec<Issue> {
+pub(super) fn drilling_components(loads: &[FollowerLoad], vectors: &Vectors, mesh: &Mesh) -> Vec<Issue> {
     let lost = |load: &FollowerLoad| match load {
         FollowerLoad::Moment { vector, moment, .. } => {
             let d = Vec3::from(vectors.reference[*vector as usize]);

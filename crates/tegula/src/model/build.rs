@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use super::actions::{
-    added_masses, contradictions, dead_loads, follower_loads, initial_velocity, lost_moments, supports,
+    added_masses, contradictions, dead_loads, drilling_components, follower_loads, initial_velocity, supports,
 };
 use super::sections::Elements;
 use super::{Analysis, LinearSolver, Model, Scheme, StaticAnalysis, TransientAnalysis};
-use super::{check, course, force_sets, mechanism};
+use super::{amplitudes, check, force_sets, mechanism};
 use crate::element::geometry::tangents;
-use crate::element::{Nodal, fold_tie};
+use crate::element::{Nodal, director_angle};
 use crate::load::TimeFunction;
 use crate::mesh::directors::Directors;
 use crate::mesh::folds::Folds;
@@ -114,7 +114,7 @@ fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
         Analysis::Transient(TransientAnalysis { scheme: Scheme::Explicit(scheme), .. }) => Some(*scheme),
         _ => None,
     };
-    let tie = if explicit.is_some() { fold_tie::EXPLICIT_STIFFNESS } else { fold_tie::STIFFNESS };
+    let tie = if explicit.is_some() { director_angle::EXPLICIT_STIFFNESS } else { director_angle::STIFFNESS };
     elements.ties(&directors, &vectors, tie);
     let (amplitudes, names) = time_functions(model, &mut issues);
     let supports = supports(model, mesh, &vectors, &names, &mut issues);
@@ -145,7 +145,7 @@ fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
     }
 
     let (followers, load_of_follower) = follower_loads(model, mesh, &vectors, &names);
-    issues.extend(lost_moments(&followers, &vectors, mesh));
+    issues.extend(drilling_components(&followers, &vectors, mesh));
     let added = added_masses(model, mesh, &vectors);
     // The iterative solver takes the elements' own blocks.
     let iterative = matches!(
@@ -160,7 +160,7 @@ fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
             for e in 0..group.len() {
                 builder.element(group.vectors(e), group.mass(e));
             }
-            builder.end_portion();
+            builder.end_batch();
         }
         for load in &followers {
             builder.element(load.vectors(), &[]);
@@ -248,7 +248,7 @@ fn time_functions(model: &Model, issues: &mut Vec<Issue>) -> (Vec<TimeFunction>,
                 names.insert(name.clone(), functions.len());
                 functions.push(f);
             }
-            Err((message, help)) => issues.push(Issue::new(course::key(name, amplitude), message, help)),
+            Err((message, help)) => issues.push(Issue::new(amplitudes::key(name, amplitude), message, help)),
         }
     }
     (functions, names)

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::amplitudes;
 use super::checker::Checker;
-use super::course;
 use super::{AddedMass, Analysis, Condition, LinearSolver, Load, Model, Scheme};
 use crate::mesh::Mesh;
 use crate::system::System;
@@ -105,7 +105,7 @@ pub fn keys(model: &Model) -> Vec<Issue> {
         c.finite(&format!("{key}.angular_velocity"), "the angular velocity", &v.angular_velocity);
     }
     c.analysis(model);
-    c.issues.extend(course::amplitudes(model));
+    c.issues.extend(amplitudes::amplitudes(model));
     for (i, p) in model.output.points.iter().enumerate() {
         let key = format!("output.points[{i}]");
         if p.on.is_some() == p.at.is_some() {
@@ -248,12 +248,12 @@ pub fn sets(model: &Model, mesh: &Mesh) -> Vec<Issue> {
             }
         }
     }
-    c.issues.extend(loose_nodes(model, mesh));
+    c.issues.extend(orphan_nodes(model, mesh));
     c.issues
 }
 
 /// Sets in use that hold nodes without elements: such nodes have no coordinates to support, load or record.
-fn loose_nodes(model: &Model, mesh: &Mesh) -> Vec<Issue> {
+fn orphan_nodes(model: &Model, mesh: &Mesh) -> Vec<Issue> {
     let part_of = mesh.parts();
     let mut names: Vec<(String, &str)> = Vec::new();
     for (i, c) in model.conditions.iter().enumerate() {

@@ -67,7 +67,7 @@ type Key = (Vec<i64>, Vec<bool>);
 pub(super) struct NewShape(Key, Shape);
 
 /// Congruence of an element with those seen before.
-pub(super) enum Likeness {
+pub(super) enum Match {
     /// Congruent with the earlier element of this number.
     Like(usize),
     /// Not met before.
@@ -79,13 +79,13 @@ pub(super) enum Likeness {
 impl Congruence {
     /// Looks for an earlier element with the shape of this one and the same `directions` relative to it, under the same
     /// `acting` fields of prescribed strain.
-    pub fn look_up(&self, g: &ShellGeometry, directions: &[Vec3], acting: &[bool]) -> Likeness {
-        let Some(shape) = Shape::new(g, directions) else { return Likeness::Alone };
+    pub fn look_up(&self, g: &ShellGeometry, directions: &[Vec3], acting: &[bool]) -> Match {
+        let Some(shape) = Shape::new(g, directions) else { return Match::Alone };
         let key = shape.key(acting);
         match self.known.get(&key) {
-            Some((first, known)) if known.is(&shape) => Likeness::Like(*first),
-            Some(_) => Likeness::Alone,
-            None => Likeness::New(NewShape(key, shape)),
+            Some((first, known)) if known.is(&shape) => Match::Like(*first),
+            Some(_) => Match::Alone,
+            None => Match::New(NewShape(key, shape)),
         }
     }
 
@@ -114,9 +114,9 @@ mod tests {
         member: usize,
     ) -> Option<usize> {
         match shapes.look_up(g, directions, acting) {
-            Likeness::Like(first) => return Some(first),
-            Likeness::New(shape) => shapes.register(shape, member),
-            Likeness::Alone => {}
+            Match::Like(first) => return Some(first),
+            Match::New(shape) => shapes.register(shape, member),
+            Match::Alone => {}
         }
         None
     }
@@ -149,8 +149,8 @@ mod tests {
     fn what_was_not_accepted_is_not_found() {
         let shapes = Congruence::default();
         for _ in 0..3 {
-            let likeness = shapes.look_up(&element(Vec3::zeros(), 0.0, 1.0), &[], &[]);
-            assert!(matches!(likeness, Likeness::New(_)));
+            let found = shapes.look_up(&element(Vec3::zeros(), 0.0, 1.0), &[], &[]);
+            assert!(matches!(found, Match::New(_)));
         }
     }
 }

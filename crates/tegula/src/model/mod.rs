@@ -5,6 +5,7 @@
 //! the same types, and the documentation of a key is its doc comment.
 
 mod actions;
+mod amplitudes;
 mod analysis;
 pub mod build;
 pub mod check;
@@ -12,7 +13,6 @@ mod check_sections;
 mod checker;
 mod condition;
 mod congruence;
-mod course;
 mod force_sets;
 mod layup;
 mod material;

@@ -3,13 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::build::Vectors;
-use super::congruence::{Congruence, Likeness};
+use super::congruence::{Congruence, Match};
 use super::{Material, Membrane, Model, Section, StackedPly};
-use crate::element::constitution::LinearConstitution;
+use crate::element::generalized_law::LinearLaw;
 use crate::element::geometry::cross_section_frame;
 use crate::element::quadratic::Members;
 use crate::element::shell::{GroupSetup, Member, ShellElement};
-use crate::element::{ElementGroup, QuadraticGroup, ShellGeometry, fold_tie, registry};
+use crate::element::{ElementGroup, QuadraticGroup, ShellGeometry, director_angle, registry};
 use crate::material::Law;
 use crate::mesh::Mesh;
 use crate::mesh::directors::Directors;
@@ -332,16 +332,23 @@ impl Elements {
                 Vec::new()
             };
             let acting: Vec<bool> = prescribed.iter().map(Option::is_some).collect();
-            let likeness = shapes.as_ref().map_or(Likeness::Alone, |s| s.look_up(&g, &directions, &acting));
-            let shape = if let Likeness::Like(first) = likeness { first } else { members };
+            let found = shapes.as_ref().map_or(Match::Alone, |s| s.look_up(&g, &directions, &acting));
+            let shape = if let Match::Like(first) = found { first } else { members };
             let shared = shape != members && builder.push_like(shape, &connectivity, &g);
             let result = if shared {
                 Ok(())
             } else {
-                compiled.stations(element.as_ref(), &g, &prescribed).and_then(|stations| {
-                    let mass = element.mass(&g, &compiled.inertia);
-                    builder.push(Member { vectors: &connectivity, geometry: &g, stations, mass })
-                })
+                compiled.integration_points(element.as_ref(), &g, &prescribed).and_then(
+                    |integration_points| {
+                        let mass = element.mass(&g, &compiled.inertia);
+                        builder.push(Member {
+                            vectors: &connectivity,
+                            geometry: &g,
+                            integration_points,
+                            mass,
+                        })
+                    },
+                )
             };
             if let Err(reason) = result {
                 let c = g.centre();
@@ -359,7 +366,7 @@ impl Elements {
                 continue;
             }
             // Only now has the element its number.
-            if let (Some(shapes), Likeness::New(new)) = (&mut shapes, likeness) {
+            if let (Some(shapes), Match::New(new)) = (&mut shapes, found) {
                 shapes.register(new, members);
             }
             for (d, area) in corners.into_iter().zip(crate::element::geometry::nodal_areas(&g.positions)) {
@@ -396,7 +403,7 @@ impl Elements {
             return;
         }
         let mut members = Members::<2>::default();
-        let mut constitution = LinearConstitution::<3>::default();
+        let mut constitution = LinearLaw::<3>::default();
         for at_node in directors.ties.chunk_by(|a, b| directors.node_of(a) == directors.node_of(b)) {
             let shares = at_node.iter().flat_map(|tie| {
                 tie.directors.map(|d| {
@@ -413,12 +420,12 @@ impl Elements {
                 let [a, b] = tie.directors.map(|d| &directors.values[d as usize]);
                 members.vectors.push(tie.directors.map(|d| vectors.of_director[d as usize]));
                 members.mass.extend([0.0; 3]);
-                constitution.h.extend(fold_tie::stiffness([a, b], stiffness * largest));
+                constitution.h.extend(director_angle::stiffness([a, b], stiffness * largest));
             }
         }
         self.groups.push(Box::new(QuadraticGroup::<2, 6, 3, 2, _>::new(
             "fold-tie",
-            fold_tie::strains(),
+            director_angle::strains(),
             members,
             constitution,
             0.0,

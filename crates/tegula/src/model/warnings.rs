@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::course::amplitude_of;
+use super::amplitudes::amplitude_of;
 use super::{Analysis, Condition, GmshMesh, Load, MeshSource, Model, PrescribedStrain};
 use crate::analysis::dynamics::{PassedOver, passed_over};
 use crate::element::{ShellGeometry, registry};
@@ -21,7 +21,7 @@ const NODES: usize = 4;
 
 /// Input that has no effect, or a geometry that no shell has. The model is computed all the same.
 pub fn warnings(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
-    let mut found = idle(model);
+    let mut found = unused(model);
     found.extend(zero_loads(model));
     found.extend(idle_switches(model));
     found.extend(seams(model, mesh));
@@ -167,7 +167,7 @@ fn prism(model: &Model, mesh: &Mesh, system: &System) -> Option<Issue> {
 }
 
 /// Loads that do not act, and an equilibrium without loads.
-fn idle(model: &Model) -> Vec<Issue> {
+fn unused(model: &Model) -> Vec<Issue> {
     let Analysis::Modal(modal) = &model.analysis else { return Vec::new() };
     let prescribed = model.conditions.iter().any(|c| matches!(c, Condition::Prescribe(p) if p.value != 0.0));
     // Strains without an amplitude grow with the load factor: they are not there at the reference.

@@ -8,8 +8,8 @@ use crate::Mat3;
 use crate::analysis::State;
 use crate::analysis::statics::state_kinematics;
 use crate::element::geometry::cross_section_frame;
-use crate::element::shell::{Condensed, Station, StationResponse, condense};
-use crate::element::{Interior, Kinematics, Motion, Nodal, ShellGeometry};
+use crate::element::shell::{Condensed, IntegrationPoint, PointResponse, condense};
+use crate::element::{InternalVariables, Kinematics, Motion, Nodal, ShellGeometry};
 use crate::material::Response;
 use crate::model::PrescribedStrain;
 use crate::section::CompiledSection;
@@ -60,7 +60,7 @@ impl<'a> Snapshot<'a> {
     pub fn kinematics(&'a self, group: usize) -> Kinematics<'a> {
         let k = state_kinematics(self.system, &self.state.u, self.state.time);
         let motion = Motion::State { u: &self.state.u, velocity: self.small };
-        let interior = Interior { history: self.history[group], factors: &self.factors };
+        let interior = InternalVariables { history: self.history[group], factors: &self.factors };
         Kinematics { interior, motion, ..k }
     }
 
@@ -101,7 +101,7 @@ pub struct Shape {
     section: usize,
     number: usize,
     /// Terms of the energy (integration points), in the order in which [`CompiledSection`] lists them.
-    pub stations: Vec<Station>,
+    pub integration_points: Vec<IntegrationPoint>,
     /// Number of terms that stand for points of the element; the last term may hold enhanced parameters.
     points: usize,
     /// Frames of the points of the mid-surface, relative to that of the centre.
@@ -117,17 +117,28 @@ impl Shape {
         let of = &system.sections[shell.section];
         let (section, element) = (&of.section, of.element.as_ref());
         let geometry = &system.geometry(&Shell { member: shell.shape, ..shell.clone() });
-        let stations = section.stations(element, geometry, prescribed).ok()?;
-        let points = stations.len() - usize::from(!element.parameter_stiffness(geometry).is_empty());
+        let integration_points = section.integration_points(element, geometry, prescribed).ok()?;
+        let points =
+            integration_points.len() - usize::from(!element.parameter_stiffness(geometry).is_empty());
         let recovery = if element.parameters() > 0 && section.is_linear() {
-            Some(condense(&stations, element.samples(), element.parameters(), prescribed.len()).ok()?)
+            Some(
+                condense(&integration_points, element.samples(), element.parameters(), prescribed.len())
+                    .ok()?,
+            )
         } else {
             None
         };
         let centre = cross_section_frame(&geometry.base(0.0, 0.0, 0.0))?;
         let frame = |point| Some(centre.tr_mul(&element.operator(geometry, point, 0.0).ok()?.frame));
         let frames = (0..element.surface_points()).map(frame).collect::<Option<_>>()?;
-        Some(Self { section: shell.section, number: shell.shape, stations, points, frames, recovery })
+        Some(Self {
+            section: shell.section,
+            number: shell.shape,
+            integration_points,
+            points,
+            frames,
+            recovery,
+        })
     }
 }
 
@@ -145,7 +156,7 @@ impl Generalised {
     }
 }
 
-/// Interior of an element, for the recovery of strains and stresses.
+/// InternalVariables of an element, for the recovery of strains and stresses.
 pub struct Inside<'a> {
     section: &'a CompiledSection,
     geometry: ShellGeometry,
@@ -175,12 +186,12 @@ pub struct PointStrain {
 }
 
 impl<'a> Inside<'a> {
-    /// Interior of an element; `None` where the element's geometry is invalid, which a built system excludes.
+    /// InternalVariables of an element; `None` where the element's geometry is invalid, which a built system excludes.
     pub fn new(snapshot: &'a Snapshot<'a>, shell: &'a Shell) -> Option<Self> {
         Self::after(snapshot, shell, &mut None)
     }
 
-    /// Interior of an element after another one, which often has the same shape.
+    /// InternalVariables of an element after another one, which often has the same shape.
     pub fn after(
         snapshot: &'a Snapshot<'a>,
         shell: &'a Shell,
@@ -236,9 +247,9 @@ impl<'a> Inside<'a> {
             &c.recovery * &samples
         } else {
             let (mut k, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
-            for (s, answer) in self.shape.stations.iter().zip(self.answers()) {
+            for (s, answer) in self.shape.integration_points.iter().zip(self.answers()) {
                 let tangent = match (&s.response, answer) {
-                    (StationResponse::Linear(c), _) => c.clone(),
+                    (PointResponse::Linear(c), _) => c.clone(),
                     (_, Some(r)) => DMatrix::from_column_slice(6, 6, r.tangent.as_slice()),
                     (_, None) => return None,
                 };
@@ -255,9 +266,9 @@ impl<'a> Inside<'a> {
     /// evaluated.
     fn answers(&self) -> Vec<Option<Response>> {
         let mut at = self.state.parameters.len();
-        let mut answer = |s: &Station| match &s.response {
-            StationResponse::Linear(_) => None,
-            StationResponse::Law(law) => {
+        let mut answer = |s: &IntegrationPoint| match &s.response {
+            PointResponse::Linear(_) => None,
+            PointResponse::Law(law) => {
                 let law = &self.section.laws[*law];
                 let n = law.history();
                 let committed = self.history.get(at..at + n).unwrap_or(&[]);
@@ -267,13 +278,13 @@ impl<'a> Inside<'a> {
                 law.respond(&Vector6::from_column_slice(strain.as_slice()), committed, &mut updated)
             }
         };
-        self.shape.stations.iter().map(&mut answer).collect()
+        self.shape.integration_points.iter().map(&mut answer).collect()
     }
 
     /// Strain of an integration point at the state, minus the prescribed strains.
-    fn strain_of_state(&self, station: &Station) -> DVector<f64> {
-        let mut strain = self.state.strain(&station.samples, &station.enhanced);
-        for (factor, e0) in self.factors.iter().zip(&station.prescribed) {
+    fn strain_of_state(&self, integration_point: &IntegrationPoint) -> DVector<f64> {
+        let mut strain = self.state.strain(&integration_point.samples, &integration_point.enhanced);
+        for (factor, e0) in self.factors.iter().zip(&integration_point.prescribed) {
             strain -= e0 * *factor;
         }
         strain
@@ -281,48 +292,48 @@ impl<'a> Inside<'a> {
 
     /// Strain of an integration point, minus the prescribed strains; for a small motion, the strain of the motion
     /// alone.
-    pub fn station_strain(&self, station: &Station) -> DVector<f64> {
+    pub fn point_strain(&self, integration_point: &IntegrationPoint) -> DVector<f64> {
         match &self.change {
-            None => self.strain_of_state(station),
-            Some(change) => change.strain(&station.samples, &station.enhanced),
+            None => self.strain_of_state(integration_point),
+            Some(change) => change.strain(&integration_point.samples, &integration_point.enhanced),
         }
     }
 
     /// Stress of each integration point, conjugate to its strains; for a small motion, the stress of the motion alone.
-    pub fn station_stresses(&self) -> Vec<DVector<f64>> {
-        let mut stresses = self.all_station_stresses();
+    pub fn point_stresses(&self) -> Vec<DVector<f64>> {
+        let mut stresses = self.all_point_stresses();
         stresses.truncate(self.shape.points);
         stresses
     }
 
-    fn all_station_stresses(&self) -> Vec<DVector<f64>> {
-        let stress = |(s, answer): (&Station, Option<Response>)| match (&s.response, answer) {
-            (StationResponse::Linear(c), _) => c * self.station_strain(s),
+    fn all_point_stresses(&self) -> Vec<DVector<f64>> {
+        let stress = |(s, answer): (&IntegrationPoint, Option<Response>)| match (&s.response, answer) {
+            (PointResponse::Linear(c), _) => c * self.point_strain(s),
             (_, None) => DVector::zeros(6),
             (_, Some(r)) if self.change.is_none() => DVector::from_column_slice(r.stress.as_slice()),
             (_, Some(r)) => {
-                let strain = Vector6::from_column_slice(self.station_strain(s).as_slice());
+                let strain = Vector6::from_column_slice(self.point_strain(s).as_slice());
                 DVector::from_column_slice((r.tangent * strain).as_slice())
             }
         };
-        self.shape.stations.iter().zip(self.answers()).map(stress).collect()
+        self.shape.integration_points.iter().zip(self.answers()).map(stress).collect()
     }
 
     /// Energy ½ δε·C δε of a small motion.
     pub(super) fn small_energy(&self) -> f64 {
-        let stations = self.shape.stations.iter().zip(self.all_station_stresses());
-        stations.map(|(s, stress)| 0.5 * s.weight * stress.dot(&self.station_strain(s))).sum()
+        let integration_points = self.shape.integration_points.iter().zip(self.all_point_stresses());
+        integration_points.map(|(s, stress)| 0.5 * s.weight * stress.dot(&self.point_strain(s))).sum()
     }
 
     /// Internal variables of the integration points that have a law, with the number of the law.
-    pub fn station_history(&self) -> Vec<(usize, &'a [f64])> {
+    pub fn point_history(&self) -> Vec<(usize, &'a [f64])> {
         let mut at = self.state.parameters.len();
         self.shape
-            .stations
+            .integration_points
             .iter()
             .filter_map(|s| match s.response {
-                StationResponse::Linear(_) => None,
-                StationResponse::Law(law) => {
+                PointResponse::Linear(_) => None,
+                PointResponse::Law(law) => {
                     let n = self.section.laws[law].history();
                     let mine = self.history.get(at..at + n).unwrap_or(&[]);
                     at += n;
@@ -378,7 +389,7 @@ impl<'a> Inside<'a> {
     }
 
     /// Stress of the integration point over a point of the mid-surface that is nearest to a height, and its frame.
-    pub fn stress_of_nearest_station(
+    pub fn stress_of_nearest_point(
         &self,
         point: usize,
         z: f64,

@@ -72,8 +72,8 @@ fn plies(snapshot: &Snapshot, shell: &Shell, last: &mut Option<Arc<Shape>>) -> O
     let (section, element) = (&of.section, of.element.as_ref());
     let inside = Inside::after(snapshot, shell, last)?;
     let points = element.surface_points();
-    let stations = inside.station_stresses();
-    let per_point = stations.len() / points;
+    let integration_points = inside.point_stresses();
+    let per_point = integration_points.len() / points;
     let mut out = Vec::with_capacity(section.layers.len());
     for (number, layer) in section.layers.iter().enumerate() {
         let mut ply = PlyResult::default();
@@ -83,7 +83,7 @@ fn plies(snapshot: &Snapshot, shell: &Shell, last: &mut Option<Arc<Shape>>) -> O
             for point in 0..points {
                 let (stress, frame) = match inside.stress(point, z, layer) {
                     Some((stress, strain)) => (stress, strain.frame),
-                    None => inside.stress_of_nearest_station(point, z, points, &stations)?,
+                    None => inside.stress_of_nearest_point(point, z, points, &integration_points)?,
                 };
                 let turn = section.layer_turn(layer, &frame).ok()?;
                 let plane = turned_stress(Vector3::new(stress[0], stress[1], stress[2]), -turn);
@@ -91,7 +91,10 @@ fn plies(snapshot: &Snapshot, shell: &Shell, last: &mut Option<Arc<Shape>>) -> O
                     Resultant::Laminate(laminate) if !element.is_solid() => {
                         // The first integration point holds the resultants; equilibrium spreads their shear forces over
                         // the thickness.
-                        let q = Vector2::new(stations[point * per_point][4], stations[point * per_point][5]);
+                        let q = Vector2::new(
+                            integration_points[point * per_point][4],
+                            integration_points[point * per_point][5],
+                        );
                         let of_section = turn - layer.angle;
                         let gamma = laminate.stiffness(of_section).shear.try_inverse()? * q;
                         let states =
@@ -103,7 +106,10 @@ fn plies(snapshot: &Snapshot, shell: &Shell, last: &mut Option<Arc<Shape>>) -> O
                             .shear_stress
                     }
                     Resultant::Isotropic(_) if !element.is_solid() => {
-                        let q = Vector2::new(stations[point * per_point][4], stations[point * per_point][5]);
+                        let q = Vector2::new(
+                            integration_points[point * per_point][4],
+                            integration_points[point * per_point][5],
+                        );
                         let zeta = 2.0 * z / section.thickness;
                         shear_turn(turn) * q * (1.5 / section.thickness * (1.0 - zeta * zeta))
                     }
@@ -154,7 +160,7 @@ pub fn plastic_strains(system: &System, state: &State) -> Vec<f64> {
                 return 0.0;
             };
             let strain = |(law, history): (usize, &[f64])| section.laws[law].plastic_strain(history);
-            inside.station_history().into_iter().filter_map(strain).fold(0.0, f64::max)
+            inside.point_history().into_iter().filter_map(strain).fold(0.0, f64::max)
         })
         .collect()
 }

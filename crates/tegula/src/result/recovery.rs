@@ -93,7 +93,7 @@ fn element(
     let centre = cross_section_frame(&geometry.base(0.0, 0.0, 0.0))?;
     let mut out = ShellResult { axes: centre.into(), ..ShellResult::default() };
     let points = shell_element.surface_points();
-    let stresses = inside.station_stresses();
+    let stresses = inside.point_stresses();
     let per_point = stresses.len() / points;
     let share = 1.0 / points as f64;
     for point in 0..points {
@@ -125,14 +125,14 @@ fn element(
 /// Resultants n, n_zz, q, m of a point of the mid-surface from the stresses of its integration points.
 fn resultants(section: &CompiledSection, solid: bool, stresses: &[DVector<f64>]) -> [f64; 9] {
     let mut out = [0.0; 9];
-    let mut stations = stresses.iter();
-    if !solid && let Some(n) = stations.next() {
+    let mut integration_points = stresses.iter();
+    if !solid && let Some(n) = integration_points.next() {
         for (out, n) in out.iter_mut().zip(n.iter()) {
             *out += n;
         }
     }
     let heights = section.layers.iter().flat_map(|l| l.points.iter().copied());
-    for (s, (z, weight)) in stations.zip(heights) {
+    for (s, (z, weight)) in integration_points.zip(heights) {
         for i in 0..6 {
             out[i] += weight * s[i];
         }
@@ -156,13 +156,13 @@ fn surface_stresses(
         stresses(out, section.thickness, [0.0; 3]);
         return;
     }
-    let at_stations = inside.station_stresses();
+    let at_integration_points = inside.point_stresses();
     let mean = |layer: &Layer, z: f64| -> Option<Vector6<f64>> {
         let mut sum = Vector6::zeros();
         for point in 0..points {
             let (stress, frame) = match inside.stress(point, z, layer) {
                 Some((s, at)) => (s, at.frame),
-                None => inside.stress_of_nearest_station(point, z, points, &at_stations)?,
+                None => inside.stress_of_nearest_point(point, z, points, &at_integration_points)?,
             };
             let turn = Turn::between(&frame, centre);
             let [xx, yy, xy] = turn.tensor([stress[0], stress[1], stress[2]]);

@@ -8,7 +8,7 @@ use super::ply::{angle_in_plane, shear_turn, strain_turn, turned_plane_stress, t
 use super::quadrature::{gauss, lobatto};
 use super::{SectionInertia, SectionStiffness};
 use crate::element::geometry::ShellGeometry;
-use crate::element::shell::{ShellElement, Station, StationResponse, StrainOperator};
+use crate::element::shell::{IntegrationPoint, PointResponse, ShellElement, StrainOperator};
 use crate::material::Law;
 use crate::model::{Material, PrescribedStrain};
 use crate::{Mat3, Vec3};
@@ -195,12 +195,12 @@ impl CompiledSection {
     ///
     /// # Errors
     /// The geometry is invalid; the text says how.
-    pub fn stations(
+    pub fn integration_points(
         &self,
         element: &dyn ShellElement,
         g: &ShellGeometry,
         prescribed: &[Option<&PrescribedStrain>],
-    ) -> Result<Vec<Station>, String> {
+    ) -> Result<Vec<IntegrationPoint>, String> {
         let mut out = Vec::new();
         for point in 0..element.surface_points() {
             if element.is_solid() {
@@ -213,10 +213,10 @@ impl CompiledSection {
         if !stiffness.is_empty() {
             let (n, all) = (stiffness.len(), element.parameters());
             let response = DMatrix::from_diagonal(&DVector::from_vec(stiffness)) * self.resultant.stretch();
-            out.push(Station {
+            out.push(IntegrationPoint {
                 samples: DMatrix::zeros(n, element.samples()),
                 enhanced: DMatrix::from_fn(n, all, |i, j| if j == all - n + i { 1.0 } else { 0.0 }),
-                response: StationResponse::Linear(response),
+                response: PointResponse::Linear(response),
                 weight: 1.0,
                 prescribed: prescribed.iter().map(|_| DVector::zeros(n)).collect(),
             });
@@ -231,7 +231,7 @@ impl CompiledSection {
         g: &ShellGeometry,
         point: usize,
         prescribed: &[Option<&PrescribedStrain>],
-        out: &mut Vec<Station>,
+        out: &mut Vec<IntegrationPoint>,
     ) -> Result<(), String> {
         for layer in &self.layers {
             for &(z, weight) in &layer.points {
@@ -253,7 +253,7 @@ impl CompiledSection {
         g: &ShellGeometry,
         point: usize,
         prescribed: &[Option<&PrescribedStrain>],
-        out: &mut Vec<Station>,
+        out: &mut Vec<IntegrationPoint>,
     ) -> Result<(), String> {
         let middle = element.operator(g, point, 0.0)?;
         // Strains are ε − z κ.
@@ -305,10 +305,10 @@ impl CompiledSection {
                 }
             })
             .collect::<Result<_, String>>()?;
-        out.push(Station {
+        out.push(IntegrationPoint {
             samples,
             enhanced,
-            response: StationResponse::Linear(response),
+            response: PointResponse::Linear(response),
             weight: middle.measure,
             prescribed: fields,
         });
@@ -340,20 +340,20 @@ impl CompiledSection {
         stiffness: &Matrix6<f64>,
         prescribed: &[Option<&PrescribedStrain>],
         components: usize,
-    ) -> Result<Station, String> {
+    ) -> Result<IntegrationPoint, String> {
         let field = |p: &Option<&PrescribedStrain>| {
             let Some(p) = p else { return Ok(DVector::zeros(6)) };
             let mut strain = self.strain_3d(p, layer, &operator.frame, turn, z, stiffness)?;
             strain.rows_mut(components, 6 - components).fill(0.0);
             Ok::<_, String>(strain)
         };
-        Ok(Station {
+        Ok(IntegrationPoint {
             prescribed: prescribed.iter().map(field).collect::<Result<_, _>>()?,
             samples: operator.samples,
             enhanced: operator.enhanced,
             response: match layer.law {
-                Some(law) => StationResponse::Law(law),
-                None => StationResponse::Linear(dynamic(stiffness)),
+                Some(law) => PointResponse::Law(law),
+                None => PointResponse::Linear(dynamic(stiffness)),
             },
             weight,
         })

@@ -2,15 +2,17 @@
 
 use rayon::prelude::*;
 
-use super::pattern::PORTION;
+use super::pattern::BATCH;
 use super::{Numbering, System};
 use crate::Vec3;
-use crate::element::{ElementGroup, Interior, Kinematics, Motion, Nodal, TangentRequest, TangentWeights};
+use crate::element::{
+    ElementGroup, InternalVariables, Kinematics, Motion, Nodal, TangentRequest, TangentWeights,
+};
 use crate::lists::Lists;
 
 /// Tangent coefficients: weights of the element parts, factor of the mass, and time of the follower loads.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TangentParts {
+pub struct TangentCoefficients {
     /// Weights of the element parts.
     pub weights: TangentWeights,
     /// Factor of the mass matrix.
@@ -32,7 +34,7 @@ pub struct ElementBlocks<'a> {
 
 /// Number of batches from which on a model releases the batch buffer when the tangent is summed: the factorisation
 /// needs memory then, and reallocation is cheap for such models.
-const MANY_PORTIONS: usize = 8;
+const MANY_BATCHES: usize = 8;
 
 /// Assembly buffers for one analysis; nothing is allocated after they are made, except for models of many batches.
 pub struct Assembly {
@@ -62,7 +64,7 @@ impl Assembly {
     /// Buffers for a system.
     pub fn new(system: &System) -> Self {
         let mut out = Self::for_forces(system);
-        out.blocks = vec![0.0; 9 * largest_portion(system)];
+        out.blocks = vec![0.0; 9 * largest_batch(system)];
         out.values = vec![0.0; system.pattern.values()];
         out
     }
@@ -132,25 +134,25 @@ impl Assembly {
         &mut self,
         system: &System,
         k: &Kinematics,
-        parts: &TangentParts,
+        parts: &TangentCoefficients,
         extrapolated: bool,
         prescribed: Option<&[Nodal]>,
         out: &mut [Nodal],
     ) {
         self.values.resize(system.pattern.values(), 0.0);
-        self.blocks.resize(9 * largest_portion(system), 0.0);
+        self.blocks.resize(9 * largest_batch(system), 0.0);
         // A single task of the thread pool: from outside, each of the many small ones would wait to be scheduled.
         let work = || {
             system.pattern.begin(parts.mass, &self.numbering, &mut self.values);
-            let mut portion = 0;
-            self.portions(system, k, parts, (extrapolated, prescribed), |_, blocks, (numbering, values)| {
-                system.pattern.add(portion, blocks, parts.mass, numbering, values);
-                portion += 1;
+            let mut batch = 0;
+            self.batches(system, k, parts, (extrapolated, prescribed), |_, blocks, (numbering, values)| {
+                system.pattern.add(batch, blocks, parts.mass, numbering, values);
+                batch += 1;
             });
             self.gather_forces(out);
         };
         rayon::join(work, || ());
-        if self.energies.len() > MANY_PORTIONS * PORTION {
+        if self.energies.len() > MANY_BATCHES * BATCH {
             self.blocks = Vec::new();
         }
     }
@@ -161,29 +163,29 @@ impl Assembly {
         &mut self,
         system: &System,
         k: &Kinematics,
-        parts: &TangentParts,
+        parts: &TangentCoefficients,
         (extrapolated, prescribed): (bool, Option<&[Nodal]>),
         out: &mut [Nodal],
         mut take: impl FnMut(&[f64]) + Send,
     ) {
-        self.blocks.resize(9 * largest_portion(system), 0.0);
+        self.blocks.resize(9 * largest_batch(system), 0.0);
         let work =
             || {
                 let mut first = 0;
-                self.portions(system, k, parts, (extrapolated, prescribed), |elements, blocks, _| {
+                self.batches(system, k, parts, (extrapolated, prescribed), |elements, blocks, _| {
                     match elements {
                         Some((group, _)) => {
                             blocks.chunks(9 * pairs(group.vectors_per_element())).for_each(&mut take)
                         }
                         None => {
-                            let loads = system.followers[first..].iter().take(PORTION);
+                            let loads = system.followers[first..].iter().take(BATCH);
                             let mut at = 0;
                             for load in loads {
                                 let n = 9 * pairs(load.vectors().len());
                                 take(&blocks[at..at + n]);
                                 at += n;
                             }
-                            first += PORTION;
+                            first += BATCH;
                         }
                     }
                 });
@@ -193,10 +195,16 @@ impl Assembly {
     }
 
     /// Element work of [`forces_and_tangent`](Self::forces_and_tangent) alone, to measure its cost.
-    pub fn element_work(&mut self, system: &System, k: &Kinematics, parts: &TangentParts, out: &mut [Nodal]) {
-        self.blocks.resize(9 * largest_portion(system), 0.0);
+    pub fn element_work(
+        &mut self,
+        system: &System,
+        k: &Kinematics,
+        parts: &TangentCoefficients,
+        out: &mut [Nodal],
+    ) {
+        self.blocks.resize(9 * largest_batch(system), 0.0);
         let work = || {
-            self.portions(system, k, parts, (true, None), |_, _, _| {});
+            self.batches(system, k, parts, (true, None), |_, _, _| {});
             self.gather_forces(out);
         };
         rayon::join(work, || ());
@@ -207,11 +215,11 @@ impl Assembly {
         &mut self,
         system: &System,
         k: &Kinematics,
-        parts: &TangentParts,
+        parts: &TangentCoefficients,
         mut f: impl FnMut(ElementBlocks),
     ) {
-        self.blocks.resize(9 * largest_portion(system), 0.0);
-        self.portions(system, k, parts, (false, None), |elements, blocks, _| {
+        self.blocks.resize(9 * largest_batch(system), 0.0);
+        self.batches(system, k, parts, (false, None), |elements, blocks, _| {
             if let Some((group, first)) = elements {
                 f(ElementBlocks { group, first, blocks });
             }
@@ -220,11 +228,11 @@ impl Assembly {
 
     /// Evaluates the elements, then the follower loads, in the batches of the pattern, and hands group and first
     /// element (`None`: loads), the blocks, and the numbering and values for their sum to `take`.
-    fn portions(
+    fn batches(
         &mut self,
         system: &System,
         k: &Kinematics,
-        parts: &TangentParts,
+        parts: &TangentCoefficients,
         (extrapolated, prescribed): (bool, Option<&[Nodal]>),
         mut take: impl FnMut(Option<(&dyn ElementGroup, usize)>, &[f64], (&Numbering, &mut [f64])),
     ) {
@@ -238,8 +246,8 @@ impl Assembly {
             let (f, forces_rest) = forces.split_at_mut(3 * group.len() * m);
             let (s, stress_rest) = stress.split_at(group.len() * group.stresses_per_element());
             let k = inside(system, k, &mut history, group.as_ref(), &self.factors);
-            for (portion, forces) in f.chunks_mut(3 * m * PORTION).enumerate() {
-                let first = portion * PORTION;
+            for (batch, forces) in f.chunks_mut(3 * m * BATCH).enumerate() {
+                let first = batch * BATCH;
                 let blocks = &mut blocks[..9 * pairs(m) * (forces.len() / (3 * m))];
                 let request = TangentRequest {
                     weights: parts.weights,
@@ -254,7 +262,7 @@ impl Assembly {
         }
         let w = &parts.weights;
         let direction = if k.linear { 0.0 } else { w.force * w.direction };
-        for loads in system.followers.chunks(PORTION) {
+        for loads in system.followers.chunks(BATCH) {
             let mut rest = blocks.as_mut_slice();
             for load in loads {
                 let n = load.vectors().len();
@@ -471,9 +479,9 @@ pub(super) fn pairs(vectors: usize) -> usize {
 }
 
 /// Largest number of blocks in a batch of elements or follower loads.
-fn largest_portion(system: &System) -> usize {
-    let groups = system.groups.iter().map(|g| g.len().min(PORTION) * pairs(g.vectors_per_element()));
-    let loads = system.followers.chunks(PORTION);
+fn largest_batch(system: &System) -> usize {
+    let groups = system.groups.iter().map(|g| g.len().min(BATCH) * pairs(g.vectors_per_element()));
+    let loads = system.followers.chunks(BATCH);
     groups.chain(loads.map(|l| l.iter().map(|load| pairs(load.vectors().len())).sum())).max().unwrap_or(0)
 }
 
@@ -488,7 +496,7 @@ fn inside<'a>(
 ) -> Kinematics<'a> {
     let (mine, rest) = history.split_at(group.len() * group.history_per_element());
     *history = rest;
-    Kinematics { interior: Interior { history: mine, factors }, unit: &system.unit, ..*k }
+    Kinematics { interior: InternalVariables { history: mine, factors }, unit: &system.unit, ..*k }
 }
 
 /// Nodal vector of the configuration on which the forces of a motion act.
@@ -531,7 +539,7 @@ pub fn add_follower_loads(system: &System, k: &Kinematics, time: f64, factor: f6
 pub fn add_follower_stiffness(
     system: &System,
     k: &Kinematics,
-    parts: &TangentParts,
+    parts: &TangentCoefficients,
     increment: &[Nodal],
     out: &mut [Nodal],
 ) {

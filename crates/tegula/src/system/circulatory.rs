@@ -14,7 +14,7 @@
 
 use std::collections::BTreeMap;
 
-use super::assembly::{TangentParts, current_vector};
+use super::assembly::{TangentCoefficients, current_vector};
 use super::numbering::{CONSTRAINED, Numbering};
 use super::{System, VectorKind};
 use crate::element::Kinematics;
@@ -87,7 +87,7 @@ impl CirculatoryStiffness {
     }
 
     /// Computes the stiffness at a motion, with the coefficients of a tangent.
-    pub fn take(&mut self, system: &System, k: &Kinematics, parts: &TangentParts) {
+    pub fn take(&mut self, system: &System, k: &Kinematics, parts: &TangentCoefficients) {
         self.blocks.clear();
         if k.linear {
             return;

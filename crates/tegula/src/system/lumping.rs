@@ -11,10 +11,10 @@
 
 use super::assembly::{ElementBlocks, pairs};
 use super::element_frequency::{MassShares, of_elements, row_sums};
-use super::pattern::PORTION;
+use super::pattern::BATCH;
 use super::{System, VectorKind};
 use crate::Issue;
-use crate::element::{Interior, Kinematics, Motion, TangentRequest, TangentWeights};
+use crate::element::{InternalVariables, Kinematics, Motion, TangentRequest, TangentWeights};
 
 /// Coupling mass below this part of the mean of both masses is round-off.
 const ROUNDING: f64 = 1e-10;
@@ -41,7 +41,7 @@ pub fn lump(system: &mut System, added: &[(u32, u32, f64)], scale: bool) -> Vec<
         )];
     }
     if scale {
-        raise_directors(system, &shares, &mut mass);
+        scale_rotary_inertia(system, &shares, &mut mass);
     }
     system.pattern.set_mass(|i, j| if i == j { mass[i] } else { 0.0 });
     Vec::new()
@@ -88,7 +88,7 @@ fn unsuitable(system: &System) -> Option<(&'static str, &'static str)> {
 
 /// Rotary-inertia scaling: raises the mass of directors until the bound of their frequencies in every element is at
 /// most the highest one of positions.
-fn raise_directors(system: &System, shares: &MassShares, mass: &mut [f64]) {
+fn scale_rotary_inertia(system: &System, shares: &MassShares, mass: &mut [f64]) {
     let (mut membrane, mut directors) = (0.0_f64, Vec::new());
     at_rest(system, |part| {
         let of = |kind| of_elements(system, shares, mass, part, move |k| k == kind);
@@ -118,13 +118,13 @@ fn at_rest(system: &System, mut take: impl FnMut(ElementBlocks)) {
     let k = Kinematics::new(&system.reference, motion, system.linear, 0.0);
     for group in system.groups.iter().map(AsRef::as_ref) {
         let history = vec![0.0; group.len() * group.history_per_element()];
-        let interior = Interior { history: &history, factors: &factors };
+        let interior = InternalVariables { history: &history, factors: &factors };
         let k = Kinematics { interior, unit: &system.unit, ..k };
         let m = group.vectors_per_element();
-        let mut forces = vec![0.0; 3 * m * group.len().min(PORTION)];
-        let mut blocks = vec![0.0; 9 * pairs(m) * group.len().min(PORTION)];
-        for first in (0..group.len()).step_by(PORTION) {
-            let count = (group.len() - first).min(PORTION);
+        let mut forces = vec![0.0; 3 * m * group.len().min(BATCH)];
+        let mut blocks = vec![0.0; 9 * pairs(m) * group.len().min(BATCH)];
+        for first in (0..group.len()).step_by(BATCH) {
+            let count = (group.len() - first).min(BATCH);
             let blocks = &mut blocks[..9 * pairs(m) * count];
             let request = TangentRequest { weights, stress: None, prescribed: None, blocks: &mut *blocks };
             group.evaluate(&k, first, &mut forces[..3 * m * count], Some(request));

@@ -2,14 +2,14 @@
 
 pub mod assembly;
 pub mod circulatory;
+pub mod corotational_update;
 pub mod element_frequency;
 pub mod index_map;
-mod inversion;
+mod inverted_element;
 pub mod lumping;
 pub mod numbering;
 pub mod pattern;
 mod terms;
-pub mod turning;
 
 use std::ops::Range;
 
@@ -23,13 +23,13 @@ use crate::model::PrescribedStrain;
 use crate::section::CompiledSection;
 pub use assembly::Assembly;
 pub use circulatory::CirculatoryStiffness;
+pub use corotational_update::CorotationalUpdate;
 pub use index_map::IndexMap;
-pub use inversion::inside_out;
+pub use inverted_element::inverted_element;
 use numbering::Support;
 pub use numbering::{Numbering, VectorKind};
 pub use pattern::Pattern;
 use tegula_sparse::SymmetricPattern;
-pub use turning::Turning;
 
 /// Dead load: a force on nodal vectors that does not depend on the motion.
 #[derive(Debug, Clone)]

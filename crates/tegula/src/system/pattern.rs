@@ -20,7 +20,7 @@ use tegula_sparse::SymmetricPattern;
 /// Elements of a batch: their blocks (10 MB) stay in the last cache of a processor until they are summed. With 1024, in
 /// a nearer one, a thread takes 3 % less time, but two take 23 % more, as they wait for each other after every batch. A
 /// multiple of [`ALIGNMENT`](crate::element::group::ALIGNMENT).
-pub const PORTION: usize = 4096;
+pub const BATCH: usize = 4096;
 
 /// Block pattern of the lower triangle, by block column, and the sources of the contributions to each block.
 #[derive(Debug)]
@@ -39,14 +39,14 @@ pub struct Pattern {
     /// Blocks without an element.
     alone: Vec<u32>,
     /// Contributions of each batch of elements.
-    portions: Vec<Portion>,
+    batches: Vec<Batch>,
     /// Column pointers of the free degrees of freedom.
     pub column_pointers: Arc<Vec<usize>>,
 }
 
 /// Contributions of a batch of elements.
 #[derive(Debug, Default)]
-struct Portion {
+struct Batch {
     /// Blocks of the matrix, ascending.
     targets: Vec<Target>,
     /// Sources of all targets, one after another.
@@ -224,20 +224,20 @@ impl Pattern {
     /// Adds the blocks of a batch of elements. All batches are added, one after another.
     pub fn add(
         &self,
-        portion: usize,
+        batch: usize,
         buffer: &[f64],
         mass_factor: f64,
         numbering: &Numbering,
         values: &mut [f64],
     ) {
-        let portion = &self.portions[portion];
-        self.add_tasks(portion, 0..portion.tasks.len(), (buffer, mass_factor), numbering, values, 0);
+        let batch = &self.batches[batch];
+        self.add_tasks(batch, 0..batch.tasks.len(), (buffer, mass_factor), numbering, values, 0);
     }
 
     /// Adds the contributions of tasks to `values`, a slice that begins with value number `offset`.
     fn add_tasks(
         &self,
-        portion: &Portion,
+        batch: &Batch,
         tasks: Range<usize>,
         parts: (&[f64], f64),
         numbering: &Numbering,
@@ -246,22 +246,22 @@ impl Pattern {
     ) {
         if tasks.len() > 1 {
             let middle = tasks.start + tasks.len() / 2;
-            let split = portion.tasks[middle].value;
+            let split = batch.tasks[middle].value;
             let (left, right) = values.split_at_mut(split - offset);
             rayon::join(
-                || self.add_tasks(portion, tasks.start..middle, parts, numbering, left, offset),
-                || self.add_tasks(portion, middle..tasks.end, parts, numbering, right, split),
+                || self.add_tasks(batch, tasks.start..middle, parts, numbering, left, offset),
+                || self.add_tasks(batch, middle..tasks.end, parts, numbering, right, split),
             );
             return;
         }
-        let Some(task) = portion.tasks.get(tasks.start) else { return };
-        let end = portion.tasks.get(tasks.end).map_or(portion.targets.len(), |next| next.target as usize);
+        let Some(task) = batch.tasks.get(tasks.start) else { return };
+        let end = batch.tasks.get(tasks.end).map_or(batch.targets.len(), |next| next.target as usize);
         let (buffer, mass_factor) = parts;
         // In statics the mass is not even read.
         let mass = if mass_factor == 0.0 { &[] } else { self.mass.as_slice() };
-        let mut sources = portion.sources[task.source as usize..].iter();
+        let mut sources = batch.sources[task.source as usize..].iter();
         let mut column = self.column(task.column as usize, numbering, offset);
-        for &target in &portion.targets[task.target as usize..end] {
+        for &target in &batch.targets[task.target as usize..end] {
             if target.block() >= column.end {
                 column = self.column(self.column_of(target.block(), column.number + 1), numbering, offset);
             }

@@ -12,7 +12,7 @@ use tegula::element::{Nodal, TangentWeights};
 use tegula::mesh::generators::generate;
 use tegula::model::build::build;
 use tegula::model::*;
-use tegula::system::assembly::{TangentParts, add_follower_stiffness};
+use tegula::system::assembly::{TangentCoefficients, add_follower_stiffness};
 use tegula::system::{Assembly, CirculatoryStiffness, VectorKind};
 use tegula::{Mesh, Result, System, Vec3};
 
@@ -284,7 +284,7 @@ fn circulatory_stiffness_is_the_skew_part_of_all_follower_loads() {
         let (x, y) = (field(1.0), field(1.0));
         let k = state_kinematics(&system, &u, 0.9);
         let weights = TangentWeights { stress: 1.0, direction: 0.5, force: 0.8, rate: 0.0 };
-        let parts = TangentParts { weights, mass: 0.0, time: 0.9 };
+        let parts = TangentCoefficients { weights, mass: 0.0, time: 0.9 };
         let mut numbering = system.numbering.clone();
         numbering.follow(|v| Vec3::from(system.reference[v]) + Vec3::from(u[v]));
         let free = |field: &[Nodal]| {

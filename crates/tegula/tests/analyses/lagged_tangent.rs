@@ -6,8 +6,8 @@ use tegula::analysis::statics::state_kinematics;
 use tegula::element::{Nodal, TangentWeights};
 use tegula::model::*;
 use tegula::norm::max_norm;
-use tegula::system::assembly::TangentParts;
-use tegula::system::{Assembly, Turning, VectorKind};
+use tegula::system::assembly::TangentCoefficients;
+use tegula::system::{Assembly, CorotationalUpdate, VectorKind};
 use tegula::{System, Vec3};
 
 const NEWMARK: Scheme = Scheme::Newmark(NewmarkScheme { beta: 0.25, gamma: 0.5 });
@@ -105,7 +105,7 @@ fn turned_shell(angle: f64) -> (System, nalgebra::Rotation3<f64>, [Vec<Nodal>; 2
 fn the_rotations_of_a_turned_shell_are_its_rotation() {
     for angle in [0.1, 0.5, 1.0, 2.0, 3.0] {
         let (system, q, [from, to]) = turned_shell(angle);
-        let mut turning = Turning::new(&system);
+        let mut turning = CorotationalUpdate::new(&system);
         turning.find(&system, &from, &to);
         let mut random = Random::new(10);
         let field: Vec<Nodal> = (0..system.vectors()).map(|_| random.vector().into()).collect();
@@ -125,13 +125,13 @@ fn the_rotations_of_a_turned_shell_are_its_rotation() {
 #[test]
 fn the_tangent_of_a_turned_shell_is_the_turned_tangent() {
     let (system, _, [from, to]) = turned_shell(2.0);
-    let mut turning = Turning::new(&system);
+    let mut turning = CorotationalUpdate::new(&system);
     turning.find(&system, &from, &to);
     let pattern = system.tangent_pattern();
     let product = |u: &[Nodal], x: &[Nodal]| {
         let mut assembly = Assembly::new(&system);
         let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
-        let parts = TangentParts { weights, mass: 0.0, time: 0.0 };
+        let parts = TangentCoefficients { weights, mass: 0.0, time: 0.0 };
         let mut forces = vec![[0.0; 3]; system.vectors()];
         let k = state_kinematics(&system, u, 0.0);
         assembly.forces_and_tangent(&system, &k, &parts, false, None, &mut forces);

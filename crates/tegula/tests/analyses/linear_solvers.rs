@@ -11,7 +11,7 @@ use tegula::model::build::build;
 use tegula::model::*;
 use tegula::norm::max_norm;
 use tegula::system::Assembly;
-use tegula::system::assembly::TangentParts;
+use tegula::system::assembly::TangentCoefficients;
 use tegula_sparse::{Factor as _, SparseLdlt, SymmetricPattern};
 
 const TIGHT: StoppingCriterion =
@@ -95,9 +95,9 @@ impl Problem {
     }
 }
 
-fn parts() -> TangentParts {
+fn parts() -> TangentCoefficients {
     let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
-    TangentParts { weights, mass: 0.0, time: 1.0 }
+    TangentCoefficients { weights, mass: 0.0, time: 1.0 }
 }
 
 fn problem(model: &Model) -> Problem {

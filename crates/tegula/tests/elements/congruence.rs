@@ -9,7 +9,7 @@ use tegula::model::build::build;
 use tegula::model::*;
 use tegula::norm::max_norm;
 use tegula::system::Assembly;
-use tegula::system::assembly::TangentParts;
+use tegula::system::assembly::TangentCoefficients;
 use tegula::{Error, Mesh, System, Vec3};
 
 const THICKNESS: f64 = 0.02;
@@ -58,7 +58,7 @@ fn apart(m: &Model, mesh: &Mesh) -> (Model, Mesh) {
 fn response(system: &System, u: &[Nodal]) -> (Vec<f64>, Vec<f64>, f64) {
     let mut assembly = Assembly::new(system);
     let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
-    let parts = TangentParts { weights, mass: 3.0, time: 0.0 };
+    let parts = TangentCoefficients { weights, mass: 3.0, time: 0.0 };
     let k = state_kinematics(system, u, 0.0);
     let mut forces = vec![[0.0; 3]; system.vectors()];
     assembly.forces_and_tangent(system, &k, &parts, false, None, &mut forces);

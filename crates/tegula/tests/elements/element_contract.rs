@@ -11,11 +11,11 @@ use num_dual::Dual64;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use tegula::Vec3;
+use tegula::element::director_angle;
 use tegula::element::ems::{EmsShell, SAMPLES, SAMPLES_WITHOUT_ANS_SHEAR};
-use tegula::element::fold_tie;
 use tegula::element::geometry::ShellGeometry;
 use tegula::element::scalar::Scalar;
-use tegula::element::shell::{ShellElement, Station, StationResponse, condense};
+use tegula::element::shell::{IntegrationPoint, PointResponse, ShellElement, condense};
 use tegula::element::strains::SampledStrains;
 use tegula::model::{Isotropic, Membrane};
 use tegula::norm::max_norm;
@@ -76,7 +76,7 @@ fn sample() -> impl Strategy<Value = Sample> {
 }
 
 /// The terms of the element's energy.
-fn stations(element: &EmsShell, sample: &Sample) -> Vec<Station> {
+fn integration_points(element: &EmsShell, sample: &Sample) -> Vec<IntegrationPoint> {
     let section = CompiledSection {
         thickness: sample.thickness,
         layers: Vec::new(),
@@ -88,12 +88,13 @@ fn stations(element: &EmsShell, sample: &Sample) -> Vec<Station> {
         shear_stabilization: 0.0,
         isotropic: true,
     };
-    section.stations(element, &sample.geometry, &[]).unwrap()
+    section.integration_points(element, &sample.geometry, &[]).unwrap()
 }
 
 /// `H` by rows and the matrix that gives the enhanced parameters.
 fn stiffness(element: &EmsShell, sample: &Sample) -> (Vec<f64>, DMatrix<f64>) {
-    let c = condense(&stations(element, sample), element.samples(), element.parameters(), 0).unwrap();
+    let c =
+        condense(&integration_points(element, sample), element.samples(), element.parameters(), 0).unwrap();
     (c.stiffness.as_slice().to_vec(), c.recovery)
 }
 
@@ -343,11 +344,11 @@ fn check_enhanced(element: EmsShell, sample: &Sample) {
     assert_eq!(no_alpha.nrows(), 0);
     let n = element.samples();
     let mut random = common::Random::new(11);
-    let points = stations(&element, sample);
+    let points = integration_points(&element, sample);
 
     let mut k_aa = DMatrix::<f64>::zeros(4, 4);
     for p in &points {
-        let StationResponse::Linear(c) = &p.response else { unreachable!() };
+        let PointResponse::Linear(c) = &p.response else { unreachable!() };
         k_aa += p.enhanced.transpose() * c * &p.enhanced * p.weight;
     }
     let eigen = k_aa.symmetric_eigenvalues();
@@ -364,7 +365,7 @@ fn check_enhanced(element: EmsShell, sample: &Sample) {
         let (mut condition, mut size, mut energy) = (DVector::zeros(4), DVector::zeros(4), 0.0);
         let samples = DVector::from_column_slice(&s);
         for p in &points {
-            let StationResponse::Linear(c) = &p.response else { unreachable!() };
+            let PointResponse::Linear(c) = &p.response else { unreachable!() };
             let strain = &p.samples * &samples + &p.enhanced * (&alpha * &samples);
             let stress = c * &strain;
             condition += p.enhanced.transpose() * &stress * p.weight;
@@ -417,9 +418,9 @@ proptest! {
         let v = |i: usize| Vec3::new(d[3 * i], d[3 * i + 1], d[3 * i + 2]);
         let reference = [Vec3::z() + v(0) * 0.3, Vec3::x() + v(1) * 0.3].map(|d| d.normalize());
         let u = [v(2), v(3)].map(|v| (v * 0.3).into());
-        let h = fold_tie::stiffness([&reference[0], &reference[1]], stiffness);
+        let h = director_angle::stiffness([&reference[0], &reference[1]], stiffness);
         let reference = reference.map(Into::into);
-        let energy = energy_and_force(&fold_tie::strains(), &h, &reference, &u).0;
+        let energy = energy_and_force(&director_angle::strains(), &h, &reference, &u).0;
         prop_assume!(energy > 1e-4 * stiffness);
         check_tie(stiffness, &h, &reference, &u);
     }
@@ -427,7 +428,7 @@ proptest! {
 
 /// A tie has one strain and so a singular diagonal; its entries need no scaling.
 fn check_tie(stiffness: f64, h: &[f64], reference: &[[f64; 3]; 2], u: &[[f64; 3]; 2]) {
-    let kernel = fold_tie::strains();
+    let kernel = director_angle::strains();
     let (energy, force) = energy_and_force(&kernel, h, reference, u);
     let k = tangent(&kernel, h, reference, u);
     for c in 0..6 {

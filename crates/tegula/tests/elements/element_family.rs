@@ -76,7 +76,7 @@ fn element(section: &Section, geometry: ShellGeometry) -> Element {
         .push(Member {
             vectors: &vectors,
             geometry: &geometry,
-            stations: compiled.stations(shell.as_ref(), &geometry, &[]).unwrap(),
+            integration_points: compiled.integration_points(shell.as_ref(), &geometry, &[]).unwrap(),
             mass: shell.mass(&geometry, &compiled.inertia),
         })
         .unwrap();

@@ -11,8 +11,8 @@ use nalgebra::{DMatrix, DVector};
 use tegula::analysis::statics::{self, state_kinematics};
 use tegula::element::shell::{GroupSetup, Member};
 use tegula::element::{
-    ElementGroup, Interior, Kinematics, Motion, Nodal, ShellGeometry, TangentRequest, TangentWeights,
-    registry,
+    ElementGroup, InternalVariables, Kinematics, Motion, Nodal, ShellGeometry, TangentRequest,
+    TangentWeights, registry,
 };
 use tegula::material::NeoHookeanForm;
 use tegula::model::*;
@@ -111,9 +111,9 @@ fn element(section: &Section, geometry: &ShellGeometry, fields: bool) -> Element
     let vectors: Vec<u32> = (0..reference.len() as u32).collect();
     let setup = GroupSetup { laws: compiled.laws.clone(), fields: prescribed.len(), ..GroupSetup::default() };
     let mut builder = shell.builder(setup);
-    let stations = compiled.stations(shell.as_ref(), geometry, &prescribed).unwrap();
+    let integration_points = compiled.integration_points(shell.as_ref(), geometry, &prescribed).unwrap();
     let mass = shell.mass(geometry, &compiled.inertia);
-    builder.push(Member { vectors: &vectors, geometry, stations, mass }).unwrap();
+    builder.push(Member { vectors: &vectors, geometry, integration_points, mass }).unwrap();
     let factors = [0.9, 0.4, 0.7][..prescribed.len()].to_vec();
     Element { groups: builder.finish(), kinds, reference, factors }
 }
@@ -122,7 +122,7 @@ impl Element {
     fn with<R>(&self, u: &[Nodal], g: &dyn ElementGroup, f: impl FnOnce(&Kinematics) -> R) -> R {
         let history = vec![0.0; g.history_per_element()];
         let mut k = Kinematics::new(&self.reference, Motion::State { u, velocity: None }, false, 0.0);
-        k.interior = Interior { history: &history, factors: &self.factors };
+        k.interior = InternalVariables { history: &history, factors: &self.factors };
         f(&k)
     }
 

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use crate::common::{Random, geometry, ply, rotation, strains};
 use tegula::element::shell::{GroupSetup, Member};
 use tegula::element::{
-    ElementGroup, Interior, Kinematics, Motion, Nodal, TangentRequest, TangentWeights, registry,
+    ElementGroup, InternalVariables, Kinematics, Motion, Nodal, TangentRequest, TangentWeights, registry,
 };
 use tegula::model::*;
 use tegula::norm::max_norm;
@@ -77,9 +77,10 @@ fn elements(
                 assert!(!reference_kernel);
                 continue;
             }
-            let stations = compiled.stations(shell.as_ref(), geometry, &prescribed).unwrap();
+            let integration_points =
+                compiled.integration_points(shell.as_ref(), geometry, &prescribed).unwrap();
             let mass = shell.mass(geometry, &compiled.inertia);
-            builder.push(Member { vectors: &vectors, geometry, stations, mass }).unwrap();
+            builder.push(Member { vectors: &vectors, geometry, integration_points, mass }).unwrap();
         }
         builder.finish().pop().unwrap()
     };
@@ -161,7 +162,7 @@ fn both_kernels_agree() {
                 ];
                 for (motion, linear) in motions.into_iter().flat_map(|m| [(m, false), (m, true)]) {
                     let mut k = Kinematics::new(&e.reference, motion, linear, 0.0);
-                    k.interior = Interior { history: &[], factors: &FACTORS };
+                    k.interior = InternalVariables { history: &[], factors: &FACTORS };
                     if element == ElementKind::Mitc4 {
                         k.unit = &unit;
                     }
@@ -193,7 +194,7 @@ fn parts_are_evaluated_alike() {
     let u = field(e.reference.len(), 0.05, &mut random);
     let motion = Motion::State { u: &u, velocity: None };
     let mut k = Kinematics::new(&e.reference, motion, false, 0.0);
-    k.interior = Interior { history: &[], factors: &FACTORS };
+    k.interior = InternalVariables { history: &[], factors: &FACTORS };
     let mut whole = vec![0.0; 30 * 24];
     e.fast.evaluate(&k, 0, &mut whole, None);
     for (first, count) in [(0, 8), (8, 16), (16, 3), (24, 6)] {

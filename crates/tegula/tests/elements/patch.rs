@@ -123,7 +123,7 @@ fn resultants(system: &System, u: &[[f64; 3]]) -> Vec<([f64; 3], f64, [f64; 3])>
     let snapshot = Snapshot::new(system, &state);
     for shell in &system.shells {
         let inside = Inside::new(&snapshot, shell).unwrap();
-        for (i, n) in inside.station_stresses().into_iter().enumerate() {
+        for (i, n) in inside.point_stresses().into_iter().enumerate() {
             let element = &system.sections[shell.section].element;
             let point = element.operator(&system.geometry(shell), i, 0.0).unwrap();
             let global = |xx: f64, yy: f64, xy: f64| {

@@ -1,7 +1,7 @@
 //! One layer of hexahedra made the middle surface of a shell, with its directors and its thickness.
 //!
 //! A hexahedron of eight nodes becomes a quad on the midpoints of the four edges that run through the thickness.
-//! Those edges are its directors. Which of the three directions is the thickness follows from the mesh: bottom
+//! These edges are its directors. Which of the three directions is the thickness follows from the mesh: bottom
 //! and top belong to no second hexahedron, and neighbours share edges that run through the thickness.
 
 use std::collections::{BTreeMap, HashMap, VecDeque};

@@ -1,4 +1,4 @@
-//! What the sections of a Gmsh file say, before it is checked and made a mesh.
+//! Contents of the sections of a Gmsh file, before they are checked and made a mesh.
 
 use std::collections::BTreeMap;
 
@@ -50,7 +50,7 @@ pub(super) struct RawElement {
     pub at: usize,
 }
 
-/// What stands in front of the nodes of an element.
+/// Numbers in front of the nodes of an element.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Head {
     /// Type of the element.

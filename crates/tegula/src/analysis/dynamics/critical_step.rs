@@ -3,7 +3,7 @@
 use crate::analysis::State;
 use crate::analysis::statics::state_kinematics;
 use crate::element::TangentWeights;
-use crate::system::assembly::TangentParts;
+use crate::system::assembly::TangentCoefficients;
 use crate::system::element_frequency::{MassShares, of_followers, of_part};
 use crate::system::{Assembly, System};
 
@@ -28,7 +28,7 @@ impl CriticalStep {
     /// damping with the velocity of the last half step lowers the bound to `2/ω (√(1 + ξ²) − ξ)`, `ξ = τ ω/2`.
     pub fn below(&self, system: &System, assembly: &mut Assembly, mass: &[f64], state: &State) -> f64 {
         let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
-        let parts = TangentParts { weights, mass: 0.0, time: state.time };
+        let parts = TangentCoefficients { weights, mass: 0.0, time: state.time };
         let mut highest = 0.0_f64;
         let k = state_kinematics(system, &state.u, state.time);
         assembly.for_each_element(system, &k, &parts, |part| {

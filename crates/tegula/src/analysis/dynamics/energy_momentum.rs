@@ -15,12 +15,12 @@
 //! symmetric, costs an iteration more and gives the same result.
 
 use super::predictor::{mean_acceleration, predict};
-use super::{Exchange, Integrator, Span, hold_supported, step_size, work};
+use super::{Integrator, Span, StepWork, hold_supported, step_size, work};
 use crate::analysis::State;
 use crate::analysis::newton::{Equation, Tolerances};
 use crate::analysis::statics::{add, prescribed_increment};
 use crate::element::{Kinematics, Motion, Nodal, TangentWeights};
-use crate::system::assembly::{TangentParts, add_follower_loads};
+use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::system::{Assembly, System};
 
 /// Energy–momentum scheme: conserves energy and momenta.
@@ -95,7 +95,7 @@ impl EnergyMomentum {
             return 0.0;
         }
         // The reaction is the residual of the equation of motion at the constrained degrees of freedom.
-        self.rest(system, buffer);
+        self.external_minus_inertia(system, buffer);
         for (f, r) in internal.iter_mut().zip(buffer.iter()) {
             (0..3).for_each(|i| f[i] -= r[i]);
         }
@@ -123,15 +123,15 @@ impl Equation for EnergyMomentum {
         Kinematics::new(&system.reference, motion, system.linear, self.time - 0.5 * self.dt)
     }
 
-    fn parts(&self) -> TangentParts {
-        TangentParts {
+    fn parts(&self) -> TangentCoefficients {
+        TangentCoefficients {
             weights: TangentWeights { stress: 0.5, direction: 0.5, force: 1.0, rate: 1.0 / self.dt },
             mass: 2.0 / (self.dt * self.dt) + self.mass_damping / self.dt,
             time: self.time - 0.5 * self.dt,
         }
     }
 
-    fn rest(&self, system: &System, out: &mut [Nodal]) {
+    fn external_minus_inertia(&self, system: &System, out: &mut [Nodal]) {
         out.fill([0.0; 3]);
         self.loads(system, out);
         system.pattern.add_mass_product(-1.0, &self.a, out);
@@ -193,7 +193,7 @@ impl Integrator for EnergyMomentum {
         system.position_rms(|n| std::array::from_fn(|i| factor * (self.a[n][i] - self.a_old[n][i])))
     }
 
-    fn exchange(&mut self, system: &System, assembly: &mut Assembly, _state: &State) -> Exchange {
+    fn step_work(&mut self, system: &System, assembly: &mut Assembly, _state: &State) -> StepWork {
         let mut buffer = std::mem::take(&mut self.buffer);
         let mut internal = std::mem::take(&mut self.internal);
         buffer.fill([0.0; 3]);
@@ -212,7 +212,7 @@ impl Integrator for EnergyMomentum {
         }
         let supports = self.work_of_supports(system, &mut internal, &mut buffer);
         (self.buffer, self.internal) = (buffer, internal);
-        Exchange { work: loads - gravity + supports, dissipated: self.dt * power }
+        StepWork { work: loads - gravity + supports, dissipated: self.dt * power }
     }
 
     fn tolerances(&self, max_iterations: u32) -> Tolerances {

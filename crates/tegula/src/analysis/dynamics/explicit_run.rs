@@ -10,7 +10,7 @@ use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::statics::undefined;
 use crate::analysis::{Balance, Observer, State, Statistics, Step};
 use crate::model::TransientAnalysis;
-use crate::system::{System, inside_out};
+use crate::system::{System, inverted_element};
 use crate::{Error, Result};
 
 /// Safety factor on the bound of the critical time step: margin for its changes until it is estimated again.
@@ -39,7 +39,7 @@ const BLOW_UP: f64 = 100.0;
 const UNSEEN: f64 = 1e-9;
 
 /// Energy-balance monitor: reference energies for those of a motion.
-struct Watch {
+struct EnergyMonitor {
     /// Total energy (`total`), and kinetic and strain energy (`first`), at time 0.
     total: f64,
     first: f64,
@@ -50,10 +50,10 @@ struct Watch {
     unseen: f64,
 }
 
-impl Watch {
+impl EnergyMonitor {
     /// Error of the energy balance over the largest energy so far, and a message where the motion is unstable or the
     /// balance broken.
-    fn look(&mut self, balance: &Balance, scheme: &Explicit, state: &State) -> (f64, Option<String>) {
+    fn check(&mut self, balance: &Balance, scheme: &Explicit, state: &State) -> (f64, Option<String>) {
         let stored = balance.kinetic + balance.strain;
         self.given = self.given.max(self.first + balance.work.abs() + balance.potential.abs());
         let missing = balance.total - state.swing - self.total;
@@ -114,7 +114,7 @@ pub(super) fn run(
     let mut balance = super::balance(system, &mut scheme.assembly, &state);
     let energy = at_first.kinetic + at_first.strain;
     let slow = UNSEEN * system.length / options.end_time;
-    let mut watch = Watch {
+    let mut monitor = EnergyMonitor {
         total: at_first.total,
         first: energy,
         given: energy + at_first.potential.abs(),
@@ -173,14 +173,14 @@ pub(super) fn run(
             return Err(unstable(&state, options, &statistics, reason));
         }
         if (last || state.step.is_multiple_of(INTERVAL))
-            && let Some(reason) = inside_out(system, &state.u)
+            && let Some(reason) = inverted_element(system, &state.u)
         {
             return Err(unstable(&state, options, &statistics, reason));
         }
         if last || state.step.is_multiple_of(REPORT) || system.wanted_times.contains(&end) {
             balance = super::balance(system, &mut scheme.assembly, &state);
             state.energy_scale = state.energy_scale.max(balance.kinetic).max(balance.strain);
-            let (error, broken) = watch.look(&balance, &scheme, &state);
+            let (error, broken) = monitor.check(&balance, &scheme, &state);
             statistics.energy_error = statistics.energy_error.max(error);
             if let Some(reason) = broken {
                 return Err(unstable(&state, options, &statistics, reason));

@@ -7,7 +7,7 @@
 //!
 //! Strain-rate damping changes its forces with the velocities at once, and accelerations follow: `M_ff Δa_f = −Δf`.
 
-use super::{curve_unit_vectors, state_with_rates};
+use super::{project_rates, state_with_rates};
 use crate::analysis::State;
 use crate::analysis::newton::Newton;
 use crate::element::{Kinematics, Motion, Nodal};
@@ -47,7 +47,7 @@ fn change_accelerations(system: &System, newton: &mut Newton, old: &[Nodal], sta
         *change -= behind;
     }
     add_free_response(system, newton, &change, &mut state.a);
-    curve_unit_vectors(system, &state.u, &mut state.v, &mut state.a);
+    project_rates(system, &state.u, &mut state.v, &mut state.a);
 }
 
 /// Adds the response of the mass matrix, with its factor, to forces on free degrees of freedom.
@@ -93,5 +93,5 @@ pub(super) fn share_jump(system: &System, newton: &mut Newton, old: &[Nodal], st
     let mut impulse = vec![[0.0; 3]; jump.len()];
     system.pattern.add_mass_product(-1.0, &jump, &mut impulse);
     add_free_response(system, newton, &impulse, &mut state.v);
-    curve_unit_vectors(system, &state.u, &mut state.v, &mut state.a);
+    project_rates(system, &state.u, &mut state.v, &mut state.a);
 }

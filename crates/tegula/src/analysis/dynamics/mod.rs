@@ -20,7 +20,7 @@ use crate::element::{Kinematics, Motion, Nodal};
 use crate::model::{Scheme, TransientAnalysis};
 use crate::system::assembly::add_follower_loads;
 use crate::system::numbering::CONSTRAINED;
-use crate::system::{Assembly, System, VectorKind, dot, dot3, inside_out};
+use crate::system::{Assembly, System, VectorKind, dot, dot3, inverted_element};
 use crate::{Error, Result, Vec3};
 use amplitude_check::AmplitudeCheck;
 pub use amplitude_check::{PassedOver, passed_over};
@@ -45,14 +45,14 @@ pub trait Integrator: Equation {
     /// Local error: root mean square error of position of the step over the model's length.
     fn local_error(&self, system: &System, state: &State) -> f64;
     /// External work (of loads other than constant gravity, and of prescribed motions) and dissipation of the step.
-    fn exchange(&mut self, system: &System, assembly: &mut Assembly, state: &State) -> Exchange;
+    fn step_work(&mut self, system: &System, assembly: &mut Assembly, state: &State) -> StepWork;
     /// Convergence criteria of its iteration.
     fn tolerances(&self, max_iterations: u32) -> Tolerances;
 }
 
 /// External work and dissipation of a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Exchange {
+pub struct StepWork {
     /// Work of loads other than constant gravity, and of prescribed motions.
     pub work: f64,
     /// Energy dissipated by damping.
@@ -154,7 +154,7 @@ pub fn run(
         let result = newton.solve(system, scheme.as_mut(), &tolerances, observer);
         statistics.factorizations = newton.solver.factorizations() as u64;
         statistics.linear_iterations = newton.linear_iterations();
-        let inverted = result.is_ok().then(|| inside_out(system, scheme.displacements())).flatten();
+        let inverted = result.is_ok().then(|| inverted_element(system, scheme.displacements())).flatten();
         if let Err(Diverged { iterations, reason, began_with_old_factor: true, .. }) = &result
             && !observer.interrupted()
         {
@@ -180,11 +180,11 @@ pub fn run(
                 statistics.iterations += u64::from(c.iterations);
                 let error = scheme.local_error(system, &state);
                 if control.accepts(error) {
-                    let exchange = scheme.exchange(system, &mut newton.assembly, &state);
+                    let step_work = scheme.step_work(system, &mut newton.assembly, &state);
                     let after = (scheme.displacements(), span.end);
-                    state.work += exchange.work
+                    state.work += step_work.work
                         + newton.assembly.prescribed_strain_work(system, (&state.u, state.time), after);
-                    state.dissipated += exchange.dissipated;
+                    state.dissipated += step_work.dissipated;
                     old_velocities.copy_from_slice(&state.v);
                     scheme.finish(system, &mut state);
                     if !system.linear {
@@ -197,7 +197,7 @@ pub fn run(
                     }
                     state.step += 1;
                     state.next_step = control.next(dt, state.next_step, error, c.tangents);
-                    state.tangent.served(c.iterations, c.tangents);
+                    state.tangent.record_use(c.iterations, c.tangents);
                     let k = state_kinematics(system, &state.u, state.time);
                     state.dissipated += newton.assembly.commit(system, &k);
                     state.history.copy_from_slice(&newton.assembly.history);
@@ -334,7 +334,7 @@ fn initial_motion(system: &System) -> State {
     system.prescribe(0.0, &mut state.u);
     system.prescribe_velocity(0.0, &mut state.v);
     system.prescribe_acceleration(0.0, &mut state.a);
-    curve_unit_vectors(system, &state.u, &mut state.v, &mut state.a);
+    project_rates(system, &state.u, &mut state.v, &mut state.a);
     state
 }
 
@@ -450,7 +450,7 @@ pub(super) fn project_unit_vectors(system: &System, u: &mut [Nodal]) {
 
 /// Projection of rates onto the constraint manifold of inextensible directors d: velocities satisfy v·d = 0, and
 /// accelerations a·d = −v·v. The drift that the integration of the free vectors leaves would grow from step to step.
-pub(super) fn curve_unit_vectors(system: &System, u: &[Nodal], v: &mut [Nodal], a: &mut [Nodal]) {
+pub(super) fn project_rates(system: &System, u: &[Nodal], v: &mut [Nodal], a: &mut [Nodal]) {
     for unit in &system.numbering.unit {
         let i = unit.vector as usize;
         let mut d = Vec3::from(system.reference[i]);

@@ -15,12 +15,12 @@
 //! automatic steps or the energy–momentum scheme are needed.
 
 use super::predictor::{mean_acceleration, predict};
-use super::{Exchange, Integrator, Span, curve_unit_vectors, hold_supported, step_size, work};
+use super::{Integrator, Span, StepWork, hold_supported, project_rates, step_size, work};
 use crate::analysis::State;
 use crate::analysis::newton::{Equation, Tolerances};
 use crate::analysis::statics::{add, prescribed_increment};
 use crate::element::{Kinematics, Motion, Nodal, TangentWeights};
-use crate::system::assembly::{TangentParts, add_follower_loads};
+use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::system::{Assembly, System};
 
 /// Bound of |e|/|p| over (|δ|/|p|)², with e the error of the iteration, p = ½ Δt² ā the part of the prediction that the
@@ -140,17 +140,17 @@ impl Equation for Newmark {
         Kinematics::new(&system.reference, motion, system.linear, self.time)
     }
 
-    fn parts(&self) -> TangentParts {
+    fn parts(&self) -> TangentCoefficients {
         let rate = self.gamma / (self.beta * self.dt);
         let share = 1.0 - self.alpha_f;
-        TangentParts {
+        TangentCoefficients {
             weights: TangentWeights { stress: 1.0, direction: 1.0, force: share, rate },
             mass: 1.0 / (self.beta * self.dt * self.dt) + share * self.mass_damping * rate,
             time: self.time,
         }
     }
 
-    fn rest(&self, system: &System, out: &mut [Nodal]) {
+    fn external_minus_inertia(&self, system: &System, out: &mut [Nodal]) {
         let share = 1.0 - self.alpha_f;
         out.fill([0.0; 3]);
         self.loads(system, self.time, &self.u, out);
@@ -229,7 +229,7 @@ impl Integrator for Newmark {
     }
 
     fn finish(&mut self, system: &System, state: &mut State) {
-        curve_unit_vectors(system, &self.u, &mut self.v, &mut self.a);
+        project_rates(system, &self.u, &mut self.v, &mut self.a);
         state.u.copy_from_slice(&self.u);
         state.v.copy_from_slice(&self.v);
         state.a.copy_from_slice(&self.a);
@@ -241,7 +241,7 @@ impl Integrator for Newmark {
         system.position_rms(|v| std::array::from_fn(|i| factor * (self.a[v][i] - self.a_old[v][i])))
     }
 
-    fn exchange(&mut self, system: &System, assembly: &mut Assembly, state: &State) -> Exchange {
+    fn step_work(&mut self, system: &System, assembly: &mut Assembly, state: &State) -> StepWork {
         let mut loads = std::mem::take(&mut self.buffer);
         loads.fill([0.0; 3]);
         self.loads(system, self.time, &self.u, &mut loads);
@@ -260,7 +260,7 @@ impl Integrator for Newmark {
             assembly.dissipated_power(system, &k) + 2.0 * system.mass_damping * system.kinetic_energy(&loads);
         self.buffer = loads;
         let prescribed = self.work_of_supports(system, assembly, state);
-        Exchange { work: trapezoid - gravity + prescribed, dissipated: self.dt * power }
+        StepWork { work: trapezoid - gravity + prescribed, dissipated: self.dt * power }
     }
 
     fn tolerances(&self, max_iterations: u32) -> Tolerances {

@@ -16,7 +16,7 @@ use crate::analysis::State;
 use crate::analysis::statics::state_kinematics;
 use crate::element::TangentWeights;
 use crate::system::CirculatoryStiffness;
-use crate::system::assembly::TangentParts;
+use crate::system::assembly::TangentCoefficients;
 use crate::{Error, Result};
 use nalgebra::DMatrix;
 use tegula_sparse::Factor as _;
@@ -33,7 +33,7 @@ pub(super) fn refuse(problem: &mut Problem, modes: &[Mode], equilibrium: &State)
     let system = problem.system;
     let mut skew = CirculatoryStiffness::new(system);
     let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
-    let parts = TangentParts { weights, mass: 0.0, time: equilibrium.time };
+    let parts = TangentCoefficients { weights, mass: 0.0, time: equilibrium.time };
     skew.take(system, &state_kinematics(system, &equilibrium.u, equilibrium.time), &parts);
     let elastic: Vec<&Mode> = modes.iter().filter(|m| !m.rigid).collect();
     if skew.is_zero() || elastic.is_empty() {

@@ -11,7 +11,7 @@ use crate::analysis::{Observer, State};
 use crate::element::{Nodal, TangentWeights};
 use crate::model::NewtonMethod;
 use crate::system::System;
-use crate::system::assembly::{TangentParts, add_follower_loads};
+use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::{Error, Result};
 use tegula_sparse::lanczos::SymmetricOperator;
 use tegula_sparse::{Factor as _, SymmetricPattern};
@@ -234,7 +234,7 @@ fn stiffness(
     equilibrium: Option<&State>,
     (u, time): (&[Nodal], f64),
 ) -> Vec<f64> {
-    let parts = TangentParts {
+    let parts = TangentCoefficients {
         weights: TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 },
         mass: 0.0,
         time,

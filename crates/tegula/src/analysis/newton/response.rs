@@ -1,6 +1,6 @@
 //! Linear response of an equilibrium to a change of the loads, and its softest mode.
 
-use super::{Equation, Held, Newton, expand_free};
+use super::{Equation, FactoredTangent, Newton, expand_free};
 use crate::analysis::circulatory::Purpose;
 use crate::analysis::solver::{Linearization, TangentSolver};
 use crate::element::Nodal;
@@ -39,8 +39,8 @@ impl<S: TangentSolver> Newton<S> {
             // The assembly of the tangent also gives its product with a prescribed motion.
             self.linearize(system, after, Some(before))?;
         } else {
-            after.rest(system, &mut self.residual);
-            before.rest(system, &mut self.internal);
+            after.external_minus_inertia(system, &mut self.residual);
+            before.external_minus_inertia(system, &mut self.internal);
             subtract(&mut self.residual, &self.internal);
             self.change_of_forces(system, before, after);
         }
@@ -61,8 +61,8 @@ impl<S: TangentSolver> Newton<S> {
         let negative = self.linearize(system, equilibrium, Some(loaded))?;
         let moved = loaded.prescribed(system, &mut self.increment);
         if !moved {
-            loaded.rest(system, &mut self.residual);
-            equilibrium.rest(system, &mut self.internal);
+            loaded.external_minus_inertia(system, &mut self.residual);
+            equilibrium.external_minus_inertia(system, &mut self.internal);
             subtract(&mut self.residual, &self.internal);
             self.change_of_forces(system, equilibrium, loaded);
         }
@@ -112,9 +112,9 @@ impl<S: TangentSolver> Newton<S> {
     ) -> Result<usize, String> {
         let moved = loaded.is_some_and(|l| l.prescribed(system, &mut self.increment));
         let (k, parts) = (equation.kinematics(system), equation.parts());
-        equation.rest(system, &mut self.residual);
+        equation.external_minus_inertia(system, &mut self.residual);
         self.assembly.follow(system, &k);
-        self.held = Held::Nothing;
+        self.factored = FactoredTangent::Nothing;
         let Self { solver, assembly, internal, circulatory, .. } = self;
         if let Some(loads) = circulatory {
             loads.take(system, &k, &parts);
@@ -130,7 +130,7 @@ impl<S: TangentSolver> Newton<S> {
         };
         self.axes.copy_axes(&self.assembly.numbering);
         if let Some(loaded) = loaded.filter(|_| moved) {
-            loaded.rest(system, &mut self.residual);
+            loaded.external_minus_inertia(system, &mut self.residual);
             add_follower_stiffness(system, &k, &parts, &self.increment, &mut self.residual);
             subtract(&mut self.residual, &self.internal);
         }

@@ -62,8 +62,8 @@ pub(super) fn released_energy(
     // Loads at the middle of the step: in proportion, they are the mean of those at its ends.
     change.fill([0.0; 3]);
     system.add_dead_loads(0.5 * (before.time + after.time), 1.0, change);
-    before.rest(system, first);
-    after.rest(system, last);
+    before.external_minus_inertia(system, first);
+    after.external_minus_inertia(system, last);
     let (mut bend, mut size) = (0.0_f64, 0.0_f64);
     for ((c, f), l) in change.iter_mut().zip(&*first).zip(&*last) {
         for i in 0..3 {

@@ -5,7 +5,7 @@
 //! 14–22): its material stiffness `φᵀ SᵀHS φ` is many times larger with the strains of the displacements alone.
 
 use crate::element::shell::{GroupSetup, Member, ShellElement};
-use crate::element::{ElementGroup, Interior, Kinematics, Motion, Nodal, TangentWeights};
+use crate::element::{ElementGroup, InternalVariables, Kinematics, Motion, Nodal, TangentWeights};
 use crate::system::{ShellSection, System};
 
 /// Share above which a message mentions it: without enhanced strains the stiffness of the mode would double.
@@ -52,9 +52,9 @@ fn stiffness(
     for shell in system.shells.iter().filter(|s| s.section == number) {
         let vectors = system.groups[shell.groups.start].vectors(shell.member);
         let geometry = system.geometry(shell);
-        let stations = section.section.stations(element, &geometry, &[]).ok()?;
+        let integration_points = section.section.integration_points(element, &geometry, &[]).ok()?;
         let mass = element.mass(&geometry, &section.section.inertia);
-        builder.push(Member { vectors, geometry: &geometry, stations, mass }).ok()?;
+        builder.push(Member { vectors, geometry: &geometry, integration_points, mass }).ok()?;
     }
     Some(builder.finish().iter().map(|group| quadratic_form(group.as_ref(), k, mode)).sum())
 }
@@ -63,7 +63,7 @@ fn stiffness(
 fn quadratic_form(group: &dyn ElementGroup, k: &Kinematics, mode: &[Nodal]) -> f64 {
     let size = group.stresses_per_element();
     let history = vec![0.0; group.len() * group.history_per_element()];
-    let k = Kinematics { interior: Interior { history: &history, factors: &[] }, ..*k };
+    let k = Kinematics { interior: InternalVariables { history: &history, factors: &[] }, ..*k };
     let mut before = vec![0.0; group.len() * size];
     let mut after = before.clone();
     group.stresses(&k, &mut before);

@@ -10,7 +10,7 @@ use crate::analysis::stops::Stops;
 use crate::analysis::{Balance, Observer, Stability, State, Statistics, Step};
 use crate::element::Nodal;
 use crate::model::{NewtonMethod, StaticAnalysis};
-use crate::system::{System, inside_out};
+use crate::system::{System, inverted_element};
 use crate::{Error, Result};
 
 /// Energy of the last increment over the strain energy: small enough that reactions balance the loads to 1e-12, also
@@ -198,7 +198,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         converged: Converged,
         observer: &mut dyn Observer,
     ) -> std::result::Result<Converged, Failure> {
-        if let Some(inverted) = inside_out(self.system, &self.equation.u) {
+        if let Some(inverted) = inverted_element(self.system, &self.equation.u) {
             return Err(Failure::new(Kind::Inverted, inverted, converged.most_negative_pivots));
         }
         let negative = converged.negative_pivots;

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{PORTION, Pattern, Portion, Source, Target, Task, rows_below};
+use super::{BATCH, Batch, Pattern, Source, Target, Task, rows_below};
 use crate::system::numbering::{CONSTRAINED, Numbering};
 use crate::{Error, Result};
 
@@ -15,7 +15,7 @@ const MOST_BLOCKS: usize = 1 << 30;
 #[derive(Debug, Default)]
 pub struct PatternBuilder {
     /// Finished batches without their targets, each with the keys of the blocks that become its targets.
-    portions: Vec<(Portion, Vec<u64>)>,
+    batches: Vec<(Batch, Vec<u64>)>,
     /// Block keys and sources of the last batch.
     entries: Vec<(u64, u32)>,
     /// Masses that are not zero.
@@ -38,7 +38,7 @@ impl PatternBuilder {
     }
 
     /// Ends a batch: the next elements belong to another one.
-    pub fn end_portion(&mut self) {
+    pub fn end_batch(&mut self) {
         (self.elements, self.blocks) = (0, 0);
         if self.entries.is_empty() {
             return;
@@ -52,14 +52,14 @@ impl PatternBuilder {
         let sources = self.entries.iter().zip(ends).map(|(&(key, source), next)| {
             Source(if next == Some(key) { source } else { source | Source::LAST })
         });
-        self.portions.push((Portion { sources: sources.collect(), ..Portion::default() }, keys));
+        self.batches.push((Batch { sources: sources.collect(), ..Batch::default() }, keys));
         self.entries.clear();
     }
 
     /// Adds an element, whose lower blocks come next in the buffer.
     pub fn element(&mut self, vectors: &[u32], mass: &[f64]) {
-        if self.elements == PORTION {
-            self.end_portion();
+        if self.elements == BATCH {
+            self.end_batch();
         }
         let mut pair = 0;
         for (a, &va) in vectors.iter().enumerate() {
@@ -92,12 +92,12 @@ impl PatternBuilder {
     /// # Errors
     /// The elements couple more pairs of nodal vectors than can be numbered.
     pub fn build(mut self, vectors: usize, numbering: &Numbering) -> Result<Pattern> {
-        self.end_portion();
+        self.end_batch();
         self.entries = Vec::new();
         self.masses.sort_by_key(|m| m.0);
         let mut keys: Vec<u64> = (0..vectors as u32).map(|v| key(v, v)).collect();
-        for (_, of_portion) in &self.portions {
-            keys.extend(of_portion);
+        for (_, of_batch) in &self.batches {
+            keys.extend(of_batch);
         }
         keys.extend(self.masses.iter().map(|m| m.0));
         keys.par_sort_unstable();
@@ -152,11 +152,11 @@ impl PatternBuilder {
         tail.shrink_to_fit();
 
         let mut met = vec![false; keys.len()];
-        let mut portions = Vec::with_capacity(self.portions.len());
-        for (mut portion, of_portion) in self.portions {
-            portion.aim(&of_portion, (&keys, &column_start, numbering), &mut met);
-            portion.divide(&of_portion, &value_start);
-            portions.push(portion);
+        let mut batches = Vec::with_capacity(self.batches.len());
+        for (mut batch, of_batch) in self.batches {
+            batch.aim(&of_batch, (&keys, &column_start, numbering), &mut met);
+            batch.divide(&of_batch, &value_start);
+            batches.push(batch);
         }
         let mut alone: Vec<u32> = (0..keys.len() as u32).filter(|&b| !met[b as usize]).collect();
         alone.shrink_to_fit();
@@ -167,13 +167,13 @@ impl PatternBuilder {
             tail,
             mass,
             alone,
-            portions,
+            batches,
             column_pointers: column_pointers.into(),
         })
     }
 }
 
-impl Portion {
+impl Batch {
     /// Finds the targets of the batch; `met` tells which blocks of the matrix have appeared already.
     fn aim(
         &mut self,

@@ -49,14 +49,14 @@ fn compare(with_mass: bool) {
     let halves = elements.split_at(elements.len() / 2);
     for half in [halves.0, halves.1] {
         half.iter().for_each(|vectors| builder.element(vectors, &mass));
-        builder.end_portion();
+        builder.end_batch();
     }
     let lonely = (3, 100, if with_mass { 2.5 } else { 0.0 });
     builder.mass(lonely.0, lonely.1, lonely.2);
     let pattern = builder.build(vectors, &numbering).unwrap();
     assert_eq!(pattern.mass.is_empty(), !with_mass);
     assert_eq!(pattern.alone.len(), usize::from(with_mass));
-    assert!(pattern.portions.iter().any(|p| p.tasks.len() > 1));
+    assert!(pattern.batches.iter().any(|p| p.tasks.len() > 1));
 
     let mut dense = vec![0.0; 9 * vectors * vectors];
     let mut masses = vec![0.0; vectors * vectors];
@@ -69,7 +69,7 @@ fn compare(with_mass: bool) {
     };
     add_mass(lonely.0, lonely.1, lonely.2);
     pattern.begin(factor, &numbering, &mut values);
-    for (portion, half) in [halves.0, halves.1].into_iter().enumerate() {
+    for (batch, half) in [halves.0, halves.1].into_iter().enumerate() {
         let mut buffer = Vec::new();
         for element in half {
             let mut pair = 0;
@@ -93,7 +93,7 @@ fn compare(with_mass: bool) {
                 }
             }
         }
-        pattern.add(portion, &buffer, factor, &numbering, &mut values);
+        pattern.add(batch, &buffer, factor, &numbering, &mut values);
     }
     let mut mass_values = vec![f64::NAN; pattern.values()];
     pattern.mass_values(&numbering, &mut mass_values);

@@ -14,7 +14,7 @@ use crate::element::geometry::{GAUSS_POINTS, covariant_base};
 const CHUNK: usize = 256;
 
 /// First inverted shell, whose volume measure `det[r,ξ r,η d]` has changed its sign at an integration point, as text.
-pub fn inside_out(system: &System, u: &[Nodal]) -> Option<String> {
+pub fn inverted_element(system: &System, u: &[Nodal]) -> Option<String> {
     if system.linear {
         return None;
     }
@@ -35,5 +35,5 @@ pub fn inside_out(system: &System, u: &[Nodal]) -> Option<String> {
     let shell = system.shells.par_iter().with_min_len(CHUNK).find_first(|s| turned(s))?;
     let c = system.geometry(shell).centre();
     let label = system.quad_label(shell.quad);
-    Some(format!("element {label} at ({:.4}, {:.4}, {:.4}) is turned inside out", c.x, c.y, c.z))
+    Some(format!("element {label} at ({:.4}, {:.4}, {:.4}) is inverted", c.x, c.y, c.z))
 }

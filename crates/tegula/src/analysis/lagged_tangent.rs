@@ -55,7 +55,7 @@ pub fn rest(in_time: bool) -> f64 {
 
 /// Cost of a tangent and its factor, in iterations with a lagged tangent: from the operations of a factorisation and
 /// the entries of the factor.
-pub fn price(operations: f64, entries: usize) -> f64 {
+pub fn cost(operations: f64, entries: usize) -> f64 {
     let per_entry = if entries > ENTRIES_IN_CACHE { OPERATIONS_BEYOND } else { OPERATIONS_IN_CACHE };
     ASSEMBLY_PRICE + operations / (per_entry * entries.max(1) as f64)
 }
@@ -92,7 +92,7 @@ const LONGEST_PAUSE: u32 = 16;
 
 impl LaggedTangent {
     /// Whether the lagged tangent is reused in a step of length `dt`, if a new one costs `price` iterations.
-    pub fn serves(&self, dt: f64, price: f64) -> bool {
+    pub fn is_reusable(&self, dt: f64, price: f64) -> bool {
         let average = (price + f64::from(self.iterations)) / f64::from(self.steps.max(1));
         self.valid && self.dt == dt && (self.steps == 0 || f64::from(self.last) <= average)
     }
@@ -105,7 +105,7 @@ impl LaggedTangent {
     }
 
     /// Counts a finished step, which factored `tangents` of its own.
-    pub fn served(&mut self, iterations: u32, tangents: u32) {
+    pub fn record_use(&mut self, iterations: u32, tangents: u32) {
         if self.pause > 0 {
             self.pause -= 1;
         } else if tangents > 0 && self.valid {
@@ -267,14 +267,14 @@ mod tests {
     #[test]
     fn a_tangent_stays_until_a_step_costs_more_than_the_average() {
         let mut tangent = LaggedTangent { valid: true, dt: 0.1, ..LaggedTangent::default() };
-        assert!(tangent.serves(0.1, 10.0) && !tangent.serves(0.2, 10.0));
+        assert!(tangent.is_reusable(0.1, 10.0) && !tangent.is_reusable(0.2, 10.0));
         for iterations in [3, 3, 4, 4, 5] {
-            tangent.served(iterations, 0);
-            assert!(tangent.serves(0.1, 10.0), "{tangent:?}");
+            tangent.record_use(iterations, 0);
+            assert!(tangent.is_reusable(0.1, 10.0), "{tangent:?}");
         }
         // (10 + 19 + 6) / 6 = 5.8
-        tangent.served(6, 0);
-        assert!(!tangent.serves(0.1, 10.0));
+        tangent.record_use(6, 0);
+        assert!(!tangent.is_reusable(0.1, 10.0));
     }
 
     #[test]
@@ -283,16 +283,16 @@ mod tests {
         let mut pauses = Vec::new();
         for _ in 0..7 {
             tangent.valid = true;
-            tangent.served(5, 1);
+            tangent.record_use(5, 1);
             assert!(!tangent.valid);
             pauses.push(tangent.pause);
-            (0..tangent.pause).for_each(|_| tangent.served(3, 2));
+            (0..tangent.pause).for_each(|_| tangent.record_use(3, 2));
             assert_eq!(tangent.pause, 0);
         }
         assert_eq!(pauses, [1, 2, 4, 8, 16, 16, 16]);
         tangent.valid = true;
-        tangent.served(4, 0);
-        tangent.served(5, 1);
+        tangent.record_use(4, 0);
+        tangent.record_use(5, 1);
         assert_eq!(tangent.pause, 1);
     }
 }

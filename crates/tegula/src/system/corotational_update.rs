@@ -19,7 +19,7 @@ const ACCURACY: f64 = 1e-7;
 const ITERATIONS: usize = 30;
 
 /// Co-rotational update of the lagged tangent: rotations of the nodes, and the vectors that define them.
-pub struct Turning {
+pub struct CorotationalUpdate {
     /// Nodal vectors by node: positions of the neighbours, and directors of the node itself.
     partners: Lists<u32>,
     /// Rotation of each node.
@@ -28,7 +28,7 @@ pub struct Turning {
     free: Vec<bool>,
 }
 
-impl Turning {
+impl CorotationalUpdate {
     /// Identity rotations for the nodes of a system.
     pub fn new(system: &System) -> Self {
         let mut pairs: Vec<(u32, u32)> = Vec::new();

@@ -17,7 +17,7 @@ pub(super) fn amplitudes(model: &Model) -> Vec<Issue> {
         let key = key(name, amplitude);
         match TimeFunction::new(amplitude) {
             Ok(function) => issues.extend(
-                gap(model, name, &function)
+                undefined_interval(model, name, &function)
                     .or_else(|| jump(model, name, amplitude))
                     .map(|(message, help)| Issue::new(key, message, help)),
             ),
@@ -59,7 +59,7 @@ fn jump(model: &Model, name: &str, amplitude: &Amplitude) -> Option<(String, Str
 }
 
 /// The first time at which a function that is in use has no finite value, or no velocity where a motion follows it.
-fn gap(model: &Model, name: &str, function: &TimeFunction) -> Option<(String, String)> {
+fn undefined_interval(model: &Model, name: &str, function: &TimeFunction) -> Option<(String, String)> {
     let (end, moves) = match &model.analysis {
         Analysis::Static(_) => (1.0, false),
         Analysis::Modal(m) => (if m.prestressed { 1.0 } else { 0.0 }, false),

@@ -1,27 +1,33 @@
 //! Generalised constitutive law of an element: from sampled strains to the generalised stresses work-conjugate to them.
 //!
-//! With a linear material the energy is `½ sᵀHs`, and the constant matrix `H` ([`LinearConstitution`]) contains the
+//! With a linear material the energy is `½ sᵀHs`, and the constant matrix `H` ([`LinearLaw`]) contains the
 //! integrated stiffness and the static condensation of the enhanced parameters. Otherwise the energy is summed over
-//! integration points ([`super::points::PointConstitution`]).
+//! integration points ([`super::points::PointLaw`]).
 
-use super::group::Interior;
+use super::group::InternalVariables;
 
 /// Generalised constitutive law of a group: energy ψ of each element as a function of its sampled strains s, with its
 /// derivatives.
-pub trait Constitution<const S: usize>: Send + Sync {
+pub trait GeneralizedLaw<const S: usize>: Send + Sync {
     /// Generalised stresses n = ∂ψ/∂s.
-    fn stress(&self, element: usize, s: &[f64; S], interior: &Interior) -> [f64; S];
+    fn stress(&self, element: usize, s: &[f64; S], interior: &InternalVariables) -> [f64; S];
 
     /// Algorithmic stress of a step from `old` to `new` in the energy–momentum scheme (discrete gradient): its work on
     /// `new − old` is ψ(new) − ψ(old).
-    fn mean_stress(&self, element: usize, old: &[f64; S], new: &[f64; S], interior: &Interior) -> [f64; S];
+    fn mean_stress(
+        &self,
+        element: usize,
+        old: &[f64; S],
+        new: &[f64; S],
+        interior: &InternalVariables,
+    ) -> [f64; S];
 
     /// Calls `f` with the tangent H = ∂²ψ/∂s², by rows.
     fn with_tangent<R>(
         &self,
         element: usize,
         s: &[f64; S],
-        interior: &Interior,
+        interior: &InternalVariables,
         f: impl FnOnce(&[f64]) -> R,
     ) -> R;
 
@@ -31,7 +37,7 @@ pub trait Constitution<const S: usize>: Send + Sync {
         element: usize,
         s: &[f64; S],
         change: &[f64; S],
-        interior: &Interior,
+        interior: &InternalVariables,
     ) -> [f64; S];
 
     /// Stiffness of the reference configuration times a strain rate; τ times this is the stress of Kelvin–Voigt
@@ -39,7 +45,7 @@ pub trait Constitution<const S: usize>: Send + Sync {
     fn viscous(&self, element: usize, rate: &[f64; S]) -> [f64; S];
 
     /// Stored energy ψ.
-    fn energy(&self, element: usize, s: &[f64; S], interior: &Interior) -> f64;
+    fn energy(&self, element: usize, s: &[f64; S], interior: &InternalVariables) -> f64;
 
     /// Number of history variables per element: enhanced parameters and internal variables.
     fn history(&self) -> usize {
@@ -47,7 +53,13 @@ pub trait Constitution<const S: usize>: Send + Sync {
     }
 
     /// Computes the history variables at `s`; returns the energy dissipated since the committed ones.
-    fn update(&self, _element: usize, _s: &[f64; S], _interior: &Interior, _history: &mut [f64]) -> f64 {
+    fn update(
+        &self,
+        _element: usize,
+        _s: &[f64; S],
+        _interior: &InternalVariables,
+        _history: &mut [f64],
+    ) -> f64 {
         0.0
     }
 }
@@ -55,7 +67,7 @@ pub trait Constitution<const S: usize>: Send + Sync {
 /// Linear generalised constitutive law: `ψ = ½ sᵀHs − Σ f n₀·s + ½ Σ f f c₀` with prescribed strain fields of factors
 /// f.
 #[derive(Debug, Clone, Default)]
-pub struct LinearConstitution<const S: usize> {
+pub struct LinearLaw<const S: usize> {
     /// H: condensed stiffness, `S × S` per element, by rows.
     pub h: Vec<f64>,
     /// n₀: generalised stress of the prescribed strains when fully restrained, `S` per field and element.
@@ -66,7 +78,7 @@ pub struct LinearConstitution<const S: usize> {
     pub fields: usize,
 }
 
-impl<const S: usize> LinearConstitution<S> {
+impl<const S: usize> LinearLaw<S> {
     #[inline(always)]
     fn multiply(&self, element: usize, s: &[f64; S]) -> [f64; S] {
         let h = &self.h[element * S * S..(element + 1) * S * S];
@@ -86,7 +98,7 @@ impl<const S: usize> LinearConstitution<S> {
     fn fields<'a>(
         &'a self,
         element: usize,
-        interior: &'a Interior,
+        interior: &'a InternalVariables,
     ) -> impl Iterator<Item = (f64, &'a [f64])> {
         let f = self.fields;
         interior
@@ -103,9 +115,9 @@ pub(super) fn energy_of_fields(constants: &[f64], factors: &[f64]) -> f64 {
     rows.flat_map(|(row, a)| row.iter().zip(factors).map(move |(c, b)| 0.5 * a * b * c)).sum()
 }
 
-impl<const S: usize> Constitution<S> for LinearConstitution<S> {
+impl<const S: usize> GeneralizedLaw<S> for LinearLaw<S> {
     #[inline(always)]
-    fn stress(&self, element: usize, s: &[f64; S], interior: &Interior) -> [f64; S] {
+    fn stress(&self, element: usize, s: &[f64; S], interior: &InternalVariables) -> [f64; S] {
         let mut n = self.multiply(element, s);
         if self.fields != 0 {
             for (factor, field) in self.fields(element, interior) {
@@ -118,7 +130,13 @@ impl<const S: usize> Constitution<S> for LinearConstitution<S> {
     }
 
     #[inline(always)]
-    fn mean_stress(&self, element: usize, old: &[f64; S], new: &[f64; S], interior: &Interior) -> [f64; S] {
+    fn mean_stress(
+        &self,
+        element: usize,
+        old: &[f64; S],
+        new: &[f64; S],
+        interior: &InternalVariables,
+    ) -> [f64; S] {
         self.stress(element, &std::array::from_fn(|i| 0.5 * (old[i] + new[i])), interior)
     }
 
@@ -127,14 +145,20 @@ impl<const S: usize> Constitution<S> for LinearConstitution<S> {
         &self,
         element: usize,
         _s: &[f64; S],
-        _interior: &Interior,
+        _interior: &InternalVariables,
         f: impl FnOnce(&[f64]) -> R,
     ) -> R {
         f(&self.h[element * S * S..(element + 1) * S * S])
     }
 
     #[inline(always)]
-    fn tangent_product(&self, element: usize, _s: &[f64; S], change: &[f64; S], _: &Interior) -> [f64; S] {
+    fn tangent_product(
+        &self,
+        element: usize,
+        _s: &[f64; S],
+        change: &[f64; S],
+        _: &InternalVariables,
+    ) -> [f64; S] {
         self.multiply(element, change)
     }
 
@@ -143,7 +167,7 @@ impl<const S: usize> Constitution<S> for LinearConstitution<S> {
         self.multiply(element, rate)
     }
 
-    fn energy(&self, element: usize, s: &[f64; S], interior: &Interior) -> f64 {
+    fn energy(&self, element: usize, s: &[f64; S], interior: &InternalVariables) -> f64 {
         let n = self.multiply(element, s);
         let mut energy = 0.5 * s.iter().zip(&n).map(|(a, b)| a * b).sum::<f64>();
         if self.fields != 0 {
