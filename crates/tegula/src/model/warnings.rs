@@ -23,6 +23,7 @@ const NODES: usize = 4;
 pub fn warnings(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
     let mut found = unused(model);
     found.extend(zero_loads(model));
+    found.extend(jumping_supports(model, system));
     found.extend(idle_switches(model));
     found.extend(seams(model, mesh));
     found.extend(prism(model, mesh, system));
@@ -195,6 +196,29 @@ fn unused(model: &Model) -> Vec<Issue> {
         )],
         _ => Vec::new(),
     }
+}
+
+/// Prescribed motions of a transient analysis that are away from the reference at time 0 already.
+fn jumping_supports(model: &Model, system: &System) -> Vec<Issue> {
+    if !matches!(model.analysis, Analysis::Transient(_)) {
+        return Vec::new();
+    }
+    let mut found = Vec::new();
+    for (i, condition) in model.conditions.iter().enumerate() {
+        let Condition::Prescribe(p) = condition else { continue };
+        let named = |name: &String| (0..system.amplitudes.len()).find(|&a| system.amplitude_name(a) == name);
+        let start = p.value * system.amplitude(p.amplitude.as_ref().and_then(named), 0.0);
+        if start != 0.0 {
+            found.push(Issue::new(
+                format!("conditions[{i}]"),
+                format!(
+                    "the prescribed component is {start} at time 0, where the model is at rest: it jumps"
+                ),
+                "give an `amplitude` that begins at 0, if that is not meant",
+            ));
+        }
+    }
+    found
 }
 
 /// Keys of sections that their element types do not look at.

@@ -1,4 +1,4 @@
-//! Pieces of shells tied at corners: iterations, accuracy and refusals.
+//! Linear solvers: iterations, accuracy and refusals of BDDC, and the cost of a factorisation.
 
 use crate::common::{
     compile, edge_loaded_shell, irregular, loaded_quarter_cylinder, model, plate, vector_load,

@@ -356,6 +356,31 @@ fn keys_without_effect_are_warned_of() {
 }
 
 #[test]
+fn motions_that_begin_with_a_jump_are_warned_of() {
+    let warned = |amplitude: Option<&str>, analysis: Analysis| {
+        let mut m = model(plate([1.0, 0.5], [2, 1], 0.0), YOUNG, 0.01);
+        for name in ["1 - t", "sin(t)"] {
+            let formula = ExpressionAmplitude { expression: name.into() };
+            m.amplitudes.insert(name.into(), Amplitude::Expression(formula));
+        }
+        m.conditions.push(Condition::Prescribe(PrescribeComponent {
+            on: "u_max".into(),
+            of: NodalVector::Position,
+            component: Axis::Z,
+            value: 0.01,
+            amplitude: amplitude.map(str::to_owned),
+        }));
+        m.analysis = analysis;
+        warned(&m)
+    };
+    let transient = || Analysis::Transient(TransientAnalysis::new(0.1));
+    assert_eq!(warned(None, transient()), ["conditions[1]"]);
+    assert_eq!(warned(Some("1 - t"), transient()), ["conditions[1]"]);
+    assert!(warned(Some("sin(t)"), transient()).is_empty());
+    assert!(warned(None, Analysis::Static(StaticAnalysis::default())).is_empty());
+}
+
+#[test]
 fn modal_analyses_know_prescribed_strains_as_loads() {
     for (prestressed, expected) in [(true, vec![]), (false, vec!["prescribed_strains[0]".to_string()])] {
         let mut m = model(plate([1.0, 0.5], [2, 1], 0.0), YOUNG, 0.01);
