@@ -13,21 +13,22 @@
 //! format in geometrically nonlinear analysis of beams and shells using solid finite elements*,
 //! Int. J. Numer. Meth. Engng 109 (2017) 1237–1262).
 
+mod iteration;
 mod response;
 mod stability;
 
 pub use response::SoftestMode;
 pub use stability::Stability;
 
+use crate::Result;
 use crate::element::{Kinematics, Motion, Nodal};
 use crate::model::NewtonMethod;
-use crate::system::assembly::{TangentCoefficients, add_follower_stiffness};
+use crate::system::assembly::TangentCoefficients;
 use crate::system::{Assembly, CorotationalUpdate, Numbering, System, VectorKind, dot};
-use crate::{Result, Vec3};
 use tegula_sparse::SparseLdlt;
 
-use super::circulatory::{CirculatoryLoads, Purpose};
-use super::lagged_tangent::{self, Increment, Increments, LaggedTangent};
+use super::circulatory::CirculatoryLoads;
+use super::lagged_tangent::{Increments, LaggedTangent};
 use super::solver::{self, Linearization, TangentSolver};
 use super::statics::state_kinematics;
 use super::{Observer, State};
@@ -333,243 +334,6 @@ impl<S: TangentSolver> Newton<S> {
             began_with_old_factor,
         })
     }
-
-    fn iterate(
-        &mut self,
-        system: &System,
-        equation: &mut dyn Equation,
-        tolerances: &Tolerances,
-        observer: &mut dyn Observer,
-    ) -> std::result::Result<Converged, (Cause, String)> {
-        let tangent_failed = |reason: String| (Cause::Tangent, reason);
-        let mixed = self.method == NewtonMethod::Mixed && !system.linear;
-        self.increments.clear();
-        self.solver.begin_step();
-        if let Some(loads) = &mut self.circulatory {
-            loads.begin_step();
-        }
-        if self.factored == FactoredTangent::Iterate {
-            self.factored = FactoredTangent::Nothing;
-        }
-        let (mut tangents, mut negative_pivots, mut first_increment) = (0, 0, 0.0);
-        let mut extrapolated = true;
-        let mut limit = f64::INFINITY;
-        for iteration in 1..=tolerances.max_iterations {
-            self.iterations = iteration;
-            if observer.interrupted() {
-                return Err((Cause::Interrupted, "interrupted".into()));
-            }
-            let has_prescribed = equation.prescribed(system, &mut self.increment);
-            let parts = equation.parts();
-            let left = tolerances.max_iterations - iteration;
-            let reuse = !has_prescribed
-                && match self.factored {
-                    FactoredTangent::Nothing => false,
-                    FactoredTangent::Linear(p) => (p.weights, p.mass) == (parts.weights, parts.mass),
-                    FactoredTangent::Lagged | FactoredTangent::Iterate => {
-                        self.increments.old_factor_serves(parts.mass != 0.0, self.price, left)
-                    }
-                };
-            if mixed && !reuse && !extrapolated {
-                self.assembly.reset_stress(system, &equation.kinematics(system));
-            }
-            equation.external_minus_inertia(system, &mut self.residual);
-            let mut prepared = Ok(0);
-            {
-                let k = equation.kinematics(system);
-                self.assembly.follow(system, &k);
-                let Self { solver, assembly, internal, circulatory, .. } = self;
-                if reuse {
-                    assembly.forces(system, &k, internal);
-                } else {
-                    if let Some(loads) = circulatory {
-                        loads.take(system, &k, &parts);
-                    }
-                    let prescribed = has_prescribed.then_some(self.increment.as_slice());
-                    let at =
-                        Linearization { system, motion: &k, parts: &parts, extrapolated: mixed, prescribed };
-                    self.factored = FactoredTangent::Nothing;
-                    prepared = loop {
-                        solver.assemble(assembly, &at, internal);
-                        solver.add_curvature(assembly, &at, &self.residual);
-                        // Non-finite forces are reported below, with a better message than that of a failed
-                        // factorisation.
-                        if !internal.iter().flatten().all(|f| f.is_finite()) {
-                            break Ok(0);
-                        }
-                        if let Some(done) = solver.prepare(assembly).transpose() {
-                            break done;
-                        }
-                    };
-                }
-            }
-            if has_prescribed {
-                let k = equation.kinematics(system);
-                add_follower_stiffness(system, &k, &parts, &self.increment, &mut self.residual);
-            }
-            for (r, f) in self.residual.iter_mut().zip(&self.internal) {
-                for i in 0..3 {
-                    r[i] -= parts.weights.force * f[i];
-                }
-            }
-            let corotational =
-                self.corotational.as_ref().filter(|_| reuse && self.factored == FactoredTangent::Lagged);
-            if reuse {
-                // The constraint force of an inextensible director must not act as a force in the local frame of
-                // another state.
-                self.assembly.numbering.free_part(&mut self.residual);
-            } else {
-                self.axes.copy_axes(&self.assembly.numbering);
-            }
-            if let Some(corotational) = corotational {
-                corotational.turn(system, true, &mut self.residual);
-            }
-            self.axes.reduce(&self.residual, &mut self.right_side);
-            if !self.right_side.iter().all(|r| r.is_finite()) {
-                return Err(match self.assembly.without_answer(system) {
-                    Some(element) => (
-                        Cause::Material,
-                        format!(
-                            "{element}: the material law could not be evaluated (det F ≤ 0), or the iteration of its \
-                             enhanced strains (`eas`) did not converge"
-                        ),
-                    ),
-                    None => (Cause::Flight, "the forces are no longer finite".into()),
-                });
-            }
-            if !reuse {
-                tangents += 1;
-                negative_pivots = prepared.map_err(tangent_failed)?;
-                self.most_negative_pivots = self.most_negative_pivots.max(negative_pivots);
-                self.factored =
-                    if system.linear { FactoredTangent::Linear(parts) } else { FactoredTangent::Iterate };
-            }
-            self.solution.copy_from_slice(&self.right_side);
-            self.solver.solve_tangent(&mut self.solution).map_err(tangent_failed)?;
-            if let Some(loads) = &mut self.circulatory {
-                let old = reuse || parts.mass != 0.0;
-                let purpose = if old { Purpose::Contraction } else { Purpose::Increment };
-                loads
-                    .correct(&mut self.solver, &self.axes, &mut self.solution, purpose)
-                    .map_err(tangent_failed)?;
-            }
-            let energy = self.solution.iter().zip(&self.right_side).map(|(a, b)| a * b).sum::<f64>().abs();
-            expand_free(&self.axes, &self.solution, has_prescribed, &mut self.increment);
-            if let Some(corotational) = corotational {
-                corotational.turn(system, false, &mut self.increment);
-            }
-            if !energy.is_finite() {
-                return Err((Cause::Flight, "the increment is not finite".into()));
-            }
-            // Where large steps have several solutions, a lagged tangent must not lead to another one.
-            if reuse && !system.linear {
-                let size = system.norm(&self.increment);
-                let matters = size > tolerances.increment * equation.displacement_scale(system);
-                if matters && self.increments.too_large(energy, size) {
-                    if self.factored == FactoredTangent::Lagged {
-                        let reason = "with an old tangent the increments do not shrink";
-                        return Err((Cause::OldTangent, reason.into()));
-                    }
-                    self.factored = FactoredTangent::Nothing;
-                    continue;
-                }
-            }
-            if iteration == 1 {
-                first_increment = system.norm(&self.increment);
-            }
-            // Under follower loads that rotate with the shell, or rotate it, later increments overshoot as far.
-            if (iteration == 1 || !system.followers.is_empty())
-                && let Some(turn) = equation.first_rotation_limit(system)
-            {
-                limit_rotation(system, turn, &mut self.increment);
-            }
-            extrapolated = mixed && !reuse;
-            if extrapolated {
-                let k = equation.kinematics(system);
-                self.assembly.extrapolate(system, &k, &self.increment, &parts.weights);
-            }
-            if !system.linear {
-                retract(system, &self.assembly.numbering, &equation.kinematics(system), &mut self.increment);
-            }
-            equation.apply(system, &self.increment);
-            let size = system.norm(&self.increment);
-            if size > 1e4 {
-                let place = largest(system, &self.assembly.numbering, &self.residual);
-                let reason =
-                    format!("an increment moved the model by {size:.1e} times its own size; {place}");
-                return Err((Cause::Flight, reason));
-            }
-            let energy_scale = equation.energy_scale(system, &mut self.assembly);
-            self.solver.note_energy(energy_scale);
-            let size_scale = equation.displacement_scale(system);
-            let relative = energy / energy_scale.max(f64::MIN_POSITIVE);
-            observer.on_iteration(iteration, relative, size / size_scale.max(f64::MIN_POSITIVE));
-            let rest = if reuse && !system.linear { lagged_tangent::rest(parts.mass != 0.0) } else { 1.0 };
-            if iteration == 1 && !system.linear {
-                limit = equation.error_limit(energy);
-            }
-            let limit = limit.max(ROUND_OFF * energy_scale);
-            let excess = (relative / (rest * tolerances.energy))
-                .max(energy / limit)
-                .sqrt()
-                .max(size / (size_scale * tolerances.increment));
-            self.increments.push(Increment {
-                energy: relative,
-                size: size / size_scale,
-                excess,
-                fresh: !reuse,
-                absolute: [energy, size],
-            });
-            // The error behind an increment is the increment times the contraction.
-            let error = self.increments.contraction().powi(2).min(1.0) * energy;
-            let left = if rest < 1.0 { error } else { energy };
-            let converged = energy <= tolerances.energy * energy_scale
-                && size <= tolerances.increment * size_scale
-                && left <= rest * tolerances.energy * energy_scale
-                && error <= limit;
-            let done = Converged {
-                iterations: iteration,
-                tangents,
-                negative_pivots,
-                most_negative_pivots: self.most_negative_pivots,
-                first_increment,
-                floor: false,
-            };
-            if converged || (energy == 0.0 && size == 0.0) {
-                return Ok(done);
-            }
-            if let Some(floor) = self.increments.stagnation() {
-                // Near a rigid motion there is next to no energy to compare with: increments at round-off suffice then.
-                // Increments whose energy is round-off beside that of self-equilibrated stresses suffice, too: there
-                // the displacement itself vanishes.
-                let rounding = size <= 1e-10 * size_scale || relative <= ROUND_OFF;
-                if rounding || (relative <= 1e-9 && size <= 1e-5 * size_scale) {
-                    return Ok(Converged { floor: true, ..done });
-                }
-                if floor {
-                    let place = largest(system, &self.assembly.numbering, &self.residual);
-                    let energy = format!("energy of the increment {relative:.1e} of the model's");
-                    return Err((Cause::Stagnation, format!("the iteration stagnates ({energy}); {place}")));
-                }
-            }
-        }
-        let place = largest(system, &self.assembly.numbering, &self.residual);
-        let reason = format!("not converged after {} iterations; {place}", tolerances.max_iterations);
-        Err((Cause::Iterations, reason))
-    }
-}
-
-/// Step limiter: scales an increment that rotates a director by more than `turn` (rad), or moves a node by more than
-/// `turn` times the model's length.
-fn limit_rotation(system: &System, turn: f64, increment: &mut [Nodal]) {
-    let size = |(d, kind): (&Nodal, &VectorKind)| {
-        let length = if *kind == VectorKind::Position { system.length } else { 1.0 };
-        dot(&[*d], &[*d]).sqrt() / length
-    };
-    let largest = increment.iter().zip(&system.kinds).map(size).fold(0.0, f64::max);
-    if largest > turn {
-        increment.iter_mut().for_each(|d| *d = d.map(|x| x * (turn / largest)));
-    }
 }
 
 /// Expands the free degrees of freedom of an increment; with `keep` the prescribed ones retain their values.
@@ -586,30 +350,6 @@ fn expand_free(numbering: &Numbering, free: &[f64], keep: bool, field: &mut [Nod
             }
         }
         *value = numbering.from_axes(v, local);
-    }
-}
-
-/// Retraction of the increments of inextensible directors onto the unit sphere, along the great circle (exponential
-/// map).
-fn retract(system: &System, numbering: &Numbering, k: &Kinematics, increment: &mut [Nodal]) {
-    let (Motion::State { u, .. } | Motion::Step { new: u, .. }) = k.motion;
-    for unit in &numbering.unit {
-        let v = unit.vector as usize;
-        let reference = Vec3::from(system.reference[v]);
-        let d = reference + Vec3::from(u[v]);
-        let step = Vec3::from(increment[v]);
-        let across = step - d * d.dot(&step);
-        let angle = across.norm();
-        if unit.fixed.is_some() || angle == 0.0 {
-            increment[v] = (unit.project(d + across, &reference) - d).into();
-            continue;
-        }
-        let change = across * (angle.sin() / angle) - d * (2.0 * (0.5 * angle).sin().powi(2));
-        let target = d + change;
-        // Round-off of the length is corrected along the vector only: across it a short step would take it for a
-        // motion.
-        let back = unit.project(target, &reference) - target;
-        increment[v] = (change + target * target.dot(&back)).into();
     }
 }
 

@@ -11,25 +11,21 @@ pub mod newmark;
 mod predictor;
 pub mod step_control;
 mod step_end;
+mod time_steps;
 
-use super::drilling::DrillingWatch;
-use super::newton::{Cause, Diverged, Equation, Newton, Tolerances};
-use super::statics::{state_kinematics, undefined};
-use super::{Balance, Observer, State, Statistics, Step};
+use super::newton::{Equation, Newton, Tolerances};
+use super::{Balance, Observer, State, Statistics};
 use crate::element::{Kinematics, Motion, Nodal};
 use crate::model::{Scheme, TransientAnalysis};
 use crate::system::assembly::add_follower_loads;
 use crate::system::numbering::CONSTRAINED;
-use crate::system::{Assembly, System, VectorKind, dot, dot3, inverted_element};
-use crate::{Error, Result, Vec3};
-use amplitude_check::AmplitudeCheck;
+use crate::system::{Assembly, System, VectorKind, dot, dot3};
+use crate::{Result, Vec3};
 pub use amplitude_check::{PassedOver, passed_over};
 use energy_momentum::EnergyMomentum;
 use newmark::Newmark;
-use step_control::StepControl;
 pub use step_end::Span;
-use step_end::StepEnds;
-use tegula_sparse::Factor as _;
+use time_steps::TimeSteps;
 
 /// Time integration scheme: the equation of a step, its error estimate and its energy account.
 ///
@@ -96,207 +92,10 @@ pub fn run(
     start: Option<State>,
     observer: &mut dyn Observer,
 ) -> Result<TransientOutcome> {
-    let Some(mut scheme) = integrator(system, options.scheme) else {
-        return explicit_run::run(system, options, start, observer);
-    };
-    let mut newton = Newton::new(system, None)?;
-    let mut statistics = Statistics::default();
-    let fresh = start.is_none();
-    let mut state = match start {
-        Some(s) => s,
-        None => {
-            if let Some(reason) = system.undefined_amplitude(0.0) {
-                return Err(undefined("time", (0.0, 0.0), reason));
-            }
-            initial_state(system, &mut newton)?
-        }
-    };
-    statistics.steps = state.step;
-    newton.restore(system, &state, true);
-    let control = StepControl::new(options);
-    let ends = StepEnds::new(system, options);
-    let mut check = AmplitudeCheck::new(system, options);
-    if fresh {
-        state.next_step = control.first(system, &state);
+    match integrator(system, options.scheme) {
+        Some(scheme) => TimeSteps::new(system, options, scheme, start, observer)?.run(observer),
+        None => explicit_run::run(system, options, start, observer),
     }
-    let tolerances = scheme.tolerances(options.max_iterations);
-    let mut balance = balance(system, &mut newton.assembly, &state);
-    if fresh {
-        observer.on_step(&Step {
-            state: &state,
-            balance: &balance,
-            statistics: &statistics,
-            iterations: 0,
-            end: options.end_time,
-        })?;
-    }
-    let mut old_velocities = vec![[0.0; 3]; system.vectors()];
-    let mean = matches!(options.scheme, Scheme::EnergyMomentum(_));
-    // A step that failed with a lagged tangent is repeated with its own tangents.
-    let mut own_tangents = false;
-    let mut drilling = DrillingWatch::new();
-    while state.time < options.end_time {
-        state.next_step = check.shortened(system, state.time, state.next_step, state.last_step);
-        let span = ends.next(state.time, state.next_step, state.last_step);
-        let dt = span.dt;
-        if let Some(found) = check.passed_over(system, state.time, dt) {
-            observer.on_event(&found.event(system));
-        }
-        // Schemes evaluate loads inside the step, too.
-        let gap = [0.5, 1.0].into_iter().find_map(|part| system.undefined_amplitude(state.time + part * dt));
-        if let Some(reason) = gap {
-            return Err(undefined("time", (state.time, span.end), reason));
-        }
-        scheme.begin(system, &mut newton.assembly, &state, span);
-        if !own_tangents {
-            newton.prepare(system, (&scheme.parts(), scheme.displacements()), dt, &mut state);
-        }
-        let result = newton.solve(system, scheme.as_mut(), &tolerances, observer);
-        statistics.factorizations = newton.solver.factorizations() as u64;
-        statistics.linear_iterations = newton.linear_iterations();
-        let inverted = result.is_ok().then(|| inverted_element(system, scheme.displacements())).flatten();
-        if let Err(Diverged { iterations, reason, began_with_old_factor: true, .. }) = &result
-            && !observer.interrupted()
-        {
-            statistics.iterations += u64::from(*iterations);
-            observer.on_repeat(&statistics);
-            observer.on_event(&format!(
-                "time {:.6e}: a step of {dt:.3e} is repeated with tangents of its own: {reason}",
-                state.time
-            ));
-            newton.forget(&mut state);
-            newton.restore(system, &state, true);
-            own_tangents = true;
-            continue;
-        }
-        own_tangents = false;
-        let failure = match result {
-            Ok(c) if inverted.is_some() => {
-                statistics.iterations += u64::from(c.iterations);
-                state.next_step = 0.5 * dt;
-                (Trouble::Inverted, inverted.unwrap_or_default())
-            }
-            Ok(c) => {
-                statistics.iterations += u64::from(c.iterations);
-                let error = scheme.local_error(system, &state);
-                if control.accepts(error) {
-                    let step_work = scheme.step_work(system, &mut newton.assembly, &state);
-                    let after = (scheme.displacements(), span.end);
-                    state.work += step_work.work
-                        + newton.assembly.prescribed_strain_work(system, (&state.u, state.time), after);
-                    state.dissipated += step_work.dissipated;
-                    old_velocities.copy_from_slice(&state.v);
-                    scheme.finish(system, &mut state);
-                    if !system.linear {
-                        predictor::remember(&old_velocities, dt, &mut state);
-                    }
-                    state.last_step = dt;
-                    state.time = span.end;
-                    if system.has_kink(span.end) {
-                        state.work += impact::pass_kink(system, &mut newton, mean, &mut state)?;
-                    }
-                    state.step += 1;
-                    state.next_step = control.next(dt, state.next_step, error, c.tangents);
-                    state.tangent.record_use(c.iterations, c.tangents);
-                    let k = state_kinematics(system, &state.u, state.time);
-                    state.dissipated += newton.assembly.commit(system, &k);
-                    state.history.copy_from_slice(&newton.assembly.history);
-                    newton.assembly.reset_stress(system, &k);
-                    balance = self::balance(system, &mut newton.assembly, &state);
-                    state.energy_scale = state.energy_scale.max(balance.kinetic).max(balance.strain);
-                    statistics.steps = state.step;
-                    drilling.look(system, (&state.u, state.time), observer, || {
-                        format!("time {:.6e}", state.time)
-                    });
-                    observer.on_step(&Step {
-                        state: &state,
-                        balance: &balance,
-                        statistics: &statistics,
-                        iterations: c.iterations,
-                        end: options.end_time,
-                    })?;
-                    if observer.interrupted() && state.time < options.end_time {
-                        return Err(Error::Interrupted);
-                    }
-                    continue;
-                }
-                state.next_step = control.next(dt, dt, error, c.tangents).min(0.5 * dt);
-                let reason =
-                    format!("its error {error:.1e} is above the tolerance {:.1e}", options.tolerance);
-                (Trouble::Inaccurate, reason)
-            }
-            Err(Diverged { iterations, reason, cause, .. }) => {
-                statistics.iterations += u64::from(iterations);
-                if observer.interrupted() {
-                    return Err(Error::Interrupted);
-                }
-                state.next_step = 0.5 * dt;
-                (Trouble::Iteration(cause), reason)
-            }
-        };
-        let (trouble, failure) = failure;
-        if state.next_step < SMALLEST_STEP * options.end_time {
-            observer.on_repeat(&statistics);
-            return Err(Error::NotConverged {
-                at: format!("time {:.6e}", state.time + dt),
-                reason: failure,
-                help: format!(
-                    "The last finished step ended at time {:.6e}; results up to there are complete. {}",
-                    state.time,
-                    advice(system, options, trouble)
-                ),
-            });
-        }
-        statistics.cutbacks += 1;
-        observer.on_repeat(&statistics);
-        observer.on_event(&format!(
-            "time {:.6e}: a step of {dt:.3e} is repeated with {:.3e}: {failure}",
-            state.time, state.next_step
-        ));
-        newton.restore(system, &state, true);
-    }
-    Ok(TransientOutcome { state, balance, statistics })
-}
-
-/// Reason why a time step is cut back.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Trouble {
-    /// Local error above the tolerance.
-    Inaccurate,
-    /// Inverted element.
-    Inverted,
-    /// Iteration that does not converge.
-    Iteration(Cause),
-}
-
-/// Advice for a motion whose cut-backs reach the smallest step: it fits the last failure, and is not in use already.
-fn advice(system: &System, options: &TransientAnalysis, trouble: Trouble) -> String {
-    match trouble {
-        Trouble::Inverted | Trouble::Iteration(Cause::Material) => {
-            return "Look at the loads, the thickness and the material of this element, and at their units."
-                .into();
-        }
-        Trouble::Iteration(Cause::Tangent) => {
-            return "Look at masses and supports: something moves without inertia and without resistance."
-                .into();
-        }
-        Trouble::Inaccurate | Trouble::Iteration(_) => {}
-    }
-    let mut list = Vec::new();
-    if trouble == Trouble::Inaccurate {
-        list.push("a larger `tolerance`");
-    }
-    if !matches!(options.scheme, Scheme::EnergyMomentum(_)) {
-        list.push("the scheme \"energy-momentum\"");
-    }
-    if system.mass_damping == 0.0 && system.groups.iter().all(|g| g.retardation_time() == 0.0) {
-        list.push("some damping");
-    }
-    if trouble != Trouble::Inaccurate && options.time_step.is_none() {
-        list.push("a smaller `tolerance`, so that the motion up to there is more accurate");
-    }
-    list.push("a look at loads, initial velocities and units");
-    format!("Try {}.", list.join(", or "))
 }
 
 /// Rest or initial velocities, prescribed values at time 0, and accelerations that satisfy the

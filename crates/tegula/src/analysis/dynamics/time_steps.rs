@@ -1,0 +1,297 @@
+//! Time steps of an implicit scheme, with step control and cut-backs.
+
+use super::amplitude_check::AmplitudeCheck;
+use super::step_control::StepControl;
+use super::step_end::{Span, StepEnds};
+use super::{Integrator, SMALLEST_STEP, TransientOutcome, balance, impact, initial_state, predictor};
+use crate::analysis::drilling::DrillingWatch;
+use crate::analysis::newton::{Cause, Converged, Diverged, Newton, Tolerances};
+use crate::analysis::statics::{state_kinematics, undefined};
+use crate::analysis::{Balance, Observer, State, Statistics, Step};
+use crate::element::Nodal;
+use crate::model::{Scheme, TransientAnalysis};
+use crate::system::{System, inverted_element};
+use crate::{Error, Result};
+use tegula_sparse::Factor as _;
+
+/// A transient analysis between two time steps.
+pub(super) struct TimeSteps<'a> {
+    system: &'a System,
+    options: &'a TransientAnalysis,
+    scheme: Box<dyn Integrator>,
+    newton: Newton,
+    tolerances: Tolerances,
+    control: StepControl,
+    ends: StepEnds,
+    check: AmplitudeCheck,
+    drilling: DrillingWatch,
+    /// The last state reached.
+    state: State,
+    balance: Balance,
+    statistics: Statistics,
+    /// Velocities at the start of the last step, for the predictor.
+    old_velocities: Vec<Nodal>,
+    /// Whether the present step is repeated with its own tangents, since it failed with a lagged one.
+    own_tangents: bool,
+}
+
+impl<'a> TimeSteps<'a> {
+    /// Begins at `start`, or at time 0 with consistent accelerations, which the observer is told.
+    ///
+    /// # Errors
+    /// The factor does not fit in memory, the mass is singular, an amplitude has no value at time 0, or the observer failed.
+    pub fn new(
+        system: &'a System,
+        options: &'a TransientAnalysis,
+        scheme: Box<dyn Integrator>,
+        start: Option<State>,
+        observer: &mut dyn Observer,
+    ) -> Result<Self> {
+        let mut newton = Newton::new(system, None)?;
+        let fresh = start.is_none();
+        let mut state = match start {
+            Some(state) => state,
+            None => {
+                if let Some(reason) = system.undefined_amplitude(0.0) {
+                    return Err(undefined("time", (0.0, 0.0), reason));
+                }
+                initial_state(system, &mut newton)?
+            }
+        };
+        newton.restore(system, &state, true);
+        let control = StepControl::new(options);
+        if fresh {
+            state.next_step = control.first(system, &state);
+        }
+        let steps = Self {
+            tolerances: scheme.tolerances(options.max_iterations),
+            control,
+            ends: StepEnds::new(system, options),
+            check: AmplitudeCheck::new(system, options),
+            drilling: DrillingWatch::new(),
+            balance: balance(system, &mut newton.assembly, &state),
+            statistics: Statistics { steps: state.step, ..Statistics::default() },
+            old_velocities: vec![[0.0; 3]; system.vectors()],
+            own_tangents: false,
+            system,
+            options,
+            scheme,
+            newton,
+            state,
+        };
+        if fresh {
+            steps.report(0, observer)?;
+        }
+        Ok(steps)
+    }
+
+    /// Takes steps to the end time.
+    pub fn run(mut self, observer: &mut dyn Observer) -> Result<TransientOutcome> {
+        while self.state.time < self.options.end_time {
+            let span = self.next_span(observer)?;
+            if let Some((trouble, reason)) = self.attempt(span, observer)? {
+                self.cut_back(span, trouble, reason, observer)?;
+            }
+        }
+        let Self { state, balance, statistics, .. } = self;
+        Ok(TransientOutcome { state, balance, statistics })
+    }
+
+    /// Length and end of the next step.
+    fn next_span(&mut self, observer: &mut dyn Observer) -> Result<Span> {
+        let Self { system, state, check, ends, .. } = self;
+        state.next_step = check.shortened(system, state.time, state.next_step, state.last_step);
+        let span = ends.next(state.time, state.next_step, state.last_step);
+        if let Some(found) = check.passed_over(system, state.time, span.dt) {
+            observer.on_event(&found.event(system));
+        }
+        // Schemes evaluate loads inside the step, too.
+        let undefined_inside =
+            [0.5, 1.0].into_iter().find_map(|part| system.undefined_amplitude(state.time + part * span.dt));
+        match undefined_inside {
+            Some(reason) => Err(undefined("time", (state.time, span.end), reason)),
+            None => Ok(span),
+        }
+    }
+
+    /// Solves for the end of a step and accepts it, unless it has to be cut back, which is returned with its reason. A step
+    /// that failed with a lagged tangent is taken again with its own tangents.
+    fn attempt(&mut self, span: Span, observer: &mut dyn Observer) -> Result<Option<(Trouble, String)>> {
+        let Self { system, scheme, newton, state, statistics, .. } = self;
+        scheme.begin(system, &mut newton.assembly, state, span);
+        if !self.own_tangents {
+            newton.prepare(system, (&scheme.parts(), scheme.displacements()), span.dt, state);
+        }
+        let result = newton.solve(system, scheme.as_mut(), &self.tolerances, observer);
+        statistics.factorizations = newton.solver.factorizations() as u64;
+        statistics.linear_iterations = newton.linear_iterations();
+        statistics.iterations += u64::from(match &result {
+            Ok(converged) => converged.iterations,
+            Err(diverged) => diverged.iterations,
+        });
+        match result {
+            Ok(converged) => {
+                self.own_tangents = false;
+                self.judge(span, converged, observer)
+            }
+            Err(_) if observer.interrupted() => Err(Error::Interrupted),
+            Err(Diverged { reason, began_with_old_factor: true, .. }) => {
+                self.repeat_with_own_tangents(span, &reason, observer);
+                Ok(None)
+            }
+            Err(Diverged { reason, cause, .. }) => {
+                self.own_tangents = false;
+                self.state.next_step = 0.5 * span.dt;
+                Ok(Some((Trouble::Iteration(cause), reason)))
+            }
+        }
+    }
+
+    fn repeat_with_own_tangents(&mut self, span: Span, reason: &str, observer: &mut dyn Observer) {
+        observer.on_repeat(&self.statistics);
+        observer.on_event(&format!(
+            "time {:.6e}: a step of {:.3e} is repeated with tangents of its own: {reason}",
+            self.state.time, span.dt
+        ));
+        self.newton.forget(&mut self.state);
+        self.newton.restore(self.system, &self.state, true);
+        self.own_tangents = true;
+    }
+
+    /// Accepts a converged step whose local error is small enough and whose elements are not inverted.
+    fn judge(
+        &mut self,
+        span: Span,
+        converged: Converged,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<(Trouble, String)>> {
+        if let Some(inverted) = inverted_element(self.system, self.scheme.displacements()) {
+            self.state.next_step = 0.5 * span.dt;
+            return Ok(Some((Trouble::Inverted, inverted)));
+        }
+        let error = self.scheme.local_error(self.system, &self.state);
+        if self.control.accepts(error) {
+            self.accept(span, error, &converged)?;
+            let Self { system, state, drilling, .. } = self;
+            let at = (state.u.as_slice(), state.time);
+            drilling.look(system, at, observer, || format!("time {:.6e}", state.time));
+            self.report(converged.iterations, observer)?;
+            let more = self.state.time < self.options.end_time;
+            return if observer.interrupted() && more { Err(Error::Interrupted) } else { Ok(None) };
+        }
+        let next = self.control.next(span.dt, span.dt, error, converged.tangents);
+        self.state.next_step = next.min(0.5 * span.dt);
+        let reason = format!("its error {error:.1e} is above the tolerance {:.1e}", self.options.tolerance);
+        Ok(Some((Trouble::Inaccurate, reason)))
+    }
+
+    /// Makes the end of the step the state.
+    fn accept(&mut self, span: Span, error: f64, converged: &Converged) -> Result<()> {
+        let Self { system, scheme, newton, state, statistics, control, .. } = self;
+        let step_work = scheme.step_work(system, &mut newton.assembly, state);
+        let after = (scheme.displacements(), span.end);
+        state.work +=
+            step_work.work + newton.assembly.prescribed_strain_work(system, (&state.u, state.time), after);
+        state.dissipated += step_work.dissipated;
+        self.old_velocities.copy_from_slice(&state.v);
+        scheme.finish(system, state);
+        if !system.linear {
+            predictor::remember(&self.old_velocities, span.dt, state);
+        }
+        state.last_step = span.dt;
+        state.time = span.end;
+        if system.has_kink(span.end) {
+            let mean = matches!(self.options.scheme, Scheme::EnergyMomentum(_));
+            state.work += impact::pass_kink(system, newton, mean, state)?;
+        }
+        state.step += 1;
+        state.next_step = control.next(span.dt, state.next_step, error, converged.tangents);
+        state.tangent.record_use(converged.iterations, converged.tangents);
+        let k = state_kinematics(system, &state.u, state.time);
+        state.dissipated += newton.assembly.commit(system, &k);
+        state.history.copy_from_slice(&newton.assembly.history);
+        newton.assembly.reset_stress(system, &k);
+        self.balance = balance(system, &mut newton.assembly, state);
+        state.energy_scale = state.energy_scale.max(self.balance.kinetic).max(self.balance.strain);
+        statistics.steps = state.step;
+        Ok(())
+    }
+
+    /// Tells the observer the state reached.
+    fn report(&self, iterations: u32, observer: &mut dyn Observer) -> Result<()> {
+        let Self { state, balance, statistics, options, .. } = self;
+        observer.on_step(&Step { state, balance, statistics, iterations, end: options.end_time })
+    }
+
+    /// Repeats a step with a shorter one, or gives up.
+    fn cut_back(
+        &mut self,
+        span: Span,
+        trouble: Trouble,
+        failure: String,
+        observer: &mut dyn Observer,
+    ) -> Result<()> {
+        let Self { system, options, state, statistics, .. } = self;
+        if state.next_step < SMALLEST_STEP * options.end_time {
+            observer.on_repeat(statistics);
+            return Err(Error::NotConverged {
+                at: format!("time {:.6e}", state.time + span.dt),
+                reason: failure,
+                help: format!(
+                    "The last finished step ended at time {:.6e}; results up to there are complete. {}",
+                    state.time,
+                    advice(system, options, trouble)
+                ),
+            });
+        }
+        statistics.cutbacks += 1;
+        observer.on_repeat(statistics);
+        observer.on_event(&format!(
+            "time {:.6e}: a step of {:.3e} is repeated with {:.3e}: {failure}",
+            state.time, span.dt, state.next_step
+        ));
+        self.newton.restore(system, state, true);
+        Ok(())
+    }
+}
+
+/// Reason why a time step is cut back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Trouble {
+    /// Local error above the tolerance.
+    Inaccurate,
+    /// Inverted element.
+    Inverted,
+    /// Iteration that does not converge.
+    Iteration(Cause),
+}
+
+/// Advice for a motion whose cut-backs reach the smallest step: it fits the last failure, and is not in use already.
+fn advice(system: &System, options: &TransientAnalysis, trouble: Trouble) -> String {
+    match trouble {
+        Trouble::Inverted | Trouble::Iteration(Cause::Material) => {
+            return "Look at the loads, the thickness and the material of this element, and at their units."
+                .into();
+        }
+        Trouble::Iteration(Cause::Tangent) => {
+            return "Look at masses and supports: something moves without inertia and without resistance."
+                .into();
+        }
+        Trouble::Inaccurate | Trouble::Iteration(_) => {}
+    }
+    let mut list = Vec::new();
+    if trouble == Trouble::Inaccurate {
+        list.push("a larger `tolerance`");
+    }
+    if !matches!(options.scheme, Scheme::EnergyMomentum(_)) {
+        list.push("the scheme \"energy-momentum\"");
+    }
+    if system.mass_damping == 0.0 && system.groups.iter().all(|g| g.retardation_time() == 0.0) {
+        list.push("some damping");
+    }
+    if trouble != Trouble::Inaccurate && options.time_step.is_none() {
+        list.push("a smaller `tolerance`, so that the motion up to there is more accurate");
+    }
+    list.push("a look at loads, initial velocities and units");
+    format!("Try {}.", list.join(", or "))
+}

@@ -1,0 +1,434 @@
+//! One Newton step: iterations from residual and tangent to the increment, and the test of convergence.
+
+use super::{
+    Cause, Converged, Equation, FactoredTangent, Newton, ROUND_OFF, Tolerances, expand_free, largest,
+};
+use crate::Vec3;
+use crate::analysis::Observer;
+use crate::analysis::circulatory::Purpose;
+use crate::analysis::lagged_tangent::{self, Increment};
+use crate::analysis::solver::{Linearization, TangentSolver};
+use crate::element::{Kinematics, Motion, Nodal};
+use crate::model::NewtonMethod;
+use crate::system::assembly::{TangentCoefficients, add_follower_stiffness};
+use crate::system::{Numbering, System, VectorKind, dot};
+
+/// Largest increment over the size of the model; beyond it the iteration diverges.
+const FLIGHT: f64 = 1e4;
+
+/// Failure of a step: its cause, and the message with its place.
+type Failed = (Cause, String);
+
+/// Bookkeeping of the iterations of a step.
+struct Progress {
+    /// Number of tangents.
+    tangents: u32,
+    /// Negative pivots of the last tangent.
+    negative_pivots: usize,
+    /// Norm of the first increment, before the step limiter.
+    first_increment: f64,
+    /// Whether the stress of the iterate is extrapolated from the last increment (mixed form).
+    extrapolated: bool,
+    /// Limit of the error's energy, from the estimate of a time step's error.
+    limit: f64,
+}
+
+/// Setting of one iteration.
+#[derive(Clone, Copy)]
+struct Setting {
+    /// Number of the iteration, from 1.
+    number: u32,
+    coefficients: TangentCoefficients,
+    /// Mixed form: the stress of the tangent is extrapolated.
+    mixed: bool,
+    /// Whether the increment holds changes of prescribed values.
+    prescribed: bool,
+    /// Whether the present factor gives the increment (modified Newton).
+    reuse: bool,
+}
+
+/// Increment of an iteration by its energy and norm.
+#[derive(Clone, Copy)]
+struct Size {
+    energy: f64,
+    norm: f64,
+}
+
+impl<S: TangentSolver> Newton<S> {
+    /// Newton's method: `K δ = R`, `u ← u ⊕ δ` until energy and norm of δ are small.
+    pub(super) fn iterate(
+        &mut self,
+        system: &System,
+        equation: &mut dyn Equation,
+        tolerances: &Tolerances,
+        observer: &mut dyn Observer,
+    ) -> Result<Converged, Failed> {
+        self.begin_step();
+        let mut progress = Progress {
+            tangents: 0,
+            negative_pivots: 0,
+            first_increment: 0.0,
+            extrapolated: true,
+            limit: f64::INFINITY,
+        };
+        for number in 1..=tolerances.max_iterations {
+            self.iterations = number;
+            if observer.interrupted() {
+                return Err((Cause::Interrupted, "interrupted".into()));
+            }
+            let setting = self.setting(system, equation, number, tolerances);
+            if setting.mixed && !setting.reuse && !progress.extrapolated {
+                self.assembly.reset_stress(system, &equation.kinematics(system));
+            }
+            let prepared = self.residual_and_tangent(system, equation, &setting);
+            self.reduce_residual(system, &setting)?;
+            if !setting.reuse {
+                progress.tangents += 1;
+                progress.negative_pivots = prepared.map_err(|reason| (Cause::Tangent, reason))?;
+                self.most_negative_pivots = self.most_negative_pivots.max(progress.negative_pivots);
+                self.factored = if system.linear {
+                    FactoredTangent::Linear(setting.coefficients)
+                } else {
+                    FactoredTangent::Iterate
+                };
+            }
+            let energy = self.find_increment(system, &setting)?;
+            if self.misleads(system, equation, &setting, tolerances, energy)? {
+                self.factored = FactoredTangent::Nothing;
+                continue;
+            }
+            if number == 1 {
+                progress.first_increment = system.norm(&self.increment);
+            }
+            let norm = self.update(system, equation, &setting)?;
+            progress.extrapolated = setting.mixed && !setting.reuse;
+            let size = Size { energy, norm };
+            if let Some(done) =
+                self.converged(system, equation, (&setting, tolerances), size, &mut progress, observer)?
+            {
+                return Ok(done);
+            }
+        }
+        let place = largest(system, &self.assembly.numbering, &self.residual);
+        let reason = format!("not converged after {} iterations; {place}", tolerances.max_iterations);
+        Err((Cause::Iterations, reason))
+    }
+
+    fn begin_step(&mut self) {
+        self.increments.clear();
+        self.solver.begin_step();
+        if let Some(loads) = &mut self.circulatory {
+            loads.begin_step();
+        }
+        if self.factored == FactoredTangent::Iterate {
+            self.factored = FactoredTangent::Nothing;
+        }
+    }
+
+    /// Setting of an iteration; changes of prescribed values are written into the increment.
+    fn setting(
+        &mut self,
+        system: &System,
+        equation: &dyn Equation,
+        number: u32,
+        tolerances: &Tolerances,
+    ) -> Setting {
+        let prescribed = equation.prescribed(system, &mut self.increment);
+        let coefficients = equation.parts();
+        let left = tolerances.max_iterations - number;
+        let reuse = !prescribed
+            && match self.factored {
+                FactoredTangent::Nothing => false,
+                FactoredTangent::Linear(c) => {
+                    (c.weights, c.mass) == (coefficients.weights, coefficients.mass)
+                }
+                FactoredTangent::Lagged | FactoredTangent::Iterate => {
+                    self.increments.old_factor_serves(coefficients.mass != 0.0, self.price, left)
+                }
+            };
+        let mixed = self.method == NewtonMethod::Mixed && !system.linear;
+        Setting { number, coefficients, mixed, prescribed, reuse }
+    }
+
+    /// Residual `external − inertia − internal` of the iterate and, where no factor is reused, the factored tangent, whose
+    /// number of negative pivots is returned, or why the factorisation failed.
+    fn residual_and_tangent(
+        &mut self,
+        system: &System,
+        equation: &dyn Equation,
+        setting: &Setting,
+    ) -> Result<usize, String> {
+        equation.external_minus_inertia(system, &mut self.residual);
+        let k = equation.kinematics(system);
+        self.assembly.follow(system, &k);
+        let prepared = if setting.reuse {
+            self.assembly.forces(system, &k, &mut self.internal);
+            Ok(0)
+        } else {
+            self.factor(system, &k, setting)
+        };
+        if setting.prescribed {
+            add_follower_stiffness(system, &k, &setting.coefficients, &self.increment, &mut self.residual);
+        }
+        for (r, f) in self.residual.iter_mut().zip(&self.internal) {
+            for i in 0..3 {
+                r[i] -= setting.coefficients.weights.force * f[i];
+            }
+        }
+        prepared
+    }
+
+    /// Internal forces and factored tangent of an iterate.
+    fn factor(&mut self, system: &System, k: &Kinematics, setting: &Setting) -> Result<usize, String> {
+        let Self { solver, assembly, internal, circulatory, .. } = self;
+        let parts = &setting.coefficients;
+        if let Some(loads) = circulatory {
+            loads.take(system, k, parts);
+        }
+        let prescribed = setting.prescribed.then_some(self.increment.as_slice());
+        let at = Linearization { system, motion: k, parts, extrapolated: setting.mixed, prescribed };
+        self.factored = FactoredTangent::Nothing;
+        loop {
+            solver.assemble(assembly, &at, internal);
+            solver.add_curvature(assembly, &at, &self.residual);
+            // Non-finite forces are reported later, with a better message than that of a failed factorisation.
+            if !internal.iter().flatten().all(|f| f.is_finite()) {
+                return Ok(0);
+            }
+            if let Some(done) = solver.prepare(assembly).transpose() {
+                return done;
+            }
+        }
+    }
+
+    /// Right side in the free degrees of freedom, in the local frames of the factored tangent.
+    fn reduce_residual(&mut self, system: &System, setting: &Setting) -> Result<(), Failed> {
+        let reuse = setting.reuse;
+        if reuse {
+            // The constraint force of an inextensible director must not act as a force in the local frame of
+            // another state.
+            self.assembly.numbering.free_part(&mut self.residual);
+        } else {
+            self.axes.copy_axes(&self.assembly.numbering);
+        }
+        if let Some(rotations) = self.corotational.as_ref().filter(|_| self.turns(reuse)) {
+            rotations.turn(system, true, &mut self.residual);
+        }
+        self.axes.reduce(&self.residual, &mut self.right_side);
+        if self.right_side.iter().all(|r| r.is_finite()) {
+            return Ok(());
+        }
+        Err(match self.assembly.without_answer(system) {
+            Some(element) => (
+                Cause::Material,
+                format!(
+                    "{element}: the material law could not be evaluated (det F ≤ 0), or the iteration of its enhanced \
+                     strains (`eas`) did not converge"
+                ),
+            ),
+            None => (Cause::Flight, "the forces are no longer finite".into()),
+        })
+    }
+
+    /// Whether the factor of an earlier state is updated by the rotations of the nodes.
+    fn turns(&self, reuse: bool) -> bool {
+        reuse && self.factored == FactoredTangent::Lagged
+    }
+
+    /// Solves for the increment; returns the energy `|δ·R|`.
+    fn find_increment(&mut self, system: &System, setting: &Setting) -> Result<f64, Failed> {
+        let tangent_failed = |reason: String| (Cause::Tangent, reason);
+        self.solution.copy_from_slice(&self.right_side);
+        self.solver.solve_tangent(&mut self.solution).map_err(tangent_failed)?;
+        if let Some(loads) = &mut self.circulatory {
+            let old = setting.reuse || setting.coefficients.mass != 0.0;
+            let purpose = if old { Purpose::Contraction } else { Purpose::Increment };
+            loads
+                .correct(&mut self.solver, &self.axes, &mut self.solution, purpose)
+                .map_err(tangent_failed)?;
+        }
+        let energy = self.solution.iter().zip(&self.right_side).map(|(a, b)| a * b).sum::<f64>().abs();
+        expand_free(&self.axes, &self.solution, setting.prescribed, &mut self.increment);
+        if let Some(rotations) = self.corotational.as_ref().filter(|_| self.turns(setting.reuse)) {
+            rotations.turn(system, false, &mut self.increment);
+        }
+        if energy.is_finite() {
+            Ok(energy)
+        } else {
+            Err((Cause::Flight, "the increment is not finite".into()))
+        }
+    }
+
+    /// Whether a lagged tangent gave an increment that must not be applied: where large steps have several solutions it
+    /// could lead to another one.
+    fn misleads(
+        &self,
+        system: &System,
+        equation: &dyn Equation,
+        setting: &Setting,
+        tolerances: &Tolerances,
+        energy: f64,
+    ) -> Result<bool, Failed> {
+        if !setting.reuse || system.linear {
+            return Ok(false);
+        }
+        let size = system.norm(&self.increment);
+        let matters = size > tolerances.increment * equation.displacement_scale(system);
+        if !(matters && self.increments.too_large(energy, size)) {
+            return Ok(false);
+        }
+        if self.factored == FactoredTangent::Lagged {
+            return Err((Cause::OldTangent, "with an old tangent the increments do not shrink".into()));
+        }
+        Ok(true)
+    }
+
+    /// Applies the increment: step limiter, extrapolated stress, retraction of inextensible directors. Returns its norm.
+    fn update(
+        &mut self,
+        system: &System,
+        equation: &mut dyn Equation,
+        setting: &Setting,
+    ) -> Result<f64, Failed> {
+        // Under follower loads that rotate with the shell, or rotate it, later increments overshoot as far.
+        if (setting.number == 1 || !system.followers.is_empty())
+            && let Some(turn) = equation.first_rotation_limit(system)
+        {
+            limit_rotation(system, turn, &mut self.increment);
+        }
+        if setting.mixed && !setting.reuse {
+            let k = equation.kinematics(system);
+            self.assembly.extrapolate(system, &k, &self.increment, &setting.coefficients.weights);
+        }
+        if !system.linear {
+            retract(system, &self.assembly.numbering, &equation.kinematics(system), &mut self.increment);
+        }
+        equation.apply(system, &self.increment);
+        let norm = system.norm(&self.increment);
+        if norm > FLIGHT {
+            let place = largest(system, &self.assembly.numbering, &self.residual);
+            let reason = format!("an increment moved the model by {norm:.1e} times its own size; {place}");
+            return Err((Cause::Flight, reason));
+        }
+        Ok(norm)
+    }
+
+    /// Test of convergence: energy and norm of the increment against the scales of the model, and the estimated error
+    /// against the limit of a time step. `None` asks for another iteration.
+    fn converged(
+        &mut self,
+        system: &System,
+        equation: &mut dyn Equation,
+        (setting, tolerances): (&Setting, &Tolerances),
+        Size { energy, norm }: Size,
+        progress: &mut Progress,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<Converged>, Failed> {
+        let energy_scale = equation.energy_scale(system, &mut self.assembly);
+        self.solver.note_energy(energy_scale);
+        let scale = equation.displacement_scale(system);
+        let relative = energy / energy_scale.max(f64::MIN_POSITIVE);
+        observer.on_iteration(setting.number, relative, norm / scale.max(f64::MIN_POSITIVE));
+        let in_time = setting.coefficients.mass != 0.0;
+        let rest = if setting.reuse && !system.linear { lagged_tangent::rest(in_time) } else { 1.0 };
+        if setting.number == 1 && !system.linear {
+            progress.limit = equation.error_limit(energy);
+        }
+        let limit = progress.limit.max(ROUND_OFF * energy_scale);
+        let excess = (relative / (rest * tolerances.energy))
+            .max(energy / limit)
+            .sqrt()
+            .max(norm / (scale * tolerances.increment));
+        self.increments.push(Increment {
+            energy: relative,
+            size: norm / scale,
+            excess,
+            fresh: !setting.reuse,
+            absolute: [energy, norm],
+        });
+        // The error behind an increment is the increment times the contraction.
+        let error = self.increments.contraction().powi(2).min(1.0) * energy;
+        let left = if rest < 1.0 { error } else { energy };
+        let converged = energy <= tolerances.energy * energy_scale
+            && norm <= tolerances.increment * scale
+            && left <= rest * tolerances.energy * energy_scale
+            && error <= limit;
+        let done = Converged {
+            iterations: setting.number,
+            tangents: progress.tangents,
+            negative_pivots: progress.negative_pivots,
+            most_negative_pivots: self.most_negative_pivots,
+            first_increment: progress.first_increment,
+            floor: false,
+        };
+        if converged || (energy == 0.0 && norm == 0.0) {
+            return Ok(Some(done));
+        }
+        let floor = self.at_round_off(system, relative, (norm, scale))?;
+        Ok(floor.then_some(Converged { floor: true, ..done }))
+    }
+
+    /// Whether the increments stagnate at round-off, which is accepted. `relative` is the energy of the increment over that
+    /// of the model; its norm and the scale of displacements follow.
+    ///
+    /// # Errors
+    /// The iteration stagnates above round-off.
+    fn at_round_off(
+        &self,
+        system: &System,
+        relative: f64,
+        (norm, scale): (f64, f64),
+    ) -> Result<bool, Failed> {
+        let Some(floor) = self.increments.stagnation() else { return Ok(false) };
+        // Near a rigid motion there is next to no energy to compare with: increments at round-off suffice then.
+        // Increments whose energy is round-off beside that of self-equilibrated stresses suffice, too: there
+        // the displacement itself vanishes.
+        let rounding = norm <= 1e-10 * scale || relative <= ROUND_OFF;
+        if rounding || (relative <= 1e-9 && norm <= 1e-5 * scale) {
+            return Ok(true);
+        }
+        if floor {
+            let place = largest(system, &self.assembly.numbering, &self.residual);
+            let energy = format!("energy of the increment {relative:.1e} of the model's");
+            return Err((Cause::Stagnation, format!("the iteration stagnates ({energy}); {place}")));
+        }
+        Ok(false)
+    }
+}
+
+/// Step limiter: scales an increment that rotates a director by more than `turn` (rad), or moves a node by more than
+/// `turn` times the model's length.
+fn limit_rotation(system: &System, turn: f64, increment: &mut [Nodal]) {
+    let size = |(d, kind): (&Nodal, &VectorKind)| {
+        let length = if *kind == VectorKind::Position { system.length } else { 1.0 };
+        dot(&[*d], &[*d]).sqrt() / length
+    };
+    let largest = increment.iter().zip(&system.kinds).map(size).fold(0.0, f64::max);
+    if largest > turn {
+        increment.iter_mut().for_each(|d| *d = d.map(|x| x * (turn / largest)));
+    }
+}
+
+/// Retraction of the increments of inextensible directors onto the unit sphere, along the great circle (exponential
+/// map).
+fn retract(system: &System, numbering: &Numbering, k: &Kinematics, increment: &mut [Nodal]) {
+    let (Motion::State { u, .. } | Motion::Step { new: u, .. }) = k.motion;
+    for unit in &numbering.unit {
+        let v = unit.vector as usize;
+        let reference = Vec3::from(system.reference[v]);
+        let d = reference + Vec3::from(u[v]);
+        let step = Vec3::from(increment[v]);
+        let across = step - d * d.dot(&step);
+        let angle = across.norm();
+        if unit.fixed.is_some() || angle == 0.0 {
+            increment[v] = (unit.project(d + across, &reference) - d).into();
+            continue;
+        }
+        let change = across * (angle.sin() / angle) - d * (2.0 * (0.5 * angle).sin().powi(2));
+        let target = d + change;
+        // Round-off of the length is corrected along the vector only: across it a short step would take it for a
+        // motion.
+        let back = unit.project(target, &reference) - target;
+        increment[v] = (change + target * target.dot(&back)).into();
+    }
+}
