@@ -115,91 +115,32 @@ impl Numbering {
         for s in supports {
             by_vector[s.vector as usize].push(s);
         }
-        let mut free = vec![CONSTRAINED; 3 * vectors];
-        let mut frames = vec![None; vectors];
-        let mut prescribed = Vec::new();
-        let mut conflicts = Vec::new();
-        let mut unknowns = 0;
-        let mut units = Vec::new();
+        let mut out = Builder {
+            numbering: Self {
+                free: vec![CONSTRAINED; 3 * vectors],
+                frames: vec![None; vectors],
+                prescribed: Vec::new(),
+                unknowns: 0,
+                unit: Vec::new(),
+            },
+            conflicts: Vec::new(),
+        };
         for (v, list) in by_vector.iter().enumerate() {
-            let mut axes: Vec<(Vec3, &Support)> = Vec::new();
-            let mut clash = |first: &Support, second: &Support| {
-                let keys = [first.key.clone(), second.key.clone()];
-                conflicts.push(Conflict { vector: v as u32, direction: second.direction, keys });
-            };
-            for s in list {
-                let rest = axes.iter().fold(s.direction, |d, (a, _)| d - a * a.dot(&s.direction));
-                if rest.norm() > 1e-9 {
-                    if rest.norm() < 1.0 - 1e-9 && s.motion.is_some() {
-                        // Its value would have to be reduced by the part along the earlier supports.
-                        clash(axes[0].1, s);
-                    }
-                    axes.push((rest.normalize(), s));
-                } else if let Some((_, other)) = axes.iter().find(|(a, _)| a.dot(&s.direction).abs() > 0.5)
-                    && other.motion != s.motion
-                {
-                    clash(other, s);
-                }
-            }
+            let axes = out.independent(v, list);
             if unit.contains(&(v as u32)) && axes.len() < 3 {
-                let d = Vec3::from(reference[v]).normalize();
-                if let Some((_, s)) = axes.iter().find(|(_, s)| s.motion.is_some()) {
-                    clash(s, s);
-                }
-                // A support along the director is redundant: its length is constant anyway.
-                axes.retain(|(a, _)| a.dot(&d).abs() < 1.0 - 1e-9);
-                if axes.len() < 2 {
-                    let director = UnitVector { vector: v as u32, fixed: axes.first().map(|(a, _)| *a) };
-                    frames[v] = Some(director.axes(&d));
-                    for c in 0..2 - axes.len() {
-                        free[3 * v + c] = unknowns;
-                        unknowns += 1;
-                    }
-                    units.push(director);
-                }
-                continue;
-            }
-            let along_axis = |a: &Vec3| (0..3).find(|&c| a[c].abs() > 1.0 - 1e-12);
-            let mut supported: [Option<Option<Motion>>; 3] = [None; 3];
-            if axes.iter().all(|(a, _)| along_axis(a).is_some()) {
-                for (a, s) in &axes {
-                    if let Some(c) = along_axis(a) {
-                        supported[c] =
-                            Some(s.motion.map(|(value, amplitude)| (value * a[c].signum(), amplitude)));
-                    }
-                }
+                out.inextensible(v, &Vec3::from(reference[v]).normalize(), axes);
             } else {
-                let mut columns: Vec<Vec3> = axes.iter().map(|(a, _)| *a).collect();
-                for e in [Vec3::x(), Vec3::y(), Vec3::z()] {
-                    let rest = columns.iter().fold(e, |d, a| d - a * a.dot(&e));
-                    if columns.len() < 3 && rest.norm() > 0.5 {
-                        columns.push(rest.normalize());
-                    }
-                }
-                frames[v] = Some(Mat3::from_columns(&columns));
-                for (c, (_, s)) in axes.iter().enumerate() {
-                    supported[c] = Some(s.motion);
-                }
-            }
-            for (c, support) in supported.into_iter().enumerate() {
-                match support {
-                    None => {
-                        free[3 * v + c] = unknowns;
-                        unknowns += 1;
-                    }
-                    Some(Some((value, amplitude))) => prescribed.push(((3 * v + c) as u32, value, amplitude)),
-                    Some(None) => {}
-                }
+                out.supported(v, &axes);
             }
         }
-        if conflicts.is_empty() {
-            if frames.iter().all(Option::is_none) {
-                frames = Vec::new();
-            }
-            Ok(Self { free, frames, prescribed, unknowns: unknowns as usize, unit: units })
-        } else {
-            Err(conflicts)
+        let Builder { mut numbering, conflicts } = out;
+        if !conflicts.is_empty() {
+            return Err(conflicts);
         }
+        if numbering.frames.iter().all(Option::is_none) {
+            numbering.frames = Vec::new();
+        }
+        Ok(numbering)
     }
 
     /// Rotates the local frames of inextensible directors to their present values.
@@ -319,5 +260,95 @@ impl Numbering {
     /// True if a vector has at least one free degree of freedom.
     pub fn is_free(&self, vector: usize) -> bool {
         self.of(vector).iter().any(|&n| n != CONSTRAINED)
+    }
+}
+
+/// Numbering in the making, and the supports that contradict each other.
+struct Builder {
+    numbering: Numbering,
+    conflicts: Vec<Conflict>,
+}
+
+impl Builder {
+    fn clash(&mut self, v: usize, first: &Support, second: &Support) {
+        let keys = [first.key.clone(), second.key.clone()];
+        self.conflicts.push(Conflict { vector: v as u32, direction: second.direction, keys });
+    }
+
+    /// Orthonormal directions of the independent supports of a vector (Gram–Schmidt), each with its support.
+    fn independent<'s>(&mut self, v: usize, list: &[&'s Support]) -> Vec<(Vec3, &'s Support)> {
+        let mut axes: Vec<(Vec3, &Support)> = Vec::new();
+        for &s in list {
+            let rest = axes.iter().fold(s.direction, |d, (a, _)| d - a * a.dot(&s.direction));
+            if rest.norm() > 1e-9 {
+                if rest.norm() < 1.0 - 1e-9 && s.motion.is_some() {
+                    // Its value would have to be reduced by the part along the earlier supports.
+                    self.clash(v, axes[0].1, s);
+                }
+                axes.push((rest.normalize(), s));
+            } else if let Some((_, other)) = axes.iter().find(|(a, _)| a.dot(&s.direction).abs() > 0.5)
+                && other.motion != s.motion
+            {
+                self.clash(v, other, s);
+            }
+        }
+        axes
+    }
+
+    /// Numbers the degrees of freedom of an inextensible director `d`: tangents of the sphere that no support holds.
+    fn inextensible(&mut self, v: usize, d: &Vec3, mut axes: Vec<(Vec3, &Support)>) {
+        if let Some((_, s)) = axes.iter().find(|(_, s)| s.motion.is_some()) {
+            self.clash(v, s, s);
+        }
+        // A support along the director is redundant: its length is constant anyway.
+        axes.retain(|(a, _)| a.dot(d).abs() < 1.0 - 1e-9);
+        if axes.len() < 2 {
+            let director = UnitVector { vector: v as u32, fixed: axes.first().map(|(a, _)| *a) };
+            self.numbering.frames[v] = Some(director.axes(d));
+            (0..2 - axes.len()).for_each(|c| self.number(3 * v + c));
+            self.numbering.unit.push(director);
+        }
+    }
+
+    /// Numbers the free degrees of freedom of a vector with supports along `axes`, in a local frame where these are not
+    /// parallel to the global axes.
+    fn supported(&mut self, v: usize, axes: &[(Vec3, &Support)]) {
+        let along_axis = |a: &Vec3| (0..3).find(|&c| a[c].abs() > 1.0 - 1e-12);
+        let mut supported: [Option<Option<Motion>>; 3] = [None; 3];
+        if axes.iter().all(|(a, _)| along_axis(a).is_some()) {
+            for (a, s) in axes {
+                if let Some(c) = along_axis(a) {
+                    supported[c] =
+                        Some(s.motion.map(|(value, amplitude)| (value * a[c].signum(), amplitude)));
+                }
+            }
+        } else {
+            let mut columns: Vec<Vec3> = axes.iter().map(|(a, _)| *a).collect();
+            for e in [Vec3::x(), Vec3::y(), Vec3::z()] {
+                let rest = columns.iter().fold(e, |d, a| d - a * a.dot(&e));
+                if columns.len() < 3 && rest.norm() > 0.5 {
+                    columns.push(rest.normalize());
+                }
+            }
+            self.numbering.frames[v] = Some(Mat3::from_columns(&columns));
+            for (c, (_, s)) in axes.iter().enumerate() {
+                supported[c] = Some(s.motion);
+            }
+        }
+        for (c, support) in supported.into_iter().enumerate() {
+            match support {
+                None => self.number(3 * v + c),
+                Some(Some((value, amplitude))) => {
+                    self.numbering.prescribed.push(((3 * v + c) as u32, value, amplitude));
+                }
+                Some(None) => {}
+            }
+        }
+    }
+
+    /// Gives the next number to a coordinate.
+    fn number(&mut self, coordinate: usize) {
+        self.numbering.free[coordinate] = self.numbering.unknowns as u32;
+        self.numbering.unknowns += 1;
     }
 }

@@ -92,72 +92,129 @@ pub(super) fn run(
     start: Option<State>,
     observer: &mut dyn Observer,
 ) -> Result<TransientOutcome> {
-    let mut scheme = Explicit::new(system)?;
-    let fresh = start.is_none();
-    if fresh && let Some(reason) = system.undefined_amplitude(0.0) {
-        return Err(undefined("time", (0.0, 0.0), reason));
+    ExplicitSteps::new(system, options, start)?.run(observer)
+}
+
+/// An explicit analysis between two time steps.
+struct ExplicitSteps<'a> {
+    system: &'a System,
+    options: &'a TransientAnalysis,
+    scheme: Explicit<'a>,
+    critical: CriticalStep,
+    fibres: FibreWatch,
+    monitor: EnergyMonitor,
+    drilling: DrillingWatch,
+    ends: StepEnds,
+    check: AmplitudeCheck,
+    state: State,
+    balance: Balance,
+    statistics: Statistics,
+    /// Whether the analysis begins at time 0, and has not told the observer so yet.
+    fresh: bool,
+    /// Whether the critical time step is known.
+    found: bool,
+    /// Whether the user knows that the given time step is above the critical one.
+    warned: bool,
+}
+
+impl<'a> ExplicitSteps<'a> {
+    fn new(system: &'a System, options: &'a TransientAnalysis, start: Option<State>) -> Result<Self> {
+        let mut scheme = Explicit::new(system)?;
+        let fresh = start.is_none();
+        if fresh && let Some(reason) = system.undefined_amplitude(0.0) {
+            return Err(undefined("time", (0.0, 0.0), reason));
+        }
+        // A resumed run needs this, too: later energies are compared with the energy at time 0.
+        let mut first = initial_motion(system);
+        let rest = unbalanced_forces(system, &mut scheme.assembly, &first);
+        scheme.accelerate(&rest, &mut first.a);
+        first.energy_scale = system.kinetic_energy(&first.v);
+        let at_first = super::balance(system, &mut scheme.assembly, &first);
+        let state = start.unwrap_or(first);
+        scheme.begin(&state);
+        let mut fibres = FibreWatch::new(system);
+        if state.tangent.valid {
+            fibres.take(system, &state.tangent.u);
+        }
+        let energy = at_first.kinetic + at_first.strain;
+        let slow = UNSEEN * system.length / options.end_time;
+        let monitor = EnergyMonitor {
+            total: at_first.total,
+            first: energy,
+            given: energy + at_first.potential.abs(),
+            unseen: 0.5 * system.total_mass() * slow * slow,
+        };
+        Ok(Self {
+            critical: CriticalStep::new(system),
+            fibres,
+            monitor,
+            drilling: DrillingWatch::new(),
+            ends: StepEnds::new(system, options),
+            check: AmplitudeCheck::new(system, options),
+            statistics: Statistics { steps: state.step, ..Statistics::default() },
+            balance: super::balance(system, &mut scheme.assembly, &state),
+            fresh,
+            found: false,
+            warned: false,
+            system,
+            options,
+            scheme,
+            state,
+        })
     }
-    // A resumed run needs this, too: later energies are compared with the energy at time 0.
-    let mut first = initial_motion(system);
-    let rest = unbalanced_forces(system, &mut scheme.assembly, &first);
-    scheme.accelerate(&rest, &mut first.a);
-    first.energy_scale = system.kinetic_energy(&first.v);
-    let at_first = super::balance(system, &mut scheme.assembly, &first);
-    let mut state = start.unwrap_or(first);
-    scheme.begin(&state);
-    let critical = CriticalStep::new(system);
-    let mut fibres = FibreWatch::new(system);
-    if state.tangent.valid {
-        fibres.take(system, &state.tangent.u);
+
+    /// Takes steps to the end time.
+    fn run(mut self, observer: &mut dyn Observer) -> Result<TransientOutcome> {
+        while self.fresh || self.state.time < self.options.end_time {
+            self.renew_critical_step(observer)?;
+            self.step(observer)?;
+        }
+        let Self { state, balance, statistics, .. } = self;
+        Ok(TransientOutcome { state, balance, statistics })
     }
-    let mut statistics = Statistics { steps: state.step, ..Statistics::default() };
-    let mut balance = super::balance(system, &mut scheme.assembly, &state);
-    let energy = at_first.kinetic + at_first.strain;
-    let slow = UNSEEN * system.length / options.end_time;
-    let mut monitor = EnergyMonitor {
-        total: at_first.total,
-        first: energy,
-        given: energy + at_first.potential.abs(),
-        unseen: 0.5 * system.total_mass() * slow * slow,
-    };
-    let mut drilling = DrillingWatch::new();
-    let ends = StepEnds::new(system, options);
-    let mut check = AmplitudeCheck::new(system, options);
-    let (mut found, mut warned) = (false, false);
-    while fresh && !found || state.time < options.end_time {
+
+    /// Estimates the critical time step anew where elements have changed, or after many steps. A resumed run keeps its step
+    /// until the next estimate is due.
+    fn renew_critical_step(&mut self, observer: &mut dyn Observer) -> Result<()> {
+        let Self { system, options, scheme, critical, fibres, state, statistics, .. } = self;
         let changed = !system.linear
             && state.tangent.valid
             && state.step.is_multiple_of(LOOK)
             && !(fibres.change(system, &state.u) <= CHANGE);
-        // A resumed run keeps its step until the next estimate is due.
-        let due = fresh && !found || changed || !system.linear && state.step.is_multiple_of(INTERVAL);
-        if !found || due {
-            let step = critical.below(system, &mut scheme.assembly, &scheme.mass, &state);
-            statistics.critical_step = step;
-            if due {
-                remember(&mut state);
-                fibres.take(system, &state.u);
-                let largest = options.max_step.unwrap_or(options.end_time);
-                state.next_step = options.time_step.unwrap_or((SAFETY * step).min(largest));
-            }
-            if let Some(wanted) = options.time_step.filter(|&wanted| wanted > step && !warned) {
-                warned = true;
-                observer.on_event(&format!(
-                    "time {:.6e}: the step {wanted:.3e} is above {step:.3e}, below which it is certainly stable",
-                    state.time
-                ));
-            }
-            if !state.next_step.is_finite() || state.next_step < SMALLEST_STEP * options.end_time {
-                let reason = format!("the critical step {step:.3e} is of no use");
-                return Err(unstable(&state, options, &statistics, reason));
-            }
-            if fresh && !found {
-                report(observer, &state, &balance, &statistics, options)?;
-            }
-            found = true;
+        let due = self.fresh || changed || !system.linear && state.step.is_multiple_of(INTERVAL);
+        if self.found && !due {
+            return Ok(());
         }
+        let step = critical.below(system, &mut scheme.assembly, &scheme.mass, state);
+        statistics.critical_step = step;
+        if due {
+            remember(state);
+            fibres.take(system, &state.u);
+            let largest = options.max_step.unwrap_or(options.end_time);
+            state.next_step = options.time_step.unwrap_or((SAFETY * step).min(largest));
+        }
+        if let Some(wanted) = options.time_step.filter(|&wanted| wanted > step && !self.warned) {
+            self.warned = true;
+            observer.on_event(&format!(
+                "time {:.6e}: the step {wanted:.3e} is above {step:.3e}, below which it is certainly stable",
+                state.time
+            ));
+        }
+        if !state.next_step.is_finite() || state.next_step < SMALLEST_STEP * options.end_time {
+            return Err(self.unstable(format!("the critical step {step:.3e} is of no use")));
+        }
+        if self.fresh {
+            self.report(observer)?;
+        }
+        (self.fresh, self.found) = (false, true);
+        Ok(())
+    }
+
+    /// Takes a step and checks what came out.
+    fn step(&mut self, observer: &mut dyn Observer) -> Result<()> {
+        let Self { system, options, state, check, .. } = self;
         let wanted = check.shortened(system, state.time, state.next_step, state.last_step);
-        let Span { dt, end } = ends.next(state.time, wanted, state.last_step);
+        let Span { dt, end } = self.ends.next(state.time, wanted, state.last_step);
         if let Some(found) = check.passed_over(system, state.time, dt) {
             observer.on_event(&found.event(system));
         }
@@ -165,34 +222,47 @@ pub(super) fn run(
         if let Some(reason) = system.undefined_amplitude(end) {
             return Err(undefined("time", (state.time, end), reason));
         }
-        let outcome = scheme.step(&mut state, dt, end);
+        let outcome = self.scheme.step(state, dt, end);
         state.last_step = dt;
         state.step += 1;
-        statistics.steps = state.step;
-        if let Err(reason) = outcome {
-            return Err(unstable(&state, options, &statistics, reason));
-        }
-        if (last || state.step.is_multiple_of(INTERVAL))
-            && let Some(reason) = inverted_element(system, &state.u)
+        self.statistics.steps = state.step;
+        outcome.map_err(|reason| self.unstable(reason))?;
+        let step = self.state.step;
+        if (last || step.is_multiple_of(INTERVAL))
+            && let Some(reason) = inverted_element(self.system, &self.state.u)
         {
-            return Err(unstable(&state, options, &statistics, reason));
+            return Err(self.unstable(reason));
         }
-        if last || state.step.is_multiple_of(REPORT) || system.wanted_times.contains(&end) {
-            balance = super::balance(system, &mut scheme.assembly, &state);
-            state.energy_scale = state.energy_scale.max(balance.kinetic).max(balance.strain);
-            let (error, broken) = monitor.check(&balance, &scheme, &state);
-            statistics.energy_error = statistics.energy_error.max(error);
-            if let Some(reason) = broken {
-                return Err(unstable(&state, options, &statistics, reason));
-            }
-            drilling.look(system, (&state.u, state.time), observer, || format!("time {:.6e}", state.time));
-            report(observer, &state, &balance, &statistics, options)?;
-            if observer.interrupted() && state.time < options.end_time {
-                return Err(Error::Interrupted);
-            }
+        if last || step.is_multiple_of(REPORT) || self.system.wanted_times.contains(&end) {
+            self.check_balance(observer)?;
         }
+        Ok(())
     }
-    Ok(TransientOutcome { state, balance, statistics })
+
+    /// Energy balance of the state, which the observer is told if it holds.
+    fn check_balance(&mut self, observer: &mut dyn Observer) -> Result<()> {
+        let Self { system, scheme, state, balance, monitor, statistics, drilling, .. } = self;
+        *balance = super::balance(system, &mut scheme.assembly, state);
+        state.energy_scale = state.energy_scale.max(balance.kinetic).max(balance.strain);
+        let (error, broken) = monitor.check(balance, scheme, state);
+        statistics.energy_error = statistics.energy_error.max(error);
+        if let Some(reason) = broken {
+            return Err(self.unstable(reason));
+        }
+        drilling.look(system, (&state.u, state.time), observer, || format!("time {:.6e}", state.time));
+        self.report(observer)?;
+        let more = self.state.time < self.options.end_time;
+        if observer.interrupted() && more { Err(Error::Interrupted) } else { Ok(()) }
+    }
+
+    fn report(&self, observer: &mut dyn Observer) -> Result<()> {
+        let Self { state, balance, statistics, options, .. } = self;
+        observer.on_step(&Step { state, balance, statistics, iterations: 0, end: options.end_time })
+    }
+
+    fn unstable(&self, reason: String) -> Error {
+        unstable(&self.state, self.options, &self.statistics, reason)
+    }
 }
 
 /// Stores the state at which the critical time step was estimated, for runs that are resumed.
@@ -201,16 +271,6 @@ fn remember(state: &mut State) {
     state.tangent.time = state.time;
     state.tangent.u.clone_from(&state.u);
     state.tangent.history.clone_from(&state.history);
-}
-
-fn report(
-    observer: &mut dyn Observer,
-    state: &State,
-    balance: &Balance,
-    statistics: &Statistics,
-    options: &TransientAnalysis,
-) -> Result<()> {
-    observer.on_step(&Step { state, balance, statistics, iterations: 0, end: options.end_time })
 }
 
 /// Error of a motion that became unstable.
