@@ -26,8 +26,8 @@
 //! In elements shorter than a quarter of the thickness, transverse shear has the part `z d,ξ·d = z ∂(½ d·d)/∂ξ`, which
 //! follows from the sampled ε̃zz by differences along the edges. Without it the hourglass mode in which directors
 //! alternately stretch and shrink has no stiffness, and elements shorter than a third of the thickness lose stability
-//! in bending. In longer elements of other than hyperelastic materials the part is left out, and the element is that of
-//! the paper.
+//! in bending. In longer elements the part is left out, and the element is that of the paper. Hyperelastic materials have
+//! it in elements shorter than six times the thickness.
 
 use nalgebra::{DMatrix, Matrix6, SMatrix};
 
@@ -70,7 +70,7 @@ pub struct CmShell {
     pub thickness_parameters: usize,
     /// Thickness h (length).
     pub thickness: f64,
-    /// True for hyperelastic materials, whose transverse shear has its part linear in z in elements of any length.
+    /// True for hyperelastic materials, whose transverse shear has its part linear in z in longer elements, too.
     pub rubber: bool,
 }
 
@@ -144,11 +144,11 @@ impl CmShell {
 
     /// Weight of the transverse shear strain linear in z, `z d,ξ·d`, in the shear energy.
     ///
-    /// Hyperelastic materials have the weight 1 in elements of any length. Without this strain, the thickness can alternate from
+    /// Hyperelastic materials have the weight 1 in elements shorter than six times the thickness. Without this strain, the thickness can alternate from
     /// element to element at no cost in shear, and compressed sheets lose stability long before the surface of a half-space
     /// does (M. A. Biot, *Surface instability of rubber in compression*, Appl. Sci. Res. A 12 (1963) 168–182).
     fn linear_shear_share(&self, g: &ShellGeometry) -> f64 {
-        if self.rubber {
+        if self.rubber && g.is_shorter_than(ShellGeometry::SHORT_RUBBER * self.thickness) {
             1.0
         } else if g.is_shorter_than(ShellGeometry::SHORT * self.thickness) {
             ShellGeometry::SHORT_SHARE

@@ -23,6 +23,10 @@ impl ShellGeometry {
     /// deformation theory, in composite plates of L/h = 10.
     pub const SHORT: f64 = 0.25;
 
+    /// Length over the thickness below which elements of rubber have that part. Without it they lose stability in simple
+    /// compression at a stretch of 0.56 where they are six times as long as thick, which shorter ones reach with it.
+    pub const SHORT_RUBBER: f64 = 6.0;
+
     /// Fraction of the stiffness of the transverse shear linear in z that short elements use. One third keeps
     /// cantilevers of L = 5 h stable up to fibre strains of 0.39; one tenth loses stability at 0.3. In-plane bending of
     /// beams as thick as they are deep makes the thickness vary, too, and there the full stiffness would be too stiff
