@@ -121,6 +121,15 @@ mod tests {
     }
 
     #[test]
+    fn load_steps_below_zero_end_on_multiples_too() {
+        let s = stops(&[&[0.25]]);
+        assert_eq!(s.bracket(-1.0, 2), (-1.0, -0.5));
+        assert_eq!(s.bracket(-0.3, 2), (-0.5, 0.0));
+        assert_eq!(s.bracket(-0.3, 1), (-1.0, 0.0));
+        assert_eq!(s.bracket(0.0, 1), (0.0, 0.25));
+    }
+
+    #[test]
     fn load_steps_end_on_multiples_and_stops_and_return_to_them_after_a_cut() {
         let s = stops(&[&[0.25, 0.5]]);
         assert_eq!(s.load_step_end(0.0, 0.1, 10), 0.1);

@@ -339,3 +339,21 @@ fn time_steps_under_follower_loads_take_few_additional_solutions() {
         assert!((1..=60).contains(&s.linear_iterations), "{s:?}");
     }
 }
+
+/// The stiffness of follower loads acts on prescribed increments, too: a strip under pressure whose end is moved converges as
+/// fast as one whose end is free.
+#[test]
+fn prescribed_motion_under_follower_pressure_converges_quadratically() {
+    let mut m = under_pressure(strip([20, 2], 0.3, 4));
+    m.conditions.push(Condition::Prescribe(PrescribeComponent {
+        on: "u_max".into(),
+        of: NodalVector::Position,
+        component: Axis::X,
+        value: -8.0,
+        amplitude: None,
+    }));
+    let (_, _, outcome, iterations) = run(&m);
+    most_iterations(&outcome, &iterations, 4);
+    // Without that stiffness each step but the first two takes one more.
+    assert!(iterations.of_steps.iter().sum::<u32>() <= 25, "{:?}", iterations.of_steps);
+}
