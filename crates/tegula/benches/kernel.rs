@@ -25,7 +25,7 @@ fn elements(c: &mut Criterion) {
         let mut forces = vec![0.0; 3 * m * shells.len()];
         let mut blocks = vec![0.0; 9 * m * (m + 1) / 2 * shells.len()];
         let stress = vec![1e-3; shells.stresses_per_element() * shells.len()];
-        let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
+        let weights = TangentWeights::STATIC;
         let k = state_kinematics(&system, &u, 1.0);
         let mut group = c.benchmark_group(format!("kernel-{n}x{n}"));
         group.throughput(Throughput::Elements(shells.len() as u64));

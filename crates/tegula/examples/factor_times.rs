@@ -39,7 +39,7 @@ fn main() {
     let mut assembly = Assembly::new(&system);
     let u = vec![[0.0; 3]; system.vectors()];
     let mut forces = u.clone();
-    let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
+    let weights = TangentWeights::STATIC;
     let parts = TangentCoefficients { weights, mass: 0.0, time: 1.0 };
     let k = state_kinematics(&system, &u, 1.0);
     assembly.forces_and_tangent(&system, &k, &parts, false, None, &mut forces);

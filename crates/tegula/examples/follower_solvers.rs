@@ -67,7 +67,7 @@ fn main() {
         let mut counts = Counts::default();
         let outcome = statics::run(&system, &options, None, &mut counts).unwrap();
 
-        let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
+        let weights = TangentWeights::STATIC;
         let parts = TangentCoefficients { weights, mass: 0.0, time: 1.0 };
         let k = state_kinematics(&system, &outcome.state.u, 1.0);
         let mut assembly = Assembly::new(&system);

@@ -34,7 +34,7 @@ fn repeat(system: &System, part: &str, times: usize) {
     let mut assembly = Assembly::new(system);
     let u = vec![[1e-3; 3]; system.vectors()];
     let mut forces = vec![[0.0; 3]; system.vectors()];
-    let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
+    let weights = TangentWeights::STATIC;
     let parts = TangentCoefficients { weights, mass: 0.0, time: 1.0 };
     let k = state_kinematics(system, &u, 1.0);
     for _ in 0..times {

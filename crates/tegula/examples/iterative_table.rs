@@ -70,7 +70,7 @@ fn solve(system: &System) -> (Convergence, f64) {
     system.add_dead_loads(1.0, 1.0, &mut field);
     system.numbering.reduce(&field, &mut load);
 
-    let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
+    let weights = TangentWeights::STATIC;
     let parts = TangentCoefficients { weights, mass: 0.0, time: 1.0 };
     let k = state_kinematics(system, &u, 1.0);
     let mut assembly = Assembly::new(system);

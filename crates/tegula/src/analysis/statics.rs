@@ -47,11 +47,7 @@ impl Equation for StaticEquation {
     }
 
     fn parts(&self) -> TangentCoefficients {
-        TangentCoefficients {
-            weights: TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 },
-            mass: 0.0,
-            time: self.time,
-        }
+        TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time: self.time }
     }
 
     fn external_minus_inertia(&self, system: &System, out: &mut [Nodal]) {

@@ -39,6 +39,11 @@ pub struct TangentWeights {
     pub rate: f64,
 }
 
+impl TangentWeights {
+    /// Weights of the static tangent: stress, current configuration and follower loads of one state, no rates.
+    pub const STATIC: Self = Self { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
+}
+
 /// Evaluation point of the elements: configuration, motion, time and history variables.
 #[derive(Debug, Clone, Copy)]
 pub struct Kinematics<'a> {

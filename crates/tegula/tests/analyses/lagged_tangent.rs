@@ -130,7 +130,7 @@ fn the_tangent_of_a_turned_shell_is_the_turned_tangent() {
     let pattern = system.tangent_pattern();
     let product = |u: &[Nodal], x: &[Nodal]| {
         let mut assembly = Assembly::new(&system);
-        let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
+        let weights = TangentWeights::STATIC;
         let parts = TangentCoefficients { weights, mass: 0.0, time: 0.0 };
         let mut forces = vec![[0.0; 3]; system.vectors()];
         let k = state_kinematics(&system, u, 0.0);

@@ -17,10 +17,10 @@ use tegula_sparse::{Factor as _, SparseLdlt, SymmetricPattern};
 const TIGHT: StoppingCriterion =
     StoppingCriterion { relative: 1e-10, absolute: 0.0, share: 1.0, iterations: 100 };
 
-/// Stiffness in pieces, load, and stiffness as a whole.
+/// Stiffness by subdomains, load, and assembled stiffness.
 struct Problem {
     system: System,
-    pieces: Bddc,
+    bddc: Bddc,
     load: Vec<f64>,
     pattern: SymmetricPattern,
     values: Vec<f64>,
@@ -28,7 +28,7 @@ struct Problem {
 
 impl Problem {
     fn new(system: System, options: &Options) -> Self {
-        let pieces = system.bddc(options).unwrap();
+        let bddc = system.bddc(options).unwrap();
         let mut load = vec![0.0; system.unknowns()];
         let mut field = vec![[0.0; 3]; system.vectors()];
         system.add_dead_loads(1.0, 1.0, &mut field);
@@ -38,20 +38,20 @@ impl Problem {
         let k = state_kinematics(&system, &u, 1.0);
         assembly.forces_and_tangent(&system, &k, &parts(), false, None, &mut field);
         let pattern = system.tangent_pattern();
-        let mut out = Self { pieces, load, pattern, values: assembly.values, system };
+        let mut out = Self { bddc, load, pattern, values: assembly.values, system };
         out.assemble();
         out
     }
 
-    /// Gives the terms to the pieces; returns how many numbers each has.
+    /// Gives the element terms to BDDC; returns how many numbers each has.
     fn assemble(&mut self) -> Vec<usize> {
         let u = vec![[0.0; 3]; self.system.vectors()];
         let k = state_kinematics(&self.system, &u, 1.0);
         let (mut size, mut forces) = (Vec::new(), u.clone());
-        self.pieces.begin();
-        let pieces = &mut self.pieces;
+        self.bddc.begin();
+        let bddc = &mut self.bddc;
         let take = |blocks: &[f64]| {
-            pieces.put(size.len(), blocks);
+            bddc.put(size.len(), blocks);
             size.push(blocks.len());
         };
         Assembly::new(&self.system).forces_and_blocks(
@@ -67,14 +67,14 @@ impl Problem {
 
     fn solve_factored(&mut self) -> Result<Vec<f64>, BddcError> {
         let mut x = self.load.clone();
-        self.pieces.solve(&mut x, &TIGHT)?;
+        self.bddc.solve(&mut x, &TIGHT)?;
         Ok(x)
     }
 
     fn solve(&mut self, wanted: &StoppingCriterion) -> Result<(Vec<f64>, Convergence), BddcError> {
-        self.pieces.factor(&self.system.numbering)?;
+        self.bddc.factor(&self.system.numbering)?;
         let mut x = self.load.clone();
-        let convergence = self.pieces.solve(&mut x, wanted)?;
+        let convergence = self.bddc.solve(&mut x, wanted)?;
         Ok((x, convergence))
     }
 
@@ -96,7 +96,7 @@ impl Problem {
 }
 
 fn parts() -> TangentCoefficients {
-    let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
+    let weights = TangentWeights::STATIC;
     TangentCoefficients { weights, mass: 0.0, time: 1.0 }
 }
 
@@ -139,7 +139,7 @@ fn rounding_of_very_thin_shells_is_accepted_and_told() {
 }
 
 #[test]
-fn pieces_of_any_size_give_the_same_solution() {
+fn subdomains_of_any_size_give_the_same_solution() {
     let mut m = model(plate([1.0, 1.0], [1, 1], 0.0), 2.1e11, 0.01);
     m.loads = vec![Load::Edge(vector_load("u_max", [0.0, 1.0, -1.0]))];
     let mesh = irregular(10);
@@ -172,9 +172,9 @@ fn units_do_not_change_the_iteration() {
 #[test]
 fn too_few_iterations_are_an_error_and_leave_the_right_side() {
     let mut p = problem(&edge_loaded_shell(false, 48, 100.0, 0.0));
-    p.pieces.factor(&p.system.numbering).unwrap();
+    p.bddc.factor(&p.system.numbering).unwrap();
     let mut x = p.load.clone();
-    match p.pieces.solve(&mut x, &StoppingCriterion { iterations: 3, ..TIGHT }) {
+    match p.bddc.solve(&mut x, &StoppingCriterion { iterations: 3, ..TIGHT }) {
         Err(BddcError::NotConverged { iterations: 3, residual, .. }) => {
             assert!(residual > 1e-10 && residual < 1.0);
         }
@@ -192,7 +192,7 @@ fn what_is_accepted_is_positive_definite() {
     for exponent in 4..40 {
         let shift = -scale * 0.5_f64.powi(exponent);
         p.assemble();
-        p.pieces.shift(vectors, (0..vectors).map(|v| (v, shift)));
+        p.bddc.shift(vectors, (0..vectors).map(|v| (v, shift)));
         let found = p.solve(&TIGHT);
         let mut shifted = stiffness.clone();
         (0..vectors)
@@ -217,16 +217,16 @@ fn what_is_accepted_is_positive_definite() {
 #[test]
 fn numbers_that_are_none_are_refused() {
     let mut p = problem(&edge_loaded_shell(false, 20, 100.0, 0.0));
-    p.pieces.factor(&p.system.numbering).unwrap();
+    p.bddc.factor(&p.system.numbering).unwrap();
     let mut x = vec![f64::NAN; p.load.len()];
-    assert_eq!(p.pieces.solve(&mut x, &TIGHT), Err(BddcError::NotFinite));
+    assert_eq!(p.bddc.solve(&mut x, &TIGHT), Err(BddcError::NotFinite));
     let size = p.assemble();
-    p.pieces.put(7, &vec![f64::INFINITY; size[7]]);
-    assert_eq!(p.pieces.factor(&p.system.numbering), Err(BddcError::NotFinite));
+    p.bddc.put(7, &vec![f64::INFINITY; size[7]]);
+    assert_eq!(p.bddc.factor(&p.system.numbering), Err(BddcError::NotFinite));
     assert_eq!(p.solve_factored(), Err(BddcError::NotFactored));
     p.assemble();
-    p.pieces.shift(p.system.vectors(), std::iter::once((0, f64::NAN)));
-    assert_eq!(p.pieces.factor(&p.system.numbering), Err(BddcError::NotFinite));
+    p.bddc.shift(p.system.vectors(), std::iter::once((0, f64::NAN)));
+    assert_eq!(p.bddc.factor(&p.system.numbering), Err(BddcError::NotFinite));
 }
 
 #[test]
@@ -236,41 +236,41 @@ fn nothing_is_solved_without_the_factors_of_a_whole_matrix() {
     let missing = |missing| Err(BddcError::Incomplete { missing, terms });
     // Assembled, but not factored.
     assert_eq!(p.solve_factored(), Err(BddcError::NotFactored));
-    p.pieces.factor(&p.system.numbering).unwrap();
+    p.bddc.factor(&p.system.numbering).unwrap();
     let first = p.solve_factored().unwrap();
     // What was given is used up; the factors are gone with the attempt.
-    assert_eq!(p.pieces.factor(&p.system.numbering), missing(terms));
+    assert_eq!(p.bddc.factor(&p.system.numbering), missing(terms));
     assert_eq!(p.solve_factored(), Err(BddcError::NotFactored));
     // Begun, and nothing or a part given.
     p.assemble();
-    p.pieces.factor(&p.system.numbering).unwrap();
-    p.pieces.begin();
+    p.bddc.factor(&p.system.numbering).unwrap();
+    p.bddc.begin();
     assert_eq!(p.solve_factored(), Err(BddcError::NotFactored));
-    assert_eq!(p.pieces.factor(&p.system.numbering), missing(terms));
+    assert_eq!(p.bddc.factor(&p.system.numbering), missing(terms));
     let size = p.assemble();
-    p.pieces.begin();
-    p.pieces.put(3, &vec![0.0; size[3]]);
-    assert_eq!(p.pieces.factor(&p.system.numbering), missing(terms - 1));
+    p.bddc.begin();
+    p.bddc.put(3, &vec![0.0; size[3]]);
+    assert_eq!(p.bddc.factor(&p.system.numbering), missing(terms - 1));
     // An indefinite matrix leaves no factors, and no shift for the next one.
     p.assemble();
     let vectors = p.system.vectors();
     let scale = max_norm(p.pattern.diagonal(&p.values));
-    p.pieces.shift(vectors, (0..vectors).map(|v| (v, -scale)));
-    let refused = p.pieces.factor(&p.system.numbering);
+    p.bddc.shift(vectors, (0..vectors).map(|v| (v, -scale)));
+    let refused = p.bddc.factor(&p.system.numbering);
     assert!(matches!(refused, Err(BddcError::Indefinite(_))), "{refused:?}");
     assert_eq!(p.solve_factored(), Err(BddcError::NotFactored));
     p.assemble();
-    p.pieces.factor(&p.system.numbering).unwrap();
+    p.bddc.factor(&p.system.numbering).unwrap();
     assert_eq!(p.solve_factored().unwrap(), first);
 }
 
 #[test]
 fn nothing_is_solved_that_was_never_given() {
     let (_, system) = compile(&edge_loaded_shell(false, 20, 100.0, 0.0));
-    let mut pieces = system.bddc(&Options::default()).unwrap();
+    let mut bddc = system.bddc(&Options::default()).unwrap();
     let mut x = vec![1.0; system.unknowns()];
-    assert_eq!(pieces.solve(&mut x, &TIGHT), Err(BddcError::NotFactored));
-    let refused = pieces.factor(&system.numbering);
+    assert_eq!(bddc.solve(&mut x, &TIGHT), Err(BddcError::NotFactored));
+    let refused = bddc.factor(&system.numbering);
     assert!(matches!(refused, Err(BddcError::Incomplete { missing, terms }) if missing == terms));
 }
 
@@ -278,29 +278,29 @@ fn nothing_is_solved_that_was_never_given() {
 fn what_belongs_to_another_mesh_is_refused() {
     let mut p = problem(&edge_loaded_shell(false, 20, 100.0, 0.0));
     let wrong = |what, found, expected| BddcError::WrongSize { what, found, expected };
-    p.pieces.factor(&p.system.numbering).unwrap();
+    p.bddc.factor(&p.system.numbering).unwrap();
     let unknowns = p.load.len();
-    assert_eq!(p.pieces.solve(&mut [1.0], &TIGHT), Err(wrong("the right side", 1, unknowns)));
+    assert_eq!(p.bddc.solve(&mut [1.0], &TIGHT), Err(wrong("the right side", 1, unknowns)));
     let size = p.assemble();
-    p.pieces.put(size.len(), &[1.0; 9]);
+    p.bddc.put(size.len(), &[1.0; 9]);
     let refused = wrong("the list of terms", size.len() + 1, size.len());
-    assert_eq!(p.pieces.factor(&p.system.numbering), Err(refused));
+    assert_eq!(p.bddc.factor(&p.system.numbering), Err(refused));
     for length in [9, size[7] + 9] {
         p.assemble();
-        p.pieces.put(7, &vec![1.0; length]);
-        assert_eq!(p.pieces.factor(&p.system.numbering), Err(wrong("a term", length, size[7])));
+        p.bddc.put(7, &vec![1.0; length]);
+        assert_eq!(p.bddc.factor(&p.system.numbering), Err(wrong("a term", length, size[7])));
     }
     let vectors = p.system.vectors();
     for (count, vector) in [(vectors - 1, 0), (vectors, vectors)] {
         p.assemble();
-        p.pieces.shift(count, std::iter::once((vector, 1.0)));
-        let refused = p.pieces.factor(&p.system.numbering);
+        p.bddc.shift(count, std::iter::once((vector, 1.0)));
+        let refused = p.bddc.factor(&p.system.numbering);
         assert!(matches!(refused, Err(BddcError::WrongSize { expected, .. }) if expected == vectors));
     }
     let (_, other) = compile(&edge_loaded_shell(false, 21, 100.0, 0.0));
     p.assemble();
     let refused = wrong("the numbering", other.unknowns(), unknowns);
-    assert_eq!(p.pieces.factor(&other.numbering), Err(refused));
+    assert_eq!(p.bddc.factor(&other.numbering), Err(refused));
 }
 
 /// Entries and operations of the factor of a tangent follow from ordering and supernodes alone: what grows here makes every

@@ -57,7 +57,7 @@ fn apart(m: &Model, mesh: &Mesh) -> (Model, Mesh) {
 /// Forces and tangent of a motion, and the energy.
 fn response(system: &System, u: &[Nodal]) -> (Vec<f64>, Vec<f64>, f64) {
     let mut assembly = Assembly::new(system);
-    let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
+    let weights = TangentWeights::STATIC;
     let parts = TangentCoefficients { weights, mass: 3.0, time: 0.0 };
     let k = state_kinematics(system, u, 0.0);
     let mut forces = vec![[0.0; 3]; system.vectors()];

@@ -114,7 +114,7 @@ impl Element {
         for g in &self.groups {
             let mut f = vec![0.0; 3 * m];
             let mut blocks = vec![0.0; 9 * m * (m + 1) / 2];
-            let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
+            let weights = TangentWeights::STATIC;
             let request = TangentRequest { weights, stress: None, prescribed: None, blocks: &mut blocks };
             g.evaluate(&self.motion(u), 0, &mut f, Some(request));
             let mut block = blocks.chunks_exact(9);

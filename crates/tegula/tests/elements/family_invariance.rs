@@ -152,7 +152,7 @@ impl Element {
         let mut k = DMatrix::zeros(3 * m, 3 * m);
         for g in &self.groups {
             let (mut f, mut blocks) = (vec![0.0; 3 * m], vec![0.0; 9 * m * (m + 1) / 2]);
-            let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
+            let weights = TangentWeights::STATIC;
             let request = TangentRequest { weights, stress: None, prescribed: None, blocks: &mut blocks };
             self.with(u, g.as_ref(), |k| g.evaluate(k, 0, &mut f, Some(request)));
             let mut block = blocks.chunks_exact(9);

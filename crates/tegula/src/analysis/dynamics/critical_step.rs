@@ -27,7 +27,7 @@ impl CriticalStep {
     /// ω is that of the element with the highest frequency, see [`crate::system::element_frequency`]. Strain-rate
     /// damping with the velocity of the last half step lowers the bound to `2/ω (√(1 + ξ²) − ξ)`, `ξ = τ ω/2`.
     pub fn below(&self, system: &System, assembly: &mut Assembly, mass: &[f64], state: &State) -> f64 {
-        let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
+        let weights = TangentWeights::STATIC;
         let parts = TangentCoefficients { weights, mass: 0.0, time: state.time };
         let mut highest = 0.0_f64;
         let k = state_kinematics(system, &state.u, state.time);

@@ -32,8 +32,7 @@ const NEGLIGIBLE: f64 = 2e-3;
 pub(super) fn refuse(problem: &mut Problem, modes: &[Mode], equilibrium: &State) -> Result<()> {
     let system = problem.system;
     let mut skew = CirculatoryStiffness::new(system);
-    let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
-    let parts = TangentCoefficients { weights, mass: 0.0, time: equilibrium.time };
+    let parts = TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time: equilibrium.time };
     skew.take(system, &state_kinematics(system, &equilibrium.u, equilibrium.time), &parts);
     let elastic: Vec<&Mode> = modes.iter().filter(|m| !m.rigid).collect();
     if skew.is_zero() || elastic.is_empty() {
@@ -76,7 +75,9 @@ pub(super) fn refuse(problem: &mut Problem, modes: &[Mode], equilibrium: &State)
     let coupled = DMatrix::from_fn(elastic.len(), elastic.len(), |i, j| {
         dot(&reduced[i], &products[j]) + if i == j { lambdas[i] } else { 0.0 }
     });
-    let found = coupled.complex_eigenvalues();
+    // The iteration for the eigenvalues does not end where an entry is no number.
+    let finite = coupled.iter().all(|x| x.is_finite());
+    let found = if finite { coupled.complex_eigenvalues().as_slice().to_vec() } else { Vec::new() };
     for (change, lambda) in changes.iter_mut().zip(&lambdas) {
         let nearest = found.iter().map(|z| (z.re - lambda).hypot(z.im)).reduce(f64::min);
         *change = larger(*change, nearest.unwrap_or(f64::NAN) / lambda.abs());

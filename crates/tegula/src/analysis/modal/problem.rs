@@ -234,11 +234,7 @@ fn stiffness(
     equilibrium: Option<&State>,
     (u, time): (&[Nodal], f64),
 ) -> Vec<f64> {
-    let parts = TangentCoefficients {
-        weights: TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 },
-        mass: 0.0,
-        time,
-    };
+    let parts = TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time };
     let mut internal = vec![[0.0; 3]; system.vectors()];
     if let Some(state) = equilibrium {
         newton.assembly.history.copy_from_slice(&state.history);

@@ -67,7 +67,7 @@ fn quadratic_form(group: &dyn ElementGroup, k: &Kinematics, mode: &[Nodal]) -> f
     let mut before = vec![0.0; group.len() * size];
     let mut after = before.clone();
     group.stresses(&k, &mut before);
-    let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
+    let weights = TangentWeights::STATIC;
     group.extrapolate(&k, mode, &weights, &mut after);
     let of_element = |(e, (before, after)): (usize, (&[f64], &[f64]))| -> f64 {
         let rates = group.strain_rates(e, &k);

@@ -361,7 +361,12 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             at: format!("load factor {target:.6}"),
             reason: failure.told(system, state, target, critical.as_ref()),
             help: format!(
-                "The last equilibrium was at load factor {:.6}. {}",
+                "{}The last equilibrium was at load factor {:.6}. {}",
+                if target <= 0.0 && state.time < 0.0 {
+                    "Below load factor 0 the loads grow that amplitudes give at 0. "
+                } else {
+                    ""
+                },
                 state.time,
                 failure.remedy(system, options, critical.as_ref())
             ),

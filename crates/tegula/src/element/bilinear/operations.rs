@@ -56,7 +56,7 @@ fn counted(mesh: MeshSource, element: ElementKind, arch: Option<Arch>) -> [f64; 
     let vectors = group.vectors_per_element();
     let mut forces = vec![0.0; ELEMENTS * 3 * vectors];
     let mut blocks = vec![0.0; ELEMENTS * 9 * vectors * (vectors + 1) / 2];
-    let weights = TangentWeights { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
+    let weights = TangentWeights::STATIC;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     pool.install(|| {
         let force = operations::of(arch, || group.evaluate(&k, 0, &mut forces, None));
