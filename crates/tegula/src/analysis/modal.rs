@@ -25,6 +25,8 @@ use tegula_sparse::lanczos::RitzPair;
 
 /// Number of rounds in which missed modes are searched for.
 const ROUNDS: usize = 5;
+/// Further modes that are found under loads without potential, to judge their coupling with the wanted ones.
+const COUPLED: usize = 4;
 /// Places in a gap, as fractions of its width, where eigenvalues are counted until a factorisation succeeds.
 const PLACES: [f64; 4] = [0.5, 0.35, 0.65, 0.2];
 /// Difference of a mode's strain energy from the eigenvalue of the assembled stiffness, over its value, above which
@@ -73,7 +75,10 @@ pub fn run(
 ) -> Result<ModalOutcome> {
     let mut problem = Problem::new(system, equilibrium)?;
     let wanted = wanted.min(system.unknowns());
-    let elastic = wanted.saturating_sub(problem.rigid.len());
+    let skew = equilibrium.and_then(|state| circulatory::stiffness(system, state));
+    // Modes just above the wanted ones couple with them most.
+    let found = if skew.is_some() { (wanted + COUPLED).min(system.unknowns()) } else { wanted };
+    let elastic = found.saturating_sub(problem.rigid.len());
     problem.first_shift(&*observer)?;
     let mut searches: Vec<Search> =
         (0..problem.groups.len()).map(|group| Search::new(&problem, group, elastic)).collect();
@@ -81,7 +86,7 @@ pub fn run(
         search.estimate(&mut problem, &*observer)?;
     }
     settle(&mut problem)?;
-    let mut modes = rigid_modes(&mut problem, wanted);
+    let mut modes = rigid_modes(&mut problem, found);
     let sturm_checked = find(&mut problem, &mut searches, observer)?;
     for search in searches {
         for (lambda, pair) in search.finish() {
@@ -89,10 +94,10 @@ pub fn run(
         }
     }
     modes.sort_by(|a, b| a.omega.total_cmp(&b.omega));
-    modes.truncate(wanted);
-    if let Some(state) = equilibrium {
-        circulatory::refuse(&mut problem, &modes, state)?;
+    if let Some(skew) = skew {
+        circulatory::refuse(&mut problem, &skew, &modes, wanted)?;
     }
+    modes.truncate(wanted);
     let statistics = Statistics {
         steps: modes.len() as u64,
         iterations: problem.applications,

@@ -156,7 +156,7 @@ impl Generalised {
     }
 }
 
-/// InternalVariables of an element, for the recovery of strains and stresses.
+/// Interior of an element, for the recovery of strains and stresses.
 pub struct Inside<'a> {
     section: &'a CompiledSection,
     geometry: ShellGeometry,
@@ -186,12 +186,12 @@ pub struct PointStrain {
 }
 
 impl<'a> Inside<'a> {
-    /// InternalVariables of an element; `None` where the element's geometry is invalid, which a built system excludes.
+    /// Interior of an element; `None` where the element's geometry is invalid, which a built system excludes.
     pub fn new(snapshot: &'a Snapshot<'a>, shell: &'a Shell) -> Option<Self> {
         Self::after(snapshot, shell, &mut None)
     }
 
-    /// InternalVariables of an element after another one, which often has the same shape.
+    /// Interior of an element after another one, which often has the same shape.
     pub fn after(
         snapshot: &'a Snapshot<'a>,
         shell: &'a Shell,

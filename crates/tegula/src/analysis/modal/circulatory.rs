@@ -15,8 +15,8 @@ use super::problem::Problem;
 use crate::analysis::State;
 use crate::analysis::statics::state_kinematics;
 use crate::element::TangentWeights;
-use crate::system::CirculatoryStiffness;
 use crate::system::assembly::TangentCoefficients;
+use crate::system::{CirculatoryStiffness, System};
 use crate::{Error, Result};
 use nalgebra::DMatrix;
 use tegula_sparse::Factor as _;
@@ -25,17 +25,27 @@ use tegula_sparse::norm::larger;
 /// Change of an eigenvalue λ = ω² by N, over λ, up to which N is neglected: that of a frequency is half of it.
 const NEGLIGIBLE: f64 = 2e-3;
 
-/// Refuses `modes` of which the circulatory stiffness of follower loads would change an elastic one.
-///
-/// # Errors
-/// A frequency would change by more than 0.1 %, or the shifted stiffness cannot be factored.
-pub(super) fn refuse(problem: &mut Problem, modes: &[Mode], equilibrium: &State) -> Result<()> {
-    let system = problem.system;
+/// Circulatory stiffness of the follower loads at an equilibrium; `None` where they have a potential.
+pub(super) fn stiffness(system: &System, equilibrium: &State) -> Option<CirculatoryStiffness> {
     let mut skew = CirculatoryStiffness::new(system);
     let parts = TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time: equilibrium.time };
     skew.take(system, &state_kinematics(system, &equilibrium.u, equilibrium.time), &parts);
+    (!skew.is_zero()).then_some(skew)
+}
+
+/// Refuses modes if the circulatory stiffness would change an elastic one of the first `wanted` ones.
+///
+/// # Errors
+/// A frequency would change by more than 0.1 %, or the shifted stiffness cannot be factored.
+pub(super) fn refuse(
+    problem: &mut Problem,
+    skew: &CirculatoryStiffness,
+    modes: &[Mode],
+    wanted: usize,
+) -> Result<()> {
     let elastic: Vec<&Mode> = modes.iter().filter(|m| !m.rigid).collect();
-    if skew.is_zero() || elastic.is_empty() {
+    let judged = modes.iter().take(wanted).filter(|m| !m.rigid).count();
+    if judged == 0 {
         return Ok(());
     }
     if !problem.factor_shifted() {
@@ -65,6 +75,7 @@ pub(super) fn refuse(problem: &mut Problem, modes: &[Mode], equilibrium: &State)
     let mut changes: Vec<f64> = products
         .iter()
         .zip(&lambdas)
+        .take(judged)
         .map(|(product, lambda)| {
             let mut response = product.clone();
             problem.newton.solver.solve(&mut response);
