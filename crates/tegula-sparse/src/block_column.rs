@@ -22,7 +22,7 @@ pub(super) struct BlockColumn<'a> {
 impl<'a> BlockColumn<'a> {
     /// Neighbouring columns from column `first` on, each from row `row` down.
     #[inline(always)]
-    fn columns<const C: usize>(&self, first: usize, row: usize) -> [&'a [f64]; C] {
+    pub fn columns<const C: usize>(&self, first: usize, row: usize) -> [&'a [f64]; C] {
         let height = self.values.len() / self.width;
         std::array::from_fn(|c| &self.values[(first + c) * height + row..(first + c + 1) * height])
     }

@@ -109,6 +109,27 @@ impl SparseLdlt {
         })
     }
 
+    /// Solves `A X = B` with the last factor, in place of the `count` right sides: columns of length n, one after
+    /// another (n × `count`, column-major). Every entry of the factor is read once for 16 right sides, which makes many
+    /// right sides much faster than a [`solve`](Factor::solve) for each, whose time is that of reading the factor.
+    ///
+    /// The solution of a right side is bitwise the same for any number of threads and whichever right sides stand beside
+    /// it. It equals that of `solve` to rounding only, because the sums have another order. Without a factor all
+    /// solutions are NaN.
+    ///
+    /// The workspace, 16 numbers for every unknown and for every row of a front, is kept for the next call.
+    ///
+    /// # Panics
+    /// `right_sides` does not have n · `count` entries.
+    pub fn solve_many(&mut self, right_sides: &mut [f64], count: usize) {
+        let size = (self.pointers.len() - 1).checked_mul(count);
+        assert_eq!(Some(right_sides.len()), size, "{count} right sides have another size");
+        if !self.factored || self.fronts.solve_many(right_sides).is_err() {
+            // Without a factor there is no solution, and the result must not look like one.
+            right_sides.fill(f64::NAN);
+        }
+    }
+
     /// Number of operations (additions and multiplications) of a factorisation.
     pub fn operations(&self) -> f64 {
         self.fronts.operations()

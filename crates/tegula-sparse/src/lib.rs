@@ -16,7 +16,8 @@
 //!   with growth check and delayed columns.
 //! - `schedule`, `workspace`: tree-level and node-level parallelism, bitwise identical results for any number of
 //!   threads, and a workspace pool with a low-memory mode.
-//! - `substitution`, `block_column`: forward and backward substitution.
+//! - `substitution`, `block_column`, `right_sides`: forward and backward substitution, with one right side or with
+//!   groups of 16, for which every entry of the factor is read once.
 //!
 //! [`lanczos`] finds the largest eigenvalues of a symmetric operator, for instance of a shifted and inverted stiffness
 //! matrix; [`gmres`] solves systems and finds eigenvalues of operators `I + B`; [`norm`] has norms that propagate NaN.
@@ -49,6 +50,7 @@ pub mod norm;
 mod numeric;
 mod ordering;
 mod partial_factorization;
+mod right_sides;
 mod rook_pivoting;
 mod schedule;
 mod substitution;

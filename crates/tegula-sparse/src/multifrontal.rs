@@ -33,6 +33,10 @@ const MIN_PARALLEL_FLOPS: f64 = 2e7;
 /// contribution blocks get workspace buffers of about their own size.
 const LOW_MEMORY_ENTRIES: usize = 1 << 25;
 
+/// Number of right sides that are solved together; a last group of few takes the narrow kernel.
+const WIDE_GROUP: usize = 16;
+const NARROW_GROUP: usize = 8;
+
 /// Multifrontal factor of matrices of one pattern.
 pub(super) struct Multifrontal {
     tree: AssemblyTree,
@@ -450,6 +454,51 @@ impl Multifrontal {
             right_side[old as usize] = *x;
         }
         workspace.put(rows);
+        Ok(())
+    }
+
+    /// Solves `A X = B` with the factor, in place of the right sides, which are columns one after another: in groups of
+    /// [`WIDE_GROUP`], then one or two of [`NARROW_GROUP`], the last one filled up with zeros.
+    ///
+    /// # Errors
+    /// There is no memory for the workspace of a group.
+    pub fn solve_many(&mut self, right_sides: &mut [f64]) -> Result<(), FactorError> {
+        let n = self.tree.order.len();
+        let mut rest = right_sides;
+        while !rest.is_empty() {
+            let wide = rest.len() > NARROW_GROUP * n;
+            let most = if wide { WIDE_GROUP } else { NARROW_GROUP } * n;
+            let group = rest.split_off_mut(..most.min(rest.len())).unwrap_or_default();
+            if wide {
+                self.solve_group::<WIDE_GROUP>(group)?;
+            } else {
+                self.solve_group::<NARROW_GROUP>(group)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Solves with a group of up to K right sides.
+    fn solve_group<const K: usize>(&mut self, right_sides: &mut [f64]) -> Result<(), FactorError> {
+        let Self { tree, factor, value_memory, node_level, workspace, pivots, .. } = self;
+        let n = tree.order.len();
+        let size = (n + tree.rows).checked_mul(K).ok_or(FactorError::TooLarge)?;
+        let mut memory = workspace.take_alone(size)?;
+        let (columns, rows) = memory[..size].as_chunks_mut::<K>().0.split_at_mut(n);
+        for (x, &old) in columns.iter_mut().zip(&tree.order) {
+            *x = [0.0; K];
+            for (x, b) in x.iter_mut().zip(right_sides.chunks_exact(n)) {
+                *x = b[old as usize];
+            }
+        }
+        Solver { tree, factor, in_place: value_memory, node_level, pivots, arch: Arch::new() }
+            .solve(columns, rows);
+        for (x, &old) in columns.iter().zip(&tree.order) {
+            for (x, b) in x.iter().zip(right_sides.chunks_exact_mut(n)) {
+                b[old as usize] = *x;
+            }
+        }
+        workspace.put(memory);
         Ok(())
     }
 }

@@ -151,23 +151,27 @@ impl BlockPivots {
         });
     }
 
-    /// Solves with the block-diagonal factor, `x := B⁻¹ x`.
-    pub fn divide(&self, x: &mut [f64]) {
+    /// Solves with the block-diagonal factor, `X := B⁻¹ X`, for K right sides side by side.
+    pub fn divide<const K: usize>(&self, x: &mut [[f64; K]]) {
         self.each(|j, pivot| match pivot {
-            Pivot::Single(d) => x[j] /= d,
-            Pivot::Pair(block) => [x[j], x[j + 1]] = solve_pair(block, [x[j], x[j + 1]]),
+            Pivot::Single(d) => x[j].iter_mut().for_each(|x| *x /= d),
+            Pivot::Pair(block) => {
+                for k in 0..K {
+                    [x[j][k], x[j + 1][k]] = solve_pair(block, [x[j][k], x[j + 1][k]]);
+                }
+            }
         });
     }
 
     /// Permutes the unknowns of the columns into the order of the pivots.
-    pub fn permute(&self, x: &mut [f64]) {
+    pub fn permute<T>(&self, x: &mut [T]) {
         for (j, &other) in self.swaps.iter().enumerate() {
             x.swap(j, other);
         }
     }
 
     /// Permutes the unknowns from the order of the pivots back into the order of the columns.
-    pub fn restore(&self, x: &mut [f64]) {
+    pub fn restore<T>(&self, x: &mut [T]) {
         for (j, &other) in self.swaps.iter().enumerate().rev() {
             x.swap(j, other);
         }

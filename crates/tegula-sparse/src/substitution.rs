@@ -1,4 +1,7 @@
 //! Forward and backward substitution with a multifrontal factor, independent subtrees in parallel.
+//!
+//! The sweeps are the same for one right side and for a group of them, whose values at an unknown are one entry of the
+//! vectors.
 
 use pulp::Arch;
 
@@ -6,9 +9,73 @@ use super::assembly_tree::{AssemblyTree, Front};
 use super::block_column::{Backward, BlockColumn, Forward};
 use super::multifrontal::panel;
 use super::partial_factorization::{FrontPivots, PivotedBlocks};
+use super::right_sides::{BackwardGroup, ForwardGroup};
+use super::rook_pivoting::BlockPivots;
 
 /// Sweep over a subtree, given its last front and the vectors of its columns and of its rows.
-type Sweep<S> = fn(&S, usize, &mut [f64], &mut [f64]);
+type Sweep<S, T> = fn(&S, usize, &mut [T], &mut [T]);
+
+/// Entry of the vectors of a solution: the value of one right side, or the values of a group of right sides.
+pub(super) trait RightSides: Copy + Send {
+    /// Entry of the zero vector.
+    const ZERO: Self;
+
+    /// Adds another entry.
+    fn add(&mut self, other: &Self);
+
+    /// Forward substitution with a block column; `x` are the entries from its columns on, `y` the sums of the rows.
+    fn forward(arch: Arch, block: BlockColumn<'_>, x: &mut [Self], y: &mut [Self]);
+
+    /// Backward substitution with a block column; `y` is the solution at the rows.
+    fn backward(arch: Arch, block: BlockColumn<'_>, x: &mut [Self], y: &[Self]);
+
+    /// Solves with the pivots, `x := B⁻¹ x`.
+    fn divide(pivots: &BlockPivots, x: &mut [Self]);
+}
+
+impl RightSides for f64 {
+    const ZERO: Self = 0.0;
+
+    #[inline(always)]
+    fn add(&mut self, other: &Self) {
+        *self += other;
+    }
+
+    fn forward(arch: Arch, block: BlockColumn<'_>, x: &mut [Self], y: &mut [Self]) {
+        arch.dispatch(Forward { block, x, y });
+    }
+
+    fn backward(arch: Arch, block: BlockColumn<'_>, x: &mut [Self], y: &[Self]) {
+        arch.dispatch(Backward { block, x, y });
+    }
+
+    fn divide(pivots: &BlockPivots, x: &mut [Self]) {
+        pivots.divide(x.as_chunks_mut::<1>().0);
+    }
+}
+
+impl<const K: usize> RightSides for [f64; K] {
+    const ZERO: Self = [0.0; K];
+
+    #[inline(always)]
+    fn add(&mut self, other: &Self) {
+        for (t, s) in self.iter_mut().zip(other) {
+            *t += s;
+        }
+    }
+
+    fn forward(arch: Arch, block: BlockColumn<'_>, x: &mut [Self], y: &mut [Self]) {
+        arch.dispatch(ForwardGroup { block, x, y });
+    }
+
+    fn backward(arch: Arch, block: BlockColumn<'_>, x: &mut [Self], y: &[Self]) {
+        arch.dispatch(BackwardGroup { block, x, y });
+    }
+
+    fn divide(pivots: &BlockPivots, x: &mut [Self]) {
+        pivots.divide(x);
+    }
+}
 
 /// Data of the substitutions: assembly tree, factor and pivots.
 pub(super) struct Solver<'a> {
@@ -34,7 +101,7 @@ impl Solver<'_> {
     }
 
     /// Solves `L Lᵀ x = b` in place of `x`, in elimination order. `y` is workspace for the rows of all fronts.
-    pub fn solve(&self, mut x: &mut [f64], mut y: &mut [f64]) {
+    pub fn solve<T: RightSides>(&self, mut x: &mut [T], mut y: &mut [T]) {
         let fronts = &self.tree.fronts;
         for (f, front) in fronts.iter().enumerate().filter(|(_, front)| front.parent.is_none()) {
             let (x_own, x_rest) = x.split_at_mut(front.first + front.width - fronts[front.leaf].first);
@@ -56,20 +123,20 @@ impl Solver<'_> {
     }
 
     /// Columns and rows of a front of the subtree that begins with `leaf`, and the rows of the fronts before it.
-    fn parts<'b>(
+    fn parts<'b, T>(
         &self,
         f: usize,
         leaf: usize,
-        x: &'b mut [f64],
-        y: &'b mut [f64],
-    ) -> (&'b mut [f64], &'b mut [f64], &'b mut [f64]) {
+        x: &'b mut [T],
+        y: &'b mut [T],
+    ) -> (&'b mut [T], &'b mut [T], &'b mut [T]) {
         let (front, begin) = (&self.tree.fronts[f], &self.tree.fronts[leaf]);
         let (below, y) = y.split_at_mut(front.row_start - begin.row_start);
         (&mut x[front.first - begin.first..][..front.width], &mut y[..front.rows.len()], below)
     }
 
     /// Forward substitution `L y = b` in a subtree; `x` holds its columns, `y` the sums of its rows.
-    fn forward(&self, f: usize, x: &mut [f64], y: &mut [f64]) {
+    fn forward<T: RightSides>(&self, f: usize, x: &mut [T], y: &mut [T]) {
         let leaf = self.tree.fronts[f].leaf;
         if !self.node_level[f] {
             (leaf..=f).for_each(|s| self.forward_after_children(s, leaf, x, y));
@@ -90,10 +157,10 @@ impl Solver<'_> {
     }
 
     /// Forward substitution with one front, after its children, in the subtree that begins with `leaf`.
-    fn forward_after_children(&self, f: usize, leaf: usize, x: &mut [f64], y: &mut [f64]) {
+    fn forward_after_children<T: RightSides>(&self, f: usize, leaf: usize, x: &mut [T], y: &mut [T]) {
         let fronts = &self.tree.fronts;
         let (x, y, below) = self.parts(f, leaf, x, y);
-        y.fill(0.0);
+        y.fill(T::ZERO);
         for &c in &self.tree.children[f] {
             let child = &fronts[c as usize];
             let sums = &below[child.row_start - fronts[leaf].row_start..][..child.rows.len()];
@@ -102,7 +169,7 @@ impl Solver<'_> {
         self.forward_front(f, x, y);
     }
 
-    fn forward_front(&self, f: usize, x: &mut [f64], y: &mut [f64]) {
+    fn forward_front<T: RightSides>(&self, f: usize, x: &mut [T], y: &mut [T]) {
         let front = &self.tree.fronts[f];
         let layout = front.layout();
         for block in 0..layout.blocks() {
@@ -113,12 +180,12 @@ impl Solver<'_> {
                 p.pivots.permute(&mut x[p.columns(front.width)]);
             }
             let x = &mut x[layout.columns_of(block).start..];
-            self.arch.dispatch(Forward { block: values, x, y });
+            T::forward(self.arch, values, x, y);
         }
     }
 
     /// Backward substitution `Lᵀ x = y` in a subtree whose `y` holds the solution at the rows of its last front.
-    fn backward(&self, f: usize, x: &mut [f64], y: &mut [f64]) {
+    fn backward<T: RightSides>(&self, f: usize, x: &mut [T], y: &mut [T]) {
         let leaf = self.tree.fronts[f].leaf;
         if !self.node_level[f] {
             (leaf..=f).rev().for_each(|s| self.backward_before_children(s, leaf, x, y));
@@ -133,7 +200,7 @@ impl Solver<'_> {
     }
 
     /// Backward substitution with one front, before its children, in the subtree that begins with `leaf`.
-    fn backward_before_children(&self, f: usize, leaf: usize, x: &mut [f64], y: &mut [f64]) {
+    fn backward_before_children<T: RightSides>(&self, f: usize, leaf: usize, x: &mut [T], y: &mut [T]) {
         let fronts = &self.tree.fronts;
         let (x, y, below) = self.parts(f, leaf, x, y);
         self.backward_front(f, x, y);
@@ -146,14 +213,14 @@ impl Solver<'_> {
 
     /// Sweeps over the subtrees of `children` except `but`, halves of them in parallel. `x` and `y` belong to the
     /// subtree that begins with `leaf`.
-    fn each(
+    fn each<T: RightSides>(
         &self,
         leaf: usize,
         children: &[u32],
         but: Option<u32>,
-        x: &mut [f64],
-        y: &mut [f64],
-        work: Sweep<Self>,
+        x: &mut [T],
+        y: &mut [T],
+        work: Sweep<Self, T>,
     ) {
         let fronts = &self.tree.fronts;
         match children {
@@ -195,7 +262,7 @@ impl Solver<'_> {
         children.len() - 1
     }
 
-    fn backward_front(&self, f: usize, x: &mut [f64], y: &mut [f64]) {
+    fn backward_front<T: RightSides>(&self, f: usize, x: &mut [T], y: &mut [T]) {
         let front = &self.tree.fronts[f];
         let layout = front.layout();
         for block in (0..layout.blocks()).rev() {
@@ -203,10 +270,10 @@ impl Solver<'_> {
             if let Some(p) = pivots
                 && p.blocks.end == block + 1
             {
-                p.pivots.divide(&mut x[p.columns(front.width)]);
+                T::divide(&p.pivots, &mut x[p.columns(front.width)]);
             }
             let below = &mut x[layout.columns_of(block).start..];
-            self.arch.dispatch(Backward { block: values, x: below, y });
+            T::backward(self.arch, values, below, y);
             if let Some(p) = pivots
                 && p.blocks.start == block
             {
@@ -217,18 +284,18 @@ impl Solver<'_> {
 }
 
 /// Extend-add of a child's row sums to the columns and rows of its parent.
-fn add_sums(child: &Front, sums: &[f64], front: &Front, x: &mut [f64], y: &mut [f64]) {
+fn add_sums<T: RightSides>(child: &Front, sums: &[T], front: &Front, x: &mut [T], y: &mut [T]) {
     for &[here, there, length] in &child.relative_indices {
         let (here, length) = (here as usize, length as usize);
         let target = place(front, x, y, there as usize, length);
         for (t, s) in target.iter_mut().zip(&sums[here..here + length]) {
-            *t += s;
+            t.add(s);
         }
     }
 }
 
 /// Copies the solution from the parent's columns and rows to the rows of a child.
-fn copy_solution(front: &Front, x: &mut [f64], y: &mut [f64], child: &Front, to: &mut [f64]) {
+fn copy_solution<T: Copy>(front: &Front, x: &mut [T], y: &mut [T], child: &Front, to: &mut [T]) {
     for &[here, there, length] in &child.relative_indices {
         let (here, length) = (here as usize, length as usize);
         to[here..here + length].copy_from_slice(place(front, x, y, there as usize, length));
@@ -236,7 +303,7 @@ fn copy_solution(front: &Front, x: &mut [f64], y: &mut [f64], child: &Front, to:
 }
 
 /// Entries of a run of relative indices of a front, which lie among its columns or among its rows.
-fn place<'a>(front: &Front, x: &'a mut [f64], y: &'a mut [f64], at: usize, length: usize) -> &'a mut [f64] {
+fn place<'a, T>(front: &Front, x: &'a mut [T], y: &'a mut [T], at: usize, length: usize) -> &'a mut [T] {
     if at < front.width {
         &mut x[at..at + length]
     } else {
