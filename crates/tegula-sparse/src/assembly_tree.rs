@@ -66,6 +66,9 @@ pub(super) struct AssemblyTree {
     pub size: usize,
     /// Number of rows of all fronts together.
     pub rows: usize,
+    /// Number of unknowns of the interface. If there are any, they are the columns of the last front, which is assembled
+    /// and not eliminated: its panel holds the Schur complement of the interior.
+    pub interface: usize,
 }
 
 impl AssemblyTree {
@@ -80,9 +83,26 @@ impl AssemblyTree {
         pointers: &[usize],
         rows: &[u32],
     ) -> Result<Self, FactorError> {
-        let mut fronts = amalgamate(fundamental_supernodes(graph, order));
+        let has_interface = !graph.interface.is_empty();
+        let mut fronts = amalgamate(fundamental_supernodes(graph, order), has_interface);
         postorder_minimizing_stack(&mut fronts);
-        Self::number(graph, fronts, pointers, rows)
+        let interface = if has_interface { fronts.last().map_or(0, |front| front.width) } else { 0 };
+        Self::number(graph, fronts, interface, pointers, rows)
+    }
+
+    /// Whether a front is that of the interface, which is not eliminated.
+    pub fn is_interface(&self, f: usize) -> bool {
+        self.interface > 0 && f + 1 == self.fronts.len()
+    }
+
+    /// Whether the interface is the parent of a front, so that no later front can eliminate a delayed column.
+    pub fn is_below_interface(&self, f: usize) -> bool {
+        self.fronts[f].parent.is_some_and(|p| self.is_interface(p as usize))
+    }
+
+    /// Number of unknowns that are eliminated.
+    pub fn eliminated(&self) -> usize {
+        self.order.len() - self.interface
     }
 
     /// Number of floating-point operations of a factorisation.
@@ -113,15 +133,16 @@ impl AssemblyTree {
     }
 
     /// Numbers the columns in the order of the supernodes and computes the fronts, their relative indices and the
-    /// entry-to-front map.
+    /// entry-to-front map. `interface` is the number of unknowns of the interface, the columns of the last supernode.
     pub fn number(
         graph: &CompressedGraph,
         supernodes: Vec<Supernode>,
+        interface: usize,
         pointers: &[usize],
         rows: &[u32],
     ) -> Result<Self, FactorError> {
         let n = pointers.len() - 1;
-        let mut tree = Self { order: Vec::with_capacity(n), ..Self::default() };
+        let mut tree = Self { order: Vec::with_capacity(n), interface, ..Self::default() };
         // Columns of the supervariables, in the order of the fronts.
         let mut first_column = vec![0_u32; graph.len()];
         for supernode in &supernodes {
@@ -166,8 +187,9 @@ impl AssemblyTree {
         for f in 0..tree.fronts.len() {
             let below: f64 = tree.children[f].iter().map(|&c| tree.fronts[c as usize].flops).sum();
             let leaf = tree.children[f].first().map_or(f, |&c| tree.fronts[c as usize].leaf);
+            let eliminated = !tree.is_interface(f);
             let front = &mut tree.fronts[f];
-            let (w, m) = (front.width as f64, front.rows.len() as f64);
+            let (w, m) = (if eliminated { front.width as f64 } else { 0.0 }, front.rows.len() as f64);
             front.flops = below + w * w * w / 3.0 + w * w * m + w * m * m;
             front.leaf = leaf;
             (front.panel, front.row_start) = (tree.size, tree.rows);

@@ -160,8 +160,9 @@ impl AssemblyTree {
         let single = CompressedGraph {
             supervariables: (0..unknowns as u32).map(|i| vec![i]).collect(),
             neighbours: Vec::new(),
+            interface: Vec::new(),
         };
-        Self::number(&single, fronts, pointers, &self.row_numbers(pointers))
+        Self::number(&single, fronts, self.interface, pointers, &self.row_numbers(pointers))
     }
 
     /// Row number of each value of the matrix.

@@ -69,7 +69,17 @@ impl SparseLdlt {
     /// # Errors
     /// The factor would be too large.
     pub fn new(pattern: &SymmetricPattern) -> Result<Self, FactorError> {
-        let fronts = Multifrontal::new(&pattern.pointers, &pattern.rows)?;
+        Self::with_interface(pattern, &[], false)
+    }
+
+    /// Orders and analyses a pattern whose unknowns of the `interface` are not eliminated. If it is `sequential`, the
+    /// calling thread alone factors and solves.
+    pub(super) fn with_interface(
+        pattern: &SymmetricPattern,
+        interface: &[u32],
+        sequential: bool,
+    ) -> Result<Self, FactorError> {
+        let fronts = Multifrontal::new(&pattern.pointers, &pattern.rows, interface, sequential)?;
         Ok(Self { pointers: pattern.pointers.clone(), fronts, factored: false, factorizations: 0 })
     }
 
@@ -128,6 +138,16 @@ impl SparseLdlt {
             // Without a factor there is no solution, and the result must not look like one.
             right_sides.fill(f64::NAN);
         }
+    }
+
+    /// Frees the workspace, which is allocated again when it is needed.
+    pub(super) fn release_workspace(&mut self) {
+        self.fronts.release_workspace();
+    }
+
+    /// Multifrontal factor, if there is one to solve with.
+    pub(super) fn fronts(&mut self) -> Option<&mut Multifrontal> {
+        Some(&mut self.fronts).filter(|_| self.factored)
     }
 
     /// Number of operations (additions and multiplications) of a factorisation.

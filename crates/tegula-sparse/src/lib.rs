@@ -18,6 +18,8 @@
 //!   threads, and a workspace pool with a low-memory mode.
 //! - `substitution`, `block_column`, `right_sides`: forward and backward substitution, with one right side or with
 //!   groups of 16, for which every entry of the factor is read once.
+//! - `schur_complement`: [`SchurComplement`] on an interface, which is ordered last and assembled in the last front, but
+//!   not eliminated.
 //!
 //! [`lanczos`] finds the largest eigenvalues of a symmetric operator, for instance of a shifted and inverted stiffness
 //! matrix; [`gmres`] solves systems and finds eigenvalues of operators `I + B`; [`norm`] has norms that propagate NaN.
@@ -53,12 +55,14 @@ mod partial_factorization;
 mod right_sides;
 mod rook_pivoting;
 mod schedule;
+mod schur_complement;
 mod substitution;
 mod supernodes;
 mod trapezoid;
 mod workspace;
 
 pub use ldlt::{SparseLdlt, SymmetricPattern};
+pub use schur_complement::SchurComplement;
 pub use workspace::zeros;
 
 /// Inertia of a symmetric matrix: the signs of the pivots of its factorisation.

@@ -56,8 +56,7 @@ pub(super) struct Multifrontal {
     node_level: Vec<bool>,
     /// Largest size of the contribution-block stack in each task that is a subtree.
     stack_sizes: Vec<usize>,
-    /// Low-memory mode: memory counts more than time.
-    low_memory: bool,
+    mode: Mode,
     /// Workspace for a diagonal block, one for each thread.
     diagonal_blocks: Vec<Mutex<DiagonalBlock>>,
     /// Workspace pool for contribution blocks and for the row sums of a solution.
@@ -114,6 +113,15 @@ enum Pivoting {
     Threshold,
 }
 
+/// Circumstances of the factorisations.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Mode {
+    /// Low-memory mode: memory counts more than time.
+    pub low_memory: bool,
+    /// Whether one thread alone factors and solves, which may be one of many that do so with matrices of their own.
+    pub sequential: bool,
+}
+
 /// Outcome of one attempt to factor a matrix.
 pub(super) enum Attempt {
     /// The matrix is factored and has this inertia.
@@ -140,19 +148,25 @@ impl Values<'_> {
 }
 
 impl Multifrontal {
-    /// Orders and analyses a lower triangle in compressed columns.
-    pub fn new(pointers: &[usize], rows: &[u32]) -> Result<Self, FactorError> {
-        let graph = CompressedGraph::new(pointers, rows);
+    /// Orders and analyses a lower triangle in compressed columns. The unknowns of the `interface` are not eliminated.
+    pub fn new(
+        pointers: &[usize],
+        rows: &[u32],
+        interface: &[u32],
+        sequential: bool,
+    ) -> Result<Self, FactorError> {
+        let graph = CompressedGraph::new(pointers, rows, interface);
         let order = graph.minimum_degree()?;
         let tree = AssemblyTree::new(&graph, &order, pointers, rows)?;
-        let low_memory = tree.size >= LOW_MEMORY_ENTRIES;
-        Self::of_tree(tree, rows.len(), low_memory)
+        let low_memory = tree.size >= LOW_MEMORY_ENTRIES && !sequential;
+        Self::of_tree(tree, rows.len(), Mode { low_memory, sequential })
     }
 
     /// Allocates the factor of an assembly tree, for a matrix with `values` entries.
-    fn of_tree(tree: AssemblyTree, values: usize, low_memory: bool) -> Result<Self, FactorError> {
+    fn of_tree(tree: AssemblyTree, values: usize, mode: Mode) -> Result<Self, FactorError> {
         let n = tree.fronts.len();
-        let threads = rayon::current_num_threads();
+        let low_memory = mode.low_memory;
+        let threads = if mode.sequential { 1 } else { rayon::current_num_threads() };
         let parts = (8 * threads).max(16) * if low_memory { 2 } else { 1 };
         let grain = (tree.operations() / parts as f64).max(MIN_PARALLEL_FLOPS);
         let is_node_level = |f: usize| tree.fronts[f].flops > grain && !tree.children[f].is_empty();
@@ -179,7 +193,7 @@ impl Multifrontal {
             stack_sizes,
             diagonal_blocks,
             workspace: WorkspacePool::new(low_memory),
-            low_memory,
+            mode,
         })
     }
 
@@ -189,6 +203,11 @@ impl Multifrontal {
         self.value_memory = Vec::new();
         self.workspace.release();
         self.pivoting = Pivoting::Restricted;
+    }
+
+    /// Frees the workspace, which is allocated again when it is needed.
+    pub fn release_workspace(&mut self) {
+        self.workspace.release();
     }
 
     /// Discards the factor and returns the memory of the values; returns none while a growth check is pending.
@@ -219,16 +238,17 @@ impl Multifrontal {
     /// # Errors
     /// The matrix is singular, or the memory does not suffice.
     pub fn factor(&mut self, pointers: &[usize], values: Values) -> Result<(Attempt, bool), FactorError> {
-        let done = |negative: usize| {
-            Attempt::Done(Inertia { positive: pointers.len() - 1 - negative, negative, zero: 0 })
-        };
+        let eliminated = self.tree.eliminated();
+        let done =
+            |negative: usize| Attempt::Done(Inertia { positive: eliminated - negative, negative, zero: 0 });
         match std::mem::replace(&mut self.pivoting, Pivoting::Restricted) {
             Pivoting::Restricted => {
                 for (d, &first) in self.diagonal.iter_mut().zip(pointers) {
                     *d = values.all()[first];
                 }
                 match self.factor_once(values, None) {
-                    Ok(0) => Ok((done(0), true)),
+                    // Without negative pivots only a Schur complement may have grown.
+                    Ok(0) if self.tree.interface == 0 => Ok((done(0), true)),
                     Ok(negative) => {
                         let sizes = self.pivot_sizes();
                         if sizes.iter().zip(&self.diagonal).all(|(size, d)| *size <= GROWTH * d.abs()) {
@@ -275,7 +295,7 @@ impl Multifrontal {
         let tree = self.tree.delay(&delayed, pointers)?;
         let memory = std::mem::take(&mut self.value_memory);
         self.release();
-        *self = Self::of_tree(tree, number, self.low_memory)?;
+        *self = Self::of_tree(tree, number, self.mode)?;
         self.value_memory = memory;
         self.pivoting = Pivoting::Threshold;
         Ok((Attempt::Again, true))
@@ -304,14 +324,16 @@ impl Multifrontal {
     }
 
     /// Sizes of the pivots by unknown: `l_jj²` of a Cholesky column, the largest entry in the column of a 1×1 or 2×2
-    /// pivot.
+    /// pivot; the diagonal entry of the Schur complement for an unknown of the interface.
     fn pivot_sizes(&self) -> Vec<f64> {
         let mut size = vec![0.0; self.columns.len()];
         for (f, (front, pivots)) in self.tree.fronts.iter().zip(&self.pivots).enumerate() {
             let (layout, panel) = (front.layout(), self.panel(f));
             let old = &self.tree.order[front.first..front.first + front.width];
+            let eliminated = !self.tree.is_interface(f);
             for (j, &old) in old.iter().enumerate() {
-                size[old as usize] = panel[layout.diagonal(j)].powi(2);
+                let entry = panel[layout.diagonal(j)];
+                size[old as usize] = if eliminated { entry.powi(2) } else { entry.abs() };
             }
             for pivoted in &pivots.blocks {
                 let columns = pivoted.columns(front.width);
@@ -365,7 +387,7 @@ impl Multifrontal {
             in_place,
             value_memory,
             pivots,
-            low_memory,
+            mode,
             ..
         } = self;
         workspace.begin();
@@ -403,7 +425,7 @@ impl Multifrontal {
                 Ok(())
             };
             let early = 0..in_place.as_ref().map_or(tasks.len(), |in_place| in_place.task);
-            let threads = (diagonal_blocks.len(), *low_memory);
+            let threads = (diagonal_blocks.len(), mode.low_memory);
             run_all(tasks, early, threads, |t| run(&numeric, t))?;
             if let Some(in_place) = in_place {
                 let mut original_entries = workspace.take(in_place.entries())?;
@@ -442,14 +464,61 @@ impl Multifrontal {
     /// # Errors
     /// There is no memory for the row sums.
     pub fn solve(&mut self, right_side: &mut [f64]) -> Result<(), FactorError> {
+        self.sweep(right_side, |solver, columns, rows| solver.solve(columns, rows))
+    }
+
+    /// Forward substitution in place of `right_side`, which subtracts `A_ΓI A_II⁻¹ f_I` at the interface.
+    ///
+    /// # Errors
+    /// There is no memory for the row sums.
+    pub fn condense(&mut self, right_side: &mut [f64]) -> Result<(), FactorError> {
+        self.sweep(right_side, |solver, columns, rows| solver.condense(columns, rows))
+    }
+
+    /// Backward substitution in place of `vector`, which holds the solution at the interface and the result of
+    /// [`condense`](Self::condense) elsewhere.
+    ///
+    /// # Errors
+    /// There is no memory for the row sums.
+    pub fn expand(&mut self, vector: &mut [f64]) -> Result<(), FactorError> {
+        self.sweep(vector, |solver, columns, rows| solver.expand(columns, rows))
+    }
+
+    /// Copies the Schur complement of the interior to `out`, a square matrix with both triangles. `place` gives the row
+    /// there of an unknown of the interface.
+    pub fn copy_schur_complement(&self, out: &mut [f64], place: impl Fn(u32) -> usize) {
+        let m = self.tree.interface;
+        if m == 0 {
+            return;
+        }
+        let f = self.tree.fronts.len() - 1;
+        let (front, panel) = (&self.tree.fronts[f], self.panel(f));
+        let layout = front.layout();
+        let places: Vec<usize> = self.tree.order[front.first..].iter().map(|&old| place(old)).collect();
+        for (j, &column) in places.iter().enumerate() {
+            let entries = &panel[layout.diagonal(j)..][..m - j];
+            for (&row, value) in places[j..].iter().zip(entries) {
+                out[column * m + row] = *value;
+                out[row * m + column] = *value;
+            }
+        }
+    }
+
+    /// Applies a substitution to a vector, given the solver, the vector in elimination order and workspace for the rows
+    /// of all fronts.
+    fn sweep(
+        &mut self,
+        right_side: &mut [f64],
+        work: impl FnOnce(&Solver, &mut [f64], &mut [f64]),
+    ) -> Result<(), FactorError> {
         let Self { tree, factor, value_memory, node_level, columns, workspace, pivots, .. } = self;
         let mut rows = workspace.take_alone(tree.rows)?;
         for (x, &old) in columns.iter_mut().zip(&tree.order) {
             *x = right_side[old as usize];
         }
         let arch = Arch::new();
-        Solver { tree, factor, in_place: value_memory, node_level, pivots, arch }
-            .solve(columns, &mut rows[..tree.rows]);
+        let solver = Solver { tree, factor, in_place: value_memory, node_level, pivots, arch };
+        work(&solver, columns, &mut rows[..tree.rows]);
         for (x, &old) in columns.iter().zip(&tree.order) {
             right_side[old as usize] = *x;
         }

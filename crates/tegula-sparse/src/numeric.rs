@@ -52,9 +52,17 @@ impl Numeric<'_> {
         self.extend_add_children(f, &from, (layout, 0), 0..layout.blocks(), panel);
         self.add_entries(f, panel);
         let (pivots, diagonal_block) = (&mut pivots[0], &mut DiagonalBlock::new());
-        let mut work =
-            PartialFactorization { layout, pivots, diagonal_block, parallel: true, scales: self.scales(f) };
-        work.eliminate(panel)?;
+        let mut work = PartialFactorization {
+            layout,
+            pivots,
+            diagonal_block,
+            parallel: true,
+            scales: self.scales(f),
+            may_delay: !self.tree.is_below_interface(f),
+        };
+        if !self.tree.is_interface(f) {
+            work.eliminate(panel)?;
+        }
         let mut memory = self.workspace.take(contribution.size())?;
         let out = &mut memory[..contribution.size()];
         work.contribution(panel, out);
@@ -135,8 +143,11 @@ impl Numeric<'_> {
                 diagonal_block,
                 parallel: false,
                 scales: self.scales(s),
+                may_delay: !self.tree.is_below_interface(s),
             };
-            work.eliminate(panel)?;
+            if !self.tree.is_interface(s) {
+                work.eliminate(panel)?;
+            }
             work.contribution(panel, next);
             from_children(contribution, front.width, next);
             if !last && children > 0 {

@@ -18,7 +18,17 @@ pub(super) struct CompressedGraph {
     pub supervariables: Vec<Vec<u32>>,
     /// Adjacent supervariables of each supervariable, without itself.
     pub neighbours: Vec<Vec<u32>>,
+    /// Supervariables of the interface, ascending: unknowns that are ordered last and not eliminated.
+    pub interface: Vec<u32>,
 }
+
+/// Largest number of edges between supervariables of the interface, relative to those of the graph, with which the
+/// interface counts for the degrees of the interior. On square grids with their boundary as interface, that saves a
+/// fifth of the operations of the factorisation and costs hardly more than a fourth of the time of the analysis.
+const HALO: usize = 8;
+
+/// Distinguishes unknowns of the interface in the hash of their neighbours.
+const INTERFACE: u64 = 0x5851_f42d_4c95_7f2d;
 
 fn mix(x: u64) -> u64 {
     let mut z = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -28,14 +38,18 @@ fn mix(x: u64) -> u64 {
 }
 
 impl CompressedGraph {
-    /// Builds the compressed graph from the lower triangle in compressed columns.
-    pub fn new(pointers: &[usize], rows: &[u32]) -> Self {
+    /// Builds the compressed graph from the lower triangle in compressed columns. No supervariable holds unknowns both
+    /// of the `interface` and of the interior.
+    pub fn new(pointers: &[usize], rows: &[u32], interface: &[u32]) -> Self {
         let n = pointers.len() - 1;
         let column = |j: usize| &rows[pointers[j]..pointers[j + 1]];
         // Sums of two hashes over all neighbours of an unknown, itself included: equal for indistinguishable unknowns.
         // A collision of different neighbourhoods (one in 2^128) would be detected when the original entries are mapped
         // to the fronts.
         let mut hash: Vec<[u64; 2]> = (0..n as u64).map(|j| [mix(j), mix(!j)]).collect();
+        for &j in interface {
+            hash[j as usize] = hash[j as usize].map(|h| h.wrapping_add(INTERFACE));
+        }
         for j in 0..n {
             for i in column(j).iter().map(|&i| i as usize).filter(|&i| i != j) {
                 for (of, other) in [(i, j as u64), (j, i as u64)] {
@@ -65,7 +79,10 @@ impl CompressedGraph {
                 }
             }
         }
-        Self { supervariables, neighbours }
+        let mut interface: Vec<u32> = interface.iter().map(|&j| group[j as usize]).collect();
+        interface.sort_unstable();
+        interface.dedup();
+        Self { supervariables, neighbours, interface }
     }
 
     /// Number of supervariables.
@@ -73,15 +90,33 @@ impl CompressedGraph {
         self.supervariables.len()
     }
 
-    /// Elimination order of the supervariables with little fill, by approximate minimum degree (AMD).
+    /// Elimination order of the supervariables with little fill, by approximate minimum degree (AMD). The supervariables
+    /// of the interface come last. Unless they are too many, they count for the degrees of the others, as a clique (halo).
+    ///
+    /// F. Pellegrini, J. Roman, P. Amestoy, *Hybridizing nested dissection and halo approximate minimum degree for
+    /// efficient sparse matrix ordering*, Concurrency: Pract. Exper. 12 (2000) 69–84.
     pub fn minimum_degree(&self) -> Result<Vec<u32>, FactorError> {
-        let n = self.len();
+        let in_interior = |g: &u32| self.interface.binary_search(g).is_err();
+        let interior: Vec<u32> = (0..self.len() as u32).filter(in_interior).collect();
+        if interior.is_empty() {
+            return Ok(self.interface.clone());
+        }
+        let edges: usize = self.neighbours.iter().map(Vec::len).sum();
+        let with_halo = self.interface.len().pow(2) <= HALO * edges;
+        let halo = self.interface.iter().filter(|_| with_halo);
+        let vertices: Vec<u32> = interior.iter().chain(halo).copied().collect();
+        let n = vertices.len();
+        // Number of each supervariable among the vertices of the graph; without number they are left out.
+        let mut number = vec![usize::MAX; self.len()];
+        vertices.iter().enumerate().for_each(|(j, &g)| number[g as usize] = j);
         let mut pointers = vec![0_usize];
         let mut rows = Vec::new();
-        for (j, neighbours) in self.neighbours.iter().enumerate() {
-            let mut above: Vec<usize> = neighbours.iter().map(|&i| i as usize).filter(|&i| i < j).collect();
+        for (j, &g) in vertices.iter().enumerate() {
+            let neighbours = self.neighbours[g as usize].iter().map(|&i| number[i as usize]);
+            let mut above: Vec<usize> = neighbours.filter(|&i| i < j.min(interior.len())).collect();
             above.sort_unstable();
             rows.extend(above);
+            rows.extend(interior.len()..j);
             rows.push(j);
             pointers.push(rows.len());
         }
@@ -98,6 +133,7 @@ impl CompressedGraph {
             MemStack::new(&mut memory),
         )
         .map_err(|_| FactorError::TooLarge)?;
-        Ok(forward.into_iter().map(|g| g as u32).collect())
+        let forward = forward.into_iter().map(|j| vertices[j]).filter(in_interior);
+        Ok(forward.chain(self.interface.iter().copied()).collect())
     }
 }

@@ -98,6 +98,9 @@ pub(super) struct PartialFactorization<'a> {
     /// columns, even if these are positive definite, and columns whose pivots would let entries grow beyond the scales
     /// are reported as delayed.
     pub scales: Option<Vec<f64>>,
+    /// Whether the parent may eliminate delayed columns. The interface does not: its children accept all pivots that are
+    /// larger than rounding, because the rows below them are those of the Schur complement, which may be large.
+    pub may_delay: bool,
 }
 
 impl PartialFactorization<'_> {
@@ -154,8 +157,18 @@ impl PartialFactorization<'_> {
         let mut pivots = BlockPivots::new(upper, lower);
         if let Some(scale) = &self.scales {
             let below = matrix.as_ref().subrows(columns, rows - columns);
-            let stable = pivots.as_ref().is_ok_and(|p| p.growth(below, &scale[columns..]) <= GROWTH);
+            let stable = pivots.as_ref().is_ok_and(|p| {
+                if self.may_delay {
+                    p.growth(below, &scale[columns..]) <= GROWTH
+                } else {
+                    p.exceed_rounding(scale)
+                }
+            });
             if !stable && pivots.as_ref().err() != Some(&FactorError::TooLarge) {
+                if !self.may_delay {
+                    self.pivots.singular = true;
+                    return Ok(());
+                }
                 match columns_without_pivots(self.matrix(first, panel), scale) {
                     Ok(delayed) => self.pivots.delayed = delayed,
                     Err(error) => pivots = Err(error),

@@ -100,6 +100,11 @@ impl BlockPivots {
         out
     }
 
+    /// Whether every pivot is larger than the rounding errors of a matrix with these scales of its rows.
+    pub fn exceed_rounding(&self, scale: &[f64]) -> bool {
+        self.sizes().iter().zip(scale).all(|(size, s)| *size > f64::EPSILON * s * s)
+    }
+
     /// Growth of the entries below the block: the most that a pivot may change one of them, from the rows of `L₂₁` and
     /// their scales. It is the largest entry of `abs(L) abs(B) abs(Lᵀ)`, or a bound of it for a 2×2 pivot.
     pub fn growth(&self, rows: MatRef<'_, f64>, scale: &[f64]) -> f64 {

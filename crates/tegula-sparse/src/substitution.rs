@@ -101,14 +101,36 @@ impl Solver<'_> {
     }
 
     /// Solves `L Lᵀ x = b` in place of `x`, in elimination order. `y` is workspace for the rows of all fronts.
-    pub fn solve<T: RightSides>(&self, mut x: &mut [T], mut y: &mut [T]) {
+    pub fn solve<T: RightSides>(&self, x: &mut [T], y: &mut [T]) {
+        self.each_root(x, y, |solver, f, x, y| {
+            solver.forward(f, x, y);
+            solver.backward(f, x, y);
+        });
+    }
+
+    /// Forward substitution `L y = b` in place of `x`; the columns of the interface get their Schur update.
+    pub fn condense<T: RightSides>(&self, x: &mut [T], y: &mut [T]) {
+        self.each_root(x, y, Self::forward);
+    }
+
+    /// Backward substitution `Lᵀ x = y` in place of `x`, whose columns of the interface hold the solution.
+    pub fn expand<T: RightSides>(&self, x: &mut [T], y: &mut [T]) {
+        self.each_root(x, y, Self::backward);
+    }
+
+    /// Sweeps over the trees of all roots, one after another.
+    fn each_root<T>(
+        &self,
+        mut x: &mut [T],
+        mut y: &mut [T],
+        sweep: impl Fn(&Self, usize, &mut [T], &mut [T]),
+    ) {
         let fronts = &self.tree.fronts;
         for (f, front) in fronts.iter().enumerate().filter(|(_, front)| front.parent.is_none()) {
             let (x_own, x_rest) = x.split_at_mut(front.first + front.width - fronts[front.leaf].first);
             let (y_own, y_rest) =
                 y.split_at_mut(front.row_start + front.rows.len() - fronts[front.leaf].row_start);
-            self.forward(f, x_own, y_own);
-            self.backward(f, x_own, y_own);
+            sweep(self, f, x_own, y_own);
             (x, y) = (x_rest, y_rest);
         }
     }
@@ -170,6 +192,9 @@ impl Solver<'_> {
     }
 
     fn forward_front<T: RightSides>(&self, f: usize, x: &mut [T], y: &mut [T]) {
+        if self.tree.is_interface(f) {
+            return;
+        }
         let front = &self.tree.fronts[f];
         let layout = front.layout();
         for block in 0..layout.blocks() {
@@ -263,6 +288,9 @@ impl Solver<'_> {
     }
 
     fn backward_front<T: RightSides>(&self, f: usize, x: &mut [T], y: &mut [T]) {
+        if self.tree.is_interface(f) {
+            return;
+        }
         let front = &self.tree.fronts[f];
         let layout = front.layout();
         for block in (0..layout.blocks()).rev() {

@@ -23,18 +23,14 @@ fn trapezoid(width: usize, below: usize) -> f64 {
     w * (w + 1.0) / 2.0 + w * m
 }
 
-/// Fundamental supernodes in postorder: a column joins the supernode of its last child in the elimination tree if the
-/// rows of the child are the column itself and the column's rows.
-pub(super) fn fundamental_supernodes(graph: &CompressedGraph, order: &[u32]) -> Vec<Supernode> {
-    let n = graph.len();
+/// Elimination tree by Liu's algorithm with path compression: the parent of each of `n` nodes, `u32::MAX` for a root.
+/// `position` is the node of each supervariable; all those of the interface are the last node.
+fn elimination_tree(graph: &CompressedGraph, order: &[u32], position: &[u32], n: usize) -> Vec<u32> {
     const NONE: u32 = u32::MAX;
-    let mut position = vec![0_u32; n];
-    for (k, &g) in order.iter().enumerate() {
-        position[g as usize] = k as u32;
-    }
-    // Elimination tree by Liu's algorithm with path compression: `ancestor` holds the compressed paths.
+    // Compressed paths.
     let (mut parent, mut ancestor) = (vec![NONE; n], vec![NONE; n]);
     for (i, &g) in order.iter().enumerate() {
+        let i = i.min(n - 1);
         for &h in &graph.neighbours[g as usize] {
             let mut r = position[h as usize];
             if r as usize >= i {
@@ -54,19 +50,41 @@ pub(super) fn fundamental_supernodes(graph: &CompressedGraph, order: &[u32]) -> 
             }
         }
     }
+    parent
+}
+
+/// Fundamental supernodes in postorder: a column joins the supernode of its last child in the elimination tree if the
+/// rows of the child are the column itself and the column's rows. The columns of the interface, which end the order, are
+/// one node of the elimination tree and the last supernode.
+pub(super) fn fundamental_supernodes(graph: &CompressedGraph, order: &[u32]) -> Vec<Supernode> {
+    const NONE: u32 = u32::MAX;
+    let interior = graph.len() - graph.interface.len();
+    let n = interior + usize::from(!graph.interface.is_empty());
+    let mut position = vec![0_u32; graph.len()];
+    for (k, &g) in order.iter().enumerate() {
+        position[g as usize] = k.min(interior) as u32;
+    }
+    let parent = elimination_tree(graph, order, &position, n);
     let postorder = postorder(&parent);
     let mut rank = vec![0_u32; n];
     for (k, &node) in postorder.iter().enumerate() {
         rank[node as usize] = k as u32;
     }
     let weight = |g: u32| graph.supervariables[g as usize].len();
-    let mut mark = vec![NONE; n];
+    let mut mark = vec![NONE; graph.len()];
     let mut structure: Vec<Vec<u32>> = vec![Vec::new(); n];
     let mut children: Vec<Vec<u32>> = vec![Vec::new(); n];
     let mut supernodes: Vec<Supernode> = Vec::new();
     // Supernode of each node of the elimination tree, by postorder number.
     let mut supernode_of = vec![0_u32; n];
     for (k, &node) in postorder.iter().enumerate() {
+        if node as usize == interior {
+            supernode_of[k] = supernodes.len() as u32;
+            let columns = order[interior..].to_vec();
+            let width = columns.iter().map(|&g| weight(g)).sum();
+            supernodes.push(Supernode { columns, width, ..Supernode::default() });
+            continue;
+        }
         let g = order[node as usize];
         let mut rows = Vec::new();
         mark[g as usize] = k as u32;
@@ -148,8 +166,9 @@ fn postorder(parent: &[u32]) -> Vec<u32> {
     out
 }
 
-/// Relaxed amalgamation: merges supernodes with their parents where that adds few explicit zeros.
-pub(super) fn amalgamate(mut supernodes: Vec<Supernode>) -> Vec<Supernode> {
+/// Relaxed amalgamation: merges supernodes with their parents where that adds few explicit zeros. With `interface` the
+/// last supernode is that of the interface, with which none is merged.
+pub(super) fn amalgamate(mut supernodes: Vec<Supernode>, interface: bool) -> Vec<Supernode> {
     let n = supernodes.len();
     let mut children: Vec<Vec<u32>> = vec![Vec::new(); n];
     for (f, supernode) in supernodes.iter().enumerate() {
@@ -158,7 +177,7 @@ pub(super) fn amalgamate(mut supernodes: Vec<Supernode>) -> Vec<Supernode> {
         }
     }
     let mut absorbed = vec![false; n];
-    for p in 0..n {
+    for p in 0..n - usize::from(interface) {
         // The child that adds the smallest share of zeros comes first, mostly the one with the largest structure.
         loop {
             let parent = &supernodes[p];

@@ -46,7 +46,7 @@ impl Pattern {
     }
 
     fn tree(&self) -> AssemblyTree {
-        let graph = CompressedGraph::new(&self.pointers, &self.rows);
+        let graph = CompressedGraph::new(&self.pointers, &self.rows, &[]);
         let order = graph.minimum_degree().unwrap();
         AssemblyTree::new(&graph, &order, &self.pointers, &self.rows).unwrap()
     }

@@ -41,10 +41,12 @@ fn memory_is_spared_without_a_change_of_a_bit() {
         let run = |low_memory: bool, threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
-                let graph = CompressedGraph::new(&pointers, &rows);
+                let graph = CompressedGraph::new(&pointers, &rows, &[]);
                 let order = graph.minimum_degree().unwrap();
                 let tree = AssemblyTree::new(&graph, &order, &pointers, &rows).unwrap();
-                let mut fronts = Multifrontal::of_tree(tree, values.len(), low_memory).unwrap();
+                let mut fronts =
+                    Multifrontal::of_tree(tree, values.len(), Mode { low_memory, sequential: false })
+                        .unwrap();
                 assert_eq!(fronts.in_place.is_some(), low_memory);
                 let in_place =
                     fronts.in_place.as_ref().map_or(0, |in_place| fronts.tasks.len() - in_place.task);
@@ -59,6 +61,42 @@ fn memory_is_spared_without_a_change_of_a_bit() {
         let usual = run(false, 1);
         assert_eq!(usual.0 > 0, diagonal < 60.0, "{diagonal}");
         for (low_memory, threads) in [(true, 1), (true, 2), (true, 3), (false, 2)] {
+            assert!(run(low_memory, threads) == usual, "{diagonal} {low_memory} {threads}");
+        }
+    }
+}
+
+/// Covers the front of the interface in place of the values, on one thread and on several.
+#[test]
+fn schur_complements_do_not_depend_on_the_memory_mode() {
+    for diagonal in [60.0, 1e-3] {
+        let (pointers, rows, values) = grid(48, diagonal);
+        // Two lines of nodes.
+        let interface: Vec<u32> = (0..6 * 48).chain(6 * 48 * 20..6 * 48 * 21).collect();
+        let run = |low_memory: bool, threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let graph = CompressedGraph::new(&pointers, &rows, &interface);
+                let order = graph.minimum_degree().unwrap();
+                let tree = AssemblyTree::new(&graph, &order, &pointers, &rows).unwrap();
+                let mode = Mode { low_memory, sequential: false };
+                let mut fronts = Multifrontal::of_tree(tree, values.len(), mode).unwrap();
+                assert_eq!(fronts.in_place.is_some(), low_memory);
+                while !matches!(
+                    fronts.factor(&pointers, Values::Borrowed(&values)).unwrap().0,
+                    Attempt::Done(_)
+                ) {}
+                let mut schur = vec![f64::NAN; interface.len() * interface.len()];
+                fronts.copy_schur_complement(&mut schur, |i| interface.binary_search(&i).unwrap());
+                let mut x: Vec<f64> = (0..pointers.len() - 1).map(|i| (i as f64).cos()).collect();
+                fronts.condense(&mut x).unwrap();
+                fronts.expand(&mut x).unwrap();
+                assert!(schur.iter().chain(&x).all(|x| x.is_finite()));
+                (schur, x)
+            })
+        };
+        let usual = run(false, 1);
+        for (low_memory, threads) in [(true, 1), (true, 2), (false, 2)] {
             assert!(run(low_memory, threads) == usual, "{diagonal} {low_memory} {threads}");
         }
     }
