@@ -23,8 +23,9 @@ pub(super) struct CompressedGraph {
 }
 
 /// Largest number of edges between supervariables of the interface, relative to those of the graph, with which the
-/// interface counts for the degrees of the interior. On square grids with their boundary as interface, that saves a
-/// fifth of the operations of the factorisation and costs hardly more than a fourth of the time of the analysis.
+/// interface counts for the degrees of the interior. On square grids of 10 × 10 to 100 × 100 nodes with their boundary as
+/// interface, that saves 14 to 31 % of the operations of a factorisation; single timings of the analysis grew by up to
+/// 60 %.
 const HALO: usize = 8;
 
 /// Distinguishes unknowns of the interface in the hash of their neighbours.
