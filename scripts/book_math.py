@@ -16,7 +16,7 @@ LETTERS = {name: chr(0x3B1 + i) for i, name in enumerate(GREEK.split())}
 LETTERS |= {name.capitalize(): chr(0x391 + i) for i, name in enumerate(GREEK.split()) if name != "sigmaf"}
 LETTERS |= {"varepsilon": "ε", "varphi": "φ", "epsilon": "ϵ", "phi": "ϕ", "vartheta": "ϑ", "ell": "ℓ"}
 UPRIGHT = {"partial": "∂", "nabla": "∇", "infty": "∞", "emptyset": "∅"}
-FUNCTIONS = "ln log exp sin cos tan det dim tr dev sign arg diag".split()
+FUNCTIONS = "ln log exp sin cos tan det dim arg".split()
 LIMITS = {"sum": "∑", "prod": "∏", "min": "min", "max": "max", "lim": "lim"}
 INTEGRALS = {"int": "∫", "oint": "∮"}
 OPERATORS = {
@@ -135,7 +135,7 @@ class Parser:
         if lower or upper:
             kind = ("m" + "under" * bool(lower) + "over" * bool(upper)) if name in LIMITS else ("m" + "sub" * bool(lower) + "sup" * bool(upper))
             base = tag(kind, base + lower + (row(upper) if upper else ""))
-        gap = name in FUNCTIONS and (self.peek()[:1].isalnum() or self.peek()[1:].isalpha() and self.peek() not in TIGHT)
+        gap = name in (*FUNCTIONS, "operatorname") and (self.peek()[:1].isalnum() or self.peek()[1:].isalpha() and self.peek() not in TIGHT)
         return tag("mrow", base + space(0.167)) if gap else base
 
     def argument(self) -> str:
@@ -261,9 +261,10 @@ class Parser:
 
         def style(column: int) -> str:
             """Sides of a relation meet, pairs of columns stand apart."""
-            right = column % 2 == 0
-            gap = f"padding-left:{2 if right and column else 0}em;padding-right:0;"
-            return f"{gap}text-align:{'right' if right else 'left'}" if name == "aligned" else "text-align:left"
+            side = "right" if name == "aligned" and column % 2 == 0 else "left"
+            gap = f"padding-left:{2 if side == 'right' and column else 0}em;padding-right:0;" if name == "aligned" else ""
+            # The second value moves blocks, such as cells hold in browsers, too.
+            return f"{gap}text-align:{side};text-align:-webkit-{side}"
 
         styled = name in ("aligned", "cases")
         cells = [[tag("mtd", c, **({"style": style(i)} if styled else {})) for i, c in enumerate(r)] for r in rows]

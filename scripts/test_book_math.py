@@ -42,6 +42,11 @@ class Formulas(unittest.TestCase):
         self.assertEqual(shape(r"\mathbf{K}\boldsymbol{\alpha}\mathbf 0"), "mrow(mi(𝐊)mi(𝜶)mi(𝟎))")
         self.assertEqual(shape(r"\mathrm{lin}\,\text{if it is}"), "mrow(mi(lin)mspace()mtext(if\u00a0it\u00a0is))")
 
+    def test_functions_stand_apart_from_letters_and_close_to_brackets(self):
+        self.assertEqual(shape(r"\ln a"), "mrow(mrow(mi(ln)mspace())mi(a))")
+        self.assertEqual(shape(r"\operatorname{tr}\mathbf{A}"), "mrow(mrow(mi(tr)mspace())mi(𝐀))")
+        self.assertEqual(shape(r"\ln(a)"), "mrow(mi(ln)mo(()mi(a)mo()))")
+
     def test_matrices_and_aligned_relations_are_tables(self):
         matrix = shape(r"\begin{bmatrix} a & b \\ c & d \end{bmatrix}")
         rows = "mtr(mtd(mi(a))mtd(mi(b)))mtr(mtd(mi(c))mtd(mi(d)))"
