@@ -130,7 +130,7 @@ fn the_simply_supported_laminate_of_the_literature() {
 
     let model = tegula_io::deck::Deck::read(example("composite_plate.toml")).unwrap().model;
     let mesh = tegula::mesh::generators::generate(&model.mesh).unwrap();
-    let system = tegula::model::build::build(&model, &mesh).unwrap();
+    let system = tegula::compile::build(&model, &mesh).unwrap();
     let tegula::model::Analysis::Static(options) = &model.analysis else { unreachable!() };
     let state =
         tegula::analysis::statics::run(&system, options, None, &mut tegula::analysis::Silent).unwrap().state;

@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use tegula::analysis::{Silent, statics};
-use tegula::model::build::build;
+use tegula::compile::build;
 use tegula::model::{
     Analysis, Condition, CylinderMesh, ElementKind, Grid, Isotropic, Load, MeshSource, Model, OnSet,
     StaticAnalysis, VectorLoad,

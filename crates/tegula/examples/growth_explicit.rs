@@ -21,7 +21,7 @@ use tegula::analysis::{Observer, Step, dynamics};
 use tegula::mesh::generators::generate;
 use tegula::model::{
     Analysis, Condition, ExplicitScheme, Grid, InitialVelocity, Isotropic, MeshSource, Model, OnSet,
-    PlateMesh, Scheme, TransientAnalysis, build,
+    PlateMesh, Scheme, TransientAnalysis,
 };
 
 fn main() {
@@ -95,7 +95,7 @@ fn measure(side: u32, steps: u64) {
         angular_velocity: [0.0, -1.0, 0.0],
         center: [0.0; 3],
     }];
-    let system = build::build(&model, &generate(&model.mesh).unwrap()).unwrap();
+    let system = tegula::compile::build(&model, &generate(&model.mesh).unwrap()).unwrap();
     let setup = started.elapsed().as_secs_f64();
     let Analysis::Transient(options) = &mut model.analysis else { return };
     // One step to learn its length, in a time that is shorter than any.

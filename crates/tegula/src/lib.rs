@@ -2,6 +2,7 @@
 
 pub mod analysis;
 pub mod bddc;
+pub mod compile;
 pub mod element;
 pub mod error;
 mod lists;

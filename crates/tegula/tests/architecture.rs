@@ -1,6 +1,7 @@
 //! `ARCHITECTURE.md` tells the truth: every path that it names exists.
 #![allow(clippy::unwrap_used)]
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Text between single backticks, code blocks left out.
@@ -72,4 +73,116 @@ fn missing_paths_are_found() {
     let text = "`element/ems.rs`, `crates/tegula/`, `f = S n`, `element/{ems,none}.rs`, `Cargo.toml`, `src/nowhere/`\n\
                 ```\n`in/a/block.rs`\n```\n`model/*.rs`, `nonsense.md`";
     assert_eq!(missing(&root, text), ["element/none.rs", "src/nowhere/", "nonsense.md"]);
+}
+
+/// Source text without comments and without the unit tests at its end.
+fn code(path: &Path) -> String {
+    let text = std::fs::read_to_string(path).unwrap();
+    let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap();
+    code.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n")
+}
+
+/// Source files below a folder, but for modules that exist in tests only.
+fn sources(folder: &Path, out: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
+        let parent = [folder.join("mod.rs"), folder.join("lib.rs"), folder.with_extension("rs")]
+            .into_iter()
+            .find(|p| p.exists())
+            .unwrap();
+        let test_only = code_of_tests(&parent).contains(&name);
+        if !test_only && path.is_dir() {
+            sources(&path, out);
+        } else if !test_only && path.extension().is_some_and(|e| e == "rs") {
+            out.push(path);
+        }
+    }
+}
+
+/// Modules that a file declares for tests only.
+fn code_of_tests(path: &Path) -> Vec<String> {
+    let text = std::fs::read_to_string(path).unwrap();
+    text.split("#[cfg(test)]\nmod ")
+        .skip(1)
+        .filter_map(|rest| rest.split_once(';'))
+        .map(|(name, _)| name.to_owned())
+        .filter(|name| name.chars().all(|c| c.is_alphanumeric() || c == '_'))
+        .collect()
+}
+
+/// Rooms of a crate with the rooms that each imports. Items that `lib.rs` re-exports belong to their room.
+fn imports(source: &Path) -> BTreeMap<String, BTreeSet<String>> {
+    let library = std::fs::read_to_string(source.join("lib.rs")).unwrap();
+    let exported = |item: &str| {
+        let line = library.lines().find(|l| {
+            l.starts_with("pub use ")
+                && l.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == item)
+        })?;
+        line.strip_prefix("pub use ")?.split("::").next().map(str::to_owned)
+    };
+    let mut out: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    let mut files = Vec::new();
+    sources(source, &mut files);
+    for file in files {
+        let inside = file.strip_prefix(source).unwrap();
+        let room = inside.components().next().unwrap().as_os_str().to_str().unwrap().trim_end_matches(".rs");
+        let found = out.entry(room.to_owned()).or_default();
+        let text = code(&file);
+        for used in text.split("crate::").skip(1) {
+            let names = match used.strip_prefix('{') {
+                Some(list) => list.split('}').next().unwrap().split(',').map(str::trim).collect(),
+                None => vec![used],
+            };
+            for name in names {
+                let name: String = name.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+                let name = exported(&name).unwrap_or(name);
+                if name != room {
+                    found.insert(name);
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Rooms on a circle of imports, where there is one.
+fn circle(imports: &BTreeMap<String, BTreeSet<String>>) -> Vec<&str> {
+    let mut left: BTreeMap<&str, BTreeSet<&str>> = imports
+        .iter()
+        .map(|(room, used)| {
+            (room.as_str(), used.iter().map(String::as_str).filter(|u| imports.contains_key(*u)).collect())
+        })
+        .collect();
+    // Rooms that import no other one left are taken out until nothing changes.
+    loop {
+        let Some(free) = left.iter().find(|(_, used)| used.is_empty()).map(|(room, _)| *room) else {
+            return left.into_keys().collect();
+        };
+        left.remove(free);
+        left.values_mut().for_each(|used| {
+            used.remove(free);
+        });
+    }
+}
+
+#[test]
+fn no_two_rooms_import_each_other() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    for name in ["tegula", "tegula-io", "tegula-sparse"] {
+        let found = imports(&root.join(name).join("src"));
+        assert!(found.len() > 3, "{name}: {found:?}");
+        assert_eq!(circle(&found), Vec::<&str>::new(), "{name}: {found:#?}");
+    }
+}
+
+#[test]
+fn a_circle_of_imports_is_found() {
+    let room = |name: &str, used: &[&str]| {
+        (name.to_owned(), used.iter().map(|u| (*u).to_owned()).collect::<BTreeSet<_>>())
+    };
+    let open = BTreeMap::from([room("a", &["b", "c"]), room("b", &["c", "Vec3"]), room("c", &[])]);
+    assert_eq!(circle(&open), Vec::<&str>::new());
+    let closed = BTreeMap::from([room("a", &["b"]), room("b", &["c"]), room("c", &["a"]), room("d", &["a"])]);
+    assert_eq!(circle(&closed), ["a", "b", "c", "d"]);
 }

@@ -7,8 +7,9 @@
 use std::path::Path;
 
 use serde_json::Value as Json;
+use tegula::compile::check;
 use tegula::mesh::generators::generate;
-use tegula::model::{MeshSource, check};
+use tegula::model::MeshSource;
 use tegula::{Error, Issue, Mesh, Model};
 use toml::{Table, Value};
 

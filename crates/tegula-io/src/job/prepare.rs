@@ -1,7 +1,8 @@
 //! From the model file to the mesh and the compiled system.
 
+use tegula::compile::{self, check, warnings};
 use tegula::mesh::generators;
-use tegula::model::{MeshSource, build, check, warnings};
+use tegula::model::MeshSource;
 use tegula::result::Probe;
 use tegula::{Error, Issue, Mesh, System};
 
@@ -39,7 +40,7 @@ pub fn prepare(deck: &Deck) -> Result<Prepared, JobError> {
         issues.extend(check::keys(&deck.model));
         located(issues)
     })?;
-    let compiled = build::build(&deck.model, &mesh).and_then(|system| {
+    let compiled = compile::build(&deck.model, &mesh).and_then(|system| {
         let probes = Probe::all(&deck.model.output.points, &mesh, &system)?;
         Ok((system, probes))
     });

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use tegula::analysis::{Silent, statics};
+use tegula::compile::build;
 use tegula::mesh::generators::generate;
-use tegula::model::build::build;
 use tegula::model::{
     Analysis, Condition, CylinderMesh, Grid, Isotropic, Load, MeshSource, Model, OnSet, PlateMesh, Section,
     StaticAnalysis, VectorLoad,

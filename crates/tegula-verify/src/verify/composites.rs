@@ -10,8 +10,8 @@ use std::f64::consts::PI;
 
 use nalgebra::{SMatrix, SVector};
 use tegula::analysis::{Silent, modal};
+use tegula::compile::build;
 use tegula::mesh::generators::generate;
-use tegula::model::build::build;
 use tegula::model::{Analysis, Load, ModalAnalysis, Model, VectorLoad};
 use tegula::{Error, Result};
 

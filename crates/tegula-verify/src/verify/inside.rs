@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_4;
 
 use tegula::analysis::{Silent, State, statics};
-use tegula::model::build::build;
+use tegula::compile::build;
 use tegula::model::{
     Analysis, Axis, Condition, ElementKind, Grid, Isotropic, Layup, LayupPly, Load, Material, MeshSource,
     Model, NeoHookean, NodalVector, PlateMesh, PrescribeComponent, PrescribedStrain, PressureLoad, Section,

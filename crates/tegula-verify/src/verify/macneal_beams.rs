@@ -15,7 +15,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use tegula::analysis::{Silent, statics};
-use tegula::model::build::build;
+use tegula::compile::build;
 use tegula::model::{
     Analysis, Axis, Condition, Grid, Isotropic, Load, MeshSource, Model, NodalVector, OnSet, PlateMesh,
     PrescribeComponent, StaticAnalysis, VectorLoad,

@@ -5,7 +5,7 @@
 //! rubber that no theory knows.
 
 use tegula::analysis::{Observer, Silent, Step, statics};
-use tegula::model::build::build;
+use tegula::compile::build;
 use tegula::model::{
     Analysis, Axis, Condition, ElementKind, FixComponents, Isotropic, Load, Material, Membrane, MeshSource,
     Model, MooneyRivlin, NodalVector, OnSet, PrescribeComponent, PressureLoad, StaticAnalysis, SymmetryPlane,

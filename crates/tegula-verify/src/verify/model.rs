@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use tegula::analysis::{Observer, Silent, statics};
+use tegula::compile::build;
 use tegula::mesh::generators::generate;
-use tegula::model::build::build;
 use tegula::model::{
     Analysis, ElementKind, Grid, Isotropic, Material, Membrane, MeshSource, Model, Section, StaticAnalysis,
 };

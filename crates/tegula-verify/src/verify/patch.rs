@@ -8,7 +8,7 @@
 use std::collections::BTreeSet;
 
 use tegula::analysis::{Silent, State, statics};
-use tegula::model::build::build;
+use tegula::compile::build;
 use tegula::model::{
     Analysis, Axis, Condition, ElementKind, Isotropic, MeshSource, Model, NodalVector, PlateMesh,
     PrescribeComponent, StaticAnalysis,

@@ -25,6 +25,7 @@
 mod coarse;
 mod conjugate_gradients;
 mod deluxe_scaling;
+mod elements;
 mod front;
 mod interface;
 mod partition;

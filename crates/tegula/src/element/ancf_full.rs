@@ -12,6 +12,7 @@
 
 use nalgebra::DMatrix;
 
+use super::VectorKind;
 use super::geometry::{NODES, ShellGeometry, cross_section_frame, shape, strain_transformation};
 use super::group::ElementGroup;
 use super::shell::{
@@ -20,7 +21,6 @@ use super::shell::{
 use super::strains::SampledStrains;
 use super::transform::NodalTransform;
 use crate::section::SectionInertia;
-use crate::system::VectorKind;
 use crate::{Mat3, Vec3};
 
 /// Number of nodal vectors: positions of nodes 1–4, directors, first and second tangential gradients.

@@ -17,6 +17,7 @@ pub mod points;
 pub mod quadratic;
 pub mod registry;
 pub mod scalar;
+mod section_points;
 pub mod shell;
 pub mod solid_shell;
 pub mod strains;
@@ -26,3 +27,14 @@ pub use geometry::ShellGeometry;
 pub use group::{ElementGroup, InternalVariables, Kinematics, Motion, Nodal, TangentRequest, TangentWeights};
 pub use quadratic::QuadraticGroup;
 pub use shell::ShellElement;
+
+/// Kind of a nodal vector.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VectorKind {
+    /// Position of a node.
+    Position,
+    /// Director of a node (one of them, where sheets meet at an angle).
+    Director,
+    /// Gradient of the position along a tangent of the mid-surface.
+    Gradient,
+}

@@ -8,6 +8,7 @@ use std::fmt::Debug;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::VectorKind;
 use super::bilinear::{BilinearGroup, BilinearMembers};
 use super::forms::Forms;
 use super::generalized_law::LinearLaw;
@@ -20,7 +21,6 @@ use super::transform::NodalTransform;
 use crate::Mat3;
 use crate::material::Law;
 use crate::section::SectionInertia;
-use crate::system::VectorKind;
 
 /// Strain operator at a point of an element: strains from sampled strains and enhanced parameters.
 #[derive(Debug, Clone)]

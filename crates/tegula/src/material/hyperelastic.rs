@@ -34,19 +34,6 @@ pub enum Hyperelastic {
     },
 }
 
-/// Which neo-Hookean energy.
-#[derive(
-    Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
-)]
-#[serde(rename_all = "kebab-case")]
-pub enum NeoHookeanForm {
-    /// `μ/2 (J^(−2/3) I1 − 3) + κ/2 (J − 1)²`: shape and volume apart.
-    #[default]
-    Split,
-    /// `μ/2 (I1 − 3) − μ ln J + λ/2 (ln J)²` with λ = κ − 2μ/3.
-    Coupled,
-}
-
 /// Invariants of a strain, computed without cancellation.
 struct Invariants {
     e: Matrix3<f64>,

@@ -4,6 +4,7 @@
 //! reference configuration; components are ordered xx, yy, xy, zz, xz, yz with engineering shear strains. The caller
 //! passes history variables in and receives the updated ones; nothing is stored here.
 
+mod from_model;
 pub mod hyperelastic;
 pub mod linear;
 pub mod plane_stress;
@@ -11,7 +12,8 @@ pub mod plasticity;
 
 use nalgebra::{Matrix3, Matrix6, Vector6};
 
-pub use hyperelastic::{Hyperelastic, NeoHookeanForm};
+pub use crate::model::NeoHookeanForm;
+pub use hyperelastic::Hyperelastic;
 pub use plasticity::Plasticity;
 
 /// Strain xx, yy, 2xy, zz, 2xz, 2yz.

@@ -14,8 +14,7 @@ use super::quality::{check_structure, report};
 use super::topology::{Disjoint, Edges};
 use crate::{Error, Issue, Result, Vec3};
 
-/// Neighbouring facets that meet at a larger angle (degrees) form a fold.
-pub const FOLD_ANGLE_DEGREES: f64 = 20.0;
+pub use crate::model::FOLD_ANGLE_DEGREES;
 
 /// Directors of a mesh.
 #[derive(Debug, Clone, Default, PartialEq)]

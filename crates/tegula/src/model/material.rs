@@ -1,13 +1,7 @@
 //! Materials as the user says them.
 
-use nalgebra::{Matrix2, Matrix3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-use crate::Issue;
-use crate::material::linear::{Orthotropy, isotropic, isotropic_plane_stress};
-use crate::material::{Hyperelastic, Law, NeoHookeanForm, Plasticity};
-use crate::section::failure::Strengths;
 
 /// A material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -151,26 +145,6 @@ pub struct Plastic {
     pub expansion: f64,
 }
 
-impl Orthotropic {
-    fn constants(&self) -> Orthotropy {
-        Orthotropy { young: self.young, poisson: self.poisson, shear: self.shear }
-    }
-}
-
-impl Plastic {
-    fn law(&self) -> Plasticity {
-        Plasticity {
-            young: self.young,
-            poisson: self.poisson,
-            yield_stress: self.yield_stress,
-            hardening: self.hardening,
-            saturation: self.saturation.unwrap_or(self.yield_stress),
-            rate: self.saturation_rate,
-            kinematic: self.kinematic,
-        }
-    }
-}
-
 impl Material {
     /// Word of the model file.
     pub fn kind(&self) -> &'static str {
@@ -222,123 +196,64 @@ impl Material {
             Self::NeoHookean(_) | Self::MooneyRivlin(_) | Self::Plastic(_) => None,
         }
     }
+}
 
-    /// The law of three-dimensional stresses.
-    pub fn law_3d(&self) -> Law {
-        match self {
-            Self::Isotropic(m) => Law::Linear(Box::new(isotropic(m.young, m.poisson))),
-            Self::Orthotropic(m) => Law::Linear(Box::new(m.constants().stiffness())),
-            Self::NeoHookean(m) => Law::Hyperelastic(match m.form {
-                NeoHookeanForm::Split => Hyperelastic::Split { c10: 0.5 * m.shear, c01: 0.0, bulk: m.bulk },
-                NeoHookeanForm::Coupled => {
-                    Hyperelastic::Coupled { mu: m.shear, lambda: m.bulk - 2.0 / 3.0 * m.shear }
-                }
-            }),
-            Self::MooneyRivlin(m) => {
-                Law::Hyperelastic(Hyperelastic::Split { c10: m.c10, c01: m.c01, bulk: m.bulk })
-            }
-            Self::Plastic(m) => Law::Plastic(m.law()),
-        }
+/// Which neo-Hookean energy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum NeoHookeanForm {
+    /// `μ/2 (J^(−2/3) I1 − 3) + κ/2 (J − 1)²`: shape and volume apart.
+    #[default]
+    Split,
+    /// `μ/2 (I1 − 3) − μ ln J + λ/2 (ln J)²` with λ = κ − 2μ/3.
+    Coupled,
+}
+
+/// Strengths of a ply in its own axes; all of them positive numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Strengths {
+    /// Tensile strength along the fibre X_t [force/area], above 0.
+    pub xt: f64,
+    /// Compressive strength along the fibre X_c [force/area], above 0.
+    pub xc: f64,
+    /// Tensile strength across the fibre Y_t [force/area], above 0.
+    pub yt: f64,
+    /// Compressive strength across the fibre Y_c [force/area], above 0.
+    pub yc: f64,
+    /// Shear strength in the plane S_12 [force/area], above 0.
+    pub s12: f64,
+    /// Interaction F12* = F12/√(F11 F22) of the Tsai–Wu criterion, above −1 and below 1 (−1/2 unless given).
+    #[serde(default = "interaction")]
+    pub tsai_wu_interaction: f64,
+}
+
+fn interaction() -> f64 {
+    -0.5
+}
+
+impl Strengths {
+    /// Strengths with the usual interaction F12* = −1/2.
+    pub fn new(xt: f64, xc: f64, yt: f64, yc: f64, s12: f64) -> Self {
+        Self { xt, xc, yt, yc, s12, tsai_wu_interaction: interaction() }
     }
 
-    /// The law of plane stress for layers that are not linear; `None` where there is none.
-    pub fn law_plane_stress(&self) -> Option<Law> {
-        match self {
-            Self::Plastic(m) => Some(Law::PlaneStressPlastic(m.law())),
-            _ => None,
+    /// Invalid values: pairs of the key and the condition that it must meet.
+    pub fn mistakes(&self) -> Vec<(&'static str, &'static str)> {
+        let sizes = [("xt", self.xt), ("xc", self.xc), ("yt", self.yt), ("yc", self.yc), ("s12", self.s12)];
+        let mut out: Vec<_> = sizes
+            .iter()
+            .filter(|(_, v)| !(v.is_finite() && *v > 0.0))
+            .map(|(key, _)| (*key, "a strength is a number above 0, also in compression"))
+            .collect();
+        let interaction = self.tsai_wu_interaction;
+        if interaction.is_nan() || interaction.abs() >= 1.0 {
+            out.push((
+                "tsai_wu_interaction",
+                "it must be above -1 and below 1, or the material would be of infinite strength in some \
+                 direction",
+            ));
         }
-    }
-
-    /// Elastic plane stress in the material's axes: reduced stiffness, transverse shear diag(G13, G23), and the modulus
-    /// E3 of the thickness; `None` for hyperelastic materials.
-    pub fn plane_stress(&self) -> Option<(Matrix3<f64>, Matrix2<f64>, f64)> {
-        let of = |e: f64, nu: f64| {
-            let g = 0.5 * e / (1.0 + nu);
-            (isotropic_plane_stress(e, nu), Matrix2::identity() * g, e)
-        };
-        match self {
-            Self::Isotropic(m) => Some(of(m.young, m.poisson)),
-            Self::Plastic(m) => Some(of(m.young, m.poisson)),
-            Self::Orthotropic(m) => {
-                let c = m.constants();
-                Some((c.plane_stress(), c.transverse_shear(), m.young[2]))
-            }
-            Self::NeoHookean(_) | Self::MooneyRivlin(_) => None,
-        }
-    }
-
-    /// Mistakes in its values.
-    pub fn issues(&self, key: &str) -> Vec<Issue> {
-        let mut c = super::checker::Checker::default();
-        let poisson = |c: &mut super::checker::Checker, nu: f64| {
-            if !(nu > -1.0 && nu < 0.5) {
-                c.add(
-                    format!("{key}.poisson"),
-                    format!("Poisson's ratio is {nu}; it must be above -1 and below 0.5"),
-                    "at 0.5 a material is incompressible and plane stress has no limit here; use 0.49 or less",
-                );
-            }
-        };
-        match self {
-            Self::Isotropic(m) => {
-                c.positive(&format!("{key}.young"), "Young's modulus", m.young);
-                poisson(&mut c, m.poisson);
-            }
-            Self::Orthotropic(m) => {
-                for (name, values) in [("young", m.young), ("shear", m.shear)] {
-                    for (i, v) in values.into_iter().enumerate() {
-                        c.positive(&format!("{key}.{name}[{i}]"), "the modulus", v);
-                    }
-                }
-                c.finite(&format!("{key}.poisson"), "Poisson's ratio", &m.poisson);
-                if c.issues.is_empty() && !m.constants().is_stable() {
-                    c.add(
-                        format!("{key}.poisson"),
-                        "some strain would store no energy: the constants contradict each other",
-                        "|ν_ij| must be below √(E_i/E_j); ν_ij belongs to stress along axis i",
-                    );
-                }
-            }
-            Self::NeoHookean(m) => {
-                c.positive(&format!("{key}.shear"), "the shear modulus", m.shear);
-                c.positive(&format!("{key}.bulk"), "the bulk modulus", m.bulk);
-            }
-            Self::MooneyRivlin(m) => {
-                c.finite(&format!("{key}.c01"), "the constant", &[m.c01]);
-                c.positive(&format!("{key}.c10"), "c10 + c01", m.c10 + m.c01);
-                c.positive(&format!("{key}.bulk"), "the bulk modulus", m.bulk);
-            }
-            Self::Plastic(m) => {
-                c.positive(&format!("{key}.young"), "Young's modulus", m.young);
-                poisson(&mut c, m.poisson);
-                c.positive(&format!("{key}.yield_stress"), "the yield stress", m.yield_stress);
-                for (name, v) in [
-                    ("hardening", m.hardening),
-                    ("saturation_rate", m.saturation_rate),
-                    ("kinematic", m.kinematic),
-                ] {
-                    c.not_negative(&format!("{key}.{name}"), &format!("`{name}`"), v);
-                }
-                if m.saturation.is_some_and(|s| s.is_nan() || s < m.yield_stress) {
-                    c.add(
-                        format!("{key}.saturation"),
-                        "the saturation stress is below the yield stress: softening has no unique solution",
-                        "give a stress of at least `yield_stress`",
-                    );
-                }
-            }
-        }
-        c.not_negative(&format!("{key}.density"), "the density", self.density());
-        c.finite(&format!("{key}.expansion"), "the thermal expansion", &self.expansion());
-        if let Some(s) = self.strength() {
-            for (name, mistake) in s.mistakes() {
-                c.add(
-                    format!("{key}.strength.{name}"),
-                    mistake,
-                    "give the strength in the units of a stress",
-                );
-            }
-        }
-        c.issues
+        out
     }
 }

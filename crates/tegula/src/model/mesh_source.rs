@@ -9,7 +9,8 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::mesh::directors::FOLD_ANGLE_DEGREES;
+/// Neighbouring facets that meet at a larger angle (degrees) form a fold.
+pub const FOLD_ANGLE_DEGREES: f64 = 20.0;
 
 /// The mid-surface.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

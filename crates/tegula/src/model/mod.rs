@@ -4,25 +4,14 @@
 //! keys of the TOML file are the field names, the JSON Schema is derived from
 //! the same types, and the documentation of a key is its doc comment.
 
-mod actions;
-mod amplitudes;
 mod analysis;
-pub mod build;
-pub mod check;
-mod check_sections;
-mod checker;
 mod condition;
-mod congruence;
-mod force_sets;
 mod layup;
 mod material;
-mod mechanism;
 mod mesh_source;
 mod prescribed_strain;
-mod sections;
 mod stacking;
 mod units;
-mod warnings;
 
 use std::collections::BTreeMap;
 
@@ -36,7 +25,6 @@ pub use material::*;
 pub use mesh_source::*;
 pub use prescribed_strain::*;
 pub use units::Units;
-pub use warnings::warnings;
 
 /// A whole model: mesh, materials, sections, conditions, loads, analysis, output.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

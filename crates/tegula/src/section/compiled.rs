@@ -1,14 +1,12 @@
-//! Compiled section of the model: layers, material laws and section stiffness, which give the elements their
-//! integration points.
+//! Compiled section of the model: layers, material laws and section stiffness. Its integration points in an element are
+//! made in `element/section_points.rs`.
 
-use nalgebra::{DMatrix, DVector, Matrix6, SMatrix, SVector, Vector3, Vector6};
+use nalgebra::{DVector, Matrix6, SMatrix, SVector, Vector3, Vector6};
 
 use super::laminate::Laminate;
 use super::ply::{angle_in_plane, shear_turn, strain_turn, turned_plane_stress, turned_shear};
 use super::quadrature::{gauss, lobatto};
 use super::{SectionInertia, SectionStiffness};
-use crate::element::geometry::ShellGeometry;
-use crate::element::shell::{IntegrationPoint, PointResponse, ShellElement, StrainOperator};
 use crate::material::Law;
 use crate::model::{Material, PrescribedStrain};
 use crate::{Mat3, Vec3};
@@ -72,7 +70,7 @@ pub struct CompiledSection {
     pub resultant: Resultant,
     /// Shear correction factors of three-dimensional materials.
     pub shear_factors: [f64; 2],
-    /// Coefficient α of [`Self::shear_reduction`].
+    /// Coefficient α of the stabilisation factor `h²/(h² + α l²)` of transverse shear.
     pub shear_stabilization: f64,
     /// True if every layer is isotropic in the surface.
     pub isotropic: bool,
@@ -150,26 +148,6 @@ impl CompiledSection {
         Ok(self.turn(frame)? + layer.angle)
     }
 
-    /// Stiffness of a layer of an element in plane stress, with E in zz and the reduced transverse shear moduli.
-    pub fn stiffness_plane(&self, layer: &Layer, turn: f64, g: &ShellGeometry) -> Matrix6<f64> {
-        let mut c = plane_stress_3d(&layer.material, turn);
-        c.view_mut((4, 4), (2, 2)).scale_mut(self.shear_reduction(g));
-        c
-    }
-
-    /// Stabilisation factor `h²/(h² + α l²)` of the transverse shear stiffness of an element that works with stress
-    /// resultants; l is its longest edge. Where elements are longer than the shell is thick, it removes what an element
-    /// cannot resolve of the boundary layers at free edges, whose width is of the order of h; it tends to 1 as l/h
-    /// tends to 0.
-    ///
-    /// M. Lyly, R. Stenberg, T. Vihinen, *A stable bilinear element for the Reissner–Mindlin plate model*, Comput.
-    /// Methods Appl. Mech. Eng. 110 (1993) 343–357.
-    pub fn shear_reduction(&self, g: &ShellGeometry) -> f64 {
-        let edges = (0..4).map(|a| (g.positions[a] - g.positions[(a + 1) % 4]).norm_squared());
-        let h2 = self.thickness * self.thickness;
-        h2 / (h2 + self.shear_stabilization * edges.fold(0.0, f64::max))
-    }
-
     /// Prescribed strain of a layer at the height `z`; a prestress σ counts as the strain −C⁻¹σ.
     ///
     /// # Errors
@@ -186,177 +164,8 @@ impl CompiledSection {
         Ok(Vector6::from_column_slice(e.as_slice()))
     }
 
-    fn turn(&self, frame: &Mat3) -> Result<f64, String> {
+    pub(crate) fn turn(&self, frame: &Mat3) -> Result<f64, String> {
         if self.isotropic { Ok(0.0) } else { Self::angle(frame, &self.direction) }
-    }
-
-    /// Integration points of an element, the terms of its energy; `prescribed` holds the prescribed strain fields that
-    /// act on it.
-    ///
-    /// # Errors
-    /// The geometry is invalid; the text says how.
-    pub fn integration_points(
-        &self,
-        element: &dyn ShellElement,
-        g: &ShellGeometry,
-        prescribed: &[Option<&PrescribedStrain>],
-    ) -> Result<Vec<IntegrationPoint>, String> {
-        let mut out = Vec::new();
-        for point in 0..element.surface_points() {
-            if element.is_solid() {
-                self.over_thickness(element, g, point, prescribed, &mut out)?;
-            } else {
-                self.with_resultants(element, g, point, prescribed, &mut out)?;
-            }
-        }
-        let stiffness = element.parameter_stiffness(g);
-        if !stiffness.is_empty() {
-            let (n, all) = (stiffness.len(), element.parameters());
-            let response = DMatrix::from_diagonal(&DVector::from_vec(stiffness)) * self.resultant.stretch();
-            out.push(IntegrationPoint {
-                samples: DMatrix::zeros(n, element.samples()),
-                enhanced: DMatrix::from_fn(n, all, |i, j| if j == all - n + i { 1.0 } else { 0.0 }),
-                response: PointResponse::Linear(response),
-                weight: 1.0,
-                prescribed: prescribed.iter().map(|_| DVector::zeros(n)).collect(),
-            });
-        }
-        Ok(out)
-    }
-
-    /// Adds integration points over the thickness with three-dimensional stresses.
-    fn over_thickness(
-        &self,
-        element: &dyn ShellElement,
-        g: &ShellGeometry,
-        point: usize,
-        prescribed: &[Option<&PrescribedStrain>],
-        out: &mut Vec<IntegrationPoint>,
-    ) -> Result<(), String> {
-        for layer in &self.layers {
-            for &(z, weight) in &layer.points {
-                let operator = element.operator(g, point, z)?;
-                let turn = self.turn(&operator.frame)? + layer.angle;
-                let stiffness = self.stiffness_3d(layer, turn);
-                let place = (turn, z, operator.measure * weight);
-                out.push(self.layer_station(layer, operator, place, &stiffness, prescribed, 6)?);
-            }
-        }
-        Ok(())
-    }
-
-    /// Adds an integration point with the section stiffness. If a layer is not linear, this point has transverse shear
-    /// and thickness stiffness only, and the layers are integrated over the thickness in plane stress.
-    fn with_resultants(
-        &self,
-        element: &dyn ShellElement,
-        g: &ShellGeometry,
-        point: usize,
-        prescribed: &[Option<&PrescribedStrain>],
-        out: &mut Vec<IntegrationPoint>,
-    ) -> Result<(), String> {
-        let middle = element.operator(g, point, 0.0)?;
-        // Strains are ε − z κ.
-        let above = element.operator(g, point, 1.0)?;
-        let turn = self.turn(&middle.frame)?;
-        let mut stiffness = resultants(&self.resultant.at(turn));
-        // Second moment of the transverse shear stiffness, as if it were uniform over the thickness.
-        let shear_moment = stiffness.fixed_view::<2, 2>(4, 4)
-            * (self.thickness * self.thickness / 12.0 * ShellGeometry::SHORT_SHARE);
-        stiffness.view_mut((4, 4), (2, 2)).scale_mut(self.shear_reduction(g));
-        let linear = self.is_linear();
-        if !linear {
-            for i in [0, 1, 2, 6, 7, 8] {
-                for j in 0..9 {
-                    stiffness[(i, j)] = 0.0;
-                    stiffness[(j, i)] = 0.0;
-                }
-            }
-        }
-        // Shear linear in z matters in short elements only.
-        let gradient = g
-            .is_shorter_than(ShellGeometry::SHORT * self.thickness)
-            .then(|| element.stretch_gradient(g, point))
-            .flatten();
-        let rows = 9 + gradient.as_ref().map_or(0, |m| m.nrows());
-        let (s, a) = (element.samples(), element.parameters());
-        let mut samples = DMatrix::zeros(rows, s);
-        samples.rows_mut(0, 6).copy_from(&middle.samples);
-        samples.rows_mut(6, 3).copy_from(&(middle.samples.rows(0, 3) - above.samples.rows(0, 3)));
-        let mut enhanced = DMatrix::zeros(rows, a);
-        enhanced.rows_mut(0, 6).copy_from(&middle.enhanced);
-        let mut response = DMatrix::zeros(rows, rows);
-        response.view_mut((0, 0), (9, 9)).copy_from(&stiffness);
-        if let Some(gradient) = gradient {
-            samples.rows_mut(9, 2).copy_from(&gradient);
-            response.view_mut((9, 9), (2, 2)).copy_from(&shear_moment);
-        }
-        let fields = prescribed
-            .iter()
-            .map(|p| match p {
-                None => Ok(DVector::zeros(rows)),
-                Some(p) => {
-                    let mut strain = self.resultant_strain(p, &middle.frame, turn, &stiffness, linear)?;
-                    if element.unit_directors() {
-                        // Inextensible directors take no part in the thickness stretch.
-                        strain[3] = 0.0;
-                    }
-                    Ok(strain.resize_vertically(rows, 0.0))
-                }
-            })
-            .collect::<Result<_, String>>()?;
-        out.push(IntegrationPoint {
-            samples,
-            enhanced,
-            response: PointResponse::Linear(response),
-            weight: middle.measure,
-            prescribed: fields,
-        });
-        if linear {
-            return Ok(());
-        }
-        for layer in &self.layers {
-            for &(z, weight) in &layer.points {
-                let mut operator = element.operator(g, point, z)?;
-                let turn = turn + layer.angle;
-                let stiffness = plane_stress_3d(&layer.material, turn);
-                for row in 3..6 {
-                    operator.samples.row_mut(row).fill(0.0);
-                    operator.enhanced.row_mut(row).fill(0.0);
-                }
-                let place = (turn, z, operator.measure * weight);
-                out.push(self.layer_station(layer, operator, place, &stiffness, prescribed, 3)?);
-            }
-        }
-        Ok(())
-    }
-
-    /// Integration point of a layer at the height `z`; prescribed strains act on its first `components` strains.
-    fn layer_station(
-        &self,
-        layer: &Layer,
-        operator: StrainOperator,
-        (turn, z, weight): (f64, f64, f64),
-        stiffness: &Matrix6<f64>,
-        prescribed: &[Option<&PrescribedStrain>],
-        components: usize,
-    ) -> Result<IntegrationPoint, String> {
-        let field = |p: &Option<&PrescribedStrain>| {
-            let Some(p) = p else { return Ok(DVector::zeros(6)) };
-            let mut strain = self.strain_3d(p, layer, &operator.frame, turn, z, stiffness)?;
-            strain.rows_mut(components, 6 - components).fill(0.0);
-            Ok::<_, String>(strain)
-        };
-        Ok(IntegrationPoint {
-            prescribed: prescribed.iter().map(field).collect::<Result<_, _>>()?,
-            samples: operator.samples,
-            enhanced: operator.enhanced,
-            response: match layer.law {
-                Some(law) => PointResponse::Law(law),
-                None => PointResponse::Linear(dynamic(stiffness)),
-            },
-            weight,
-        })
     }
 
     /// Three-dimensional stiffness of a layer at zero strain, in axes from which its first axis is rotated by `turn`,
@@ -382,7 +191,7 @@ impl CompiledSection {
     }
 
     /// Prescribed strain of a layer at the height `z`; a prestress σ counts as the strain −C⁻¹σ.
-    fn strain_3d(
+    pub(crate) fn strain_3d(
         &self,
         prescribed: &PrescribedStrain,
         layer: &Layer,
@@ -412,7 +221,7 @@ impl CompiledSection {
     }
 
     /// Prescribed section strains ε, ε_zz, γ, κ, conjugate to the stress resultants.
-    fn resultant_strain(
+    pub(crate) fn resultant_strain(
         &self,
         prescribed: &PrescribedStrain,
         frame: &Mat3,
@@ -472,12 +281,8 @@ pub fn resultants(section: &SectionStiffness) -> SMatrix<f64, 9, 9> {
     d
 }
 
-fn dynamic<const N: usize>(m: &SMatrix<f64, N, N>) -> DMatrix<f64> {
-    DMatrix::from_column_slice(N, N, m.as_slice())
-}
-
 /// Stiffness of a material: plane stress in xx, yy, xy; uncoupled E in zz and transverse shear moduli.
-fn plane_stress_3d(material: &Material, turn: f64) -> Matrix6<f64> {
+pub(crate) fn plane_stress_3d(material: &Material, turn: f64) -> Matrix6<f64> {
     let mut out = Matrix6::zeros();
     let Some((plane, shear, thickness)) = material.plane_stress() else { return out };
     let (plane, shear) = if material.is_isotropic() {

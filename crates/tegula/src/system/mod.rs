@@ -4,12 +4,10 @@ pub mod assembly;
 pub mod circulatory;
 pub mod corotational_update;
 pub mod element_frequency;
-pub mod index_map;
 mod inverted_element;
 pub mod lumping;
 pub mod numbering;
 pub mod pattern;
-mod terms;
 
 use std::ops::Range;
 
@@ -24,7 +22,6 @@ use crate::section::CompiledSection;
 pub use assembly::Assembly;
 pub use circulatory::CirculatoryStiffness;
 pub use corotational_update::CorotationalUpdate;
-pub use index_map::IndexMap;
 pub use inverted_element::inverted_element;
 use numbering::Support;
 pub use numbering::{Numbering, VectorKind};
@@ -100,8 +97,6 @@ pub struct System {
     pub position_of: Vec<u32>,
     /// Nodal vector of the (first) director of each node.
     pub director_of: Vec<u32>,
-    /// Local to global numbers.
-    pub index_map: IndexMap,
     /// Constrained and free degrees of freedom.
     pub numbering: Numbering,
     /// Elements.

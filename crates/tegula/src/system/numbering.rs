@@ -3,18 +3,8 @@
 use std::collections::BTreeSet;
 
 use crate::element::Nodal;
+pub use crate::element::VectorKind;
 use crate::{Mat3, Vec3};
-
-/// Kind of a nodal vector.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum VectorKind {
-    /// Position of a node.
-    Position,
-    /// Director of a node (one of them, where sheets meet at an angle).
-    Director,
-    /// Gradient of the position along a tangent of the mid-surface.
-    Gradient,
-}
 
 /// A prescribed displacement: a value and the amplitude it is multiplied with.
 pub type Motion = (f64, Option<usize>);

@@ -6,8 +6,8 @@ use crate::common::{
     vector_load,
 };
 use tegula::analysis::statics::{self, StaticOutcome};
+use tegula::compile::build;
 use tegula::mesh::generators::generate;
-use tegula::model::build::build;
 use tegula::model::*;
 use tegula::{Error, Result};
 

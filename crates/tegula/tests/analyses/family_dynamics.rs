@@ -486,7 +486,7 @@ fn folds_join_all_elements() {
         let part = |set: &str, element| Section { on: set.into(), element, ..m.sections[0].clone() };
         m.sections = vec![part("first", legs[0]), part("second", legs[1])];
         m.loads = vec![Load::Edge(vector_load("u_max", [2.0, 0.0, 0.0]))];
-        let system = tegula::model::build::build(&m, &mesh).unwrap();
+        let system = tegula::compile::build(&m, &mesh).unwrap();
         let outcome =
             statics::run(&system, &common::static_options(&m), None, &mut Notes::default()).unwrap();
         outcome.balance.strain

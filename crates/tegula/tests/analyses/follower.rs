@@ -8,9 +8,9 @@ use crate::common::{
 };
 use tegula::analysis::statics::{self, StaticOutcome, reactions, state_kinematics};
 use tegula::analysis::{Observer, Step};
+use tegula::compile::build;
 use tegula::element::{Nodal, TangentWeights};
 use tegula::mesh::generators::generate;
-use tegula::model::build::build;
 use tegula::model::*;
 use tegula::system::assembly::{TangentCoefficients, add_follower_stiffness};
 use tegula::system::{Assembly, CirculatoryStiffness, VectorKind};

@@ -2,8 +2,8 @@
 
 use crate::common::{Notes, irregular, model, plate, quarter_cylinder, static_options, vector_load};
 use tegula::analysis::statics::{self, StaticOutcome};
+use tegula::compile::{build, check};
 use tegula::mesh::generators::generate;
-use tegula::model::build::build;
 use tegula::model::*;
 use tegula::norm::max_norm;
 use tegula::{Error, Mesh, Result};

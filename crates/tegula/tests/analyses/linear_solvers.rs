@@ -6,8 +6,8 @@ use crate::common::{
 use tegula::System;
 use tegula::analysis::statics::state_kinematics;
 use tegula::bddc::{Bddc, BddcError, Convergence, Options, StoppingCriterion};
+use tegula::compile::build;
 use tegula::element::TangentWeights;
-use tegula::model::build::build;
 use tegula::model::*;
 use tegula::norm::max_norm;
 use tegula::system::Assembly;

@@ -319,9 +319,7 @@ fn steps_end_at_the_times_that_the_user_wants() {
     m.output.at = vec![0.0, 2.0, f64::NAN];
     m.analysis = Analysis::Transient(TransientAnalysis::new(1.0));
     let mesh = tegula::mesh::generators::generate(&m.mesh).unwrap();
-    let Err(tegula::Error::Model(issues)) = tegula::model::build::build(&m, &mesh) else {
-        panic!("accepted")
-    };
+    let Err(tegula::Error::Model(issues)) = tegula::compile::build(&m, &mesh) else { panic!("accepted") };
     assert_eq!(
         issues.iter().filter(|i| format!("{:?}", i.place).contains("output.at[")).count(),
         3,
@@ -386,8 +384,6 @@ fn a_prescribed_motion_that_jumps_is_refused() {
     })];
     m.analysis = Analysis::Transient(TransientAnalysis::new(1.0));
     let mesh = tegula::mesh::generators::generate(&m.mesh).unwrap();
-    let Err(tegula::Error::Model(issues)) = tegula::model::build::build(&m, &mesh) else {
-        panic!("accepted")
-    };
+    let Err(tegula::Error::Model(issues)) = tegula::compile::build(&m, &mesh) else { panic!("accepted") };
     assert!(issues.iter().any(|i| i.to_string().contains("jumps at t = 0.5")), "{issues:?}");
 }

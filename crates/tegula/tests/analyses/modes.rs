@@ -166,7 +166,7 @@ fn free_parts_have_their_own_rigid_modes() {
         let mesh = generate(&m.mesh).unwrap();
         let mesh = side_by_side(&[mesh.clone(), mesh.clone(), mesh]);
         m.conditions = vec![Condition::Hinge(on("u_min1")), Condition::Spherical(on("u_min_v_min2"))];
-        let system = build::build(&m, &mesh).unwrap();
+        let system = tegula::compile::build(&m, &mesh).unwrap();
         let outcome = modes(&system, 13);
         let rigid: Vec<bool> = outcome.modes.iter().map(|m| m.rigid).collect();
         assert_eq!(rigid, (0..13).map(|i| i < 10).collect::<Vec<_>>(), "{element:?}");
@@ -184,7 +184,7 @@ fn sturm_count_finds_modes_that_the_blocks_miss() {
     let mesh = generate(&m.mesh).unwrap();
     let mesh = side_by_side(&vec![mesh; 12]);
     m.conditions = (0..12).map(|k| Condition::Clamp(on(&format!("u_min{k}")))).collect();
-    let system = build::build(&m, &mesh).unwrap();
+    let system = tegula::compile::build(&m, &mesh).unwrap();
     for wanted in [3, 9, 10, 12, 14] {
         let outcome = modes(&system, wanted);
         assert!(outcome.sturm_checked);
@@ -275,7 +275,7 @@ fn two_plates(joined: bool, ratio: f64) -> Result<(System, ModalOutcome)> {
     stiff.material = "stiff".into();
     (m.sections[0].on, stiff.on) = ("part0".into(), "part1".into());
     m.sections.push(stiff);
-    let system = build::build(&m, &mesh)?;
+    let system = tegula::compile::build(&m, &mesh)?;
     let outcome = modal::run(&system, if joined { 9 } else { 16 }, None, &mut Silent)?;
     Ok((system, outcome))
 }

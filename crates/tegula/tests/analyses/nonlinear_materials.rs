@@ -364,7 +364,7 @@ fn elements_meet_at_an_edge() {
     };
     let tip = |elements: [ElementKind; 2]| {
         let (m, mesh) = halves(elements);
-        let system = tegula::model::build::build(&m, &mesh).unwrap();
+        let system = tegula::compile::build(&m, &mesh).unwrap();
         let outcome =
             statics::run(&system, &common::static_options(&m), None, &mut Notes::default()).unwrap();
         displacement(&mesh, &system, &outcome.state.u, "u_max_v_min").z
@@ -378,6 +378,6 @@ fn elements_meet_at_an_edge() {
     }
     // The edges of ancf-full are cubic: beside straight ones they would gape.
     let (m, mesh) = halves([ElementKind::AncfFull, ElementKind::Ems]);
-    let error = tegula::model::build::build(&m, &mesh).err().unwrap().to_string();
+    let error = tegula::compile::build(&m, &mesh).err().unwrap().to_string();
     assert!(error.contains("`ems` and the `ancf-full` of sections[0] meet at node 4"), "{error}");
 }

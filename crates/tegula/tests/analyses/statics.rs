@@ -10,8 +10,8 @@ use crate::common::{
 };
 use tegula::analysis::statics::{self, StaticOutcome};
 use tegula::analysis::{Silent, State};
+use tegula::compile::build;
 use tegula::mesh::generators::generate;
-use tegula::model::build::build;
 use tegula::model::*;
 use tegula::norm::max_norm;
 use tegula::system::VectorKind;

@@ -3,9 +3,9 @@
 use crate::common;
 use crate::common::{Random, model, plate, ply};
 use tegula::analysis::statics::state_kinematics;
+use tegula::compile::build;
 use tegula::element::{Nodal, TangentWeights};
 use tegula::mesh::generators::generate;
-use tegula::model::build::build;
 use tegula::model::*;
 use tegula::norm::max_norm;
 use tegula::system::Assembly;

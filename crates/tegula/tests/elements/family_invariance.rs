@@ -318,7 +318,7 @@ fn uneven_layups_have_their_weight_and_its_moment_and_reactions_balance_it() {
 
 fn warned(m: &Model) -> Vec<String> {
     let (mesh, system) = compile(m);
-    tegula::model::warnings(m, &mesh, &system).iter().map(|i| i.place.key.clone()).collect()
+    tegula::compile::warnings(m, &mesh, &system).iter().map(|i| i.place.key.clone()).collect()
 }
 
 #[test]
@@ -392,7 +392,7 @@ fn modal_analyses_know_prescribed_strains_as_loads() {
 
 fn refused(m: &Model) -> Vec<(String, String)> {
     let mesh = tegula::mesh::generators::generate(&m.mesh).unwrap();
-    match tegula::model::build::build(m, &mesh) {
+    match tegula::compile::build(m, &mesh) {
         Err(tegula::Error::Model(list)) => {
             list.iter().map(|i| (i.place.key.clone(), i.message.clone())).collect()
         }

@@ -7,7 +7,7 @@ use tegula::mesh::Mesh;
 use tegula::mesh::generators::generate;
 use tegula::model::{
     Analysis, Axis, Condition, ElementKind, ExtrusionMesh, FixComponents, Grid, Isotropic, Load, Material,
-    MeshSource, ModalAnalysis, Model, OnSet, Section, StaticAnalysis, VectorLoad, build,
+    MeshSource, ModalAnalysis, Model, OnSet, Section, StaticAnalysis, VectorLoad,
 };
 use tegula::{System, Vec3};
 
@@ -27,7 +27,7 @@ fn strip(vertices: &[[f64; 3]], elements: u32) -> Model {
 }
 
 fn deflection(model: &Model, mesh: &Mesh, set: &str) -> (System, [f64; 3]) {
-    let system = build::build(model, mesh).unwrap();
+    let system = tegula::compile::build(model, mesh).unwrap();
     let Analysis::Static(options) = &model.analysis else { unreachable!() };
     let outcome = statics::run(&system, options, None, &mut Silent).unwrap();
     let node = mesh.nodes_on(set).unwrap()[0];
@@ -277,7 +277,7 @@ fn a_junction_of_four_sheets_has_six_rigid_modes() {
     let mut model = strip(&[[0.0; 3], [1.0, 0.0, 0.0]], 1);
     model.conditions.clear();
     model.analysis = Analysis::Modal(ModalAnalysis { modes: 12, prestressed: false });
-    let system = build::build(&model, &mesh).unwrap();
+    let system = tegula::compile::build(&model, &mesh).unwrap();
     let outcome = modal::run(&system, 12, None, &mut Silent).unwrap();
     let rigid = outcome.modes.iter().filter(|m| m.rigid).count();
     let frequencies: Vec<f64> = outcome.modes.iter().map(|m| m.frequency_hz).collect();
@@ -314,7 +314,7 @@ fn a_closed_box_bends_as_a_beam() {
     })];
     model.analysis = Analysis::Static(StaticAnalysis { linear: true, ..Default::default() });
     let mesh = generate(&model.mesh).unwrap();
-    let system = build::build(&model, &mesh).unwrap();
+    let system = tegula::compile::build(&model, &mesh).unwrap();
     let outcome =
         statics::run(&system, &StaticAnalysis { linear: true, ..Default::default() }, None, &mut Silent)
             .unwrap();

@@ -363,7 +363,7 @@ fn orthotropic_constants_that_contradict_each_other_are_seen() {
 
 /// The keys of a material that its check refuses.
 fn refused(material: Material) -> Vec<String> {
-    material.issues("m").into_iter().map(|i| i.place.to_string()).collect()
+    tegula::compile::check::material(&material, "m").into_iter().map(|i| i.place.to_string()).collect()
 }
 
 /// Every constant at the end of its range and just within it: both Young's moduli and shear moduli are above 0, Poisson's
@@ -394,7 +394,7 @@ fn constants_at_the_end_of_their_range_are_refused() {
         assert_eq!(refused(isotropic(young, 0.3)), ["m.young"], "{young}");
         assert_eq!(refused(Material::Plastic(Plastic { young, ..plastic(0.3) })), ["m.young"], "{young}");
     }
-    let message = &isotropic(1e5, 0.5).issues("m")[0];
+    let message = &tegula::compile::check::material(&isotropic(1e5, 0.5), "m")[0];
     assert!(message.message.contains("0.5") && message.help.contains("incompressible"), "{message:?}");
     for density in [-1e-9, f64::NAN] {
         let m = Material::Isotropic(Isotropic::new(1.0, 0.3, density));

@@ -19,8 +19,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::common::{Notes, model, plate, rotation};
 use tegula::analysis::{State, statics};
+use tegula::compile::build;
 use tegula::mesh::generators::generate;
-use tegula::model::build::build;
 use tegula::model::*;
 use tegula::norm::{larger, max_norm};
 use tegula::result::inside::{Inside, Snapshot};

@@ -3,8 +3,8 @@
 use crate::common::{Random, compile, model, on, plate, quarter_cylinder, resultant, solve, vector_load};
 use tegula::analysis::State;
 use tegula::analysis::statics::{reactions, state_kinematics};
+use tegula::compile::build;
 use tegula::element::Nodal;
-use tegula::model::build::build;
 use tegula::model::*;
 use tegula::norm::larger;
 use tegula::system::Assembly;
@@ -164,9 +164,7 @@ fn moments_across_the_directors_have_their_resultants() {
     // Along a director alone nothing resists: the moment is refused, not lost.
     let m = Model { loads: vec![Load::Moment(vector_load("u_max_v_max", twist.into()))], ..base };
     let mesh = tegula::mesh::generators::generate(&m.mesh).unwrap();
-    let Err(tegula::Error::Model(issues)) = tegula::model::build::build(&m, &mesh) else {
-        panic!("not refused")
-    };
+    let Err(tegula::Error::Model(issues)) = tegula::compile::build(&m, &mesh) else { panic!("not refused") };
     assert!(issues[0].message.contains("would be lost"), "{issues:?}");
 }
 
@@ -301,9 +299,7 @@ fn loads_and_supports_of_nodes_without_elements_are_refused() {
         Load::Force(vector_load("loose", [1.0; 3])),
     ];
     m.conditions.push(Condition::Clamp(OnSet { on: "loose".into() }));
-    let Err(tegula::Error::Model(issues)) = tegula::model::build::build(&m, &mesh) else {
-        panic!("not refused")
-    };
+    let Err(tegula::Error::Model(issues)) = tegula::compile::build(&m, &mesh) else { panic!("not refused") };
     let named = issues.iter().filter(|i| i.message.contains("belongs to no element")).count();
     assert_eq!(named, 3, "{issues:?}");
 }

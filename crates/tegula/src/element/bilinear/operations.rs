@@ -7,10 +7,10 @@
 
 use pulp::Arch;
 
+use crate::compile::build;
 use crate::element::lanes::operations;
 use crate::element::{Kinematics, Motion, TangentRequest, TangentWeights};
 use crate::mesh::generators::generate;
-use crate::model::build::build;
 use crate::model::{
     Analysis, Condition, CylinderMesh, ElementKind, GravityLoad, Grid, Isotropic, Load, MeshSource, Model,
     OnSet, PlateMesh, StaticAnalysis,

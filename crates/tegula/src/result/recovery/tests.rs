@@ -28,7 +28,7 @@ fn plate(poisson: f64, conditions: Vec<Condition>, loads: Vec<Load>) -> (Mesh, M
 }
 
 fn solve(mesh: &Mesh, model: &Model) -> (System, statics::StaticOutcome) {
-    let system = crate::model::build::build(model, mesh).unwrap();
+    let system = crate::compile::build(model, mesh).unwrap();
     let Analysis::Static(options) = &model.analysis else { unreachable!() };
     let outcome = statics::run(&system, options, None, &mut Silent).unwrap();
     (system, outcome)

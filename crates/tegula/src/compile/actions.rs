@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use super::build::{Vectors, pair};
-use super::{AddedMass, Condition, Load, Model, NodalVector, VectorLoad};
+use super::{Vectors, pair};
 use crate::element::Nodal;
 use crate::element::geometry::{ShellGeometry, nodal_areas, shell_mass, tangents};
 use crate::load::FollowerLoad;
 use crate::mesh::Mesh;
+use crate::model::{AddedMass, Condition, Load, Model, NodalVector, VectorLoad};
 use crate::section::SectionInertia;
 use crate::system::numbering::{Conflict, Support, VectorKind};
 use crate::system::{DeadLoad, System};

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use super::amplitudes;
+pub use super::check_material::issues as material;
 use super::checker::Checker;
-use super::{AddedMass, Analysis, Condition, LinearSolver, Load, Model, Scheme};
+use super::{amplitudes, check_material};
 use crate::mesh::Mesh;
+use crate::model::{AddedMass, Analysis, Condition, LinearSolver, Load, Model, Scheme};
 use crate::system::System;
 use crate::{Issue, Vec3};
 
@@ -34,7 +35,7 @@ const LONGEST_UNIT: usize = 20;
 pub fn keys(model: &Model) -> Vec<Issue> {
     let mut c = Checker::default();
     for (name, material) in &model.materials {
-        c.issues.extend(material.issues(&format!("materials.{name}")));
+        c.issues.extend(check_material::issues(material, &format!("materials.{name}")));
     }
     let fold_angle = model.mesh.fold_angle();
     // Directors nearer to parallel than a degree have no angle to be kept.
@@ -411,7 +412,7 @@ impl Checker {
         }
     }
 
-    fn plane(&mut self, mesh: &Mesh, key: String, plane: &super::SymmetryPlane, nodes: &[u32]) {
+    fn plane(&mut self, mesh: &Mesh, key: String, plane: &crate::model::SymmetryPlane, nodes: &[u32]) {
         let Some(n) = Vec3::from(plane.normal).try_normalize(0.0) else { return };
         let distance = |i: u32| mesh.positions[i as usize].dot(&n);
         let (low, high) = nodes

@@ -1,96 +1,43 @@
-//! From the model and its mesh to the compiled [`System`].
+//! Compilation: from the model and its mesh to the [`System`].
+
+mod actions;
+mod amplitudes;
+pub mod check;
+mod check_material;
+mod check_sections;
+mod checker;
+mod congruence;
+mod force_sets;
+mod mechanism;
+mod sections;
+mod vectors;
+mod warnings;
 
 use std::collections::BTreeMap;
 
-use super::actions::{
-    added_masses, contradictions, dead_loads, drilling_components, follower_loads, initial_velocity, supports,
-};
-use super::sections::Elements;
-use super::{Analysis, LinearSolver, Model, Scheme, StaticAnalysis, TransientAnalysis};
-use super::{amplitudes, check, force_sets, mechanism};
-use crate::element::geometry::tangents;
-use crate::element::{Nodal, director_angle};
+use crate::element::director_angle;
 use crate::load::TimeFunction;
 use crate::mesh::directors::Directors;
 use crate::mesh::folds::Folds;
 use crate::mesh::{Mesh, quality};
-use crate::system::numbering::{Numbering, VectorKind};
+use crate::model::{Analysis, LinearSolver, Model, Scheme, StaticAnalysis, TransientAnalysis};
+use crate::system::numbering::Numbering;
 use crate::system::pattern::PatternBuilder;
-use crate::system::{IndexMap, PrescribedField, System, lumping};
-use crate::{Error, Issue, Result, Vec3};
-
-/// Nodal vectors of a mesh: position of each node, then its directors, node by node.
-pub(super) struct Vectors {
-    pub(super) reference: Vec<Nodal>,
-    pub(super) kinds: Vec<VectorKind>,
-    pub(super) nodes: Vec<u32>,
-    pub(super) position_of: Vec<u32>,
-    pub(super) director_of: Vec<u32>,
-    /// Nodal vector of each director.
-    pub(super) of_director: Vec<u32>,
-    /// First of the two gradient vectors beside each director, where an element has them.
-    pub(super) gradient_of: Vec<u32>,
-}
-
-impl Vectors {
-    fn new(mesh: &Mesh, directors: &Directors, with_gradients: &[bool]) -> Self {
-        let nodes = mesh.positions.len();
-        let mut of_node: Vec<Vec<u32>> = vec![Vec::new(); nodes];
-        for (d, &node) in directors.node.iter().enumerate() {
-            of_node[node as usize].push(d as u32);
-        }
-        let mut out = Self {
-            reference: Vec::new(),
-            kinds: Vec::new(),
-            nodes: Vec::new(),
-            position_of: vec![u32::MAX; nodes],
-            director_of: vec![u32::MAX; nodes],
-            of_director: vec![u32::MAX; directors.values.len()],
-            gradient_of: vec![u32::MAX; directors.values.len()],
-        };
-        for (node, list) in of_node.iter().enumerate().filter(|(_, l)| !l.is_empty()) {
-            out.position_of[node] = out.push(mesh.positions[node], VectorKind::Position, node);
-            for (i, &d) in list.iter().enumerate() {
-                let v = out.push(directors.values[d as usize], VectorKind::Director, node);
-                out.of_director[d as usize] = v;
-                if with_gradients[d as usize] {
-                    let [t1, t2] = tangents(&directors.values[d as usize]);
-                    out.gradient_of[d as usize] = out.push(t1, VectorKind::Gradient, node);
-                    out.push(t2, VectorKind::Gradient, node);
-                }
-                if i == 0 {
-                    out.director_of[node] = v;
-                }
-            }
-        }
-        out
-    }
-
-    fn push(&mut self, value: Vec3, kind: VectorKind, node: usize) -> u32 {
-        self.reference.push(value.into());
-        self.kinds.push(kind);
-        self.nodes.push(node as u32);
-        (self.reference.len() - 1) as u32
-    }
-
-    /// Vectors of a kind of each node.
-    pub(super) fn by_node(&self, wanted: VectorKind) -> BTreeMap<u32, Vec<u32>> {
-        let mut out: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-        for (v, (kind, node)) in self.kinds.iter().zip(&self.nodes).enumerate() {
-            if *kind == wanted {
-                out.entry(*node).or_default().push(v as u32);
-            }
-        }
-        out
-    }
-}
+use crate::system::{PrescribedField, System, lumping};
+use crate::{Error, Issue, Result};
+use actions::{
+    added_masses, contradictions, dead_loads, drilling_components, follower_loads, initial_velocity, supports,
+};
+use sections::Elements;
+use vectors::Vectors;
+pub use warnings::warnings;
 
 /// Compiles a model on its mesh.
 ///
 /// # Errors
 /// Everything that is wrong with the model, at once, each with the key or element and a remedy.
 pub fn build(model: &Model, mesh: &Mesh) -> Result<System> {
-    compile(model, mesh).map_err(|error| match error {
+    system(model, mesh).map_err(|error| match error {
         Error::Model(mut issues) => {
             mesh.name_file(&mut issues);
             Error::Model(issues)
@@ -99,7 +46,7 @@ pub fn build(model: &Model, mesh: &Mesh) -> Result<System> {
     })
 }
 
-fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
+fn system(model: &Model, mesh: &Mesh) -> Result<System> {
     let mut issues = check::keys(model);
     issues.extend(quality::check(mesh));
     issues.extend(check::sets(model, mesh));
@@ -185,7 +132,6 @@ fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
     };
     let mut system = System {
         unit,
-        index_map: IndexMap::serial(vectors.reference.len()),
         numbering,
         groups: elements.groups,
         shells: elements.list,
@@ -234,7 +180,7 @@ fn compile(model: &Model, mesh: &Mesh) -> Result<System> {
 }
 
 /// Place of a pair in a lower triangle.
-pub(super) fn pair(a: usize, b: usize) -> usize {
+fn pair(a: usize, b: usize) -> usize {
     let (i, j) = (a.max(b), a.min(b));
     i * (i + 1) / 2 + j
 }

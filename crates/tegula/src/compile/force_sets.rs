@@ -1,8 +1,8 @@
 //! Sets of the mesh whose forces are recovered: those of supports and prescribed motions, and the loads.
 
-use super::{Load, Model};
 use crate::Vec3;
 use crate::mesh::Mesh;
+use crate::model::{Load, Model};
 use crate::system::ForceSet;
 
 /// Sets that conditions support or move, each once, in the order of the model.

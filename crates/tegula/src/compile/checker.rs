@@ -1,7 +1,7 @@
 //! Checks of single values of a model file, whose findings are collected.
 
-use super::Model;
 use crate::Issue;
+use crate::model::Model;
 
 /// Largest positive quantity, and the inverse of the smallest one: three of them may be multiplied.
 const LARGEST: f64 = 1e100;

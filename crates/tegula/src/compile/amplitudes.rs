@@ -1,8 +1,8 @@
 //! Checks of the amplitudes of a model over the whole time of its analysis.
 
-use super::{Amplitude, Analysis, Condition, Load, Model};
 use crate::Issue;
 use crate::load::TimeFunction;
+use crate::model::{Amplitude, Analysis, Condition, Load, Model};
 
 /// Instants at which a formula is tried, beside the first. A gap between them shows while the model is computed.
 const INSTANTS: u32 = 1000;

@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 
 use super::amplitudes::amplitude_of;
-use super::{Analysis, Condition, GmshMesh, Load, MeshSource, Model, PrescribedStrain};
 use crate::analysis::dynamics::{PassedOver, passed_over};
 use crate::element::{ShellGeometry, registry};
 use crate::material::Law;
 use crate::mesh::directors::FOLD_ANGLE_DEGREES;
 use crate::mesh::{Mesh, show};
+use crate::model::{Analysis, Condition, GmshMesh, Load, MeshSource, Model, PrescribedStrain};
 use crate::system::System;
 use crate::{Issue, Vec3};
 

@@ -1,9 +1,9 @@
 //! Terms of the tangent for BDDC, which partitions the mesh into subdomains.
 
-use super::{System, VectorKind};
+use super::{Bddc, BddcError, Options, Quads, Terms};
 use crate::Vec3;
-use crate::bddc::{Bddc, BddcError, Options, Quads, Terms};
 use crate::lists::Lists;
+use crate::system::{System, VectorKind};
 
 impl System {
     /// BDDC solver that partitions the mesh of this system into subdomains. Its terms are the elements of all groups,

@@ -1,9 +1,9 @@
 //! Checks of sections: missing values, layups, and materials that an element type cannot take.
 
 use super::checker::Checker;
-use super::{Analysis, Material, Membrane, Model, PrescribedStrain, Scheme, Section};
 use crate::element::registry;
 use crate::mesh::Mesh;
+use crate::model::{Analysis, Material, Membrane, Model, PrescribedStrain, Scheme, Section};
 
 /// Issues of all sections and prescribed strains.
 pub(super) fn sections(model: &Model, c: &mut Checker) {
@@ -150,7 +150,7 @@ fn layers(model: &Model, s: &Section, key: &str, c: &mut Checker) {
                     c.missing(key.clone(), "material", &name, model.materials.keys());
                 }
             }
-            if model.materials.values().all(|m| m.issues("").is_empty())
+            if model.materials.values().all(|m| super::check_material::issues(m, "").is_empty())
                 && s.materials()
                     .iter()
                     .all(|m| model.materials.get(m).is_some_and(|m| solid || m.plane_stress().is_some()))

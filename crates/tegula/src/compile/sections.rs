@@ -2,9 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::build::Vectors;
+use super::Vectors;
 use super::congruence::{Congruence, Match};
-use super::{Material, Membrane, Model, Section, StackedPly};
 use crate::element::generalized_law::LinearLaw;
 use crate::element::geometry::cross_section_frame;
 use crate::element::quadratic::Members;
@@ -13,6 +12,7 @@ use crate::element::{ElementGroup, QuadraticGroup, ShellGeometry, director_angle
 use crate::material::Law;
 use crate::mesh::Mesh;
 use crate::mesh::directors::Directors;
+use crate::model::{Material, Membrane, Model, Section, StackedPly};
 use crate::section::compiled::{Layer, Resultant};
 use crate::section::laminate::Laminate;
 use crate::section::ply::Ply;
