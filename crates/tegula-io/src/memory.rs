@@ -119,7 +119,9 @@ pub fn too_large(model: &Model, limit: Option<Limit>) -> Option<Issue> {
         MeshSource::Gmsh(_) => return None,
     };
     let [u, v] = grid.elements.map(u64::from);
-    let (needed, limit) = (u.saturating_mul(v).saturating_mul(least_per_element(&model.analysis)), limit?);
+    let of_steps = model.steps.iter().map(|step| least_per_element(&step.analysis)).max();
+    let per_element = of_steps.unwrap_or_else(|| least_per_element(&model.analysis));
+    let (needed, limit) = (u.saturating_mul(v).saturating_mul(per_element), limit?);
     let gibibytes = |bytes: u64| {
         let size = bytes as f64 / f64::from(1 << 30);
         if size < 10.0 { format!("{size:.1}") } else { format!("{size:.0}") }

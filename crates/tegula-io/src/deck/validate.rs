@@ -16,7 +16,9 @@ pub(super) fn validate(source: &Source, root: &DeTable<'_>) -> Vec<Diagnostic> {
     let schema = schema();
     let mut validator = Validator { source, schema: &schema, found: Vec::new() };
     if let Wanted::Table(table) = wanted(&schema, &schema) {
-        validator.table(table, None, root, &Place { key: String::new(), span: 0..0, doc: "" });
+        let whole = Place { key: String::new(), span: 0..0, doc: "" };
+        validator.table(table, None, root, &whole);
+        validator.analysis(table, root, &whole);
     }
     validator.found.sort_by_key(|d| d.span.start);
     validator.found
@@ -230,10 +232,35 @@ impl<'s> Validator<'_, 's> {
             if found.contains_key(key) || excused {
                 continue;
             }
-            let schema = table.get(key).unwrap_or(&Value::Null);
-            let (noun, doc) = (wanted(self.schema, schema).noun(self.schema), doc(self.schema, schema));
-            self.report(place, format!("missing key \"{key}\""), format!("add \"{key}\", {noun}: {doc}"));
+            self.missing(table, key, place);
         }
+    }
+
+    /// A model has one `analysis`, or several in `steps`.
+    fn analysis(&mut self, table: Table<'s>, found: &DeTable<'_>, whole: &Place<'s>) {
+        let steps =
+            found.get("steps").is_some_and(|steps| steps.get_ref().as_array().is_none_or(|s| !s.is_empty()));
+        match (found.get_key_value("analysis"), steps) {
+            (Some((key, value)), true) => {
+                let place =
+                    Place { key: "analysis".into(), span: key.span().start..value.span().end, doc: "" };
+                self.report(
+                    &place,
+                    "the model has both `analysis` and `steps`",
+                    "put all analyses into `steps`",
+                );
+            }
+            (None, false) if !self.found.iter().any(|d| d.help.contains("\"analysis\"")) => {
+                self.missing(table, "analysis", whole);
+            }
+            _ => {}
+        }
+    }
+
+    fn missing(&mut self, table: Table<'s>, key: &str, place: &Place<'s>) {
+        let schema = table.get(key).unwrap_or(&Value::Null);
+        let (noun, doc) = (wanted(self.schema, schema).noun(self.schema), doc(self.schema, schema));
+        self.report(place, format!("missing key \"{key}\""), format!("add \"{key}\", {noun}: {doc}"));
     }
 
     /// Remedy for a value of the wrong kind.

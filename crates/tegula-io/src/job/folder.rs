@@ -154,7 +154,49 @@ impl ResultFolder {
         for point in earlier.points.keys() {
             remove(&self.path.join(format!("point_{point}.png")))?;
         }
+        earlier.analyses.iter().try_for_each(|step| self.clear_step(&step.folder))
+    }
+
+    /// Removes the results of an analysis step, in a folder of its own, as far as they are of this program.
+    fn clear_step(&self, folder: &str) -> Result<(), JobError> {
+        let path = self.path.join(folder);
+        // A summary that was changed by hand must not lead elsewhere.
+        let inside = Path::new(folder).components().all(|c| matches!(c, std::path::Component::Normal(_)));
+        if !inside || !path.is_dir() {
+            return Ok(());
+        }
+        if let Some(summary) = earlier(&path)? {
+            let step = Self::open(&path)?;
+            step.remove_temporaries()?;
+            step.clear(summary)?;
+            remove(&step.file("log.txt"))?;
+            remove(&step.file("summary.json"))?;
+        }
+        // Fails where the user has put something into it, which stays.
+        let _ = fs::remove_dir(&path);
         Ok(())
+    }
+
+    /// Claims the folder of an interrupted run of several analyses to go on with it.
+    ///
+    /// # Errors
+    /// There is no such run of this model, or another run is writing there.
+    pub(super) fn resume_steps(path: &Path, fingerprint: u64) -> Result<Self, JobError> {
+        match earlier(path)? {
+            Some(summary) if summary.fingerprint != format!("{fingerprint:016x}") => Err(refuse(
+                path,
+                "its results are of another model, or of another state of this model file. Run without `--resume` to \
+                 start anew",
+            )),
+            Some(_) => Self::open(path),
+            None if is_empty(path)? => {
+                Err(refuse(path, "there is no interrupted run in it. Run without `--resume`"))
+            }
+            None => Err(refuse(
+                path,
+                "it holds files, but no result of tegula to resume. Check the name of the folder (`--out`)",
+            )),
+        }
     }
 
     /// Removes the files `series/NNNN.vtu` of this program with numbers from `first`; files of others stay.

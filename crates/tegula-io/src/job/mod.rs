@@ -10,6 +10,9 @@
 //! | `checkpoint.bin` | restart file, read by `run --resume` |
 //! | `log.txt` | events |
 //!
+//! Where several analyses follow one another, each has such a folder of its own in the result folder, `1-preload`, whose
+//! `summary.json` lists them.
+//!
 //! A run says `running` in its summary until it has ended, so nothing half done looks complete.
 //! Nothing is printed: a [`JobObserver`] is told.
 
@@ -27,6 +30,7 @@ mod recorder;
 mod resume;
 mod run;
 mod snapshots;
+mod steps;
 mod summary;
 
 use std::path::PathBuf;
@@ -38,7 +42,7 @@ pub use folder::{Claim, ResultFolder};
 pub use forces::{BalanceResult, ForceResult};
 pub use prepare::{Prepared, prepare};
 pub use run::run;
-pub use summary::{Energy, PointResult, Status, Summary};
+pub use summary::{Energy, PointResult, Status, StepSummary, Summary};
 
 /// How to run.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -90,6 +90,10 @@ fn spectrum(
         forward.before = outcome.statistics;
         equilibrium = Some(outcome.state);
     }
+    if system.start.is_some() {
+        // The step before was static: its loads act as at its end.
+        equilibrium = Some(State { time: 1.0, ..State::first(system) });
+    }
     let found = modal::run(system, analysis.modes as usize, equilibrium.as_ref(), forward)?;
     Ok((equilibrium.unwrap_or_else(|| State::at_rest(system)), found))
 }

@@ -1,6 +1,8 @@
 //! From the model file to the mesh and the compiled system.
 
-use tegula::compile::{self, check, warnings};
+use std::sync::Arc;
+
+use tegula::compile::{Compiler, check, warnings, warnings_before_start};
 use tegula::mesh::generators;
 use tegula::model::MeshSource;
 use tegula::result::Probe;
@@ -15,8 +17,8 @@ use crate::out::fingerprint;
 /// A model file ready to run.
 pub struct Prepared {
     /// The mesh.
-    pub mesh: Mesh,
-    /// The compiled model.
+    pub mesh: Arc<Mesh>,
+    /// The compiled model; of several analysis steps the first one.
     pub system: System,
     /// The recorded points.
     pub probes: Vec<Probe>,
@@ -40,17 +42,37 @@ pub fn prepare(deck: &Deck) -> Result<Prepared, JobError> {
         issues.extend(check::keys(&deck.model));
         located(issues)
     })?;
-    let compiled = compile::build(&deck.model, &mesh).and_then(|system| {
-        let probes = Probe::all(&deck.model.output.points, &mesh, &system)?;
-        Ok((system, probes))
-    });
-    match compiled {
-        Ok((system, probes)) => {
-            let warnings = deck.locate(&warnings(&deck.model, &mesh, &system));
-            Ok(Prepared { mesh, system, probes, warnings, fingerprint })
+    match compiled(deck, &mesh) {
+        Ok((system, probes, warnings)) => {
+            let warnings = deck.locate(&warnings);
+            Ok(Prepared { mesh: Arc::new(mesh), system, probes, warnings, fingerprint })
         }
         Err(error) => Err(located(issues_of(error))),
     }
+}
+
+/// System of the first analysis step, recorded points, and warnings. The systems of all later steps are made, too, so
+/// that their mistakes show before anything is computed.
+fn compiled(deck: &Deck, mesh: &Mesh) -> tegula::Result<(System, Vec<Probe>, Vec<Issue>)> {
+    let compiler = Compiler::new(&deck.model, mesh)?;
+    let first = compiler.system(0, None)?;
+    let probes = Probe::all(&deck.model.output.points, mesh, &first)?;
+    if deck.model.steps.is_empty() {
+        let warnings = warnings(&deck.model, mesh, &first);
+        return Ok((first, probes, warnings));
+    }
+    let mut issues = Vec::new();
+    let mut warned: Vec<Issue> = Vec::new();
+    for (i, step) in compiler.steps().iter().enumerate() {
+        match compiler.system(i, None) {
+            Ok(system) => {
+                let found = warnings_before_start(step, mesh, &system);
+                warned.extend(found.into_iter().filter(|w| !warned.contains(w)).collect::<Vec<_>>());
+            }
+            Err(error) => issues.extend(issues_of(error)),
+        }
+    }
+    if issues.is_empty() { Ok((first, probes, warned)) } else { Err(Error::Model(issues)) }
 }
 
 /// The mesh, and the fingerprint of the files that the model is made of.

@@ -6,7 +6,7 @@ use tegula::analysis::{Balance, Observer, State, Statistics, Step};
 use tegula::material::Law;
 use tegula::model::{Analysis, Model, Scheme};
 use tegula::result::{Equilibrium, ReactionFinder, ShellResult, plastic_strains, recover};
-use tegula::system::Shell;
+use tegula::system::{Procedure, Shell};
 use tegula::{Error, Result, System};
 
 use super::resume::{CheckpointData, RunCounters};
@@ -246,7 +246,7 @@ impl<'a> Recorder<'a> {
         let step_size = match first {
             true => 0.0,
             // Not every step is reported.
-            false if self.prepared.system.explicit => step.state.last_step,
+            false if self.prepared.system.procedure == Procedure::Explicit => step.state.last_step,
             false => step.state.time - before,
         };
         let forces = self.finder.find(&self.prepared.system, Some(&self.memory.state), step.state);

@@ -8,7 +8,7 @@ use super::recorder::Recorder;
 use super::resume::CheckpointData;
 use super::{
     Claim, Energy, JobError, JobObserver, JobOptions, Prepared, ResultFolder, Start, Status, Summary, modal,
-    pictures, prepare,
+    pictures, prepare, steps,
 };
 use crate::deck::Deck;
 use crate::out::OutputError;
@@ -20,17 +20,31 @@ use crate::out::OutputError;
 /// two cases the folder holds everything up to the last finished step.
 pub fn run(deck: &Deck, options: &JobOptions, watch: &mut dyn JobObserver) -> Result<Summary, JobError> {
     let prepared = prepare(deck)?;
-    if let Analysis::Modal(analysis) = &deck.model.analysis {
-        return modal::run(deck, analysis, &prepared, options, watch);
+    if deck.model.steps.is_empty() {
+        run_prepared(deck, &prepared, options, watch)
+    } else {
+        steps::run(deck, &prepared, options, watch)
     }
-    if let Some(done) = completed(&prepared, options) {
+}
+
+/// Runs the one analysis of a model that is prepared.
+pub(super) fn run_prepared(
+    deck: &Deck,
+    prepared: &Prepared,
+    options: &JobOptions,
+    watch: &mut dyn JobObserver,
+) -> Result<Summary, JobError> {
+    if let Analysis::Modal(analysis) = &deck.model.analysis {
+        return modal::run(deck, analysis, prepared, options, watch);
+    }
+    if let Some(done) = completed(prepared, options) {
         watch.on_warning("the run in this folder is complete: there is nothing to resume, and its results stay as they are");
         return Ok(done);
     }
     let folder = if options.resume {
         ResultFolder::resume(&options.folder)?
     } else {
-        ResultFolder::start(&options.folder, &claim(deck, &prepared, options))?
+        ResultFolder::start(&options.folder, &claim(deck, prepared, options))?
     };
     let memory = if options.resume {
         let path = folder.file("checkpoint.bin");
@@ -38,12 +52,12 @@ pub fn run(deck: &Deck, options: &JobOptions, watch: &mut dyn JobObserver) -> Re
     } else {
         None
     };
-    let start = start(deck, &prepared, memory.as_ref());
+    let start = start(deck, prepared, memory.as_ref());
     watch.on_start(&start);
-    let summary = summary(deck, &prepared, &start);
+    let summary = summary(deck, prepared, &start);
     let (mut opening, place) = (summary.clone(), folder.path().to_owned());
     let opened =
-        Recorder::new(&deck.model, &prepared, folder, summary, memory, watch).and_then(|mut recorder| {
+        Recorder::new(&deck.model, prepared, folder, summary, memory, watch).and_then(|mut recorder| {
             recorder.announce(&start)?;
             recorder.warn(&prepared.warnings)?;
             Ok(recorder)
@@ -55,7 +69,7 @@ pub fn run(deck: &Deck, options: &JobOptions, watch: &mut dyn JobObserver) -> Re
 }
 
 /// The summary of a run of this model that has reached its end, where it is to be resumed.
-fn completed(prepared: &Prepared, options: &JobOptions) -> Option<Summary> {
+pub(super) fn completed(prepared: &Prepared, options: &JobOptions) -> Option<Summary> {
     let summary = options.resume.then(|| Summary::read(&options.folder).ok())??;
     let same = summary.fingerprint == format!("{:016x}", prepared.fingerprint);
     (same && summary.status == Status::Complete).then_some(summary)
@@ -164,6 +178,7 @@ pub(super) fn summary(deck: &Deck, prepared: &Prepared, start: &Start) -> Summar
         balance: None,
         frequencies_hz: None,
         sturm_checked: None,
+        analyses: Vec::new(),
         wall_s: 0.0,
         cpu_s: None,
         peak_memory_bytes: None,

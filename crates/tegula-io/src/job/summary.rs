@@ -80,6 +80,20 @@ pub struct PointResult {
     pub displacement: [f64; 3],
 }
 
+/// One of several analyses that follow one another.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StepSummary {
+    /// Name of the step.
+    pub name: String,
+    /// Folder of its results within the result folder.
+    pub folder: String,
+    /// `static`, `modal` or `transient`.
+    pub analysis: String,
+    /// How it stands; null where it has not begun.
+    #[serde(default)]
+    pub status: Option<Status>,
+}
+
 /// The contents of `summary.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
@@ -92,7 +106,8 @@ pub struct Summary {
     /// Error message of a run that failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
-    /// `static`, `modal` or `transient`.
+    /// `static`, `modal` or `transient`; `steps` where several analyses follow one another, whose last one gives the
+    /// results here.
     pub analysis: String,
     /// Title of the model.
     pub title: String,
@@ -155,6 +170,9 @@ pub struct Summary {
     /// Whether a Sturm sequence has proved that no mode is missing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sturm_checked: Option<bool>,
+    /// Analyses that follow one another, each with results in a folder of its own; empty where there is one only.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub analyses: Vec<StepSummary>,
     /// Time on the clock, those of resumed parts added (s).
     pub wall_s: f64,
     /// Processor time of all threads, user and system (s); null where it is not known.

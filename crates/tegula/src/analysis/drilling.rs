@@ -38,7 +38,7 @@ impl DrillingWatch {
             return;
         }
         let share = |load: &FollowerLoad| match load {
-            FollowerLoad::Moment { vector, .. } if system.amplitude(load.amplitude(), time) != 0.0 => {
+            FollowerLoad::Moment { vector, .. } if system.factor(load.factor(), time) != 0.0 => {
                 let v = *vector as usize;
                 Some((load.lost_share(&[Vec3::from(system.reference[v]) + Vec3::from(u[v])]), v))
             }

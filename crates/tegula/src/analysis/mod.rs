@@ -12,7 +12,7 @@ pub mod stops;
 
 use crate::Result;
 use crate::element::Nodal;
-use crate::system::System;
+use crate::system::{StepStart, System};
 use lagged_tangent::LaggedTangent;
 pub use newton::Stability;
 
@@ -62,10 +62,26 @@ pub struct State {
 }
 
 impl State {
+    /// First state of an analysis step: where the step before has ended, or the reference configuration at rest.
+    pub fn first(system: &System) -> Self {
+        match &system.start {
+            None => Self::at_rest(system),
+            Some(start) => {
+                let StepStart { u, v, history } = start.clone();
+                Self { u, v, history, ..Self::default() }
+            }
+        }
+    }
+
     /// Reference configuration at rest.
     pub fn at_rest(system: &System) -> Self {
         let history = system.groups.iter().map(|g| g.len() * g.history_per_element()).sum();
         Self { u: vec![[0.0; 3]; system.vectors()], history: vec![0.0; history], ..Self::default() }
+    }
+
+    /// What the next analysis step starts from.
+    pub fn end_of_step(&self) -> StepStart {
+        StepStart { u: self.u.clone(), v: self.v.clone(), history: self.history.clone() }
     }
 }
 

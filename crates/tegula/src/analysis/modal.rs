@@ -117,10 +117,10 @@ pub fn prestress(system: &System, observer: &mut dyn Observer) -> Result<StaticO
         let rest = vec![[0.0; 3]; system.vectors()];
         let rigid = RigidModes::new(system, &rest, &parts, &system.numbering, |_| true).len();
         match error {
-            Error::NotConverged { at, reason, .. } if rigid > 0 => Error::Singular {
+            Error::NotConverged { at, .. } if rigid > 0 => Error::Singular {
                 what: format!(
                     "The model moves freely in {rigid} way(s), which its supports do not prevent, and no equilibrium was \
-                     found at {at} under its loads and prescribed strains. {reason}"
+                     found at {at} under its loads and prescribed strains."
                 ),
                 help: "Support the model so that it cannot move as a whole, or leave `prestressed` out.".into(),
             },

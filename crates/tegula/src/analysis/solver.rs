@@ -4,7 +4,7 @@ use super::lagged_tangent;
 use crate::bddc::{Bddc, BddcError, Options, StoppingCriterion};
 use crate::element::{Kinematics, Nodal};
 use crate::system::assembly::{TangentCoefficients, curvature};
-use crate::system::{Assembly, System};
+use crate::system::{Assembly, Procedure, System};
 use crate::{Error, Result};
 use tegula_sparse::{Factor, FactorError, SparseLdlt};
 
@@ -71,18 +71,7 @@ pub trait TangentSolver {
 /// # Errors
 /// The factor does not fit in memory, or the system was compiled without a pattern of the tangent.
 pub fn direct(system: &System) -> Result<SparseLdlt> {
-    if !system.has_tangent_pattern {
-        let (key, what, word) = if system.explicit {
-            ("analysis.scheme", "explicit integration", "scheme")
-        } else {
-            ("analysis.linear_solver", "the iterative linear solver", "linear solver")
-        };
-        return Err(Error::model(
-            key,
-            format!("the system was compiled for {what}: it has no pattern of a tangent"),
-            format!("compile the model with the {word} that it is run with"),
-        ));
-    }
+    system.require(&[Procedure::Static, Procedure::Modal, Procedure::Transient])?;
     SparseLdlt::new(&system.tangent_pattern()).map_err(|e| Error::Singular {
         what: format!("The matrix of {} unknowns cannot be factored: {e}.", system.unknowns()),
         help:

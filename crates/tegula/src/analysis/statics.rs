@@ -11,7 +11,7 @@ use super::{Balance, Observer, State, Statistics};
 use crate::element::{Kinematics, Motion, Nodal, TangentWeights};
 use crate::model::{LinearSolver, StaticAnalysis};
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
-use crate::system::{Assembly, System, dot};
+use crate::system::{Assembly, Procedure, System, dot};
 use crate::{Error, Result};
 
 use load_steps::LoadSteps;
@@ -122,7 +122,8 @@ pub struct StaticOutcome {
     pub negative_pivots: usize,
 }
 
-/// Runs a static analysis from `start` (the reference configuration where `None`) to load factor 1.
+/// Runs a static analysis from `start`, a state of the same analysis (from its first state where `None`), to load
+/// factor 1.
 ///
 /// # Errors
 /// No equilibrium was found, or only an unstable one; the error names the load factor reached and describes the state.
@@ -132,6 +133,7 @@ pub fn run(
     start: Option<State>,
     observer: &mut dyn Observer,
 ) -> Result<StaticOutcome> {
+    system.require(&[Procedure::Static, Procedure::IterativeStatic, Procedure::Modal])?;
     match options.linear_solver {
         LinearSolver::Direct => {
             LoadSteps::new(Newton::new(system, options.method)?, system, options, start).run(observer)

@@ -1,6 +1,7 @@
 //! Stops: times at which a step ends whatever its length, namely breaks of the amplitudes in use and times that the
 //! user wants.
 
+use crate::load::LoadParameter;
 use crate::system::System;
 
 /// Smallest distance of two stops over the length of the analysis. Where two points of a table are closer together (a
@@ -10,6 +11,10 @@ const SMALLEST_GAP: f64 = 1e-9;
 const SAME: f64 = 1e-12;
 /// Tolerance, over the load step, within which a load factor counts as a multiple of it.
 const ON_GRID: f64 = 1e-6;
+
+/// Departure of a formula from a straight line between two stops, over its range, where yielding materials follow loads
+/// that grow differently.
+const STRAIGHT: f64 = 1e-3;
 
 /// Times (load factors) at which steps end.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -25,11 +30,16 @@ impl Stops {
         used.sort_unstable();
         used.dedup();
         let functions = used.into_iter().filter_map(|i| system.amplitudes.get(i));
+        // A sum of loads that grow differently can have its largest value where none of them has one.
+        let curved = system.yields() && system.load_factors_differ();
         let breaks = functions.map(|f| {
             let mut breaks = f.kinks();
-            if system.proportional {
+            if system.parameter() == LoadParameter::LoadFactor {
                 // Yielding materials and buckling structures depend on the load history, so load reversals are stops.
                 breaks.extend(f.turning_points(0.0, end));
+                if curved {
+                    breaks.extend(f.nearly_straight(0.0, end, STRAIGHT));
+                }
             }
             breaks
         });

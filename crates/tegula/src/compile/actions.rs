@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use super::{Vectors, pair};
+use super::amplitudes::amplitude_of;
+use super::{StepModel, Vectors, pair};
 use crate::element::Nodal;
 use crate::element::geometry::{ShellGeometry, nodal_areas, shell_mass, tangents};
-use crate::load::FollowerLoad;
+use crate::load::{FollowerLoad, LoadFactor};
 use crate::mesh::Mesh;
 use crate::model::{AddedMass, Condition, Load, Model, NodalVector, VectorLoad};
 use crate::section::SectionInertia;
@@ -158,34 +159,31 @@ pub(super) fn contradictions(conflicts: &[Conflict], vectors: &Vectors, mesh: &M
 
 /// Loads that follow the motion, and the number of the load of the model that each belongs to.
 pub(super) fn follower_loads(
-    model: &Model,
+    step: &StepModel,
     mesh: &Mesh,
     vectors: &Vectors,
     amplitudes: &BTreeMap<String, usize>,
 ) -> (Vec<FollowerLoad>, Vec<usize>) {
     let (mut out, mut load_of) = (Vec::new(), Vec::new());
-    let find = |a: &Option<String>| a.as_ref().and_then(|a| amplitudes.get(a).copied());
-    for (number, load) in model.loads.iter().enumerate() {
+    for (number, (load, continued)) in step.model.loads.iter().zip(&step.loads).enumerate() {
+        let amplitude = amplitude_of(load).as_ref().and_then(|a| amplitudes.get(a).copied());
+        let factor = continued.factor(amplitude);
         match load {
             Load::Moment(l) => {
                 for node in mesh.nodes_on(&l.on).unwrap_or_default() {
                     let vector = vectors.director_of[node as usize];
-                    out.push(FollowerLoad::Moment {
-                        vector,
-                        moment: Vec3::from(l.value),
-                        amplitude: find(&l.amplitude),
-                    });
+                    out.push(FollowerLoad::Moment { vector, moment: Vec3::from(l.value), factor });
                 }
             }
             Load::EdgeMoment(l) => {
-                out.extend(edge_moments(l, find(&l.amplitude), mesh, vectors));
+                out.extend(edge_moments(l, factor, mesh, vectors));
             }
             Load::Pressure(l) => {
                 for q in mesh.quads_on(&l.on).unwrap_or_default() {
                     out.push(FollowerLoad::Pressure {
                         vectors: mesh.quads[q as usize].map(|n| vectors.position_of[n as usize]),
                         pressure: l.value,
-                        amplitude: find(&l.amplitude),
+                        factor,
                     });
                 }
             }
@@ -197,12 +195,7 @@ pub(super) fn follower_loads(
 }
 
 /// Moments at both ends of each edge, with half of its length.
-fn edge_moments(
-    load: &VectorLoad,
-    amplitude: Option<usize>,
-    mesh: &Mesh,
-    vectors: &Vectors,
-) -> Vec<FollowerLoad> {
+fn edge_moments(load: &VectorLoad, factor: LoadFactor, mesh: &Mesh, vectors: &Vectors) -> Vec<FollowerLoad> {
     let directors = vectors.by_node(VectorKind::Director);
     let at = |v: u32| Vec3::from(vectors.reference[v as usize]);
     let mut out = Vec::new();
@@ -218,7 +211,7 @@ fn edge_moments(
                 out.push(FollowerLoad::EdgeMoment {
                     vectors: [first, second, director],
                     moment: Vec3::from(load.value) * (0.5 * edge.norm()),
-                    amplitude,
+                    factor,
                 });
             }
         }
@@ -251,14 +244,14 @@ pub(super) fn drilling_components(loads: &[FollowerLoad], vectors: &Vectors, mes
 
 /// Loads of constant direction, and the number of the load of the model that each belongs to.
 pub(super) fn dead_loads(
-    model: &Model,
+    step: &StepModel,
     mesh: &Mesh,
     system: &System,
     amplitudes: &BTreeMap<String, usize>,
 ) -> (Vec<DeadLoad>, Vec<usize>) {
     let n = system.vectors();
     let (mut out, mut load_of) = (Vec::new(), Vec::new());
-    for (number, load) in model.loads.iter().enumerate() {
+    for (number, (load, continued)) in step.model.loads.iter().zip(&step.loads).enumerate() {
         let mut force = vec![[0.0; 3]; n];
         let mut add = |node: u32, f: Vec3| {
             let v = system.position_of[node as usize] as usize;
@@ -266,24 +259,24 @@ pub(super) fn dead_loads(
                 force[v][i] += f[i];
             }
         };
-        let (amplitude, gravity) = match load {
+        let gravity = match load {
             Load::Force(l) => {
                 for node in mesh.nodes_on(&l.on).unwrap_or_default() {
                     add(node, Vec3::from(l.value));
                 }
-                (&l.amplitude, false)
+                false
             }
             Load::Edge(l) => {
                 for (node, length) in tributary_lengths(mesh, &l.on) {
                     add(node, Vec3::from(l.value) * length);
                 }
-                (&l.amplitude, false)
+                false
             }
             Load::Traction(l) => {
                 for (node, area) in tributary_areas(mesh, &l.on) {
                     add(node, Vec3::from(l.value) * area);
                 }
-                (&l.amplitude, false)
+                false
             }
             Load::Gravity(l) => {
                 let mut field = vec![[0.0; 3]; n];
@@ -294,12 +287,12 @@ pub(super) fn dead_loads(
                 }
                 system.pattern.add_mass_product(1.0, &field, &mut force);
                 // Gravity acts on masses; a director carries weight only where the section is not symmetric.
-                (&l.amplitude, true)
+                true
             }
             Load::Moment(_) | Load::EdgeMoment(_) | Load::Pressure(_) => continue,
         };
-        let amplitude = amplitude.as_ref().and_then(|a| amplitudes.get(a).copied());
-        out.push(DeadLoad { force, amplitude, gravity });
+        let amplitude = amplitude_of(load).as_ref().and_then(|a| amplitudes.get(a).copied());
+        out.push(DeadLoad { force, factor: continued.factor(amplitude), gravity });
         load_of.push(number);
     }
     (out, load_of)

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 pub use super::check_material::issues as material;
 use super::checker::Checker;
-use super::{amplitudes, check_material};
+use super::{amplitudes, check_material, steps};
 use crate::mesh::Mesh;
 use crate::model::{AddedMass, Analysis, Condition, LinearSolver, Load, Model, Scheme};
 use crate::system::System;
@@ -33,6 +33,17 @@ const LONGEST_UNIT: usize = 20;
 
 /// Values and names that are wrong whatever the mesh.
 pub fn keys(model: &Model) -> Vec<Issue> {
+    let mut found = steps::issues(model);
+    for step in steps::steps(model) {
+        let of_step = step.located(keys_of(&step.model, step.starts_from.is_some()));
+        let new: Vec<Issue> = of_step.into_iter().filter(|issue| !found.contains(issue)).collect();
+        found.extend(new);
+    }
+    found
+}
+
+/// Mistakes of a model with one analysis, which may start where another one has ended.
+fn keys_of(model: &Model, continues: bool) -> Vec<Issue> {
     let mut c = Checker::default();
     for (name, material) in &model.materials {
         c.issues.extend(check_material::issues(material, &format!("materials.{name}")));
@@ -105,7 +116,7 @@ pub fn keys(model: &Model) -> Vec<Issue> {
         c.finite(&format!("{key}.velocity"), "the velocity", &v.velocity);
         c.finite(&format!("{key}.angular_velocity"), "the angular velocity", &v.angular_velocity);
     }
-    c.analysis(model);
+    c.analysis(model, continues);
     c.issues.extend(amplitudes::amplitudes(model));
     for (i, p) in model.output.points.iter().enumerate() {
         let key = format!("output.points[{i}]");
@@ -162,6 +173,16 @@ pub fn keys(model: &Model) -> Vec<Issue> {
 
 /// Names of sets that the mesh does not have, loads and sections on nothing.
 pub fn sets(model: &Model, mesh: &Mesh) -> Vec<Issue> {
+    let mut found: Vec<Issue> = Vec::new();
+    for step in steps::steps(model) {
+        let of_step = step.located(sets_of(&step.model, mesh));
+        let new: Vec<Issue> = of_step.into_iter().filter(|issue| !found.contains(issue)).collect();
+        found.extend(new);
+    }
+    found
+}
+
+fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
     let mut c = Checker::default();
     let mut section_of: BTreeMap<u32, usize> = BTreeMap::new();
     for (i, s) in model.sections.iter().enumerate() {
@@ -453,7 +474,7 @@ impl Checker {
         }
     }
 
-    fn analysis(&mut self, model: &Model) {
+    fn analysis(&mut self, model: &Model, continues: bool) {
         match &model.analysis {
             Analysis::Static(s) => {
                 for (key, value) in [("load_steps", s.load_steps), ("max_iterations", s.max_iterations)] {
@@ -468,7 +489,8 @@ impl Checker {
                         "set linear_solver = \"direct\", or leave `allow_unstable` out",
                     );
                 }
-                if model.loads.is_empty()
+                if !continues
+                    && model.loads.is_empty()
                     && model.prescribed_strains.is_empty()
                     && !model.conditions.iter().any(|c| matches!(c, Condition::Prescribe(_)))
                 {

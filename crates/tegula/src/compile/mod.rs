@@ -10,173 +10,308 @@ mod congruence;
 mod force_sets;
 mod mechanism;
 mod sections;
+mod steps;
 mod vectors;
 mod warnings;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
-use crate::element::director_angle;
-use crate::load::TimeFunction;
+use crate::element::{ElementGroup, Nodal, director_angle};
+use crate::load::{FollowerLoad, TimeFunction};
 use crate::mesh::directors::Directors;
 use crate::mesh::folds::Folds;
 use crate::mesh::{Mesh, quality};
-use crate::model::{Analysis, LinearSolver, Model, Scheme, StaticAnalysis, TransientAnalysis};
-use crate::system::numbering::Numbering;
+use crate::model::{
+    Analysis, ExplicitScheme, LinearSolver, Model, PrescribedStrain, Scheme, TransientAnalysis,
+};
+use crate::system::numbering::{Numbering, Support};
 use crate::system::pattern::PatternBuilder;
-use crate::system::{PrescribedField, System, lumping};
+use crate::system::{Pattern, PrescribedField, Procedure, Shell, ShellSection, StepStart, System, lumping};
 use crate::{Error, Issue, Result};
 use actions::{
     added_masses, contradictions, dead_loads, drilling_components, follower_loads, initial_velocity, supports,
 };
 use sections::Elements;
+use steps::Continued;
+pub use steps::{StepModel, steps};
 use vectors::Vectors;
-pub use warnings::warnings;
+pub use warnings::{warnings, warnings_at_start, warnings_before_start};
 
-/// Compiles a model on its mesh.
+/// Compiles a model on its mesh; of a model with several analysis steps the first one.
 ///
 /// # Errors
 /// Everything that is wrong with the model, at once, each with the key or element and a remedy.
 pub fn build(model: &Model, mesh: &Mesh) -> Result<System> {
-    system(model, mesh).map_err(|error| match error {
+    Compiler::new(model, mesh)?.system(0, None)
+}
+
+/// Compiler of a model: it makes nodal vectors and elements once, and from them a system for each analysis step.
+pub struct Compiler<'a> {
+    mesh: &'a Mesh,
+    steps: Vec<StepModel>,
+    directors: Directors,
+    vectors: Vectors,
+    groups: Arc<Vec<Box<dyn ElementGroup>>>,
+    shells: Vec<Shell>,
+    sections: Arc<Vec<ShellSection>>,
+    /// Nodal vectors that keep their length.
+    unit: BTreeSet<u32>,
+    strains: Vec<PrescribedStrain>,
+    /// Whether displacements are small.
+    linear: bool,
+}
+
+impl<'a> Compiler<'a> {
+    /// Checks a model on its mesh, and makes its nodal vectors and elements.
+    ///
+    /// # Errors
+    /// Everything that is wrong with keys, sets, mesh, sections and supports, at once, each with a remedy.
+    pub fn new(model: &Model, mesh: &'a Mesh) -> Result<Self> {
+        Self::compiled(model, mesh).map_err(|error| named(error, mesh))
+    }
+
+    fn compiled(model: &Model, mesh: &'a Mesh) -> Result<Self> {
+        let steps = steps::steps(model);
+        let mut issues = check::keys(model);
+        issues.extend(quality::check(mesh));
+        issues.extend(check::sets(model, mesh));
+        if !issues.is_empty() {
+            return Err(Error::Model(issues));
+        }
+        let directors = Directors::of(mesh, model.mesh.fold_angle())?;
+        let vectors = Vectors::new(mesh, &directors, &Elements::gradients(model, mesh, &directors));
+        let strains = steps::all_strains(model);
+        let whole = Model { prescribed_strains: strains.clone(), ..model.clone() };
+        let mut elements = Elements::default();
+        elements.shells(&whole, mesh, &directors, &vectors, &mut issues);
+        let explicit = steps.iter().any(|step| procedure(&step.model.analysis) == Procedure::Explicit);
+        let tie = if explicit { director_angle::EXPLICIT_STIFFNESS } else { director_angle::STIFFNESS };
+        elements.ties(&directors, &vectors, tie);
+        let linear = |step: &StepModel| match &step.model.analysis {
+            Analysis::Static(s) => s.linear,
+            Analysis::Transient(t) => t.linear,
+            Analysis::Modal(_) => false,
+        };
+        let compiler = Self {
+            mesh,
+            linear: steps.iter().any(linear),
+            steps,
+            directors,
+            vectors,
+            groups: Arc::new(elements.groups),
+            shells: elements.list,
+            sections: Arc::new(elements.sections),
+            unit: elements.unit,
+            strains,
+        };
+        for step in &compiler.steps {
+            let mut found = Vec::new();
+            let (_, names) = time_functions(&step.model, &mut found);
+            compiler.numbering(step, &names, None, &mut found);
+            issues.extend(
+                step.located(found).into_iter().filter(|issue| !issues.contains(issue)).collect::<Vec<_>>(),
+            );
+        }
+        if issues.is_empty() { Ok(compiler) } else { Err(Error::Model(issues)) }
+    }
+
+    /// Analysis steps of the model.
+    pub fn steps(&self) -> &[StepModel] {
+        &self.steps
+    }
+
+    /// System of an analysis step that begins at `start` (the reference configuration at rest where `None`).
+    ///
+    /// # Errors
+    /// Everything that is wrong with loads, supports and masses of the step, at once, each with a remedy; there is no such
+    /// step.
+    pub fn system(&self, step: usize, start: Option<StepStart>) -> Result<System> {
+        let Some(step) = self.steps.get(step) else {
+            return Err(Error::model(
+                "steps",
+                format!("there is no step {step}"),
+                "name a step of the model",
+            ));
+        };
+        self.compile(step, start).map_err(|error| match error {
+            Error::Model(issues) => named(Error::Model(step.located(issues)), self.mesh),
+            other => other,
+        })
+    }
+
+    /// Supports of a step and the numbers of its free degrees of freedom; `None` where supports contradict each other.
+    fn numbering(
+        &self,
+        step: &StepModel,
+        names: &BTreeMap<String, usize>,
+        start: Option<&StepStart>,
+        issues: &mut Vec<Issue>,
+    ) -> Option<(Vec<Support>, Numbering)> {
+        let vectors = &self.vectors;
+        let supports = supports(&step.model, self.mesh, vectors, names, issues);
+        let current: Vec<Nodal> = match start {
+            None => vectors.reference.clone(),
+            Some(start) => {
+                let add = |(x, u): (&Nodal, &Nodal)| std::array::from_fn(|i| x[i] + u[i]);
+                vectors.reference.iter().zip(&start.u).map(add).collect()
+            }
+        };
+        match Numbering::new(current.len(), &supports, &self.unit, &current) {
+            Ok(mut numbering) => {
+                if let Some(start) = start {
+                    numbering.start_at(&vectors.reference, &start.u);
+                }
+                Some((supports, numbering))
+            }
+            Err(conflicts) => {
+                issues.extend(contradictions(&conflicts, vectors, self.mesh));
+                None
+            }
+        }
+    }
+
+    fn compile(&self, step: &StepModel, start: Option<StepStart>) -> Result<System> {
+        let (model, mesh, vectors) = (&step.model, self.mesh, &self.vectors);
+        let mut issues = Vec::new();
+        let (amplitudes, names) = time_functions(model, &mut issues);
+        let numbered = self.numbering(step, &names, start.as_ref(), &mut issues);
+        let Some((supports, numbering)) = numbered.filter(|_| issues.is_empty()) else {
+            return Err(Error::Model(issues));
+        };
+        issues.extend(unmovable(&numbering));
+        if matches!(model.analysis, Analysis::Static(_)) {
+            let Vectors { reference, kinds, nodes, .. } = vectors;
+            issues.extend(mechanism::mechanisms(mesh, reference, kinds, nodes, &supports));
+        }
+        let (followers, load_of_follower) = follower_loads(step, mesh, vectors, &names);
+        issues.extend(drilling_components(&followers, vectors, mesh));
+        let added = added_masses(model, mesh, vectors);
+        let procedure = procedure(&model.analysis);
+        let pattern = self.pattern(procedure, &numbering, &followers, &added)?;
+        let mut system = System {
+            unit: self.unit_flags(),
+            numbering,
+            groups: Arc::clone(&self.groups),
+            shells: self.shells.clone(),
+            sections: Arc::clone(&self.sections),
+            prescribed_strains: self.prescribed_fields(step, &names),
+            dead_loads: Vec::new(),
+            followers,
+            supports,
+            support_sets: force_sets::of_conditions(model, mesh),
+            load_sets: force_sets::of_loads(model, mesh),
+            load_of_dead: Vec::new(),
+            load_of_follower,
+            amplitudes,
+            pattern,
+            procedure,
+            mass_damping: model.damping.mass,
+            length: mesh.extent(),
+            linear: self.linear,
+            start,
+            initial_velocity: initial_velocity(model, mesh, vectors),
+            reference: vectors.reference.clone(),
+            kinds: vectors.kinds.clone(),
+            nodes: vectors.nodes.clone(),
+            position_of: vectors.position_of.clone(),
+            director_of: vectors.director_of.clone(),
+            labels: mesh.labels.clone(),
+            folds: Folds::of(mesh, &self.directors),
+            amplitude_names: names.keys().cloned().collect(),
+            wanted_times: model.output.at.clone(),
+        };
+        issues.extend(check::masses(model, &system));
+        if let Some(scheme) = explicit_scheme(&model.analysis).filter(|_| issues.is_empty()) {
+            // Before gravity is found: bodies of lumped mass shall fall without turning.
+            issues.extend(lumping::lump(&mut system, &added, scheme.scale_director_inertia));
+        }
+        (system.dead_loads, system.load_of_dead) = dead_loads(step, mesh, &system, &names);
+        if issues.is_empty() { Ok(system) } else { Err(Error::Model(issues)) }
+    }
+
+    /// Flags of the inextensible directors among the nodal vectors; empty: none.
+    fn unit_flags(&self) -> Vec<bool> {
+        if self.unit.is_empty() {
+            return Vec::new();
+        }
+        (0..self.vectors.reference.len() as u32).map(|v| self.unit.contains(&v)).collect()
+    }
+
+    fn prescribed_fields(&self, step: &StepModel, names: &BTreeMap<String, usize>) -> Vec<PrescribedField> {
+        let field = |(strain, continued): (&PrescribedStrain, &Continued)| PrescribedField {
+            strain: strain.clone(),
+            factor: continued.factor(strain.amplitude().and_then(|a| names.get(a).copied())),
+        };
+        self.strains.iter().zip(&step.strains).map(field).collect()
+    }
+
+    /// Sparsity pattern of the tangent, and the consistent mass. Explicit steps have but the diagonal, for the lumped
+    /// mass; the iterative solver takes the elements' own blocks.
+    fn pattern(
+        &self,
+        procedure: Procedure,
+        numbering: &Numbering,
+        followers: &[FollowerLoad],
+        added: &[(u32, u32, f64)],
+    ) -> Result<Pattern> {
+        let mut builder = PatternBuilder::new(procedure.has_tangent_pattern());
+        if procedure != Procedure::Explicit {
+            for group in self.groups.iter() {
+                for e in 0..group.len() {
+                    builder.element(group.vectors(e), group.mass(e));
+                }
+                builder.end_batch();
+            }
+            for load in followers {
+                builder.element(load.vectors(), &[]);
+            }
+            for &(a, b, m) in added {
+                builder.mass(a, b, m);
+            }
+        }
+        builder.build(self.vectors.reference.len(), numbering)
+    }
+}
+
+/// Kind of analysis for which a system has to be compiled.
+fn procedure(analysis: &Analysis) -> Procedure {
+    match analysis {
+        Analysis::Static(s) if s.linear_solver == LinearSolver::Iterative => Procedure::IterativeStatic,
+        Analysis::Static(_) => Procedure::Static,
+        Analysis::Modal(_) => Procedure::Modal,
+        Analysis::Transient(t) if matches!(t.scheme, Scheme::Explicit(_)) => Procedure::Explicit,
+        Analysis::Transient(_) => Procedure::Transient,
+    }
+}
+
+fn explicit_scheme(analysis: &Analysis) -> Option<ExplicitScheme> {
+    match analysis {
+        Analysis::Transient(TransientAnalysis { scheme: Scheme::Explicit(scheme), .. }) => Some(*scheme),
+        _ => None,
+    }
+}
+
+/// A model all of whose degrees of freedom are constrained.
+fn unmovable(numbering: &Numbering) -> Option<Issue> {
+    (numbering.unknowns == 0).then(|| {
+        Issue::new(
+            "conditions",
+            "every coordinate of the model is supported: nothing is left to compute",
+            "take nodes out of the supported sets",
+        )
+    })
+}
+
+/// Adds the name of the mesh file to the issues of an error.
+fn named(error: Error, mesh: &Mesh) -> Error {
+    match error {
         Error::Model(mut issues) => {
             mesh.name_file(&mut issues);
             Error::Model(issues)
         }
         other => other,
-    })
-}
-
-fn system(model: &Model, mesh: &Mesh) -> Result<System> {
-    let mut issues = check::keys(model);
-    issues.extend(quality::check(mesh));
-    issues.extend(check::sets(model, mesh));
-    if !issues.is_empty() {
-        return Err(Error::Model(issues));
     }
-    let directors = Directors::of(mesh, model.mesh.fold_angle())?;
-    let vectors = Vectors::new(mesh, &directors, &Elements::gradients(model, mesh, &directors));
-    let mut elements = Elements::default();
-    elements.shells(model, mesh, &directors, &vectors, &mut issues);
-    let explicit = match &model.analysis {
-        Analysis::Transient(TransientAnalysis { scheme: Scheme::Explicit(scheme), .. }) => Some(*scheme),
-        _ => None,
-    };
-    let tie = if explicit.is_some() { director_angle::EXPLICIT_STIFFNESS } else { director_angle::STIFFNESS };
-    elements.ties(&directors, &vectors, tie);
-    let (amplitudes, names) = time_functions(model, &mut issues);
-    let supports = supports(model, mesh, &vectors, &names, &mut issues);
-    let numbering =
-        match Numbering::new(vectors.reference.len(), &supports, &elements.unit, &vectors.reference) {
-            Ok(n) => Some(n),
-            Err(conflicts) => {
-                issues.extend(contradictions(&conflicts, &vectors, mesh));
-                None
-            }
-        };
-    let Some(numbering) = numbering.filter(|_| issues.is_empty()) else { return Err(Error::Model(issues)) };
-    if numbering.unknowns == 0 {
-        issues.push(Issue::new(
-            "conditions",
-            "every coordinate of the model is supported: nothing is left to compute",
-            "take nodes out of the supported sets",
-        ));
-    }
-    if !matches!(model.analysis, Analysis::Transient(_) | Analysis::Modal(_)) {
-        issues.extend(mechanism::mechanisms(
-            mesh,
-            &vectors.reference,
-            &vectors.kinds,
-            &vectors.nodes,
-            &supports,
-        ));
-    }
-
-    let (followers, load_of_follower) = follower_loads(model, mesh, &vectors, &names);
-    issues.extend(drilling_components(&followers, &vectors, mesh));
-    let added = added_masses(model, mesh, &vectors);
-    // The iterative solver takes the elements' own blocks.
-    let iterative = matches!(
-        model.analysis,
-        Analysis::Static(StaticAnalysis { linear_solver: LinearSolver::Iterative, .. })
-    );
-    let has_tangent_pattern = explicit.is_none() && !iterative;
-    let mut builder = PatternBuilder::new(has_tangent_pattern);
-    // Explicit steps need no tangent: their pattern has but the diagonal, for the lumped mass.
-    if explicit.is_none() {
-        for group in &elements.groups {
-            for e in 0..group.len() {
-                builder.element(group.vectors(e), group.mass(e));
-            }
-            builder.end_batch();
-        }
-        for load in &followers {
-            builder.element(load.vectors(), &[]);
-        }
-        for &(a, b, m) in &added {
-            builder.mass(a, b, m);
-        }
-    }
-    let pattern = builder.build(vectors.reference.len(), &numbering)?;
-
-    let linear = match &model.analysis {
-        Analysis::Static(s) => s.linear,
-        Analysis::Transient(t) => t.linear,
-        Analysis::Modal(_) => false,
-    };
-    let proportional = matches!(model.analysis, Analysis::Static(_) | Analysis::Modal(_));
-    let initial_velocity = initial_velocity(model, mesh, &vectors);
-    let unit = if elements.unit.is_empty() {
-        Vec::new()
-    } else {
-        (0..vectors.reference.len() as u32).map(|v| elements.unit.contains(&v)).collect()
-    };
-    let mut system = System {
-        unit,
-        numbering,
-        groups: elements.groups,
-        shells: elements.list,
-        sections: elements.sections,
-        prescribed_strains: model
-            .prescribed_strains
-            .iter()
-            .map(|p| PrescribedField {
-                strain: p.clone(),
-                amplitude: p.amplitude().and_then(|a| names.get(a).copied()),
-            })
-            .collect(),
-        dead_loads: Vec::new(),
-        followers,
-        supports,
-        support_sets: force_sets::of_conditions(model, mesh),
-        load_sets: force_sets::of_loads(model, mesh),
-        load_of_dead: Vec::new(),
-        load_of_follower,
-        amplitudes,
-        pattern,
-        explicit: explicit.is_some(),
-        has_tangent_pattern,
-        mass_damping: model.damping.mass,
-        length: mesh.extent(),
-        linear,
-        proportional,
-        initial_velocity,
-        reference: vectors.reference,
-        kinds: vectors.kinds,
-        nodes: vectors.nodes,
-        position_of: vectors.position_of,
-        director_of: vectors.director_of,
-        labels: mesh.labels.clone(),
-        folds: Folds::of(mesh, &directors),
-        amplitude_names: names.keys().cloned().collect(),
-        wanted_times: model.output.at.clone(),
-    };
-    issues.extend(check::masses(model, &system));
-    if let Some(scheme) = explicit.filter(|_| issues.is_empty()) {
-        // Before gravity is found: bodies of lumped mass shall fall without turning.
-        issues.extend(lumping::lump(&mut system, &added, scheme.scale_director_inertia));
-    }
-    (system.dead_loads, system.load_of_dead) = dead_loads(model, mesh, &system, &names);
-    if issues.is_empty() { Ok(system) } else { Err(Error::Model(issues)) }
 }
 
 /// Place of a pair in a lower triangle.

@@ -2,18 +2,24 @@
 
 use std::collections::BTreeSet;
 
+use super::StepModel;
 use super::amplitudes::amplitude_of;
 use crate::analysis::dynamics::{PassedOver, passed_over};
 use crate::element::{ShellGeometry, registry};
+use crate::load::LoadFactor;
 use crate::material::Law;
 use crate::mesh::directors::FOLD_ANGLE_DEGREES;
 use crate::mesh::{Mesh, show};
-use crate::model::{Analysis, Condition, GmshMesh, Load, MeshSource, Model, PrescribedStrain};
+use crate::model::{Analysis, Condition, GmshMesh, Load, MeshSource, Model, NodalVector, PrescribedStrain};
 use crate::system::System;
+use crate::system::numbering::Prescribed;
 use crate::{Issue, Vec3};
 
 /// Thickness over the size of the largest element, above which units are most likely mixed up.
 const THICK: f64 = 10.0;
+
+/// Relative distance of two displacements that differ by round-off only.
+const SAME_PLACE: f64 = 1e-9;
 
 /// Seams that are written out, and nodes of each.
 const SHOWN: usize = 10;
@@ -22,8 +28,29 @@ const NODES: usize = 4;
 /// Input that has no effect, or a geometry that no shell has. The model is computed all the same.
 pub fn warnings(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
     let mut found = unused(model);
-    found.extend(zero_loads(model));
     found.extend(jumping_supports(model, system));
+    found.extend(independent_of_the_start(model, mesh, system));
+    found
+}
+
+/// Warnings of an analysis step whose start is not known yet, at the keys of the model file.
+pub fn warnings_before_start(step: &StepModel, mesh: &Mesh, system: &System) -> Vec<Issue> {
+    let mut found = Vec::new();
+    if step.starts_from.is_none() && !matches!(step.model.analysis, Analysis::Modal(_)) {
+        found.extend(jumping_supports(&step.model, system));
+    }
+    found.extend(independent_of_the_start(&step.model, mesh, system));
+    step.located(found)
+}
+
+/// Warnings of an analysis step that starts where another one has ended, at the keys of the model file.
+pub fn warnings_at_start(step: &StepModel, system: &System) -> Vec<Issue> {
+    step.located(jumping_supports(&step.model, system))
+}
+
+fn independent_of_the_start(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
+    let mut found = zero_loads(model);
+    found.extend(shortened_directors(model, system));
     found.extend(idle_switches(model));
     found.extend(seams(model, mesh));
     found.extend(prism(model, mesh, system));
@@ -198,7 +225,7 @@ fn unused(model: &Model) -> Vec<Issue> {
     }
 }
 
-/// Prescribed motions of a transient analysis that are away from the reference at time 0 already.
+/// Prescribed motions of a transient analysis that are elsewhere at time 0 than the model at its start.
 fn jumping_supports(model: &Model, system: &System) -> Vec<Issue> {
     if !matches!(model.analysis, Analysis::Transient(_)) {
         return Vec::new();
@@ -207,14 +234,45 @@ fn jumping_supports(model: &Model, system: &System) -> Vec<Issue> {
     for (i, condition) in model.conditions.iter().enumerate() {
         let Condition::Prescribe(p) = condition else { continue };
         let named = |name: &String| (0..system.amplitudes.len()).find(|&a| system.amplitude_name(a) == name);
-        let start = p.value * system.amplitude(p.amplitude.as_ref().and_then(named), 0.0);
-        if start != 0.0 {
+        let amplitude = LoadFactor::new(p.amplitude.as_ref().and_then(named));
+        let first = p.value * system.factor(&amplitude, 0.0);
+        let same = |q: &&Prescribed| q.value == p.value && q.amplitude == amplitude.amplitude;
+        let start = system.numbering.prescribed.iter().find(same).map_or(0.0, |q| q.start);
+        if (first - start).abs() > SAME_PLACE * first.abs().max(start.abs()) {
             found.push(Issue::new(
                 format!("conditions[{i}]"),
                 format!(
-                    "the prescribed component is {start} at time 0, where the model is at rest: it jumps"
+                    "the prescribed component is {first} at time 0, where the model starts at {start}: it jumps"
                 ),
-                "give an `amplitude` that begins at 0, if that is not meant",
+                "give an `amplitude` that begins there, if that is not meant",
+            ));
+        }
+    }
+    found
+}
+
+/// Change of a director component at load factor 0 above which the straight way to it shortens the director noticeably.
+const NOTICEABLE: f64 = 0.05;
+
+/// Prescribed directors that are not at their reference at load factor 0 of a static analysis: they go there in a straight
+/// line, which shortens them.
+fn shortened_directors(model: &Model, system: &System) -> Vec<Issue> {
+    if !matches!(model.analysis, Analysis::Static(_)) {
+        return Vec::new();
+    }
+    let mut found = Vec::new();
+    for (i, condition) in model.conditions.iter().enumerate() {
+        let Condition::Prescribe(p) = condition else { continue };
+        let named = |name: &String| (0..system.amplitudes.len()).find(|&a| system.amplitude_name(a) == name);
+        let first = p.value * system.factor(&LoadFactor::new(p.amplitude.as_ref().and_then(named)), 0.0);
+        if p.of == NodalVector::Director && first.abs() > NOTICEABLE {
+            found.push(Issue::new(
+                format!("conditions[{i}]"),
+                format!(
+                    "the prescribed component of the director is {first} at load factor 0: the director goes there in a \
+                     straight line from the reference and is shorter on the way"
+                ),
+                "give an `amplitude` that begins at 0, such as 1 - cos(t) and sin(t) of a rotation",
             ));
         }
     }

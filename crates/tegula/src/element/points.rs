@@ -11,7 +11,7 @@
 
 use nalgebra::{DMatrix, Matrix6, Vector6};
 
-use super::generalized_law::GeneralizedLaw;
+use super::generalized_law::{GeneralizedLaw, energy_of_fields};
 use super::group::InternalVariables;
 use super::shell::{IntegrationPoint, PointResponse};
 use crate::material::Law;
@@ -34,6 +34,8 @@ pub struct PointElement {
     /// Generalised stress, conjugate to x, of each prescribed strain field in the linear integration points, field by
     /// field.
     linear_prescribed: Vec<f64>,
+    /// Energy of pairs of prescribed strains at the linear integration points, when fully restrained.
+    linear_energy: Vec<f64>,
     /// Law, weight, L (6 rows of x), prescribed strains (6 per field) of the nonlinear integration points.
     points: Vec<(usize, f64, Vec<f64>, Vec<f64>)>,
 }
@@ -49,6 +51,7 @@ impl PointElement {
         let n = samples + parameters;
         let mut linear = DMatrix::zeros(n, n);
         let mut linear_prescribed = vec![0.0; n * fields];
+        let mut linear_energy = vec![0.0; fields * fields];
         let mut points = Vec::new();
         for s in integration_points {
             let rows = s.samples.nrows();
@@ -57,10 +60,13 @@ impl PointElement {
             });
             match s.response {
                 PointResponse::Linear(c) => {
-                    let cl = c * &l * s.weight;
+                    let cl = &c * &l * s.weight;
                     for (field, e0) in s.prescribed.iter().enumerate() {
                         for (j, value) in (cl.transpose() * e0).iter().enumerate() {
                             linear_prescribed[n * field + j] += value;
+                        }
+                        for (other, e1) in s.prescribed.iter().enumerate() {
+                            linear_energy[fields * field + other] += s.weight * (&c * e0).dot(e1);
                         }
                     }
                     linear += l.transpose() * cl;
@@ -71,7 +77,7 @@ impl PointElement {
                 }
             }
         }
-        Self { linear, linear_prescribed, points }
+        Self { linear, linear_prescribed, linear_energy, points }
     }
 }
 
@@ -92,6 +98,8 @@ pub struct PointLaw<const S: usize> {
     /// K of the linear integration points by rows per element; empty if there are none.
     linear: Vec<f64>,
     linear_prescribed: Vec<f64>,
+    /// Energy of pairs of prescribed strains at the linear integration points, when fully restrained.
+    linear_energy: Vec<f64>,
     /// Number of prescribed strain fields.
     fields: usize,
     /// History variables per element: enhanced parameters and internal variables.
@@ -126,6 +134,7 @@ impl<const S: usize> PointLaw<S> {
                 // Symmetric: columns serve as rows.
                 out.linear.extend_from_slice(e.linear.as_slice());
                 out.linear_prescribed.extend_from_slice(&e.linear_prescribed);
+                out.linear_energy.extend_from_slice(&e.linear_energy);
             }
             for (law, weight, strain, prescribed) in e.points {
                 out.law.push(law as u32);
@@ -168,14 +177,21 @@ impl<const S: usize> PointLaw<S> {
             strain[i] = sum;
         }
         if self.fields != 0 {
-            let fields = &self.prescribed[point * 6 * self.fields..(point + 1) * 6 * self.fields];
-            for (factor, e0) in interior.factors.iter().zip(fields.chunks_exact(6)) {
-                for i in 0..6 {
-                    strain[i] -= factor * e0[i];
-                }
-            }
+            strain -= self.prescribed_at(point, interior);
         }
         strain
+    }
+
+    /// Prescribed strain at an integration point.
+    fn prescribed_at(&self, point: usize, interior: &InternalVariables) -> Vector6<f64> {
+        let fields = &self.prescribed[point * 6 * self.fields..(point + 1) * 6 * self.fields];
+        let mut sum = Vector6::zeros();
+        for (factor, e0) in interior.factors.iter().zip(fields.chunks_exact(6)) {
+            for i in 0..6 {
+                sum[i] += factor * e0[i];
+            }
+        }
+        sum
     }
 
     /// Calls `f(point, law, strain, committed variables, their index range)` for the integration points of an element.
@@ -262,6 +278,11 @@ impl<const S: usize> PointLaw<S> {
                 let w = self.weight[point];
                 let l = &self.strain[point * 6 * n..(point + 1) * 6 * n];
                 scale += w * (response.tangent * strain).dot(strain).abs();
+                if self.fields != 0 {
+                    // Free heating leaves no stress; round-off is that of the prescribed strain then.
+                    let prescribed = self.prescribed_at(point, interior);
+                    scale += w * (response.tangent * prescribed).dot(&prescribed).abs();
+                }
                 for j in 0..a {
                     let g = Vector6::from_fn(|row, _| l[row * n + S + j]);
                     r[j] += w * g.dot(&response.stress);
@@ -308,6 +329,8 @@ impl<const S: usize> PointLaw<S> {
         let (a, n) = (self.parameters, S + self.parameters);
         let mut out = Pass { stress: [0.0; S], energy: 0.0, dissipation: 0.0 };
         if !self.linear.is_empty() {
+            let f = self.fields;
+            out.energy += energy_of_fields(&self.linear_energy[element * f * f..][..f * f], interior.factors);
             for i in 0..n {
                 let row = self.linear_row(element, i, s, alpha, interior);
                 let x = if i < S { s[i] } else { alpha[i - S] };

@@ -9,6 +9,8 @@ const NOISE: f64 = 1e-9;
 /// Number of intervals in which the rate of a formula is checked for a change of sign.
 const INTERVALS: u32 = 4096;
 /// Bisection steps that locate a change of sign to the last bit.
+/// Intervals that are not halved any more.
+const SHORTEST: u32 = 8;
 const HALVINGS: u32 = 60;
 
 impl TimeFunction {
@@ -50,6 +52,30 @@ impl TimeFunction {
             }
             turns
         });
+        found
+    }
+
+    /// Times between two of which the function departs from a straight line by at most a share of its range: interval
+    /// after interval is halved.
+    pub fn nearly_straight(&self, from: f64, to: f64, share: f64) -> Vec<f64> {
+        let Self::Formula(_) = self else { return Vec::new() };
+        let at = |i: u32| from + (to - from) * f64::from(i) / f64::from(INTERVALS);
+        let values = (0..=INTERVALS).map(|i| self.value(at(i))).filter(|v| v.is_finite());
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        let straight = |a: u32, b: u32| {
+            let slope = (self.value(at(b)) - self.value(at(a))) / f64::from(b - a);
+            let off = |i: u32| (self.value(at(i)) - self.value(at(a)) - slope * f64::from(i - a)).abs();
+            (a..=b).map(off).fold(0.0, f64::max) <= share * (high - low)
+        };
+        let mut found = Vec::new();
+        let mut open = vec![(0, INTERVALS)];
+        while let Some((a, b)) = open.pop() {
+            if b - a > SHORTEST && !straight(a, b) {
+                let middle = (a + b) / 2;
+                found.push(at(middle));
+                open.extend([(a, middle), (middle, b)]);
+            }
+        }
         found
     }
 
@@ -131,6 +157,15 @@ mod tests {
         assert!(wave.kinks().len() > 19_900);
         let line = table(times.clone(), times.iter().map(|t| 0.1 * t - 7.0).collect());
         assert_eq!(line.kinks(), [0.0, times[19_999]]);
+    }
+
+    #[test]
+    fn curved_formulas_are_divided_until_they_are_nearly_straight() {
+        let mut found = formula("t^2").nearly_straight(0.0, 1.0, 1e-3);
+        found.sort_by(f64::total_cmp);
+        assert_eq!(found, (1..16).map(|i| f64::from(i) / 16.0).collect::<Vec<_>>());
+        assert!(formula("3*t - 1").nearly_straight(0.0, 1.0, 1e-3).is_empty());
+        assert!(formula("tanh(500*(t-0.3))").nearly_straight(0.0, 1.0, 1e-3).len() < 200);
     }
 
     #[test]

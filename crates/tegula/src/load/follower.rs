@@ -5,6 +5,7 @@
 //! [`CirculatoryStiffness`](crate::system::CirculatoryStiffness), is added in the solution of the linear systems. It
 //! vanishes for conservative cases: pressure on closed or supported edges, moments in the plane of bending.
 
+use super::LoadFactor;
 use crate::element::Nodal;
 use crate::element::geometry::{GAUSS_POINTS, shape, shape_eta, shape_xi};
 use crate::{Mat3, Vec3};
@@ -19,20 +20,20 @@ pub enum FollowerLoad {
     Pressure {
         /// Nodal vectors: positions of the four nodes.
         vectors: [u32; 4],
-        /// Pressure at amplitude 1 [force/area].
+        /// Pressure at factor 1 [force/area].
         pressure: f64,
-        /// Index of the amplitude.
-        amplitude: Option<usize>,
+        /// Factor over the analysis step.
+        factor: LoadFactor,
     },
     /// Spatially constant moment on a director: `f = m × d / |d|²`, from `δW = m·δθ`, `δθ = d × δd / |d|²`. The
     /// drilling component `m·d` does no work.
     Moment {
         /// Nodal vector of the director.
         vector: u32,
-        /// Moment at amplitude 1 [force·length].
+        /// Moment at factor 1 [force·length].
         moment: Vec3,
-        /// Index of the amplitude.
-        amplitude: Option<usize>,
+        /// Factor over the analysis step.
+        factor: LoadFactor,
     },
     /// Spatially constant moment at one end of a mesh edge, with all its components: the director takes those that
     /// rotate it, and a couple of forces on the ends of the edge takes the drilling component.
@@ -47,10 +48,10 @@ pub enum FollowerLoad {
     EdgeMoment {
         /// Positions of both ends of the edge, and the director at one of them.
         vectors: [u32; 3],
-        /// Moment at amplitude 1 [force·length].
+        /// Moment at factor 1 [force·length].
         moment: Vec3,
-        /// Index of the amplitude.
-        amplitude: Option<usize>,
+        /// Factor over the analysis step.
+        factor: LoadFactor,
     },
 }
 
@@ -64,16 +65,16 @@ impl FollowerLoad {
         }
     }
 
-    /// Index of the amplitude of the load.
-    pub fn amplitude(&self) -> Option<usize> {
+    /// Factor of the load over the analysis step.
+    pub fn factor(&self) -> &LoadFactor {
         match self {
-            Self::Pressure { amplitude, .. }
-            | Self::Moment { amplitude, .. }
-            | Self::EdgeMoment { amplitude, .. } => *amplitude,
+            Self::Pressure { factor, .. } | Self::Moment { factor, .. } | Self::EdgeMoment { factor, .. } => {
+                factor
+            }
         }
     }
 
-    /// Forces at amplitude 1 and nodal vectors `x` (current ones).
+    /// Forces at factor 1 and nodal vectors `x` (current ones).
     pub fn forces(&self, x: &[Vec3], out: &mut [Nodal]) {
         match self {
             Self::Pressure { pressure, .. } => {
@@ -97,7 +98,7 @@ impl FollowerLoad {
         }
     }
 
-    /// Load stiffness −∂f/∂x at amplitude 1, all blocks.
+    /// Load stiffness −∂f/∂x at factor 1, all blocks.
     pub fn derivative(&self, x: &[Vec3]) -> LoadStiffness {
         let mut k = [[Mat3::zeros(); 4]; 4];
         match self {
@@ -129,7 +130,7 @@ impl FollowerLoad {
         k
     }
 
-    /// Symmetric part of the load stiffness −∂f/∂x at amplitude 1, blocks of the lower triangle.
+    /// Symmetric part of the load stiffness −∂f/∂x at factor 1, blocks of the lower triangle.
     pub fn stiffness(&self, x: &[Vec3], blocks: &mut [f64]) {
         let k = self.derivative(x);
         let mut out = blocks.chunks_exact_mut(9);
@@ -204,11 +205,18 @@ mod tests {
         let edge = vec![Vec3::new(0.1, 0.2, 0.3), Vec3::new(0.9, -0.3, 0.7), Vec3::new(0.3, 0.4, 1.1)];
         [
             (
-                FollowerLoad::Pressure { vectors: [0, 1, 2, 3], pressure: 2.0, amplitude: None },
+                FollowerLoad::Pressure {
+                    vectors: [0, 1, 2, 3],
+                    pressure: 2.0,
+                    factor: LoadFactor::default(),
+                },
                 quad().to_vec(),
             ),
-            (FollowerLoad::Moment { vector: 0, moment, amplitude: None }, vec![Vec3::new(0.2, 0.3, 1.1)]),
-            (FollowerLoad::EdgeMoment { vectors: [0, 1, 2], moment, amplitude: None }, edge),
+            (
+                FollowerLoad::Moment { vector: 0, moment, factor: LoadFactor::default() },
+                vec![Vec3::new(0.2, 0.3, 1.1)],
+            ),
+            (FollowerLoad::EdgeMoment { vectors: [0, 1, 2], moment, factor: LoadFactor::default() }, edge),
         ]
     }
 
@@ -262,7 +270,8 @@ mod tests {
     fn pressure_on_a_flat_quad_is_pressure_times_area() {
         let x = [[0.0, 0.0], [2.0, 0.0], [2.0, 3.0], [0.0, 3.0]].map(|[a, b]| Vec3::new(a, b, 0.0));
         let mut f = [[0.0; 3]; 4];
-        FollowerLoad::Pressure { vectors: [0; 4], pressure: 5.0, amplitude: None }.forces(&x, &mut f);
+        FollowerLoad::Pressure { vectors: [0; 4], pressure: 5.0, factor: LoadFactor::default() }
+            .forces(&x, &mut f);
         approx::assert_relative_eq!(f.iter().map(|f| f[2]).sum::<f64>(), -30.0, epsilon = 1e-13);
     }
 
@@ -281,7 +290,11 @@ mod tests {
 
     #[test]
     fn moment_on_a_director_tells_its_drilling_share() {
-        let moment = FollowerLoad::Moment { vector: 0, moment: Vec3::new(3.0, 0.0, 4.0), amplitude: None };
+        let moment = FollowerLoad::Moment {
+            vector: 0,
+            moment: Vec3::new(3.0, 0.0, 4.0),
+            factor: LoadFactor::default(),
+        };
         approx::assert_relative_eq!(moment.lost_share(&[Vec3::new(0.0, 0.0, 2.0)]), 0.8, epsilon = 1e-15);
         let [(pressure, x), _, (edge, y)] = loads();
         assert_eq!((pressure.lost_share(&x), edge.lost_share(&y)), (0.0, 0.0));

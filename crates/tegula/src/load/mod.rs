@@ -2,9 +2,11 @@
 
 pub mod amplitude;
 mod breaks;
+pub mod factor;
 pub mod follower;
 mod formula;
 
 pub use amplitude::TimeFunction;
+pub use factor::{LoadFactor, LoadParameter};
 pub use follower::FollowerLoad;
 pub use formula::Formula;

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::{Condition, InitialVelocity, Load, PrescribedStrain};
+
 /// Analysis to run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "kebab-case")]
@@ -13,6 +15,53 @@ pub enum Analysis {
     Modal(ModalAnalysis),
     /// Motion in time.
     Transient(TransientAnalysis),
+}
+
+/// One analysis of several that follow one another.
+///
+/// It starts at the state in which the step before has ended. Conditions, loads and prescribed strains of the whole model act in
+/// every step, those of a step in this one only. A load that two steps in a row list with the same values continues. In a
+/// static step new loads grow from 0, and loads that only the step before had fall to 0; in a transient step new loads
+/// act from the start, and old ones are gone at once. Fixed components stay where they are at the start of the step.
+/// Each step has its own load factor from 0 to 1, or its own time from 0.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AnalysisStep {
+    /// Name of the step, and of its folder among the results.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub name: String,
+    /// Analysis of the step. A modal one vibrates about the state of the step before, under its supports and loads.
+    pub analysis: Analysis,
+    /// Supports and prescribed motions of this step, beside those of the whole model.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub conditions: Vec<Condition>,
+    /// Loads of this step, beside those of the whole model.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub loads: Vec<Load>,
+    /// Prescribed strains of this step, beside those of the whole model.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub prescribed_strains: Vec<PrescribedStrain>,
+    /// Velocities that a transient step adds to those of its first state.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub initial_velocities: Vec<InitialVelocity>,
+    /// Times (load factors) at which a step ends and a field file is written, like `output.at`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub at: Vec<f64>,
+}
+
+impl AnalysisStep {
+    /// A step with the conditions and loads of the whole model.
+    pub fn new(name: &str, analysis: Analysis) -> Self {
+        Self {
+            name: name.into(),
+            analysis,
+            conditions: Vec::new(),
+            loads: Vec::new(),
+            prescribed_strains: Vec::new(),
+            initial_velocities: Vec::new(),
+            at: Vec::new(),
+        }
+    }
 }
 
 /// Static equilibrium.

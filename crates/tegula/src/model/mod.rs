@@ -34,8 +34,12 @@ pub struct Model {
     /// One line that says what the model is; it appears in results and pictures.
     #[serde(default)]
     pub title: String,
-    /// Analysis to run.
+    /// Analysis to run; a model has this or `steps`.
+    #[serde(default = "no_analysis")]
     pub analysis: Analysis,
+    /// Analyses that follow one another, each from the state at the end of the one before: preload, then modes, then motion.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub steps: Vec<AnalysisStep>,
     /// The mid-surface: a generator or a mesh file.
     pub mesh: MeshSource,
     /// Materials by name.
@@ -164,6 +168,7 @@ impl Model {
         Self {
             title: String::new(),
             analysis,
+            steps: Vec::new(),
             mesh,
             materials: BTreeMap::from([("m".to_string(), Material::Isotropic(material))]),
             sections: vec![Section::new("m", thickness)],
@@ -434,6 +439,10 @@ fn all_fields() -> Vec<Field> {
         Axes,
         Numbers,
     ]
+}
+/// Analysis of a model with steps, which is not looked at.
+fn no_analysis() -> Analysis {
+    Analysis::Static(StaticAnalysis::default())
 }
 fn all() -> String {
     "all".into()

@@ -37,7 +37,7 @@ impl<'a> Snapshot<'a> {
     /// Snapshot of a state of a model.
     pub fn new(system: &'a System, state: &'a State) -> Self {
         let factors =
-            system.prescribed_strains.iter().map(|f| system.amplitude(f.amplitude, state.time)).collect();
+            system.prescribed_strains.iter().map(|f| system.factor(&f.factor, state.time)).collect();
         let mut rest = state.history.as_slice();
         let history = system
             .groups

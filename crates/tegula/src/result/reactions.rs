@@ -268,13 +268,13 @@ impl Supported {
 fn add_load_set(system: &System, set: usize, times: &[(f64, f64, Cow<[Nodal]>)], out: &mut Vec<Nodal>) {
     for (time, share, u) in times {
         for (load, _) in system.dead_loads.iter().zip(&system.load_of_dead).filter(|(_, of)| **of == set) {
-            *out = combine([1.0, share * system.amplitude(load.amplitude, *time)], out, &load.force);
+            *out = combine([1.0, share * system.factor(&load.factor, *time)], out, &load.force);
         }
         for (load, _) in system.followers.iter().zip(&system.load_of_follower).filter(|(_, of)| **of == set) {
             let x: Vec<Vec3> = load.vectors().iter().map(|&v| arm(system, u, v as usize)).collect();
             let mut forces = vec![[0.0; 3]; x.len()];
             load.forces(&x, &mut forces);
-            let factor = share * system.amplitude(load.amplitude(), *time);
+            let factor = share * system.factor(load.factor(), *time);
             for (&v, f) in load.vectors().iter().zip(forces) {
                 (0..3).for_each(|i| out[v as usize][i] += factor * f[i]);
             }

@@ -75,7 +75,7 @@ impl Assembly {
         let mut stresses = 0;
         let mut elements = 0;
         let mut history = 0;
-        for group in &system.groups {
+        for group in system.groups.iter() {
             history += group.len() * group.history_per_element();
             for e in 0..group.len() {
                 for &v in group.vectors(e) {
@@ -103,7 +103,7 @@ impl Assembly {
     /// Sets the factors of the prescribed strains.
     fn set_time(&mut self, system: &System, time: f64) {
         for (factor, field) in self.factors.iter_mut().zip(&system.prescribed_strains) {
-            *factor = system.amplitude(field.amplitude, time);
+            *factor = system.factor(&field.factor, time);
         }
     }
 
@@ -119,7 +119,7 @@ impl Assembly {
         self.set_time(system, k.time);
         let mut forces = self.element_forces.as_mut_slice();
         let mut history = self.history.as_slice();
-        for group in &system.groups {
+        for group in system.groups.iter() {
             let (mine, rest) = forces.split_at_mut(3 * group.len() * group.vectors_per_element());
             let k = inside(system, k, &mut history, group.as_ref(), &self.factors);
             group.evaluate(&k, 0, mine, None);
@@ -241,7 +241,7 @@ impl Assembly {
         let mut forces = self.element_forces.as_mut_slice();
         let mut stress = self.stress.as_slice();
         let mut history = self.history.as_slice();
-        for group in &system.groups {
+        for group in system.groups.iter() {
             let m = group.vectors_per_element();
             let (f, forces_rest) = forces.split_at_mut(3 * group.len() * m);
             let (s, stress_rest) = stress.split_at(group.len() * group.stresses_per_element());
@@ -270,7 +270,7 @@ impl Assembly {
                 let mut x = [Vec3::zeros(); 4];
                 current(system, k, load.vectors(), &mut x);
                 load.stiffness(&x[..n], b);
-                let factor = direction * system.amplitude(load.amplitude(), parts.time);
+                let factor = direction * system.factor(load.factor(), parts.time);
                 b.iter_mut().for_each(|v| *v *= factor);
                 rest = others;
             }
@@ -337,7 +337,7 @@ impl Assembly {
         self.set_time(system, k.time);
         let mut stress = self.stress.as_mut_slice();
         let mut history = self.history.as_slice();
-        for group in &system.groups {
+        for group in system.groups.iter() {
             let (s, rest) = stress.split_at_mut(group.len() * group.stresses_per_element());
             group.stresses(&inside(system, k, &mut history, group.as_ref(), &self.factors), s);
             stress = rest;
@@ -354,7 +354,7 @@ impl Assembly {
     ) {
         let mut stress = self.stress.as_mut_slice();
         let mut history = self.history.as_slice();
-        for group in &system.groups {
+        for group in system.groups.iter() {
             let (s, rest) = stress.split_at_mut(group.len() * group.stresses_per_element());
             let k = inside(system, k, &mut history, group.as_ref(), &self.factors);
             group.extrapolate(&k, increment, weights, s);
@@ -380,7 +380,7 @@ impl Assembly {
         let mut new = self.new_history.as_mut_slice();
         let mut history = self.history.as_slice();
         let mut dissipated = 0.0;
-        for group in &system.groups {
+        for group in system.groups.iter() {
             let (mine, rest) = new.split_at_mut(group.len() * group.history_per_element());
             let k = inside(system, k, &mut history, group.as_ref(), &self.factors);
             dissipated += group.update_history(&k, mine);
@@ -403,9 +403,8 @@ impl Assembly {
         old: (&[Nodal], f64),
         new: (&[Nodal], f64),
     ) -> f64 {
-        let factors = |time: f64| {
-            system.prescribed_strains.iter().map(move |field| system.amplitude(field.amplitude, time))
-        };
+        let factors =
+            |time: f64| system.prescribed_strains.iter().map(move |field| system.factor(&field.factor, time));
         let middle = 0.5 * (old.1 + new.1);
         if factors(old.1).eq(factors(middle)) && factors(middle).eq(factors(new.1)) {
             return 0.0;
@@ -438,7 +437,7 @@ impl Assembly {
         let k = Kinematics::new(&system.reference, Motion::State { u, velocity: None }, linear, time);
         let mut energies = self.energies.as_mut_slice();
         let mut history = self.history.as_slice();
-        for group in &system.groups {
+        for group in system.groups.iter() {
             let (e, rest) = energies.split_at_mut(group.len());
             group.energies(&inside(system, &k, &mut history, group.as_ref(), &self.factors), e);
             energies = rest;
@@ -450,7 +449,7 @@ impl Assembly {
     pub fn dissipated_power(&mut self, system: &System, k: &Kinematics) -> f64 {
         let mut power = self.energies.as_mut_slice();
         let mut history = self.history.as_slice();
-        for group in &system.groups {
+        for group in system.groups.iter() {
             let (p, rest) = power.split_at_mut(group.len());
             group.dissipation(&inside(system, k, &mut history, group.as_ref(), &self.factors), p);
             power = rest;
@@ -526,7 +525,7 @@ pub fn add_follower_loads(system: &System, k: &Kinematics, time: f64, factor: f6
         let mut f = [[0.0; 3]; 4];
         let n = load.vectors().len();
         load.forces(&x[..n], &mut f[..n]);
-        let factor = factor * system.amplitude(load.amplitude(), time);
+        let factor = factor * system.factor(load.factor(), time);
         for (&v, f) in load.vectors().iter().zip(f) {
             for i in 0..3 {
                 out[v as usize][i] += factor * f[i];
@@ -556,7 +555,7 @@ pub fn add_follower_stiffness(
         let mut x = [Vec3::zeros(); 4];
         current(system, k, vectors, &mut x);
         let stiffness = load.derivative(&x[..vectors.len()]);
-        let factor = -direction * system.amplitude(load.amplitude(), parts.time);
+        let factor = -direction * system.factor(load.factor(), parts.time);
         for (&v, row) in vectors.iter().zip(&stiffness) {
             let change = (0..vectors.len()).map(|b| row[b] * delta(b)).sum::<Vec3>() * factor;
             for i in 0..3 {

@@ -18,7 +18,7 @@ use super::assembly::{TangentCoefficients, current_vector};
 use super::numbering::{CONSTRAINED, Numbering};
 use super::{System, VectorKind};
 use crate::element::Kinematics;
-use crate::load::FollowerLoad;
+use crate::load::{FollowerLoad, LoadFactor};
 use crate::{Mat3, Vec3};
 
 /// Relative difference of the pressures of neighbours up to which they cancel along their common edge.
@@ -31,9 +31,9 @@ const ROUNDING: f64 = 1e-13;
 struct PressureEdge {
     /// Positions of the edge's ends, in the sense around the surface.
     ends: [u32; 2],
-    /// Pressure at amplitude 1.
+    /// Pressure at factor 1.
     pressure: f64,
-    amplitude: Option<usize>,
+    factor: LoadFactor,
 }
 
 /// Skew block of two nodal vectors; the block of `(column, row)` is minus its transpose.
@@ -94,7 +94,7 @@ impl CirculatoryStiffness {
         }
         let direction = parts.weights.force * parts.weights.direction;
         for edge in &self.edges {
-            let p = direction * edge.pressure * system.amplitude(edge.amplitude, parts.time);
+            let p = direction * edge.pressure * system.factor(&edge.factor, parts.time);
             let [a, b] = edge.ends;
             let along = current_vector(system, k, b as usize) - current_vector(system, k, a as usize);
             // ∮ N_a N_b along an edge: a third of it and a sixth.
@@ -107,7 +107,7 @@ impl CirculatoryStiffness {
         }
         for &n in &self.moments {
             let load = &system.followers[n as usize];
-            let factor = direction * system.amplitude(load.amplitude(), parts.time);
+            let factor = direction * system.factor(load.factor(), parts.time);
             let vectors = load.vectors();
             let mut x = [Vec3::zeros(); 4];
             for (x, &v) in x.iter_mut().zip(vectors) {
@@ -178,17 +178,19 @@ impl CirculatoryStiffness {
 
 /// Loaded edges that do not cancel: on the boundary of a surface, or between different pressures.
 fn boundary(loads: &[FollowerLoad]) -> Vec<PressureEdge> {
-    let mut sums: BTreeMap<([u32; 2], Option<usize>), [f64; 2]> = BTreeMap::new();
+    type Key = ([u32; 2], (Option<usize>, u64, bool));
+    let mut sums: BTreeMap<Key, ([f64; 2], LoadFactor)> = BTreeMap::new();
     for load in loads {
-        let FollowerLoad::Pressure { vectors, pressure, amplitude } = load else { continue };
+        let FollowerLoad::Pressure { vectors, pressure, factor } = load else { continue };
         for a in 0..4 {
             let (from, to) = (vectors[a], vectors[(a + 1) % 4]);
             let signed = if from < to { *pressure } else { -pressure };
-            let [sum, size] = sums.entry(([from.min(to), from.max(to)], *amplitude)).or_default();
+            let key = ([from.min(to), from.max(to)], factor.key());
+            let ([sum, size], _) = sums.entry(key).or_insert(([0.0; 2], *factor));
             *sum += signed;
             *size += pressure.abs();
         }
     }
-    let left = sums.into_iter().filter(|(_, [sum, size])| sum.abs() > CANCELLED * size);
-    left.map(|((ends, amplitude), [pressure, _])| PressureEdge { ends, pressure, amplitude }).collect()
+    let left = sums.into_iter().filter(|(_, ([sum, size], _))| sum.abs() > CANCELLED * size);
+    left.map(|((ends, _), ([pressure, _], factor))| PressureEdge { ends, pressure, factor }).collect()
 }

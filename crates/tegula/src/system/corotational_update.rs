@@ -32,7 +32,7 @@ impl CorotationalUpdate {
     /// Identity rotations for the nodes of a system.
     pub fn new(system: &System) -> Self {
         let mut pairs: Vec<(u32, u32)> = Vec::new();
-        for group in &system.groups {
+        for group in system.groups.iter() {
             for e in 0..group.len() {
                 let vectors = group.vectors(e);
                 let positions =

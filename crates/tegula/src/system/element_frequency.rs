@@ -39,7 +39,7 @@ impl MassShares {
     pub fn new(system: &System) -> Self {
         let n = system.vectors();
         let mut out = Self { own: vec![0.0; n], massless: vec![0; n], loads: vec![0; n] };
-        for group in &system.groups {
+        for group in system.groups.iter() {
             for e in 0..group.len() {
                 let vectors = group.vectors(e);
                 let own = row_sums(&system.kinds, vectors, group.mass(e));
@@ -180,7 +180,7 @@ pub fn of_followers(system: &System, shares: &MassShares, mass: &[f64], u: &[Nod
         }
         // The stiffness gains −∂f/∂x.
         load.stiffness(&x[..n], &mut blocks[..9 * pairs(n)]);
-        let factor = system.amplitude(load.amplitude(), time);
+        let factor = system.factor(load.factor(), time);
         blocks.iter_mut().for_each(|k| *k *= factor);
         square.fill(&blocks[..9 * pairs(n)], &part[..n], |_| true);
         highest = larger(highest, square.bound(highest));

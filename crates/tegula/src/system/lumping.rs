@@ -110,8 +110,7 @@ fn scale_rotary_inertia(system: &System, shares: &MassShares, mass: &mut [f64]) 
 /// Hands the stiffness of all elements in the reference configuration to `take`, batch by batch, group by group.
 fn at_rest(system: &System, mut take: impl FnMut(ElementBlocks)) {
     let rest = vec![[0.0; 3]; system.vectors()];
-    let factors: Vec<f64> =
-        system.prescribed_strains.iter().map(|f| system.amplitude(f.amplitude, 0.0)).collect();
+    let factors: Vec<f64> = system.prescribed_strains.iter().map(|f| system.factor(&f.factor, 0.0)).collect();
     // Material stiffness only: prescribed strains would add their stress.
     let weights = TangentWeights { stress: 1.0, direction: 0.0, force: 1.0, rate: 0.0 };
     let motion = Motion::State { u: &rest, velocity: None };

@@ -8,13 +8,15 @@ mod inverted_element;
 pub mod lumping;
 pub mod numbering;
 pub mod pattern;
+mod procedure;
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use crate::Vec3;
 use crate::element::shell::ShellElement;
 use crate::element::{ElementGroup, Nodal, ShellGeometry};
-use crate::load::{FollowerLoad, TimeFunction};
+use crate::load::{FollowerLoad, LoadFactor, LoadParameter, TimeFunction};
 use crate::mesh::Labels;
 use crate::mesh::folds::Folds;
 use crate::model::PrescribedStrain;
@@ -23,18 +25,19 @@ pub use assembly::Assembly;
 pub use circulatory::CirculatoryStiffness;
 pub use corotational_update::CorotationalUpdate;
 pub use inverted_element::inverted_element;
-use numbering::Support;
 pub use numbering::{Numbering, VectorKind};
+use numbering::{Prescribed, Support};
 pub use pattern::Pattern;
+pub use procedure::Procedure;
 use tegula_sparse::SymmetricPattern;
 
 /// Dead load: a force on nodal vectors that does not depend on the motion.
 #[derive(Debug, Clone)]
 pub struct DeadLoad {
-    /// Force at amplitude 1.
+    /// Force at factor 1.
     pub force: Vec<Nodal>,
-    /// Amplitude; `None`: grows with the load factor in statics, constant in transients.
-    pub amplitude: Option<usize>,
+    /// Factor over the analysis step.
+    pub factor: LoadFactor,
     /// Whether the load is gravity, whose potential is part of the energy.
     pub gravity: bool,
 }
@@ -81,8 +84,19 @@ pub struct ShellSection {
 pub struct PrescribedField {
     /// The strain at factor 1.
     pub strain: PrescribedStrain,
-    /// Amplitude; `None`: grows with the load factor in statics, constant in transients.
-    pub amplitude: Option<usize>,
+    /// Factor over the analysis step.
+    pub factor: LoadFactor,
+}
+
+/// State at which an analysis step starts, left by the step before.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct StepStart {
+    /// Displacements of the nodal vectors.
+    pub u: Vec<Nodal>,
+    /// Velocities; empty where the step before was static.
+    pub v: Vec<Nodal>,
+    /// Enhanced parameters and internal variables of the materials.
+    pub history: Vec<f64>,
 }
 
 /// The compiled model.
@@ -100,11 +114,11 @@ pub struct System {
     /// Constrained and free degrees of freedom.
     pub numbering: Numbering,
     /// Elements.
-    pub groups: Vec<Box<dyn ElementGroup>>,
+    pub groups: Arc<Vec<Box<dyn ElementGroup>>>,
     /// Shells, one per quad that has an element.
     pub shells: Vec<Shell>,
     /// Sections of the shells.
-    pub sections: Vec<ShellSection>,
+    pub sections: Arc<Vec<ShellSection>>,
     /// Fields of prescribed strain.
     pub prescribed_strains: Vec<PrescribedField>,
     /// Flags of the inextensible directors among the nodal vectors; empty: none.
@@ -129,19 +143,17 @@ pub struct System {
     pub amplitude_names: Vec<String>,
     /// Sparsity and mass.
     pub pattern: Pattern,
-    /// Whether the system was compiled for explicit integration: lumped mass, and no pattern of a tangent.
-    pub explicit: bool,
-    /// Whether the pattern holds the tangent, which neither explicit steps nor the iterative linear solver need.
-    pub has_tangent_pattern: bool,
+    /// Kind of analysis for which the system is compiled.
+    pub procedure: Procedure,
     /// Rayleigh factor of the mass.
     pub mass_damping: f64,
     /// Size of the model: largest side of its bounding box (length).
     pub length: f64,
     /// Whether displacements are small (geometrically linear model).
     pub linear: bool,
-    /// Whether loads without amplitude grow with time (statics) instead of being constant.
-    pub proportional: bool,
-    /// Velocities at the start; empty if all are zero.
+    /// State at which the analysis step starts; `None`: the reference configuration at rest.
+    pub start: Option<StepStart>,
+    /// Velocities that the start of a transient analysis adds to those of its first state; empty if all are zero.
     pub initial_velocity: Vec<Nodal>,
     /// Times (load factors) at which the user wants a step to end.
     pub wanted_times: Vec<f64>,
@@ -194,33 +206,48 @@ impl System {
         self.shells.len()
     }
 
-    /// Factor of a load or prescribed motion at a time.
-    ///
-    /// In statics the time is the load factor λ. Loads that an amplitude gives already at λ = 0 are applied below
-    /// λ = 0: the factor is `(1 + λ) f(0)` from λ = −1 on, where nothing acts.
-    pub fn amplitude(&self, amplitude: Option<usize>, time: f64) -> f64 {
-        match amplitude {
-            Some(i) if self.proportional && time < 0.0 => (1.0 + time) * self.amplitudes[i].value(0.0),
-            Some(i) => self.amplitudes[i].value(time),
-            None if self.proportional => f64::max(time, 0.0),
-            None => 1.0,
-        }
+    /// Independent variable of the loads.
+    pub fn parameter(&self) -> LoadParameter {
+        self.procedure.parameter()
     }
 
-    /// Load factor at which a static analysis starts: −1 where an amplitude is not 0 at load factor 0, else 0. Yielding
-    /// materials keep these loads in their history, and a step to them can be cut back.
+    /// Factor of a load at a time; in statics the time is the load factor λ.
+    pub fn factor(&self, factor: &LoadFactor, time: f64) -> f64 {
+        factor.value(&self.amplitudes, self.parameter(), time)
+    }
+
+    /// Load factor at which a static analysis step starts: −1 where an amplitude does not continue at load factor 0 what
+    /// the step before has left (in a first step: is not 0 there), else 0. Yielding materials keep these loads in their
+    /// history, and a step to them can be cut back.
     pub fn first_load_factor(&self) -> f64 {
-        let mut used = self.amplitudes_in_use();
-        let loaded = used.any(|(i, _)| self.amplitudes.get(i).is_some_and(|a| a.value(0.0) != 0.0));
-        if self.proportional && loaded { -1.0 } else { 0.0 }
+        let loads = self.load_factors().any(|factor| factor.jumps(&self.amplitudes));
+        let motions = self.numbering.prescribed.iter().any(|p| p.jumps(&self.amplitudes));
+        if self.parameter() == LoadParameter::LoadFactor && (loads || motions) { -1.0 } else { 0.0 }
+    }
+
+    /// Factors of all loads and prescribed strains.
+    fn load_factors(&self) -> impl Iterator<Item = &LoadFactor> {
+        let dead = self.dead_loads.iter().map(|load| &load.factor);
+        let followers = self.followers.iter().map(FollowerLoad::factor);
+        dead.chain(followers).chain(self.prescribed_strains.iter().map(|p| &p.factor))
+    }
+
+    /// Whether loads, prescribed strains and motions do not all grow in proportion.
+    pub fn load_factors_differ(&self) -> bool {
+        let loads = self.load_factors().map(|f| f.key());
+        let motions = self.numbering.prescribed.iter().filter(|p| !p.held).map(|p| (p.amplitude, 0, false));
+        let mut all = loads.chain(motions);
+        let first = all.next();
+        all.any(|key| Some(key) != first)
     }
 
     /// Undefined amplitude at a time: the first one in use that has no finite value, or no finite velocity or
     /// acceleration where a prescribed motion of a transient analysis follows it; as text.
     pub fn undefined_amplitude(&self, time: f64) -> Option<String> {
-        let time = if self.proportional { f64::max(time, 0.0) } else { time };
+        let is_static = self.parameter() == LoadParameter::LoadFactor;
+        let time = if is_static { f64::max(time, 0.0) } else { time };
         self.amplitudes_in_use().find_map(|(i, motion)| {
-            let (what, value) = self.amplitudes.get(i)?.undefined(time, motion && !self.proportional)?;
+            let (what, value) = self.amplitudes.get(i)?.undefined(time, motion && !is_static)?;
             let name = self.amplitude_name(i);
             Some(format!("the {what} of the amplitude \"{name}\" is {value} at {time:.6e}"))
         })
@@ -229,12 +256,9 @@ impl System {
     /// Amplitudes that loads, prescribed strains and prescribed motions follow, one for each of these, and whether it is
     /// a motion.
     pub fn amplitudes_in_use(&self) -> impl Iterator<Item = (usize, bool)> + '_ {
-        let loads = self.dead_loads.iter().map(|load| load.amplitude);
-        let followers = self.followers.iter().map(FollowerLoad::amplitude);
-        let strains = self.prescribed_strains.iter().map(|p| p.amplitude);
-        let motions = self.numbering.prescribed.iter().map(|&(_, _, amplitude)| (amplitude, true));
-        let used = loads.chain(followers).chain(strains).map(|amplitude| (amplitude, false)).chain(motions);
-        used.filter_map(|(amplitude, motion)| Some((amplitude?, motion)))
+        let loads = self.load_factors().map(|factor| (factor.used_amplitude(), false));
+        let motions = self.numbering.prescribed.iter().map(|p| (p.amplitude, true));
+        loads.chain(motions).filter_map(|(amplitude, motion)| Some((amplitude?, motion)))
     }
 
     /// Name of an amplitude.
@@ -245,7 +269,7 @@ impl System {
     /// Adds the dead loads at a time.
     pub fn add_dead_loads(&self, time: f64, factor: f64, out: &mut [Nodal]) {
         for load in &self.dead_loads {
-            let f = factor * self.amplitude(load.amplitude, time);
+            let f = factor * self.factor(&load.factor, time);
             if f != 0.0 {
                 for (o, v) in out.iter_mut().zip(&load.force) {
                     for i in 0..3 {
@@ -261,8 +285,8 @@ impl System {
         self.dead_loads
             .iter()
             .filter(|l| l.gravity)
-            .filter_map(|l| match l.amplitude.map(|a| &self.amplitudes[a]) {
-                None if !self.proportional => Some(-dot(&l.force, u)),
+            .filter_map(|l| match l.factor.amplitude.map(|a| &self.amplitudes[a]) {
+                None if self.parameter() == LoadParameter::Time => Some(-dot(&l.force, u)),
                 Some(TimeFunction::Constant(c)) => Some(-c * dot(&l.force, u)),
                 _ => None,
             })
@@ -271,17 +295,19 @@ impl System {
 
     /// Writes the prescribed displacements at a time into the constrained degrees of freedom of `u`.
     pub fn prescribe(&self, time: f64, u: &mut [Nodal]) {
-        self.write_prescribed(u, |value, amplitude| value * self.amplitude(amplitude, time));
+        self.write_prescribed(u, |p| p.displacement(&self.amplitudes, self.parameter(), time));
     }
 
     /// Writes prescribed velocities at a time.
     pub fn prescribe_velocity(&self, time: f64, v: &mut [Nodal]) {
-        self.write_prescribed(v, |value, a| a.map_or(0.0, |a| value * self.amplitudes[a].rate(time)));
+        self.write_prescribed(v, |p| p.amplitude.map_or(0.0, |a| p.value * self.amplitudes[a].rate(time)));
     }
 
     /// Writes prescribed velocities just before a time: at a kink of a table they differ from those behind it.
     pub fn prescribe_velocity_before(&self, time: f64, v: &mut [Nodal]) {
-        self.write_prescribed(v, |value, a| a.map_or(0.0, |a| value * self.amplitudes[a].rate_before(time)));
+        let rate =
+            |p: &Prescribed| p.amplitude.map_or(0.0, |a| p.value * self.amplitudes[a].rate_before(time));
+        self.write_prescribed(v, rate);
     }
 
     /// Whether elements have strain-rate damping.
@@ -293,28 +319,30 @@ impl System {
     pub fn has_kink(&self, time: f64) -> bool {
         let kink =
             |a: &TimeFunction| matches!(a, TimeFunction::Table(_)) && a.rate(time) != a.rate_before(time);
-        let motions = self.numbering.prescribed.iter().filter_map(|&(_, _, amplitude)| amplitude);
+        let motions = self.numbering.prescribed.iter().filter_map(|p| p.amplitude);
         motions.filter_map(|a| self.amplitudes.get(a)).any(kink)
     }
 
     /// Writes prescribed accelerations at a time.
     pub fn prescribe_acceleration(&self, time: f64, a: &mut [Nodal]) {
-        self.write_prescribed(a, |value, a| a.map_or(0.0, |a| value * self.amplitudes[a].acceleration(time)));
+        let acceleration =
+            |p: &Prescribed| p.amplitude.map_or(0.0, |a| p.value * self.amplitudes[a].acceleration(time));
+        self.write_prescribed(a, acceleration);
     }
 
-    fn write_prescribed(&self, field: &mut [Nodal], f: impl Fn(f64, Option<usize>) -> f64) {
-        for &(coordinate, value, amplitude) in &self.numbering.prescribed {
-            let (v, c) = (coordinate as usize / 3, coordinate as usize % 3);
+    fn write_prescribed(&self, field: &mut [Nodal], f: impl Fn(&Prescribed) -> f64) {
+        for prescribed in &self.numbering.prescribed {
+            let (v, c) = prescribed.place();
             let mut local = self.numbering.to_axes(v, field[v]);
-            local[c] = f(value, amplitude);
+            local[c] = f(prescribed);
             field[v] = self.numbering.from_axes(v, local);
         }
     }
 
     /// Work of forces over the change of the prescribed degrees of freedom between two displacements.
     pub fn work_of_prescribed(&self, forces: &[Nodal], from: &[Nodal], to: &[Nodal]) -> f64 {
-        let work = |&(coordinate, _, _): &(u32, f64, Option<usize>)| {
-            let (v, c) = (coordinate as usize / 3, coordinate as usize % 3);
+        let work = |prescribed: &Prescribed| {
+            let (v, c) = prescribed.place();
             let along = |field: &[Nodal]| self.numbering.to_axes(v, field[v])[c];
             along(forces) * (along(to) - along(from))
         };
@@ -323,8 +351,8 @@ impl System {
 
     /// Product of forces and a change along the prescribed degrees of freedom.
     pub fn product_of_prescribed(&self, forces: &[Nodal], change: &[Nodal]) -> f64 {
-        let product = |&(coordinate, _, _): &(u32, f64, Option<usize>)| {
-            let (v, c) = (coordinate as usize / 3, coordinate as usize % 3);
+        let product = |prescribed: &Prescribed| {
+            let (v, c) = prescribed.place();
             self.numbering.to_axes(v, forces[v])[c] * self.numbering.to_axes(v, change[v])[c]
         };
         self.numbering.prescribed.iter().map(product).sum()

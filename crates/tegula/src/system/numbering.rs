@@ -1,9 +1,12 @@
 //! Nodal vectors, their supports, and the numbers of the free degrees of freedom.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::element::Nodal;
 pub use crate::element::VectorKind;
+#[cfg(doc)]
+use crate::load::LoadFactor;
+use crate::load::{LoadParameter, TimeFunction};
 use crate::{Mat3, Vec3};
 
 /// A prescribed displacement: a value and the amplitude it is multiplied with.
@@ -46,12 +49,54 @@ pub struct Numbering {
     pub free: Vec<u32>,
     /// Local frames (axes as columns) of the vectors that have one; empty if none has.
     frames: Vec<Option<Mat3>>,
-    /// Prescribed degrees of freedom: `3 v + c`, value, amplitude.
-    pub prescribed: Vec<(u32, f64, Option<usize>)>,
+    /// Prescribed degrees of freedom.
+    pub prescribed: Vec<Prescribed>,
     /// Number of free degrees of freedom.
     pub unknowns: usize,
     /// Inextensible directors: their local frames rotate with them, the last axis along the vector.
     pub unit: Vec<UnitVector>,
+}
+
+/// Prescribed degree of freedom: its displacement follows a value times an amplitude, or stays where it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prescribed {
+    /// Degree of freedom `3 v + c`, along the local axis c of the nodal vector v.
+    pub dof: u32,
+    /// Displacement at amplitude 1.
+    pub value: f64,
+    /// Index of the amplitude.
+    pub amplitude: Option<usize>,
+    /// Displacement at the start of the analysis step.
+    pub start: f64,
+    /// Whether the degree of freedom is fixed: it stays at `start`.
+    pub held: bool,
+}
+
+impl Prescribed {
+    /// Nodal vector and component.
+    pub fn place(&self) -> (usize, usize) {
+        (self.dof as usize / 3, self.dof as usize % 3)
+    }
+
+    /// Displacement at a time or load factor; see [`LoadFactor::value`] for load factors below 0.
+    pub fn displacement(&self, amplitudes: &[TimeFunction], parameter: LoadParameter, at: f64) -> f64 {
+        let Self { value, amplitude, start, held, .. } = *self;
+        match (amplitude, parameter) {
+            _ if held => start,
+            (Some(i), LoadParameter::LoadFactor) if at < 0.0 => {
+                start + (1.0 + at) * (value * amplitudes[i].value(0.0) - start)
+            }
+            (Some(i), _) => value * amplitudes[i].value(at),
+            (None, LoadParameter::LoadFactor) => start + f64::max(at, 0.0) * (value - start),
+            (None, LoadParameter::Time) => value,
+        }
+    }
+
+    /// Whether an amplitude begins elsewhere than the degree of freedom is at the start of the step.
+    pub fn jumps(&self, amplitudes: &[TimeFunction]) -> bool {
+        let leaves = |i: usize| amplitudes.get(i).is_some_and(|a| self.value * a.value(0.0) != self.start);
+        self.amplitude.is_some_and(leaves)
+    }
 }
 
 /// Inextensible director: a nodal vector of constant length.
@@ -61,6 +106,8 @@ pub struct UnitVector {
     pub vector: u32,
     /// Direction along which the director is supported, if there is one.
     pub fixed: Option<Vec3>,
+    /// Component along `fixed` at which the director is held; `None`: that of the reference.
+    pub held: Option<f64>,
 }
 
 impl UnitVector {
@@ -83,7 +130,7 @@ impl UnitVector {
     /// Projection onto the constraint: unit vector nearest to `d` (with the supported component of `reference`).
     pub fn project(&self, d: Vec3, reference: &Vec3) -> Vec3 {
         let Some(a) = self.fixed else { return d.normalize() };
-        let along = a.dot(reference);
+        let along = self.held.unwrap_or_else(|| a.dot(reference));
         let across = d - a * a.dot(&d);
         a * along + across.normalize() * (1.0 - along * along).max(0.0).sqrt()
     }
@@ -131,6 +178,32 @@ impl Numbering {
             numbering.frames = Vec::new();
         }
         Ok(numbering)
+    }
+
+    /// Starts an analysis step at the displacements `u`: prescribed degrees of freedom go on from there, and fixed ones
+    /// stay there.
+    pub fn start_at(&mut self, reference: &[Nodal], u: &[Nodal]) {
+        let current = |v: usize| Vec3::from(reference[v]) + Vec3::from(u[v]);
+        self.follow(current);
+        let mut held: BTreeMap<u32, Prescribed> = BTreeMap::new();
+        for (v, value) in u.iter().enumerate() {
+            let local = self.to_axes(v, *value);
+            for (c, start) in local.into_iter().enumerate().filter(|(_, x)| *x != 0.0) {
+                let dof = (3 * v + c) as u32;
+                if self.free[dof as usize] == CONSTRAINED {
+                    held.insert(dof, Prescribed { dof, value: 0.0, amplitude: None, start, held: true });
+                }
+            }
+        }
+        for unit in &mut self.unit {
+            let v = unit.vector;
+            held.retain(|dof, _| dof / 3 != v);
+            unit.held = unit.fixed.map(|axis| axis.dot(&current(v as usize)));
+        }
+        for prescribed in &mut self.prescribed {
+            prescribed.start = held.remove(&prescribed.dof).map_or(0.0, |h| h.start);
+        }
+        self.prescribed.extend(held.into_values());
     }
 
     /// Rotates the local frames of inextensible directors to their present values.
@@ -293,7 +366,7 @@ impl Builder {
         // A support along the director is redundant: its length is constant anyway.
         axes.retain(|(a, _)| a.dot(d).abs() < 1.0 - 1e-9);
         if axes.len() < 2 {
-            let director = UnitVector { vector: v as u32, fixed: axes.first().map(|(a, _)| *a) };
+            let director = UnitVector { vector: v as u32, fixed: axes.first().map(|(a, _)| *a), held: None };
             self.numbering.frames[v] = Some(director.axes(d));
             (0..2 - axes.len()).for_each(|c| self.number(3 * v + c));
             self.numbering.unit.push(director);
@@ -329,7 +402,13 @@ impl Builder {
             match support {
                 None => self.number(3 * v + c),
                 Some(Some((value, amplitude))) => {
-                    self.numbering.prescribed.push(((3 * v + c) as u32, value, amplitude));
+                    self.numbering.prescribed.push(Prescribed {
+                        dof: (3 * v + c) as u32,
+                        value,
+                        amplitude,
+                        start: 0.0,
+                        held: false,
+                    });
                 }
                 Some(None) => {}
             }

@@ -23,3 +23,4 @@ mod nonlinear_materials;
 mod reactions;
 mod sheet_to_membrane;
 mod statics;
+mod steps;

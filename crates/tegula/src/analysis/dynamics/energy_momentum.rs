@@ -75,9 +75,11 @@ impl EnergyMomentum {
             (0..3).for_each(|i| a[i] += second * change[i]);
         }
         let numbering = &system.numbering;
-        for &(coordinate, value, amplitude) in &numbering.prescribed {
-            let (n, c) = (coordinate as usize / 3, coordinate as usize % 3);
-            let rate = amplitude.map_or(0.0, |i| value * system.amplitudes[i].rate_before(self.time));
+        for prescribed in &numbering.prescribed {
+            let (n, c) = prescribed.place();
+            let rate = prescribed
+                .amplitude
+                .map_or(0.0, |i| prescribed.value * system.amplitudes[i].rate_before(self.time));
             let mut local = numbering.to_axes(n, self.a[n]);
             local[c] = (rate - numbering.to_axes(n, self.v_old[n])[c]) / self.dt;
             self.a[n] = numbering.from_axes(n, local);

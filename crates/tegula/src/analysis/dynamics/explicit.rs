@@ -18,13 +18,13 @@
 use rayon::prelude::*;
 
 use super::work;
+use crate::Result;
 use crate::analysis::State;
 use crate::analysis::statics::state_kinematics;
 use crate::element::{Kinematics, Motion, Nodal};
 use crate::system::assembly::add_follower_loads;
 use crate::system::numbering::CONSTRAINED;
-use crate::system::{Assembly, Numbering, System, dot3};
-use crate::{Error, Result};
+use crate::system::{Assembly, Numbering, Procedure, System, dot3};
 
 /// Smallest number of nodal vectors that one task moves.
 const GRAIN: usize = 4096;
@@ -56,13 +56,7 @@ impl<'a> Explicit<'a> {
     /// # Errors
     /// The system was compiled for other analyses.
     pub(super) fn new(system: &'a System) -> Result<Self> {
-        if !system.explicit {
-            return Err(Error::model(
-                "analysis.scheme",
-                "the system was compiled with consistent mass",
-                "compile the model with the scheme \"explicit\"",
-            ));
-        }
+        system.require(&[Procedure::Explicit])?;
         let n = system.vectors();
         let mut mass = vec![0.0; n];
         system.pattern.for_each_mass(|i, j, m| {

@@ -14,12 +14,12 @@ mod step_end;
 mod time_steps;
 
 use super::newton::{Equation, Newton, Tolerances};
-use super::{Balance, Observer, State, Statistics};
+use super::{Balance, Observer, State, Statistics, statics};
 use crate::element::{Kinematics, Motion, Nodal};
 use crate::model::{Scheme, TransientAnalysis};
 use crate::system::assembly::add_follower_loads;
 use crate::system::numbering::CONSTRAINED;
-use crate::system::{Assembly, System, VectorKind, dot, dot3};
+use crate::system::{Assembly, Procedure, System, VectorKind, dot, dot3};
 use crate::{Result, Vec3};
 pub use amplitude_check::{PassedOver, passed_over};
 use energy_momentum::EnergyMomentum;
@@ -82,7 +82,7 @@ pub struct TransientOutcome {
 /// Smallest step over the end time; a run with shorter steps gives up.
 const SMALLEST_STEP: f64 = 1e-10;
 
-/// Integrates the motion from `start` (rest or the initial velocities where `None`).
+/// Integrates the motion from `start`, a state of the same analysis (from its first state where `None`).
 ///
 /// # Errors
 /// A step did not converge even after cut-backs to the smallest length, or the user interrupted.
@@ -92,16 +92,19 @@ pub fn run(
     start: Option<State>,
     observer: &mut dyn Observer,
 ) -> Result<TransientOutcome> {
+    let explicit = matches!(options.scheme, Scheme::Explicit(_));
+    system.require(&[if explicit { Procedure::Explicit } else { Procedure::Transient }])?;
     match integrator(system, options.scheme) {
         Some(scheme) => TimeSteps::new(system, options, scheme, start, observer)?.run(observer),
         None => explicit_run::run(system, options, start, observer),
     }
 }
 
-/// Rest or initial velocities, prescribed values at time 0, and accelerations that satisfy the
+/// First state of the step with its initial velocities, prescribed values at time 0, and accelerations that satisfy the
 /// equations of motion there: `M a = F − f_int − C v`.
 fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
     let mut state = initial_motion(system);
+    newton.assembly.history.copy_from_slice(&state.history);
     newton.assembly.follow(system, &state_with_rates(system, &state));
     impact::factor_mass(system, newton)?;
     impact::share_jump(system, newton, &given_velocities(system), &mut state);
@@ -111,17 +114,20 @@ fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
     Ok(state)
 }
 
-/// Initial velocities of the model, zero where it gives none.
+/// Velocities before supports act: those in which the step before has ended, and the initial velocities of the model.
 fn given_velocities(system: &System) -> Vec<Nodal> {
     let mut given = system.initial_velocity.clone();
     given.resize(system.vectors(), [0.0; 3]);
+    if let Some(start) = &system.start {
+        statics::add(&mut given, &start.v);
+    }
     given
 }
 
 /// Displacements and velocities at time 0, and accelerations of constrained degrees of freedom only.
 fn initial_motion(system: &System) -> State {
     let n = system.vectors();
-    let mut state = State { v: given_velocities(system), a: vec![[0.0; 3]; n], ..State::at_rest(system) };
+    let mut state = State { v: given_velocities(system), a: vec![[0.0; 3]; n], ..State::first(system) };
     // Supports hold from the start: an initial velocity along constrained directions is not possible.
     let mut supported = vec![[0.0; 3]; n];
     system.numbering.supported_part(&state.v, &mut supported);

@@ -2,7 +2,7 @@
 
 use crate::analysis::stops::Stops;
 use crate::model::{Scheme, TransientAnalysis};
-use crate::system::System;
+use crate::system::{Procedure, System};
 
 /// Tolerance, over a constant step, within which a time counts as a multiple of it: adding a million steps leaves less
 /// round-off.
@@ -37,7 +37,7 @@ impl StepEnds {
     /// Ends of the steps of an analysis.
     pub fn new(system: &System, options: &TransientAnalysis) -> Self {
         let end = options.end_time;
-        let shares = options.time_step.is_none() && !system.explicit;
+        let shares = options.time_step.is_none() && system.procedure != Procedure::Explicit;
         let lags = matches!(options.scheme, Scheme::Hht(_));
         Self { stops: Stops::of(system, end), fixed: options.time_step, end, shares, lags }
     }

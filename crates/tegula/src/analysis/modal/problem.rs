@@ -91,7 +91,7 @@ impl<'a> Problem<'a> {
         newton.assembly.mass_values(system, &mut mass);
         let pattern = system.tangent_pattern();
         let parts = Parts::new(system);
-        let strained = system.prescribed_strains.iter().any(|p| system.amplitude(p.amplitude, time) != 0.0);
+        let strained = system.prescribed_strains.iter().any(|p| system.factor(&p.factor, time) != 0.0);
         let mut moved = vec![false; parts.count()];
         for (v, u) in u.iter().enumerate().filter(|(_, u)| **u != [0.0; 3]) {
             moved[parts.of(v)] |= u.iter().any(|x| *x != 0.0);

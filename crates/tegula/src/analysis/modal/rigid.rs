@@ -42,7 +42,7 @@ impl Parts {
             let (a, b) = (find(&mut root, a), find(&mut root, b));
             root[a.max(b) as usize] = a.min(b);
         };
-        for group in &system.groups {
+        for group in system.groups.iter() {
             for e in 0..group.len() {
                 let vectors = group.vectors(e);
                 vectors.iter().for_each(|&v| join(vectors[0], v));

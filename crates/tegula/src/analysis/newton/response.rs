@@ -133,6 +133,7 @@ impl<S: TangentSolver> Newton<S> {
             loaded.external_minus_inertia(system, &mut self.residual);
             add_follower_stiffness(system, &k, &parts, &self.increment, &mut self.residual);
             subtract(&mut self.residual, &self.internal);
+            self.change_of_forces(system, equation, loaded);
         }
         Ok(negative)
     }

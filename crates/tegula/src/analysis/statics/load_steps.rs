@@ -21,12 +21,13 @@ const INCREMENT_TOLERANCE: f64 = 1e-6;
 /// Number of halvings of a load step after which its length is round-off of the load factor.
 const MOST_CUTBACKS: i32 = 40;
 
-/// State of a static analysis before its first step: the reference configuration.
+/// State of a static analysis before its first step: where the analysis step before has ended, or the reference
+/// configuration.
 pub fn first_state(system: &System, options: &StaticAnalysis) -> State {
     State {
         time: system.first_load_factor(),
         next_step: 1.0 / f64::from(options.load_steps.max(1)),
-        ..State::at_rest(system)
+        ..State::first(system)
     }
 }
 
@@ -67,8 +68,13 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         start: Option<State>,
     ) -> Self {
         let largest = 1.0 / f64::from(options.load_steps.max(1));
-        let state = start.unwrap_or_else(|| first_state(system, options));
-        newton.restore(system, &state, state.step > 0);
+        let mut state = start.unwrap_or_else(|| first_state(system, options));
+        newton.restore(system, &state, is_loaded(system, &state));
+        if state.step == 0 && system.start.is_some() {
+            // On the way back to the unloaded state those of the iterates vanish.
+            state.energy_scale = energies(system, &mut newton.assembly, &state).strain;
+            state.displacement_scale = system.norm(&state.u);
+        }
         // The tangent of a linear model is the same in smaller steps: they cannot help.
         let cutbacks = if system.linear { 0 } else { options.max_cutbacks as i32 };
         let moved = !system.numbering.prescribed.is_empty();
@@ -144,7 +150,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             failure.reason,
             name(other)
         ));
-        self.newton.restore(self.system, &self.state, self.state.step > 0);
+        self.newton.restore(self.system, &self.state, is_loaded(self.system, &self.state));
         self.newton.set_method(other);
         Ok(match self.iterate(target, observer)? {
             Ok(converged) => {
@@ -346,7 +352,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             "load factor {target:.6} not reached: {}; the step is halved",
             failure.reason
         ));
-        self.newton.restore(self.system, &self.state, self.state.step > 0);
+        self.newton.restore(self.system, &self.state, is_loaded(self.system, &self.state));
         self.state.next_step = step;
         Ok(())
     }
@@ -376,7 +382,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
     /// Negative pivots of the tangent of the unloaded structure: without stresses it has none but for round-off. `None`
     /// where a failure is of another kind.
     fn negative_pivots_at_rest(&mut self, failure: &Failure) -> Option<usize> {
-        let rest = self.state.step == 0 && self.system.prescribed_strains.is_empty();
+        let rest = !is_loaded(self.system, &self.state) && self.system.prescribed_strains.is_empty();
         if failure.negative_pivots == 0 || !(rest || self.system.linear) {
             return None;
         }
@@ -395,15 +401,24 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             return None;
         }
         let Self { newton, system, state, equation, .. } = self;
-        newton.restore(system, state, state.step > 0);
+        newton.restore(system, state, is_loaded(system, state));
         let at = |time| StaticEquation { u: state.u.clone(), time, ..equation.clone() };
         let (response, mode, _) = newton.softest_mode(system, &at(state.time), &at(target)).ok()?;
-        let mean = system.norm(&state.u) / (state.time - system.first_load_factor());
+        let first = State::first(system).u;
+        let moved: Vec<Nodal> =
+            state.u.iter().zip(&first).map(|(u, f)| std::array::from_fn(|i| u[i] - f[i])).collect();
+        let mean = system.norm(&moved) / (state.time - system.first_load_factor());
         let softened = response / (target - state.time) / mean;
         let mut critical = CriticalPoint::of(failure, mode, softened)?;
         critical.look_at_enhanced_strains(system, state);
         Some(critical)
     }
+}
+
+/// Whether a state has been reached by load steps, of this analysis or of one before; else it is the reference
+/// configuration, which need not be an equilibrium.
+fn is_loaded(system: &System, state: &State) -> bool {
+    state.step > 0 || system.start.is_some()
 }
 
 /// Name of a form of Newton's method in messages.

@@ -1,0 +1,211 @@
+//! Several analyses that follow one another, each with results in a folder of its own.
+
+use std::path::Path;
+
+use tegula::System;
+use tegula::compile::{Compiler, StepModel, warnings_at_start};
+use tegula::model::Analysis;
+use tegula::system::StepStart;
+
+use super::resume::CheckpointData;
+use super::run::{claim, completed, run_prepared, start, summary};
+use super::{JobError, JobObserver, JobOptions, Prepared, ResultFolder, Status, StepSummary, Summary};
+use crate::deck::Deck;
+use crate::out::fingerprint;
+
+/// Runs the analysis steps of a model one after another. A run that is resumed leaves complete steps as they are.
+pub(super) fn run(
+    deck: &Deck,
+    prepared: &Prepared,
+    options: &JobOptions,
+    watch: &mut dyn JobObserver,
+) -> Result<Summary, JobError> {
+    if let Some(done) = completed(prepared, options) {
+        watch.on_warning("the run in this folder is complete: there is nothing to resume, and its results stay as they are");
+        return Ok(done);
+    }
+    let compiler = Compiler::new(&deck.model, &prepared.mesh).map_err(|error| model_error(deck, error))?;
+    let mut folder = if options.resume {
+        ResultFolder::resume_steps(&options.folder, prepared.fingerprint)?
+    } else {
+        ResultFolder::start(&options.folder, &claim(deck, prepared, options))?
+    };
+    let mut whole = Whole::new(deck, prepared, compiler.steps());
+    whole.summary.write(folder.path())?;
+    for warning in &prepared.warnings {
+        watch.on_warning(&warning.to_string());
+        folder.log(&format!("warning: {warning}"))?;
+    }
+    let outcome = whole.run(deck, prepared, &compiler, options, (&mut folder, watch));
+    whole.conclude(&mut folder, outcome)
+}
+
+/// Run of several analyses.
+struct Whole {
+    summary: Summary,
+    /// Summaries of the steps so far.
+    parts: Vec<Option<Summary>>,
+}
+
+impl Whole {
+    fn new(deck: &Deck, prepared: &Prepared, steps: &[StepModel]) -> Self {
+        let mut summary = summary(deck, prepared, &start(deck, prepared, None));
+        summary.analysis = "steps".into();
+        summary.analyses = steps.iter().enumerate().map(|(i, step)| listed(i, step)).collect();
+        Self { summary, parts: Vec::new() }
+    }
+
+    /// Runs the steps; an error comes with the name of the step.
+    fn run(
+        &mut self,
+        deck: &Deck,
+        prepared: &Prepared,
+        compiler: &Compiler<'_>,
+        options: &JobOptions,
+        (folder, watch): (&mut ResultFolder, &mut dyn JobObserver),
+    ) -> Result<(), (String, JobError)> {
+        let count = compiler.steps().len();
+        let mut ends: Vec<Option<StepStart>> = Vec::new();
+        for (i, step) in compiler.steps().iter().enumerate() {
+            let place = options.folder.join(&self.summary.analyses[i].folder);
+            let begun = step.starts_from.and_then(|before| ends.get(before).cloned().flatten());
+            let named = |error: JobError| (step.name.clone(), error);
+            let system = compiler.system(i, begun).map_err(|error| named(model_error(deck, error)))?;
+            let of_step = Prepared {
+                mesh: prepared.mesh.clone(),
+                probes: prepared.probes.clone(),
+                warnings: Vec::new(),
+                fingerprint: fingerprint(
+                    [prepared.fingerprint.to_le_bytes(), (i as u64).to_le_bytes()].concat(),
+                ),
+                system,
+            };
+            let title = titled(&deck.model.title, &format!("step {} of {count}, {}", i + 1, step.name));
+            let model = tegula::Model { title, ..step.model.clone() };
+            let of_deck = Deck { model, path: deck.path.clone(), text: deck.text.clone() };
+            let own = JobOptions { folder: place.clone(), resume: false, force: true };
+            let finished =
+                options.resume.then(|| completed(&of_step, &JobOptions { resume: true, ..own.clone() }));
+            let done = match finished.flatten() {
+                Some(done) => done,
+                None => {
+                    self.begin(i, folder).map_err(named)?;
+                    for warning in
+                        step.starts_from.map(|_| warnings_at_start(step, &of_step.system)).unwrap_or_default()
+                    {
+                        watch.on_warning(&warning.to_string());
+                        folder.log(&format!("warning: {warning}")).map_err(|e| named(e.into()))?;
+                    }
+                    let resume = options.resume && resumable(&step.model.analysis, &place);
+                    let outcome = run_prepared(&of_deck, &of_step, &JobOptions { resume, ..own }, watch);
+                    if let Ok(left) = Summary::read(&place) {
+                        self.take(i, &left);
+                    }
+                    outcome.map_err(named)?
+                }
+            };
+            self.take(i, &done);
+            ends.push(end_of(&step.model.analysis, &place, &of_step).map_err(named)?);
+        }
+        Ok(())
+    }
+
+    fn begin(&mut self, step: usize, folder: &mut ResultFolder) -> Result<(), JobError> {
+        self.summary.analyses[step].status = Some(Status::Running);
+        let name = &self.summary.analyses[step].name;
+        folder.log(&format!("step {}, {name}, begins", step + 1))?;
+        Ok(self.summary.write(folder.path())?)
+    }
+
+    /// Makes the results of a step those of the whole; counts and costs of all steps are added.
+    fn take(&mut self, step: usize, of_step: &Summary) {
+        self.parts.resize(step, None);
+        self.parts.push(Some(of_step.clone()));
+        let parts = || self.parts.iter().flatten();
+        let before = &self.summary;
+        let mut summary = Summary {
+            analysis: before.analysis.clone(),
+            title: before.title.clone(),
+            fingerprint: before.fingerprint.clone(),
+            analyses: before.analyses.clone(),
+            steps: parts().map(|p| p.steps).sum(),
+            iterations: parts().map(|p| p.iterations).sum(),
+            factorizations: parts().map(|p| p.factorizations).sum(),
+            cutbacks: parts().map(|p| p.cutbacks).sum(),
+            wall_s: parts().map(|p| p.wall_s).sum(),
+            cpu_s: parts().map(|p| p.cpu_s).sum(),
+            ..of_step.clone()
+        };
+        summary.analyses[step].status = Some(of_step.status);
+        self.summary = summary;
+    }
+
+    fn conclude(
+        mut self,
+        folder: &mut ResultFolder,
+        outcome: Result<(), (String, JobError)>,
+    ) -> Result<Summary, JobError> {
+        let place = folder.path().to_owned();
+        let (status, message, outcome) = match outcome {
+            Ok(()) => (Status::Complete, None, Ok(())),
+            Err((_, JobError::Interrupted { .. })) => {
+                (Status::Interrupted, None, Err(JobError::Interrupted { folder: place, resumable: true }))
+            }
+            Err((step, JobError::Analysis { error, .. })) => (
+                Status::Failed,
+                Some(format!("step \"{step}\": {error}")),
+                Err(JobError::Analysis { error, folder: place }),
+            ),
+            Err((step, error)) => (Status::Failed, Some(format!("step \"{step}\": {error}")), Err(error)),
+        };
+        (self.summary.status, self.summary.error) = (status, message);
+        folder.log(&match &self.summary.error {
+            None => format!("{status:?}"),
+            Some(error) => format!("{status:?}: {error}"),
+        })?;
+        self.summary.write(folder.path())?;
+        outcome.map(|()| self.summary)
+    }
+}
+
+fn listed(number: usize, step: &StepModel) -> StepSummary {
+    let analysis = match step.model.analysis {
+        Analysis::Static(_) => "static",
+        Analysis::Modal(_) => "modal",
+        Analysis::Transient(_) => "transient",
+    };
+    StepSummary {
+        name: step.name.clone(),
+        folder: format!("{}-{}", number + 1, step.name.replace([' ', '.'], "_")),
+        analysis: analysis.into(),
+        status: None,
+    }
+}
+
+fn titled(title: &str, step: &str) -> String {
+    if title.is_empty() { step.to_owned() } else { format!("{title}: {step}") }
+}
+
+/// Whether a step left a checkpoint to go on from.
+fn resumable(analysis: &Analysis, place: &Path) -> bool {
+    !matches!(analysis, Analysis::Modal(_))
+        && place.join("checkpoint.bin").exists()
+        && Summary::read(place).is_ok()
+}
+
+/// State at which a step has ended, from its checkpoint; `None` where it has none, as modes.
+fn end_of(analysis: &Analysis, place: &Path, step: &Prepared) -> Result<Option<StepStart>, JobError> {
+    if matches!(analysis, Analysis::Modal(_)) {
+        return Ok(None);
+    }
+    let system: &System = &step.system;
+    let data = CheckpointData::load(&place.join("checkpoint.bin"), step.fingerprint, system)?;
+    Ok(Some(data.state.end_of_step()))
+}
+
+fn model_error(deck: &Deck, error: tegula::Error) -> JobError {
+    match error {
+        tegula::Error::Model(issues) => JobError::Model(deck.locate(&issues)),
+        error => JobError::Analysis { error, folder: std::path::PathBuf::new() },
+    }
+}

@@ -1,0 +1,294 @@
+//! Analysis steps of a model: each as a model with one analysis, and how its loads continue those of the step before.
+
+use std::collections::BTreeSet;
+
+use super::checker::Checker;
+use crate::Issue;
+use crate::load::{LoadFactor, TimeFunction};
+use crate::model::{Analysis, AnalysisStep, Model, PrescribedStrain};
+
+/// Longest name of a step: it becomes the name of a folder.
+const LONGEST_NAME: usize = 40;
+
+/// Analysis step of a model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepModel {
+    /// Name, that of its position where the model gives none.
+    pub name: String,
+    /// The model with the analysis of the step, and with all conditions and loads that act in it.
+    pub model: Model,
+    /// Index of the step at whose end this one starts; `None`: the reference configuration at rest.
+    pub starts_from: Option<usize>,
+    /// How each of the model's loads continues the step before.
+    pub(super) loads: Vec<Continued>,
+    /// How each of [`all_strains`] continues the step before.
+    pub(super) strains: Vec<Continued>,
+    /// Keys of the model file in place of those of `model`.
+    keys: Vec<(String, String)>,
+}
+
+/// Continuation of a load from the step before.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Continued {
+    /// Factor at the end of the step before; 0 where it did not have the load.
+    pub(super) start: f64,
+    /// Whether the step does not have the load any more.
+    pub(super) released: bool,
+}
+
+impl Continued {
+    /// Factor of the load, which follows an amplitude.
+    pub(super) fn factor(&self, amplitude: Option<usize>) -> LoadFactor {
+        LoadFactor { amplitude, start: self.start, released: self.released }
+    }
+}
+
+impl StepModel {
+    /// Key of the model file for a key of the step's model: `loads[3].on` may be `steps[1].loads[0].on`.
+    pub fn key(&self, key: &str) -> String {
+        let matching = |(own, _): &&(String, String)| {
+            key.strip_prefix(own.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+        };
+        match self.keys.iter().find(matching) {
+            Some((own, file)) => format!("{file}{}", &key[own.len()..]),
+            None => key.to_owned(),
+        }
+    }
+
+    /// Issues of the step's model at the keys of the model file.
+    pub fn located(&self, issues: Vec<Issue>) -> Vec<Issue> {
+        let locate = |issue: Issue| Issue { place: crate::Place::key(self.key(&issue.place.key)), ..issue };
+        issues.into_iter().map(locate).collect()
+    }
+}
+
+/// Prescribed strains of the whole model and of all its steps, each once. The elements hold all of them.
+pub(super) fn all_strains(model: &Model) -> Vec<PrescribedStrain> {
+    let mut all = model.prescribed_strains.clone();
+    for strain in model.steps.iter().flat_map(|step| &step.prescribed_strains) {
+        if !all.contains(strain) {
+            all.push(strain.clone());
+        }
+    }
+    all
+}
+
+/// Analysis steps of a model, at least one: a model without `steps` has the step of its `analysis`.
+pub fn steps(model: &Model) -> Vec<StepModel> {
+    if model.steps.is_empty() {
+        return vec![StepModel {
+            name: String::new(),
+            model: model.clone(),
+            starts_from: None,
+            loads: vec![Continued::default(); model.loads.len()],
+            strains: vec![Continued::default(); model.prescribed_strains.len()],
+            keys: Vec::new(),
+        }];
+    }
+    let mut out: Vec<StepModel> = Vec::new();
+    for (number, step) in model.steps.iter().enumerate() {
+        // Modes leave the state as it is.
+        let before = (0..number).rev().find(|&i| !matches!(model.steps[i].analysis, Analysis::Modal(_)));
+        let next = match (&step.analysis, before) {
+            (Analysis::Modal(_), Some(before)) => about_the_end(model, number, step, &out[before], before),
+            _ => one_step(model, number, step, before.map(|i| (i, &out[i]))),
+        };
+        out.push(next);
+    }
+    out
+}
+
+/// Modal step: the conditions and loads of the step at whose end it stands.
+fn about_the_end(
+    model: &Model,
+    number: usize,
+    step: &AnalysisStep,
+    before: &StepModel,
+    index: usize,
+) -> StepModel {
+    StepModel {
+        name: name(step, number),
+        model: Model { analysis: step.analysis.clone(), output: output(model, step), ..before.model.clone() },
+        starts_from: Some(index),
+        keys: [vec![("analysis".into(), format!("steps[{number}].analysis"))], before.keys.clone()].concat(),
+        ..before.clone()
+    }
+}
+
+fn one_step(
+    model: &Model,
+    number: usize,
+    step: &AnalysisStep,
+    before: Option<(usize, &StepModel)>,
+) -> StepModel {
+    let mut keys: Vec<(String, String)> = ["analysis", "initial_velocities"]
+        .into_iter()
+        .map(|key| (key.to_owned(), format!("steps[{number}].{key}")))
+        .collect();
+    keys.push(("output.at".into(), format!("steps[{number}].at")));
+    let mut own_keys = |list: &str, common: usize, own: usize| {
+        keys.extend(
+            (0..own).map(|i| (format!("{list}[{}]", common + i), format!("steps[{number}].{list}[{i}]"))),
+        );
+    };
+    own_keys("conditions", model.conditions.len(), step.conditions.len());
+    own_keys("loads", model.loads.len(), step.loads.len());
+    own_keys("prescribed_strains", model.prescribed_strains.len(), step.prescribed_strains.len());
+    let is_static = matches!(step.analysis, Analysis::Static(_));
+    let mut loads = [model.loads.clone(), step.loads.clone()].concat();
+    let mut continued = vec![Continued::default(); loads.len()];
+    if let Some((_, before)) = before {
+        let mut taken: BTreeSet<usize> = BTreeSet::new();
+        for (old, was) in before.model.loads.iter().zip(&before.loads) {
+            let start = end_factor(before, was, super::amplitudes::amplitude_of(old).as_deref());
+            match (0..loads.len()).find(|i| loads[*i] == *old && !taken.contains(i)) {
+                Some(i) => {
+                    taken.insert(i);
+                    continued[i].start = start;
+                }
+                None if is_static && start != 0.0 => {
+                    loads.push(old.clone());
+                    taken.insert(continued.len());
+                    continued.push(Continued { start, released: true });
+                }
+                None => {}
+            }
+        }
+    }
+    let strains = [model.prescribed_strains.clone(), step.prescribed_strains.clone()].concat();
+    let continued_strain = |(i, strain): (usize, &PrescribedStrain)| {
+        let earlier = before.and_then(|(_, b)| Some((b, b.strains.get(i)?)));
+        let start =
+            earlier.map_or(0.0, |(b, was)| end_factor(b, was, strain.amplitude().map(String::as_str)));
+        Continued { start, released: !strains.contains(strain) }
+    };
+    StepModel {
+        name: name(step, number),
+        starts_from: before.map(|(i, _)| i),
+        strains: all_strains(model).iter().enumerate().map(continued_strain).collect(),
+        model: Model {
+            analysis: step.analysis.clone(),
+            conditions: [model.conditions.clone(), step.conditions.clone()].concat(),
+            loads,
+            prescribed_strains: strains,
+            initial_velocities: step.initial_velocities.clone(),
+            output: output(model, step),
+            steps: Vec::new(),
+            ..model.clone()
+        },
+        loads: continued,
+        keys,
+    }
+}
+
+fn name(step: &AnalysisStep, number: usize) -> String {
+    if step.name.is_empty() { format!("step {}", number + 1) } else { step.name.clone() }
+}
+
+fn output(model: &Model, step: &AnalysisStep) -> crate::model::Output {
+    crate::model::Output { at: step.at.clone(), ..model.output.clone() }
+}
+
+/// Factor of a load at the end of a step.
+fn end_factor(step: &StepModel, load: &Continued, amplitude: Option<&str>) -> f64 {
+    if load.released {
+        return 0.0;
+    }
+    let end = match &step.model.analysis {
+        Analysis::Static(_) | Analysis::Modal(_) => 1.0,
+        Analysis::Transient(t) => t.end_time,
+    };
+    let function = amplitude.and_then(|name| TimeFunction::new(step.model.amplitudes.get(name)?).ok());
+    function.map_or(1.0, |f| f.value(end))
+}
+
+/// Mistakes in the order and the keys of the analysis steps.
+pub(super) fn issues(model: &Model) -> Vec<Issue> {
+    let mut c = Checker::default();
+    if model.steps.is_empty() {
+        return c.issues;
+    }
+    if !model.initial_velocities.is_empty() {
+        c.add(
+            "initial_velocities",
+            "it is not said in which step these velocities are given",
+            "move them into the step: [[steps.initial_velocities]]",
+        );
+    }
+    if !model.output.at.is_empty() {
+        c.add(
+            "output.at",
+            "it is not said in which step these times are meant",
+            "move the list into the step, as its key `at`",
+        );
+    }
+    let linear = |analysis: &Analysis| match analysis {
+        Analysis::Static(s) => Some(s.linear),
+        Analysis::Transient(t) => Some(t.linear),
+        Analysis::Modal(_) => None,
+    };
+    let first = model.steps.iter().find_map(|step| linear(&step.analysis));
+    let mut moving = false;
+    for (i, step) in model.steps.iter().enumerate() {
+        let key = format!("steps[{i}]");
+        if step.name.chars().count() > LONGEST_NAME
+            || !step.name.chars().all(|ch| ch.is_alphanumeric() || "_-. ".contains(ch))
+        {
+            c.add(
+                format!("{key}.name"),
+                format!("{:?} cannot name a step", step.name.chars().take(LONGEST_NAME).collect::<String>()),
+                format!("use up to {LONGEST_NAME} letters, digits, blanks, '_', '-' and '.'"),
+            );
+        }
+        if linear(&step.analysis).is_some_and(|l| Some(l) != first) {
+            c.add(
+                format!("{key}.analysis.linear"),
+                "some steps are linear and others are not: a state of one theory is none of the other",
+                "give `linear` the same value in all steps",
+            );
+        }
+        match &step.analysis {
+            Analysis::Static(_) if moving => c.add(
+                format!("{key}.analysis.type"),
+                "a static step follows a transient one: the state in motion is no equilibrium to start from",
+                "put the static steps first, or let the motion come to rest in transient steps with damping",
+            ),
+            Analysis::Modal(_) if moving => c.add(
+                format!("{key}.analysis.type"),
+                "modes are computed about equilibria, and the step before leaves the model in motion",
+                "put the modal step behind a static one",
+            ),
+            Analysis::Modal(modal) => {
+                if modal.prestressed {
+                    c.add(
+                        format!("{key}.analysis.prestressed"),
+                        "a modal step vibrates about the state of the step before: there is nothing to choose",
+                        "leave `prestressed` out; put a static step with the loads before this one",
+                    );
+                }
+                let given = [
+                    ("conditions", !step.conditions.is_empty()),
+                    ("loads", !step.loads.is_empty()),
+                    ("prescribed_strains", !step.prescribed_strains.is_empty()),
+                ];
+                for (list, _) in given.into_iter().filter(|(_, given)| *given) {
+                    c.add(
+                        format!("{key}.{list}"),
+                        "a modal step vibrates about the state of the step before, under its supports and loads",
+                        "put them into a static step before this one",
+                    );
+                }
+            }
+            Analysis::Transient(_) => moving = true,
+            Analysis::Static(_) => {}
+        }
+        if !step.initial_velocities.is_empty() && !matches!(step.analysis, Analysis::Transient(_)) {
+            c.add(
+                format!("{key}.initial_velocities"),
+                "only a transient step has velocities",
+                "move them into the transient step that begins with them",
+            );
+        }
+    }
+    c.issues
+}

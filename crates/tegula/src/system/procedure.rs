@@ -1,0 +1,68 @@
+//! Kind of analysis for which a system is compiled.
+
+use super::System;
+use crate::load::LoadParameter;
+use crate::{Error, Result};
+
+/// Kind of analysis for which a system is compiled: it decides how loads without amplitude develop, whether masses are
+/// lumped, and whether the sparsity pattern of a tangent is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Procedure {
+    /// Static equilibrium by a direct solver.
+    Static,
+    /// Static equilibrium by the iterative solver, which takes element matrices.
+    IterativeStatic,
+    /// Natural frequencies.
+    Modal,
+    /// Motion by an implicit scheme.
+    Transient,
+    /// Motion by an explicit scheme.
+    Explicit,
+}
+
+impl Procedure {
+    /// Independent variable of the loads.
+    pub fn parameter(self) -> LoadParameter {
+        match self {
+            Self::Static | Self::IterativeStatic | Self::Modal => LoadParameter::LoadFactor,
+            Self::Transient | Self::Explicit => LoadParameter::Time,
+        }
+    }
+
+    /// Whether the system needs the sparsity pattern of its tangent.
+    pub fn has_tangent_pattern(self) -> bool {
+        matches!(self, Self::Static | Self::Modal | Self::Transient)
+    }
+
+    /// Name in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Static => "static analysis",
+            Self::IterativeStatic => "static analysis with the iterative linear solver",
+            Self::Modal => "modal analysis",
+            Self::Transient => "transient analysis with an implicit scheme",
+            Self::Explicit => "transient analysis with an explicit scheme",
+        }
+    }
+}
+
+impl System {
+    /// Refuses an analysis for which the system was not compiled: its loads would develop in another way.
+    ///
+    /// # Errors
+    /// The system was compiled for none of the `wanted` kinds of analysis.
+    pub fn require(&self, wanted: &[Procedure]) -> Result<()> {
+        match wanted {
+            [first, ..] if !wanted.contains(&self.procedure) => Err(Error::model(
+                "analysis",
+                format!(
+                    "the system was compiled for a {}, not for a {}",
+                    self.procedure.name(),
+                    first.name()
+                ),
+                "compile the model with the analysis, the scheme and the linear solver that it is run with",
+            )),
+            _ => Ok(()),
+        }
+    }
+}
