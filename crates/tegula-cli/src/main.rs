@@ -40,7 +40,7 @@ const EXIT_CODES: &str = "Exit codes:
   2    wrong command line
   3    the analysis failed (not converged, singular)
   4    verify: a comparison missed its tolerance
-  130  interrupted; results up to the last step are complete, --resume goes on (not modal)
+  130  interrupted; results up to the last step are complete, --resume restarts from there (not modal)
 
 Begin with:  tegula new transient flag.toml  &&  tegula run flag.toml";
 

@@ -79,7 +79,7 @@ impl Failure {
             Self::Usage(message) | Self::File(message) | Self::Analysis(message) => message.clone(),
             Self::Model(diagnostics) => format!("the model has {} errors", diagnostics.len()),
             Self::Interrupted(folder, true) => format!(
-                "interrupted: the results up to the last finished step are in {}; --resume goes on from there",
+                "interrupted: the results up to the last finished step are in {}; --resume restarts from there",
                 folder.display()
             ),
             Self::Interrupted(..) => {

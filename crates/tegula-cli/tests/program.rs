@@ -302,7 +302,7 @@ fn model_errors_exit_with_1_and_show_the_line() {
     ]);
     assert!(long.contains("did you mean \"thickness\"?") && !long.contains("xxx"), "{long}");
     let free = message(&[("type = \"clamp\"", "type = \"hinge\"")]);
-    assert!(free.contains("free mechanism") && free.contains("can turn about"), "{free}");
+    assert!(free.contains("is under-constrained") && free.contains("can rotate freely about"), "{free}");
 }
 
 #[test]

@@ -63,7 +63,7 @@ pub enum Error {
         /// Remedies that the user can try.
         help: String,
     },
-    /// An explicit motion is unstable: its energy balance is broken, or values are no longer finite.
+    /// An explicit motion is unstable: its energy balance is violated, or values are no longer finite.
     #[error("the motion cannot go on at {at}: {reason}\n  {help}")]
     Unstable {
         /// Time and step at which it ended, as text.

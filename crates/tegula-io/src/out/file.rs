@@ -53,7 +53,7 @@ pub enum OutputError {
     /// A checkpoint that belongs to another model.
     #[error(
         "`{}` belongs to another model (fingerprint {found:016x}, this model has {expected:016x}). \
-         Undo the changes to the model file to go on, or run without `--resume` to start anew",
+         Undo the changes to the model file to resume, or run without `--resume` to start anew",
         path.display()
     )]
     OtherModel {

@@ -186,9 +186,9 @@ impl CirculatoryLoads {
                 })?;
             if !(outcome.residual <= REFUSED) {
                 return Err(format!(
-                    "the linear system with the unsymmetric stiffness of loads that follow the motion was not solved \
-                     after {} iterations of GMRES (residual {:.1e})",
-                    outcome.applications, outcome.residual
+                    "GMRES did not converge for the unsymmetric tangent of the follower loads: residual {:.1e} after {} \
+                     iterations",
+                    outcome.residual, outcome.applications
                 ));
             }
             operator.apply_to_part(solver, axes, solution)?;

@@ -51,8 +51,8 @@ impl DrillingWatch {
         }
         self.next = GROWTH * largest;
         observer.on_event(&format!(
-            "{}: {:.0} % of the moment at node {} lies along its director, which nothing resists, and is lost \
-             ({} moment(s) lose 1 % or more); an `edge-moment` keeps it",
+            "{}: {:.0} % of the moment at node {} is a drilling moment (along the director), for which a node has no \
+             stiffness, and is dropped ({} moment(s) with 1 % or more); an `edge-moment` transfers it",
             at(),
             100.0 * largest,
             system.node_label(system.nodes[vector]),

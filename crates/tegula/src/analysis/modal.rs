@@ -152,10 +152,10 @@ fn settle(problem: &mut Problem) -> Result<()> {
 fn hidden(reason: String) -> Error {
     Error::NotConverged {
         at: "the modes".into(),
-        reason: format!("rounding of the stiffest part of the model hides them: {reason}"),
+        reason: format!("round-off of the stiffest part of the model hides them: {reason}"),
         help:
-            "Stiffnesses of parts that are joined differ too much. Make the stiff part less stiff: above a \
-               thousand times the soft one it is as good as rigid."
+            "The stiffnesses of connected parts differ too much. Reduce the larger one: a part a thousand times as \
+               stiff as its neighbour is practically rigid."
                 .into(),
     }
 }

@@ -176,7 +176,7 @@ impl Newton {
     /// that suits the materials.
     ///
     /// # Errors
-    /// The factor does not fit in memory, or the system was compiled without a pattern of the tangent.
+    /// The factor does not fit in memory, or the system was compiled without a sparsity pattern of the tangent.
     pub fn new(system: &System, method: Option<NewtonMethod>) -> Result<Self> {
         Ok(Self::with_solver(system, method, solver::direct(system)?))
     }

@@ -69,7 +69,7 @@ pub trait TangentSolver {
 /// Direct solver of a system.
 ///
 /// # Errors
-/// The factor does not fit in memory, or the system was compiled without a pattern of the tangent.
+/// The factor does not fit in memory, or the system was compiled without a sparsity pattern of the tangent.
 pub fn direct(system: &System) -> Result<SparseLdlt> {
     system.require(&[Procedure::Static, Procedure::Modal, Procedure::Transient])?;
     SparseLdlt::new(&system.tangent_pattern()).map_err(|e| Error::Singular {
@@ -134,7 +134,10 @@ impl Iterative {
     /// There is not enough memory.
     pub fn new(system: &System) -> Result<Self> {
         let bddc = system.bddc(&Options::default()).map_err(|e| Error::Singular {
-            what: format!("The mesh of {} unknowns cannot be divided: {e}.", system.unknowns()),
+            what: format!(
+                "The mesh of {} unknowns cannot be partitioned into subdomains: {e}.",
+                system.unknowns()
+            ),
             help: "Use a coarser mesh or a machine with more memory.".into(),
         })?;
         Ok(Self { bddc, tangents: 0, iterations: 0, energy: 0.0 })
@@ -198,8 +201,9 @@ impl TangentSolver for Iterative {
 fn explain(error: BddcError) -> String {
     match error {
         BddcError::Indefinite(what) => format!(
-            "the tangent cannot be shown to be positive definite: {what}. Either the equilibrium is unstable, or \
-             supports are missing, or pieces of it would be unstable alone; `linear_solver = \"direct\"` can tell"
+            "the tangent is not proved positive definite: {what}. The equilibrium is unstable, or supports are missing, \
+             or only the partially assembled operator of the subdomains is indefinite; `linear_solver = \"direct\"` \
+             decides"
         ),
         BddcError::NotConverged { iterations, residual, tolerance } => format!(
             "the linear system was not solved after {iterations} iterations of conjugate gradients (error \

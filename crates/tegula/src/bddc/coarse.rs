@@ -66,7 +66,7 @@ impl Coarse {
         }
         if solver.factor(&self.values)?.negative > 0 {
             return Err(BddcError::Indefinite(
-                "the subdomains of the shell, held at their primal nodes, are unstable",
+                "the coarse matrix of the primal unknowns is not positive definite",
             ));
         }
         Ok(())

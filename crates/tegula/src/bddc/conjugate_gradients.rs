@@ -175,7 +175,10 @@ impl Bddc {
                     return Err(BddcError::NotFinite);
                 }
                 if curvature <= 0.0 {
-                    return Err(BddcError::Indefinite("the iteration met a direction without stiffness"));
+                    return Err(BddcError::Indefinite(
+                        "a search direction p of the conjugate gradients has p·S p ≤ 0 (S: Schur complement on the \
+                         interface)",
+                    ));
                 }
                 let alpha = rz / curvature;
                 add(alpha, p, solution);
@@ -280,7 +283,7 @@ fn positive(rz: f64) -> Result<f64, BddcError> {
     if !rz.is_finite() {
         Err(BddcError::NotFinite)
     } else if rz < 0.0 {
-        Err(BddcError::Indefinite("the preconditioner is not positive"))
+        Err(BddcError::Indefinite("the preconditioner is not positive definite"))
     } else {
         Ok(rz)
     }

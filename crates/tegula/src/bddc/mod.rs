@@ -435,9 +435,11 @@ impl Bddc {
             .collect();
         for result in done {
             result.map_err(|refused| match refused {
-                Refused::Inner => BddcError::Indefinite("a subdomain of the shell is unstable within itself"),
+                Refused::Inner => BddcError::Indefinite(
+                    "the stiffness of the interior unknowns of a subdomain is not positive definite",
+                ),
                 Refused::Border => BddcError::Indefinite(
-                    "a subdomain of the shell is unstable when only its primal nodes are held",
+                    "the stiffness of a subdomain with fixed primal nodes is not positive definite",
                 ),
                 Refused::Factor(e) => e.into(),
             })?;

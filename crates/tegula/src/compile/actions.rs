@@ -135,7 +135,7 @@ pub(super) fn contradictions(conflicts: &[Conflict], vectors: &Vectors, mesh: &M
             return Some(Issue::new(
                 second,
                 format!(
-                    "it prescribes only a part of the director of node {}, which keeps its length (`mitc4`)",
+                    "it prescribes only some components of the inextensible director of node {} (`mitc4`)",
                     mesh.node_label(node)
                 ),
                 "prescribe all three components of the director, or use another element",
@@ -219,7 +219,7 @@ fn edge_moments(load: &VectorLoad, factor: LoadFactor, mesh: &Mesh, vectors: &Ve
     out
 }
 
-/// Moments along a director: nothing of the shell resists there, so that part would be lost.
+/// Moments with a drilling component, for which a node has no stiffness, so that it would be dropped.
 pub(super) fn drilling_components(loads: &[FollowerLoad], vectors: &Vectors, mesh: &Mesh) -> Vec<Issue> {
     let lost = |load: &FollowerLoad| match load {
         FollowerLoad::Moment { vector, moment, .. } => {
@@ -234,11 +234,11 @@ pub(super) fn drilling_components(loads: &[FollowerLoad], vectors: &Vectors, mes
     vec![Issue::new(
         "loads",
         format!(
-            "{} moment(s) have a part along the director, the first at node {}: {along:.3e} of {whole:.3e} would be lost",
+            "{} moment(s) have a drilling component (along the director), the first at node {}: {along:.3e} of {whole:.3e} would be dropped",
             all.len(),
             mesh.node_label(*node)
         ),
-        "a shell node does not resist turning about its director; use an `edge-moment`, or a pair of forces for that part",
+        "a shell node has no drilling stiffness; use an `edge-moment`, or a couple of forces for that component",
     )]
 }
 

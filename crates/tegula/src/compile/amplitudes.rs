@@ -52,7 +52,7 @@ fn jump(model: &Model, name: &str, amplitude: &Amplitude) -> Option<(String, Str
     };
     let (times, _) = pieces.into_iter().find(jumps)?;
     Some((
-        format!("a prescribed motion follows this table, which jumps at t = {}", times[0]),
+        format!("a prescribed motion uses this table, which is discontinuous at t = {}", times[0]),
         "a motion needs time: let the values change over several time steps, at best smoothly by a formula"
             .into(),
     ))

@@ -427,7 +427,7 @@ impl Checker {
         if off > 1e-3 * mesh.extent() {
             self.add(
                 key,
-                format!("the nodes of \"{name}\" do not lie on a line: they would not turn like a hinge"),
+                format!("the nodes of \"{name}\" are not collinear: a hinge would block the rotation"),
                 "use a straight edge, or type = \"clamp\"",
             );
         }

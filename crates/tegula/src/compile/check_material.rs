@@ -31,7 +31,7 @@ pub fn issues(material: &Material, key: &str) -> Vec<Issue> {
             if c.issues.is_empty() && !m.constants().is_stable() {
                 c.add(
                     format!("{key}.poisson"),
-                    "some strain would store no energy: the constants contradict each other",
+                    "the compliance is not positive definite: the constants contradict each other",
                     "|ν_ij| must be below √(E_i/E_j); ν_ij belongs to stress along axis i",
                 );
             }

@@ -72,7 +72,7 @@ pub(super) fn edges(model: &Model, mesh: &Mesh, c: &mut Checker) {
                     c.add(
                         format!("sections[{i}].element"),
                         format!(
-                            "`{}` and the `{name}` of sections[{j}] meet at node {}, but their edges do not fit: one is straight between its nodes, the other is not",
+                            "`{}` and the `{name}` of sections[{j}] meet at node {}, but their edges are incompatible: one is straight between its nodes, the other is a cubic",
                             element.name(),
                             mesh.node_label(node)
                         ),
@@ -198,7 +198,7 @@ fn ability(model: &Model, s: &Section, key: &str, name: &str, material: &Materia
         c.add(
             format!("{key}.thickness_points"),
             format!(
-                "{} points over the thickness cannot see where \"{name}\" yields in bending",
+                "{} integration points over the thickness do not resolve where \"{name}\" yields in bending",
                 s.thickness_points.unwrap_or(0)
             ),
             "give at least 3, or leave it out for 5",
@@ -226,7 +226,7 @@ fn ability(model: &Model, s: &Section, key: &str, name: &str, material: &Materia
         c.add(
             "analysis.scheme",
             format!(
-                "the energy-momentum scheme keeps an energy that the plastic material \"{name}\" dissipates"
+                "the energy-momentum scheme conserves energy, which the plastic material \"{name}\" dissipates"
             ),
             "use `newmark` or `hht`",
         );
@@ -268,7 +268,7 @@ fn prescribed(model: &Model, p: &PrescribedStrain, key: &str, c: &mut Checker) {
     {
         c.add(
             key,
-            "a prestress of resultants has no place in layers that yield",
+            "a prestress in resultants is not available for layers that yield",
             "use `cm` or `solid-shell`, or give a `natural` strain",
         );
     }

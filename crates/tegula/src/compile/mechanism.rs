@@ -60,20 +60,20 @@ pub fn mechanisms(
             "has no support at all".to_string()
         } else if w.norm() < 1e-6 {
             let t = t.normalize();
-            format!("can slide along ({:.3}, {:.3}, {:.3})", t.x, t.y, t.z)
+            format!("can translate freely along ({:.3}, {:.3}, {:.3})", t.x, t.y, t.z)
         } else {
             // The axis: the point where the motion vanishes across ω.
             let p = mesh.positions[first[part]] + w.cross(&t) / w.norm_squared() * lengths[part];
             let w = w.normalize();
             format!(
-                "can turn about the axis through ({:.4}, {:.4}, {:.4}) along ({:.3}, {:.3}, {:.3})",
+                "can rotate freely about the axis through ({:.4}, {:.4}, {:.4}) along ({:.3}, {:.3}, {:.3})",
                 p.x, p.y, p.z, w.x, w.y, w.z
             )
         };
         issues.push(Issue::new(
             "conditions",
             format!(
-                "free mechanism: the part of the mesh with node {} ({} nodes) {how} ({} free rigid motion(s))",
+                "the model is under-constrained: the part containing node {} ({} nodes) {how} ({} free rigid motion(s))",
                 mesh.node_label(first[part] as u32),
                 size[part],
                 free.len()

@@ -115,8 +115,8 @@ fn seams(model: &Model, mesh: &Mesh) -> Vec<Issue> {
         if !seam.hanging.is_empty() {
             let n = seam.hanging.len();
             what.push(format!(
-                "{n} {} on elements of others",
-                if n == 1 { "node lies" } else { "nodes lie" }
+                "{n} hanging {} across the seam",
+                if n == 1 { "node lies on an element" } else { "nodes lie on elements" }
             ));
             nodes.extend(seam.hanging.iter().map(|h| {
                 format!("{} on element {}", mesh.node_label(h.node), mesh.quad_label(h.quad as usize))
@@ -183,13 +183,13 @@ fn prism(model: &Model, mesh: &Mesh, system: &System) -> Option<Issue> {
     Some(Issue::new(
         "mesh.file",
         format!(
-            "{n} {} between two folds of {angles} degrees that turn the same way, element {label} first: a \
-             curved surface would be computed as a prism of flat strips",
+            "{n} {} between two folds of {angles} degrees in the same sense, element {label} first: a curved \
+             surface would be computed as a prism of flat strips",
             if n == 1 { "element lies" } else { "elements lie" }
         ),
         format!(
             "if it is curved, refine it until neighbours meet at less than {FOLD_ANGLE_DEGREES} degrees, or give a \
-             `fold_angle` above {high:.1}; if flat strips are meant, say `fold_angle = {FOLD_ANGLE_DEGREES}`"
+             `fold_angle` above {high:.1}; if flat strips are intended, set `fold_angle = {FOLD_ANGLE_DEGREES}`"
         ),
     ))
 }
@@ -242,7 +242,7 @@ fn jumping_supports(model: &Model, system: &System) -> Vec<Issue> {
             found.push(Issue::new(
                 format!("conditions[{i}]"),
                 format!(
-                    "the prescribed component is {first} at time 0, where the model starts at {start}: it jumps"
+                    "the prescribed component is {first} at time 0, where the model starts at {start}: the motion is discontinuous"
                 ),
                 "give an `amplitude` that begins there, if that is not meant",
             ));
@@ -296,7 +296,7 @@ fn idle_switches(model: &Model) -> Vec<Issue> {
         if s.membrane.is_some_and(|m| m.parameters() > 0) && s.materials().iter().any(rubber) {
             found.push(Issue::new(
                 format!("sections[{i}].membrane"),
-                "enhanced strains make rubber seem unstable in tension, from stretches of about 1.4 on",
+                "enhanced strains give rubber spurious instabilities in tension, from stretches of about 1.4 on",
                 "give \"assumed-shear\" or \"displacement\"",
             ));
         }

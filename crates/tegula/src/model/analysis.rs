@@ -126,7 +126,7 @@ pub enum NewtonMethod {
     /// Newton with extrapolated stress resultants: few iterations and large steps on thin shells. Beyond yield the
     /// extrapolation misleads.
     Mixed,
-    /// Plain Newton on displacements.
+    /// Displacement-based Newton.
     Displacement,
 }
 

@@ -13,7 +13,7 @@ pub enum Condition {
     Hinge(OnSet),
     /// Positions fixed, directors free: a ball joint to the ground.
     Spherical(OnSet),
-    /// The structure goes on mirrored beyond a plane: no motion of position and director across it.
+    /// Symmetry plane: position and director do not move along its normal.
     Symmetry(SymmetryPlane),
     /// Chosen components of position and director fixed.
     Fix(FixComponents),
@@ -111,8 +111,8 @@ impl Axis {
 pub enum Load {
     /// A force on every node of a set.
     Force(VectorLoad),
-    /// A moment on every node of a set; it turns the director and stays constant in space. Its component along the director
-    /// is lost.
+    /// A moment on every node of a set; it rotates the director and stays constant in space. Its drilling component
+    /// (along the director) is dropped.
     Moment(VectorLoad),
     /// A force per length of an edge.
     Edge(VectorLoad),

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub enum PrescribedStrain {
     /// Thermal strain `α (T + z T′)` of the materials' `expansion`.
     Thermal(ThermalStrain),
-    /// Natural strain and curvature of the mid-surface: the shape that the sheet wants to have.
+    /// Natural strain and curvature of the mid-surface: the stress-free shape of the sheet.
     Natural(NaturalStrain),
     /// Resultants that act at the reference configuration.
     Prestress(Prestress),

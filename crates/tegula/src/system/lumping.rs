@@ -36,7 +36,7 @@ pub fn lump(system: &mut System, added: &[(u32, u32, f64)], scale: bool) -> Vec<
     if mass.iter().any(|m| *m <= 0.0) {
         return vec![Issue::new(
             "analysis.scheme",
-            "some coordinates have no mass: explicit steps cannot accelerate them",
+            "some degrees of freedom have no mass: explicit integration needs mass everywhere",
             "give every material a density, or the section a `total_mass`",
         )];
     }
@@ -52,7 +52,7 @@ fn unsuitable(system: &System) -> Option<(&'static str, &'static str)> {
     let other = "use another element, or `newmark`, `hht` or `energy-momentum`";
     if !system.unit.is_empty() {
         return Some((
-            "explicit steps do not keep directors of unit length (element `mitc4`) at their length",
+            "explicit steps do not satisfy the constraint of inextensible directors (element `mitc4`)",
             other,
         ));
     }
@@ -79,8 +79,8 @@ fn unsuitable(system: &System) -> Option<(&'static str, &'static str)> {
         })
     });
     coupled.then_some((
-        "the mass of a section does not lie about its mid-surface: it ties positions to directors, and cannot be \
-         lumped",
+        "the mass of a section is not symmetric about its mid-surface: it couples positions and directors, and cannot \
+         be lumped",
         "use `newmark`, `hht` or `energy-momentum`, or a section without `offset` and with layers whose mass is \
          symmetric",
     ))

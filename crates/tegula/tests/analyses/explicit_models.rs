@@ -228,7 +228,7 @@ fn what_cannot_be_lumped_is_refused_with_a_remedy() {
         assert!(issues[0].help.contains("`newmark`"), "{issues:?}");
         refused.push(issues[0].message.clone());
     }
-    for (message, word) in refused.iter().zip(["unit length", "gradient", "mid-surface"]) {
+    for (message, word) in refused.iter().zip(["inextensible", "gradient", "mid-surface"]) {
         assert!(message.contains(word), "{message}");
     }
 }
@@ -241,7 +241,7 @@ fn a_system_of_the_other_kind_is_an_error() {
         let options = TransientAnalysis { scheme: run_with, ..TransientAnalysis::new(0.1) };
         let error = dynamics::run(&system, &options, None, &mut Silent).unwrap_err();
         assert!(matches!(error, Error::Model(_)), "{error}");
-        assert!(error.to_string().contains("compile the model with the scheme"), "{error}");
+        assert!(error.to_string().contains("compile the model with the analysis, the scheme"), "{error}");
     }
 }
 

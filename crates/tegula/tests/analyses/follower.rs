@@ -152,7 +152,7 @@ fn oblique_edge_moment_keeps_its_size_and_direction() {
         m.loads = vec![Load::EdgeMoment(vector_load("u_max", given.into()))];
         let (_, system, outcome, iterations) = run(&m);
         assert!(most_iterations(&outcome, &iterations, 20) <= 8);
-        let lost = iterations.events.iter().any(|e| e.contains("is lost"));
+        let lost = iterations.events.iter().any(|e| e.contains("is dropped"));
         assert!(!lost, "{:?}", iterations.events);
         let reaction = reactions(&system, &mut Assembly::new(&system), &outcome.state);
         let (mut force, mut moment) = (Vec3::zeros(), Vec3::zeros());
@@ -198,7 +198,7 @@ fn moment_on_directors_reports_the_share_that_is_lost_as_they_turn() {
     let mut m = strip([20, 2], 0.3, 10);
     m.loads = vec![Load::Moment(vector_load("u_max", [3.0, 3.0, 0.0]))];
     let (mesh, system, outcome, iterations) = run(&m);
-    let reports: Vec<&String> = iterations.events.iter().filter(|e| e.contains("is lost")).collect();
+    let reports: Vec<&String> = iterations.events.iter().filter(|e| e.contains("is dropped")).collect();
     assert!((1..=7).contains(&reports.len()), "{:?}", iterations.events);
     let lost = mesh.nodes_on("u_max").unwrap().into_iter().map(|n| {
         let v = system.director_of[n as usize] as usize;

@@ -119,7 +119,7 @@ fn all_elements_agree_with_the_direct_solver_in_large_rotations() {
     ];
     for element in kinds {
         m.sections[0].element = element;
-        // Its increments lead through a tangent that cannot be shown to be positive definite.
+        // Its increments lead through a tangent that is not proved positive definite.
         let may_cut = element == ElementKind::Mitc4;
         let off = difference(&generate(&m.mesh).unwrap(), &m, may_cut);
         assert!(off < 1e-9, "{element:?}: {off:e}");

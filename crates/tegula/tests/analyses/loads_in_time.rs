@@ -385,5 +385,5 @@ fn a_prescribed_motion_that_jumps_is_refused() {
     m.analysis = Analysis::Transient(TransientAnalysis::new(1.0));
     let mesh = tegula::mesh::generators::generate(&m.mesh).unwrap();
     let Err(tegula::Error::Model(issues)) = tegula::compile::build(&m, &mesh) else { panic!("accepted") };
-    assert!(issues.iter().any(|i| i.to_string().contains("jumps at t = 0.5")), "{issues:?}");
+    assert!(issues.iter().any(|i| i.to_string().contains("discontinuous at t = 0.5")), "{issues:?}");
 }

@@ -298,7 +298,7 @@ fn free_bodies_of_very_different_stiffness_keep_their_modes() {
     }
 }
 
-/// A stiff half is rigid: from ratio to ratio the modes hardly change. What rounding hides is refused.
+/// A stiff half is rigid: from ratio to ratio the modes hardly change. What round-off hides is refused.
 #[test]
 fn joined_bodies_of_very_different_stiffness_are_right_or_refused() {
     let (_, reference) = two_plates(true, 1e5).unwrap();
@@ -318,7 +318,7 @@ fn joined_bodies_of_very_different_stiffness_are_right_or_refused() {
             }
             Err(Error::NotConverged { reason, .. }) if ratio > 1e8 => {
                 println!("{ratio:e}: {reason}");
-                assert!(reason.contains("rounding"), "{reason}");
+                assert!(reason.contains("round-off"), "{reason}");
             }
             Err(other) => panic!("{ratio:e}: {other}"),
         }

@@ -105,7 +105,7 @@ fn element(section: &Section, geometry: &ShellGeometry, fields: bool) -> Element
         }
     }
     let plane = compiled.laws.is_empty() || shell.is_solid();
-    // A prestress of resultants has no place in layers that yield: `check` refuses it.
+    // A prestress in resultants is not available for layers that yield: `check` refuses it.
     let strains: Vec<_> = strains().into_iter().take(if plane { 3 } else { 2 }).collect();
     let prescribed: Vec<_> = if fields { strains.iter().map(Some).collect() } else { Vec::new() };
     let vectors: Vec<u32> = (0..reference.len() as u32).collect();

@@ -141,9 +141,8 @@ fn coarse_curved_surfaces_are_warned_about() {
     let (folds, warnings) = of("");
     assert_eq!((folds, warnings.len()), (3, 1), "{warnings:?}");
     assert!(
-        warnings[0].starts_with(
-            "mesh.file: 8 elements lie between two folds of 22.5 degrees that turn the same way"
-        ),
+        warnings[0]
+            .starts_with("mesh.file: 8 elements lie between two folds of 22.5 degrees in the same sense"),
         "{warnings:?}"
     );
     assert_eq!(of("fold_angle = 30"), (0, vec![]));

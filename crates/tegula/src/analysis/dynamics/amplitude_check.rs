@@ -53,7 +53,8 @@ impl PassedOver {
     pub fn message(&self) -> String {
         let Self { time, dt, departure, .. } = self;
         format!(
-            "varies within the step of {dt:.3e} at {time:.6e} by {:.0} % of its range, which the step does not see",
+            "departs within the step of {dt:.3e} at {time:.6e} by {:.0} % of its range from the straight line between the \
+             ends of the step, which the step does not resolve",
             100.0 * departure
         )
     }

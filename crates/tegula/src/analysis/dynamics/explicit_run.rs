@@ -64,14 +64,15 @@ impl EnergyMonitor {
             Some(format!("the energy is no longer finite, first at {}", place()))
         } else if stored > BLOW_UP * self.given.max(self.unseen) {
             Some(format!(
-                "the motion is unstable: its energy {stored:.2e} is far above the {:.2e} that loads and initial \
-                 motion have given; {} moves most",
+                "numerical instability: the kinetic and strain energy {stored:.2e} is far above the {:.2e} supplied by \
+                 loads and initial motion; {} has the largest kinetic energy",
                 self.given,
                 place()
             ))
         } else if missing.abs() > BROKEN * (scale + state.dissipated) {
             Some(format!(
-                "the energy balance is broken: {missing:.2e} too much with {:.2e} in motion and strain; {} moves most",
+                "the energy balance is violated by {missing:.2e}, where the kinetic or strain energy has reached {:.2e}; {} \
+                 has the largest kinetic energy",
                 state.energy_scale,
                 place()
             ))
@@ -85,7 +86,7 @@ impl EnergyMonitor {
 /// Integrates the motion explicitly from `start` (rest or the initial velocities where `None`).
 ///
 /// # Errors
-/// The energy balance is broken, values are no longer finite, elements are inverted, or the user interrupted.
+/// The energy balance is violated, values are no longer finite, elements are inverted, or the user interrupted.
 pub(super) fn run(
     system: &System,
     options: &TransientAnalysis,
@@ -202,7 +203,9 @@ impl<'a> ExplicitSteps<'a> {
             ));
         }
         if !state.next_step.is_finite() || state.next_step < SMALLEST_STEP * options.end_time {
-            return Err(self.unstable(format!("the critical step {step:.3e} is of no use")));
+            return Err(self.unstable(format!(
+                "the critical time step {step:.3e} is not finite, or too short to reach the end time"
+            )));
         }
         if self.fresh {
             self.report(observer)?;
@@ -286,7 +289,8 @@ fn unstable(state: &State, options: &TransientAnalysis, statistics: &Statistics,
         ),
         _ => format!(
             "The last step was {step:.3e}; it is certainly stable below {critical:.3e}, so it is hardly the cause. Look at \
-             loads, initial velocities and units; a `{key}` below {:.3e} tells whether the step plays a part.",
+             loads, initial velocities and units; a run with `{key}` below {:.3e} shows whether the step is the \
+             cause.",
             0.5 * step
         ),
     };

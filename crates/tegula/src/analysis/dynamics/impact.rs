@@ -74,7 +74,7 @@ pub(super) fn factor_mass(system: &System, newton: &mut Newton) -> Result<()> {
         return Ok(());
     }
     Err(Error::Singular {
-        what: "The mass matrix is singular: some coordinates have no mass.".into(),
+        what: "The mass matrix is singular: some degrees of freedom have no mass.".into(),
         help: "Give every material a density, or the section a `total_mass`.".into(),
     })
 }

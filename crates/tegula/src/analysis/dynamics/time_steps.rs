@@ -31,7 +31,7 @@ pub(super) struct TimeSteps<'a> {
     statistics: Statistics,
     /// Velocities at the start of the last step, for the predictor.
     old_velocities: Vec<Nodal>,
-    /// Whether the present step is repeated with its own tangents, since it failed with a lagged one.
+    /// Whether the present step is repeated with new tangents, since it failed with a lagged one.
     own_tangents: bool,
 }
 
@@ -115,7 +115,7 @@ impl<'a> TimeSteps<'a> {
     }
 
     /// Solves for the end of a step and accepts it, unless it has to be cut back, which is returned with its reason. A step
-    /// that failed with a lagged tangent is taken again with its own tangents.
+    /// that failed with a lagged tangent is repeated with new tangents.
     fn attempt(&mut self, span: Span, observer: &mut dyn Observer) -> Result<Option<(Trouble, String)>> {
         let Self { system, scheme, newton, state, statistics, .. } = self;
         scheme.begin(system, &mut newton.assembly, state, span);
@@ -150,7 +150,7 @@ impl<'a> TimeSteps<'a> {
     fn repeat_with_own_tangents(&mut self, span: Span, reason: &str, observer: &mut dyn Observer) {
         observer.on_repeat(&self.statistics);
         observer.on_event(&format!(
-            "time {:.6e}: a step of {:.3e} is repeated with tangents of its own: {reason}",
+            "time {:.6e}: a step of {:.3e} is repeated with new tangents: {reason}",
             self.state.time, span.dt
         ));
         self.newton.forget(&mut self.state);
@@ -247,7 +247,7 @@ impl<'a> TimeSteps<'a> {
         statistics.cutbacks += 1;
         observer.on_repeat(statistics);
         observer.on_event(&format!(
-            "time {:.6e}: a step of {:.3e} is repeated with {:.3e}: {failure}",
+            "time {:.6e}: cut-back from a step of {:.3e} to {:.3e}: {failure}",
             state.time, span.dt, state.next_step
         ));
         self.newton.restore(system, state, true);
@@ -274,7 +274,7 @@ fn advice(system: &System, options: &TransientAnalysis, trouble: Trouble) -> Str
                 .into();
         }
         Trouble::Iteration(Cause::Tangent) => {
-            return "Look at masses and supports: something moves without inertia and without resistance."
+            return "Check masses and supports: some degrees of freedom may have neither mass nor stiffness."
                 .into();
         }
         Trouble::Inaccurate | Trouble::Iteration(_) => {}

@@ -100,14 +100,15 @@ pub(super) fn refuse(
     }
     Err(Error::Singular {
         what: format!(
-            "The loads follow the motion and have no potential: the skew part of their stiffness would change ω² of the mode \
+            "The follower loads have no potential: the skew part of their stiffness would change ω² of the mode \
              of {:.4e} Hz by about {:.2} %, and may make vibrations grow (flutter). Modes of the symmetric part \
              would be wrong.",
             elastic[worst].frequency_hz.abs(),
             100.0 * largest
         ),
-        help: "Let a transient analysis vibrate about the equilibrium; or use loads of constant direction (`traction`, \
+        help:
+            "Run a transient analysis about the equilibrium; or use loads of constant direction (`traction`, \
                `edge`, `force`), or pressures on surfaces whose edges are supported, which have a potential."
-            .into(),
+                .into(),
     })
 }

@@ -26,7 +26,7 @@ pub(super) fn all(problem: &mut Problem, group: usize, observer: &dyn Observer) 
     let count = k.nrows();
     let Some(factor) = Cholesky::new(m.clone()) else {
         return Err(Error::Singular {
-            what: "The mass matrix is singular: some coordinates have no mass.".into(),
+            what: "The mass matrix is singular: some degrees of freedom have no mass.".into(),
             help: "Give every material a density, or the section a `total_mass`.".into(),
         });
     };

@@ -214,7 +214,7 @@ impl<'a> Problem<'a> {
         }
         Err(Error::Singular {
             what:
-                "The stiffness has no positive definite shift: a mass or a section stiffness is not positive."
+                "K − σM is not positive definite for any shift σ tried: a mass or a section stiffness is not positive."
                     .into(),
             help: "Check densities, thicknesses and materials; about an equilibrium check that it is stable."
                 .into(),

@@ -111,7 +111,7 @@ impl Search {
             }
             if limit < elastic && lanczos.len() >= limit {
                 return Err(Error::NotConverged {
-                    at: format!("mode {} of {} with strain", found + 1, self.wanted),
+                    at: format!("elastic mode {} of {}", found + 1, self.wanted),
                     reason: format!("{found} modes found in a space of {} vectors", lanczos.len()),
                     help: "Ask for fewer modes, or check that all parts of the model are connected.".into(),
                 });

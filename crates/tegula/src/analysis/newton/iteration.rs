@@ -278,7 +278,8 @@ impl<S: TangentSolver> Newton<S> {
             return Ok(false);
         }
         if self.factored == FactoredTangent::Lagged {
-            return Err((Cause::OldTangent, "with an old tangent the increments do not shrink".into()));
+            let reason = "with the lagged tangent the increments do not decrease fast enough";
+            return Err((Cause::OldTangent, reason.into()));
         }
         Ok(true)
     }
@@ -307,7 +308,8 @@ impl<S: TangentSolver> Newton<S> {
         let norm = system.norm(&self.increment);
         if norm > FLIGHT {
             let place = largest(system, &self.assembly.numbering, &self.residual);
-            let reason = format!("an increment moved the model by {norm:.1e} times its own size; {place}");
+            let reason =
+                format!("divergence: an increment moved the model by {norm:.1e} times its own size; {place}");
             return Err((Cause::Flight, reason));
         }
         Ok(norm)

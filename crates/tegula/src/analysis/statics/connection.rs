@@ -107,12 +107,14 @@ impl Speeds {
         if self.moved > LEAP * fastest {
             let times = self.moved / fastest;
             return Some(format!(
-                "the step is {times:.2} times as long as the tangents at both its ends tell"
+                "the displacement of the step is {times:.2} times the larger one that the tangents at its ends predict"
             ));
         }
         (self.softens && end < STIFFER * self.start).then(|| {
             let times = self.start / end;
-            format!("a path that softens ends {times:.2} times as stiff as the step began")
+            format!(
+                "the path softens, but the tangent at the end of the step is {times:.2} times as stiff as at its start"
+            )
         })
     }
 }

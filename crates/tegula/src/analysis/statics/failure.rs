@@ -77,8 +77,8 @@ impl CriticalPoint {
     fn of_enhanced_strains(&self) -> String {
         match self.enhanced {
             Some(share) if share > enhanced::NOTEWORTHY => format!(
-                "; enhanced strains take away {:.1} % of the material stiffness of this mode, which may be one of the \
-                 elements and not of the structure: compare with `membrane = \"displacement\"` or a finer mesh",
+                "; enhanced strains remove {:.1} % of the material stiffness of this mode, which may be an hourglass mode \
+                 of the elements: compare with `membrane = \"displacement\"` or a finer mesh",
                 100.0 * share
             ),
             _ => String::new(),
@@ -94,8 +94,8 @@ impl Failure {
     /// Failure of a structure whose tangent has negative pivots without any stress, from round-off.
     pub fn of_rounding(negative_pivots: usize) -> Self {
         let reason = format!(
-            "the stiffness matrix of the unloaded structure has {negative_pivots} negative pivot(s), which only rounding can \
-             give: the stiffnesses of its elements differ too much"
+            "the stiffness matrix of the unloaded structure has {negative_pivots} negative pivot(s), an effect of \
+             round-off: the matrix is ill-conditioned"
         );
         Self::new(Kind::Rounding, reason, 0)
     }
@@ -123,14 +123,14 @@ impl Failure {
             return if pivots.is_empty() {
                 self.reason.clone()
             } else {
-                format!("{}; tangents with up to {pivots} were met on the way", self.reason)
+                format!("{}; tangents of the iteration had up to {pivots}", self.reason)
             };
         };
         let what = if critical.limit { "limit point" } else { "bifurcation point (buckling)" };
         let with = if pivots.is_empty() { String::new() } else { format!("{pivots} of the tangent, ") };
         let largest = match place(system, &state.u) {
             Some((size, at)) => format!("the largest displacement is {size:.4e} {at}"),
-            None => "nothing has moved".into(),
+            None => "all displacements are 0".into(),
         };
         let mode = place(system, &critical.mode)
             .map_or(String::new(), |(_, at)| format!(", its mode is largest {at}"));
@@ -159,8 +159,8 @@ impl Failure {
         }
         let cause = match self.kind {
             Kind::Inverted | Kind::Iteration(Cause::Material) => {
-                return "Look at the loads and the thickness of this element, and at their units: more load than the \
-                        shell can bear does this."
+                return "Look at the loads and the thickness of this element, and at their units: a load \
+                        beyond the load-carrying capacity of the shell inverts elements, too."
                     .into();
             }
             Kind::Unstable | Kind::Leap => return beyond_bifurcation(options),
@@ -174,13 +174,12 @@ impl Failure {
         if cause == Cause::Tangent {
             return match options.linear_solver {
                 LinearSolver::Direct => {
-                    "Something can move without resistance: look at supports, and at sheets that \
-                                         share only one node."
+                    "The model may have a mechanism: check the supports, and sheets that share only one node."
                         .into()
                 }
                 LinearSolver::Iterative => {
-                    "The direct solver counts negative pivots: it tells a critical point from missing \
-                                            supports."
+                    "The direct solver (`linear_solver = \"direct\"`) counts negative pivots and distinguishes a critical \
+                     point from missing supports."
                         .into()
                 }
             };
@@ -188,7 +187,8 @@ impl Failure {
         let mut advice = Vec::new();
         if system.linear {
             advice.push(
-                "The stiffnesses of the model differ too much, or a part is hardly supported.".to_owned(),
+                "The stiffness matrix is ill-conditioned: stiffnesses differ too much, or a part is nearly unsupported."
+                    .to_owned(),
             );
         } else {
             if cause == Cause::Iterations {
@@ -198,7 +198,9 @@ impl Failure {
                 ));
             }
             if options.method.is_some() {
-                advice.push("Without `method` the other form of Newton's method is tried, too.".into());
+                advice.push(
+                    "Without `method` the solver tries both mixed and displacement-based Newton.".into(),
+                );
             }
             if options.max_cutbacks < 12 {
                 advice.push(format!(
@@ -217,8 +219,8 @@ fn beyond_limit_point(system: &System, options: &StaticAnalysis) -> String {
     let mut advice = past_the_limit(system);
     if options.max_cutbacks < 25 {
         advice.push_str(
-            " A structure with a very small imperfection bends so suddenly that it looks the same: a larger imperfection, \
-             or more `max_cutbacks`, leads on there.",
+            " A structure with a very small imperfection buckles almost as abruptly: use a larger imperfection, or more \
+             `max_cutbacks`.",
         );
     }
     advice
@@ -227,8 +229,8 @@ fn beyond_limit_point(system: &System, options: &StaticAnalysis) -> String {
 /// Advice on how to pass a limit point of the path.
 fn past_the_limit(system: &System) -> String {
     if !system.numbering.prescribed.is_empty() {
-        return "Beyond it the structure snaps though its motion is prescribed; a transient analysis with some damping \
-                follows the snap."
+        return "Beyond it the structure snaps even under displacement control (snap-back); a transient analysis with some \
+                damping follows the snap."
             .into();
     }
     let few = |load: &crate::system::DeadLoad| {
@@ -247,10 +249,11 @@ fn past_the_limit(system: &System) -> String {
 /// Advice on how to continue beyond a bifurcation point.
 fn beyond_bifurcation(options: &StaticAnalysis) -> String {
     let mut advice = String::from(
-        "Real structures leave the path there: add a small imperfection or side load, and follow the buckled shape.",
+        "Real structures leave the primary path there: add a small imperfection or side load to follow the secondary \
+         (buckled) path.",
     );
     if options.linear_solver == LinearSolver::Direct && !options.allow_unstable {
-        advice.push_str(" `allow_unstable = true` accepts the unbuckled one.");
+        advice.push_str(" `allow_unstable = true` accepts the unstable equilibria of the primary path.");
     }
     advice
 }

@@ -145,7 +145,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         }
         let other = self.form(!self.state.other_form);
         observer.on_event(&format!(
-            "load factor {target:.6}: {} finds no equilibrium ({}); {} is tried",
+            "load factor {target:.6}: {} did not converge ({}); trying {}",
             name(form),
             failure.reason,
             name(other)
@@ -160,7 +160,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             }
             Err(second) => Err(Failure {
                 negative_pivots: failure.negative_pivots.max(second.negative_pivots),
-                reason: format!("{}, and so with {}", failure.reason, name(other)),
+                reason: format!("{}; {} did not converge either", failure.reason, name(other)),
                 ..failure
             }),
         })
@@ -226,13 +226,14 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         if matches!(stability, Stability::Undecided(_)) {
             // Moments and pressures need not have a potential: the symmetric part alone does not decide.
             observer.on_event(&format!(
-                "load factor {target}: {negative} negative pivot(s); with loads that follow the motion this need not \
-                 mean instability"
+                "load factor {target}: {negative} negative pivot(s) of the symmetric part of the tangent, but no real \
+                 negative eigenvalue of the tangent with the circulatory part of the follower loads: no static \
+                 instability (divergence); flutter is not examined"
             ));
         }
         if converged.floor {
             observer.on_event(&format!(
-                "load factor {target}: increments stopped shrinking at the rounding floor of the model; accepted"
+                "load factor {target}: the increments stagnate at round-off; the equilibrium is accepted"
             ));
         }
         Ok(converged)
@@ -264,7 +265,10 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
                 && converged.first_increment > SOFTER * state.compliance * (target - state.time),
         };
         let doubt = if released > 0.0 {
-            Some(format!("energy is released, {released:.2} times the work that a stable path allows"))
+            Some(format!(
+                "the step releases energy, {released:.2} times the work of its load increment, where a stable path \
+                 releases none"
+            ))
         } else if speeds.need_the_end() {
             let unloaded = StaticEquation { u: equation.u.clone(), ..before };
             let end = newton.response(system, &unloaded, &*equation).unwrap_or(0.0);
@@ -273,8 +277,9 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             None
         };
         let Some(doubt) = doubt else { return Ok(()) };
-        let reason =
-            format!("the equilibrium found is not connected with the last one by a stable path: {doubt}");
+        let reason = format!(
+            "snap-through test: no stable path connects the equilibrium found with the last one: {doubt}"
+        );
         if self.options.allow_unstable {
             observer.on_event(&format!("load factor {target:.6}: {reason}"));
             return Ok(());
@@ -349,7 +354,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         self.equation.attempts += 1;
         observer.on_repeat(&self.statistics);
         observer.on_event(&format!(
-            "load factor {target:.6} not reached: {}; the step is halved",
+            "load factor {target:.6} not reached: {}; cut-back to half the step",
             failure.reason
         ));
         self.newton.restore(self.system, &self.state, is_loaded(self.system, &self.state));
@@ -369,7 +374,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             help: format!(
                 "{}The last equilibrium was at load factor {:.6}. {}",
                 if target <= 0.0 && state.time < 0.0 {
-                    "Below load factor 0 the loads grow that amplitudes give at 0. "
+                    "From load factor -1 to 0 the loads and prescribed values grow to those of their amplitudes at 0. "
                 } else {
                     ""
                 },
@@ -425,6 +430,6 @@ fn is_loaded(system: &System, state: &State) -> bool {
 fn name(form: NewtonMethod) -> &'static str {
     match form {
         NewtonMethod::Mixed => "mixed Newton",
-        NewtonMethod::Displacement => "plain Newton",
+        NewtonMethod::Displacement => "displacement-based Newton",
     }
 }
