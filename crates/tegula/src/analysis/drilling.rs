@@ -1,7 +1,7 @@
 //! Monitor of the drilling components of moments during a run.
 //!
-//! A single director resists no rotation about itself, so a moment that is constant in space loses its drilling
-//! component, the one along the director, as the shell rotates. The monitor tells the user how much.
+//! A single director has no drilling stiffness. As the shell rotates, a moment that is constant in space gets a drilling
+//! component, the one along the director, which is dropped. The monitor tells the user how much that is.
 
 use super::Observer;
 use crate::Vec3;
@@ -9,14 +9,14 @@ use crate::element::Nodal;
 use crate::load::FollowerLoad;
 use crate::system::System;
 
-/// Share of a moment lost to the drilling component that triggers the first report.
+/// Ratio of the drilling component to the moment that triggers the first report.
 const FIRST: f64 = 0.01;
-/// Growth factor of the lost share that triggers the next report.
+/// Growth factor of this ratio that triggers the next report.
 const GROWTH: f64 = 2.0;
 
-/// Drilling monitor: reports the lost shares of moments each time that they have grown.
+/// Drilling monitor: reports the drilling components of moments each time that they have grown.
 pub(super) struct DrillingWatch {
-    /// Lost share that triggers the next report.
+    /// Ratio of the drilling component to the moment that triggers the next report.
     next: f64,
 }
 

@@ -8,11 +8,11 @@
 //!   increment δ is θ|δ|, so with a lagged tangent `1 + ln(θ|δ|/tolerance)/ln(1/θ)` further iterations are needed. A
 //!   new tangent is factored if they cost more than it does, or if increments do not halve. An increment that shows
 //!   this is discarded: the equations of large time steps have several solutions, and a lagged tangent may lead to one
-//!   that has nothing to do with the motion. If the factor is that of an earlier step, the step restarts with tangents
-//!   of its own.
+//!   that has nothing to do with the motion. If the factor is that of an earlier step, the step restarts with new
+//!   tangents.
 //! - **From step to step** the tangent at the start of an earlier step is reused until a step takes more iterations
 //!   than the average step since then, the cost of the factor included: the average would rise from there on. If a step
-//!   needs tangents of its own all the same, reuse pauses for some steps, twice as many each time.
+//!   needs new tangents all the same, reuse pauses for some steps, twice as many each time.
 //!
 //! Costs are counted in operations, not on a clock, so that results repeat. C. T. Kelley, *Iterative Methods for Linear
 //! and Nonlinear Equations*, SIAM 1995, Sect. 5.4.
@@ -81,7 +81,7 @@ pub struct LaggedTangent {
     pub iterations: u32,
     /// Iterations of the last step.
     pub last: u32,
-    /// Steps left in the pause of reuse, made with tangents of their own.
+    /// Steps left in the pause of reuse, each of which factors new tangents.
     pub pause: u32,
     /// Length of the pause after the next failure (steps).
     pub next_pause: u32,
@@ -97,14 +97,14 @@ impl LaggedTangent {
         self.valid && self.dt == dt && (self.steps == 0 || f64::from(self.last) <= average)
     }
 
-    /// Gives up the lagged tangent: steps are made with tangents of their own during a pause.
+    /// Gives up the lagged tangent: every step factors new tangents during a pause.
     pub fn fail(&mut self) {
         self.valid = false;
         self.pause = self.next_pause.max(1);
         self.next_pause = (2 * self.pause).min(LONGEST_PAUSE);
     }
 
-    /// Counts a finished step, which factored `tangents` of its own.
+    /// Counts a finished step, which factored this number of new `tangents`.
     pub fn record_use(&mut self, iterations: u32, tangents: u32) {
         if self.pause > 0 {
             self.pause -= 1;
@@ -163,7 +163,7 @@ impl Increments {
     pub fn contraction(&self) -> f64 {
         let [.., before, last] = self.list.as_slice() else { return f64::INFINITY };
         let ratio = (last.energy / before.energy).sqrt().max(last.size / before.size);
-        // An error that a new tangent has made small shrinks more slowly from there on.
+        // An error that a new tangent has made small decreases more slowly from there on.
         if last.fresh { 2.0 * ratio } else { ratio }
     }
 

@@ -79,7 +79,7 @@ impl State {
         Self { u: vec![[0.0; 3]; system.vectors()], history: vec![0.0; history], ..Self::default() }
     }
 
-    /// What the next analysis step starts from.
+    /// Displacements, velocities and history variables from which the next analysis step starts.
     pub fn end_of_step(&self) -> StepStart {
         StepStart { u: self.u.clone(), v: self.v.clone(), history: self.history.clone() }
     }
@@ -129,7 +129,7 @@ pub struct Statistics {
     pub energy_error: f64,
 }
 
-/// Finished step, as observers get it.
+/// Finished step, as reported to observers.
 #[derive(Debug)]
 pub struct Step<'a> {
     /// State at the end of the step.

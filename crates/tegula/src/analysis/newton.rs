@@ -33,7 +33,7 @@ use super::solver::{self, Linearization, TangentSolver};
 use super::statics::state_kinematics;
 use super::{Observer, State};
 
-/// Equation of one step: `rest(q) − force · f_int(q) = 0`, with `rest` the external minus inertia forces.
+/// Equation of one step: `f_ext(q) − f_inertia(q) − force · f_int(q) = 0`, with the weight `force` of the internal forces.
 pub trait Equation {
     /// Motion at the present iterate.
     fn kinematics<'a>(&'a self, system: &'a System) -> Kinematics<'a>;
@@ -105,7 +105,7 @@ pub enum Cause {
     Flight,
     /// The tangent is singular, or the linear solver failed.
     Tangent,
-    /// Increments found with a lagged tangent do not shrink.
+    /// Increments found with a lagged tangent do not decrease fast enough.
     OldTangent,
     /// The energy of the increments stagnates above round-off.
     Stagnation,
@@ -124,7 +124,7 @@ pub struct Diverged {
     pub cause: Cause,
     /// Message with cause and place.
     pub reason: String,
-    /// Whether the step began with a lagged tangent: with its own tangents it may converge.
+    /// Whether the step began with a lagged tangent: with new tangents it may converge.
     pub began_with_old_factor: bool,
 }
 

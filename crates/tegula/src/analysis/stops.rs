@@ -1,5 +1,5 @@
 //! Stops: times at which a step ends whatever its length, namely breaks of the amplitudes in use and times that the
-//! user wants.
+//! user requests.
 
 use crate::load::LoadParameter;
 use crate::system::System;

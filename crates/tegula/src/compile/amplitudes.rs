@@ -4,7 +4,8 @@ use crate::Issue;
 use crate::load::TimeFunction;
 use crate::model::{Amplitude, Analysis, Condition, Load, Model};
 
-/// Instants at which a formula is tried, beside the first. A gap between them shows while the model is computed.
+/// Instants at which a formula is tried, beside the first. An undefined interval between them is found during the
+/// analysis.
 const INSTANTS: u32 = 1000;
 
 /// Time between two points of a table over the end of the analysis below which a change is a jump.

@@ -1,4 +1,4 @@
-//! Checks of a model: all mistakes are found at once and told for people.
+//! Checks of a model: all mistakes are reported at once, in sentences for the user.
 
 use std::collections::BTreeMap;
 
@@ -49,7 +49,7 @@ fn keys_of(model: &Model, continues: bool) -> Vec<Issue> {
         c.issues.extend(check_material::issues(material, &format!("materials.{name}")));
     }
     let fold_angle = model.mesh.fold_angle();
-    // Directors nearer to parallel than a degree have no angle to be kept.
+    // Directors that are parallel within a degree have no angle to constrain.
     if !(1.0..=180.0).contains(&fold_angle) {
         c.add(
             "mesh.fold_angle",
@@ -274,7 +274,7 @@ fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
     c.issues
 }
 
-/// Sets in use that hold nodes without elements: such nodes have no coordinates to support, load or record.
+/// Sets in use that hold orphan nodes: these have no degrees of freedom to support, load or record.
 fn orphan_nodes(model: &Model, mesh: &Mesh) -> Vec<Issue> {
     let part_of = mesh.parts();
     let mut names: Vec<(String, &str)> = Vec::new();

@@ -58,7 +58,7 @@ pub(super) fn sections(model: &Model, c: &mut Checker) {
     }
 }
 
-/// Elements whose edges take different shapes cannot share one: it would gape.
+/// Elements with incompatible edges (straight or cubic between their nodes) must not share one.
 pub(super) fn edges(model: &Model, mesh: &Mesh, c: &mut Checker) {
     let mut owner = vec![None; mesh.positions.len()];
     for (i, s) in model.sections.iter().enumerate() {
@@ -85,7 +85,7 @@ pub(super) fn edges(model: &Model, mesh: &Mesh, c: &mut Checker) {
     }
 }
 
-/// Keys of a section that its element does not know, though they are set to something else than usual.
+/// Keys of a section without effect on its element, though they differ from the default.
 pub(super) fn idle_keys(s: &Section) -> Vec<&'static str> {
     let h = s.whole_thickness().max(f64::MIN_POSITIVE);
     let made = |s: &Section| format!("{:?}", registry::shell(s, h));

@@ -15,7 +15,7 @@ const ROUNDING: f64 = 32.0 * f64::EPSILON;
 /// Shapes are looked up by their numbers in these units of the element's size.
 const CELL: f64 = 1e-9;
 
-/// An element as seen from its own frame.
+/// Shape of an element, in its own frame.
 struct Shape {
     numbers: Vec<f64>,
     /// Largest difference that counts as rounding.
@@ -55,7 +55,7 @@ impl Shape {
     }
 }
 
-/// The shapes met so far among the elements of a section.
+/// Shapes so far among the elements of a section.
 #[derive(Default)]
 pub(super) struct Congruence {
     known: HashMap<Key, (usize, Shape)>,
@@ -63,16 +63,16 @@ pub(super) struct Congruence {
 
 type Key = (Vec<i64>, Vec<bool>);
 
-/// A shape that was not met before.
+/// A shape without a congruent earlier element.
 pub(super) struct NewShape(Key, Shape);
 
-/// Congruence of an element with those seen before.
+/// Congruence of an element with earlier ones.
 pub(super) enum Match {
     /// Congruent with the earlier element of this number.
     Like(usize),
-    /// Not met before.
+    /// No earlier element is congruent.
     New(NewShape),
-    /// It cannot be told, or is nearly that of another element but not quite.
+    /// Congruence cannot be decided, or the shape is nearly that of another element but not quite.
     Alone,
 }
 
@@ -89,7 +89,7 @@ impl Congruence {
         }
     }
 
-    /// Notes that element number `member` has a new shape. Only elements that were accepted have numbers.
+    /// Records that element number `member` has a new shape. Only elements that were accepted have numbers.
     pub fn register(&mut self, NewShape(key, shape): NewShape, member: usize) {
         self.known.insert(key, (member, shape));
     }

@@ -9,8 +9,8 @@ use crate::{Issue, Vec3};
 
 /// Rigid-body motions that the supports leave free, sheet by sheet.
 ///
-/// Each part of the mesh that hangs together has six rigid motions. A support forbids a combination of
-/// them; a motion that no support forbids is a free mechanism.
+/// Each connected part of the mesh has six rigid motions. A support prevents a combination of them; a part with a motion
+/// that no support prevents is under-constrained (free mechanism).
 pub fn mechanisms(
     mesh: &Mesh,
     reference: &[Nodal],

@@ -223,7 +223,7 @@ impl<'a> Compiler<'a> {
         };
         issues.extend(check::masses(model, &system));
         if let Some(scheme) = explicit_scheme(&model.analysis).filter(|_| issues.is_empty()) {
-            // Before gravity is found: bodies of lumped mass shall fall without turning.
+            // Before gravity is found: bodies of lumped mass shall fall without rotation.
             issues.extend(lumping::lump(&mut system, &added, scheme.scale_director_inertia));
         }
         (system.dead_loads, system.load_of_dead) = dead_loads(step, mesh, &system, &names);

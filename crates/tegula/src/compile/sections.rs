@@ -201,9 +201,9 @@ pub(super) struct Elements {
     pub(super) groups: Vec<Box<dyn ElementGroup>>,
     pub(super) list: Vec<Shell>,
     pub(super) sections: Vec<ShellSection>,
-    /// Nodal vectors that keep their length.
+    /// Inextensible directors.
     pub(super) unit: BTreeSet<u32>,
-    /// The sheet of each director, for ties; empty where there are none.
+    /// The sheet of each director, for director-angle constraints; empty where there are none.
     sheets: Vec<Sheet>,
 }
 
@@ -217,7 +217,7 @@ struct Sheet {
 }
 
 impl Elements {
-    /// Which directors have gradients beside them.
+    /// Flags, by director: whether gradients of `ancf-full` stand beside it.
     pub(super) fn gradients(model: &Model, mesh: &Mesh, directors: &Directors) -> Vec<bool> {
         let mut out = vec![false; directors.values.len()];
         for section in &model.sections {
@@ -300,7 +300,7 @@ impl Elements {
         let first_group = self.groups.len();
         let bending = compiled.bending();
         let mut members = 0;
-        // Gradients begin along tangents that the axes of space decide.
+        // The tangents of gradients depend on the global axes, so rotated elements are not congruent.
         let turns = !element.nodal_vectors().contains(&VectorKind::Gradient);
         let mut shapes = (turns && compiled.is_linear()).then(Congruence::default);
         let own = (!compiled.isotropic).then_some(compiled.direction);
@@ -397,7 +397,8 @@ impl Elements {
         self.sections.push(ShellSection { section: compiled, element });
     }
 
-    /// Ties the directors of folds and junctions, `stiffness` times as stiff as one row of elements beside them.
+    /// Adds the director-angle constraints of folds and junctions, `stiffness` times as stiff as one row of elements
+    /// beside them.
     pub(super) fn ties(&mut self, directors: &Directors, vectors: &Vectors, stiffness: f64) {
         if directors.ties.is_empty() {
             return;

@@ -19,9 +19,9 @@ pub struct StepModel {
     pub model: Model,
     /// Index of the step at whose end this one starts; `None`: the reference configuration at rest.
     pub starts_from: Option<usize>,
-    /// How each of the model's loads continues the step before.
+    /// Continuation of each of the model's loads from the step before.
     pub(super) loads: Vec<Continued>,
-    /// How each of [`all_strains`] continues the step before.
+    /// Continuation of each of [`all_strains`] from the step before.
     pub(super) strains: Vec<Continued>,
     /// Keys of the model file in place of those of `model`.
     keys: Vec<(String, String)>,

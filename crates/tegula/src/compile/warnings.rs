@@ -279,7 +279,7 @@ fn shortened_directors(model: &Model, system: &System) -> Vec<Issue> {
     found
 }
 
-/// Keys of sections that their element types do not look at.
+/// Keys of sections without effect on their element types.
 fn idle_switches(model: &Model) -> Vec<Issue> {
     let mut found = Vec::new();
     for (i, s) in model.sections.iter().enumerate() {
@@ -319,7 +319,7 @@ fn idle_switches(model: &Model) -> Vec<Issue> {
     found
 }
 
-/// Formulas that change within constant time steps, which do not see it.
+/// Formulas whose change within constant time steps is not resolved.
 fn coarse_steps(model: &Model, system: &System) -> Vec<Issue> {
     let Analysis::Transient(options) = &model.analysis else { return Vec::new() };
     let issue = |found: &PassedOver| {

@@ -31,7 +31,7 @@ pub struct Mitc4 {
 
 impl Mitc4 {
     /// Element with extensible directors that supplies the strains; its sampled thickness strains come last and are
-    /// left out here.
+    /// omitted here.
     fn extensible(&self) -> EmsShell {
         EmsShell { ans_shear: self.ans_shear, ans_thickness: true, membrane: self.membrane }
     }

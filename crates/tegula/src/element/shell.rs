@@ -1,7 +1,7 @@
 //! Interface of a shell element type, and the builder of its element groups.
 //!
 //! An element type consists of its table of sampled strains and of strain operators at any height over a few points of
-//! its mid-surface. Sections and materials turn them into integration points ([`IntegrationPoint`]), the terms of the element's
+//! its mid-surface. Sections and materials make integration points of them ([`IntegrationPoint`]), the terms of the element's
 //! energy; static condensation of the enhanced parameters takes place here, once, where all materials are linear.
 
 use std::fmt::Debug;

@@ -144,7 +144,7 @@ impl FollowerLoad {
         }
     }
 
-    /// Fraction of a moment that does no work at the nodal vectors `x`: its drilling component over its magnitude.
+    /// Ratio of the drilling component of a moment, which does no work, to the moment, at the nodal vectors `x`.
     pub fn lost_share(&self, x: &[Vec3]) -> f64 {
         match self {
             Self::Moment { moment, .. } if moment.norm() > 0.0 => {

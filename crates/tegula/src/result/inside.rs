@@ -96,7 +96,7 @@ impl<'a> Snapshot<'a> {
 }
 
 /// Data common to congruent elements. They are made from the first of the elements, so that results do not depend on
-/// which one a thread meets first.
+/// the order of the threads.
 pub struct Shape {
     section: usize,
     number: usize,
@@ -156,7 +156,7 @@ impl Generalised {
     }
 }
 
-/// Interior of an element, for the recovery of strains and stresses.
+/// Evaluation of strains and stresses inside an element, from its state and history variables.
 pub struct Inside<'a> {
     section: &'a CompiledSection,
     geometry: ShellGeometry,
@@ -167,7 +167,7 @@ pub struct Inside<'a> {
     /// Data shared with congruent elements.
     pub shape: Arc<Shape>,
     state: Generalised,
-    /// Change with the small motion of which strains and stresses are wanted.
+    /// Change with the small motion whose strains and stresses are recovered.
     change: Option<Generalised>,
 }
 
@@ -186,12 +186,12 @@ pub struct PointStrain {
 }
 
 impl<'a> Inside<'a> {
-    /// Interior of an element; `None` where the element's geometry is invalid, which a built system excludes.
+    /// Evaluation inside an element; `None` where the element's geometry is invalid, which a built system excludes.
     pub fn new(snapshot: &'a Snapshot<'a>, shell: &'a Shell) -> Option<Self> {
         Self::after(snapshot, shell, &mut None)
     }
 
-    /// Interior of an element after another one, which often has the same shape.
+    /// Evaluation inside an element after another one, which is often congruent.
     pub fn after(
         snapshot: &'a Snapshot<'a>,
         shell: &'a Shell,

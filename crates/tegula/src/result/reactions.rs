@@ -253,8 +253,8 @@ impl Supported {
         self.axes.iter().map(move |(axis, set)| {
             let mut along = force.dot(axis);
             if self.turns {
-                // The constraint force on the inextensible director is internal and has no moment; the support takes
-                // the rest.
+                // The constraint force on the inextensible director is internal and has no moment; the support carries
+                // the remainder.
                 let across = d - axis * axis.dot(&d);
                 let length = force.dot(&across) / across.norm_squared().max(f64::MIN_POSITIVE);
                 along -= length * d.dot(axis);

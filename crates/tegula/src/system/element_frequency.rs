@@ -22,8 +22,8 @@ const SQUARINGS: i32 = 4;
 /// Elements per task.
 const CHUNK: usize = 32;
 
-/// Shares of the elements in the mass of their nodal vectors: shells share by their own part of it; ties, which have
-/// none, get half.
+/// Shares of the elements in the mass of their nodal vectors: shells share by their own part of it; director-angle
+/// constraints, which have none, get half.
 #[derive(Debug)]
 pub struct MassShares {
     /// Sum of the elements' own masses of each nodal vector.

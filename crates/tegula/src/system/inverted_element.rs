@@ -1,7 +1,7 @@
 //! Detection of inverted elements.
 //!
 //! Strains are quadratic, so an element that has passed through itself has small strains again and Newton's method can
-//! converge there. No real shell gets there: such a state is no solution.
+//! converge there. No real shell reaches such a state: it is no solution.
 
 use rayon::prelude::*;
 

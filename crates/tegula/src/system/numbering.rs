@@ -106,7 +106,7 @@ pub struct UnitVector {
     pub vector: u32,
     /// Direction along which the director is supported, if there is one.
     pub fixed: Option<Vec3>,
-    /// Component along `fixed` at which the director is held; `None`: that of the reference.
+    /// Component along `fixed` to which the director is constrained; `None`: that of the reference.
     pub held: Option<f64>,
 }
 
@@ -180,7 +180,7 @@ impl Numbering {
         Ok(numbering)
     }
 
-    /// Starts an analysis step at the displacements `u`: prescribed degrees of freedom go on from there, and fixed ones
+    /// Starts an analysis step at the displacements `u`: prescribed degrees of freedom continue from there, and fixed ones
     /// stay there.
     pub fn start_at(&mut self, reference: &[Nodal], u: &[Nodal]) {
         let current = |v: usize| Vec3::from(reference[v]) + Vec3::from(u[v]);
@@ -415,7 +415,7 @@ impl Builder {
         }
     }
 
-    /// Gives the next number to a coordinate.
+    /// Gives the next number to a degree of freedom.
     fn number(&mut self, coordinate: usize) {
         self.numbering.free[coordinate] = self.numbering.unknowns as u32;
         self.numbering.unknowns += 1;

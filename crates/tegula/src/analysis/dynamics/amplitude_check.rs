@@ -1,7 +1,7 @@
-//! Amplitude check: compares the formulas of loads and motions inside a step with the straight line that a step sees of
-//! them.
+//! Amplitude check: compares the formulas of loads and motions inside a step with the straight line between their values
+//! at its ends.
 //!
-//! All schemes take loads at the ends of a step or at its midpoint: to second order they see the line through the
+//! All schemes take loads at the ends of a step or at its midpoint: to second order they resolve the line through the
 //! values at its ends. A step is resolved where no formula in use departs from that line by more than a share of its
 //! range over the whole analysis. For a sine of circular frequency ω the departure is about (ω Δt)²/16 of the range, so
 //! the share scales with the tolerance to the power ⅔, as does the square of the step. Tables need no such check: steps

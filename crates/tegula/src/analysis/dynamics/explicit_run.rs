@@ -52,7 +52,7 @@ struct EnergyMonitor {
 
 impl EnergyMonitor {
     /// Error of the energy balance over the largest energy so far, and a message where the motion is unstable or the
-    /// balance broken.
+    /// balance violated.
     fn check(&mut self, balance: &Balance, scheme: &Explicit, state: &State) -> (f64, Option<String>) {
         let stored = balance.kinetic + balance.strain;
         self.given = self.given.max(self.first + balance.work.abs() + balance.potential.abs());
@@ -110,11 +110,11 @@ struct ExplicitSteps<'a> {
     state: State,
     balance: Balance,
     statistics: Statistics,
-    /// Whether the analysis begins at time 0, and has not told the observer so yet.
+    /// Whether the analysis begins at time 0 and its initial state has not been reported yet.
     fresh: bool,
     /// Whether the critical time step is known.
     found: bool,
-    /// Whether the user knows that the given time step is above the critical one.
+    /// Whether the user has been warned that the given time step is above the critical one.
     warned: bool,
 }
 
@@ -243,7 +243,7 @@ impl<'a> ExplicitSteps<'a> {
         Ok(())
     }
 
-    /// Energy balance of the state, which the observer is told if it holds.
+    /// Checks the energy balance of the state and reports the state to the observer.
     fn check_balance(&mut self, observer: &mut dyn Observer) -> Result<()> {
         let Self { system, scheme, state, balance, monitor, statistics, drilling, .. } = self;
         *balance = super::balance(system, &mut scheme.assembly, state);

@@ -271,8 +271,8 @@ impl Integrator for Newmark {
 impl Newmark {
     /// Adds the constraint forces of inextensible directors at the start of the step.
     ///
-    /// They act along the old directors. At the end of the step, whose equation holds across the new directors, they
-    /// have a component whose omission would be an error of first order.
+    /// They act along the directors at the start. The equation at the end of the step is projected onto the planes normal to
+    /// the directors there, in which they have a component; omitting it would be an error of first order.
     fn add_old_constraint_forces(
         &mut self,
         system: &System,

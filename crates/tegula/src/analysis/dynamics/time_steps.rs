@@ -36,7 +36,7 @@ pub(super) struct TimeSteps<'a> {
 }
 
 impl<'a> TimeSteps<'a> {
-    /// Begins at `start`, or at time 0 with consistent accelerations, which the observer is told.
+    /// Begins at `start`, or at time 0 with consistent accelerations, a state that is reported to the observer.
     ///
     /// # Errors
     /// The factor does not fit in memory, the mass is singular, an amplitude has no value at time 0, or the observer failed.
@@ -217,7 +217,7 @@ impl<'a> TimeSteps<'a> {
         Ok(())
     }
 
-    /// Tells the observer the state reached.
+    /// Reports the state reached to the observer.
     fn report(&self, iterations: u32, observer: &mut dyn Observer) -> Result<()> {
         let Self { state, balance, statistics, options, .. } = self;
         observer.on_step(&Step { state, balance, statistics, iterations, end: options.end_time })

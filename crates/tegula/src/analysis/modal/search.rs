@@ -31,7 +31,7 @@ pub(super) struct Search {
 }
 
 impl Search {
-    /// Search for the `wanted` lowest elastic modes of a group.
+    /// Search for the lowest `wanted` elastic modes of a group.
     pub fn new(problem: &Problem, group: usize, wanted: usize) -> Self {
         let wanted = wanted.min(problem.groups[group].elastic());
         Self { group, wanted, lanczos: None, pairs: Vec::new(), lambdas: Vec::new() }

@@ -30,7 +30,7 @@ pub enum Stability {
     /// The tangent has a negative eigenvalue, shown by this number of negative pivots of the symmetric part.
     Unstable(usize),
     /// The symmetric part has this number of negative pivots, but the tangent has no real negative eigenvalue:
-    /// circulatory loads compensate them, or turn pairs of them into vibrations.
+    /// circulatory loads compensate them, or make pairs of them complex (vibrations).
     Undecided(usize),
 }
 

@@ -29,17 +29,17 @@
 //! J. M. T. Thompson, G. W. Hunt, *A General Theory of Elastic Stability*, Wiley 1973, for the sign of ΔF·u'.
 //!
 //! The tests miss a snap within one step whose tangents at both ends are as soft as the snap is long, and which
-//! releases less energy than the bound leaves: shorter load steps see more.
+//! releases less energy than the bound leaves: shorter load steps resolve more.
 
 use super::StaticEquation;
 use crate::analysis::newton::Equation;
 use crate::element::Nodal;
 use crate::system::{Assembly, System, dot};
 
-/// Ratio of the displacement of a step to that of the faster of its two ends above which the step is doubted. Large
+/// Ratio of the displacement of a step to that of the faster of its two ends above which the step is refused. Large
 /// steps on smooth paths reach 1.27 (quarter cylinder of Sect. 5.2 in one step), snaps of roofs begin at 2.1.
 const LEAP: f64 = 1.5;
-/// Ratio of the speed at the end of a step to that at its start below which the step is doubted on a path that softens.
+/// Ratio of the speed at the end of a step to that at its start below which the step is refused on a path that softens.
 const STIFFER: f64 = 0.5;
 /// Ratio of the speed at the start of a step to that at the start of the one before above which a path softens.
 pub(super) const SOFTER: f64 = 1.1;
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn steps_that_begin_near_a_limit_point_and_end_stiff_are_doubted() {
-        // Pull-out of a cylinder: soft before the limit point, stiff behind it, and no longer than the soft end tells.
+        // Pull-out of a cylinder: soft before the limit point, stiff behind it, and no longer than the soft end predicts.
         let speeds = Speeds { moved: 0.1257, start: 0.1216, softens: true };
         assert!(speeds.doubt(0.0356).is_some() && speeds.doubt(0.1).is_none());
         assert!(Speeds { softens: false, ..speeds }.doubt(0.0356).is_none(), "a path that only stiffens");

@@ -9,8 +9,9 @@ use crate::system::{System, VectorKind, dot};
 /// Energy of the softest mode over that of the whole response above which a critical point is a limit point: at a
 /// bifurcation the loads do no work on the mode, but for round-off, which its softness amplifies.
 const EXCITED: f64 = 1e-3;
-/// Evidence of a limit point where pivots are negative on the way: the tangent at the last equilibrium is this much
-/// softer than on the average of the path, and the softest mode is this share of its response, nearly the whole.
+/// Evidence of a limit point where a tangent of the iteration has negative pivots: the tangent at the last equilibrium
+/// is this much softer than on the average of the path, and the softest mode is this share of its response, nearly the
+/// whole.
 const SOFTENED: f64 = 2.0;
 const DOMINANT: f64 = 0.9;
 /// Inverse of the largest part of the nodal vectors that a load may act on for its displacement to be prescribed
@@ -28,7 +29,7 @@ pub(super) enum Kind {
     Unstable,
     /// The tangent of the unloaded structure has negative pivots.
     Rounding,
-    /// The equilibrium is not connected with the last one by a stable path.
+    /// No stable path connects the equilibrium with the last one (snap-through).
     Leap,
 }
 
@@ -38,7 +39,7 @@ pub(super) struct Failure {
     pub kind: Kind,
     /// Reason, as text.
     pub reason: String,
-    /// Largest number of negative pivots of a tangent on the way.
+    /// Largest number of negative pivots of a tangent of the iteration.
     pub negative_pivots: usize,
 }
 
@@ -106,7 +107,7 @@ impl Failure {
         matches!(self.kind, Kind::Iteration(Flight | Iterations | Material | Stagnation))
     }
 
-    /// Reason, with the events on the way from the last equilibrium to a load factor.
+    /// Reason, with the negative pivots and the critical point between the last equilibrium and a load factor.
     pub fn told(
         &self,
         system: &System,
@@ -214,7 +215,7 @@ impl Failure {
     }
 }
 
-/// Advice on how to pass a limit point, or a bend that looks like one.
+/// Advice on how to pass a limit point, or the abrupt buckling of a nearly perfect structure.
 fn beyond_limit_point(system: &System, options: &StaticAnalysis) -> String {
     let mut advice = past_the_limit(system);
     if options.max_cutbacks < 25 {

@@ -128,7 +128,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
 
     /// Iterates to the equilibrium at a load factor; the inner error gives the reason why none is accepted.
     ///
-    /// Where one form of Newton's method finds no equilibrium, the other is tried before a cut-back.
+    /// Where one form of Newton's method does not converge, the other is tried before a cut-back.
     fn attempt(
         &mut self,
         target: f64,
@@ -197,7 +197,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         }
     }
 
-    /// Refuses inverted elements, unstable equilibria, and equilibria that are not connected with the last one.
+    /// Refuses inverted elements, unstable equilibria, and equilibria that no stable path connects with the last one.
     fn judge(
         &mut self,
         target: f64,
@@ -342,7 +342,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         if observer.interrupted() && state.time < 1.0 { Err(Error::Interrupted) } else { Ok(()) }
     }
 
-    /// Halves a step that failed (cut-back), or gives up.
+    /// Cuts a step that failed back to half its length, or gives up.
     fn cut_back(&mut self, target: f64, failure: Failure, observer: &mut dyn Observer) -> Result<()> {
         let step = 0.5 * (target - self.state.time);
         let (last, next) = self.stops.bracket(self.state.time, self.options.load_steps);
