@@ -512,3 +512,32 @@ thickness = 0.1
     ends.sort_by(f64::total_cmp);
     assert_eq!(ends, [3.0, 4.0]);
 }
+
+#[test]
+fn the_preloaded_plate_vibrates_at_the_frequency_of_its_mode() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let output = tegula(&["run", text(&example("preloaded_plate.toml")), "--out", text(&out), "--quiet"]);
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", errors(&output));
+    let modes = summary(&out.join("2-modes"));
+    let frequency = modes["frequencies_hz"][0].as_f64().unwrap();
+    // f² = [D π² (1/a² + 1/b²)² + N/a²]/(4ρh) (Leissa, NASA SP-160, Sect. 10.1).
+    assert!((frequency / 104.0047 - 1.0).abs() < 3e-3, "{frequency}");
+    let history = fs::read_to_string(out.join("4-vibration/history.csv")).unwrap();
+    let mut lines = history.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let names = lines.next().unwrap();
+    let column = names.iter().position(|n| n.trim() == "centre.uz").unwrap();
+    let points: Vec<[f64; 2]> =
+        lines.map(|row| [row[0], row[column]].map(|x| x.trim().parse().unwrap())).collect();
+    let upwards: Vec<f64> = points
+        .windows(2)
+        .filter(|w| w[0][1] < 0.0 && w[1][1] >= 0.0)
+        .map(|w| w[0][0] - w[0][1] * (w[1][0] - w[0][0]) / (w[1][1] - w[0][1]))
+        .collect();
+    assert!(upwards.len() > 15, "{upwards:?}");
+    let measured = (upwards.len() - 1) as f64 / (upwards[upwards.len() - 1] - upwards[0]);
+    assert!((measured / frequency - 1.0).abs() < 1e-3, "{measured} for {frequency}");
+    let whole = summary(&out);
+    assert_eq!(whole["analyses"].as_array().unwrap().len(), 4);
+    assert_eq!(whole["points"], summary(&out.join("4-vibration"))["points"]);
+}

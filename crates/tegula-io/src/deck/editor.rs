@@ -17,6 +17,9 @@ const TITLE: &str = "tegula model";
 pub fn schema() -> Value {
     let mut schema = derived();
     simplify(&mut schema);
+    if let Some(root) = schema.as_object_mut() {
+        root.insert("oneOf".into(), json!([{ "required": ["analysis"] }, { "required": ["steps"] }]));
+    }
     schema
 }
 

@@ -6,15 +6,9 @@ use tegula::Model;
 /// The JSON Schema of the model file as it follows from the types.
 pub(super) fn schema() -> Value {
     let mut schema = schemars::schema_for!(Model).to_value();
-    // A model has one analysis, or several in steps.
+    // A model has one analysis, or several in steps: neither is a default.
     if let Some(analysis) = schema.pointer_mut("/properties/analysis").and_then(Value::as_object_mut) {
         analysis.remove("default");
-    }
-    if let Some(root) = schema.as_object_mut() {
-        root.insert(
-            "oneOf".into(),
-            serde_json::json!([{ "required": ["analysis"] }, { "required": ["steps"] }]),
-        );
     }
     schema
 }

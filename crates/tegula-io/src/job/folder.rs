@@ -52,7 +52,7 @@ impl ResultFolder {
     pub fn start(path: &Path, claim: &Claim<'_>) -> Result<Self, JobError> {
         let earlier = earlier(path)?;
         match &earlier {
-            None if !is_empty(path)? => {
+            None if !is_step(path) && !is_empty(path)? => {
                 return Err(refuse(
                     path,
                     "it holds files that are not a result of tegula. Choose another folder (`--out`), or empty it",
@@ -235,6 +235,13 @@ impl ResultFolder {
 
 fn refuse(path: &Path, reason: &str) -> JobError {
     JobError::Folder { folder: path.to_owned(), reason: reason.into() }
+}
+
+/// True for the folder of an analysis step in the result folder of a run of several. Files of the user in it stay.
+fn is_step(path: &Path) -> bool {
+    let name = path.file_name().and_then(|name| name.to_str());
+    let whole = path.parent().and_then(|parent| Summary::read(parent).ok());
+    whole.is_some_and(|summary| summary.analyses.iter().any(|step| Some(step.folder.as_str()) == name))
 }
 
 /// The summary of the result that the folder holds.

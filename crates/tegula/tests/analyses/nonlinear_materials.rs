@@ -3,7 +3,7 @@
 use crate::common;
 use std::f64::consts::PI;
 
-use crate::common::{Notes, compile, displacement, plate, vector_load};
+use crate::common::{Notes, compile, displacement, plate, solve, vector_load};
 use tegula::Vec3;
 use tegula::analysis::newton::{Equation as _, Newton, Tolerances};
 use tegula::analysis::statics::StaticEquation;
@@ -380,4 +380,117 @@ fn elements_meet_at_an_edge() {
     let (m, mesh) = halves([ElementKind::AncfFull, ElementKind::Ems]);
     let error = tegula::compile::build(&m, &mesh).err().unwrap().to_string();
     assert!(error.contains("`ems` and the `ancf-full` of sections[0] meet at node 4"), "{error}");
+}
+
+/// A strip of a plastic material that is free to expand, under heat.
+fn heated_strip(element: ElementKind, temperature: f64, gradient: f64) -> Model {
+    let mut m = Model::new(
+        plate([100.0, 10.0], [4, 1], 0.0),
+        Analysis::Static(StaticAnalysis::default()),
+        Isotropic::new(1.0, 0.0, 0.0),
+        1.0,
+    );
+    m.materials.insert(
+        "m".into(),
+        Material::Plastic(Plastic {
+            young: 2e5,
+            poisson: 0.3,
+            yield_stress: 250.0,
+            hardening: 1000.0,
+            saturation: None,
+            saturation_rate: 0.0,
+            kinematic: 0.0,
+            density: 0.0,
+            expansion: 1e-5,
+        }),
+    );
+    m.sections[0].element = element;
+    let plane = |on: &str, normal| Condition::Symmetry(SymmetryPlane { on: on.into(), normal });
+    m.conditions = vec![
+        plane("u_min", [1.0, 0.0, 0.0]),
+        plane("v_min", [0.0, 1.0, 0.0]),
+        Condition::Fix(FixComponents { on: "u_min_v_min".into(), position: vec![Axis::Z], director: vec![] }),
+    ];
+    let heat = ThermalStrain { on: "all".into(), temperature, gradient, amplitude: None };
+    m.prescribed_strains = vec![PrescribedStrain::Thermal(heat)];
+    m
+}
+
+#[test]
+fn free_heating_of_plastic_elements_leaves_neither_stress_nor_energy() {
+    for element in [ElementKind::Ems, ElementKind::Mitc4, ElementKind::Cm] {
+        for (temperature, gradient) in [(20.0, 0.0), (20.0, 10.0)] {
+            let (mesh, system, outcome) = solve(&heated_strip(element, temperature, gradient));
+            let end = mesh.nodes_on("u_max_v_min").unwrap()[0];
+            let u = outcome.state.u[system.position_of[end as usize] as usize];
+            if gradient == 0.0 {
+                // Green–Lagrange strain αT = λ²/2 − 1/2 of 100.
+                let exact = 100.0 * ((1.0 + 2.0 * 2e-4_f64).sqrt() - 1.0);
+                assert!((u[0] / exact - 1.0).abs() < 1e-9, "{element:?}: {u:?} for {exact}");
+            }
+            // Restrained, the strip would store ½ E (αT)² V = 4 per direction.
+            let energy = outcome.balance.strain;
+            assert!(energy.abs() < 1e-4, "{element:?}, gradient {gradient}: {energy}");
+            assert_eq!(outcome.statistics.cutbacks, 0);
+        }
+    }
+}
+
+#[test]
+fn the_largest_sum_of_loads_that_grow_differently_is_not_passed_over() {
+    let largest = |load_steps: u32| {
+        let mut m = heated_strip(ElementKind::Ems, 0.0, 0.0);
+        m.prescribed_strains.clear();
+        m.analysis = Analysis::Static(StaticAnalysis { load_steps, ..StaticAnalysis::default() });
+        let load = |value: f64, name: &str| {
+            Load::Edge(VectorLoad { amplitude: Some(name.into()), ..vector_load("u_max", [value, 0.0, 0.0]) })
+        };
+        // Their sum 1200 (λ − λ²) is largest at λ = ½, where it is above the yield stress.
+        m.loads = vec![load(1200.0, "linear"), load(-1200.0, "square")];
+        for (name, expression) in [("linear", "t"), ("square", "t^2")] {
+            let formula = ExpressionAmplitude { expression: expression.into() };
+            m.amplitudes.insert(name.into(), Amplitude::Expression(formula));
+        }
+        let (mesh, system, outcome) = solve(&m);
+        let end = mesh.nodes_on("u_max_v_min").unwrap()[0];
+        outcome.state.u[system.position_of[end as usize] as usize][0]
+    };
+    let fine = largest(64);
+    assert!(fine > 3.5, "{fine}");
+    for steps in [1, 3, 10] {
+        assert!((largest(steps) / fine - 1.0).abs() < 1e-6, "{steps}: {} for {fine}", largest(steps));
+    }
+}
+
+#[test]
+fn heat_beside_a_small_prescribed_motion_is_no_snap_through() {
+    for kink in [0.1, 0.45] {
+        let mut m = heated_strip(ElementKind::Ems, 100.0, 0.0);
+        m.materials.insert(
+            "m".into(),
+            Material::Isotropic(Isotropic { expansion: 1e-5, ..Isotropic::new(2e5, 0.3, 0.0) }),
+        );
+        m.analysis = Analysis::Static(StaticAnalysis { load_steps: 10, ..StaticAnalysis::default() });
+        let heat = ThermalStrain {
+            on: "all".into(),
+            temperature: 100.0,
+            gradient: 0.0,
+            amplitude: Some("kink".into()),
+        };
+        m.prescribed_strains = vec![PrescribedStrain::Thermal(heat)];
+        let flat =
+            FixComponents { on: "all".into(), position: vec![Axis::Z], director: vec![Axis::X, Axis::Y] };
+        m.conditions.push(Condition::Fix(flat));
+        m.conditions.push(Condition::Prescribe(PrescribeComponent {
+            on: "u_min_v_max".into(),
+            of: NodalVector::Position,
+            component: Axis::Y,
+            value: -1e-3,
+            amplitude: Some("kink".into()),
+        }));
+        let table = TableAmplitude { times: vec![0.0, 0.5, 1.0], values: vec![0.0, kink, 1.0] };
+        m.amplitudes.insert("kink".into(), Amplitude::Table(table));
+        let (_, _, outcome) = solve(&m);
+        assert_eq!((outcome.state.time, outcome.statistics.cutbacks), (1.0, 0), "{kink}");
+    }
 }

@@ -309,11 +309,11 @@ fn plastic_strains_and_heat_are_carried_from_step_to_step() {
     assert!(difference(&expected.u, &ends[1].u) < 1e-6);
     // Heat of the second step only goes again in the third; without yield nothing is left.
     let warm = AnalysisStep { prescribed_strains: vec![heat], ..at_rest("warm") };
-    let ends = run(&cantilever(vec![at_rest("cold"), warm, at_rest("cold again")]), |_, _, _| {}).unwrap();
+    let ends = run(&cantilever(vec![warm, at_rest("cold again")]), |_, _, _| {}).unwrap();
+    // Bent to a circle of curvature 0.1, whose end turns by 0.1 and rises by 0.05.
     let size = |s: &State| s.u.as_flattened().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-    assert_eq!(size(&ends[0]), 0.0);
-    assert!((size(&ends[1]) - 0.05).abs() < 2e-3, "{}", size(&ends[1]));
-    assert!(size(&ends[2]) < 1e-9, "{}", size(&ends[2]));
+    assert!((size(&ends[0]) - 0.1).abs() < 2e-3, "{}", size(&ends[0]));
+    assert!(size(&ends[1]) < 1e-9, "{}", size(&ends[1]));
 }
 
 #[test]

@@ -67,6 +67,9 @@ fn mistakes(root: &Value, schema: &Value, value: &Value, path: &str) -> Vec<Stri
                 list().iter().for_each(|schema| out.extend(mistakes(root, schema, value, path)));
                 true
             }
+            "oneOf" => {
+                list().iter().filter(|schema| mistakes(root, schema, value, path).is_empty()).count() == 1
+            }
             "if" => {
                 if mistakes(root, wanted, value, path).is_empty() {
                     out.extend(mistakes(root, &keywords["then"], value, path));
