@@ -11,6 +11,7 @@ use tegula::model::{
     NaturalStrain, NodalVector, OnSet, Plastic, PrescribeComponent, PrescribedStrain, PressureLoad, Scheme,
     StaticAnalysis, TableAmplitude, TransientAnalysis, VectorLoad,
 };
+use tegula::norm::max_norm;
 use tegula::{Error, System};
 
 use crate::common::{on, plate, vector_load};
@@ -162,8 +163,8 @@ fn a_preloaded_strip_vibrates_at_the_frequency_of_its_mode() {
 
 /// Largest difference of two fields over the largest entry of the first.
 fn difference(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
-    let size = a.as_flattened().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-    a.as_flattened().iter().zip(b.as_flattened()).fold(0.0, |m: f64, (x, y)| m.max((x - y).abs())) / size
+    let size = max_norm(a.as_flattened());
+    max_norm(a.as_flattened().iter().zip(b.as_flattened()).map(|(x, y)| x - y)) / size
 }
 
 /// A cantilever under large bending.
@@ -195,7 +196,7 @@ fn loads_continue_grow_and_fall_from_step_to_step() {
     assert!(difference(&at_once(&[down.clone()]), &ends[0].u) < 1e-9);
     assert!(difference(&at_once(&[down, pressure.clone()]), &ends[1].u) < 1e-8);
     assert!(difference(&at_once(&[along, pressure]), &ends[2].u) < 1e-8);
-    let rest = ends[3].u.as_flattened().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let rest = max_norm(ends[3].u.as_flattened());
     assert!(rest < 1e-9, "{rest}");
     assert!(moved.iter().all(|&n| n >= 1), "{moved:?}");
 }
@@ -304,14 +305,14 @@ fn plastic_strains_and_heat_are_carried_from_step_to_step() {
         )
     };
     let ends = run(&plastic(vec![four("up", &[load.clone()]), four("down", &[])]), |_, _, _| {}).unwrap();
-    let left = expected.u.as_flattened().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let left = max_norm(expected.u.as_flattened());
     assert!(left > 1e-3, "{left}");
     assert!(difference(&expected.u, &ends[1].u) < 1e-6);
     // Heat of the second step only goes again in the third; without yield nothing is left.
     let warm = AnalysisStep { prescribed_strains: vec![heat], ..at_rest("warm") };
     let ends = run(&cantilever(vec![warm, at_rest("cold again")]), |_, _, _| {}).unwrap();
     // Bent to a circle of curvature 0.1, whose end turns by 0.1 and rises by 0.05.
-    let size = |s: &State| s.u.as_flattened().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let size = |s: &State| max_norm(s.u.as_flattened());
     assert!((size(&ends[0]) - 0.1).abs() < 2e-3, "{}", size(&ends[0]));
     assert!(size(&ends[1]) < 1e-9, "{}", size(&ends[1]));
 }
