@@ -45,6 +45,8 @@ struct Whole {
     summary: Summary,
     /// Summaries of the steps so far.
     parts: Vec<Option<Summary>>,
+    /// Name of the step begun last.
+    present: String,
 }
 
 impl Whole {
@@ -52,10 +54,10 @@ impl Whole {
         let mut summary = summary(deck, prepared, &start(deck, prepared, None));
         summary.analysis = "steps".into();
         summary.analyses = steps.iter().enumerate().map(|(i, step)| listed(i, step)).collect();
-        Self { summary, parts: Vec::new() }
+        Self { summary, parts: Vec::new(), present: String::new() }
     }
 
-    /// Runs the steps; an error comes with the name of the step.
+    /// Runs the steps; an error is that of the step begun last.
     fn run(
         &mut self,
         deck: &Deck,
@@ -63,14 +65,14 @@ impl Whole {
         compiler: &Compiler<'_>,
         options: &JobOptions,
         (folder, watch): (&mut ResultFolder, &mut dyn JobObserver),
-    ) -> Result<(), (String, JobError)> {
+    ) -> Result<(), JobError> {
         let count = compiler.steps().len();
         let mut ends: Vec<Option<StepStart>> = Vec::new();
         for (i, step) in compiler.steps().iter().enumerate() {
             let place = options.folder.join(&self.summary.analyses[i].folder);
             let begun = step.starts_from.and_then(|before| ends.get(before).cloned().flatten());
-            let named = |error: JobError| (step.name.clone(), error);
-            let system = compiler.system(i, begun).map_err(|error| named(model_error(deck, error)))?;
+            self.present.clone_from(&step.name);
+            let system = compiler.system(i, begun).map_err(|error| model_error(deck, error))?;
             let of_step = Prepared {
                 mesh: prepared.mesh.clone(),
                 probes: prepared.probes.clone(),
@@ -89,23 +91,23 @@ impl Whole {
             let done = match finished.flatten() {
                 Some(done) => done,
                 None => {
-                    self.begin(i, folder).map_err(named)?;
+                    self.begin(i, folder)?;
                     for warning in
                         step.starts_from.map(|_| warnings_at_start(step, &of_step.system)).unwrap_or_default()
                     {
                         watch.on_warning(&warning.to_string());
-                        folder.log(&format!("warning: {warning}")).map_err(|e| named(e.into()))?;
+                        folder.log(&format!("warning: {warning}"))?;
                     }
                     let resume = options.resume && resumable(&step.model.analysis, &place);
                     let outcome = run_prepared(&of_deck, &of_step, &JobOptions { resume, ..own }, watch);
                     if let Ok(left) = Summary::read(&place) {
                         self.take(i, &left);
                     }
-                    outcome.map_err(named)?
+                    outcome?
                 }
             };
             self.take(i, &done);
-            ends.push(end_of(&step.model.analysis, &place, &of_step).map_err(named)?);
+            ends.push(end_of(&step.model.analysis, &place, &of_step)?);
         }
         Ok(())
     }
@@ -143,20 +145,20 @@ impl Whole {
     fn conclude(
         mut self,
         folder: &mut ResultFolder,
-        outcome: Result<(), (String, JobError)>,
+        outcome: Result<(), JobError>,
     ) -> Result<Summary, JobError> {
         let place = folder.path().to_owned();
         let (status, message, outcome) = match outcome {
             Ok(()) => (Status::Complete, None, Ok(())),
-            Err((_, JobError::Interrupted { .. })) => {
+            Err(JobError::Interrupted { .. }) => {
                 (Status::Interrupted, None, Err(JobError::Interrupted { folder: place, resumable: true }))
             }
-            Err((step, JobError::Analysis { error, .. })) => (
+            Err(JobError::Analysis { error, .. }) => (
                 Status::Failed,
-                Some(format!("step \"{step}\": {error}")),
+                Some(format!("step \"{}\": {error}", self.present)),
                 Err(JobError::Analysis { error, folder: place }),
             ),
-            Err((step, error)) => (Status::Failed, Some(format!("step \"{step}\": {error}")), Err(error)),
+            Err(error) => (Status::Failed, Some(format!("step \"{}\": {error}", self.present)), Err(error)),
         };
         (self.summary.status, self.summary.error) = (status, message);
         folder.log(&match &self.summary.error {

@@ -8,6 +8,7 @@ pub mod modal;
 pub mod newton;
 pub mod solver;
 pub mod statics;
+pub mod stepper;
 pub mod stops;
 
 use crate::Result;
@@ -15,6 +16,7 @@ use crate::element::Nodal;
 use crate::system::{StepStart, System};
 use lagged_tangent::LaggedTangent;
 pub use newton::Stability;
+pub use stepper::Stepper;
 
 /// State of a model at a time: plain data; a checkpoint is its dump.
 #[derive(Debug, Clone, Default, PartialEq)]

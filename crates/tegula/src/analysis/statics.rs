@@ -6,13 +6,15 @@ mod failure;
 mod load_steps;
 
 use super::newton::{Equation, Newton};
-use super::solver::Iterative;
-use super::{Balance, Observer, State, Statistics};
+use super::solver::{Iterative, TangentSolver};
+use super::{Balance, Observer, State, Statistics, Stepper, stepper};
 use crate::element::{Kinematics, Motion, Nodal, TangentWeights};
 use crate::model::{LinearSolver, StaticAnalysis};
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::system::{Assembly, Procedure, System, dot};
 use crate::{Error, Result};
+
+use tegula_sparse::SparseLdlt;
 
 use load_steps::LoadSteps;
 pub use load_steps::first_state;
@@ -135,14 +137,50 @@ pub fn run(
 ) -> Result<StaticOutcome> {
     system.require(&[Procedure::Static, Procedure::IterativeStatic, Procedure::Modal])?;
     match options.linear_solver {
-        LinearSolver::Direct => {
-            LoadSteps::new(Newton::new(system, options.method)?, system, options, start).run(observer)
-        }
-        LinearSolver::Iterative => {
-            let newton = Newton::with_solver(system, options.method, Iterative::new(system)?);
-            LoadSteps::new(newton, system, options, start).run(observer)
-        }
+        LinearSolver::Direct => to_the_end(direct_steps(system, options, start)?, observer),
+        LinearSolver::Iterative => to_the_end(iterative_steps(system, options, start)?, observer),
     }
+}
+
+fn to_the_end<S: TangentSolver>(
+    mut steps: LoadSteps<'_, S>,
+    observer: &mut dyn Observer,
+) -> Result<StaticOutcome> {
+    stepper::run(&mut steps, observer)?;
+    Ok(steps.outcome())
+}
+
+/// Load steps of a static analysis from `start`, a state of the same analysis (from its first state where `None`).
+///
+/// # Errors
+/// There is not enough memory, or the system was compiled for another analysis.
+pub fn steps<'a>(
+    system: &'a System,
+    options: &'a StaticAnalysis,
+    start: Option<State>,
+) -> Result<Box<dyn Stepper + 'a>> {
+    system.require(&[Procedure::Static, Procedure::IterativeStatic, Procedure::Modal])?;
+    Ok(match options.linear_solver {
+        LinearSolver::Direct => Box::new(direct_steps(system, options, start)?),
+        LinearSolver::Iterative => Box::new(iterative_steps(system, options, start)?),
+    })
+}
+
+fn direct_steps<'a>(
+    system: &'a System,
+    options: &'a StaticAnalysis,
+    start: Option<State>,
+) -> Result<LoadSteps<'a, SparseLdlt>> {
+    Ok(LoadSteps::new(Newton::new(system, options.method)?, system, options, start))
+}
+
+fn iterative_steps<'a>(
+    system: &'a System,
+    options: &'a StaticAnalysis,
+    start: Option<State>,
+) -> Result<LoadSteps<'a, Iterative>> {
+    let newton = Newton::with_solver(system, options.method, Iterative::new(system)?);
+    Ok(LoadSteps::new(newton, system, options, start))
 }
 
 /// Error of a step to a time at which an amplitude is undefined.

@@ -1,7 +1,7 @@
 //! Amplitudes: functions of time and their derivatives.
 
-use super::Formula;
 use super::formula;
+use super::{Formula, Signal};
 use crate::model::Amplitude;
 
 /// Amplitude: the function of time of a load or a prescribed motion.
@@ -13,6 +13,8 @@ pub enum TimeFunction {
     Table(Vec<(f64, f64)>),
     /// A formula with its first and second derivative.
     Formula(Formula),
+    /// A value that the caller sets between steps.
+    Signal(Signal),
 }
 
 impl TimeFunction {
@@ -59,6 +61,7 @@ impl TimeFunction {
     pub fn value(&self, t: f64) -> f64 {
         match self {
             Self::Constant(c) => *c,
+            Self::Signal(signal) => signal.value(),
             Self::Table(points) => table(points, t).0,
             Self::Formula(f) => f.value(t),
         }
@@ -76,7 +79,7 @@ impl TimeFunction {
     /// First derivative at a time.
     pub fn rate(&self, t: f64) -> f64 {
         match self {
-            Self::Constant(_) => 0.0,
+            Self::Constant(_) | Self::Signal(_) => 0.0,
             Self::Table(points) => table(points, t).1,
             Self::Formula(f) => f.rate(t),
         }
@@ -92,14 +95,14 @@ impl TimeFunction {
                     _ => 0.0,
                 }
             }
-            Self::Constant(_) | Self::Formula(_) => self.rate(t),
+            Self::Constant(_) | Self::Formula(_) | Self::Signal(_) => self.rate(t),
         }
     }
 
     /// Second derivative at a time (0 between the points of a table).
     pub fn acceleration(&self, t: f64) -> f64 {
         match self {
-            Self::Constant(_) | Self::Table(_) => 0.0,
+            Self::Constant(_) | Self::Table(_) | Self::Signal(_) => 0.0,
             Self::Formula(f) => f.acceleration(t),
         }
     }

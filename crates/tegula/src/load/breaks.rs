@@ -18,7 +18,7 @@ impl TimeFunction {
     pub fn kinks(&self) -> Vec<f64> {
         match self {
             Self::Table(points) => corners(points),
-            Self::Constant(_) | Self::Formula(_) => Vec::new(),
+            Self::Constant(_) | Self::Formula(_) | Self::Signal(_) => Vec::new(),
         }
     }
 

@@ -5,8 +5,10 @@ mod breaks;
 pub mod factor;
 pub mod follower;
 mod formula;
+mod signal;
 
 pub use amplitude::TimeFunction;
 pub use factor::{LoadFactor, LoadParameter};
 pub use follower::FollowerLoad;
 pub use formula::Formula;
+pub use signal::Signal;

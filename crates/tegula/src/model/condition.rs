@@ -29,6 +29,13 @@ pub struct OnSet {
     pub on: String,
 }
 
+impl OnSet {
+    /// Condition on a set.
+    pub fn new(on: &str) -> Self {
+        Self { on: on.into() }
+    }
+}
+
 /// A plane of symmetry.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -137,6 +144,13 @@ pub struct VectorLoad {
     /// Name of an amplitude; without one the load grows with the load factor in statics and is constant in transients.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub amplitude: Option<String>,
+}
+
+impl VectorLoad {
+    /// Load on a set, without amplitude.
+    pub fn new(on: &str, value: [f64; 3]) -> Self {
+        Self { on: on.into(), value, amplitude: None }
+    }
 }
 
 /// A pressure.

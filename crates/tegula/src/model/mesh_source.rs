@@ -91,6 +91,19 @@ pub struct PlateMesh {
     pub grid: Grid,
 }
 
+impl PlateMesh {
+    /// Rectangle in the plane z = 0 with a corner at the origin, sides along x and y, and equal elements.
+    pub fn new(size: [f64; 2], elements: [u32; 2]) -> Self {
+        Self {
+            origin: [0.0; 3],
+            u_axis: x_axis(),
+            v_axis: y_axis(),
+            size,
+            grid: Grid::uniform(elements[0], elements[1]),
+        }
+    }
+}
+
 /// A sector of a cylinder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

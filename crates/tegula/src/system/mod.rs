@@ -16,7 +16,7 @@ use std::sync::Arc;
 use crate::Vec3;
 use crate::element::shell::ShellElement;
 use crate::element::{ElementGroup, Nodal, ShellGeometry};
-use crate::load::{FollowerLoad, LoadFactor, LoadParameter, TimeFunction};
+use crate::load::{FollowerLoad, LoadFactor, LoadParameter, Signal, TimeFunction};
 use crate::mesh::Labels;
 use crate::mesh::folds::Folds;
 use crate::model::PrescribedStrain;
@@ -264,6 +264,16 @@ impl System {
     /// Name of an amplitude.
     pub fn amplitude_name(&self, amplitude: usize) -> &str {
         self.amplitude_names.get(amplitude).map_or("?", String::as_str)
+    }
+
+    /// Puts a signal in place of the amplitude with this name; `None` if there is no such amplitude. Loads, prescribed
+    /// strains and motions that follow the amplitude take the values that the caller sets.
+    pub fn signal(&mut self, amplitude: &str) -> Option<Signal> {
+        let index = self.amplitude_names.iter().position(|name| name == amplitude)?;
+        let function = self.amplitudes.get_mut(index)?;
+        let signal = Signal::new(function.value(0.0));
+        *function = TimeFunction::Signal(signal.clone());
+        Some(signal)
     }
 
     /// Adds the dead loads at a time.

@@ -186,14 +186,14 @@ fn loads_continue_grow_and_fall_from_step_to_step() {
     let at_once =
         |loads: &[Load]| run(&cantilever(vec![with_loads("", loads)]), |_, _, _| {}).unwrap().remove(0).u;
     let steps = vec![
-        with_loads("a", &[down.clone()]),
+        with_loads("a", std::slice::from_ref(&down)),
         with_loads("b", &[pressure.clone(), down.clone()]),
         with_loads("c", &[along.clone(), pressure.clone()]),
         with_loads("d", &[]),
     ];
     let mut moved = [0; 4];
     let ends = run(&cantilever(steps), |step, _, _| moved[step] += 1).unwrap();
-    assert!(difference(&at_once(&[down.clone()]), &ends[0].u) < 1e-9);
+    assert!(difference(&at_once(std::slice::from_ref(&down)), &ends[0].u) < 1e-9);
     assert!(difference(&at_once(&[down, pressure.clone()]), &ends[1].u) < 1e-8);
     assert!(difference(&at_once(&[along, pressure]), &ends[2].u) < 1e-8);
     let rest = max_norm(ends[3].u.as_flattened());
@@ -206,7 +206,7 @@ fn what_is_fixed_in_a_later_step_stays_where_it_is() {
     for element in [ElementKind::Ems, ElementKind::Mitc4] {
         let load = Load::Edge(vector_load("u_max", [0.0, 0.0, -20.0]));
         let held = AnalysisStep { conditions: vec![Condition::Clamp(on("u_max"))], ..at_rest("held") };
-        let back = with_loads("back", &[load.clone()]);
+        let back = with_loads("back", std::slice::from_ref(&load));
         let mut model = cantilever(vec![with_loads("bend", &[load]), held, back]);
         model.sections[0].element = element;
         let mut pull = 0.0;
@@ -304,7 +304,8 @@ fn plastic_strains_and_heat_are_carried_from_step_to_step() {
             Analysis::Static(StaticAnalysis { load_steps: 4, ..StaticAnalysis::default() }),
         )
     };
-    let ends = run(&plastic(vec![four("up", &[load.clone()]), four("down", &[])]), |_, _, _| {}).unwrap();
+    let ends = run(&plastic(vec![four("up", std::slice::from_ref(&load)), four("down", &[])]), |_, _, _| {})
+        .unwrap();
     let left = max_norm(expected.u.as_flattened());
     assert!(left > 1e-3, "{left}");
     assert!(difference(&expected.u, &ends[1].u) < 1e-6);
@@ -335,7 +336,7 @@ fn an_analysis_on_a_system_of_another_one_is_refused() {
 fn mistakes_in_steps_are_named_at_their_keys() {
     let load = Load::Force(vector_load("nowhere", [1.0; 3]));
     let mut model = strip(vec![
-        with_loads("a", &[load.clone()]),
+        with_loads("a", std::slice::from_ref(&load)),
         transient("b", 0.1, 0.01),
         at_rest("c"),
         AnalysisStep { loads: vec![load], ..modes("d/") },

@@ -8,7 +8,7 @@ use super::step_end::StepEnds;
 use super::{SMALLEST_STEP, Span, TransientOutcome, initial_motion, unbalanced_forces};
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::statics::undefined;
-use crate::analysis::{Balance, Observer, State, Statistics, Step};
+use crate::analysis::{Balance, Observer, State, Statistics, Stepper};
 use crate::model::TransientAnalysis;
 use crate::system::{System, inverted_element};
 use crate::{Error, Result};
@@ -83,21 +83,8 @@ impl EnergyMonitor {
     }
 }
 
-/// Integrates the motion explicitly from `start` (rest or the initial velocities where `None`).
-///
-/// # Errors
-/// The energy balance is violated, values are no longer finite, elements are inverted, or the user interrupted.
-pub(super) fn run(
-    system: &System,
-    options: &TransientAnalysis,
-    start: Option<State>,
-    observer: &mut dyn Observer,
-) -> Result<TransientOutcome> {
-    ExplicitSteps::new(system, options, start)?.run(observer)
-}
-
 /// An explicit analysis between two time steps.
-struct ExplicitSteps<'a> {
+pub(super) struct ExplicitSteps<'a> {
     system: &'a System,
     options: &'a TransientAnalysis,
     scheme: Explicit<'a>,
@@ -119,7 +106,15 @@ struct ExplicitSteps<'a> {
 }
 
 impl<'a> ExplicitSteps<'a> {
-    fn new(system: &'a System, options: &'a TransientAnalysis, start: Option<State>) -> Result<Self> {
+    /// Begins at `start`, or at time 0.
+    ///
+    /// # Errors
+    /// An amplitude has no value at time 0, or the system was compiled for another analysis.
+    pub(super) fn new(
+        system: &'a System,
+        options: &'a TransientAnalysis,
+        start: Option<State>,
+    ) -> Result<Self> {
         let mut scheme = Explicit::new(system)?;
         let fresh = start.is_none();
         if fresh && let Some(reason) = system.undefined_amplitude(0.0) {
@@ -165,14 +160,10 @@ impl<'a> ExplicitSteps<'a> {
         })
     }
 
-    /// Takes steps to the end time.
-    fn run(mut self, observer: &mut dyn Observer) -> Result<TransientOutcome> {
-        while self.fresh || self.state.time < self.options.end_time {
-            self.renew_critical_step(observer)?;
-            self.step(observer)?;
-        }
+    /// The last state, its energies and the run counters.
+    pub(super) fn outcome(self) -> TransientOutcome {
         let Self { state, balance, statistics, .. } = self;
-        Ok(TransientOutcome { state, balance, statistics })
+        TransientOutcome { state, balance, statistics }
     }
 
     /// Estimates the critical time step anew where elements have changed, or after many steps. A resumed run keeps its step
@@ -184,7 +175,8 @@ impl<'a> ExplicitSteps<'a> {
             && state.step.is_multiple_of(LOOK)
             && !(fibres.change(system, &state.u) <= CHANGE);
         let due = self.fresh || changed || !system.linear && state.step.is_multiple_of(INTERVAL);
-        if self.found && !due {
+        // The first step follows the estimate with which the analysis begins.
+        if self.found && (!due || state.step == 0) {
             return Ok(());
         }
         let step = critical.below(system, &mut scheme.assembly, &scheme.mass, state);
@@ -207,15 +199,12 @@ impl<'a> ExplicitSteps<'a> {
                 "the critical time step {step:.3e} is not finite, or too short to reach the end time"
             )));
         }
-        if self.fresh {
-            self.report(observer)?;
-        }
         (self.fresh, self.found) = (false, true);
         Ok(())
     }
 
-    /// Takes a step and checks what came out.
-    fn step(&mut self, observer: &mut dyn Observer) -> Result<()> {
+    /// Takes a step and checks its result; true where the energy balance was checked.
+    fn step(&mut self, observer: &mut dyn Observer) -> Result<bool> {
         let Self { system, options, state, check, .. } = self;
         let wanted = check.shortened(system, state.time, state.next_step, state.last_step);
         let Span { dt, end } = self.ends.next(state.time, wanted, state.last_step);
@@ -237,13 +226,14 @@ impl<'a> ExplicitSteps<'a> {
         {
             return Err(self.unstable(reason));
         }
-        if last || step.is_multiple_of(REPORT) || self.system.wanted_times.contains(&end) {
+        let due = last || step.is_multiple_of(REPORT) || self.system.wanted_times.contains(&end);
+        if due {
             self.check_balance(observer)?;
         }
-        Ok(())
+        Ok(due)
     }
 
-    /// Checks the energy balance of the state and reports the state to the observer.
+    /// Checks the energy balance of the state.
     fn check_balance(&mut self, observer: &mut dyn Observer) -> Result<()> {
         let Self { system, scheme, state, balance, monitor, statistics, drilling, .. } = self;
         *balance = super::balance(system, &mut scheme.assembly, state);
@@ -254,18 +244,46 @@ impl<'a> ExplicitSteps<'a> {
             return Err(self.unstable(reason));
         }
         drilling.look(system, (&state.u, state.time), observer, || format!("time {:.6e}", state.time));
-        self.report(observer)?;
-        let more = self.state.time < self.options.end_time;
-        if observer.interrupted() && more { Err(Error::Interrupted) } else { Ok(()) }
-    }
-
-    fn report(&self, observer: &mut dyn Observer) -> Result<()> {
-        let Self { state, balance, statistics, options, .. } = self;
-        observer.on_step(&Step { state, balance, statistics, iterations: 0, end: options.end_time })
+        Ok(())
     }
 
     fn unstable(&self, reason: String) -> Error {
         unstable(&self.state, self.options, &self.statistics, reason)
+    }
+}
+
+impl Stepper for ExplicitSteps<'_> {
+    fn state(&self) -> &State {
+        &self.state
+    }
+
+    fn balance(&self) -> &Balance {
+        &self.balance
+    }
+
+    fn statistics(&self) -> &Statistics {
+        &self.statistics
+    }
+
+    fn end(&self) -> f64 {
+        self.options.end_time
+    }
+
+    fn begin(&mut self, observer: &mut dyn Observer) -> Result<bool> {
+        let fresh = self.fresh;
+        if fresh {
+            self.renew_critical_step(observer)?;
+        }
+        Ok(fresh)
+    }
+
+    fn advance(&mut self, observer: &mut dyn Observer) -> Result<u32> {
+        loop {
+            self.renew_critical_step(observer)?;
+            if self.step(observer)? {
+                return Ok(0);
+            }
+        }
     }
 }
 

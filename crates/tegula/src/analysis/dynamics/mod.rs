@@ -14,7 +14,7 @@ mod step_end;
 mod time_steps;
 
 use super::newton::{Equation, Newton, Tolerances};
-use super::{Balance, Observer, State, Statistics, statics};
+use super::{Balance, Observer, State, Statistics, Stepper, statics, stepper};
 use crate::element::{Kinematics, Motion, Nodal};
 use crate::model::{Scheme, TransientAnalysis};
 use crate::system::assembly::add_follower_loads;
@@ -23,6 +23,7 @@ use crate::system::{Assembly, Procedure, System, VectorKind, dot, dot3};
 use crate::{Result, Vec3};
 pub use amplitude_check::{PassedOver, passed_over};
 use energy_momentum::EnergyMomentum;
+use explicit_run::ExplicitSteps;
 use newmark::Newmark;
 pub use step_end::Span;
 use time_steps::TimeSteps;
@@ -95,9 +96,35 @@ pub fn run(
     let explicit = matches!(options.scheme, Scheme::Explicit(_));
     system.require(&[if explicit { Procedure::Explicit } else { Procedure::Transient }])?;
     match integrator(system, options.scheme) {
-        Some(scheme) => TimeSteps::new(system, options, scheme, start, observer)?.run(observer),
-        None => explicit_run::run(system, options, start, observer),
+        Some(scheme) => {
+            let mut steps = TimeSteps::new(system, options, scheme, start)?;
+            stepper::run(&mut steps, observer)?;
+            Ok(steps.outcome())
+        }
+        None => {
+            let mut steps = ExplicitSteps::new(system, options, start)?;
+            stepper::run(&mut steps, observer)?;
+            Ok(steps.outcome())
+        }
     }
+}
+
+/// Time steps of a transient analysis from `start`, a state of the same analysis (from its first state where `None`).
+///
+/// # Errors
+/// There is not enough memory, the mass is singular, an amplitude has no value at time 0, or the system was compiled for
+/// another analysis.
+pub fn steps<'a>(
+    system: &'a System,
+    options: &'a TransientAnalysis,
+    start: Option<State>,
+) -> Result<Box<dyn Stepper + 'a>> {
+    let explicit = matches!(options.scheme, Scheme::Explicit(_));
+    system.require(&[if explicit { Procedure::Explicit } else { Procedure::Transient }])?;
+    Ok(match integrator(system, options.scheme) {
+        Some(scheme) => Box::new(TimeSteps::new(system, options, scheme, start)?),
+        None => Box::new(ExplicitSteps::new(system, options, start)?),
+    })
 }
 
 /// First state of the step with its initial velocities, prescribed values at time 0, and accelerations that satisfy the

@@ -7,7 +7,7 @@ use super::{Integrator, SMALLEST_STEP, TransientOutcome, balance, impact, initia
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::newton::{Cause, Converged, Diverged, Newton, Tolerances};
 use crate::analysis::statics::{state_kinematics, undefined};
-use crate::analysis::{Balance, Observer, State, Statistics, Step};
+use crate::analysis::{Balance, Observer, State, Statistics, Stepper};
 use crate::element::Nodal;
 use crate::model::{Scheme, TransientAnalysis};
 use crate::system::{System, inverted_element};
@@ -33,6 +33,8 @@ pub(super) struct TimeSteps<'a> {
     old_velocities: Vec<Nodal>,
     /// Whether the present step is repeated with new tangents, since it failed with a lagged one.
     own_tangents: bool,
+    /// Whether the analysis begins at its first state.
+    fresh: bool,
 }
 
 impl<'a> TimeSteps<'a> {
@@ -45,7 +47,6 @@ impl<'a> TimeSteps<'a> {
         options: &'a TransientAnalysis,
         scheme: Box<dyn Integrator>,
         start: Option<State>,
-        observer: &mut dyn Observer,
     ) -> Result<Self> {
         let mut newton = Newton::new(system, None)?;
         let fresh = start.is_none();
@@ -63,7 +64,7 @@ impl<'a> TimeSteps<'a> {
         if fresh {
             state.next_step = control.first(system, &state);
         }
-        let steps = Self {
+        Ok(Self {
             tolerances: scheme.tolerances(options.max_iterations),
             control,
             ends: StepEnds::new(system, options),
@@ -73,28 +74,19 @@ impl<'a> TimeSteps<'a> {
             statistics: Statistics { steps: state.step, ..Statistics::default() },
             old_velocities: vec![[0.0; 3]; system.vectors()],
             own_tangents: false,
+            fresh,
             system,
             options,
             scheme,
             newton,
             state,
-        };
-        if fresh {
-            steps.report(0, observer)?;
-        }
-        Ok(steps)
+        })
     }
 
-    /// Takes steps to the end time.
-    pub fn run(mut self, observer: &mut dyn Observer) -> Result<TransientOutcome> {
-        while self.state.time < self.options.end_time {
-            let span = self.next_span(observer)?;
-            if let Some((trouble, reason)) = self.attempt(span, observer)? {
-                self.cut_back(span, trouble, reason, observer)?;
-            }
-        }
+    /// The last state, its energies and the run counters.
+    pub fn outcome(self) -> TransientOutcome {
         let Self { state, balance, statistics, .. } = self;
-        Ok(TransientOutcome { state, balance, statistics })
+        TransientOutcome { state, balance, statistics }
     }
 
     /// Length and end of the next step.
@@ -114,9 +106,9 @@ impl<'a> TimeSteps<'a> {
         }
     }
 
-    /// Solves for the end of a step and accepts it, unless it has to be cut back, which is returned with its reason. A step
-    /// that failed with a lagged tangent is repeated with new tangents.
-    fn attempt(&mut self, span: Span, observer: &mut dyn Observer) -> Result<Option<(Trouble, String)>> {
+    /// Solves for the end of a step and accepts it, unless it has to be repeated. A step that failed with a lagged tangent
+    /// is repeated with new tangents, any other one with a shorter length.
+    fn attempt(&mut self, span: Span, observer: &mut dyn Observer) -> Result<Attempt> {
         let Self { system, scheme, newton, state, statistics, .. } = self;
         scheme.begin(system, &mut newton.assembly, state, span);
         if !self.own_tangents {
@@ -137,12 +129,12 @@ impl<'a> TimeSteps<'a> {
             Err(_) if observer.interrupted() => Err(Error::Interrupted),
             Err(Diverged { reason, began_with_old_factor: true, .. }) => {
                 self.repeat_with_own_tangents(span, &reason, observer);
-                Ok(None)
+                Ok(Attempt::Repeated)
             }
             Err(Diverged { reason, cause, .. }) => {
                 self.own_tangents = false;
                 self.state.next_step = 0.5 * span.dt;
-                Ok(Some((Trouble::Iteration(cause), reason)))
+                Ok(Attempt::TooLong(Trouble::Iteration(cause), reason))
             }
         }
     }
@@ -159,15 +151,10 @@ impl<'a> TimeSteps<'a> {
     }
 
     /// Accepts a converged step whose local error is small enough and whose elements are not inverted.
-    fn judge(
-        &mut self,
-        span: Span,
-        converged: Converged,
-        observer: &mut dyn Observer,
-    ) -> Result<Option<(Trouble, String)>> {
+    fn judge(&mut self, span: Span, converged: Converged, observer: &mut dyn Observer) -> Result<Attempt> {
         if let Some(inverted) = inverted_element(self.system, self.scheme.displacements()) {
             self.state.next_step = 0.5 * span.dt;
-            return Ok(Some((Trouble::Inverted, inverted)));
+            return Ok(Attempt::TooLong(Trouble::Inverted, inverted));
         }
         let error = self.scheme.local_error(self.system, &self.state);
         if self.control.accepts(error) {
@@ -175,14 +162,12 @@ impl<'a> TimeSteps<'a> {
             let Self { system, state, drilling, .. } = self;
             let at = (state.u.as_slice(), state.time);
             drilling.look(system, at, observer, || format!("time {:.6e}", state.time));
-            self.report(converged.iterations, observer)?;
-            let more = self.state.time < self.options.end_time;
-            return if observer.interrupted() && more { Err(Error::Interrupted) } else { Ok(None) };
+            return Ok(Attempt::Accepted(converged.iterations));
         }
         let next = self.control.next(span.dt, span.dt, error, converged.tangents);
         self.state.next_step = next.min(0.5 * span.dt);
         let reason = format!("its error {error:.1e} is above the tolerance {:.1e}", self.options.tolerance);
-        Ok(Some((Trouble::Inaccurate, reason)))
+        Ok(Attempt::TooLong(Trouble::Inaccurate, reason))
     }
 
     /// Makes the end of the step the state.
@@ -217,12 +202,6 @@ impl<'a> TimeSteps<'a> {
         Ok(())
     }
 
-    /// Reports the state reached to the observer.
-    fn report(&self, iterations: u32, observer: &mut dyn Observer) -> Result<()> {
-        let Self { state, balance, statistics, options, .. } = self;
-        observer.on_step(&Step { state, balance, statistics, iterations, end: options.end_time })
-    }
-
     /// Repeats a step with a shorter one, or gives up.
     fn cut_back(
         &mut self,
@@ -253,6 +232,49 @@ impl<'a> TimeSteps<'a> {
         self.newton.restore(system, state, true);
         Ok(())
     }
+}
+
+impl Stepper for TimeSteps<'_> {
+    fn state(&self) -> &State {
+        &self.state
+    }
+
+    fn balance(&self) -> &Balance {
+        &self.balance
+    }
+
+    fn statistics(&self) -> &Statistics {
+        &self.statistics
+    }
+
+    fn end(&self) -> f64 {
+        self.options.end_time
+    }
+
+    fn begin(&mut self, _: &mut dyn Observer) -> Result<bool> {
+        Ok(std::mem::take(&mut self.fresh))
+    }
+
+    fn advance(&mut self, observer: &mut dyn Observer) -> Result<u32> {
+        loop {
+            let span = self.next_span(observer)?;
+            match self.attempt(span, observer)? {
+                Attempt::Accepted(iterations) => return Ok(iterations),
+                Attempt::Repeated => {}
+                Attempt::TooLong(trouble, reason) => self.cut_back(span, trouble, reason, observer)?,
+            }
+        }
+    }
+}
+
+/// Outcome of an attempt at a time step.
+enum Attempt {
+    /// The end of the step is the state; number of iterations.
+    Accepted(u32),
+    /// The step is repeated with new tangents.
+    Repeated,
+    /// The step has to be cut back, for this reason.
+    TooLong(Trouble, String),
 }
 
 /// Reason why a time step is cut back.

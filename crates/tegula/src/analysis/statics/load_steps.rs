@@ -7,7 +7,7 @@ use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::newton::{Cause, Converged, Newton, Tolerances};
 use crate::analysis::solver::TangentSolver;
 use crate::analysis::stops::Stops;
-use crate::analysis::{Balance, Observer, Stability, State, Statistics, Step};
+use crate::analysis::{Balance, Observer, Stability, State, Statistics, Stepper};
 use crate::element::Nodal;
 use crate::model::{NewtonMethod, StaticAnalysis};
 use crate::system::{System, inverted_element};
@@ -102,23 +102,10 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         }
     }
 
-    /// Runs load steps up to the full load.
-    pub fn run(mut self, observer: &mut dyn Observer) -> Result<StaticOutcome> {
-        while self.state.time < 1.0 {
-            let target = self.target();
-            if let Some(reason) = self.system.undefined_amplitude(target) {
-                return Err(undefined("load factor", (self.state.time, target), reason));
-            }
-            let outcome = self.attempt(target, observer);
-            self.statistics.factorizations = self.newton.solver.tangents() as u64;
-            self.statistics.linear_iterations = self.newton.linear_iterations();
-            match outcome? {
-                Ok(converged) => self.accept(target, converged, observer)?,
-                Err(failure) => self.cut_back(target, failure, observer)?,
-            }
-        }
+    /// The last equilibrium, its energies and the run counters.
+    pub fn outcome(self) -> StaticOutcome {
         let Self { state, balance, statistics, .. } = self;
-        Ok(StaticOutcome { negative_pivots: state.negative_pivots, state, balance, statistics })
+        StaticOutcome { negative_pivots: state.negative_pivots, state, balance, statistics }
     }
 
     /// Load factor at the end of the next step.
@@ -298,7 +285,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
     }
 
     /// Accepts the equilibrium as the state at the end of the step.
-    fn accept(&mut self, target: f64, converged: Converged, observer: &mut dyn Observer) -> Result<()> {
+    fn accept(&mut self, target: f64, converged: &Converged, observer: &mut dyn Observer) {
         let Self { newton, system, state, equation, external, .. } = self;
         state.negative_pivots = converged.negative_pivots;
         state.work += follower_work(system, (&state.u, state.time), (&equation.u, target), external);
@@ -332,14 +319,6 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         state.displacement_scale = state.displacement_scale.max(system.norm(&state.u));
         let at = (state.u.as_slice(), state.time);
         self.drilling.look(system, at, observer, || format!("load factor {target}"));
-        observer.on_step(&Step {
-            state,
-            balance: &self.balance,
-            statistics: &self.statistics,
-            iterations: converged.iterations,
-            end: 1.0,
-        })?;
-        if observer.interrupted() && state.time < 1.0 { Err(Error::Interrupted) } else { Ok(()) }
     }
 
     /// Cuts a step that failed back to half its length, or gives up.
@@ -417,6 +396,47 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let mut critical = CriticalPoint::of(failure, mode, softened)?;
         critical.look_at_enhanced_strains(system, state);
         Some(critical)
+    }
+}
+
+impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
+    fn state(&self) -> &State {
+        &self.state
+    }
+
+    fn balance(&self) -> &Balance {
+        &self.balance
+    }
+
+    fn statistics(&self) -> &Statistics {
+        &self.statistics
+    }
+
+    fn end(&self) -> f64 {
+        1.0
+    }
+
+    fn begin(&mut self, _: &mut dyn Observer) -> Result<bool> {
+        Ok(false)
+    }
+
+    fn advance(&mut self, observer: &mut dyn Observer) -> Result<u32> {
+        loop {
+            let target = self.target();
+            if let Some(reason) = self.system.undefined_amplitude(target) {
+                return Err(undefined("load factor", (self.state.time, target), reason));
+            }
+            let outcome = self.attempt(target, observer);
+            self.statistics.factorizations = self.newton.solver.tangents() as u64;
+            self.statistics.linear_iterations = self.newton.linear_iterations();
+            match outcome? {
+                Ok(converged) => {
+                    self.accept(target, &converged, observer);
+                    return Ok(converged.iterations);
+                }
+                Err(failure) => self.cut_back(target, failure, observer)?,
+            }
+        }
     }
 }
 
