@@ -1,4 +1,4 @@
-//! `ARCHITECTURE.md` tells the truth: every path that it names exists.
+//! `ARCHITECTURE.md` is true: paths and types that it names exist, and rooms import each other in its order.
 #![allow(clippy::unwrap_used)]
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -87,8 +87,10 @@ fn sources(folder: &Path, out: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
-        let parent = [folder.join("mod.rs"), folder.join("lib.rs"), folder.with_extension("rs")]
+        let parent = ["mod.rs", "lib.rs", "main.rs"]
+            .map(|name| folder.join(name))
             .into_iter()
+            .chain([folder.with_extension("rs")])
             .find(|p| p.exists())
             .unwrap();
         let test_only = code_of_tests(&parent).contains(&name);
@@ -185,4 +187,66 @@ fn a_circle_of_imports_is_found() {
     assert_eq!(circle(&open), Vec::<&str>::new());
     let closed = BTreeMap::from([room("a", &["b"]), room("b", &["c"]), room("c", &["a"]), room("d", &["a"])]);
     assert_eq!(circle(&closed), ["a", "b", "c", "d"]);
+}
+
+fn architecture() -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../ARCHITECTURE.md")).unwrap()
+}
+
+/// Types and traits that the crates define.
+fn defined_types() -> BTreeSet<String> {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut out = BTreeSet::new();
+    for name in ["tegula-sparse", "tegula", "tegula-io", "tegula-verify", "tegula-cli"] {
+        let mut files = Vec::new();
+        sources(&crates.join(name).join("src"), &mut files);
+        for file in files {
+            for line in code(&file).lines() {
+                let mut words =
+                    line.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|w| !w.is_empty());
+                if words.any(|w| ["struct", "enum", "trait", "type"].contains(&w)) {
+                    out.extend(words.next().map(str::to_owned));
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Types that a text names between backticks.
+fn named_types(text: &str) -> Vec<String> {
+    let camel = |w: &String| {
+        w.starts_with(|c: char| c.is_ascii_uppercase())
+            && w.chars().all(|c| c.is_ascii_alphanumeric())
+            && w.contains(|c: char| c.is_ascii_lowercase())
+    };
+    quoted(text).into_iter().filter(camel).collect()
+}
+
+#[test]
+fn types_of_the_architecture_exist_and_it_is_short() {
+    let (text, defined) = (architecture(), defined_types());
+    assert!(text.lines().count() < 150, "{} lines", text.lines().count());
+    let named = named_types(&text);
+    assert!(named.len() > 20, "{named:?}");
+    let missing: Vec<_> = named.iter().filter(|t| !defined.contains(*t)).collect();
+    assert!(missing.is_empty(), "ARCHITECTURE.md names types that do not exist: {missing:?}");
+    assert_eq!(named_types("`Nowhere`, `System`, `H`, `Cargo.toml`"), ["Nowhere", "System"]);
+    assert!(!defined.contains("Nowhere"));
+}
+
+#[test]
+fn rooms_import_rooms_above_them_only() {
+    let text = architecture();
+    let room = |line: &str| {
+        let path = line.strip_prefix("| `crates/tegula/src/")?;
+        Some(path.split('`').next()?.to_owned())
+    };
+    let order: Vec<String> = text.lines().filter_map(room).collect();
+    assert!(order.len() > 8, "{order:?}");
+    for (name, used) in imports(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src")) {
+        let Some(place) = order.iter().position(|o| *o == name) else { continue };
+        let below: Vec<_> = used.iter().filter(|u| order[place..].contains(u)).collect();
+        assert!(below.is_empty(), "{name} imports {below:?}, which stand below it");
+    }
 }
