@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::json;
+use tegula::compile::{StepModel, steps};
 use tegula::mesh::folds::Fold;
 use tegula::mesh::quality::quality;
+use tegula::model::Analysis;
 use tegula::{Mesh, System};
 use tegula_io::deck::Deck;
 use tegula_io::job;
@@ -44,6 +46,7 @@ pub fn print(deck: &Deck, as_json: bool) -> Result<(), Failure> {
             "nodes": mesh.positions.len(),
             "unknowns": system.unknowns(),
             "supported": supported,
+            "steps": deck.model.steps.iter().map(|step| kind(&step.analysis)).collect::<Vec<_>>(),
             "mass": system.total_mass(),
             "size": system.length,
             "quality": {
@@ -74,6 +77,10 @@ pub fn print(deck: &Deck, as_json: bool) -> Result<(), Failure> {
     say!("nodes      {}", grouped(mesh.positions.len()));
     say!("unknowns   {}", grouped(system.unknowns()));
     say!("supported  {} coordinates", grouped(supported));
+    if !deck.model.steps.is_empty() {
+        let named = |step: &StepModel| format!("{} ({})", step.name, kind(&step.model.analysis));
+        say!("steps      {}", steps(&deck.model).iter().map(named).collect::<Vec<_>>().join(", "));
+    }
     say!("mass       {}", significant(system.total_mass(), 7));
     say!("size       {}", significant(system.length, 7));
     say!(
@@ -94,6 +101,15 @@ pub fn print(deck: &Deck, as_json: bool) -> Result<(), Failure> {
         n => say!("no errors, {n} warnings"),
     }
     Ok(())
+}
+
+/// Kind of an analysis.
+fn kind(analysis: &Analysis) -> &'static str {
+    match analysis {
+        Analysis::Static(_) => "static",
+        Analysis::Modal(_) => "modal",
+        Analysis::Transient(_) => "transient",
+    }
 }
 
 /// Lines of a list that are written out.

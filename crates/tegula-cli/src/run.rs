@@ -89,6 +89,11 @@ pub fn print(summary: &Summary, folder: &Path) {
             counted(s.cutbacks, "cut-back")
         ),
     }
+    for step in &s.analyses {
+        let status =
+            step.status.map_or("not begun".to_owned(), |status| format!("{status:?}").to_lowercase());
+        say!("  {}: {} analysis, {status}", step.folder, step.analysis);
+    }
     if let Some(error) = s.energy_error {
         say!("  energy balance kept to {} of the largest energy", significant(error, 2));
     }

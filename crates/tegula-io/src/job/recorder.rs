@@ -140,9 +140,9 @@ impl<'a> Recorder<'a> {
     }
 
     /// Records the first state of an analysis that does not report it itself.
-    pub fn record_start(&mut self, state: &State, end: f64) -> Result<()> {
-        let (balance, statistics) = (Balance::default(), Statistics::default());
-        self.on_step(&Step { state, balance: &balance, statistics: &statistics, iterations: 0, end })
+    pub fn record_start(&mut self, state: &State, balance: &Balance, end: f64) -> Result<()> {
+        let statistics = Statistics::default();
+        self.on_step(&Step { state, balance, statistics: &statistics, iterations: 0, end })
     }
 
     /// The output error that ended the analysis, if one did.

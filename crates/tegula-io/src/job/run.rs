@@ -92,7 +92,8 @@ fn analyse(
         Analysis::Static(options) => {
             if state.is_none() {
                 let state = statics::first_state(system, options);
-                recorder.record_start(&state, start.end)?;
+                let balance = statics::first_energies(system, &state);
+                recorder.record_start(&state, &balance, start.end)?;
             }
             statics::run(system, options, state, recorder).map(drop)
         }

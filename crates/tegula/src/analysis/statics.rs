@@ -195,6 +195,13 @@ pub(super) fn undefined(what: &str, (reached, wanted): (f64, f64), reason: Strin
     }
 }
 
+/// Energies of the first state of a static analysis.
+pub fn first_energies(system: &System, state: &State) -> Balance {
+    let mut assembly = Assembly::new(system);
+    assembly.history.copy_from_slice(&state.history);
+    energies(system, &mut assembly, state)
+}
+
 fn energies(system: &System, assembly: &mut Assembly, state: &State) -> Balance {
     let strain = assembly.strain_energy(system, &state.u, state.time);
     let mut external = vec![[0.0; 3]; state.u.len()];

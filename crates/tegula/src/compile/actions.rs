@@ -227,7 +227,7 @@ pub(super) fn drilling_components(loads: &[FollowerLoad], vectors: &Vectors, mes
             let along = moment.dot(&d).abs();
             (along > 1e-3 * moment.norm()).then(|| (vectors.nodes[*vector as usize], along, moment.norm()))
         }
-        FollowerLoad::Pressure { .. } | FollowerLoad::EdgeMoment { .. } => None,
+        FollowerLoad::Pressure { .. } | FollowerLoad::EdgeMoment { .. } | FollowerLoad::Own { .. } => None,
     };
     let all: Vec<_> = loads.iter().filter_map(lost).collect();
     let Some((node, along, whole)) = all.first() else { return Vec::new() };

@@ -33,6 +33,11 @@ pub(super) fn of_loads(model: &Model, mesh: &Mesh) -> Vec<ForceSet> {
     out
 }
 
+/// Load of the caller.
+pub(super) fn of_caller(name: &str, mesh: &Mesh) -> ForceSet {
+    ForceSet { name: name.into(), keys: Vec::new(), about: centre(mesh, "all") }
+}
+
 fn kind_and_set(load: &Load) -> (&'static str, &str) {
     match load {
         Load::Force(l) => ("force", &l.on),

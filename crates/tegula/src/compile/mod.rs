@@ -18,7 +18,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::element::{ElementGroup, Nodal, director_angle};
-use crate::load::{FollowerLoad, TimeFunction};
+use crate::load::{FollowerLoad, LoadFactor, NodalLoad, OwnLoad, TimeFunction};
+use crate::material::{MaterialLaw, OwnLaw};
 use crate::mesh::directors::Directors;
 use crate::mesh::folds::Folds;
 use crate::mesh::{Mesh, quality};
@@ -60,6 +61,8 @@ pub struct Compiler<'a> {
     strains: Vec<PrescribedStrain>,
     /// Whether displacements are small.
     linear: bool,
+    /// Loads of the caller with their names; they act in all steps.
+    own_loads: Vec<(String, OwnLoad)>,
 }
 
 impl<'a> Compiler<'a> {
@@ -68,23 +71,42 @@ impl<'a> Compiler<'a> {
     /// # Errors
     /// Everything that is wrong with keys, sets, mesh, sections and supports, at once, each with a remedy.
     pub fn new(model: &Model, mesh: &'a Mesh) -> Result<Self> {
-        Self::compiled(model, mesh).map_err(|error| named(error, mesh))
+        Self::with_laws(model, mesh, &BTreeMap::new())
     }
 
-    fn compiled(model: &Model, mesh: &'a Mesh) -> Result<Self> {
+    /// Checks and compiles a model some of whose materials have laws of the caller: the three-dimensional law of a
+    /// nonlinear material in elements with three-dimensional stresses (`cm`, `solid-shell`) is the one with its name.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); a law is given for a material that the model has not, or that no law can replace.
+    pub fn with_laws(
+        model: &Model,
+        mesh: &'a Mesh,
+        laws: &BTreeMap<String, Arc<dyn MaterialLaw>>,
+    ) -> Result<Self> {
+        Self::compiled(model, mesh, laws).map_err(|error| named(error, mesh))
+    }
+
+    fn compiled(
+        model: &Model,
+        mesh: &'a Mesh,
+        laws: &BTreeMap<String, Arc<dyn MaterialLaw>>,
+    ) -> Result<Self> {
         let steps = steps::steps(model);
         let mut issues = check::keys(model);
         issues.extend(quality::check(mesh));
         issues.extend(check::sets(model, mesh));
+        issues.extend(laws.keys().filter_map(|name| irreplaceable(model, name)));
         if !issues.is_empty() {
             return Err(Error::Model(issues));
         }
+        let laws = laws.iter().map(|(name, law)| (name.clone(), OwnLaw(Arc::clone(law)))).collect();
         let directors = Directors::of(mesh, model.mesh.fold_angle())?;
         let vectors = Vectors::new(mesh, &directors, &Elements::gradients(model, mesh, &directors));
         let strains = steps::all_strains(model);
         let whole = Model { prescribed_strains: strains.clone(), ..model.clone() };
         let mut elements = Elements::default();
-        elements.shells(&whole, mesh, &directors, &vectors, &mut issues);
+        elements.shells(&whole, mesh, &directors, &vectors, &laws, &mut issues);
         let explicit = steps.iter().any(|step| procedure(&step.model.analysis) == Procedure::Explicit);
         let tie = if explicit { director_angle::EXPLICIT_STIFFNESS } else { director_angle::STIFFNESS };
         elements.ties(&directors, &vectors, tie);
@@ -104,6 +126,7 @@ impl<'a> Compiler<'a> {
             sections: Arc::new(elements.sections),
             unit: elements.unit,
             strains,
+            own_loads: Vec::new(),
         };
         for step in &compiler.steps {
             let mut found = Vec::new();
@@ -119,6 +142,18 @@ impl<'a> Compiler<'a> {
     /// Analysis steps of the model.
     pub fn steps(&self) -> &[StepModel] {
         &self.steps
+    }
+
+    /// Nodal vectors of the position and of the (first) director of a node; `None` for nodes without elements.
+    pub fn vectors_of(&self, node: u32) -> Option<[u32; 2]> {
+        let of = |list: &[u32]| list.get(node as usize).copied().filter(|&v| v != u32::MAX);
+        Some([of(&self.vectors.position_of)?, of(&self.vectors.director_of)?])
+    }
+
+    /// Adds a load of the caller to all steps compiled from now on. In a static step it grows with the load factor, unless
+    /// an earlier step had it, in a transient one it acts from the start.
+    pub fn add_load(&mut self, name: &str, load: Arc<dyn NodalLoad>) {
+        self.own_loads.push((name.to_owned(), OwnLoad(load)));
     }
 
     /// System of an analysis step that begins at `start` (the reference configuration at rest where `None`).
@@ -184,7 +219,17 @@ impl<'a> Compiler<'a> {
             let Vectors { reference, kinds, nodes, .. } = vectors;
             issues.extend(mechanism::mechanisms(mesh, reference, kinds, nodes, &supports));
         }
-        let (followers, load_of_follower) = follower_loads(step, mesh, vectors, &names);
+        let (mut followers, mut load_of_follower) = follower_loads(step, mesh, vectors, &names);
+        let mut load_sets = force_sets::of_loads(model, mesh);
+        for (name, load) in &self.own_loads {
+            let start = if step.starts_from.is_some() { 1.0 } else { 0.0 };
+            load_of_follower.push(load_sets.len());
+            load_sets.push(force_sets::of_caller(name, mesh));
+            followers.push(FollowerLoad::Own {
+                load: load.clone(),
+                factor: LoadFactor { start, ..LoadFactor::new(None) },
+            });
+        }
         issues.extend(drilling_components(&followers, vectors, mesh));
         let added = added_masses(model, mesh, vectors);
         let procedure = procedure(&model.analysis);
@@ -200,7 +245,7 @@ impl<'a> Compiler<'a> {
             followers,
             supports,
             support_sets: force_sets::of_conditions(model, mesh),
-            load_sets: force_sets::of_loads(model, mesh),
+            load_sets,
             load_of_dead: Vec::new(),
             load_of_follower,
             amplitudes,
@@ -290,6 +335,19 @@ fn explicit_scheme(analysis: &Analysis) -> Option<ExplicitScheme> {
         Analysis::Transient(TransientAnalysis { scheme: Scheme::Explicit(scheme), .. }) => Some(*scheme),
         _ => None,
     }
+}
+
+/// A law for a material that is not there, or is linear: linear materials are integrated when the model is compiled.
+fn irreplaceable(model: &Model, name: &str) -> Option<Issue> {
+    let (message, help) = match model.materials.get(name) {
+        None => ("a law is given for it, but the model has no such material", "add the material"),
+        Some(material) if material.is_linear() => (
+            "a law is given for it, but the material is linear and integrated when the model is compiled",
+            "give it a nonlinear type, such as \"neo-hookean\", with the stiffness of the law at zero strain",
+        ),
+        Some(_) => return None,
+    };
+    Some(Issue::new(format!("materials.{name}"), message, help))
 }
 
 /// A model all of whose degrees of freedom are constrained.

@@ -9,7 +9,7 @@ use crate::element::geometry::cross_section_frame;
 use crate::element::quadratic::Members;
 use crate::element::shell::{GroupSetup, Member, ShellElement};
 use crate::element::{ElementGroup, QuadraticGroup, ShellGeometry, director_angle, registry};
-use crate::material::Law;
+use crate::material::{Law, OwnLaw};
 use crate::mesh::Mesh;
 use crate::mesh::directors::Directors;
 use crate::model::{Material, Membrane, Model, Section, StackedPly};
@@ -44,6 +44,15 @@ impl Section {
 
     /// The section with its materials; `None` if one is missing, which `check` reports.
     pub fn compile(&self, materials: &BTreeMap<String, Material>) -> Option<CompiledSection> {
+        self.compile_with(materials, &BTreeMap::new())
+    }
+
+    /// The section with its materials, some of which have laws of the caller.
+    pub(super) fn compile_with(
+        &self,
+        materials: &BTreeMap<String, Material>,
+        laws_of_caller: &BTreeMap<String, OwnLaw>,
+    ) -> Option<CompiledSection> {
         let thickness = self.whole_thickness();
         let offset = self.layup.as_ref().map_or(0.0, |l| l.offset);
         let element = registry::shell(self, thickness);
@@ -60,7 +69,11 @@ impl Section {
             let angle = ply.angle.to_radians();
             let mut layer = Layer::new(&ply.material, material, heights, angle, points, plastic);
             if !material.is_linear() {
-                let law = if element.is_solid() { material.law_3d() } else { material.law_plane_stress()? };
+                let law = match laws_of_caller.get(&ply.material) {
+                    Some(own) if element.is_solid() => Law::Own(own.clone()),
+                    _ if element.is_solid() => material.law_3d(),
+                    _ => material.law_plane_stress()?,
+                };
                 let known = laws.iter().position(|l| *l == law);
                 layer.law = Some(known.unwrap_or(laws.len()));
                 if known.is_none() {
@@ -239,6 +252,7 @@ impl Elements {
         mesh: &Mesh,
         directors: &Directors,
         vectors: &Vectors,
+        laws: &BTreeMap<String, OwnLaw>,
         issues: &mut Vec<Issue>,
     ) {
         if !directors.ties.is_empty() {
@@ -246,7 +260,7 @@ impl Elements {
         }
         for (i, section) in model.sections.iter().enumerate() {
             let (Some(compiled), Some(quads)) =
-                (section.compile(&model.materials), mesh.quads_on(&section.on))
+                (section.compile_with(&model.materials, laws), mesh.quads_on(&section.on))
             else {
                 continue;
             };

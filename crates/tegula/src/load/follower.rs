@@ -5,7 +5,7 @@
 //! [`CirculatoryStiffness`](crate::system::CirculatoryStiffness), is added in the solution of the linear systems. It
 //! vanishes for conservative cases: pressure on closed or supported edges, moments in the plane of bending.
 
-use super::LoadFactor;
+use super::{LoadFactor, OwnLoad};
 use crate::element::Nodal;
 use crate::element::geometry::{GAUSS_POINTS, shape, shape_eta, shape_xi};
 use crate::{Mat3, Vec3};
@@ -53,6 +53,13 @@ pub enum FollowerLoad {
         /// Factor over the analysis step.
         factor: LoadFactor,
     },
+    /// Load of a caller.
+    Own {
+        /// Forces and their derivatives.
+        load: OwnLoad,
+        /// Factor over the analysis step.
+        factor: LoadFactor,
+    },
 }
 
 impl FollowerLoad {
@@ -62,15 +69,17 @@ impl FollowerLoad {
             Self::Pressure { vectors, .. } => vectors,
             Self::Moment { vector, .. } => std::slice::from_ref(vector),
             Self::EdgeMoment { vectors, .. } => vectors,
+            Self::Own { load, .. } => load.0.vectors(),
         }
     }
 
     /// Factor of the load over the analysis step.
     pub fn factor(&self) -> &LoadFactor {
         match self {
-            Self::Pressure { factor, .. } | Self::Moment { factor, .. } | Self::EdgeMoment { factor, .. } => {
-                factor
-            }
+            Self::Pressure { factor, .. }
+            | Self::Moment { factor, .. }
+            | Self::EdgeMoment { factor, .. }
+            | Self::Own { factor, .. } => factor,
         }
     }
 
@@ -95,6 +104,7 @@ impl FollowerLoad {
                 out[1] = couple.into();
                 out[2] = director.into();
             }
+            Self::Own { load, .. } => load.0.forces(x, out),
         }
     }
 
@@ -126,6 +136,7 @@ impl FollowerLoad {
                 (k[1][0], k[1][1], k[1][2]) = (couple_t, -couple_t, -couple_d);
                 (k[2][0], k[2][1], k[2][2]) = (director_t, -director_t, -director_d);
             }
+            Self::Own { load, .. } => k = load.0.stiffness(x),
         }
         k
     }

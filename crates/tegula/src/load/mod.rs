@@ -5,10 +5,12 @@ mod breaks;
 pub mod factor;
 pub mod follower;
 mod formula;
+mod own;
 mod signal;
 
 pub use amplitude::TimeFunction;
 pub use factor::{LoadFactor, LoadParameter};
 pub use follower::FollowerLoad;
 pub use formula::Formula;
+pub use own::{NodalLoad, OwnLoad};
 pub use signal::Signal;

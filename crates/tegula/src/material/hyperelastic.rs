@@ -91,7 +91,8 @@ fn identity_of(a: &Matrix3<f64>) -> Matrix6<f64> {
 }
 
 impl Hyperelastic {
-    pub(super) fn respond(&self, strain: &Strain) -> Option<Response> {
+    /// Stress, tangent and energy for a strain; `None` where det C is not positive.
+    pub fn respond(&self, strain: &Strain) -> Option<Response> {
         let v = Invariants::of(strain)?;
         let a = v.inverse;
         let one = Matrix3::identity();

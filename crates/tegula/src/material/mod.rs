@@ -10,6 +10,9 @@ pub mod linear;
 pub mod plane_stress;
 pub mod plasticity;
 
+use std::fmt::Debug;
+use std::sync::Arc;
+
 use nalgebra::{Matrix3, Matrix6, Vector6};
 
 pub use crate::model::NeoHookeanForm;
@@ -37,6 +40,30 @@ pub struct Response {
     pub dissipation: f64,
 }
 
+/// Law of a caller: stress, tangent and energy of a three-dimensional strain as a pure function of strain and history
+/// variables. It takes the place of the law of a material of the model
+/// ([`Compiler::with_laws`](crate::compile::Compiler::with_laws)).
+pub trait MaterialLaw: Debug + Send + Sync {
+    /// Number of internal (history) variables, at most 16; all are 0 at the start.
+    fn history(&self) -> usize {
+        0
+    }
+    /// Stress, consistent (symmetric) tangent and energies for a strain; `updated` receives the internal variables that
+    /// belong to it. `None` where the law cannot be evaluated: the step is then cut back. A zero strain without history
+    /// has no stress.
+    fn respond(&self, strain: &Strain, committed: &[f64], updated: &mut [f64]) -> Option<Response>;
+}
+
+/// Shared law of a caller; two are equal if they are the same object.
+#[derive(Debug, Clone)]
+pub struct OwnLaw(pub Arc<dyn MaterialLaw>);
+
+impl PartialEq for OwnLaw {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
 /// Material law.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Law {
@@ -49,6 +76,8 @@ pub enum Law {
     /// Von Mises plasticity under plane stress: only xx, yy and xy yield; zz and transverse shear are linear and
     /// uncoupled.
     PlaneStressPlastic(Plasticity),
+    /// Law of a caller.
+    Own(OwnLaw),
 }
 
 impl Law {
@@ -57,6 +86,7 @@ impl Law {
         match self {
             Self::Linear(_) | Self::Hyperelastic(_) => 0,
             Self::Plastic(_) | Self::PlaneStressPlastic(_) => plasticity::HISTORY,
+            Self::Own(law) => law.0.history(),
         }
     }
 
@@ -78,13 +108,14 @@ impl Law {
             Self::Hyperelastic(law) => law.respond(strain),
             Self::Plastic(law) => law.respond(strain, committed, updated),
             Self::PlaneStressPlastic(law) => plane_stress::respond(law, strain, committed, updated),
+            Self::Own(law) => law.0.respond(strain, committed, updated),
         }
     }
 
     /// Equivalent plastic strain among the internal variables, for laws that have one.
     pub fn plastic_strain(&self, history: &[f64]) -> Option<f64> {
         match self {
-            Self::Linear(_) | Self::Hyperelastic(_) => None,
+            Self::Linear(_) | Self::Hyperelastic(_) | Self::Own(_) => None,
             Self::Plastic(_) | Self::PlaneStressPlastic(_) => history.get(plasticity::EQUIVALENT).copied(),
         }
     }

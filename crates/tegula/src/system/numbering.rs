@@ -36,6 +36,9 @@ pub struct Conflict {
     pub keys: [String; 2],
 }
 
+/// Relative distance of two displacements that differ by round-off only.
+const SAME: f64 = 1e-9;
+
 /// Mark of a constrained degree of freedom.
 pub const CONSTRAINED: u32 = u32::MAX;
 
@@ -94,8 +97,9 @@ impl Prescribed {
 
     /// Whether an amplitude begins elsewhere than the degree of freedom is at the start of the step.
     pub fn jumps(&self, amplitudes: &[TimeFunction]) -> bool {
-        let leaves = |i: usize| amplitudes.get(i).is_some_and(|a| self.value * a.value(0.0) != self.start);
-        self.amplitude.is_some_and(leaves)
+        let Some(amplitude) = self.amplitude.and_then(|i| amplitudes.get(i)) else { return false };
+        let first = self.value * amplitude.value(0.0);
+        (first - self.start).abs() > SAME * f64::max(first.abs(), self.start.abs())
     }
 }
 

@@ -7,6 +7,7 @@
 mod common;
 
 mod congruence;
+mod convergence;
 mod element_contract;
 mod element_family;
 mod family_invariance;

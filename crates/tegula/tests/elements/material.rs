@@ -471,3 +471,27 @@ fn orthotropic_constants_at_the_end_of_their_range_are_refused() {
         assert_eq!(!with([1.0; 3], [nu; 3], [1.0; 3]).is_empty(), refuses, "{nu}");
     }
 }
+
+#[test]
+fn laws_for_unknown_and_for_linear_materials_are_refused() {
+    #[derive(Debug)]
+    struct Nothing;
+    impl tegula::material::MaterialLaw for Nothing {
+        fn respond(&self, _: &tegula::material::Strain, _: &[f64], _: &mut [f64]) -> Option<tegula::material::Response> {
+            None
+        }
+    }
+    let model = crate::common::edge_loaded_shell(false, 2, 10.0, 0.0);
+    let mesh = tegula::mesh::generators::generate(&model.mesh).unwrap();
+    for (name, word) in [("steel", "no such material"), ("m", "is linear")] {
+        let laws = std::collections::BTreeMap::from([(
+            name.to_owned(),
+            std::sync::Arc::new(Nothing) as std::sync::Arc<dyn tegula::material::MaterialLaw>,
+        )]);
+        let Err(tegula::Error::Model(issues)) = tegula::compile::Compiler::with_laws(&model, &mesh, &laws)
+        else {
+            panic!("{name} is taken")
+        };
+        assert!(issues.len() == 1 && issues[0].message.contains(word), "{issues:?}");
+    }
+}

@@ -128,6 +128,11 @@ fn steps_interrupted_anywhere_are_resumed_to_the_bit() {
         let end = history(FOLDERS[before]).last().unwrap()[1..7].to_vec();
         assert_eq!(history(FOLDERS[after])[0][1..7], end, "{}", FOLDERS[after]);
     }
+    // The energy at the start of a step is that at the end of the one before.
+    let strain = |row: &Vec<f64>| row[8];
+    let (end, start) = (history(FOLDERS[0]), history(FOLDERS[2]));
+    assert!(strain(end.last().unwrap()) > 0.0);
+    assert!((strain(&start[0]) / strain(end.last().unwrap()) - 1.0).abs() < 1e-12);
     for (analysis, steps) in [(1, 3), (2, 0), (3, 2), (4, 20), (5, 7)] {
         let place = folder.path().join(format!("stopped in {analysis}"));
         let mut stop = StopIn { analysis, steps, begun: 0, stop: Cell::new(false) };
