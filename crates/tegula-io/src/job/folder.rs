@@ -70,16 +70,7 @@ impl ResultFolder {
             }
             _ => {}
         }
-        let foreign = ["fields", "modes"].iter().find_map(|series| foreign(path, series));
-        if let Some(file) = foreign {
-            return Err(refuse(
-                path,
-                &format!(
-                    "`{}` was not written by tegula and is in the way. Move it elsewhere",
-                    file.display()
-                ),
-            ));
-        }
+        Self::refuse_foreign(path)?;
         let folder = Self::open(path)?;
         folder.remove_temporaries()?;
         if let Some(summary) = earlier {
@@ -110,6 +101,24 @@ impl ResultFolder {
         let folder = Self::open(path)?;
         folder.remove_temporaries()?;
         Ok(folder)
+    }
+
+    /// Refuses a folder with a file of somebody else that has the name of a field file.
+    ///
+    /// # Errors
+    /// There is such a file.
+    pub(super) fn refuse_foreign(path: &Path) -> Result<(), JobError> {
+        let foreign = ["fields", "modes"].iter().find_map(|series| foreign(path, series));
+        if let Some(file) = foreign {
+            return Err(refuse(
+                path,
+                &format!(
+                    "`{}` was not written by tegula and is in the way. Move it elsewhere",
+                    file.display()
+                ),
+            ));
+        }
+        Ok(())
     }
 
     /// Removes half-written files that a killed run has left.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use tegula::compile::{Compiler, check, warnings, warnings_before_start};
+use tegula::compile::{Compiler, check, soft_folds, warnings, warnings_before_start};
 use tegula::mesh::generators;
 use tegula::model::MeshSource;
 use tegula::result::Probe;
@@ -62,7 +62,7 @@ fn compiled(deck: &Deck, mesh: &Mesh) -> tegula::Result<(System, Vec<Probe>, Vec
         return Ok((first, probes, warnings));
     }
     let mut issues = Vec::new();
-    let mut warned: Vec<Issue> = Vec::new();
+    let mut warned: Vec<Issue> = soft_folds(compiler.steps(), &first).into_iter().collect();
     for (i, step) in compiler.steps().iter().enumerate() {
         match compiler.system(i, None) {
             Ok(system) => {

@@ -25,6 +25,9 @@ pub(super) fn run(
         return Ok(done);
     }
     let compiler = Compiler::new(&deck.model, &prepared.mesh).map_err(|error| model_error(deck, error))?;
+    for listed in compiler.steps().iter().enumerate().map(|(i, step)| listed(i, step)) {
+        ResultFolder::refuse_foreign(&options.folder.join(listed.folder))?;
+    }
     let mut folder = if options.resume {
         ResultFolder::resume_steps(&options.folder, prepared.fingerprint)?
     } else {
@@ -126,6 +129,9 @@ impl Whole {
         let parts = || self.parts.iter().flatten();
         let before = &self.summary;
         let mut summary = Summary {
+            // The whole is complete when its last step is.
+            status: Status::Running,
+            error: None,
             analysis: before.analysis.clone(),
             title: before.title.clone(),
             fingerprint: before.fingerprint.clone(),

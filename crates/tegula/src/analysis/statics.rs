@@ -14,7 +14,10 @@ use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::system::{Assembly, Procedure, System, dot};
 use crate::{Error, Result};
 
+use std::sync::Arc;
+
 use tegula_sparse::SparseLdlt;
+use tegula_sparse::norm::max_norm;
 
 use load_steps::LoadSteps;
 pub use load_steps::first_state;
@@ -28,6 +31,8 @@ const FIRST_ROTATION: f64 = 0.4;
 /// one with a sixteenth. Sheets that stretch long before they rotate far (L/h = 10⁵) find their equilibrium from there,
 /// where no shorter step helps.
 const MOST_SHORTENED: u32 = 2;
+/// Largest force on a free degree of freedom over the largest internal force in an equilibrium that was computed.
+const IN_EQUILIBRIUM: f64 = 1e-7;
 
 /// Equilibrium at a load factor: `F(λ) − f_int(u) = 0`.
 #[derive(Debug, Clone)]
@@ -41,6 +46,9 @@ pub struct StaticEquation {
     pub scales: [f64; 2],
     /// Repeated attempts at the present step: each reduces the step limiter.
     pub attempts: u32,
+    /// Forces that the supports of the step before exerted and this step has not: they fall to 0 with the load factor, as
+    /// released loads do. Empty: none.
+    pub released: Arc<Vec<Nodal>>,
 }
 
 impl Equation for StaticEquation {
@@ -56,6 +64,10 @@ impl Equation for StaticEquation {
         out.fill([0.0; 3]);
         system.add_dead_loads(self.time, 1.0, out);
         add_follower_loads(system, &self.kinematics(system), self.time, 1.0, out);
+        let left = 1.0 - self.time.clamp(0.0, 1.0);
+        for (out, force) in out.iter_mut().zip(self.released.iter()) {
+            (0..3).for_each(|i| out[i] += left * force[i]);
+        }
     }
 
     fn apply(&mut self, _system: &System, increment: &[Nodal]) {
@@ -78,6 +90,29 @@ impl Equation for StaticEquation {
     fn displacement_scale(&self, system: &System) -> f64 {
         system.norm(&self.u).max(self.scales[1])
     }
+}
+
+/// Forces that hold the first state of a static step in equilibrium beside its loads and supports: those of supports that
+/// it has not any more. Empty where the state is in equilibrium.
+pub(super) fn released_reactions(system: &System, assembly: &mut Assembly, state: &State) -> Vec<Nodal> {
+    let n = system.vectors();
+    let (mut internal, mut out) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
+    let k = state_kinematics(system, &state.u, state.time);
+    assembly.follow(system, &k);
+    assembly.forces(system, &k, &mut internal);
+    system.add_dead_loads(state.time, 1.0, &mut out);
+    add_follower_loads(system, &k, state.time, 1.0, &mut out);
+    let size = max_norm(internal.as_flattened()).max(max_norm(out.as_flattened()));
+    for (out, internal) in out.as_flattened_mut().iter_mut().zip(internal.as_flattened()) {
+        *out = internal - *out;
+    }
+    let mut supported = vec![[0.0; 3]; n];
+    assembly.numbering.supported_part(&out, &mut supported);
+    for (out, supported) in out.as_flattened_mut().iter_mut().zip(supported.as_flattened()) {
+        *out -= supported;
+    }
+    // Equilibria are found up to round-off.
+    if max_norm(out.as_flattened()) > IN_EQUILIBRIUM * size { out } else { Vec::new() }
 }
 
 /// Kinematics of a state without rates.

@@ -37,7 +37,7 @@ use sections::Elements;
 use steps::Continued;
 pub use steps::{StepModel, steps};
 use vectors::Vectors;
-pub use warnings::{warnings, warnings_at_start, warnings_before_start};
+pub use warnings::{soft_folds, warnings, warnings_at_start, warnings_before_start};
 
 /// Compiles a model on its mesh; of a model with several analysis steps the first one.
 ///
@@ -284,9 +284,9 @@ impl<'a> Compiler<'a> {
     }
 
     fn prescribed_fields(&self, step: &StepModel, names: &BTreeMap<String, usize>) -> Vec<PrescribedField> {
-        let field = |(strain, continued): (&PrescribedStrain, &Continued)| PrescribedField {
-            strain: strain.clone(),
-            factor: continued.factor(strain.amplitude().and_then(|a| names.get(a).copied())),
+        let field = |(strain, (continued, amplitude)): (&PrescribedStrain, &(Continued, Option<String>))| {
+            let amplitude = amplitude.as_ref().and_then(|a| names.get(a).copied());
+            PrescribedField { strain: strain.clone(), factor: continued.factor(amplitude) }
         };
         self.strains.iter().zip(&step.strains).map(field).collect()
     }

@@ -1,11 +1,9 @@
 //! Analysis steps of a model: each as a model with one analysis, and how its loads continue those of the step before.
 
-use std::collections::BTreeSet;
-
 use super::checker::Checker;
 use crate::Issue;
 use crate::load::{LoadFactor, TimeFunction};
-use crate::model::{Analysis, AnalysisStep, Model, PrescribedStrain};
+use crate::model::{Analysis, AnalysisStep, Load, Model, PrescribedStrain};
 
 /// Longest name of a step: it becomes the name of a folder.
 const LONGEST_NAME: usize = 40;
@@ -22,9 +20,11 @@ pub struct StepModel {
     /// Continuation of each of the model's loads from the step before.
     pub(super) loads: Vec<Continued>,
     /// Continuation of each of [`all_strains`] from the step before.
-    pub(super) strains: Vec<Continued>,
+    pub(super) strains: Vec<(Continued, Option<String>)>,
     /// Keys of the model file in place of those of `model`.
     keys: Vec<(String, String)>,
+    /// Key of the step in the model file; `None` for the one analysis of a model without steps.
+    place: Option<String>,
 }
 
 /// Continuation of a load from the step before.
@@ -49,6 +49,10 @@ impl StepModel {
         let matching = |(own, _): &&(String, String)| {
             key.strip_prefix(own.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
         };
+        let whole_list = ["conditions", "loads", "prescribed_strains"].contains(&key);
+        if let Some(place) = self.place.as_ref().filter(|_| whole_list) {
+            return place.clone();
+        }
         match self.keys.iter().find(matching) {
             Some((own, file)) => format!("{file}{}", &key[own.len()..]),
             None => key.to_owned(),
@@ -62,15 +66,41 @@ impl StepModel {
     }
 }
 
-/// Prescribed strains of the whole model and of all its steps, each once. The elements hold all of them.
+/// Prescribed strains of the whole model and of all its steps, without their amplitudes: as often as the step with most of
+/// the same kind has it. The elements hold all of them.
 pub(super) fn all_strains(model: &Model) -> Vec<PrescribedStrain> {
-    let mut all = model.prescribed_strains.clone();
-    for strain in model.steps.iter().flat_map(|step| &step.prescribed_strains) {
-        if !all.contains(strain) {
-            all.push(strain.clone());
+    let mut all: Vec<PrescribedStrain> =
+        model.prescribed_strains.iter().map(PrescribedStrain::without_amplitude).collect();
+    for step in &model.steps {
+        let mut left = all.clone();
+        for strain in model.prescribed_strains.iter().chain(&step.prescribed_strains) {
+            let strain = strain.without_amplitude();
+            match left.iter().position(|other| *other == strain) {
+                Some(i) => drop(left.remove(i)),
+                None => all.push(strain),
+            }
         }
     }
     all
+}
+
+/// Pairs of equal entries of two lists, each entry in one pair at most: first those that are equal, then those that are equal
+/// but for their amplitudes. The result gives for each entry of `old` the index of its partner.
+fn partners<T: PartialEq>(old: &[T], new: &[T], without_amplitude: impl Fn(&T) -> T) -> Vec<Option<usize>> {
+    let mut out = vec![None; old.len()];
+    let mut taken = vec![false; new.len()];
+    for exact in [true, false] {
+        for (old, out) in old.iter().zip(&mut out).filter(|(_, out)| out.is_none()) {
+            let same = |other: &T| {
+                if exact { other == old } else { without_amplitude(other) == without_amplitude(old) }
+            };
+            *out = (0..new.len()).find(|&i| !taken[i] && same(&new[i]));
+            if let Some(i) = *out {
+                taken[i] = true;
+            }
+        }
+    }
+    out
 }
 
 /// Analysis steps of a model, at least one: a model without `steps` has the step of its `analysis`.
@@ -81,8 +111,13 @@ pub fn steps(model: &Model) -> Vec<StepModel> {
             model: model.clone(),
             starts_from: None,
             loads: vec![Continued::default(); model.loads.len()],
-            strains: vec![Continued::default(); model.prescribed_strains.len()],
+            strains: model
+                .prescribed_strains
+                .iter()
+                .map(|strain| (Continued::default(), strain.amplitude().cloned()))
+                .collect(),
             keys: Vec::new(),
+            place: None,
         }];
     }
     let mut out: Vec<StepModel> = Vec::new();
@@ -110,6 +145,7 @@ fn about_the_end(
         name: name(step, number),
         model: Model { analysis: step.analysis.clone(), output: output(model, step), ..before.model.clone() },
         starts_from: Some(index),
+        place: Some(format!("steps[{number}]")),
         keys: [vec![("analysis".into(), format!("steps[{number}].analysis"))], before.keys.clone()].concat(),
         ..before.clone()
     }
@@ -138,17 +174,13 @@ fn one_step(
     let mut loads = [model.loads.clone(), step.loads.clone()].concat();
     let mut continued = vec![Continued::default(); loads.len()];
     if let Some((_, before)) = before {
-        let mut taken: BTreeSet<usize> = BTreeSet::new();
-        for (old, was) in before.model.loads.iter().zip(&before.loads) {
+        let found = partners(&before.model.loads, &loads, Load::without_amplitude);
+        for ((old, was), partner) in before.model.loads.iter().zip(&before.loads).zip(found) {
             let start = end_factor(before, was, super::amplitudes::amplitude_of(old).as_deref());
-            match (0..loads.len()).find(|i| loads[*i] == *old && !taken.contains(i)) {
-                Some(i) => {
-                    taken.insert(i);
-                    continued[i].start = start;
-                }
+            match partner {
+                Some(i) => continued[i].start = start,
                 None if is_static && start != 0.0 => {
                     loads.push(old.clone());
-                    taken.insert(continued.len());
                     continued.push(Continued { start, released: true });
                 }
                 None => {}
@@ -156,16 +188,19 @@ fn one_step(
         }
     }
     let strains = [model.prescribed_strains.clone(), step.prescribed_strains.clone()].concat();
-    let continued_strain = |(i, strain): (usize, &PrescribedStrain)| {
+    let all = all_strains(model);
+    let bare: Vec<PrescribedStrain> = strains.iter().map(PrescribedStrain::without_amplitude).collect();
+    let own = partners(&all, &bare, PrescribedStrain::clone);
+    let continued_strain = |(i, own): (usize, &Option<usize>)| {
         let earlier = before.and_then(|(_, b)| Some((b, b.strains.get(i)?)));
-        let start =
-            earlier.map_or(0.0, |(b, was)| end_factor(b, was, strain.amplitude().map(String::as_str)));
-        Continued { start, released: !strains.contains(strain) }
+        let start = earlier.map_or(0.0, |(b, (was, amplitude))| end_factor(b, was, amplitude.as_deref()));
+        let amplitude = own.and_then(|o| strains[o].amplitude().cloned());
+        (Continued { start, released: own.is_none() }, amplitude)
     };
     StepModel {
         name: name(step, number),
         starts_from: before.map(|(i, _)| i),
-        strains: all_strains(model).iter().enumerate().map(continued_strain).collect(),
+        strains: own.iter().enumerate().map(continued_strain).collect(),
         model: Model {
             analysis: step.analysis.clone(),
             conditions: [model.conditions.clone(), step.conditions.clone()].concat(),
@@ -178,6 +213,7 @@ fn one_step(
         },
         loads: continued,
         keys,
+        place: Some(format!("steps[{number}]")),
     }
 }
 

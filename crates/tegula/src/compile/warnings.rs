@@ -10,7 +10,9 @@ use crate::load::LoadFactor;
 use crate::material::Law;
 use crate::mesh::directors::FOLD_ANGLE_DEGREES;
 use crate::mesh::{Mesh, show};
-use crate::model::{Analysis, Condition, GmshMesh, Load, MeshSource, Model, NodalVector, PrescribedStrain};
+use crate::model::{
+    Analysis, Condition, GmshMesh, Load, MeshSource, Model, NodalVector, PrescribedStrain, Scheme,
+};
 use crate::system::System;
 use crate::system::numbering::Prescribed;
 use crate::{Issue, Vec3};
@@ -18,8 +20,9 @@ use crate::{Issue, Vec3};
 /// Thickness over the size of the largest element, above which units are most likely mixed up.
 const THICK: f64 = 10.0;
 
-/// Relative distance of two displacements that differ by round-off only.
-const SAME_PLACE: f64 = 1e-9;
+/// Distance of two displacements over the size of the model below which they are the same place: equilibria are found up to
+/// this accuracy.
+const SAME_PLACE: f64 = 1e-8;
 
 /// Seams that are written out, and nodes of each.
 const SHOWN: usize = 10;
@@ -41,6 +44,20 @@ pub fn warnings_before_start(step: &StepModel, mesh: &Mesh, system: &System) -> 
     }
     found.extend(independent_of_the_start(&step.model, mesh, system));
     step.located(found)
+}
+
+/// Folds of a model some of whose steps are explicit and others not: all of them have the softer constraint.
+pub fn soft_folds(steps: &[StepModel], system: &System) -> Option<Issue> {
+    let explicit = |step: &StepModel| matches!(&step.model.analysis, Analysis::Transient(t) if matches!(t.scheme, Scheme::Explicit(_)));
+    let mixed = steps.iter().any(explicit) && !steps.iter().all(explicit);
+    (mixed && !system.folds.lines.is_empty()).then(|| {
+        Issue::new(
+            "steps",
+            "a step is explicit, so that all steps have the softer constraint of explicit analyses at folds: their \
+             results differ a little from those of a model without the explicit step",
+            "compare with the model without that step, or use an implicit scheme",
+        )
+    })
 }
 
 /// Warnings of an analysis step that starts where another one has ended, at the keys of the model file.
@@ -238,7 +255,8 @@ fn jumping_supports(model: &Model, system: &System) -> Vec<Issue> {
         let first = p.value * system.factor(&amplitude, 0.0);
         let same = |q: &&Prescribed| q.value == p.value && q.amplitude == amplitude.amplitude;
         let start = system.numbering.prescribed.iter().find(same).map_or(0.0, |q| q.start);
-        if (first - start).abs() > SAME_PLACE * first.abs().max(start.abs()) {
+        let size = if p.of == NodalVector::Position { system.length } else { 1.0 };
+        if (first - start).abs() > SAME_PLACE * size {
             found.push(Issue::new(
                 format!("conditions[{i}]"),
                 format!(

@@ -133,6 +133,21 @@ pub enum Load {
     Gravity(GravityLoad),
 }
 
+impl Load {
+    /// The same load without an amplitude.
+    pub fn without_amplitude(&self) -> Self {
+        let mut bare = self.clone();
+        match &mut bare {
+            Self::Force(l) | Self::Moment(l) | Self::Edge(l) | Self::EdgeMoment(l) | Self::Traction(l) => {
+                l.amplitude = None;
+            }
+            Self::Pressure(l) => l.amplitude = None,
+            Self::Gravity(l) => l.amplitude = None,
+        }
+        bare
+    }
+}
+
 /// A load given by a vector.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -97,6 +97,17 @@ impl PrescribedStrain {
         }
     }
 
+    /// The same strain without an amplitude.
+    pub fn without_amplitude(&self) -> Self {
+        let mut bare = self.clone();
+        match &mut bare {
+            Self::Thermal(s) => s.amplitude = None,
+            Self::Natural(s) => s.amplitude = None,
+            Self::Prestress(s) => s.amplitude = None,
+        }
+        bare
+    }
+
     /// Name of its amplitude.
     pub fn amplitude(&self) -> Option<&String> {
         match self {

@@ -7,9 +7,9 @@ use tegula::compile::{Compiler, steps};
 use tegula::mesh::generators::generate;
 use tegula::model::{
     Amplitude, Analysis, AnalysisStep, Axis, Condition, ElementKind, EnergyMomentumScheme, ExplicitScheme,
-    FixComponents, GravityLoad, InitialVelocity, Isotropic, Load, Material, ModalAnalysis, Model,
+    FixComponents, GravityLoad, HhtScheme, InitialVelocity, Isotropic, Load, Material, ModalAnalysis, Model,
     NaturalStrain, NodalVector, OnSet, Plastic, PrescribeComponent, PrescribedStrain, PressureLoad, Scheme,
-    StaticAnalysis, TableAmplitude, TransientAnalysis, VectorLoad,
+    StaticAnalysis, SymmetryPlane, TableAmplitude, TransientAnalysis, VectorLoad,
 };
 use tegula::norm::max_norm;
 use tegula::{Error, System};
@@ -359,4 +359,117 @@ fn mistakes_in_steps_are_named_at_their_keys() {
     let first = &steps(&model)[1];
     assert_eq!(first.key("loads[1].value"), "loads[1].value");
     assert_eq!(first.key("analysis.end_time"), "steps[1].analysis.end_time");
+}
+
+#[test]
+fn supports_that_a_static_step_releases_let_go_with_the_load_factor() {
+    for element in [ElementKind::Ems, ElementKind::Mitc4] {
+        let pushed = Condition::Prescribe(PrescribeComponent {
+            on: "u_max".into(),
+            of: NodalVector::Position,
+            component: Axis::Z,
+            value: 0.6 * LENGTH,
+            amplitude: None,
+        });
+        let push = AnalysisStep { conditions: vec![pushed], ..steps_of("push", 10) };
+        let mut model = cantilever(vec![push, steps_of("let go", 4)]);
+        model.sections[0].element = element;
+        let mesh = generate(&model.mesh).unwrap();
+        let tip = mesh.nodes_on("u_max").unwrap()[1];
+        let mut path = Vec::new();
+        let ends = run(&model, |step, system, state| {
+            let z = state.u[system.position_of[tip as usize] as usize][2];
+            if step == 1 {
+                path.push((state.time, z));
+            }
+        })
+        .unwrap();
+        assert_eq!(path.len(), 4, "{element:?}: {path:?}");
+        let half = path[1].1;
+        assert!(half > 0.2 && half < 0.5, "{element:?}: {path:?}");
+        assert!(max_norm(ends[1].u.as_flattened()) < 1e-8, "{element:?}");
+    }
+}
+
+fn steps_of(name: &str, load_steps: u32) -> AnalysisStep {
+    AnalysisStep::new(name, Analysis::Static(StaticAnalysis { load_steps, ..StaticAnalysis::default() }))
+}
+
+#[test]
+fn a_load_with_another_amplitude_is_the_same_load() {
+    let load = |name: Option<&str>| {
+        let amplitude = name.map(str::to_owned);
+        Load::Edge(VectorLoad { amplitude, ..vector_load("u_max", [0.0, 0.0, -20.0]) })
+    };
+    let heat = |name: Option<&str>| {
+        PrescribedStrain::Natural(NaturalStrain {
+            on: "all".into(),
+            strain: [1e-3, 0.0, 0.0],
+            curvature: [0.1, 0.0, 0.0],
+            direction: [1.0, 0.0, 0.0],
+            amplitude: name.map(str::to_owned),
+        })
+    };
+    let step = |name: Option<&str>| AnalysisStep {
+        loads: vec![load(name)],
+        prescribed_strains: vec![heat(name)],
+        ..steps_of("", 2)
+    };
+    let mut model = cantilever(vec![step(None), step(Some("down")), step(Some("half"))]);
+    for (name, values) in [("down", vec![1.0, 0.0]), ("half", vec![0.5, 0.5])] {
+        let table = TableAmplitude { times: vec![0.0, 1.0], values };
+        model.amplitudes.insert(name.into(), Amplitude::Table(table));
+    }
+    let mesh = generate(&model.mesh).unwrap();
+    let compiler = Compiler::new(&model, &mesh).unwrap();
+    let systems = [0, 1, 2].map(|i| compiler.system(i, None).unwrap());
+    assert!(systems.iter().all(|s| s.dead_loads.len() == 1 && s.prescribed_strains.len() == 1));
+    assert_eq!(systems.each_ref().map(System::first_load_factor), [0.0, 0.0, -1.0]);
+    let mut times = Vec::new();
+    let ends = run(&model, |step, _, state| times.push((step, state.time))).unwrap();
+    let expected = [(0, 0.5), (0, 1.0), (1, 0.5), (1, 1.0), (2, -0.5), (2, 0.0), (2, 0.5), (2, 1.0)];
+    assert_eq!(times, expected);
+    assert!(max_norm(ends[1].u.as_flattened()) < 1e-9);
+    let mut one = cantilever(vec![]);
+    one.loads = vec![Load::Edge(vector_load("u_max", [0.0, 0.0, -10.0]))];
+    let PrescribedStrain::Natural(mut half) = heat(None) else { unreachable!() };
+    (half.strain, half.curvature) = (half.strain.map(|x| 0.5 * x), half.curvature.map(|x| 0.5 * x));
+    one.prescribed_strains = vec![PrescribedStrain::Natural(half)];
+    let alone = run(&one, |_, _, _| {}).unwrap();
+    assert!(difference(&alone[0].u, &ends[2].u) < 1e-8);
+}
+
+#[test]
+fn a_preloaded_structure_in_equilibrium_stays_at_rest() {
+    let pressure = Load::Pressure(PressureLoad { on: "all".into(), value: -2e4, amplitude: None });
+    for scheme in [
+        Scheme::default(),
+        Scheme::Hht(HhtScheme { alpha: -0.05 }),
+        Scheme::EnergyMomentum(EnergyMomentumScheme {}),
+        Scheme::Explicit(ExplicitScheme::default()),
+    ] {
+        for damped in [false, true] {
+            let explicit = matches!(scheme, Scheme::Explicit(_));
+            let dt = if explicit { None } else { Some(2e-3) };
+            let end = if explicit { 1e-3 } else { 2e-2 };
+            let rest = TransientAnalysis { scheme, time_step: dt, ..TransientAnalysis::new(end) };
+            let mut model = crate::common::quarter_cylinder(8, 2.1e11);
+            model.conditions =
+                [("u_min", [1.0, 0.0, 0.0]), ("u_max", [0.0, 0.0, 1.0]), ("v_min", [0.0, 1.0, 0.0])]
+                    .map(|(on, normal)| Condition::Symmetry(SymmetryPlane { on: on.into(), normal }))
+                    .to_vec();
+            model.loads = vec![pressure.clone()];
+            model.materials.insert("m".into(), Material::Isotropic(Isotropic::new(2.1e11, 0.3, 7850.0)));
+            if damped {
+                (model.damping.mass, model.damping.stiffness) = (2.0, 1e-5);
+            }
+            model.steps = vec![at_rest("inflate"), AnalysisStep::new("rest", Analysis::Transient(rest))];
+            let mut count = 0;
+            let ends = run(&model, |step, _, _| count += usize::from(step == 1)).unwrap();
+            assert!(difference(&ends[0].u, &ends[1].u) < 1e-9, "{scheme:?}");
+            if !explicit {
+                assert_eq!(count, 11, "{scheme:?}, damped {damped}: steps were cut back");
+            }
+        }
+    }
 }

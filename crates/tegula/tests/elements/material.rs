@@ -477,7 +477,12 @@ fn laws_for_unknown_and_for_linear_materials_are_refused() {
     #[derive(Debug)]
     struct Nothing;
     impl tegula::material::MaterialLaw for Nothing {
-        fn respond(&self, _: &tegula::material::Strain, _: &[f64], _: &mut [f64]) -> Option<tegula::material::Response> {
+        fn respond(
+            &self,
+            _: &tegula::material::Strain,
+            _: &[f64],
+            _: &mut [f64],
+        ) -> Option<tegula::material::Response> {
             None
         }
     }

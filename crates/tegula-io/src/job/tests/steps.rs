@@ -219,3 +219,56 @@ fn a_model_has_one_analysis_or_steps() {
         assert!(found.iter().any(|d| d.message == "missing key \"analysis\""), "{found:?}");
     }
 }
+
+/// Copies the result folder when an analysis begins, as a run that is killed there leaves it.
+struct CopyAt<'a> {
+    analysis: usize,
+    begun: usize,
+    from: &'a Path,
+    to: &'a Path,
+}
+
+impl JobObserver for CopyAt<'_> {
+    fn on_start(&mut self, _: &Start) {
+        self.begun += 1;
+        assert_eq!(Summary::read(self.from).unwrap().status, Status::Running);
+        if self.begun == self.analysis {
+            copy(self.from, self.to);
+        }
+    }
+}
+
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).unwrap();
+    for entry in fs::read_dir(from).unwrap().map(|e| e.unwrap()) {
+        let target = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy(&entry.path(), &target);
+        } else {
+            fs::copy(entry.path(), target).unwrap();
+        }
+    }
+}
+
+#[test]
+fn a_run_killed_in_a_later_step_is_resumed() {
+    let folder = tempfile::tempdir().unwrap();
+    let straight = folder.path().join("straight");
+    for analysis in [2, 3, 5] {
+        let killed = folder.path().join(format!("killed in {analysis}"));
+        let mut watch = CopyAt { analysis, begun: 0, from: &straight, to: &killed };
+        let whole = run(&deck(), &options(&straight, false), &mut watch).unwrap();
+        let resumed = run(&deck(), &options(&killed, true), &mut Unwatched).unwrap();
+        assert_eq!((resumed.points, resumed.steps), (whole.points, whole.steps), "{analysis}");
+        for file in files(&straight) {
+            let read = |folder: &Path| fs::read(folder.join(&file)).unwrap();
+            assert!(read(&straight) == read(&killed), "killed in {analysis}: {} differs", file.display());
+        }
+    }
+    // A file in the way of a later step stops the run before it begins.
+    let stray = straight.join("5-more/fields/0777.vtu");
+    fs::write(stray, "mine").unwrap();
+    let error = run(&deck(), &options(&straight, false), &mut Unwatched).unwrap_err();
+    assert!(error.to_string().contains("was not written by tegula"), "{error}");
+    assert_eq!(Summary::read(&straight).unwrap().status, Status::Complete);
+}

@@ -15,7 +15,7 @@
 //! symmetric, costs an iteration more and gives the same result.
 
 use super::predictor::{mean_acceleration, predict};
-use super::{Integrator, Span, StepWork, hold_supported, step_size, work};
+use super::{Integrator, Span, StepWork, hold_supported, step_scale, work};
 use crate::analysis::State;
 use crate::analysis::newton::{Equation, Tolerances};
 use crate::analysis::statics::{add, prescribed_increment};
@@ -157,7 +157,7 @@ impl Equation for EnergyMomentum {
     }
 
     fn displacement_scale(&self, system: &System) -> f64 {
-        step_size(system, &self.u_old, &self.u)
+        step_scale(system, &self.u_old, &self.u)
     }
 }
 

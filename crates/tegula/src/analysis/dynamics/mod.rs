@@ -138,6 +138,11 @@ fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
     let rest = unbalanced_forces(system, &mut newton.assembly, &state);
     impact::add_free_response(system, newton, &rest, &mut state.a);
     state.energy_scale = system.kinetic_energy(&state.v);
+    if system.start.is_some() {
+        // A preloaded model may not move at all: round-off is that of its strain energy.
+        let strain = newton.assembly.strain_energy(system, &state.u, state.time);
+        state.energy_scale = state.energy_scale.max(strain);
+    }
     Ok(state)
 }
 
@@ -218,6 +223,21 @@ pub fn balance(system: &System, assembly: &mut Assembly, state: &State) -> Balan
 pub(super) fn work(force: &[Nodal], from: &[Nodal], to: &[Nodal]) -> f64 {
     dot(force, to) - dot(force, from)
 }
+
+/// Displacement of a step over that of its start below which it is round-off, as in a preloaded model at rest.
+const RESOLUTION: f64 = 1e-10;
+
+/// Scale of the increments in a step: its displacement, but not less than what round-off of the displacements at its start
+/// leaves.
+pub(super) fn step_scale(system: &System, from: &[Nodal], to: &[Nodal]) -> f64 {
+    let moved = step_size(system, from, to);
+    // The second norm is needed next to standstill only.
+    if moved > RESOLUTION * STANDSTILL { moved } else { moved.max(RESOLUTION * system.norm(from)) }
+}
+
+/// Largest norm of a displacement ([`System::norm`]) at which a step may count as standstill without a look at the norm:
+/// hundred times the size of the model.
+const STANDSTILL: f64 = 100.0;
 
 /// Norm of the change of the nodal vectors in a step.
 pub(super) fn step_size(system: &System, from: &[Nodal], to: &[Nodal]) -> f64 {

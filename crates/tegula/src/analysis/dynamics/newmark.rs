@@ -15,7 +15,7 @@
 //! automatic steps or the energy–momentum scheme are needed.
 
 use super::predictor::{mean_acceleration, predict};
-use super::{Integrator, Span, StepWork, hold_supported, project_rates, step_size, work};
+use super::{Integrator, Span, StepWork, hold_supported, project_rates, step_scale, work};
 use crate::analysis::State;
 use crate::analysis::newton::{Equation, Tolerances};
 use crate::analysis::statics::{add, prescribed_increment};
@@ -177,7 +177,7 @@ impl Equation for Newmark {
     }
 
     fn displacement_scale(&self, system: &System) -> f64 {
-        step_size(system, &self.u_old, &self.u)
+        step_scale(system, &self.u_old, &self.u)
     }
 
     /// Bound of the iteration error. An error e of the end of a step is an impulse M e/(β Δt), which adds up from step

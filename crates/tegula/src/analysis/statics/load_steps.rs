@@ -1,8 +1,13 @@
 //! Load steps of a static analysis, with cut-backs.
 
+use std::sync::Arc;
+
 use super::connection::{SOFTER, Speeds, released_energy};
 use super::failure::{CriticalPoint, Failure, Kind};
-use super::{StaticEquation, StaticOutcome, energies, follower_work, reactions, state_kinematics, undefined};
+use super::{
+    StaticEquation, StaticOutcome, energies, follower_work, reactions, released_reactions, state_kinematics,
+    undefined,
+};
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::newton::{Cause, Converged, Newton, Tolerances};
 use crate::analysis::solver::TangentSolver;
@@ -10,7 +15,7 @@ use crate::analysis::stops::Stops;
 use crate::analysis::{Balance, Observer, Stability, State, Statistics, Stepper};
 use crate::element::Nodal;
 use crate::model::{NewtonMethod, StaticAnalysis};
-use crate::system::{System, inverted_element};
+use crate::system::{Assembly, System, inverted_element};
 use crate::{Error, Result};
 
 /// Energy of the last increment over the strain energy: small enough that reactions balance the loads to 1e-12, also
@@ -75,6 +80,8 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             state.energy_scale = energies(system, &mut newton.assembly, &state).strain;
             state.displacement_scale = system.norm(&state.u);
         }
+        let released = released_at_start(system, &mut newton.assembly);
+        newton.restore(system, &state, is_loaded(system, &state));
         // The tangent of a linear model is the same in smaller steps: they cannot help.
         let cutbacks = if system.linear { 0 } else { options.max_cutbacks as i32 };
         let moved = !system.numbering.prescribed.is_empty();
@@ -88,7 +95,13 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             largest,
             stops: Stops::of(system, 1.0),
             smallest_part: 0.5_f64.powi(cutbacks.min(MOST_CUTBACKS)),
-            equation: StaticEquation { u: state.u.clone(), time: state.time, scales: [0.0; 2], attempts: 0 },
+            equation: StaticEquation {
+                u: state.u.clone(),
+                time: state.time,
+                scales: [0.0; 2],
+                attempts: 0,
+                released: Arc::new(released),
+            },
             balance: Balance::default(),
             statistics: Statistics { steps: state.step, ..Statistics::default() },
             external: vec![[0.0; 3]; system.vectors()],
@@ -289,6 +302,10 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let Self { newton, system, state, equation, external, .. } = self;
         state.negative_pivots = converged.negative_pivots;
         state.work += follower_work(system, (&state.u, state.time), (&equation.u, target), external);
+        let left = 2.0 - state.time.clamp(0.0, 1.0) - target.clamp(0.0, 1.0);
+        for ((force, from), to) in equation.released.iter().zip(&state.u).zip(&equation.u) {
+            state.work += 0.5 * left * (0..3).map(|i| force[i] * (to[i] - from[i])).sum::<f64>();
+        }
         if !self.reactions.is_empty() {
             // Before the history is committed: the stress at the end of the step must be that of the step.
             let end = State { time: target, u: equation.u.clone(), ..State::default() };
@@ -438,6 +455,16 @@ impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
             }
         }
     }
+}
+
+/// Reactions of the supports that the step before had and this one has not.
+fn released_at_start(system: &System, assembly: &mut Assembly) -> Vec<Nodal> {
+    if system.start.is_none() {
+        return Vec::new();
+    }
+    let first = State { time: system.first_load_factor(), ..State::first(system) };
+    assembly.history.copy_from_slice(&first.history);
+    released_reactions(system, assembly, &first)
 }
 
 /// Whether a state has been reached by load steps, of this analysis or of one before; else it is the reference
