@@ -42,6 +42,13 @@ pub fn warnings_before_start(step: &StepModel, mesh: &Mesh, system: &System) -> 
     if step.starts_from.is_none() && !matches!(step.model.analysis, Analysis::Modal(_)) {
         found.extend(jumping_supports(&step.model, system));
     }
+    if step.starts_from.is_some() && system.linear && matches!(step.model.analysis, Analysis::Modal(_)) {
+        found.push(Issue::new(
+            "analysis",
+            "the steps are linear: loads do not change the stiffness, and these are the modes of the unloaded structure",
+            "leave `linear` out of all steps to find the modes of the preloaded one",
+        ));
+    }
     found.extend(independent_of_the_start(&step.model, mesh, system));
     step.located(found)
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use tegula::analysis::{Observer, Silent, State, Step, dynamics, modal, statics};
-use tegula::compile::{Compiler, steps};
+use tegula::compile::{Compiler, steps, warnings_before_start};
 use tegula::mesh::generators::generate;
 use tegula::model::{
     Amplitude, Analysis, AnalysisStep, Axis, Condition, ElementKind, EnergyMomentumScheme, ExplicitScheme,
@@ -471,5 +471,19 @@ fn a_preloaded_structure_in_equilibrium_stays_at_rest() {
                 assert_eq!(count, 11, "{scheme:?}, damped {damped}: steps were cut back");
             }
         }
+    }
+}
+
+#[test]
+fn modes_of_linear_steps_come_with_a_warning() {
+    let linear = Analysis::Static(StaticAnalysis { linear: true, ..StaticAnalysis::default() });
+    for (analysis, warned) in [(linear, 1), (at_rest("").analysis, 0)] {
+        let model = strip(vec![AnalysisStep::new("preload", analysis), modes("modes")]);
+        let mesh = generate(&model.mesh).unwrap();
+        let compiler = Compiler::new(&model, &mesh).unwrap();
+        let step = &compiler.steps()[1];
+        let found = warnings_before_start(step, &mesh, &compiler.system(1, None).unwrap());
+        assert_eq!(found.len(), warned, "{found:?}");
+        assert!(found.iter().all(|w| w.place.key == "steps[1].analysis" && w.message.contains("unloaded")));
     }
 }
