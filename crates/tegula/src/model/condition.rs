@@ -134,7 +134,7 @@ pub enum Load {
 }
 
 impl Load {
-    /// The same load without an amplitude.
+    /// Load without its amplitude.
     pub fn without_amplitude(&self) -> Self {
         let mut bare = self.clone();
         match &mut bare {

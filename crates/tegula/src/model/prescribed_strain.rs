@@ -97,7 +97,7 @@ impl PrescribedStrain {
         }
     }
 
-    /// The same strain without an amplitude.
+    /// Strain without its amplitude.
     pub fn without_amplitude(&self) -> Self {
         let mut bare = self.clone();
         match &mut bare {
