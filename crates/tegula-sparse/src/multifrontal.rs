@@ -10,6 +10,8 @@
 //!
 //! J. W. H. Liu, *The multifrontal method for sparse matrix solution*, SIAM Review 34 (1992) 82–109.
 
+mod solution;
+
 use std::ops::Range;
 use std::sync::Mutex;
 
@@ -22,7 +24,6 @@ use super::numeric::{Entries, Numeric, Part};
 use super::ordering::CompressedGraph;
 use super::partial_factorization::FrontPivots;
 use super::schedule::{Task, locked, run_all};
-use super::substitution::Solver;
 use super::workspace::{Buffer, WorkspacePool, zeros};
 use super::{FactorError, Inertia};
 
@@ -32,10 +33,6 @@ const MIN_PARALLEL_FLOPS: f64 = 2e7;
 /// are half as large, threads wait for node-level fronts, the last fronts are stored in place of the values, and
 /// contribution blocks get workspace buffers of about their own size.
 const LOW_MEMORY_ENTRIES: usize = 1 << 25;
-
-/// Number of right sides that are solved together; a last group of few takes the narrow kernel.
-const WIDE_GROUP: usize = 16;
-const NARROW_GROUP: usize = 8;
 
 /// Multifrontal factor of matrices of one pattern.
 pub(super) struct Multifrontal {
@@ -457,118 +454,6 @@ impl Multifrontal {
 
     fn negative_pivots(&self) -> usize {
         self.pivots.iter().flat_map(|front| &front.blocks).map(|p| p.pivots.inertia().negative).sum()
-    }
-
-    /// Solves `A x = b` with the factor, in place of `right_side`.
-    ///
-    /// # Errors
-    /// There is no memory for the row sums.
-    pub fn solve(&mut self, right_side: &mut [f64]) -> Result<(), FactorError> {
-        self.sweep(right_side, |solver, columns, rows| solver.solve(columns, rows))
-    }
-
-    /// Forward substitution in place of `right_side`, which subtracts `A_ΓI A_II⁻¹ f_I` at the interface.
-    ///
-    /// # Errors
-    /// There is no memory for the row sums.
-    pub fn condense(&mut self, right_side: &mut [f64]) -> Result<(), FactorError> {
-        self.sweep(right_side, |solver, columns, rows| solver.condense(columns, rows))
-    }
-
-    /// Backward substitution in place of `vector`, which holds the solution at the interface and the result of
-    /// [`condense`](Self::condense) elsewhere.
-    ///
-    /// # Errors
-    /// There is no memory for the row sums.
-    pub fn expand(&mut self, vector: &mut [f64]) -> Result<(), FactorError> {
-        self.sweep(vector, |solver, columns, rows| solver.expand(columns, rows))
-    }
-
-    /// Copies the Schur complement of the interior to `out`, a square matrix with both triangles. `place` gives the row
-    /// there of an unknown of the interface.
-    pub fn copy_schur_complement(&self, out: &mut [f64], place: impl Fn(u32) -> usize) {
-        let m = self.tree.interface;
-        if m == 0 {
-            return;
-        }
-        let f = self.tree.fronts.len() - 1;
-        let (front, panel) = (&self.tree.fronts[f], self.panel(f));
-        let layout = front.layout();
-        let places: Vec<usize> = self.tree.order[front.first..].iter().map(|&old| place(old)).collect();
-        for (j, &column) in places.iter().enumerate() {
-            let entries = &panel[layout.diagonal(j)..][..m - j];
-            for (&row, value) in places[j..].iter().zip(entries) {
-                out[column * m + row] = *value;
-                out[row * m + column] = *value;
-            }
-        }
-    }
-
-    /// Applies a substitution to a vector, given the solver, the vector in elimination order and workspace for the rows
-    /// of all fronts.
-    fn sweep(
-        &mut self,
-        right_side: &mut [f64],
-        work: impl FnOnce(&Solver, &mut [f64], &mut [f64]),
-    ) -> Result<(), FactorError> {
-        let Self { tree, factor, value_memory, node_level, columns, workspace, pivots, .. } = self;
-        let mut rows = workspace.take_alone(tree.rows)?;
-        for (x, &old) in columns.iter_mut().zip(&tree.order) {
-            *x = right_side[old as usize];
-        }
-        let arch = Arch::new();
-        let solver = Solver { tree, factor, in_place: value_memory, node_level, pivots, arch };
-        work(&solver, columns, &mut rows[..tree.rows]);
-        for (x, &old) in columns.iter().zip(&tree.order) {
-            right_side[old as usize] = *x;
-        }
-        workspace.put(rows);
-        Ok(())
-    }
-
-    /// Solves `A X = B` with the factor, in place of the right sides, which are columns one after another: in groups of
-    /// [`WIDE_GROUP`], then one or two of [`NARROW_GROUP`], the last one filled up with zeros.
-    ///
-    /// # Errors
-    /// There is no memory for the workspace of a group.
-    pub fn solve_many(&mut self, right_sides: &mut [f64]) -> Result<(), FactorError> {
-        let n = self.tree.order.len();
-        let mut rest = right_sides;
-        while !rest.is_empty() {
-            let wide = rest.len() > NARROW_GROUP * n;
-            let most = if wide { WIDE_GROUP } else { NARROW_GROUP } * n;
-            let group = rest.split_off_mut(..most.min(rest.len())).unwrap_or_default();
-            if wide {
-                self.solve_group::<WIDE_GROUP>(group)?;
-            } else {
-                self.solve_group::<NARROW_GROUP>(group)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Solves with a group of up to K right sides.
-    fn solve_group<const K: usize>(&mut self, right_sides: &mut [f64]) -> Result<(), FactorError> {
-        let Self { tree, factor, value_memory, node_level, workspace, pivots, .. } = self;
-        let n = tree.order.len();
-        let size = (n + tree.rows).checked_mul(K).ok_or(FactorError::TooLarge)?;
-        let mut memory = workspace.take_alone(size)?;
-        let (columns, rows) = memory[..size].as_chunks_mut::<K>().0.split_at_mut(n);
-        for (x, &old) in columns.iter_mut().zip(&tree.order) {
-            *x = [0.0; K];
-            for (x, b) in x.iter_mut().zip(right_sides.chunks_exact(n)) {
-                *x = b[old as usize];
-            }
-        }
-        Solver { tree, factor, in_place: value_memory, node_level, pivots, arch: Arch::new() }
-            .solve(columns, rows);
-        for (x, &old) in columns.iter().zip(&tree.order) {
-            for (x, b) in x.iter().zip(right_sides.chunks_exact_mut(n)) {
-                b[old as usize] = *x;
-            }
-        }
-        workspace.put(memory);
-        Ok(())
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use tegula::compile::{Compiler, check, soft_folds, warnings, warnings_before_start};
+use tegula::compile::{Compiler, StepModel, check, soft_folds, warnings, warnings_before_start};
 use tegula::mesh::generators;
 use tegula::model::MeshSource;
 use tegula::result::Probe;
@@ -63,12 +63,14 @@ fn compiled(deck: &Deck, mesh: &Mesh) -> tegula::Result<(System, Vec<Probe>, Vec
     }
     let mut issues = Vec::new();
     let mut warned: Vec<Issue> = soft_folds(compiler.steps(), &first).into_iter().collect();
-    for (i, step) in compiler.steps().iter().enumerate() {
+    let mut warn = |step: &StepModel, system: &System| {
+        let found = warnings_before_start(step, mesh, system);
+        warned.extend(found.into_iter().filter(|w| !warned.contains(w)).collect::<Vec<_>>());
+    };
+    warn(&compiler.steps()[0], &first);
+    for (i, step) in compiler.steps().iter().enumerate().skip(1) {
         match compiler.system(i, None) {
-            Ok(system) => {
-                let found = warnings_before_start(step, mesh, &system);
-                warned.extend(found.into_iter().filter(|w| !warned.contains(w)).collect::<Vec<_>>());
-            }
+            Ok(system) => warn(step, &system),
             Err(error) => issues.extend(issues_of(error)),
         }
     }

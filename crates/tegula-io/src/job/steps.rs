@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use tegula::System;
 use tegula::compile::{Compiler, StepModel, warnings_at_start};
 use tegula::model::Analysis;
 use tegula::system::StepStart;
@@ -24,7 +23,8 @@ pub(super) fn run(
         watch.on_warning("the run in this folder is complete: there is nothing to resume, and its results stay as they are");
         return Ok(done);
     }
-    let compiler = Compiler::new(&deck.model, &prepared.mesh).map_err(|error| model_error(deck, error))?;
+    let compiler = Compiler::new(&deck.model, &prepared.mesh)
+        .map_err(|error| model_error(deck, &options.folder, error))?;
     for listed in compiler.steps().iter().enumerate().map(|(i, step)| listed(i, step)) {
         ResultFolder::refuse_foreign(&options.folder.join(listed.folder))?;
     }
@@ -47,7 +47,7 @@ pub(super) fn run(
 struct Whole {
     summary: Summary,
     /// Summaries of the steps so far.
-    parts: Vec<Option<Summary>>,
+    parts: Vec<Summary>,
     /// Name of the step begun last.
     present: String,
 }
@@ -75,7 +75,8 @@ impl Whole {
             let place = options.folder.join(&self.summary.analyses[i].folder);
             let begun = step.starts_from.and_then(|before| ends.get(before).cloned().flatten());
             self.present.clone_from(&step.name);
-            let system = compiler.system(i, begun).map_err(|error| model_error(deck, error))?;
+            let system =
+                compiler.system(i, begun).map_err(|error| model_error(deck, &options.folder, error))?;
             let of_step = Prepared {
                 mesh: prepared.mesh.clone(),
                 probes: prepared.probes.clone(),
@@ -89,9 +90,7 @@ impl Whole {
             let model = tegula::Model { title, ..step.model.clone() };
             let of_deck = Deck { model, path: deck.path.clone(), text: deck.text.clone() };
             let own = JobOptions { folder: place.clone(), resume: false, force: true };
-            let finished =
-                options.resume.then(|| completed(&of_step, &JobOptions { resume: true, ..own.clone() }));
-            let done = match finished.flatten() {
+            let done = match completed(&of_step, &JobOptions { resume: options.resume, ..own.clone() }) {
                 Some(done) => done,
                 None => {
                     self.begin(i, folder)?;
@@ -124,9 +123,9 @@ impl Whole {
 
     /// Makes the results of a step those of the whole; counts and costs of all steps are added.
     fn take(&mut self, step: usize, of_step: &Summary) {
-        self.parts.resize(step, None);
-        self.parts.push(Some(of_step.clone()));
-        let parts = || self.parts.iter().flatten();
+        self.parts.truncate(step);
+        self.parts.push(of_step.clone());
+        let parts = || self.parts.iter();
         let before = &self.summary;
         let mut summary = Summary {
             // The whole is complete when its last step is.
@@ -206,14 +205,13 @@ fn end_of(analysis: &Analysis, place: &Path, step: &Prepared) -> Result<Option<S
     if matches!(analysis, Analysis::Modal(_)) {
         return Ok(None);
     }
-    let system: &System = &step.system;
-    let data = CheckpointData::load(&place.join("checkpoint.bin"), step.fingerprint, system)?;
+    let data = CheckpointData::load(&place.join("checkpoint.bin"), step.fingerprint, &step.system)?;
     Ok(Some(data.state.end_of_step()))
 }
 
-fn model_error(deck: &Deck, error: tegula::Error) -> JobError {
+fn model_error(deck: &Deck, folder: &Path, error: tegula::Error) -> JobError {
     match error {
         tegula::Error::Model(issues) => JobError::Model(deck.locate(&issues)),
-        error => JobError::Analysis { error, folder: std::path::PathBuf::new() },
+        error => JobError::Analysis { error, folder: folder.to_owned() },
     }
 }

@@ -6,7 +6,7 @@ mod failure;
 mod load_steps;
 
 use super::newton::{Equation, Newton};
-use super::solver::{Iterative, TangentSolver};
+use super::solver::Iterative;
 use super::{Balance, Observer, State, Statistics, Stepper, stepper};
 use crate::element::{Kinematics, Motion, Nodal, TangentWeights};
 use crate::model::{LinearSolver, StaticAnalysis};
@@ -16,8 +16,7 @@ use crate::{Error, Result};
 
 use std::sync::Arc;
 
-use tegula_sparse::SparseLdlt;
-use tegula_sparse::norm::max_norm;
+use tegula_sparse::norm::{larger, max_norm};
 
 use load_steps::LoadSteps;
 pub use load_steps::first_state;
@@ -95,24 +94,30 @@ impl Equation for StaticEquation {
 /// Forces that hold the first state of a static step in equilibrium beside its loads and supports: those of supports that
 /// it has not any more. Empty where the state is in equilibrium.
 pub(super) fn released_reactions(system: &System, assembly: &mut Assembly, state: &State) -> Vec<Nodal> {
-    let n = system.vectors();
-    let (mut internal, mut out) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
-    let k = state_kinematics(system, &state.u, state.time);
-    assembly.follow(system, &k);
-    assembly.forces(system, &k, &mut internal);
-    system.add_dead_loads(state.time, 1.0, &mut out);
-    add_follower_loads(system, &k, state.time, 1.0, &mut out);
-    let size = max_norm(internal.as_flattened()).max(max_norm(out.as_flattened()));
-    for (out, internal) in out.as_flattened_mut().iter_mut().zip(internal.as_flattened()) {
-        *out = internal - *out;
-    }
-    let mut supported = vec![[0.0; 3]; n];
+    let (mut out, size) = unbalanced(system, assembly, state);
+    let mut supported = vec![[0.0; 3]; out.len()];
     assembly.numbering.supported_part(&out, &mut supported);
     for (out, supported) in out.as_flattened_mut().iter_mut().zip(supported.as_flattened()) {
         *out -= supported;
     }
     // Equilibria are found up to round-off.
     if max_norm(out.as_flattened()) > IN_EQUILIBRIUM * size { out } else { Vec::new() }
+}
+
+/// Internal forces of a state less its loads, and the largest of both.
+fn unbalanced(system: &System, assembly: &mut Assembly, state: &State) -> (Vec<Nodal>, f64) {
+    let n = system.vectors();
+    let (mut internal, mut external) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
+    let k = state_kinematics(system, &state.u, state.time);
+    assembly.follow(system, &k);
+    assembly.forces(system, &k, &mut internal);
+    system.add_dead_loads(state.time, 1.0, &mut external);
+    add_follower_loads(system, &k, state.time, 1.0, &mut external);
+    let size = larger(max_norm(internal.as_flattened()), max_norm(external.as_flattened()));
+    for (f, e) in internal.as_flattened_mut().iter_mut().zip(external.as_flattened()) {
+        *f -= e;
+    }
+    (internal, size)
 }
 
 /// Kinematics of a state without rates.
@@ -170,19 +175,10 @@ pub fn run(
     start: Option<State>,
     observer: &mut dyn Observer,
 ) -> Result<StaticOutcome> {
-    system.require(&[Procedure::Static, Procedure::IterativeStatic, Procedure::Modal])?;
-    match options.linear_solver {
-        LinearSolver::Direct => to_the_end(direct_steps(system, options, start)?, observer),
-        LinearSolver::Iterative => to_the_end(iterative_steps(system, options, start)?, observer),
-    }
-}
-
-fn to_the_end<S: TangentSolver>(
-    mut steps: LoadSteps<'_, S>,
-    observer: &mut dyn Observer,
-) -> Result<StaticOutcome> {
-    stepper::run(&mut steps, observer)?;
-    Ok(steps.outcome())
+    let mut steps = steps(system, options, start)?;
+    stepper::run(steps.as_mut(), observer)?;
+    let (state, balance, statistics) = steps.finish();
+    Ok(StaticOutcome { negative_pivots: state.negative_pivots, state, balance, statistics })
 }
 
 /// Load steps of a static analysis from `start`, a state of the same analysis (from its first state where `None`).
@@ -196,26 +192,14 @@ pub fn steps<'a>(
 ) -> Result<Box<dyn Stepper + 'a>> {
     system.require(&[Procedure::Static, Procedure::IterativeStatic, Procedure::Modal])?;
     Ok(match options.linear_solver {
-        LinearSolver::Direct => Box::new(direct_steps(system, options, start)?),
-        LinearSolver::Iterative => Box::new(iterative_steps(system, options, start)?),
+        LinearSolver::Direct => {
+            Box::new(LoadSteps::new(Newton::new(system, options.method)?, system, options, start))
+        }
+        LinearSolver::Iterative => {
+            let newton = Newton::with_solver(system, options.method, Iterative::new(system)?);
+            Box::new(LoadSteps::new(newton, system, options, start))
+        }
     })
-}
-
-fn direct_steps<'a>(
-    system: &'a System,
-    options: &'a StaticAnalysis,
-    start: Option<State>,
-) -> Result<LoadSteps<'a, SparseLdlt>> {
-    Ok(LoadSteps::new(Newton::new(system, options.method)?, system, options, start))
-}
-
-fn iterative_steps<'a>(
-    system: &'a System,
-    options: &'a StaticAnalysis,
-    start: Option<State>,
-) -> Result<LoadSteps<'a, Iterative>> {
-    let newton = Newton::with_solver(system, options.method, Iterative::new(system)?);
-    Ok(LoadSteps::new(newton, system, options, start))
 }
 
 /// Error of a step to a time at which an amplitude is undefined.
@@ -270,19 +254,8 @@ fn follower_work(
 
 /// Reactions of the supports: forces that they exert on the constrained degrees of freedom.
 pub fn reactions(system: &System, assembly: &mut Assembly, state: &State) -> Vec<Nodal> {
-    let n = system.vectors();
-    let (mut internal, mut external) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
-    let k = state_kinematics(system, &state.u, state.time);
-    assembly.follow(system, &k);
-    assembly.forces(system, &k, &mut internal);
-    system.add_dead_loads(state.time, 1.0, &mut external);
-    add_follower_loads(system, &k, state.time, 1.0, &mut external);
-    for (f, e) in internal.iter_mut().zip(&external) {
-        for i in 0..3 {
-            f[i] -= e[i];
-        }
-    }
-    let mut out = vec![[0.0; 3]; n];
+    let (internal, _) = unbalanced(system, assembly, state);
+    let mut out = vec![[0.0; 3]; internal.len()];
     assembly.numbering.supported_part(&internal, &mut out);
     out
 }

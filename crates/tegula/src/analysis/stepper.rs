@@ -8,14 +8,22 @@ use crate::{Error, Result};
 /// [`run`] takes steps until the end. Callers that want to do something between steps, such as a controller that sets a
 /// load from the state, call [`begin`](Self::begin) once and then [`advance`](Self::advance) themselves.
 pub trait Stepper {
+    /// Last state reached, with its energies and the run counters.
+    fn reached(&self) -> Reached<'_>;
     /// Last state reached.
-    fn state(&self) -> &State;
-    /// Energies and momenta of this state.
-    fn balance(&self) -> &Balance;
-    /// Run counters so far.
-    fn statistics(&self) -> &Statistics;
+    fn state(&self) -> &State {
+        self.reached().state
+    }
+    /// Energies and momenta of the last state reached.
+    fn balance(&self) -> &Balance {
+        self.reached().balance
+    }
     /// Time (load factor) at which the analysis ends.
-    fn end(&self) -> f64;
+    fn end(&self) -> f64 {
+        self.reached().end
+    }
+    /// Ends the analysis; returns the last state reached, its energies and the run counters.
+    fn finish(self: Box<Self>) -> (State, Balance, Statistics);
     /// Prepares the first step. Returns whether the first state is to be reported to the observer: that of a new transient
     /// analysis is.
     ///
@@ -30,11 +38,24 @@ pub trait Stepper {
     fn advance(&mut self, observer: &mut dyn Observer) -> Result<u32>;
 }
 
+/// State that a stepper has reached.
+#[derive(Debug, Clone, Copy)]
+pub struct Reached<'a> {
+    /// Last state.
+    pub state: &'a State,
+    /// Energies and momenta of this state.
+    pub balance: &'a Balance,
+    /// Run counters so far.
+    pub statistics: &'a Statistics,
+    /// Time (load factor) at which the analysis ends.
+    pub end: f64,
+}
+
 /// Takes all steps of an analysis; the observer gets each finished one.
 ///
 /// # Errors
 /// A step failed, or the observer asked to stop or failed itself.
-pub fn run(stepper: &mut (impl Stepper + ?Sized), observer: &mut dyn Observer) -> Result<()> {
+pub fn run(stepper: &mut dyn Stepper, observer: &mut dyn Observer) -> Result<()> {
     if stepper.begin(observer)? {
         report(stepper, 0, observer)?;
     }
@@ -48,13 +69,8 @@ pub fn run(stepper: &mut (impl Stepper + ?Sized), observer: &mut dyn Observer) -
     Ok(())
 }
 
-/// Tells the observer the state reached.
-fn report(stepper: &(impl Stepper + ?Sized), iterations: u32, observer: &mut dyn Observer) -> Result<()> {
-    observer.on_step(&Step {
-        state: stepper.state(),
-        balance: stepper.balance(),
-        statistics: stepper.statistics(),
-        iterations,
-        end: stepper.end(),
-    })
+/// Reports the state reached to the observer.
+fn report(stepper: &dyn Stepper, iterations: u32, observer: &mut dyn Observer) -> Result<()> {
+    let Reached { state, balance, statistics, end } = stepper.reached();
+    observer.on_step(&Step { state, balance, statistics, iterations, end })
 }

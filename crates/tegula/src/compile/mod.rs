@@ -222,13 +222,9 @@ impl<'a> Compiler<'a> {
         let (mut followers, mut load_of_follower) = follower_loads(step, mesh, vectors, &names);
         let mut load_sets = force_sets::of_loads(model, mesh);
         for (name, load) in &self.own_loads {
-            let start = if step.starts_from.is_some() { 1.0 } else { 0.0 };
             load_of_follower.push(load_sets.len());
             load_sets.push(force_sets::of_caller(name, mesh));
-            followers.push(FollowerLoad::Own {
-                load: load.clone(),
-                factor: LoadFactor { start, ..LoadFactor::new(None) },
-            });
+            followers.push(of_caller(load, step));
         }
         issues.extend(drilling_components(&followers, vectors, mesh));
         let added = added_masses(model, mesh, vectors);
@@ -317,6 +313,12 @@ impl<'a> Compiler<'a> {
         }
         builder.build(self.vectors.reference.len(), numbering)
     }
+}
+
+/// Load of a caller in an analysis step: new in the first one, continued in the others.
+fn of_caller(load: &OwnLoad, step: &StepModel) -> FollowerLoad {
+    let start = if step.starts_from.is_some() { 1.0 } else { 0.0 };
+    FollowerLoad::Own { load: load.clone(), factor: LoadFactor { start, ..LoadFactor::new(None) } }
 }
 
 /// Kind of analysis for which a system has to be compiled.

@@ -3,7 +3,7 @@
 use super::checker::Checker;
 use crate::Issue;
 use crate::load::{LoadFactor, TimeFunction};
-use crate::model::{Analysis, AnalysisStep, Load, Model, PrescribedStrain};
+use crate::model::{Analysis, AnalysisStep, Load, ModalAnalysis, Model, PrescribedStrain};
 
 /// Longest name of a step: it becomes the name of a folder.
 const LONGEST_NAME: usize = 40;
@@ -294,27 +294,7 @@ pub(super) fn issues(model: &Model) -> Vec<Issue> {
                 "modes are computed about equilibria, and the step before leaves the model in motion",
                 "put the modal step behind a static one",
             ),
-            Analysis::Modal(modal) => {
-                if modal.prestressed {
-                    c.add(
-                        format!("{key}.analysis.prestressed"),
-                        "a modal step vibrates about the state of the step before: there is nothing to choose",
-                        "leave `prestressed` out; put a static step with the loads before this one",
-                    );
-                }
-                let given = [
-                    ("conditions", !step.conditions.is_empty()),
-                    ("loads", !step.loads.is_empty()),
-                    ("prescribed_strains", !step.prescribed_strains.is_empty()),
-                ];
-                for (list, _) in given.into_iter().filter(|(_, given)| *given) {
-                    c.add(
-                        format!("{key}.{list}"),
-                        "a modal step vibrates about the state of the step before, under its supports and loads",
-                        "put them into a static step before this one",
-                    );
-                }
-            }
+            Analysis::Modal(modal) => modal_step(&mut c, &key, step, modal),
             Analysis::Transient(_) => moving = true,
             Analysis::Static(_) => {}
         }
@@ -327,4 +307,27 @@ pub(super) fn issues(model: &Model) -> Vec<Issue> {
         }
     }
     c.issues
+}
+
+/// Keys that a modal step must not have: it vibrates about the state of the step before.
+fn modal_step(c: &mut Checker, key: &str, step: &AnalysisStep, modal: &ModalAnalysis) {
+    if modal.prestressed {
+        c.add(
+            format!("{key}.analysis.prestressed"),
+            "a modal step vibrates about the state of the step before: there is nothing to choose",
+            "leave `prestressed` out; put a static step with the loads before this one",
+        );
+    }
+    let given = [
+        ("conditions", !step.conditions.is_empty()),
+        ("loads", !step.loads.is_empty()),
+        ("prescribed_strains", !step.prescribed_strains.is_empty()),
+    ];
+    for (list, _) in given.into_iter().filter(|(_, given)| *given) {
+        c.add(
+            format!("{key}.{list}"),
+            "a modal step vibrates about the state of the step before, under its supports and loads",
+            "put them into a static step before this one",
+        );
+    }
 }

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use super::StepModel;
 use super::amplitudes::amplitude_of;
+use super::{StepModel, procedure};
 use crate::analysis::dynamics::{PassedOver, passed_over};
 use crate::element::{ShellGeometry, registry};
 use crate::load::LoadFactor;
@@ -11,10 +11,10 @@ use crate::material::Law;
 use crate::mesh::directors::FOLD_ANGLE_DEGREES;
 use crate::mesh::{Mesh, show};
 use crate::model::{
-    Analysis, Condition, GmshMesh, Load, MeshSource, Model, NodalVector, PrescribedStrain, Scheme,
+    Analysis, Condition, GmshMesh, Load, MeshSource, Model, NodalVector, PrescribeComponent, PrescribedStrain,
 };
-use crate::system::System;
 use crate::system::numbering::Prescribed;
+use crate::system::{Procedure, System};
 use crate::{Issue, Vec3};
 
 /// Thickness over the size of the largest element, above which units are most likely mixed up.
@@ -32,6 +32,7 @@ const NODES: usize = 4;
 pub fn warnings(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
     let mut found = unused(model);
     found.extend(jumping_supports(model, system));
+    found.extend(shortened_directors(model, system));
     found.extend(independent_of_the_start(model, mesh, system));
     found
 }
@@ -41,6 +42,7 @@ pub fn warnings_before_start(step: &StepModel, mesh: &Mesh, system: &System) -> 
     let mut found = Vec::new();
     if step.starts_from.is_none() && !matches!(step.model.analysis, Analysis::Modal(_)) {
         found.extend(jumping_supports(&step.model, system));
+        found.extend(shortened_directors(&step.model, system));
     }
     if step.starts_from.is_some() && system.linear && matches!(step.model.analysis, Analysis::Modal(_)) {
         found.push(Issue::new(
@@ -55,7 +57,7 @@ pub fn warnings_before_start(step: &StepModel, mesh: &Mesh, system: &System) -> 
 
 /// Folds of a model some of whose steps are explicit and others not: all of them have the softer constraint.
 pub fn soft_folds(steps: &[StepModel], system: &System) -> Option<Issue> {
-    let explicit = |step: &StepModel| matches!(&step.model.analysis, Analysis::Transient(t) if matches!(t.scheme, Scheme::Explicit(_)));
+    let explicit = |step: &StepModel| procedure(&step.model.analysis) == Procedure::Explicit;
     let mixed = steps.iter().any(explicit) && !steps.iter().all(explicit);
     (mixed && !system.folds.lines.is_empty()).then(|| {
         Issue::new(
@@ -74,7 +76,6 @@ pub fn warnings_at_start(step: &StepModel, system: &System) -> Vec<Issue> {
 
 fn independent_of_the_start(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
     let mut found = zero_loads(model);
-    found.extend(shortened_directors(model, system));
     found.extend(idle_switches(model));
     found.extend(seams(model, mesh));
     found.extend(prism(model, mesh, system));
@@ -257,11 +258,15 @@ fn jumping_supports(model: &Model, system: &System) -> Vec<Issue> {
     let mut found = Vec::new();
     for (i, condition) in model.conditions.iter().enumerate() {
         let Condition::Prescribe(p) = condition else { continue };
-        let named = |name: &String| (0..system.amplitudes.len()).find(|&a| system.amplitude_name(a) == name);
-        let amplitude = LoadFactor::new(p.amplitude.as_ref().and_then(named));
-        let first = p.value * system.factor(&amplitude, 0.0);
-        let same = |q: &&Prescribed| q.value == p.value && q.amplitude == amplitude.amplitude;
-        let start = system.numbering.prescribed.iter().find(same).map_or(0.0, |q| q.start);
+        let first = first_value(p, system);
+        let key = format!("conditions[{i}]");
+        let vectors: BTreeSet<u32> =
+            system.supports.iter().filter(|s| s.key == key).map(|s| s.vector).collect();
+        let own = |q: &&Prescribed| q.value == p.value && vectors.contains(&(q.dof / 3));
+        let away = |q: &Prescribed| (first - q.start).abs();
+        let farthest =
+            system.numbering.prescribed.iter().filter(own).max_by(|a, b| away(a).total_cmp(&away(b)));
+        let start = farthest.map_or(0.0, |q| q.start);
         let size = if p.of == NodalVector::Position { system.length } else { 1.0 };
         if (first - start).abs() > SAME_PLACE * size {
             found.push(Issue::new(
@@ -276,6 +281,12 @@ fn jumping_supports(model: &Model, system: &System) -> Vec<Issue> {
     found
 }
 
+/// Value of a prescribed component at time or load factor 0.
+fn first_value(p: &PrescribeComponent, system: &System) -> f64 {
+    let named = |name: &String| (0..system.amplitudes.len()).find(|&a| system.amplitude_name(a) == name);
+    p.value * system.factor(&LoadFactor::new(p.amplitude.as_ref().and_then(named)), 0.0)
+}
+
 /// Change of a director component at load factor 0 above which the straight way to it shortens the director noticeably.
 const NOTICEABLE: f64 = 0.05;
 
@@ -288,8 +299,7 @@ fn shortened_directors(model: &Model, system: &System) -> Vec<Issue> {
     let mut found = Vec::new();
     for (i, condition) in model.conditions.iter().enumerate() {
         let Condition::Prescribe(p) = condition else { continue };
-        let named = |name: &String| (0..system.amplitudes.len()).find(|&a| system.amplitude_name(a) == name);
-        let first = p.value * system.factor(&LoadFactor::new(p.amplitude.as_ref().and_then(named)), 0.0);
+        let first = first_value(p, system);
         if p.of == NodalVector::Director && first.abs() > NOTICEABLE {
             found.push(Issue::new(
                 format!("conditions[{i}]"),

@@ -15,7 +15,7 @@
 //! symmetric, costs an iteration more and gives the same result.
 
 use super::predictor::{mean_acceleration, predict};
-use super::{Integrator, Span, StepWork, hold_supported, step_scale, work};
+use super::{Integrator, RESOLUTION, Span, StepWork, hold_supported, step_size, work};
 use crate::analysis::State;
 use crate::analysis::newton::{Equation, Tolerances};
 use crate::analysis::statics::{add, prescribed_increment};
@@ -39,6 +39,8 @@ pub struct EnergyMomentum {
     reaction: Vec<Nodal>,
     a_old: Vec<Nodal>,
     energy_scale: f64,
+    /// Smallest scale of the increments.
+    resolution: f64,
     mass_damping: f64,
 }
 
@@ -59,6 +61,7 @@ impl EnergyMomentum {
             reaction: zero.clone(),
             a_old: zero,
             energy_scale: 0.0,
+            resolution: 0.0,
             mass_damping: system.mass_damping,
         }
     }
@@ -157,7 +160,7 @@ impl Equation for EnergyMomentum {
     }
 
     fn displacement_scale(&self, system: &System) -> f64 {
-        step_scale(system, &self.u_old, &self.u)
+        step_size(system, &self.u_old, &self.u).max(self.resolution)
     }
 }
 
@@ -168,6 +171,7 @@ impl Integrator for EnergyMomentum {
         self.v_old.copy_from_slice(&state.v);
         self.a_old.copy_from_slice(&state.a);
         self.energy_scale = state.energy_scale;
+        self.resolution = RESOLUTION * system.norm(&state.u);
         predict(state, span.dt, &mut self.u);
         for (n, a) in self.a.iter_mut().enumerate() {
             *a = mean_acceleration(state, n);

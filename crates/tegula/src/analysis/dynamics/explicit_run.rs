@@ -5,9 +5,10 @@ use super::critical_step::CriticalStep;
 use super::explicit::Explicit;
 use super::fibre_watch::FibreWatch;
 use super::step_end::StepEnds;
-use super::{SMALLEST_STEP, Span, TransientOutcome, initial_motion, unbalanced_forces};
+use super::{SMALLEST_STEP, Span, initial_motion, unbalanced_forces};
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::statics::undefined;
+use crate::analysis::stepper::Reached;
 use crate::analysis::{Balance, Observer, State, Statistics, Stepper};
 use crate::model::TransientAnalysis;
 use crate::system::{System, inverted_element};
@@ -160,12 +161,6 @@ impl<'a> ExplicitSteps<'a> {
         })
     }
 
-    /// The last state, its energies and the run counters.
-    pub(super) fn outcome(self) -> TransientOutcome {
-        let Self { state, balance, statistics, .. } = self;
-        TransientOutcome { state, balance, statistics }
-    }
-
     /// Estimates the critical time step anew where elements have changed, or after many steps. A resumed run keeps its step
     /// until the next estimate is due.
     fn renew_critical_step(&mut self, observer: &mut dyn Observer) -> Result<()> {
@@ -253,20 +248,13 @@ impl<'a> ExplicitSteps<'a> {
 }
 
 impl Stepper for ExplicitSteps<'_> {
-    fn state(&self) -> &State {
-        &self.state
+    fn reached(&self) -> Reached<'_> {
+        let Self { state, balance, statistics, .. } = self;
+        Reached { state, balance, statistics, end: self.options.end_time }
     }
 
-    fn balance(&self) -> &Balance {
-        &self.balance
-    }
-
-    fn statistics(&self) -> &Statistics {
-        &self.statistics
-    }
-
-    fn end(&self) -> f64 {
-        self.options.end_time
+    fn finish(self: Box<Self>) -> (State, Balance, Statistics) {
+        (self.state, self.balance, self.statistics)
     }
 
     fn begin(&mut self, observer: &mut dyn Observer) -> Result<bool> {

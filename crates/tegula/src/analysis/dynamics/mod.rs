@@ -93,20 +93,10 @@ pub fn run(
     start: Option<State>,
     observer: &mut dyn Observer,
 ) -> Result<TransientOutcome> {
-    let explicit = matches!(options.scheme, Scheme::Explicit(_));
-    system.require(&[if explicit { Procedure::Explicit } else { Procedure::Transient }])?;
-    match integrator(system, options.scheme) {
-        Some(scheme) => {
-            let mut steps = TimeSteps::new(system, options, scheme, start)?;
-            stepper::run(&mut steps, observer)?;
-            Ok(steps.outcome())
-        }
-        None => {
-            let mut steps = ExplicitSteps::new(system, options, start)?;
-            stepper::run(&mut steps, observer)?;
-            Ok(steps.outcome())
-        }
-    }
+    let mut steps = steps(system, options, start)?;
+    stepper::run(steps.as_mut(), observer)?;
+    let (state, balance, statistics) = steps.finish();
+    Ok(TransientOutcome { state, balance, statistics })
 }
 
 /// Time steps of a transient analysis from `start`, a state of the same analysis (from its first state where `None`).
@@ -224,20 +214,9 @@ pub(super) fn work(force: &[Nodal], from: &[Nodal], to: &[Nodal]) -> f64 {
     dot(force, to) - dot(force, from)
 }
 
-/// Displacement of a step over that of its start below which it is round-off, as in a preloaded model at rest.
-const RESOLUTION: f64 = 1e-10;
-
-/// Scale of the increments in a step: its displacement, but not less than what round-off of the displacements at its start
-/// leaves.
-pub(super) fn step_scale(system: &System, from: &[Nodal], to: &[Nodal]) -> f64 {
-    let moved = step_size(system, from, to);
-    // The second norm is needed next to standstill only.
-    if moved > RESOLUTION * STANDSTILL { moved } else { moved.max(RESOLUTION * system.norm(from)) }
-}
-
-/// Largest norm of a displacement ([`System::norm`]) at which a step may count as standstill without a look at the norm:
-/// hundred times the size of the model.
-const STANDSTILL: f64 = 100.0;
+/// Smallest displacement of a step over that of its start to which increments are compared: what is below is round-off, as in
+/// a preloaded model at rest.
+pub(super) const RESOLUTION: f64 = 1e-10;
 
 /// Norm of the change of the nodal vectors in a step.
 pub(super) fn step_size(system: &System, from: &[Nodal], to: &[Nodal]) -> f64 {

@@ -15,7 +15,7 @@
 //! automatic steps or the energy–momentum scheme are needed.
 
 use super::predictor::{mean_acceleration, predict};
-use super::{Integrator, Span, StepWork, hold_supported, project_rates, step_scale, work};
+use super::{Integrator, RESOLUTION, Span, StepWork, hold_supported, project_rates, step_size, work};
 use crate::analysis::State;
 use crate::analysis::newton::{Equation, Tolerances};
 use crate::analysis::statics::{add, prescribed_increment};
@@ -53,6 +53,8 @@ pub struct Newmark {
     reaction: Vec<Nodal>,
     supported: Vec<Nodal>,
     energy_scale: f64,
+    /// Smallest scale of the increments.
+    resolution: f64,
     /// Energy of ½ Δt² ā, the part of the prediction that the mean acceleration ā of the step before makes; `None` in
     /// the first step.
     predicted: Option<f64>,
@@ -82,6 +84,7 @@ impl Newmark {
             reaction: zero.clone(),
             supported: zero,
             energy_scale: 0.0,
+            resolution: 0.0,
             predicted: None,
             damped: system.has_rate_damping(),
             mass_damping: system.mass_damping,
@@ -177,7 +180,7 @@ impl Equation for Newmark {
     }
 
     fn displacement_scale(&self, system: &System) -> f64 {
-        step_scale(system, &self.u_old, &self.u)
+        step_size(system, &self.u_old, &self.u).max(self.resolution)
     }
 
     /// Bound of the iteration error. An error e of the end of a step is an impulse M e/(β Δt), which adds up from step
@@ -202,6 +205,7 @@ impl Integrator for Newmark {
         self.v_old.copy_from_slice(&state.v);
         self.a_old.copy_from_slice(&state.a);
         self.energy_scale = state.energy_scale;
+        self.resolution = RESOLUTION * system.norm(&state.u);
         self.loads_old.fill([0.0; 3]);
         let mut loads = std::mem::take(&mut self.loads_old);
         self.loads(system, state.time, &state.u, &mut loads);

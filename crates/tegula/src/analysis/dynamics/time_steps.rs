@@ -3,10 +3,11 @@
 use super::amplitude_check::AmplitudeCheck;
 use super::step_control::StepControl;
 use super::step_end::{Span, StepEnds};
-use super::{Integrator, SMALLEST_STEP, TransientOutcome, balance, impact, initial_state, predictor};
+use super::{Integrator, SMALLEST_STEP, balance, impact, initial_state, predictor};
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::newton::{Cause, Converged, Diverged, Newton, Tolerances};
 use crate::analysis::statics::{state_kinematics, undefined};
+use crate::analysis::stepper::Reached;
 use crate::analysis::{Balance, Observer, State, Statistics, Stepper};
 use crate::element::Nodal;
 use crate::model::{Scheme, TransientAnalysis};
@@ -81,12 +82,6 @@ impl<'a> TimeSteps<'a> {
             newton,
             state,
         })
-    }
-
-    /// The last state, its energies and the run counters.
-    pub fn outcome(self) -> TransientOutcome {
-        let Self { state, balance, statistics, .. } = self;
-        TransientOutcome { state, balance, statistics }
     }
 
     /// Length and end of the next step.
@@ -235,20 +230,13 @@ impl<'a> TimeSteps<'a> {
 }
 
 impl Stepper for TimeSteps<'_> {
-    fn state(&self) -> &State {
-        &self.state
+    fn reached(&self) -> Reached<'_> {
+        let Self { state, balance, statistics, .. } = self;
+        Reached { state, balance, statistics, end: self.options.end_time }
     }
 
-    fn balance(&self) -> &Balance {
-        &self.balance
-    }
-
-    fn statistics(&self) -> &Statistics {
-        &self.statistics
-    }
-
-    fn end(&self) -> f64 {
-        self.options.end_time
+    fn finish(self: Box<Self>) -> (State, Balance, Statistics) {
+        (self.state, self.balance, self.statistics)
     }
 
     fn begin(&mut self, _: &mut dyn Observer) -> Result<bool> {

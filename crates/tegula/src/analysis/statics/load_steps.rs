@@ -5,12 +5,12 @@ use std::sync::Arc;
 use super::connection::{SOFTER, Speeds, released_energy};
 use super::failure::{CriticalPoint, Failure, Kind};
 use super::{
-    StaticEquation, StaticOutcome, energies, follower_work, reactions, released_reactions, state_kinematics,
-    undefined,
+    StaticEquation, energies, follower_work, reactions, released_reactions, state_kinematics, undefined,
 };
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::newton::{Cause, Converged, Newton, Tolerances};
 use crate::analysis::solver::TangentSolver;
+use crate::analysis::stepper::Reached;
 use crate::analysis::stops::Stops;
 use crate::analysis::{Balance, Observer, Stability, State, Statistics, Stepper};
 use crate::element::Nodal;
@@ -74,14 +74,13 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
     ) -> Self {
         let largest = 1.0 / f64::from(options.load_steps.max(1));
         let mut state = start.unwrap_or_else(|| first_state(system, options));
+        let released = released_at_start(system, &mut newton.assembly);
         newton.restore(system, &state, is_loaded(system, &state));
         if state.step == 0 && system.start.is_some() {
             // On the way back to the unloaded state those of the iterates vanish.
             state.energy_scale = energies(system, &mut newton.assembly, &state).strain;
             state.displacement_scale = system.norm(&state.u);
         }
-        let released = released_at_start(system, &mut newton.assembly);
-        newton.restore(system, &state, is_loaded(system, &state));
         // The tangent of a linear model is the same in smaller steps: they cannot help.
         let cutbacks = if system.linear { 0 } else { options.max_cutbacks as i32 };
         let moved = !system.numbering.prescribed.is_empty();
@@ -113,12 +112,6 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             options,
             state,
         }
-    }
-
-    /// The last equilibrium, its energies and the run counters.
-    pub fn outcome(self) -> StaticOutcome {
-        let Self { state, balance, statistics, .. } = self;
-        StaticOutcome { negative_pivots: state.negative_pivots, state, balance, statistics }
     }
 
     /// Load factor at the end of the next step.
@@ -417,20 +410,13 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
 }
 
 impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
-    fn state(&self) -> &State {
-        &self.state
+    fn reached(&self) -> Reached<'_> {
+        let Self { state, balance, statistics, .. } = self;
+        Reached { state, balance, statistics, end: 1.0 }
     }
 
-    fn balance(&self) -> &Balance {
-        &self.balance
-    }
-
-    fn statistics(&self) -> &Statistics {
-        &self.statistics
-    }
-
-    fn end(&self) -> f64 {
-        1.0
+    fn finish(self: Box<Self>) -> (State, Balance, Statistics) {
+        (self.state, self.balance, self.statistics)
     }
 
     fn begin(&mut self, _: &mut dyn Observer) -> Result<bool> {
