@@ -48,7 +48,7 @@ fn tip(model: &Model, options: &StaticAnalysis, mesh: &Mesh, at: &str) -> Vec3 {
     let system = build(model, mesh).unwrap();
     let outcome = statics::run(&system, options, None, &mut Silent).unwrap();
     let node = mesh.nodes_on(at).unwrap()[0];
-    Vec3::from(outcome.state.u[system.position_of[node as usize] as usize])
+    Vec3::from(outcome.state.u[system.coordinates.position_of[node as usize] as usize])
 }
 
 #[test]

@@ -44,7 +44,7 @@ fn main() -> tegula::Result<()> {
     let mesh = generate(&model.mesh)?;
     let mut system = compile::build(&model, &mesh)?;
     let Some(control) = system.signal("control") else { unreachable!("the model has this amplitude") };
-    let tip = system.position_of[mesh.nodes_on("u_max").unwrap_or_default()[1] as usize] as usize;
+    let tip = system.coordinates.position_of[mesh.nodes_on("u_max").unwrap_or_default()[1] as usize] as usize;
 
     let mut steps = dynamics::steps(&system, &options, None)?;
     steps.begin(&mut Silent)?;

@@ -107,7 +107,7 @@ fn main() {
         let (mut unit, mut product) = (vec![0.0; n], vec![0.0; n]);
         for &column in skew.support() {
             unit[column as usize] = 1.0;
-            skew.product(&assembly.numbering, &unit, &mut product);
+            skew.product(&assembly.frames, &unit, &mut product);
             unit[column as usize] = 0.0;
             let nonzero = product.iter().enumerate().filter(|(_, v)| **v != 0.0);
             entries.extend(nonzero.map(|(row, v)| Triplet::new(row, column as usize, *v)));

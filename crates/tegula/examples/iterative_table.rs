@@ -68,7 +68,7 @@ fn solve(system: &System) -> (Convergence, f64) {
     let mut field = u.clone();
     let mut load = vec![0.0; system.unknowns()];
     system.add_dead_loads(1.0, 1.0, &mut field);
-    system.numbering.reduce(&field, &mut load);
+    system.frames.reduce(&field, &mut load);
 
     let weights = TangentWeights::STATIC;
     let parts = TangentCoefficients { weights, mass: 0.0, time: 1.0 };
@@ -81,7 +81,7 @@ fn solve(system: &System) -> (Convergence, f64) {
         pieces.put(term, blocks);
         term += 1;
     });
-    pieces.factor(&system.numbering).unwrap();
+    pieces.factor(&system.frames).unwrap();
     let mut x = load.clone();
     let convergence = pieces.solve(&mut x, &WANTED).unwrap();
 

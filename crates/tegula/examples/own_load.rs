@@ -63,7 +63,7 @@ fn main() -> tegula::Result<()> {
     let system = compiler.system(0, None)?;
     let state = statics::run(&system, &options, None, &mut Silent)?.state;
 
-    let tip = state.u[system.position_of[end[1] as usize] as usize][2];
+    let tip = state.u[system.coordinates.position_of[end[1] as usize] as usize][2];
     let beam = 3.0 * young * width * thickness.powi(3) / 12.0 / length.powi(3);
     let exact = force / (beam + spring);
     println!("deflection {:.4} mm, beam theory {:.4} mm", 1e3 * tip, 1e3 * exact);

@@ -45,7 +45,7 @@
 //!
 //! let state: &State = steps.state();
 //! let tip = mesh.nodes_on("u_max").unwrap_or_default()[0];
-//! let displacement = state.u[system.position_of[tip as usize] as usize];
+//! let displacement = state.u[system.coordinates.position_of[tip as usize] as usize];
 //! let found = ReactionFinder::new(&system, None).find(&system, None, state);
 //! // Beam theory: F L³ / (3 E I), with F = 1e4 and I = 0.1³/12.
 //! assert!((displacement[2] / (-1e4 * 1e3 / (3.0 * 2.1e11 * 1e-3 / 12.0)) - 1.0).abs() < 0.01);

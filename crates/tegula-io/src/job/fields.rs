@@ -20,7 +20,7 @@ const SHEAR: [&str; 2] = ["xz", "yz"];
 /// A nodal field of positions, node by node; zero where a node has no element.
 pub(super) fn nodal(system: &System, field: &[Nodal]) -> Vec<Nodal> {
     let value = |&v: &u32| field.get(v as usize).copied().unwrap_or_default();
-    system.position_of.iter().map(value).collect()
+    system.coordinates.position_of.iter().map(value).collect()
 }
 
 /// Positions of all nodes of the mesh at displacements `u` times `scale`.
@@ -204,10 +204,11 @@ pub(super) fn write(
 
 /// The (first) director of each node; of a small motion, its change.
 fn directors(system: &System, state: &State, small: Option<&[Nodal]>) -> Vec<Nodal> {
-    let value = |&v: &u32| match (system.reference.get(v as usize), state.u.get(v as usize), small) {
-        (Some(_), Some(_), Some(shape)) => shape[v as usize],
-        (Some(d), Some(u), None) => std::array::from_fn(|i| d[i] + u[i]),
-        _ => [0.0; 3],
-    };
-    system.director_of.iter().map(value).collect()
+    let value =
+        |&v: &u32| match (system.coordinates.reference.get(v as usize), state.u.get(v as usize), small) {
+            (Some(_), Some(_), Some(shape)) => shape[v as usize],
+            (Some(d), Some(u), None) => std::array::from_fn(|i| d[i] + u[i]),
+            _ => [0.0; 3],
+        };
+    system.coordinates.director_of.iter().map(value).collect()
 }

@@ -141,5 +141,5 @@ fn deflection(
     let system = build(&model, &mesh)?;
     let outcome = statics::run(&system, &options, None, &mut Silent)?;
     let tip = mesh.nodes_on("u_max_v_min").and_then(|n| n.first().copied()).unwrap_or(0);
-    Ok(outcome.state.u[system.position_of[tip as usize] as usize][along])
+    Ok(outcome.state.u[system.coordinates.position_of[tip as usize] as usize][along])
 }

@@ -124,7 +124,8 @@ struct Course {
 impl Course {
     /// Runs an analysis and watches it.
     fn of(system: &System, options: &TransientAnalysis) -> Result<(Self, Statistics)> {
-        let vectors = system.position_of.iter().filter(|&&v| v != u32::MAX).map(|&v| v as usize).collect();
+        let vectors =
+            system.coordinates.position_of.iter().filter(|&&v| v != u32::MAX).map(|&v| v as usize).collect();
         let nothing = (0.0, Vec::new(), Vec::new());
         let mut course = Self { vectors, end: options.end_time, last: nothing, positions: Vec::new() };
         let outcome = dynamics::run(system, options, None, &mut course)?;

@@ -43,7 +43,7 @@ fn pressure(report: &mut Report) -> Result<()> {
     let corner = compiled.point("u_max_v_max")?;
     let mut iterations = Iterations::default();
     let outcome = compiled.statics_watched(&model, &mut iterations)?;
-    let end = Vec3::from(compiled.system.reference[corner]) + Vec3::from(outcome.state.u[corner]);
+    let end = Vec3::from(compiled.system.coordinates.reference[corner]) + Vec3::from(outcome.state.u[corner]);
     for row in records(REFERENCE) {
         let axis = row.text("axis");
         let found = if axis == "x" { end.x } else { end.z };
@@ -82,7 +82,7 @@ fn roll_up(report: &mut Report) -> Result<()> {
     let corner = compiled.point("u_max_v_max")?;
     let mut iterations = Iterations::default();
     let outcome = compiled.statics_watched(&model, &mut iterations)?;
-    let end = Vec3::from(compiled.system.reference[corner]) + Vec3::from(outcome.state.u[corner]);
+    let end = Vec3::from(compiled.system.coordinates.reference[corner]) + Vec3::from(outcome.state.u[corner]);
     for (axis, found) in [("x", end.x), ("z", end.z)] {
         report.absolute(CASE, &format!("four turns: {axis} of the end"), "160x2", found, 0.0, 0.06);
     }

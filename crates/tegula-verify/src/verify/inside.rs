@@ -127,8 +127,8 @@ fn balloon_pressures(element: ElementKind, n: u32, stretches: &[f64]) -> Result<
             });
             let ratio = stretch / before;
             for (v, u) in state.u.iter_mut().enumerate() {
-                let reference = Vec3::from(system.reference[v]);
-                let director = system.kinds[v] != tegula::system::VectorKind::Position;
+                let reference = Vec3::from(system.coordinates.reference[v]);
+                let director = system.coordinates.kinds[v] != tegula::system::VectorKind::Position;
                 let factor = if director { ratio.powi(-2) } else { ratio };
                 *u = ((reference + Vec3::from(*u)) * factor - reference).into();
             }
@@ -138,8 +138,8 @@ fn balloon_pressures(element: ElementKind, n: u32, stretches: &[f64]) -> Result<
             assembly.history.copy_from_slice(&outcome.state.history);
             let reactions = statics::reactions(&system, &mut assembly, &outcome.state);
             let work = |node: &u32| {
-                let v = system.position_of[*node as usize] as usize;
-                Vec3::from(reactions[v]).dot(&Vec3::from(system.reference[v]))
+                let v = system.coordinates.position_of[*node as usize] as usize;
+                Vec3::from(reactions[v]).dot(&Vec3::from(system.coordinates.reference[v]))
             };
             Ok((held.iter().map(work).sum(), outcome.state))
         };
@@ -293,7 +293,7 @@ fn bimetal_curvature(
     let system = build(&model, &mesh)?;
     let outcome = statics::run(&system, &options, None, &mut Silent)?;
     let tip = mesh.nodes_on("u_max_v_min").and_then(|n| n.first().copied()).unwrap_or(0);
-    let d = system.director_of[tip as usize] as usize;
-    let director = Vec3::from(system.reference[d]) + Vec3::from(outcome.state.u[d]);
+    let d = system.coordinates.director_of[tip as usize] as usize;
+    let director = Vec3::from(system.coordinates.reference[d]) + Vec3::from(outcome.state.u[d]);
     Ok(director.x.atan2(director.z).abs() / length)
 }

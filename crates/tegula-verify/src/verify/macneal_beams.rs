@@ -317,7 +317,7 @@ fn displacement(beam: &Beam, tip: Tip, element: &str, parts: u32) -> Result<f64>
     Ok(match tip {
         Tip::Force(direction) => (0..=across)
             .map(|j| {
-                let u = Vec3::from(outcome.state.u[system.position_of[tip_node(j)] as usize]);
+                let u = Vec3::from(outcome.state.u[system.coordinates.position_of[tip_node(j)] as usize]);
                 share(j) * u.dot(&Vec3::from(direction))
             })
             .sum(),

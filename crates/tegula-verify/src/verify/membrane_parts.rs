@@ -141,7 +141,7 @@ fn at_middle(model: &Model, options: &StaticAnalysis, mesh: &Mesh) -> Result<Vec
     let system = build(model, mesh)?;
     let outcome = statics::run(&system, options, None, &mut Silent)?;
     let node = mesh.nodes_on("middle").and_then(|n| n.first().copied()).unwrap_or(0);
-    Ok(Vec3::from(outcome.state.u[system.position_of[node as usize] as usize]))
+    Ok(Vec3::from(outcome.state.u[system.coordinates.position_of[node as usize] as usize]))
 }
 
 /// Cook's membrane (R. D. Cook, J. Struct. Div. ASCE 100 (1974) 1851–1863): E = 1, ν = 1/3, a shear load of 1 on the
@@ -341,7 +341,8 @@ fn balloon(part: Option<Membrane>) -> Result<[f64; 2]> {
     let value = -1.1 * pressure(limit) * H;
     model.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value, amplitude: None })];
     let system = build(&model, &mesh)?;
-    let mut radius = Radius { mesh: &mesh, position_of: &system.position_of, reached: [0.0, 1.0] };
+    let mut radius =
+        Radius { mesh: &mesh, position_of: &system.coordinates.position_of, reached: [0.0, 1.0] };
     match statics::run(&system, &options, None, &mut radius) {
         Ok(_) | Err(Error::NotConverged { .. }) => {
             let [factor, stretch] = radius.reached;

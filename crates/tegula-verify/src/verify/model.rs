@@ -124,7 +124,7 @@ impl Compiled {
     /// Nodal vector of the position of the only node of a set.
     pub fn point(&self, set: &str) -> Result<usize> {
         match self.mesh.nodes_on(set).as_deref() {
-            Some([node]) => Ok(self.system.position_of[*node as usize] as usize),
+            Some([node]) => Ok(self.system.coordinates.position_of[*node as usize] as usize),
             _ => Err(Error::Outside(format!("set \"{set}\" is not one node"))),
         }
     }

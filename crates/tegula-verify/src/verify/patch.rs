@@ -131,8 +131,8 @@ fn error(
     let system = build(&model, &mesh)?;
     let outcome = statics::run(&system, &options, None, &mut Silent)?;
     let (mut worst, mut size) = ([0.0_f64; 2], [0.0_f64; 2]);
-    for (v, kind) in system.kinds.iter().enumerate() {
-        let exact = field(mesh.positions[system.nodes[v] as usize]);
+    for (v, kind) in system.coordinates.kinds.iter().enumerate() {
+        let exact = field(mesh.positions[system.coordinates.nodes[v] as usize]);
         let (i, exact) = match kind {
             VectorKind::Position => (0, exact[0]),
             VectorKind::Director => (1, exact[1]),

@@ -118,7 +118,7 @@ fn run_model(model: &Model, n: u32, scheme: Scheme) -> Result<History> {
         energies: Vec::new(),
         statistics: Statistics::default(),
     };
-    let mut recorder = Recorder { vectors, reference: &compiled.system.reference, history };
+    let mut recorder = Recorder { vectors, reference: &compiled.system.coordinates.reference, history };
     let outcome = dynamics::run(&compiled.system, options, None, &mut recorder)?;
     let mut history = recorder.history;
     history.statistics = outcome.statistics;

@@ -69,7 +69,8 @@ pub fn deflections(variant: &str, n: u32, h: f64) -> Result<[f64; 3]> {
     }
     let compiled = Compiled::new(&model)?;
     let outcome = compiled.statics(&model)?;
-    let deflection = |node: u32| outcome.state.u[compiled.system.position_of[node as usize] as usize][2];
+    let deflection =
+        |node: u32| outcome.state.u[compiled.system.coordinates.position_of[node as usize] as usize][2];
     // Nodes of the edge from v = 0 to v = 1; the mean weighs them by their length.
     let mut edge = compiled.mesh.nodes_on("u_max").unwrap_or_default();
     edge.sort_by(|a, b| {

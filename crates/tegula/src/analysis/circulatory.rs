@@ -19,7 +19,7 @@
 use super::solver::TangentSolver;
 use crate::element::Kinematics;
 use crate::system::assembly::TangentCoefficients;
-use crate::system::{CirculatoryStiffness, Numbering, System};
+use crate::system::{CirculatoryStiffness, LocalFrames, System};
 use tegula_sparse::gmres::{Gmres, noise, norm, project_out};
 
 /// Relative residual above which a solution is refused.
@@ -87,8 +87,13 @@ struct Operator {
 
 impl Operator {
     /// `product = K⁻¹ N x`.
-    fn apply<S: TangentSolver>(&mut self, solver: &mut S, axes: &Numbering, x: &[f64]) -> Result<(), String> {
-        self.stiffness.product(axes, x, &mut self.product);
+    fn apply<S: TangentSolver>(
+        &mut self,
+        solver: &mut S,
+        frames: &LocalFrames,
+        x: &[f64],
+    ) -> Result<(), String> {
+        self.stiffness.product(frames, x, &mut self.product);
         self.solutions += 1;
         solver.solve_tangent(&mut self.product)
     }
@@ -97,12 +102,12 @@ impl Operator {
     fn apply_to_part<S: TangentSolver>(
         &mut self,
         solver: &mut S,
-        axes: &Numbering,
+        frames: &LocalFrames,
         part: &[f64],
     ) -> Result<(), String> {
         let mut values = std::mem::take(&mut self.values);
         self.stiffness.scatter(part, &mut values);
-        let result = self.apply(solver, axes, &values);
+        let result = self.apply(solver, frames, &values);
         self.values = values;
         result
     }
@@ -157,7 +162,7 @@ impl CirculatoryLoads {
     pub fn correct<S: TangentSolver>(
         &mut self,
         solver: &mut S,
-        axes: &Numbering,
+        frames: &LocalFrames,
         x: &mut [f64],
         purpose: Purpose,
     ) -> Result<(), String> {
@@ -168,7 +173,7 @@ impl CirculatoryLoads {
             return Ok(());
         }
         let Self { operator, gmres, right, solution, residual, strength } = self;
-        operator.apply(solver, axes, x)?;
+        operator.apply(solver, frames, x)?;
         operator.stiffness.gather(x, right);
         operator.stiffness.gather(&operator.product, residual);
         let size = norm(right);
@@ -179,7 +184,7 @@ impl CirculatoryLoads {
             residual.iter_mut().for_each(|r| *r = -*r);
             let outcome =
                 gmres.solve(right, (solution, residual), (tolerance, MOST_ITERATIONS), |v, out| {
-                    operator.apply_to_part(solver, axes, v)?;
+                    operator.apply_to_part(solver, frames, v)?;
                     operator.stiffness.gather(&operator.product, out);
                     out.iter_mut().zip(v).for_each(|(out, v)| *out += v);
                     Ok::<(), String>(())
@@ -191,7 +196,7 @@ impl CirculatoryLoads {
                     outcome.residual, outcome.applications
                 ));
             }
-            operator.apply_to_part(solver, axes, solution)?;
+            operator.apply_to_part(solver, frames, solution)?;
         }
         x.iter_mut().zip(&operator.product).for_each(|(x, z)| *x -= z);
         Ok(())
@@ -210,7 +215,7 @@ impl CirculatoryLoads {
     pub fn zero_crossings<S: TangentSolver>(
         &mut self,
         solver: &mut S,
-        axes: &Numbering,
+        frames: &LocalFrames,
     ) -> Result<Option<usize>, String> {
         let Self { operator, gmres, right, .. } = self;
         let mut random = noise();
@@ -235,7 +240,7 @@ impl CirculatoryLoads {
                 settled
             };
             let values = gmres.ritz_values(right, EIGENVALUE_STEPS, &mut looked, |v, out| {
-                operator.apply_to_part(solver, axes, v)?;
+                operator.apply_to_part(solver, frames, v)?;
                 operator.stiffness.gather(&operator.product, out);
                 project_out(&known, out);
                 Ok::<(), String>(())

@@ -40,7 +40,7 @@ impl DrillingWatch {
         let share = |load: &FollowerLoad| match load {
             FollowerLoad::Moment { vector, .. } if system.factor(load.factor(), time) != 0.0 => {
                 let v = *vector as usize;
-                Some((load.lost_share(&[Vec3::from(system.reference[v]) + Vec3::from(u[v])]), v))
+                Some((load.lost_share(&[Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v])]), v))
             }
             _ => None,
         };
@@ -55,7 +55,7 @@ impl DrillingWatch {
              stiffness, and is dropped ({} moment(s) with 1 % or more); an `edge-moment` transfers it",
             at(),
             100.0 * largest,
-            system.node_label(system.nodes[vector]),
+            system.node_label(system.coordinates.nodes[vector]),
             shares().filter(|(share, _)| *share >= FIRST).count()
         ));
     }

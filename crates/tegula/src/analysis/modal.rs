@@ -115,7 +115,7 @@ pub fn prestress(system: &System, observer: &mut dyn Observer) -> Result<StaticO
     statics::run(system, &StaticAnalysis::default(), None, observer).map_err(|error| {
         let parts = Parts::new(system);
         let rest = vec![[0.0; 3]; system.vectors()];
-        let rigid = RigidModes::new(system, &rest, &parts, &system.numbering, |_| true).len();
+        let rigid = RigidModes::new(system, &rest, &parts, &system.frames, |_| true).len();
         match error {
             Error::NotConverged { at, .. } if rigid > 0 => Error::Singular {
                 what: format!(
@@ -229,7 +229,7 @@ fn rigid_modes(problem: &mut Problem, wanted: usize) -> Vec<Mode> {
 fn mode(problem: &mut Problem, lambda: f64, pair: RitzPair) -> Result<Mode> {
     let system = problem.system;
     let mut shape = vec![[0.0; 3]; system.vectors()];
-    problem.newton.assembly.numbering.expand(&pair.vector, &mut shape);
+    problem.newton.assembly.frames.expand(&pair.vector, &mut shape);
     let mut exact = lambda;
     if problem.stress_free {
         // The strain energy gives the Rayleigh quotient without cancellation.

@@ -24,7 +24,7 @@ use crate::Result;
 use crate::element::{Kinematics, Motion, Nodal};
 use crate::model::NewtonMethod;
 use crate::system::assembly::TangentCoefficients;
-use crate::system::{Assembly, CorotationalUpdate, Numbering, System, VectorKind, dot};
+use crate::system::{Assembly, CorotationalUpdate, LocalFrames, System, VectorKind, dot};
 use tegula_sparse::SparseLdlt;
 
 use super::circulatory::CirculatoryLoads;
@@ -145,7 +145,7 @@ pub struct Newton<S = SparseLdlt> {
     increments: Increments,
     factored: FactoredTangent,
     /// Local frames of the vectors where the tangent was computed.
-    axes: Numbering,
+    frames: LocalFrames,
     /// Co-rotational update of the lagged tangent: rotations of the nodes since then; made when first needed.
     corotational: Option<CorotationalUpdate>,
     /// Cost of a tangent and its factor, in iterations with a lagged tangent.
@@ -205,7 +205,7 @@ impl<S: TangentSolver> Newton<S> {
             solution: vec![0.0; system.unknowns()],
             increments: Increments::default(),
             factored: FactoredTangent::Nothing,
-            axes: system.numbering.clone(),
+            frames: system.frames.clone(),
             corotational: None,
             price,
             circulatory: CirculatoryLoads::new(system),
@@ -231,7 +231,7 @@ impl<S: TangentSolver> Newton<S> {
         dt: f64,
         state: &mut State,
     ) {
-        if system.linear || !system.numbering.prescribed.is_empty() || state.tangent.pause > 0 {
+        if system.linear || !system.dofs().prescribed.is_empty() || state.tangent.pause > 0 {
             state.tangent.valid = false;
             return;
         }
@@ -261,11 +261,11 @@ impl<S: TangentSolver> Newton<S> {
     fn take_tangent(&mut self, system: &System, parts: &TangentCoefficients, at: &LaggedTangent) -> bool {
         let velocity = (!at.v.is_empty()).then_some(at.v.as_slice());
         let motion = Motion::State { u: &at.u, velocity };
-        let k = Kinematics::new(&system.reference, motion, system.linear, at.time);
+        let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, at.time);
         let parts = TangentCoefficients { time: at.time, ..*parts };
         self.factored = FactoredTangent::Nothing;
         self.assembly.follow(system, &k);
-        self.axes.copy_axes(&self.assembly.numbering);
+        self.frames.copy_from(&self.assembly.frames);
         self.history.copy_from_slice(&self.assembly.history);
         self.assembly.history.copy_from_slice(&at.history);
         let Self { solver, assembly, internal, .. } = self;
@@ -337,26 +337,26 @@ impl<S: TangentSolver> Newton<S> {
 }
 
 /// Expands the free degrees of freedom of an increment; with `keep` the prescribed ones retain their values.
-fn expand_free(numbering: &Numbering, free: &[f64], keep: bool, field: &mut [Nodal]) {
+fn expand_free(frames: &LocalFrames, free: &[f64], keep: bool, field: &mut [Nodal]) {
     if !keep {
-        numbering.expand(free, field);
+        frames.expand(free, field);
         return;
     }
     for (v, value) in field.iter_mut().enumerate() {
-        let mut local = numbering.to_axes(v, *value);
-        for (number, x) in numbering.of(v).into_iter().zip(&mut local) {
+        let mut local = frames.to_local(v, *value);
+        for (number, x) in frames.of(v).into_iter().zip(&mut local) {
             if let Some(y) = free.get(number as usize) {
                 *x = *y;
             }
         }
-        *value = numbering.from_axes(v, local);
+        *value = frames.to_global(v, local);
     }
 }
 
 /// Place of the largest residual, as text.
-pub fn largest(system: &System, numbering: &Numbering, residual: &[Nodal]) -> String {
+pub fn largest(system: &System, frames: &LocalFrames, residual: &[Nodal]) -> String {
     let mut free = vec![[0.0; 3]; residual.len()];
-    numbering.supported_part(residual, &mut free);
+    frames.constrained_part(residual, &mut free);
     let size = |v: usize| {
         let r: Nodal = std::array::from_fn(|i| residual[v][i] - free[v][i]);
         dot(&[r], &[r])
@@ -364,10 +364,10 @@ pub fn largest(system: &System, numbering: &Numbering, residual: &[Nodal]) -> St
     let Some(v) = (0..residual.len()).max_by(|&a, &b| size(a).total_cmp(&size(b))) else {
         return "the model is empty".into();
     };
-    let node = system.nodes[v];
-    let p = system.reference[system.position_of[node as usize] as usize];
+    let node = system.coordinates.nodes[v];
+    let p = system.coordinates.reference[system.coordinates.position_of[node as usize] as usize];
     let node = system.node_label(node);
-    let what = match system.kinds[v] {
+    let what = match system.coordinates.kinds[v] {
         VectorKind::Position => "force",
         VectorKind::Director | VectorKind::Gradient => "moment",
     };

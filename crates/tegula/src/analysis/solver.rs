@@ -164,15 +164,15 @@ impl TangentSolver for Iterative {
     }
 
     fn add_curvature(&mut self, assembly: &mut Assembly, at: &Linearization, rest: &[Nodal]) {
-        if !at.motion.linear && !assembly.numbering.unit.is_empty() {
-            let shift = curvature(at.system, &assembly.numbering, at.motion, &at.parts.weights, rest);
+        if !at.motion.linear && !assembly.frames.dofs().unit.is_empty() {
+            let shift = curvature(at.system, &assembly.frames, at.motion, &at.parts.weights, rest);
             self.bddc.shift(at.system.vectors(), shift);
         }
     }
 
     fn prepare(&mut self, assembly: &mut Assembly) -> std::result::Result<Option<usize>, String> {
         self.tangents += 1;
-        self.bddc.factor(&assembly.numbering).map_err(explain)?;
+        self.bddc.factor(&assembly.frames).map_err(explain)?;
         // The partially assembled matrix, of which the tangent is a restriction, has positive pivots only.
         Ok(Some(0))
     }

@@ -96,7 +96,7 @@ impl Equation for StaticEquation {
 pub(super) fn released_reactions(system: &System, assembly: &mut Assembly, state: &State) -> Vec<Nodal> {
     let (mut out, size) = unbalanced(system, assembly, state);
     let mut supported = vec![[0.0; 3]; out.len()];
-    assembly.numbering.supported_part(&out, &mut supported);
+    assembly.frames.constrained_part(&out, &mut supported);
     for (out, supported) in out.as_flattened_mut().iter_mut().zip(supported.as_flattened()) {
         *out -= supported;
     }
@@ -122,7 +122,7 @@ fn unbalanced(system: &System, assembly: &mut Assembly, state: &State) -> (Vec<N
 
 /// Kinematics of a state without rates.
 pub fn state_kinematics<'a>(system: &'a System, u: &'a [Nodal], time: f64) -> Kinematics<'a> {
-    Kinematics::new(&system.reference, Motion::State { u, velocity: None }, system.linear, time)
+    Kinematics::new(&system.coordinates.reference, Motion::State { u, velocity: None }, system.linear, time)
 }
 
 /// Adds an increment to a field.
@@ -136,7 +136,7 @@ pub fn add(field: &mut [Nodal], increment: &[Nodal]) {
 
 /// Increment of the constrained degrees of freedom to their prescribed values at a time; false if it vanishes.
 pub fn prescribed_increment(system: &System, time: f64, u: &[Nodal], increment: &mut [Nodal]) -> bool {
-    if system.numbering.prescribed.is_empty() {
+    if system.dofs().prescribed.is_empty() {
         return false;
     }
     increment.copy_from_slice(u);
@@ -256,6 +256,6 @@ fn follower_work(
 pub fn reactions(system: &System, assembly: &mut Assembly, state: &State) -> Vec<Nodal> {
     let (internal, _) = unbalanced(system, assembly, state);
     let mut out = vec![[0.0; 3]; internal.len()];
-    assembly.numbering.supported_part(&internal, &mut out);
+    assembly.frames.constrained_part(&internal, &mut out);
     out
 }

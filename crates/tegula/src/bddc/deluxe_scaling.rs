@@ -22,8 +22,8 @@ use rayon::prelude::*;
 use super::interface::Interface;
 use super::primal_nodes::Sharing;
 use super::{BddcError, SubdomainData};
-use crate::system::Numbering;
-use crate::system::numbering::CONSTRAINED;
+use crate::system::LocalFrames;
+use crate::system::dof_map::CONSTRAINED;
 
 /// Number of interface edges that one task works on.
 const TOGETHER: usize = 64;
@@ -40,14 +40,14 @@ pub(super) fn groups(
     sharing: &Sharing,
     edges: &HashMap<u32, u32>,
     node_of: &[u32],
-    numbering: &Numbering,
+    frames: &LocalFrames,
 ) -> Vec<Group> {
     let mut found: BTreeMap<(u32, [u32; 2]), Vec<u32>> = BTreeMap::new();
     for (&v, subdomains) in &sharing.shared {
         let (Some(&edge), &[a, b]) = (edges.get(&node_of[v as usize]), subdomains.as_slice()) else {
             continue;
         };
-        let free = numbering.of(v as usize).into_iter().filter(|&n| n != CONSTRAINED);
+        let free = frames.of(v as usize).into_iter().filter(|&n| n != CONSTRAINED);
         found.entry((edge, [a, b])).or_default().extend(free);
     }
     let groups = found.into_iter().map(|((_, subdomains), unknowns)| Group { unknowns, subdomains });

@@ -12,10 +12,11 @@ impl System {
     /// # Errors
     /// There is not enough memory.
     pub fn bddc(&self, options: &Options) -> Result<Bddc, BddcError> {
-        let positions: Vec<Vec3> = self
+        let coordinates = &self.coordinates;
+        let positions: Vec<Vec3> = coordinates
             .position_of
             .iter()
-            .map(|&p| self.reference.get(p as usize).map_or_else(Vec3::zeros, |r| Vec3::from(*r)))
+            .map(|&p| coordinates.reference.get(p as usize).map_or_else(Vec3::zeros, |r| Vec3::from(*r)))
             .collect();
         let mut quads = vec![[0; 4]; self.shells.len()];
         let mut shell_of: Vec<Vec<u32>> = self.groups.iter().map(|g| vec![u32::MAX; g.len()]).collect();
@@ -25,14 +26,14 @@ impl System {
             }
             let Some(group) = self.groups.get(shell.groups.start) else { continue };
             let corners = group.vectors(shell.member).iter().map(|&v| v as usize);
-            let corners = corners.filter(|&v| self.kinds[v] == VectorKind::Position);
-            quad.iter_mut().zip(corners).for_each(|(n, v)| *n = self.nodes[v]);
+            let corners = corners.filter(|&v| coordinates.kinds[v] == VectorKind::Position);
+            quad.iter_mut().zip(corners).for_each(|(n, v)| *n = coordinates.nodes[v]);
         }
         let around = quads.iter().enumerate().flat_map(|(q, quad)| quad.iter().map(move |&n| (n, q as u32)));
         let quads_of = Lists::by_key(positions.len(), around);
         // Terms other than shells go to the shell that holds most of their vectors.
         let home = |vectors: &[u32]| {
-            let around = |v: &u32| quads_of.of(self.nodes[*v as usize] as usize).iter().copied();
+            let around = |v: &u32| quads_of.of(coordinates.nodes[*v as usize] as usize).iter().copied();
             let held = |q: u32| {
                 let holds = |s: usize, v: u32| {
                     let shell = &self.shells[s];
@@ -53,6 +54,6 @@ impl System {
             terms.push(load.vectors(), home(load.vectors()));
         }
         let quads = Quads { nodes: &quads, positions: &positions };
-        Bddc::new(quads, &terms, &self.nodes, &self.numbering, options)
+        Bddc::new(quads, &terms, &coordinates.nodes, &self.frames, options)
     }
 }

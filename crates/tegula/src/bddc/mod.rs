@@ -46,7 +46,7 @@ use self::primal_nodes::{PrimalNodes, Sharing, select_primal_nodes};
 use self::subdomain::{Factored, Refused, Roles, Scratch, Subdomain};
 use crate::Vec3;
 use crate::lists::Lists;
-use crate::system::Numbering;
+use crate::system::LocalFrames;
 use tegula_sparse::FactorError;
 
 /// Quadrilaterals of a mesh, and the positions of their nodes.
@@ -252,14 +252,14 @@ impl Bddc {
         quads: Quads<'_>,
         terms: &Terms,
         node_of: &[u32],
-        numbering: &Numbering,
+        frames: &LocalFrames,
         options: &Options,
     ) -> Result<Self, BddcError> {
         let (piece_of, count) = partition::partition(&quads, options.size.clamp(1, 4096));
         let of_term = |t: usize| piece_of[terms.quads[t] as usize];
         let sharing = Sharing::new(terms, of_term, node_of.len());
         let PrimalNodes { primal, edges } =
-            select_primal_nodes(&quads, &sharing, node_of, numbering, options.reach);
+            select_primal_nodes(&quads, &sharing, node_of, frames, options.reach);
         let mut cells: Vec<Vec<u32>> = vec![Vec::new(); count];
         for (q, &p) in piece_of.iter().enumerate() {
             cells[p as usize].push(q as u32);
@@ -271,7 +271,7 @@ impl Bddc {
         let made: Vec<Result<(Subdomain, Vec<u32>), FactorError>> = cells
             .into_par_iter()
             .map(|cells| {
-                let roles = Roles { numbering, shared: &shared, primal: &corner };
+                let roles = Roles { frames, shared: &shared, primal: &corner };
                 Subdomain::new(&quads, terms, &terms_of, cells, &roles)
             })
             .collect();
@@ -285,8 +285,8 @@ impl Bddc {
             }
             subdomains.push(subdomain);
         }
-        let groups = deluxe_scaling::groups(&sharing, &edges, node_of, numbering);
-        let interface = Interface::new(&subdomains, numbering.unknowns, &groups);
+        let groups = deluxe_scaling::groups(&sharing, &edges, node_of, frames);
+        let interface = Interface::new(&subdomains, frames.dofs().unknowns, &groups);
         let scaling = DeluxeScaling::new(&groups, &interface);
         let coarse = Coarse::new(&subdomains, &interface)?;
         let data = subdomains
@@ -310,7 +310,7 @@ impl Bddc {
             ready: false,
             shifts: Vec::new(),
             nodal: node_of.len(),
-            unknowns: numbering.unknowns,
+            unknowns: frames.dofs().unknowns,
             vectors,
         })
     }
@@ -380,8 +380,8 @@ impl Bddc {
     /// # Errors
     /// Terms are missing or of a wrong size, the subdomains or the coarse matrix show that the matrix is not positive
     /// definite, or there is not enough memory. Nothing can be solved then until another matrix is factored.
-    pub fn factor(&mut self, numbering: &Numbering) -> Result<(), BddcError> {
-        let result = self.check(numbering).and_then(|()| self.factor_all(numbering));
+    pub fn factor(&mut self, frames: &LocalFrames) -> Result<(), BddcError> {
+        let result = self.check(frames).and_then(|()| self.factor_all(frames));
         if result.is_ok() {
             self.given.fill(false);
             self.shifts.clear();
@@ -393,13 +393,13 @@ impl Bddc {
     }
 
     /// Checks that the matrix is complete and belongs to the mesh.
-    fn check(&self, numbering: &Numbering) -> Result<(), BddcError> {
+    fn check(&self, frames: &LocalFrames) -> Result<(), BddcError> {
         if let Some(fault) = &self.fault {
             return Err(fault.clone());
         }
-        if numbering.unknowns != self.unknowns {
-            let (found, expected) = (numbering.unknowns, self.unknowns);
-            return Err(BddcError::WrongSize { what: "the numbering", found, expected });
+        if frames.dofs().unknowns != self.unknowns {
+            let (found, expected) = (frames.dofs().unknowns, self.unknowns);
+            return Err(BddcError::WrongSize { what: "the degree-of-freedom map", found, expected });
         }
         let missing = self.given.iter().filter(|given| !**given).count();
         if missing > 0 {
@@ -411,7 +411,7 @@ impl Bddc {
         Ok(())
     }
 
-    fn factor_all(&mut self, numbering: &Numbering) -> Result<(), BddcError> {
+    fn factor_all(&mut self, frames: &LocalFrames) -> Result<(), BddcError> {
         let Self { subdomains, data, interface, shifts, .. } = self;
         let scratches: Mutex<Vec<Scratch>> = Mutex::default();
         let done: Vec<Result<(), Refused>> = data
@@ -426,7 +426,7 @@ impl Bddc {
                 }
                 let shifts = subdomain.shifts(shifts, |k| interface.subdomains(of[k]));
                 let mut scratch = locked(&scratches).pop().unwrap_or_default();
-                let factored = subdomain.factor(&blocks, numbering, &shifts, &mut scratch);
+                let factored = subdomain.factor(&blocks, frames, &shifts, &mut scratch);
                 locked(&scratches).push(scratch);
                 let (factored, primal) = factored?;
                 (datum.factored, datum.primal) = (Some(factored), primal);

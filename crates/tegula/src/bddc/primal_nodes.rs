@@ -10,8 +10,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
 
 use super::partition::node_graph;
 use super::{Quads, Terms};
-use crate::system::Numbering;
-use crate::system::numbering::CONSTRAINED;
+use crate::system::LocalFrames;
+use crate::system::dof_map::CONSTRAINED;
 
 /// Minimum number of primal nodes of a subdomain, where it has so many nodes on the interface. Two prevent all rigid
 /// motions; three also where they lie close together.
@@ -63,7 +63,7 @@ pub(super) fn select_primal_nodes(
     quads: &Quads<'_>,
     sharing: &Sharing,
     node_of: &[u32],
-    numbering: &Numbering,
+    frames: &LocalFrames,
     reach: usize,
 ) -> PrimalNodes {
     let mut sets: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
@@ -74,7 +74,7 @@ pub(super) fn select_primal_nodes(
         set.extend(subdomains);
         set.sort_unstable();
         set.dedup();
-        if numbering.of(v as usize).iter().any(|&n| n != CONSTRAINED) {
+        if frames.of(v as usize).iter().any(|&n| n != CONSTRAINED) {
             free.insert(node);
         }
     }

@@ -19,8 +19,8 @@ use super::front::{NotPositive, eliminate};
 use super::partition::tree;
 use super::schur_complement::SchurComplement;
 use super::{Quads, Terms};
-use crate::system::Numbering;
-use crate::system::numbering::CONSTRAINED;
+use crate::system::LocalFrames;
+use crate::system::dof_map::CONSTRAINED;
 use tegula_sparse::FactorError;
 use tegula_sparse::zeros;
 
@@ -74,7 +74,7 @@ pub(super) struct Subdomain {
 
 /// Roles of the unknowns of the mesh in a subdomain.
 pub(super) struct Roles<'a> {
-    pub numbering: &'a Numbering,
+    pub frames: &'a LocalFrames,
     /// Whether several subdomains share a vector.
     pub shared: &'a dyn Fn(u32) -> bool,
     /// Whether a vector belongs to a primal node.
@@ -109,7 +109,7 @@ impl Subdomain {
         for (c, touched) in touched.iter_mut().enumerate() {
             for &t in &order[term_start[c]..term_start[c + 1]] {
                 for &v in terms.vectors(t as usize) {
-                    if roles.numbering.of(v as usize).iter().all(|&n| n == CONSTRAINED) {
+                    if roles.frames.of(v as usize).iter().all(|&n| n == CONSTRAINED) {
                         continue;
                     }
                     let n = *number.entry(v).or_insert_with(|| {
@@ -159,7 +159,7 @@ impl Subdomain {
         let mut bounds = Vec::with_capacity(branches.len());
         for columns in &columns {
             let first = out.unknowns.len();
-            out.place(columns.iter().copied(), roles.numbering);
+            out.place(columns.iter().copied(), roles.frames);
             bounds.push((first, out.unknowns.len() - first));
         }
         out.inner = out.unknowns.len();
@@ -170,9 +170,9 @@ impl Subdomain {
             of.sort_unstable_by_key(|&n| vectors[n as usize]);
             of
         };
-        out.place(interface_size(false).into_iter(), roles.numbering);
+        out.place(interface_size(false).into_iter(), roles.frames);
         out.dual = out.unknowns.len() - out.inner;
-        out.place(interface_size(true).into_iter(), roles.numbering);
+        out.place(interface_size(true).into_iter(), roles.frames);
         // Rows of each front: unknowns of its children's rows or of its cells, without those that are eliminated.
         let mut rows: Vec<Vec<u32>> = Vec::with_capacity(branches.len());
         for (b, branch) in branches.iter().enumerate() {
@@ -222,10 +222,10 @@ impl Subdomain {
         Ok((out, order))
     }
 
-    fn place(&mut self, vectors: impl Iterator<Item = u32>, numbering: &Numbering) {
+    fn place(&mut self, vectors: impl Iterator<Item = u32>, frames: &LocalFrames) {
         for n in vectors {
             let (v, places) = &mut self.vectors[n as usize];
-            for (place, number) in places.iter_mut().zip(numbering.of(*v as usize)) {
+            for (place, number) in places.iter_mut().zip(frames.of(*v as usize)) {
                 if number != CONSTRAINED {
                     *place = self.unknowns.len() as u32;
                     self.unknowns.push(number);
@@ -275,7 +275,7 @@ impl Subdomain {
         &self,
         front: &Front,
         place: &[u32],
-        (blocks, numbering): (&[f64], &Numbering),
+        (blocks, frames): (&[f64], &LocalFrames),
         panel: &mut [f64],
         out: &mut [f64],
     ) {
@@ -294,7 +294,7 @@ impl Subdomain {
                     if rows == [NONE; 3] || places_b == [NONE; 3] {
                         continue;
                     }
-                    numbering.rotate(&mut k, vector_a as usize, vector_b as usize);
+                    frames.rotate(&mut k, vector_a as usize, vector_b as usize);
                     for (c, &p) in places_b.iter().enumerate() {
                         if p == NONE {
                             continue;
@@ -325,7 +325,7 @@ impl Subdomain {
     pub fn factor(
         &self,
         blocks: &[f64],
-        numbering: &Numbering,
+        frames: &LocalFrames,
         shifts: &[f64],
         scratch: &mut Scratch,
     ) -> Result<(Factored, Vec<f64>), Refused> {
@@ -354,7 +354,7 @@ impl Subdomain {
             let next = if f == last { square.as_mut_slice() } else { &mut free[..own] };
             next.fill(0.0);
             let panel = &mut panels[front.panel..front.panel + width * height];
-            self.enter(front, place, (blocks, numbering), panel, next);
+            self.enter(front, place, (blocks, frames), panel, next);
             let mut passed = 0;
             if let Some((left, right)) = front.children {
                 let sizes = [left, right].map(|c| self.fronts[c].rows.len().pow(2));

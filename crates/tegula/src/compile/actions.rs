@@ -10,7 +10,8 @@ use crate::load::{FollowerLoad, LoadFactor};
 use crate::mesh::Mesh;
 use crate::model::{AddedMass, Condition, Load, Model, NodalVector, VectorLoad};
 use crate::section::SectionInertia;
-use crate::system::numbering::{Conflict, Support, VectorKind};
+use crate::system::VectorKind;
+use crate::system::supports::{Conflict, Support};
 use crate::system::{DeadLoad, System};
 use crate::{Issue, Vec3};
 
@@ -34,7 +35,7 @@ pub(super) fn supports(
                 out.push(Support { vector, direction, motion, key: key.clone() });
             }
         };
-        let position = |node: u32| [vectors.position_of[node as usize]];
+        let position = |node: u32| [vectors.coordinates.position_of[node as usize]];
         let of_node =
             |list: &'_ BTreeMap<u32, Vec<u32>>, node: u32| list.get(&node).cloned().unwrap_or_default();
         for node in mesh.nodes_on(condition.on()).unwrap_or_default() {
@@ -54,7 +55,7 @@ pub(super) fn supports(
                     on(&position(node), normal, None);
                     on(&of_node(&directors, node), normal, None);
                     for vector in of_node(&gradients, node) {
-                        let g = Vec3::from(vectors.reference[vector as usize]);
+                        let g = Vec3::from(vectors.coordinates.reference[vector as usize]);
                         let along = g.dot(&normal).abs();
                         // The mirror image of the derivative across the plane is its opposite.
                         let fixed: Vec<Vec3> = if along < 1e-6 {
@@ -126,10 +127,10 @@ pub(super) fn contradictions(conflicts: &[Conflict], vectors: &Vectors, mesh: &M
         let here = list.first()?;
         let axis = ["x", "y", "z"].into_iter().zip(here.direction.iter()).find(|(_, c)| c.abs() > 1.0 - 1e-9);
         let component = axis.map_or_else(|| "inclined".into(), |(name, _)| name.to_owned());
-        let (kind, node) = match vectors.kinds[here.vector as usize] {
-            VectorKind::Position => ("position", vectors.nodes[here.vector as usize]),
-            VectorKind::Director => ("director", vectors.nodes[here.vector as usize]),
-            VectorKind::Gradient => ("gradient", vectors.nodes[here.vector as usize]),
+        let (kind, node) = match vectors.coordinates.kinds[here.vector as usize] {
+            VectorKind::Position => ("position", vectors.coordinates.nodes[here.vector as usize]),
+            VectorKind::Director => ("director", vectors.coordinates.nodes[here.vector as usize]),
+            VectorKind::Gradient => ("gradient", vectors.coordinates.nodes[here.vector as usize]),
         };
         if first == second {
             return Some(Issue::new(
@@ -171,7 +172,7 @@ pub(super) fn follower_loads(
         match load {
             Load::Moment(l) => {
                 for node in mesh.nodes_on(&l.on).unwrap_or_default() {
-                    let vector = vectors.director_of[node as usize];
+                    let vector = vectors.coordinates.director_of[node as usize];
                     out.push(FollowerLoad::Moment { vector, moment: Vec3::from(l.value), factor });
                 }
             }
@@ -181,7 +182,7 @@ pub(super) fn follower_loads(
             Load::Pressure(l) => {
                 for q in mesh.quads_on(&l.on).unwrap_or_default() {
                     out.push(FollowerLoad::Pressure {
-                        vectors: mesh.quads[q as usize].map(|n| vectors.position_of[n as usize]),
+                        vectors: mesh.quads[q as usize].map(|n| vectors.coordinates.position_of[n as usize]),
                         pressure: l.value,
                         factor,
                     });
@@ -197,10 +198,10 @@ pub(super) fn follower_loads(
 /// Moments at both ends of each edge, with half of its length.
 fn edge_moments(load: &VectorLoad, factor: LoadFactor, mesh: &Mesh, vectors: &Vectors) -> Vec<FollowerLoad> {
     let directors = vectors.by_node(VectorKind::Director);
-    let at = |v: u32| Vec3::from(vectors.reference[v as usize]);
+    let at = |v: u32| Vec3::from(vectors.coordinates.reference[v as usize]);
     let mut out = Vec::new();
     for [a, b] in mesh.edges_on(&load.on).unwrap_or_default() {
-        let [first, second] = [a, b].map(|n| vectors.position_of[n as usize]);
+        let [first, second] = [a, b].map(|n| vectors.coordinates.position_of[n as usize]);
         let edge = at(second) - at(first);
         for node in [a, b] {
             // The first director of the node, unless at a fold another one stands more across the edge.
@@ -223,9 +224,10 @@ fn edge_moments(load: &VectorLoad, factor: LoadFactor, mesh: &Mesh, vectors: &Ve
 pub(super) fn drilling_components(loads: &[FollowerLoad], vectors: &Vectors, mesh: &Mesh) -> Vec<Issue> {
     let lost = |load: &FollowerLoad| match load {
         FollowerLoad::Moment { vector, moment, .. } => {
-            let d = Vec3::from(vectors.reference[*vector as usize]);
+            let d = Vec3::from(vectors.coordinates.reference[*vector as usize]);
             let along = moment.dot(&d).abs();
-            (along > 1e-3 * moment.norm()).then(|| (vectors.nodes[*vector as usize], along, moment.norm()))
+            (along > 1e-3 * moment.norm())
+                .then(|| (vectors.coordinates.nodes[*vector as usize], along, moment.norm()))
         }
         FollowerLoad::Pressure { .. } | FollowerLoad::EdgeMoment { .. } | FollowerLoad::Own { .. } => None,
     };
@@ -254,7 +256,7 @@ pub(super) fn dead_loads(
     for (number, (load, continued)) in step.model.loads.iter().zip(&step.loads).enumerate() {
         let mut force = vec![[0.0; 3]; n];
         let mut add = |node: u32, f: Vec3| {
-            let v = system.position_of[node as usize] as usize;
+            let v = system.coordinates.position_of[node as usize] as usize;
             for i in 0..3 {
                 force[v][i] += f[i];
             }
@@ -280,7 +282,7 @@ pub(super) fn dead_loads(
             }
             Load::Gravity(l) => {
                 let mut field = vec![[0.0; 3]; n];
-                for (v, kind) in system.kinds.iter().enumerate() {
+                for (v, kind) in system.coordinates.kinds.iter().enumerate() {
                     if *kind == VectorKind::Position {
                         field[v] = l.value;
                     }
@@ -304,14 +306,17 @@ pub(super) fn added_masses(model: &Model, mesh: &Mesh, vectors: &Vectors) -> Vec
         match mass {
             AddedMass::Point(m) => {
                 for node in mesh.nodes_on(&m.on).unwrap_or_default() {
-                    let v = vectors.position_of[node as usize];
+                    let v = vectors.coordinates.position_of[node as usize];
                     out.push((v, v, m.value));
                 }
             }
             AddedMass::Edge(m) => {
                 for [a, b] in mesh.edges_on(&m.on).unwrap_or_default() {
                     let length = (mesh.positions[a as usize] - mesh.positions[b as usize]).norm();
-                    let (a, b) = (vectors.position_of[a as usize], vectors.position_of[b as usize]);
+                    let (a, b) = (
+                        vectors.coordinates.position_of[a as usize],
+                        vectors.coordinates.position_of[b as usize],
+                    );
                     let third = m.value * length / 3.0;
                     out.extend([(a, a, third), (b, b, third), (a, b, 0.5 * third)]);
                 }
@@ -326,8 +331,8 @@ pub(super) fn added_masses(model: &Model, mesh: &Mesh, vectors: &Vectors) -> Vec
                     for a in 0..4 {
                         for b in 0..=a {
                             let (va, vb) = (
-                                vectors.position_of[nodes[a] as usize],
-                                vectors.position_of[nodes[b] as usize],
+                                vectors.coordinates.position_of[nodes[a] as usize],
+                                vectors.coordinates.position_of[nodes[b] as usize],
                             );
                             out.push((va, vb, matrix[pair(a, b)]));
                         }
@@ -343,20 +348,20 @@ pub(super) fn initial_velocity(model: &Model, mesh: &Mesh, vectors: &Vectors) ->
     if model.initial_velocities.is_empty() {
         return Vec::new();
     }
-    let mut out = vec![[0.0; 3]; vectors.reference.len()];
+    let mut out = vec![[0.0; 3]; vectors.coordinates.reference.len()];
     let directors = vectors.by_node(VectorKind::Director);
     let gradients = vectors.by_node(VectorKind::Gradient);
     for initial in &model.initial_velocities {
         let (v, omega) = (Vec3::from(initial.velocity), Vec3::from(initial.angular_velocity));
         let center = Vec3::from(initial.center);
         for node in mesh.nodes_on(&initial.on).unwrap_or_default() {
-            let p = vectors.position_of[node as usize];
+            let p = vectors.coordinates.position_of[node as usize];
             if p != u32::MAX {
                 let x = mesh.positions[node as usize];
                 out[p as usize] = (v + omega.cross(&(x - center))).into();
             }
             for &d in [&directors, &gradients].into_iter().filter_map(|l| l.get(&node)).flatten() {
-                out[d as usize] = omega.cross(&Vec3::from(vectors.reference[d as usize])).into();
+                out[d as usize] = omega.cross(&Vec3::from(vectors.coordinates.reference[d as usize])).into();
             }
         }
     }

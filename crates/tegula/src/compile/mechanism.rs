@@ -2,22 +2,17 @@
 
 use nalgebra::SMatrix;
 
-use crate::element::Nodal;
 use crate::mesh::Mesh;
-use crate::system::numbering::{Support, VectorKind};
+use crate::system::supports::Support;
+use crate::system::{Coordinates, VectorKind};
 use crate::{Issue, Vec3};
 
 /// Rigid-body motions that the supports leave free, sheet by sheet.
 ///
 /// Each connected part of the mesh has six rigid motions. A support prevents a combination of them; a part with a motion
 /// that no support prevents is under-constrained (free mechanism).
-pub fn mechanisms(
-    mesh: &Mesh,
-    reference: &[Nodal],
-    kinds: &[VectorKind],
-    nodes: &[u32],
-    supports: &[Support],
-) -> Vec<Issue> {
+pub fn mechanisms(mesh: &Mesh, coordinates: &Coordinates, supports: &[Support]) -> Vec<Issue> {
+    let Coordinates { reference, kinds, nodes, .. } = coordinates;
     let part_of = mesh.parts();
     let count = part_of.iter().filter(|&&p| p != u32::MAX).max().map_or(0, |&p| p as usize + 1);
     let mut normal = vec![SMatrix::<f64, 6, 6>::zeros(); count];

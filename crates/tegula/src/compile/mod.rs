@@ -26,8 +26,9 @@ use crate::mesh::{Mesh, quality};
 use crate::model::{
     Analysis, ExplicitScheme, LinearSolver, Model, PrescribedStrain, Scheme, TransientAnalysis,
 };
-use crate::system::numbering::{Numbering, Support};
+use crate::system::LocalFrames;
 use crate::system::pattern::PatternBuilder;
+use crate::system::supports::Support;
 use crate::system::{Pattern, PrescribedField, Procedure, Shell, ShellSection, StepStart, System, lumping};
 use crate::{Error, Issue, Result};
 use actions::{
@@ -102,7 +103,7 @@ impl<'a> Compiler<'a> {
         }
         let laws = laws.iter().map(|(name, law)| (name.clone(), OwnLaw(Arc::clone(law)))).collect();
         let directors = Directors::of(mesh, model.mesh.fold_angle())?;
-        let vectors = Vectors::new(mesh, &directors, &Elements::gradients(model, mesh, &directors));
+        let mut vectors = Vectors::new(mesh, &directors, &Elements::gradients(model, mesh, &directors));
         let strains = steps::all_strains(model);
         let whole = Model { prescribed_strains: strains.clone(), ..model.clone() };
         let mut elements = Elements::default();
@@ -110,6 +111,7 @@ impl<'a> Compiler<'a> {
         let explicit = steps.iter().any(|step| procedure(&step.model.analysis) == Procedure::Explicit);
         let tie = if explicit { director_angle::EXPLICIT_STIFFNESS } else { director_angle::STIFFNESS };
         elements.ties(&directors, &vectors, tie);
+        vectors.mark_inextensible(&elements.unit);
         let linear = |step: &StepModel| match &step.model.analysis {
             Analysis::Static(s) => s.linear,
             Analysis::Transient(t) => t.linear,
@@ -131,7 +133,7 @@ impl<'a> Compiler<'a> {
         for step in &compiler.steps {
             let mut found = Vec::new();
             let (_, names) = time_functions(&step.model, &mut found);
-            compiler.numbering(step, &names, None, &mut found);
+            compiler.frames(step, &names, None, &mut found);
             issues.extend(
                 step.located(found).into_iter().filter(|issue| !issues.contains(issue)).collect::<Vec<_>>(),
             );
@@ -147,7 +149,7 @@ impl<'a> Compiler<'a> {
     /// Nodal vectors of the position and of the (first) director of a node; `None` for nodes without elements.
     pub fn vectors_of(&self, node: u32) -> Option<[u32; 2]> {
         let of = |list: &[u32]| list.get(node as usize).copied().filter(|&v| v != u32::MAX);
-        Some([of(&self.vectors.position_of)?, of(&self.vectors.director_of)?])
+        Some([of(&self.vectors.coordinates.position_of)?, of(&self.vectors.coordinates.director_of)?])
     }
 
     /// Adds a load of the caller to all steps compiled from now on. In a static step it grows with the load factor, unless
@@ -176,28 +178,28 @@ impl<'a> Compiler<'a> {
     }
 
     /// Supports of a step and the numbers of its free degrees of freedom; `None` where supports contradict each other.
-    fn numbering(
+    fn frames(
         &self,
         step: &StepModel,
         names: &BTreeMap<String, usize>,
         start: Option<&StepStart>,
         issues: &mut Vec<Issue>,
-    ) -> Option<(Vec<Support>, Numbering)> {
+    ) -> Option<(Vec<Support>, LocalFrames)> {
         let vectors = &self.vectors;
         let supports = supports(&step.model, self.mesh, vectors, names, issues);
         let current: Vec<Nodal> = match start {
-            None => vectors.reference.clone(),
+            None => vectors.coordinates.reference.clone(),
             Some(start) => {
                 let add = |(x, u): (&Nodal, &Nodal)| std::array::from_fn(|i| x[i] + u[i]);
-                vectors.reference.iter().zip(&start.u).map(add).collect()
+                vectors.coordinates.reference.iter().zip(&start.u).map(add).collect()
             }
         };
-        match Numbering::new(current.len(), &supports, &self.unit, &current) {
-            Ok(mut numbering) => {
+        match LocalFrames::new(&supports, &self.unit, &current) {
+            Ok(mut frames) => {
                 if let Some(start) = start {
-                    numbering.start_at(&vectors.reference, &start.u);
+                    frames.start_at(&vectors.coordinates.reference, &start.u);
                 }
-                Some((supports, numbering))
+                Some((supports, frames))
             }
             Err(conflicts) => {
                 issues.extend(contradictions(&conflicts, vectors, self.mesh));
@@ -210,14 +212,13 @@ impl<'a> Compiler<'a> {
         let (model, mesh, vectors) = (&step.model, self.mesh, &self.vectors);
         let mut issues = Vec::new();
         let (amplitudes, names) = time_functions(model, &mut issues);
-        let numbered = self.numbering(step, &names, start.as_ref(), &mut issues);
-        let Some((supports, numbering)) = numbered.filter(|_| issues.is_empty()) else {
+        let numbered = self.frames(step, &names, start.as_ref(), &mut issues);
+        let Some((supports, frames)) = numbered.filter(|_| issues.is_empty()) else {
             return Err(Error::Model(issues));
         };
-        issues.extend(unmovable(&numbering));
+        issues.extend(unmovable(&frames));
         if matches!(model.analysis, Analysis::Static(_)) {
-            let Vectors { reference, kinds, nodes, .. } = vectors;
-            issues.extend(mechanism::mechanisms(mesh, reference, kinds, nodes, &supports));
+            issues.extend(mechanism::mechanisms(mesh, &vectors.coordinates, &supports));
         }
         let (mut followers, mut load_of_follower) = follower_loads(step, mesh, vectors, &names);
         let mut load_sets = force_sets::of_loads(model, mesh);
@@ -229,10 +230,10 @@ impl<'a> Compiler<'a> {
         issues.extend(drilling_components(&followers, vectors, mesh));
         let added = added_masses(model, mesh, vectors);
         let procedure = procedure(&model.analysis);
-        let pattern = self.pattern(procedure, &numbering, &followers, &added)?;
+        let pattern = self.pattern(procedure, &frames, &followers, &added)?;
         let mut system = System {
-            unit: self.unit_flags(),
-            numbering,
+            coordinates: Arc::clone(&vectors.coordinates),
+            frames,
             groups: Arc::clone(&self.groups),
             shells: self.shells.clone(),
             sections: Arc::clone(&self.sections),
@@ -252,11 +253,6 @@ impl<'a> Compiler<'a> {
             linear: self.linear,
             start,
             initial_velocity: initial_velocity(model, mesh, vectors),
-            reference: vectors.reference.clone(),
-            kinds: vectors.kinds.clone(),
-            nodes: vectors.nodes.clone(),
-            position_of: vectors.position_of.clone(),
-            director_of: vectors.director_of.clone(),
             labels: mesh.labels.clone(),
             folds: Folds::of(mesh, &self.directors),
             amplitude_names: names.keys().cloned().collect(),
@@ -269,14 +265,6 @@ impl<'a> Compiler<'a> {
         }
         (system.dead_loads, system.load_of_dead) = dead_loads(step, mesh, &system, &names);
         if issues.is_empty() { Ok(system) } else { Err(Error::Model(issues)) }
-    }
-
-    /// Flags of the inextensible directors among the nodal vectors; empty: none.
-    fn unit_flags(&self) -> Vec<bool> {
-        if self.unit.is_empty() {
-            return Vec::new();
-        }
-        (0..self.vectors.reference.len() as u32).map(|v| self.unit.contains(&v)).collect()
     }
 
     fn prescribed_fields(&self, step: &StepModel, names: &BTreeMap<String, usize>) -> Vec<PrescribedField> {
@@ -292,7 +280,7 @@ impl<'a> Compiler<'a> {
     fn pattern(
         &self,
         procedure: Procedure,
-        numbering: &Numbering,
+        frames: &LocalFrames,
         followers: &[FollowerLoad],
         added: &[(u32, u32, f64)],
     ) -> Result<Pattern> {
@@ -311,7 +299,7 @@ impl<'a> Compiler<'a> {
                 builder.mass(a, b, m);
             }
         }
-        builder.build(self.vectors.reference.len(), numbering)
+        builder.build(self.vectors.coordinates.reference.len(), frames)
     }
 }
 
@@ -353,8 +341,8 @@ fn irreplaceable(model: &Model, name: &str) -> Option<Issue> {
 }
 
 /// A model all of whose degrees of freedom are constrained.
-fn unmovable(numbering: &Numbering) -> Option<Issue> {
-    (numbering.unknowns == 0).then(|| {
+fn unmovable(frames: &LocalFrames) -> Option<Issue> {
+    (frames.dofs().unknowns == 0).then(|| {
         Issue::new(
             "conditions",
             "every coordinate of the model is supported: nothing is left to compute",

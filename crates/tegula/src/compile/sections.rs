@@ -328,7 +328,7 @@ impl Elements {
             let g = geometry(q);
             let corners = directors.corners[q as usize];
             let mut connectivity: Vec<u32> =
-                mesh.quads[q as usize].iter().map(|&n| vectors.position_of[n as usize]).collect();
+                mesh.quads[q as usize].iter().map(|&n| vectors.coordinates.position_of[n as usize]).collect();
             connectivity.extend(corners.map(|d| vectors.of_director[d as usize]));
             if element.nodal_vectors().contains(&VectorKind::Gradient) {
                 for second in 0..2 {

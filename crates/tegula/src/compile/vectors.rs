@@ -1,20 +1,19 @@
 //! Nodal vectors of a mesh.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use crate::Vec3;
+use crate::element::VectorKind;
 use crate::element::geometry::tangents;
-use crate::element::{Nodal, VectorKind};
 use crate::mesh::Mesh;
 use crate::mesh::directors::Directors;
+use crate::system::Coordinates;
 
 /// Nodal vectors of a mesh: position of each node, then its directors, node by node.
 pub(super) struct Vectors {
-    pub(super) reference: Vec<Nodal>,
-    pub(super) kinds: Vec<VectorKind>,
-    pub(super) nodes: Vec<u32>,
-    pub(super) position_of: Vec<u32>,
-    pub(super) director_of: Vec<u32>,
+    /// Nodal vectors.
+    pub(super) coordinates: Arc<Coordinates>,
     /// Nodal vector of each director.
     pub(super) of_director: Vec<u32>,
     /// First of the two gradient vectors beside each director, where an element has them.
@@ -28,44 +27,41 @@ impl Vectors {
         for (d, &node) in directors.node.iter().enumerate() {
             of_node[node as usize].push(d as u32);
         }
-        let mut out = Self {
-            reference: Vec::new(),
-            kinds: Vec::new(),
-            nodes: Vec::new(),
-            position_of: vec![u32::MAX; nodes],
-            director_of: vec![u32::MAX; nodes],
-            of_director: vec![u32::MAX; directors.values.len()],
-            gradient_of: vec![u32::MAX; directors.values.len()],
-        };
+        let unknown = || vec![u32::MAX; nodes];
+        let mut coordinates =
+            Coordinates { position_of: unknown(), director_of: unknown(), ..Coordinates::default() };
+        let mut of_director = vec![u32::MAX; directors.values.len()];
+        let mut gradient_of = of_director.clone();
         for (node, list) in of_node.iter().enumerate().filter(|(_, l)| !l.is_empty()) {
-            out.position_of[node] = out.push(mesh.positions[node], VectorKind::Position, node);
-            for (i, &d) in list.iter().enumerate() {
-                let v = out.push(directors.values[d as usize], VectorKind::Director, node);
-                out.of_director[d as usize] = v;
+            let mut push = |value: Vec3, kind| coordinates.push(value.into(), kind, node as u32);
+            let position = push(mesh.positions[node], VectorKind::Position);
+            for &d in list {
+                let value = directors.values[d as usize];
+                of_director[d as usize] = push(value, VectorKind::Director);
                 if with_gradients[d as usize] {
-                    let [t1, t2] = tangents(&directors.values[d as usize]);
-                    out.gradient_of[d as usize] = out.push(t1, VectorKind::Gradient, node);
-                    out.push(t2, VectorKind::Gradient, node);
-                }
-                if i == 0 {
-                    out.director_of[node] = v;
+                    let [t1, t2] = tangents(&value);
+                    gradient_of[d as usize] = push(t1, VectorKind::Gradient);
+                    push(t2, VectorKind::Gradient);
                 }
             }
+            coordinates.position_of[node] = position;
+            coordinates.director_of[node] = of_director[list[0] as usize];
         }
-        out
+        Self { coordinates: Arc::new(coordinates), of_director, gradient_of }
     }
 
-    fn push(&mut self, value: Vec3, kind: VectorKind, node: usize) -> u32 {
-        self.reference.push(value.into());
-        self.kinds.push(kind);
-        self.nodes.push(node as u32);
-        (self.reference.len() - 1) as u32
+    /// Marks the directors that keep their length.
+    pub(super) fn mark_inextensible(&mut self, directors: &BTreeSet<u32>) {
+        if !directors.is_empty() {
+            let flags = (0..self.coordinates.len() as u32).map(|v| directors.contains(&v)).collect();
+            Arc::make_mut(&mut self.coordinates).inextensible = flags;
+        }
     }
 
     /// Vectors of a kind of each node.
     pub(super) fn by_node(&self, wanted: VectorKind) -> BTreeMap<u32, Vec<u32>> {
         let mut out: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-        for (v, (kind, node)) in self.kinds.iter().zip(&self.nodes).enumerate() {
+        for (v, (kind, node)) in self.coordinates.kinds.iter().zip(&self.coordinates.nodes).enumerate() {
             if *kind == wanted {
                 out.entry(*node).or_default().push(v as u32);
             }

@@ -13,7 +13,7 @@ use crate::mesh::{Mesh, show};
 use crate::model::{
     Analysis, Condition, GmshMesh, Load, MeshSource, Model, NodalVector, PrescribeComponent, PrescribedStrain,
 };
-use crate::system::numbering::Prescribed;
+use crate::system::dof_map::Prescribed;
 use crate::system::{Procedure, System};
 use crate::{Issue, Vec3};
 
@@ -264,8 +264,7 @@ fn jumping_supports(model: &Model, system: &System) -> Vec<Issue> {
             system.supports.iter().filter(|s| s.key == key).map(|s| s.vector).collect();
         let own = |q: &&Prescribed| q.value == p.value && vectors.contains(&(q.dof / 3));
         let away = |q: &Prescribed| (first - q.start).abs();
-        let farthest =
-            system.numbering.prescribed.iter().filter(own).max_by(|a, b| away(a).total_cmp(&away(b)));
+        let farthest = system.dofs().prescribed.iter().filter(own).max_by(|a, b| away(a).total_cmp(&away(b)));
         let start = farthest.map_or(0.0, |q| q.start);
         let size = if p.of == NodalVector::Position { system.length } else { 1.0 };
         if (first - start).abs() > SAME_PLACE * size {

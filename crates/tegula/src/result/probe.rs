@@ -31,7 +31,8 @@ impl Probe {
                 (None, Some(at)) => mesh.nearest_node(Vec3::from(at)),
                 (None, None) => None,
             };
-            let vector = node.and_then(|n| system.position_of.get(n as usize)).filter(|&&v| v != u32::MAX);
+            let vector =
+                node.and_then(|n| system.coordinates.position_of.get(n as usize)).filter(|&&v| v != u32::MAX);
             match (node, vector) {
                 (Some(node), Some(&v)) => {
                     probes.push(Self { name: point.name.clone(), node, vector: v as usize });
@@ -48,7 +49,7 @@ impl Probe {
 
     /// Position (length).
     pub fn position(&self, system: &System, state: &State) -> [f64; 3] {
-        let (x, u) = (system.reference[self.vector], self.displacement(state));
+        let (x, u) = (system.coordinates.reference[self.vector], self.displacement(state));
         std::array::from_fn(|i| x[i] + u[i])
     }
 

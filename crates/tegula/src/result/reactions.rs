@@ -17,7 +17,7 @@ use crate::Vec3;
 use crate::analysis::State;
 use crate::element::{Kinematics, Motion, Nodal};
 use crate::model::Scheme;
-use crate::system::numbering::Support;
+use crate::system::supports::Support;
 use crate::system::{Assembly, System, VectorKind};
 
 /// Force and moment about a point.
@@ -51,11 +51,11 @@ impl Equilibrium {
     /// Reaction force and moment at each node: the moment comes from the generalised forces on its directors and
     /// gradients.
     pub fn at_nodes(&self, system: &System, u: &[Nodal]) -> (Vec<Nodal>, Vec<Nodal>) {
-        let nodes = system.position_of.len();
+        let nodes = system.coordinates.position_of.len();
         let (mut forces, mut moments) = (vec![[0.0; 3]; nodes], vec![[0.0; 3]; nodes]);
         for (v, f) in self.reactions.iter().enumerate().filter(|(_, f)| **f != [0.0; 3]) {
-            let node = system.nodes[v] as usize;
-            let (out, part) = match system.kinds[v] {
+            let node = system.coordinates.nodes[v] as usize;
+            let (out, part) = match system.coordinates.kinds[v] {
                 VectorKind::Position => (&mut forces[node], Vec3::from(*f)),
                 VectorKind::Director | VectorKind::Gradient => {
                     (&mut moments[node], arm(system, u, v).cross(&Vec3::from(*f)))
@@ -155,7 +155,7 @@ impl ReactionFinder {
         let middle = old.time + 0.5 * dt;
         self.assembly.history.copy_from_slice(&old.history);
         let motion = Motion::Step { old: &old.u, new: &new.u, dt };
-        let k = Kinematics::new(&system.reference, motion, system.linear, middle);
+        let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, middle);
         let mut internal = vec![[0.0; 3]; new.u.len()];
         self.assembly.forces(system, &k, &mut internal);
         let (mean, rate) = ([0.5, 0.5], [-1.0 / dt, 1.0 / dt]);
@@ -173,7 +173,7 @@ impl ReactionFinder {
     fn internal(&mut self, system: &System, state: &State) -> Vec<Nodal> {
         let velocity = (!state.v.is_empty()).then_some(state.v.as_slice());
         let motion = Motion::State { u: &state.u, velocity };
-        let k = Kinematics::new(&system.reference, motion, system.linear, state.time);
+        let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, state.time);
         let mut out = vec![[0.0; 3]; state.u.len()];
         self.assembly.forces(system, &k, &mut out);
         out
@@ -225,7 +225,7 @@ fn supported(system: &System) -> Vec<Supported> {
         .flat_map(|(index, set)| set.keys.iter().map(move |key| (key.as_str(), index)))
         .collect();
     let units: BTreeMap<usize, Option<Vec3>> =
-        system.numbering.unit.iter().map(|unit| (unit.vector as usize, unit.fixed)).collect();
+        system.dofs().unit.iter().map(|unit| (unit.vector as usize, unit.fixed)).collect();
     let of_vector = |(vector, supports): (usize, Vec<&Support>)| {
         let mut axes: Vec<(Vec3, usize)> = Vec::new();
         for support in supports {
@@ -299,13 +299,13 @@ fn combine([a, b]: [f64; 2], x: &[Nodal], y: &[Nodal]) -> Vec<Nodal> {
 
 /// Nodal vector on which forces act (arm of their moment): the reference one in linear models.
 fn arm(system: &System, u: &[Nodal], v: usize) -> Vec3 {
-    let reference = Vec3::from(system.reference[v]);
+    let reference = Vec3::from(system.coordinates.reference[v]);
     if system.linear { reference } else { reference + Vec3::from(u[v]) }
 }
 
 fn add_to(total: &mut Resultant, system: &System, (u, v): (&[Nodal], usize), force: &Vec3, about: &Vec3) {
     let mut x = arm(system, u, v);
-    if system.kinds[v] == VectorKind::Position {
+    if system.coordinates.kinds[v] == VectorKind::Position {
         total.force += force;
         x -= about;
     }
@@ -331,9 +331,9 @@ struct Sum {
 
 impl Sum {
     fn new(system: &System) -> Self {
-        let positions = system.position_of.iter().filter(|&&p| p != u32::MAX);
+        let positions = system.coordinates.position_of.iter().filter(|&&p| p != u32::MAX);
         let (count, sum) = positions.fold((0.0, Vec3::zeros()), |(n, sum), &p| {
-            (n + 1.0, sum + Vec3::from(system.reference[p as usize]))
+            (n + 1.0, sum + Vec3::from(system.coordinates.reference[p as usize]))
         });
         Self { about: sum / f64::max(count, 1.0), total: Resultant::default(), forces: 0.0, moments: 0.0 }
     }

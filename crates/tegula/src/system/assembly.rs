@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::pattern::BATCH;
-use super::{Numbering, System};
+use super::{LocalFrames, System};
 use crate::Vec3;
 use crate::element::{
     ElementGroup, InternalVariables, Kinematics, Motion, Nodal, TangentRequest, TangentWeights,
@@ -55,7 +55,7 @@ pub struct Assembly {
     /// Factors of the fields of prescribed strain.
     factors: Vec<f64>,
     /// Constrained degrees of freedom, and local frames of inextensible directors at their present values.
-    pub numbering: Numbering,
+    pub frames: LocalFrames,
     /// Places in `element_forces` (in units of nodal vectors) of the contributions to each nodal vector.
     force_sources: Lists<u32>,
 }
@@ -95,7 +95,7 @@ impl Assembly {
             history: vec![0.0; history],
             new_history: vec![0.0; history],
             factors: vec![0.0; system.prescribed_strains.len()],
-            numbering: system.numbering.clone(),
+            frames: system.frames.clone(),
             force_sources: Lists::by_key(system.vectors(), sources.into_iter()),
         }
     }
@@ -109,8 +109,8 @@ impl Assembly {
 
     /// Rotates the local frames of inextensible directors to the configuration on which the forces of a motion act.
     pub fn follow(&mut self, system: &System, k: &Kinematics) {
-        if !self.numbering.unit.is_empty() && !k.linear {
-            self.numbering.follow(|v| current_vector(system, k, v));
+        if !self.frames.dofs().unit.is_empty() && !k.linear {
+            self.frames.follow(|v| current_vector(system, k, v));
         }
     }
 
@@ -143,10 +143,10 @@ impl Assembly {
         self.blocks.resize(9 * largest_batch(system), 0.0);
         // A single task of the thread pool: from outside, each of the many small ones would wait to be scheduled.
         let work = || {
-            system.pattern.begin(parts.mass, &self.numbering, &mut self.values);
+            system.pattern.begin(parts.mass, &self.frames, &mut self.values);
             let mut batch = 0;
-            self.batches(system, k, parts, (extrapolated, prescribed), |_, blocks, (numbering, values)| {
-                system.pattern.add(batch, blocks, parts.mass, numbering, values);
+            self.batches(system, k, parts, (extrapolated, prescribed), |_, blocks, (frames, values)| {
+                system.pattern.add(batch, blocks, parts.mass, frames, values);
                 batch += 1;
             });
             self.gather_forces(out);
@@ -227,17 +227,17 @@ impl Assembly {
     }
 
     /// Evaluates the elements, then the follower loads, in the batches of the pattern, and hands group and first
-    /// element (`None`: loads), the blocks, and the numbering and values for their sum to `take`.
+    /// element (`None`: loads), the blocks, and the local frames and values for their sum to `take`.
     fn batches(
         &mut self,
         system: &System,
         k: &Kinematics,
         parts: &TangentCoefficients,
         (extrapolated, prescribed): (bool, Option<&[Nodal]>),
-        mut take: impl FnMut(Option<(&dyn ElementGroup, usize)>, &[f64], (&Numbering, &mut [f64])),
+        mut take: impl FnMut(Option<(&dyn ElementGroup, usize)>, &[f64], (&LocalFrames, &mut [f64])),
     ) {
         self.set_time(system, k.time);
-        let Self { numbering, values, blocks, .. } = self;
+        let Self { frames, values, blocks, .. } = self;
         let mut forces = self.element_forces.as_mut_slice();
         let mut stress = self.stress.as_slice();
         let mut history = self.history.as_slice();
@@ -256,7 +256,7 @@ impl Assembly {
                     blocks: &mut *blocks,
                 };
                 group.evaluate(&k, first, forces, Some(request));
-                take(Some((group.as_ref(), first)), blocks, (numbering, values));
+                take(Some((group.as_ref(), first)), blocks, (frames, values));
             }
             (forces, stress) = (forces_rest, stress_rest);
         }
@@ -274,7 +274,7 @@ impl Assembly {
                 b.iter_mut().for_each(|v| *v *= factor);
                 rest = others;
             }
-            take(None, blocks, (numbering, values));
+            take(None, blocks, (frames, values));
         }
     }
 
@@ -290,9 +290,9 @@ impl Assembly {
         if k.linear {
             return;
         }
-        let Self { numbering, values, .. } = self;
-        for (v, shift) in curvature(system, numbering, k, weights, rest) {
-            system.pattern.add_to_diagonal(v, shift, numbering, values);
+        let Self { frames, values, .. } = self;
+        for (v, shift) in curvature(system, frames, k, weights, rest) {
+            system.pattern.add_to_diagonal(v, shift, frames, values);
         }
     }
 
@@ -329,7 +329,7 @@ impl Assembly {
 
     /// Values of the mass matrix of the free degrees of freedom.
     pub fn mass_values(&self, system: &System, values: &mut [f64]) {
-        system.pattern.mass_values(&self.numbering, values);
+        system.pattern.mass_values(&self.frames, values);
     }
 
     /// Sets the extrapolated stress to that of a motion.
@@ -418,7 +418,7 @@ impl Assembly {
     /// Energy stored at displacements, and dissipated on the way there from the last step.
     fn energy_to_reach(&mut self, system: &System, u: &[Nodal], time: f64) -> f64 {
         let motion = Motion::State { u, velocity: None };
-        let k = Kinematics::new(&system.reference, motion, system.linear, time);
+        let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, time);
         self.strain_energy(system, u, time) + self.find_history(system, &k)
     }
 
@@ -434,7 +434,8 @@ impl Assembly {
 
     fn sum_energies(&mut self, system: &System, u: &[Nodal], linear: bool, time: f64) -> f64 {
         self.set_time(system, time);
-        let k = Kinematics::new(&system.reference, Motion::State { u, velocity: None }, linear, time);
+        let k =
+            Kinematics::new(&system.coordinates.reference, Motion::State { u, velocity: None }, linear, time);
         let mut energies = self.energies.as_mut_slice();
         let mut history = self.history.as_slice();
         for group in system.groups.iter() {
@@ -461,12 +462,12 @@ impl Assembly {
 /// Curvature of the unit sphere of each inextensible director, under the forces `rest` that act on it from outside.
 pub fn curvature<'a>(
     system: &'a System,
-    numbering: &'a Numbering,
+    frames: &'a LocalFrames,
     k: &'a Kinematics,
     weights: &'a TangentWeights,
     rest: &'a [Nodal],
 ) -> impl Iterator<Item = (usize, f64)> + 'a {
-    numbering.unit.iter().map(|unit| {
+    frames.dofs().unit.iter().map(|unit| {
         let v = unit.vector as usize;
         (v, weights.direction * current_vector(system, k, v).dot(&Vec3::from(rest[v])))
     })
@@ -495,12 +496,16 @@ fn inside<'a>(
 ) -> Kinematics<'a> {
     let (mine, rest) = history.split_at(group.len() * group.history_per_element());
     *history = rest;
-    Kinematics { interior: InternalVariables { history: mine, factors }, unit: &system.unit, ..*k }
+    Kinematics {
+        interior: InternalVariables { history: mine, factors },
+        unit: &system.coordinates.inextensible,
+        ..*k
+    }
 }
 
 /// Nodal vector of the configuration on which the forces of a motion act.
 pub(super) fn current_vector(system: &System, k: &Kinematics, v: usize) -> Vec3 {
-    let mut x = Vec3::from(system.reference[v]);
+    let mut x = Vec3::from(system.coordinates.reference[v]);
     if !k.linear {
         match k.motion {
             Motion::State { u, .. } => x += Vec3::from(u[v]),

@@ -14,8 +14,9 @@
 
 use std::collections::BTreeMap;
 
+use super::LocalFrames;
 use super::assembly::{TangentCoefficients, current_vector};
-use super::numbering::{CONSTRAINED, Numbering};
+use super::dof_map::CONSTRAINED;
 use super::{System, VectorKind};
 use crate::element::Kinematics;
 use crate::load::{FollowerLoad, LoadFactor};
@@ -72,8 +73,9 @@ impl CirculatoryStiffness {
         vectors.dedup();
         let mut coordinates = Vec::new();
         for v in vectors.into_iter().map(|v| v as usize) {
-            let scale = if system.kinds[v] == VectorKind::Position { 1.0 / system.length } else { 1.0 };
-            let free = system.numbering.of(v).into_iter().filter(|&n| n != CONSTRAINED);
+            let scale =
+                if system.coordinates.kinds[v] == VectorKind::Position { 1.0 / system.length } else { 1.0 };
+            let free = system.frames.of(v).into_iter().filter(|&n| n != CONSTRAINED);
             coordinates.extend(free.map(|n| (n, scale)));
         }
         coordinates.sort_by_key(|(n, _)| *n);
@@ -152,16 +154,16 @@ impl CirculatoryStiffness {
         }
     }
 
-    /// `out = N x` for free degrees of freedom in the local frames of `numbering`.
-    pub fn product(&self, numbering: &Numbering, x: &[f64], out: &mut [f64]) {
+    /// `out = N x` for free degrees of freedom along the axes of `frames`.
+    pub fn product(&self, frames: &LocalFrames, x: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         let read = |v: u32| {
-            let local = numbering.of(v as usize).map(|n| x.get(n as usize).copied().unwrap_or(0.0));
-            Vec3::from(numbering.from_axes(v as usize, local))
+            let local = frames.of(v as usize).map(|n| x.get(n as usize).copied().unwrap_or(0.0));
+            Vec3::from(frames.to_global(v as usize, local))
         };
         let mut add = |v: u32, value: Vec3| {
-            let local = numbering.to_axes(v as usize, value.into());
-            for (n, value) in numbering.of(v as usize).into_iter().zip(local) {
+            let local = frames.to_local(v as usize, value.into());
+            for (n, value) in frames.of(v as usize).into_iter().zip(local) {
                 if let Some(out) = out.get_mut(n as usize) {
                     *out += value;
                 }

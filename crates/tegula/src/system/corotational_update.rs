@@ -7,7 +7,7 @@
 use nalgebra::Rotation3;
 use rayon::prelude::*;
 
-use super::numbering::CONSTRAINED;
+use super::dof_map::CONSTRAINED;
 use super::{System, VectorKind};
 use crate::element::Nodal;
 use crate::lists::Lists;
@@ -35,22 +35,25 @@ impl CorotationalUpdate {
         for group in system.groups.iter() {
             for e in 0..group.len() {
                 let vectors = group.vectors(e);
-                let positions =
-                    || vectors.iter().filter(|&&v| system.kinds[v as usize] == VectorKind::Position);
+                let positions = || {
+                    vectors.iter().filter(|&&v| system.coordinates.kinds[v as usize] == VectorKind::Position)
+                };
                 for &i in positions() {
-                    pairs.extend(positions().filter(|&&j| j != i).map(|&j| (system.nodes[i as usize], j)));
+                    pairs.extend(
+                        positions().filter(|&&j| j != i).map(|&j| (system.coordinates.nodes[i as usize], j)),
+                    );
                 }
             }
         }
-        let own = (0..system.vectors()).filter(|&v| system.kinds[v] != VectorKind::Position);
-        pairs.extend(own.map(|v| (system.nodes[v], v as u32)));
+        let own = (0..system.vectors()).filter(|&v| system.coordinates.kinds[v] != VectorKind::Position);
+        pairs.extend(own.map(|v| (system.coordinates.nodes[v], v as u32)));
         pairs.sort_unstable();
         pairs.dedup();
-        let nodes = system.position_of.len();
+        let nodes = system.coordinates.position_of.len();
         // An inextensible director is free to rotate, though it has but two free degrees of freedom.
         let mut free: Vec<bool> =
-            (0..system.vectors()).map(|v| system.numbering.of(v).iter().all(|&n| n != CONSTRAINED)).collect();
-        for unit in &system.numbering.unit {
+            (0..system.vectors()).map(|v| system.frames.of(v).iter().all(|&n| n != CONSTRAINED)).collect();
+        for unit in &system.dofs().unit {
             free[unit.vector as usize] = unit.fixed.is_none();
         }
         let rotations = vec![Mat3::identity(); nodes];
@@ -62,14 +65,14 @@ impl CorotationalUpdate {
         let Self { partners, rotations, .. } = self;
         let at = |u: &[Nodal], v: u32| {
             let v = v as usize;
-            Vec3::from(system.reference[v]) + Vec3::from(u[v])
+            Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v])
         };
         rotations.par_iter_mut().with_min_len(64).enumerate().for_each(|(node, rotation)| {
-            let own = system.position_of[node];
+            let own = system.coordinates.position_of[node];
             let mut change = Mat3::zeros();
             for &p in partners.of(node) {
                 let (mut old, mut new) = (at(from, p), at(to, p));
-                if system.kinds[p as usize] == VectorKind::Position {
+                if system.coordinates.kinds[p as usize] == VectorKind::Position {
                     old -= at(from, own);
                     new -= at(to, own);
                 }
@@ -86,7 +89,7 @@ impl CorotationalUpdate {
     pub fn turn(&self, system: &System, transposed: bool, field: &mut [Nodal]) {
         for (v, value) in field.iter_mut().enumerate() {
             if self.free[v] {
-                let r = &self.rotations[system.nodes[v] as usize];
+                let r = &self.rotations[system.coordinates.nodes[v] as usize];
                 let x = Vec3::from(*value);
                 *value = if transposed { r.tr_mul(&x) } else { r * x }.into();
             }

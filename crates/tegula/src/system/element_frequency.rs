@@ -10,8 +10,8 @@
 use rayon::prelude::*;
 
 use super::System;
+use super::VectorKind;
 use super::assembly::{ElementBlocks, pairs};
-use super::numbering::VectorKind;
 use crate::Vec3;
 use crate::element::{ElementGroup, Nodal};
 
@@ -42,7 +42,7 @@ impl MassShares {
         for group in system.groups.iter() {
             for e in 0..group.len() {
                 let vectors = group.vectors(e);
-                let own = row_sums(&system.kinds, vectors, group.mass(e));
+                let own = row_sums(&system.coordinates.kinds, vectors, group.mass(e));
                 let massless = own.iter().all(|m| *m == 0.0);
                 for (&v, m) in vectors.iter().zip(own) {
                     out.own[v as usize] += m;
@@ -64,7 +64,7 @@ impl MassShares {
     /// Share of an element in the masses `mass` of its nodal vectors.
     fn of(&self, system: &System, group: &dyn ElementGroup, element: usize, mass: &[f64]) -> [f64; 8] {
         let vectors = group.vectors(element);
-        let mut out = row_sums(&system.kinds, vectors, group.mass(element));
+        let mut out = row_sums(&system.coordinates.kinds, vectors, group.mass(element));
         let massless = out.iter().all(|m| *m == 0.0);
         for (m, &v) in out.iter_mut().zip(vectors) {
             let v = v as usize;
@@ -122,7 +122,7 @@ pub fn of_elements(
                         let mass = shares.of(system, group, element, mass);
                         let vectors = group.vectors(element);
                         square.fill(blocks, &mass[..vectors.len()], |a| {
-                            wanted(system.kinds[vectors[a] as usize])
+                            wanted(system.coordinates.kinds[vectors[a] as usize])
                         });
                         *out = square.bound(0.0);
                     }
@@ -175,7 +175,7 @@ pub fn of_followers(system: &System, shares: &MassShares, mass: &[f64], u: &[Nod
         let (mut x, mut part, mut blocks) = ([Vec3::zeros(); 4], [0.0; 4], [0.0; 90]);
         for (a, &v) in load.vectors().iter().enumerate() {
             let v = v as usize;
-            x[a] = Vec3::from(system.reference[v]) + Vec3::from(u[v]);
+            x[a] = Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v]);
             part[a] = mass[v] / f64::from(shares.loads[v].max(1));
         }
         // The stiffness gains −∂f/∂x.

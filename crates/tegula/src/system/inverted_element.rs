@@ -22,7 +22,7 @@ pub fn inverted_element(system: &System, u: &[Nodal]) -> Option<String> {
         let vectors = system.groups[shell.groups.start].vectors(shell.member);
         let current = |a: usize| {
             let v = vectors[a] as usize;
-            Vec3::from(system.reference[v]) + Vec3::from(u[v])
+            Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v])
         };
         let (positions, directors) = (std::array::from_fn(current), std::array::from_fn(|a| current(4 + a)));
         let g = system.geometry(shell);

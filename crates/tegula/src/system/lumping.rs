@@ -50,13 +50,13 @@ pub fn lump(system: &mut System, added: &[(u32, u32, f64)], scale: bool) -> Vec<
 /// Reason why explicit steps cannot be taken with the elements of a system, and the remedy.
 fn unsuitable(system: &System) -> Option<(&'static str, &'static str)> {
     let other = "use another element, or `newmark`, `hht` or `energy-momentum`";
-    if !system.unit.is_empty() {
+    if !system.coordinates.inextensible.is_empty() {
         return Some((
             "explicit steps do not satisfy the constraint of inextensible directors (element `mitc4`)",
             other,
         ));
     }
-    if system.kinds.contains(&VectorKind::Gradient) {
+    if system.coordinates.kinds.contains(&VectorKind::Gradient) {
         return Some((
             "the mass of gradient vectors (element `ancf-full`) cannot be lumped: its row sums vanish",
             other,
@@ -66,13 +66,13 @@ fn unsuitable(system: &System) -> Option<(&'static str, &'static str)> {
     let coupled = system.groups.iter().any(|group| {
         (0..group.len()).any(|e| {
             let (vectors, mass) = (group.vectors(e), group.mass(e));
-            let own = row_sums(&system.kinds, vectors, mass);
+            let own = row_sums(&system.coordinates.kinds, vectors, mass);
             let mut pair = 0;
             (0..vectors.len()).any(|a| {
                 (0..=a).any(|b| {
                     let m = mass[pair];
                     pair += 1;
-                    let kinds = [a, b].map(|i| system.kinds[vectors[i] as usize]);
+                    let kinds = [a, b].map(|i| system.coordinates.kinds[vectors[i] as usize]);
                     kinds[0] != kinds[1] && m.abs() > ROUNDING * (own[a] * own[b]).abs().sqrt()
                 })
             })
@@ -99,7 +99,9 @@ fn scale_rotary_inertia(system: &System, shares: &MassShares, mass: &mut [f64]) 
         let mut raise = vec![1.0_f64; mass.len()];
         let elements = system.groups.iter().flat_map(|g| (0..g.len()).map(move |e| g.vectors(e)));
         for (vectors, bound) in elements.zip(&directors) {
-            for &v in vectors.iter().filter(|&&v| system.kinds[v as usize] == VectorKind::Director) {
+            for &v in
+                vectors.iter().filter(|&&v| system.coordinates.kinds[v as usize] == VectorKind::Director)
+            {
                 raise[v as usize] = raise[v as usize].max(bound / membrane);
             }
         }
@@ -114,11 +116,11 @@ fn at_rest(system: &System, mut take: impl FnMut(ElementBlocks)) {
     // Material stiffness only: prescribed strains would add their stress.
     let weights = TangentWeights { stress: 1.0, direction: 0.0, force: 1.0, rate: 0.0 };
     let motion = Motion::State { u: &rest, velocity: None };
-    let k = Kinematics::new(&system.reference, motion, system.linear, 0.0);
+    let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, 0.0);
     for group in system.groups.iter().map(AsRef::as_ref) {
         let history = vec![0.0; group.len() * group.history_per_element()];
         let interior = InternalVariables { history: &history, factors: &factors };
-        let k = Kinematics { interior, unit: &system.unit, ..k };
+        let k = Kinematics { interior, unit: &system.coordinates.inextensible, ..k };
         let m = group.vectors_per_element();
         let mut forces = vec![0.0; 3 * m * group.len().min(BATCH)];
         let mut blocks = vec![0.0; 9 * pairs(m) * group.len().min(BATCH)];

@@ -1,14 +1,17 @@
-//! The compiled model: numbering, pattern, element groups, loads. Immutable during an analysis.
+//! The compiled model: coordinates, degrees of freedom, pattern, element groups, loads. Immutable during an analysis.
 
 pub mod assembly;
 pub mod circulatory;
+pub mod coordinates;
 pub mod corotational_update;
+pub mod dof_map;
 pub mod element_frequency;
 mod inverted_element;
+mod local_frames;
 pub mod lumping;
-pub mod numbering;
 pub mod pattern;
 mod procedure;
+pub mod supports;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -23,12 +26,15 @@ use crate::model::PrescribedStrain;
 use crate::section::CompiledSection;
 pub use assembly::Assembly;
 pub use circulatory::CirculatoryStiffness;
+pub use coordinates::{Coordinates, VectorKind};
 pub use corotational_update::CorotationalUpdate;
+pub use dof_map::DofMap;
+use dof_map::Prescribed;
 pub use inverted_element::inverted_element;
-pub use numbering::{Numbering, VectorKind};
-use numbering::{Prescribed, Support};
+pub use local_frames::LocalFrames;
 pub use pattern::Pattern;
 pub use procedure::Procedure;
+use supports::Support;
 use tegula_sparse::SymmetricPattern;
 
 /// Dead load: a force on nodal vectors that does not depend on the motion.
@@ -101,18 +107,10 @@ pub struct StepStart {
 
 /// The compiled model.
 pub struct System {
-    /// Nodal vectors of the reference configuration.
-    pub reference: Vec<Nodal>,
-    /// Kind of each nodal vector.
-    pub kinds: Vec<VectorKind>,
-    /// Node of each nodal vector.
-    pub nodes: Vec<u32>,
-    /// Nodal vector of the position of each node (`u32::MAX` for nodes without elements).
-    pub position_of: Vec<u32>,
-    /// Nodal vector of the (first) director of each node.
-    pub director_of: Vec<u32>,
-    /// Constrained and free degrees of freedom.
-    pub numbering: Numbering,
+    /// Nodal vectors.
+    pub coordinates: Arc<Coordinates>,
+    /// Local frames of the nodal vectors where the analysis step starts, and the degree-of-freedom map.
+    pub frames: LocalFrames,
     /// Elements.
     pub groups: Arc<Vec<Box<dyn ElementGroup>>>,
     /// Shells, one per quad that has an element.
@@ -121,8 +119,6 @@ pub struct System {
     pub sections: Arc<Vec<ShellSection>>,
     /// Fields of prescribed strain.
     pub prescribed_strains: Vec<PrescribedField>,
-    /// Flags of the inextensible directors among the nodal vectors; empty: none.
-    pub unit: Vec<bool>,
     /// Forces independent of the motion.
     pub dead_loads: Vec<DeadLoad>,
     /// Follower loads.
@@ -166,24 +162,29 @@ pub struct System {
 impl System {
     /// Pattern of the tangent and of the mass of the free degrees of freedom.
     pub fn tangent_pattern(&self) -> SymmetricPattern {
-        self.pattern.compressed(&self.numbering)
+        self.pattern.compressed(&self.frames)
     }
 
     /// Reference geometry of a shell.
     pub fn geometry(&self, shell: &Shell) -> ShellGeometry {
         let vectors = self.groups[shell.groups.start].vectors(shell.member);
-        let at = |a: usize| Vec3::from(self.reference[vectors[a] as usize]);
+        let at = |a: usize| Vec3::from(self.coordinates.reference[vectors[a] as usize]);
         ShellGeometry::new(std::array::from_fn(at), std::array::from_fn(|a| at(4 + a)))
     }
 
     /// Number of nodal vectors.
     pub fn vectors(&self) -> usize {
-        self.reference.len()
+        self.coordinates.len()
+    }
+
+    /// Degree-of-freedom map.
+    pub fn dofs(&self) -> &DofMap {
+        self.frames.dofs()
     }
 
     /// Number of free degrees of freedom.
     pub fn unknowns(&self) -> usize {
-        self.numbering.unknowns
+        self.dofs().unknowns
     }
 
     /// True if a material of the model can yield.
@@ -221,7 +222,7 @@ impl System {
     /// history, and a step to them can be cut back.
     pub fn first_load_factor(&self) -> f64 {
         let loads = self.load_factors().any(|factor| factor.jumps(&self.amplitudes));
-        let motions = self.numbering.prescribed.iter().any(|p| p.jumps(&self.amplitudes));
+        let motions = self.dofs().prescribed.iter().any(|p| p.jumps(&self.amplitudes));
         if self.parameter() == LoadParameter::LoadFactor && (loads || motions) { -1.0 } else { 0.0 }
     }
 
@@ -235,7 +236,7 @@ impl System {
     /// Whether loads, prescribed strains and motions do not all grow in proportion.
     pub fn load_factors_differ(&self) -> bool {
         let loads = self.load_factors().map(|f| f.key());
-        let motions = self.numbering.prescribed.iter().filter(|p| !p.held).map(|p| (p.amplitude, 0, false));
+        let motions = self.dofs().prescribed.iter().filter(|p| !p.held).map(|p| (p.amplitude, 0, false));
         let mut all = loads.chain(motions);
         let first = all.next();
         all.any(|key| Some(key) != first)
@@ -257,7 +258,7 @@ impl System {
     /// a motion.
     pub fn amplitudes_in_use(&self) -> impl Iterator<Item = (usize, bool)> + '_ {
         let loads = self.load_factors().map(|factor| (factor.used_amplitude(), false));
-        let motions = self.numbering.prescribed.iter().map(|p| (p.amplitude, true));
+        let motions = self.dofs().prescribed.iter().map(|p| (p.amplitude, true));
         loads.chain(motions).filter_map(|(amplitude, motion)| Some((amplitude?, motion)))
     }
 
@@ -329,7 +330,7 @@ impl System {
     pub fn has_kink(&self, time: f64) -> bool {
         let kink =
             |a: &TimeFunction| matches!(a, TimeFunction::Table(_)) && a.rate(time) != a.rate_before(time);
-        let motions = self.numbering.prescribed.iter().filter_map(|p| p.amplitude);
+        let motions = self.dofs().prescribed.iter().filter_map(|p| p.amplitude);
         motions.filter_map(|a| self.amplitudes.get(a)).any(kink)
     }
 
@@ -341,11 +342,11 @@ impl System {
     }
 
     fn write_prescribed(&self, field: &mut [Nodal], f: impl Fn(&Prescribed) -> f64) {
-        for prescribed in &self.numbering.prescribed {
+        for prescribed in &self.dofs().prescribed {
             let (v, c) = prescribed.place();
-            let mut local = self.numbering.to_axes(v, field[v]);
+            let mut local = self.frames.to_local(v, field[v]);
             local[c] = f(prescribed);
-            field[v] = self.numbering.from_axes(v, local);
+            field[v] = self.frames.to_global(v, local);
         }
     }
 
@@ -353,26 +354,28 @@ impl System {
     pub fn work_of_prescribed(&self, forces: &[Nodal], from: &[Nodal], to: &[Nodal]) -> f64 {
         let work = |prescribed: &Prescribed| {
             let (v, c) = prescribed.place();
-            let along = |field: &[Nodal]| self.numbering.to_axes(v, field[v])[c];
+            let along = |field: &[Nodal]| self.frames.to_local(v, field[v])[c];
             along(forces) * (along(to) - along(from))
         };
-        self.numbering.prescribed.iter().map(work).sum()
+        self.dofs().prescribed.iter().map(work).sum()
     }
 
     /// Product of forces and a change along the prescribed degrees of freedom.
     pub fn product_of_prescribed(&self, forces: &[Nodal], change: &[Nodal]) -> f64 {
         let product = |prescribed: &Prescribed| {
             let (v, c) = prescribed.place();
-            self.numbering.to_axes(v, forces[v])[c] * self.numbering.to_axes(v, change[v])[c]
+            self.frames.to_local(v, forces[v])[c] * self.frames.to_local(v, change[v])[c]
         };
-        self.numbering.prescribed.iter().map(product).sum()
+        self.dofs().prescribed.iter().map(product).sum()
     }
 
     /// Total mass, from the position vectors.
     pub fn total_mass(&self) -> f64 {
         let mut m = 0.0;
         self.pattern.for_each_mass(|i, j, value| {
-            if self.kinds[i] == VectorKind::Position && self.kinds[j] == VectorKind::Position {
+            if self.coordinates.kinds[i] == VectorKind::Position
+                && self.coordinates.kinds[j] == VectorKind::Position
+            {
                 m += if i == j { value } else { 2.0 * value };
             }
         });
@@ -392,12 +395,12 @@ impl System {
     /// Linear and angular momentum (about the origin) at displacements `u` and velocities `v`.
     pub fn momentum(&self, u: &[Nodal], v: &[Nodal]) -> (Vec3, Vec3) {
         let (mut linear, mut angular) = (Vec3::zeros(), Vec3::zeros());
-        let current = |i: usize| Vec3::from(self.reference[i]) + Vec3::from(u[i]);
+        let current = |i: usize| Vec3::from(self.coordinates.reference[i]) + Vec3::from(u[i]);
         self.pattern.for_each_mass(|i, j, m| {
             let pairs = if i == j { 1 } else { 2 };
             for (a, b) in [(i, j), (j, i)].into_iter().take(pairs) {
                 let p = Vec3::from(v[b]) * m;
-                if self.kinds[a] == VectorKind::Position {
+                if self.coordinates.kinds[a] == VectorKind::Position {
                     linear += p;
                 }
                 angular += current(a).cross(&p);
@@ -410,7 +413,7 @@ impl System {
     /// model's length and change of director.
     pub fn norm(&self, field: &[Nodal]) -> f64 {
         let mut sum = 0.0;
-        for (kind, v) in self.kinds.iter().zip(field) {
+        for (kind, v) in self.coordinates.kinds.iter().zip(field) {
             let s = dot3(*v, *v);
             sum += if *kind == VectorKind::Position { s / (self.length * self.length) } else { s };
         }
@@ -420,7 +423,7 @@ impl System {
     /// Root mean square of the positions' part of a field over the model's length.
     pub fn position_rms(&self, field: impl Fn(usize) -> Nodal) -> f64 {
         let (mut sum, mut count) = (0.0, 0);
-        for &p in self.position_of.iter().filter(|&&p| p != u32::MAX) {
+        for &p in self.coordinates.position_of.iter().filter(|&&p| p != u32::MAX) {
             let v = field(p as usize);
             sum += dot3(v, v);
             count += 3;

@@ -12,7 +12,8 @@ use std::ops::Range;
 use std::slice::Iter;
 use std::sync::Arc;
 
-use super::numbering::{CONSTRAINED, Numbering};
+use super::LocalFrames;
+use super::dof_map::CONSTRAINED;
 use crate::element::Nodal;
 pub use builder::PatternBuilder;
 use tegula_sparse::SymmetricPattern;
@@ -125,10 +126,10 @@ impl Column<'_> {
 /// Rows of a column of the free degrees of freedom, from its diagonal on, in the blocks with these block rows.
 fn rows_below<'a>(
     rows: &'a [u32],
-    numbering: &'a Numbering,
+    frames: &'a LocalFrames,
     column: u32,
 ) -> impl Iterator<Item = u32> + use<'a> {
-    let numbers = rows.iter().flat_map(|&i| numbering.of(i as usize));
+    let numbers = rows.iter().flat_map(|&i| frames.of(i as usize));
     numbers.filter(move |&r| r != CONSTRAINED && r >= column)
 }
 
@@ -164,11 +165,11 @@ impl Pattern {
     }
 
     /// Pattern in compressed columns. Its row numbers are computed again in each call: few callers need them for long.
-    pub fn compressed(&self, numbering: &Numbering) -> SymmetricPattern {
+    pub fn compressed(&self, frames: &LocalFrames) -> SymmetricPattern {
         let mut rows = Vec::with_capacity(self.values());
         for j in 0..self.vectors() {
-            for number in numbering.of(j).into_iter().filter(|&n| n != CONSTRAINED) {
-                rows.extend(rows_below(&self.row[self.blocks(j)], numbering, number));
+            for number in frames.of(j).into_iter().filter(|&n| n != CONSTRAINED) {
+                rows.extend(rows_below(&self.row[self.blocks(j)], frames, number));
             }
         }
         SymmetricPattern::new(self.column_pointers.clone(), rows)
@@ -195,10 +196,10 @@ impl Pattern {
 
     /// Block column for a slice of values that begins with value number `offset`.
     #[inline]
-    fn column(&self, number: usize, numbering: &Numbering, offset: usize) -> Column<'_> {
+    fn column(&self, number: usize, frames: &LocalFrames, offset: usize) -> Column<'_> {
         let Range { start, end } = self.blocks(number);
         let tail = &self.tail[self.tail_start[number] as usize..self.tail_start[number + 1] as usize];
-        let ends = numbering.of(number).map(|n| match n {
+        let ends = frames.of(number).map(|n| match n {
             CONSTRAINED => 0,
             n => self.column_pointers[n as usize + 1] - offset,
         });
@@ -211,13 +212,13 @@ impl Pattern {
     }
 
     /// Begins the sum of `mass_factor · M` and element blocks with the blocks that have no element.
-    pub fn begin(&self, mass_factor: f64, numbering: &Numbering, values: &mut [f64]) {
+    pub fn begin(&self, mass_factor: f64, frames: &LocalFrames, values: &mut [f64]) {
         let mut column = 0;
         for &block in &self.alone {
             column = self.column_of(block as usize, column);
             let m = mass_factor * self.mass(block as usize);
             let target = Target::new(block as usize, true, false);
-            self.put(&self.column(column, numbering, 0), target, scalar(m), numbering, values);
+            self.put(&self.column(column, frames, 0), target, scalar(m), frames, values);
         }
     }
 
@@ -227,11 +228,11 @@ impl Pattern {
         batch: usize,
         buffer: &[f64],
         mass_factor: f64,
-        numbering: &Numbering,
+        frames: &LocalFrames,
         values: &mut [f64],
     ) {
         let batch = &self.batches[batch];
-        self.add_tasks(batch, 0..batch.tasks.len(), (buffer, mass_factor), numbering, values, 0);
+        self.add_tasks(batch, 0..batch.tasks.len(), (buffer, mass_factor), frames, values, 0);
     }
 
     /// Adds the contributions of tasks to `values`, a slice that begins with value number `offset`.
@@ -240,7 +241,7 @@ impl Pattern {
         batch: &Batch,
         tasks: Range<usize>,
         parts: (&[f64], f64),
-        numbering: &Numbering,
+        frames: &LocalFrames,
         values: &mut [f64],
         offset: usize,
     ) {
@@ -249,8 +250,8 @@ impl Pattern {
             let split = batch.tasks[middle].value;
             let (left, right) = values.split_at_mut(split - offset);
             rayon::join(
-                || self.add_tasks(batch, tasks.start..middle, parts, numbering, left, offset),
-                || self.add_tasks(batch, middle..tasks.end, parts, numbering, right, split),
+                || self.add_tasks(batch, tasks.start..middle, parts, frames, left, offset),
+                || self.add_tasks(batch, middle..tasks.end, parts, frames, right, split),
             );
             return;
         }
@@ -260,10 +261,10 @@ impl Pattern {
         // In statics the mass is not even read.
         let mass = if mass_factor == 0.0 { &[] } else { self.mass.as_slice() };
         let mut sources = batch.sources[task.source as usize..].iter();
-        let mut column = self.column(task.column as usize, numbering, offset);
+        let mut column = self.column(task.column as usize, frames, offset);
         for &target in &batch.targets[task.target as usize..end] {
             if target.block() >= column.end {
-                column = self.column(self.column_of(target.block(), column.number + 1), numbering, offset);
+                column = self.column(self.column_of(target.block(), column.number + 1), frames, offset);
             }
             let mut k = sum(&mut sources, buffer);
             if target.is(Target::FIRST)
@@ -274,7 +275,7 @@ impl Pattern {
                 k[4] += m;
                 k[8] += m;
             }
-            self.put(&column, target, k, numbering, values);
+            self.put(&column, target, k, frames, values);
         }
     }
 
@@ -285,7 +286,7 @@ impl Pattern {
         column: &Column,
         target: Target,
         mut k: [f64; 9],
-        numbering: &Numbering,
+        frames: &LocalFrames,
         values: &mut [f64],
     ) {
         let (block, first) = (target.block(), target.is(Target::FIRST));
@@ -308,9 +309,9 @@ impl Pattern {
             return;
         }
         let (i, j) = (self.row[block] as usize, column.number);
-        numbering.rotate(&mut k, i, j);
-        let rows = numbering.of(i);
-        for (c, number) in numbering.of(j).into_iter().enumerate() {
+        frames.rotate(&mut k, i, j);
+        let rows = frames.of(i);
+        for (c, number) in frames.of(j).into_iter().enumerate() {
             if number == CONSTRAINED {
                 continue;
             }
@@ -332,19 +333,19 @@ impl Pattern {
     }
 
     /// Adds a multiple of the unit matrix to the block of a nodal vector with itself.
-    pub fn add_to_diagonal(&self, vector: usize, value: f64, numbering: &Numbering, values: &mut [f64]) {
-        for number in numbering.of(vector).into_iter().filter(|&n| n != CONSTRAINED) {
+    pub fn add_to_diagonal(&self, vector: usize, value: f64, frames: &LocalFrames, values: &mut [f64]) {
+        for number in frames.of(vector).into_iter().filter(|&n| n != CONSTRAINED) {
             values[self.column_pointers[number as usize]] += value;
         }
     }
 
     /// Values of the mass matrix of the free degrees of freedom.
-    pub fn mass_values(&self, numbering: &Numbering, values: &mut [f64]) {
+    pub fn mass_values(&self, frames: &LocalFrames, values: &mut [f64]) {
         for j in 0..self.vectors() {
-            let column = self.column(j, numbering, 0);
+            let column = self.column(j, frames, 0);
             for block in self.blocks(j) {
                 let k = scalar(self.mass(block));
-                self.put(&column, Target::new(block, true, false), k, numbering, values);
+                self.put(&column, Target::new(block, true, false), k, frames, values);
             }
         }
     }

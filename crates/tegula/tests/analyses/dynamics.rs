@@ -134,12 +134,12 @@ fn the_start_satisfies_the_equations_of_motion() {
         }
     }
     let mut free = vec![0.0; system.unknowns()];
-    system.numbering.reduce(&force, &mut free);
+    system.frames.reduce(&force, &mut free);
     let residual = free.iter().map(|r| r * r).sum::<f64>().sqrt();
     assert!(dot(&internal, &internal) > 0.0 && residual < 1e-12 * scale, "{residual:e} of {scale:e}");
     // The clamped edge does not move, whatever initial velocity is asked for.
     let mut supported = vec![[0.0; 3]; n];
-    system.numbering.supported_part(&state.v, &mut supported);
+    system.frames.constrained_part(&state.v, &mut supported);
     assert_eq!(dot(&supported, &supported), 0.0);
 }
 
@@ -239,7 +239,7 @@ fn prescribed_motion_closes_the_energy_balance() {
     let mut notes = Notes::keeping();
     let o = options(NEWMARK, 0.1, Some(4e-3));
     let (system, outcome) = run(&m, &o, &mut notes);
-    let v = system.position_of[0] as usize;
+    let v = system.coordinates.position_of[0] as usize;
     let t = 0.1_f64;
     assert!((outcome.state.u[v][2] - 0.5 * (0.3 * t + 0.2 * (1.0 - (6.0 * t).cos()))).abs() < 1e-15);
     assert!((outcome.state.v[v][2] - 0.5 * (0.3 + 1.2 * (6.0 * t).sin())).abs() < 1e-14);

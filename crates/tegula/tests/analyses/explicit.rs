@@ -131,7 +131,7 @@ fn critical_by_iteration(m: &Model) -> f64 {
     let (mut force, mut held) = (x.clone(), x.clone());
     let mut square = 0.0;
     for _ in 0..3000 {
-        system.numbering.supported_part(&x, &mut held);
+        system.frames.constrained_part(&x, &mut held);
         let mut norm = 0.0;
         for v in 0..x.len() {
             for i in 0..3 {

@@ -157,9 +157,12 @@ fn oblique_edge_moment_keeps_its_size_and_direction() {
         let reaction = reactions(&system, &mut Assembly::new(&system), &outcome.state);
         let (mut force, mut moment) = (Vec3::zeros(), Vec3::zeros());
         for (v, r) in reaction.iter().enumerate() {
-            let (x, r) = (Vec3::from(system.reference[v]) + Vec3::from(outcome.state.u[v]), Vec3::from(*r));
+            let (x, r) = (
+                Vec3::from(system.coordinates.reference[v]) + Vec3::from(outcome.state.u[v]),
+                Vec3::from(*r),
+            );
             moment += x.cross(&r);
-            if system.kinds[v] == VectorKind::Position {
+            if system.coordinates.kinds[v] == VectorKind::Position {
                 force += r;
             }
         }
@@ -201,8 +204,8 @@ fn moment_on_directors_reports_the_share_that_is_lost_as_they_turn() {
     let reports: Vec<&String> = iterations.events.iter().filter(|e| e.contains("is dropped")).collect();
     assert!((1..=7).contains(&reports.len()), "{:?}", iterations.events);
     let lost = mesh.nodes_on("u_max").unwrap().into_iter().map(|n| {
-        let v = system.director_of[n as usize] as usize;
-        let d = Vec3::from(system.reference[v]) + Vec3::from(outcome.state.u[v]);
+        let v = system.coordinates.director_of[n as usize] as usize;
+        let d = Vec3::from(system.coordinates.reference[v]) + Vec3::from(outcome.state.u[v]);
         d.normalize().dot(&Vec3::new(1.0, 1.0, 0.0).normalize()).abs()
     });
     let largest = lost.max_by(f64::total_cmp).unwrap();
@@ -285,20 +288,20 @@ fn circulatory_stiffness_is_the_skew_part_of_all_follower_loads() {
         let k = state_kinematics(&system, &u, 0.9);
         let weights = TangentWeights { stress: 1.0, direction: 0.5, force: 0.8, rate: 0.0 };
         let parts = TangentCoefficients { weights, mass: 0.0, time: 0.9 };
-        let mut numbering = system.numbering.clone();
-        numbering.follow(|v| Vec3::from(system.reference[v]) + Vec3::from(u[v]));
+        let mut frames = system.frames.clone();
+        frames.follow(|v| Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v]));
         let free = |field: &[Nodal]| {
             let mut out = vec![0.0; system.unknowns()];
-            numbering.reduce(field, &mut out);
+            frames.reduce(field, &mut out);
             let mut whole = vec![[0.0; 3]; system.vectors()];
-            numbering.expand(&out, &mut whole);
+            frames.expand(&out, &mut whole);
             (out, whole)
         };
         let ((x, x_whole), (y, y_whole)) = (free(&x), free(&y));
         let mut stiffness = CirculatoryStiffness::new(&system);
         stiffness.take(&system, &k, &parts);
         let mut product = vec![f64::NAN; x.len()];
-        stiffness.product(&numbering, &x, &mut product);
+        stiffness.product(&frames, &x, &mut product);
         let found: f64 = product.iter().zip(&y).map(|(a, b)| a * b).sum();
         // ½ (yᵀ K x − xᵀ K y) with K = −∂f/∂x of all loads.
         let change = |increment: &[Nodal], test: &[Nodal]| {

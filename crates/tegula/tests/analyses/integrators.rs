@@ -85,8 +85,8 @@ fn oscillator(damping: &Damping) -> (Model, f64) {
 fn history(m: &Model, o: &TransientAnalysis) -> Vec<[f64; 3]> {
     let mut notes = Notes::keeping();
     let (system, _) = move_in_time(m, &TransientAnalysis { linear: true, ..o.clone() }, &mut notes);
-    let v = system.position_of[1] as usize;
-    assert_eq!(system.reference[v][0], 1.0);
+    let v = system.coordinates.position_of[1] as usize;
+    assert_eq!(system.coordinates.reference[v][0], 1.0);
     notes.states.iter().map(|s| [s.u[v][0], s.v[v][0], s.a[v][0]]).collect()
 }
 

@@ -29,9 +29,9 @@ fn swing(scheme: Scheme) -> (System, TransientOutcome, Notes) {
 
 /// Largest angle (rad) by which a director has turned.
 fn turned(system: &System, u: &[Nodal]) -> f64 {
-    let directors = (0..system.vectors()).filter(|&v| system.kinds[v] == VectorKind::Director);
+    let directors = (0..system.vectors()).filter(|&v| system.coordinates.kinds[v] == VectorKind::Director);
     let angle = |v: usize| {
-        let d = Vec3::from(system.reference[v]);
+        let d = Vec3::from(system.coordinates.reference[v]);
         d.angle(&(d + Vec3::from(u[v])))
     };
     max_norm(directors.map(angle))
@@ -93,8 +93,8 @@ fn turned_shell(angle: f64) -> (System, nalgebra::Rotation3<f64>, [Vec<Nodal>; 2
     let (mut random, shift) = (Random::new(9), Vec3::new(3.0, -1.0, 2.0));
     let from: Vec<Nodal> = (0..system.vectors()).map(|_| (random.vector() * 1e-3).into()).collect();
     let place = |v: usize| {
-        let x = Vec3::from(system.reference[v]);
-        let moved = if system.kinds[v] == VectorKind::Position { shift } else { Vec3::zeros() };
+        let x = Vec3::from(system.coordinates.reference[v]);
+        let moved = if system.coordinates.kinds[v] == VectorKind::Position { shift } else { Vec3::zeros() };
         (q * (x + Vec3::from(from[v])) + moved - x).into()
     };
     let to = (0..system.vectors()).map(place).collect();
@@ -136,10 +136,10 @@ fn the_tangent_of_a_turned_shell_is_the_turned_tangent() {
         let k = state_kinematics(&system, u, 0.0);
         assembly.forces_and_tangent(&system, &k, &parts, false, None, &mut forces);
         let (mut free, mut out) = (vec![0.0; system.unknowns()], vec![0.0; system.unknowns()]);
-        system.numbering.reduce(x, &mut free);
+        system.frames.reduce(x, &mut free);
         pattern.add_product(&assembly.values, &free, &mut out);
         let mut all = vec![[0.0; 3]; system.vectors()];
-        system.numbering.expand(&out, &mut all);
+        system.frames.expand(&out, &mut all);
         all
     };
     let mut random = Random::new(11);

@@ -32,7 +32,7 @@ impl Problem {
         let mut load = vec![0.0; system.unknowns()];
         let mut field = vec![[0.0; 3]; system.vectors()];
         system.add_dead_loads(1.0, 1.0, &mut field);
-        system.numbering.reduce(&field, &mut load);
+        system.frames.reduce(&field, &mut load);
         let mut assembly = Assembly::new(&system);
         let u = vec![[0.0; 3]; system.vectors()];
         let k = state_kinematics(&system, &u, 1.0);
@@ -72,7 +72,7 @@ impl Problem {
     }
 
     fn solve(&mut self, wanted: &StoppingCriterion) -> Result<(Vec<f64>, Convergence), BddcError> {
-        self.bddc.factor(&self.system.numbering)?;
+        self.bddc.factor(&self.system.frames)?;
         let mut x = self.load.clone();
         let convergence = self.bddc.solve(&mut x, wanted)?;
         Ok((x, convergence))
@@ -172,7 +172,7 @@ fn units_do_not_change_the_iteration() {
 #[test]
 fn too_few_iterations_are_an_error_and_leave_the_right_side() {
     let mut p = problem(&edge_loaded_shell(false, 48, 100.0, 0.0));
-    p.bddc.factor(&p.system.numbering).unwrap();
+    p.bddc.factor(&p.system.frames).unwrap();
     let mut x = p.load.clone();
     match p.bddc.solve(&mut x, &StoppingCriterion { iterations: 3, ..TIGHT }) {
         Err(BddcError::NotConverged { iterations: 3, residual, .. }) => {
@@ -195,8 +195,7 @@ fn what_is_accepted_is_positive_definite() {
         p.bddc.shift(vectors, (0..vectors).map(|v| (v, shift)));
         let found = p.solve(&TIGHT);
         let mut shifted = stiffness.clone();
-        (0..vectors)
-            .for_each(|v| p.system.pattern.add_to_diagonal(v, shift, &p.system.numbering, &mut shifted));
+        (0..vectors).for_each(|v| p.system.pattern.add_to_diagonal(v, shift, &p.system.frames, &mut shifted));
         let mut direct = SparseLdlt::new(&p.pattern).unwrap();
         let negative = direct.factor(&shifted).unwrap().negative;
         match found {
@@ -217,16 +216,16 @@ fn what_is_accepted_is_positive_definite() {
 #[test]
 fn numbers_that_are_none_are_refused() {
     let mut p = problem(&edge_loaded_shell(false, 20, 100.0, 0.0));
-    p.bddc.factor(&p.system.numbering).unwrap();
+    p.bddc.factor(&p.system.frames).unwrap();
     let mut x = vec![f64::NAN; p.load.len()];
     assert_eq!(p.bddc.solve(&mut x, &TIGHT), Err(BddcError::NotFinite));
     let size = p.assemble();
     p.bddc.put(7, &vec![f64::INFINITY; size[7]]);
-    assert_eq!(p.bddc.factor(&p.system.numbering), Err(BddcError::NotFinite));
+    assert_eq!(p.bddc.factor(&p.system.frames), Err(BddcError::NotFinite));
     assert_eq!(p.solve_factored(), Err(BddcError::NotFactored));
     p.assemble();
     p.bddc.shift(p.system.vectors(), std::iter::once((0, f64::NAN)));
-    assert_eq!(p.bddc.factor(&p.system.numbering), Err(BddcError::NotFinite));
+    assert_eq!(p.bddc.factor(&p.system.frames), Err(BddcError::NotFinite));
 }
 
 #[test]
@@ -236,31 +235,31 @@ fn nothing_is_solved_without_the_factors_of_a_whole_matrix() {
     let missing = |missing| Err(BddcError::Incomplete { missing, terms });
     // Assembled, but not factored.
     assert_eq!(p.solve_factored(), Err(BddcError::NotFactored));
-    p.bddc.factor(&p.system.numbering).unwrap();
+    p.bddc.factor(&p.system.frames).unwrap();
     let first = p.solve_factored().unwrap();
     // What was given is used up; the factors are gone with the attempt.
-    assert_eq!(p.bddc.factor(&p.system.numbering), missing(terms));
+    assert_eq!(p.bddc.factor(&p.system.frames), missing(terms));
     assert_eq!(p.solve_factored(), Err(BddcError::NotFactored));
     // Begun, and nothing or a part given.
     p.assemble();
-    p.bddc.factor(&p.system.numbering).unwrap();
+    p.bddc.factor(&p.system.frames).unwrap();
     p.bddc.begin();
     assert_eq!(p.solve_factored(), Err(BddcError::NotFactored));
-    assert_eq!(p.bddc.factor(&p.system.numbering), missing(terms));
+    assert_eq!(p.bddc.factor(&p.system.frames), missing(terms));
     let size = p.assemble();
     p.bddc.begin();
     p.bddc.put(3, &vec![0.0; size[3]]);
-    assert_eq!(p.bddc.factor(&p.system.numbering), missing(terms - 1));
+    assert_eq!(p.bddc.factor(&p.system.frames), missing(terms - 1));
     // An indefinite matrix leaves no factors, and no shift for the next one.
     p.assemble();
     let vectors = p.system.vectors();
     let scale = max_norm(p.pattern.diagonal(&p.values));
     p.bddc.shift(vectors, (0..vectors).map(|v| (v, -scale)));
-    let refused = p.bddc.factor(&p.system.numbering);
+    let refused = p.bddc.factor(&p.system.frames);
     assert!(matches!(refused, Err(BddcError::Indefinite(_))), "{refused:?}");
     assert_eq!(p.solve_factored(), Err(BddcError::NotFactored));
     p.assemble();
-    p.bddc.factor(&p.system.numbering).unwrap();
+    p.bddc.factor(&p.system.frames).unwrap();
     assert_eq!(p.solve_factored().unwrap(), first);
 }
 
@@ -270,7 +269,7 @@ fn nothing_is_solved_that_was_never_given() {
     let mut bddc = system.bddc(&Options::default()).unwrap();
     let mut x = vec![1.0; system.unknowns()];
     assert_eq!(bddc.solve(&mut x, &TIGHT), Err(BddcError::NotFactored));
-    let refused = bddc.factor(&system.numbering);
+    let refused = bddc.factor(&system.frames);
     assert!(matches!(refused, Err(BddcError::Incomplete { missing, terms }) if missing == terms));
 }
 
@@ -278,29 +277,29 @@ fn nothing_is_solved_that_was_never_given() {
 fn what_belongs_to_another_mesh_is_refused() {
     let mut p = problem(&edge_loaded_shell(false, 20, 100.0, 0.0));
     let wrong = |what, found, expected| BddcError::WrongSize { what, found, expected };
-    p.bddc.factor(&p.system.numbering).unwrap();
+    p.bddc.factor(&p.system.frames).unwrap();
     let unknowns = p.load.len();
     assert_eq!(p.bddc.solve(&mut [1.0], &TIGHT), Err(wrong("the right side", 1, unknowns)));
     let size = p.assemble();
     p.bddc.put(size.len(), &[1.0; 9]);
     let refused = wrong("the list of terms", size.len() + 1, size.len());
-    assert_eq!(p.bddc.factor(&p.system.numbering), Err(refused));
+    assert_eq!(p.bddc.factor(&p.system.frames), Err(refused));
     for length in [9, size[7] + 9] {
         p.assemble();
         p.bddc.put(7, &vec![1.0; length]);
-        assert_eq!(p.bddc.factor(&p.system.numbering), Err(wrong("a term", length, size[7])));
+        assert_eq!(p.bddc.factor(&p.system.frames), Err(wrong("a term", length, size[7])));
     }
     let vectors = p.system.vectors();
     for (count, vector) in [(vectors - 1, 0), (vectors, vectors)] {
         p.assemble();
         p.bddc.shift(count, std::iter::once((vector, 1.0)));
-        let refused = p.bddc.factor(&p.system.numbering);
+        let refused = p.bddc.factor(&p.system.frames);
         assert!(matches!(refused, Err(BddcError::WrongSize { expected, .. }) if expected == vectors));
     }
     let (_, other) = compile(&edge_loaded_shell(false, 21, 100.0, 0.0));
     p.assemble();
-    let refused = wrong("the numbering", other.unknowns(), unknowns);
-    assert_eq!(p.bddc.factor(&other.numbering), Err(refused));
+    let refused = wrong("the degree-of-freedom map", other.unknowns(), unknowns);
+    assert_eq!(p.bddc.factor(&other.frames), Err(refused));
 }
 
 /// Entries and operations of the factor of a tangent follow from ordering and supernodes alone: what grows here makes every

@@ -94,7 +94,7 @@ fn a_formula_faster_than_the_motion_is_resolved_by_automatic_steps() {
             let options = TransientAnalysis { scheme, ..TransientAnalysis::new(end) };
             let (system, outcome) = move_in_time(&m, &options, &mut Notes::default());
             let state = &outcome.state;
-            let z = state.u[system.position_of[4] as usize][2];
+            let z = state.u[system.coordinates.position_of[4] as usize][2];
             let exact = 3.0 / 20.0 / omega * (end - (omega * end).sin() / omega);
             println!("{hertz} {scheme:?}: {:e} in {} steps", z / exact - 1.0, state.step);
             assert!((z / exact - 1.0).abs() < 0.03, "{hertz} {scheme:?}: {z} for {exact}");
@@ -151,7 +151,7 @@ fn a_support_moves_as_its_table_says_and_the_energy_balance_closes_over_its_kink
             let max_step = (scheme == EXPLICIT).then_some(0.1 * step);
             let options = TransientAnalysis { scheme, time_step, max_step, ..TransientAnalysis::new(0.4) };
             let (system, _) = move_in_time(&m, &options, &mut notes);
-            let v = system.position_of[0] as usize;
+            let v = system.coordinates.position_of[0] as usize;
             for s in notes.states.iter().filter(|s| s.time > 0.3 + 1e-9) {
                 assert!((s.u[v][2] - 0.002).abs() < 1e-15 && s.v[v][2] == 0.0, "{scheme:?} at {}", s.time);
             }
@@ -188,7 +188,7 @@ fn free_coordinates_keep_their_momentum_where_the_velocity_of_a_support_jumps() 
             let mut momentum = vec![[0.0; 3]; system.vectors()];
             system.pattern.add_mass_product(1.0, &state.v, &mut momentum);
             let mut free = vec![0.0; system.unknowns()];
-            system.numbering.reduce(&momentum, &mut free);
+            system.frames.reduce(&momentum, &mut free);
             let largest = max_norm(momentum.as_flattened());
             assert!(largest > 0.1, "{element:?} {scheme:?}: the supported nodes move");
             assert!(max_norm(&free) <= 1e-12 * largest, "{element:?} {scheme:?}: {free:?}");
@@ -200,14 +200,14 @@ fn free_coordinates_keep_their_momentum_where_the_velocity_of_a_support_jumps() 
             }
             // The equations of motion hold behind the kink, with damping forces that the jump has changed.
             let motion = Motion::State { u: &state.u, velocity: Some(&state.v) };
-            let k = Kinematics::new(&system.reference, motion, system.linear, state.time);
+            let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, state.time);
             let mut rest = vec![[0.0; 3]; system.vectors()];
             let mut assembly = Assembly::new(&system);
             assembly.follow(&system, &k);
             assembly.forces(&system, &k, &mut rest);
             let damping = max_norm(rest.as_flattened());
             system.pattern.add_mass_product(1.0, &state.a, &mut rest);
-            assembly.numbering.reduce(&rest, &mut free);
+            assembly.frames.reduce(&rest, &mut free);
             assert!(damping > 1.0, "{element:?} {scheme:?}: damping acts, {damping:e}");
             assert!(max_norm(&free) <= 1e-9 * damping, "{element:?} {scheme:?}: {:e}", max_norm(&free));
         }

@@ -134,7 +134,8 @@ fn stresses_of_a_mode_are_the_derivative_of_those_of_the_state() {
             let mut assembly = Assembly::new(&system);
             assembly.history.copy_from_slice(&state.history);
             let motion = Motion::State { u: &moved.u, velocity: None };
-            assembly.commit(&system, &Kinematics::new(&system.reference, motion, false, state.time));
+            assembly
+                .commit(&system, &Kinematics::new(&system.coordinates.reference, motion, false, state.time));
             moved.history.copy_from_slice(&assembly.history);
             recovery::recover(&system, &moved)
         };
@@ -200,7 +201,7 @@ fn sturm_count_finds_modes_that_the_blocks_miss() {
 fn forces(system: &System, shape: &[Nodal]) -> Vec<Nodal> {
     let mut out = vec![[0.0; 3]; shape.len()];
     let motion = Motion::State { u: shape, velocity: None };
-    let k = Kinematics::new(&system.reference, motion, true, 0.0);
+    let k = Kinematics::new(&system.coordinates.reference, motion, true, 0.0);
     Assembly::new(system).forces(system, &k, &mut out);
     out
 }
@@ -244,9 +245,9 @@ fn any_number_of_modes_of_a_small_model_is_found() {
             inertia.iter_mut().flatten().for_each(|x| *x *= mode.omega * mode.omega);
             let mut internal = forces(&system, &mode.shape);
             let mut reactions = vec![[0.0; 3]; internal.len()];
-            system.numbering.supported_part(&internal, &mut reactions);
+            system.frames.constrained_part(&internal, &mut reactions);
             internal.iter_mut().flatten().zip(reactions.iter().flatten()).for_each(|(f, r)| *f -= r);
-            system.numbering.supported_part(&inertia.clone(), &mut reactions);
+            system.frames.constrained_part(&inertia.clone(), &mut reactions);
             inertia.iter_mut().flatten().zip(reactions.iter().flatten()).for_each(|(f, r)| *f -= r);
             let scale = top * top * distance(m_shape, &vec![[0.0; 3]; m_shape.len()]);
             let error = distance(&internal, &inertia);

@@ -45,7 +45,7 @@ fn pull(m: &Model) -> (f64, f64, Vec<f64>) {
         .nodes_on("u_max")
         .unwrap()
         .iter()
-        .map(|&n| reactions[system.position_of[n as usize] as usize][0])
+        .map(|&n| reactions[system.coordinates.position_of[n as usize] as usize][0])
         .sum();
     let narrow = displacement(&mesh, &system, &outcome.state.u, "u_max_v_max").y;
     (force, narrow, outcome.state.history.clone())
@@ -130,8 +130,8 @@ fn bent_strips_yield_layer_by_layer() {
         let (mesh, system, outcome) = common::solve(&m);
         // Constant curvature over a length of 1: the tip turns by κ.
         let node = mesh.nodes_on("u_max_v_min").unwrap()[0];
-        let d = system.director_of[node as usize] as usize;
-        let director = Vec3::from(system.reference[d]) + Vec3::from(outcome.state.u[d]);
+        let d = system.coordinates.director_of[node as usize] as usize;
+        let director = Vec3::from(system.coordinates.reference[d]) + Vec3::from(outcome.state.u[d]);
         let angle = director.x.atan2(director.z).abs();
         // Where the section is nearly spent its curvature is a poor measure: the moment that belongs to it is held.
         let ratio = 2.0 * y / (e * h) / angle;
@@ -427,7 +427,7 @@ fn free_heating_of_plastic_elements_leaves_neither_stress_nor_energy() {
         for (temperature, gradient) in [(20.0, 0.0), (20.0, 10.0)] {
             let (mesh, system, outcome) = solve(&heated_strip(element, temperature, gradient));
             let end = mesh.nodes_on("u_max_v_min").unwrap()[0];
-            let u = outcome.state.u[system.position_of[end as usize] as usize];
+            let u = outcome.state.u[system.coordinates.position_of[end as usize] as usize];
             if gradient == 0.0 {
                 // Green–Lagrange strain αT = λ²/2 − 1/2 of 100.
                 let exact = 100.0 * ((1.0 + 2.0 * 2e-4_f64).sqrt() - 1.0);
@@ -458,7 +458,7 @@ fn the_largest_sum_of_loads_that_grow_differently_is_not_passed_over() {
         }
         let (mesh, system, outcome) = solve(&m);
         let end = mesh.nodes_on("u_max_v_min").unwrap()[0];
-        outcome.state.u[system.position_of[end as usize] as usize][0]
+        outcome.state.u[system.coordinates.position_of[end as usize] as usize][0]
     };
     let fine = largest(64);
     assert!(fine > 3.5, "{fine}");

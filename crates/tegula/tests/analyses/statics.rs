@@ -185,8 +185,9 @@ fn the_side_of_the_director_does_not_matter_to_dead_loads() {
     let (mesh, system, outcome) = solve(&m);
     let mesh_reversed = reversed(&mesh);
     let system_reversed = build(&m, &mesh_reversed).unwrap();
-    let v = system.director_of[7] as usize;
-    let flipped = Vec3::from(system_reversed.reference[v]) + Vec3::from(system.reference[v]);
+    let v = system.coordinates.director_of[7] as usize;
+    let flipped =
+        Vec3::from(system_reversed.coordinates.reference[v]) + Vec3::from(system.coordinates.reference[v]);
     assert!(flipped.norm() < 1e-14, "the directors are flipped");
     let other = statics::run(&system_reversed, &static_options(&m), None, &mut Notes::default()).unwrap();
     for set in ["u_max_v_max", "u_max_v_min", "middle"] {
@@ -378,7 +379,8 @@ fn an_equilibrium_with_inverted_elements_is_refused() {
     m.loads = vec![Load::Edge(vector_load("u_max", [-0.1, 0.0, 0.0]))];
     let (_, system) = compile(&m);
     let mut start = State { next_step: 1.0, ..State::at_rest(&system) };
-    for ((u, x), kind) in start.u.iter_mut().zip(&system.reference).zip(&system.kinds) {
+    for ((u, x), kind) in start.u.iter_mut().zip(&system.coordinates.reference).zip(&system.coordinates.kinds)
+    {
         if *kind == VectorKind::Position {
             u[0] = -2.0 * x[0];
         }

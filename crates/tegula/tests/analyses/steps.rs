@@ -214,7 +214,10 @@ fn what_is_fixed_in_a_later_step_stays_where_it_is() {
             if step == 1 {
                 let forces = statics::reactions(system, &mut tegula::system::Assembly::new(system), state);
                 let nodes = generate(&model.mesh).unwrap().nodes_on("u_max").unwrap();
-                pull = nodes.iter().map(|&n| forces[system.position_of[n as usize] as usize][2]).sum();
+                pull = nodes
+                    .iter()
+                    .map(|&n| forces[system.coordinates.position_of[n as usize] as usize][2])
+                    .sum();
             }
         })
         .unwrap();
@@ -378,7 +381,7 @@ fn supports_that_a_static_step_releases_let_go_with_the_load_factor() {
         let tip = mesh.nodes_on("u_max").unwrap()[1];
         let mut path = Vec::new();
         let ends = run(&model, |step, system, state| {
-            let z = state.u[system.position_of[tip as usize] as usize][2];
+            let z = state.u[system.coordinates.position_of[tip as usize] as usize][2];
             if step == 1 {
                 path.push((state.time, z));
             }

@@ -198,7 +198,7 @@ pub fn driven_edge(on: &str, value: f64, amplitude: &str) -> Vec<Condition> {
 pub fn displacement(mesh: &Mesh, system: &System, u: &[Nodal], set: &str) -> Vec3 {
     let nodes = mesh.nodes_on(set).unwrap();
     assert_eq!(nodes.len(), 1, "{set}");
-    Vec3::from(u[system.position_of[nodes[0] as usize] as usize])
+    Vec3::from(u[system.coordinates.position_of[nodes[0] as usize] as usize])
 }
 
 /// Resultant force and moment about the origin of generalised forces at displacements `u`;
@@ -206,8 +206,8 @@ pub fn displacement(mesh: &Mesh, system: &System, u: &[Nodal], set: &str) -> Vec
 pub fn resultant(system: &System, u: &[Nodal], force: &[Nodal]) -> (Vec3, Vec3) {
     let (mut sum, mut moment) = (Vec3::zeros(), Vec3::zeros());
     for (v, f) in force.iter().enumerate() {
-        let (f, x) = (Vec3::from(*f), Vec3::from(system.reference[v]) + Vec3::from(u[v]));
-        if system.kinds[v] == VectorKind::Position {
+        let (f, x) = (Vec3::from(*f), Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v]));
+        if system.coordinates.kinds[v] == VectorKind::Position {
             sum += f;
         }
         moment += x.cross(&f);

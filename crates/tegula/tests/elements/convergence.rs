@@ -74,7 +74,7 @@ fn supported_plate(element: ElementKind, n: u32, distortion: f64) -> Model {
 fn errors(element: ElementKind, n: u32, distortion: f64, (centre, energy): (f64, f64)) -> [f64; 2] {
     let (mesh, system, outcome) = solve(&supported_plate(element, n, distortion));
     let middle = mesh.nearest_node(Vec3::new(0.5 * SIDE, 0.5 * SIDE, 0.0)).unwrap();
-    let w = outcome.state.u[system.position_of[middle as usize] as usize][2];
+    let w = outcome.state.u[system.coordinates.position_of[middle as usize] as usize][2];
     [(w / centre - 1.0).abs(), (outcome.balance.strain / energy - 1.0).abs()]
 }
 

@@ -520,5 +520,5 @@ fn pull(system: &System, mesh: &tegula::Mesh, state: &tegula::analysis::State) -
     assembly.history.copy_from_slice(&state.history);
     let reactions = statics::reactions(system, &mut assembly, state);
     let nodes = mesh.nodes_on("u_max").unwrap();
-    nodes.iter().map(|&n| reactions[system.position_of[n as usize] as usize][0]).sum()
+    nodes.iter().map(|&n| reactions[system.coordinates.position_of[n as usize] as usize][0]).sum()
 }

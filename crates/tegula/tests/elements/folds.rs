@@ -31,7 +31,7 @@ fn deflection(model: &Model, mesh: &Mesh, set: &str) -> (System, [f64; 3]) {
     let Analysis::Static(options) = &model.analysis else { unreachable!() };
     let outcome = statics::run(&system, options, None, &mut Silent).unwrap();
     let node = mesh.nodes_on(set).unwrap()[0];
-    let u = outcome.state.u[system.position_of[node as usize] as usize];
+    let u = outcome.state.u[system.coordinates.position_of[node as usize] as usize];
     (system, u)
 }
 
@@ -320,7 +320,7 @@ fn a_closed_box_bends_as_a_beam() {
             .unwrap();
     // At a corner: between the corners the end of the flanges hangs through under its own share of the load.
     let node = mesh.nearest_node(Vec3::new(0.0, 1.0, 0.0)).unwrap();
-    let u = outcome.state.u[system.position_of[node as usize] as usize][2];
+    let u = outcome.state.u[system.coordinates.position_of[node as usize] as usize][2];
     let h = 0.004;
     let inertia = 2.0 * (h * a.powi(3) / 12.0 + a * h * a * a / 4.0);
     let shear = force / (0.5 * E * 2.0 * h * a);

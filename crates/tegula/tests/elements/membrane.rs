@@ -125,11 +125,11 @@ fn rubber_stays_stable_in_equibiaxial_tension() {
     assert_eq!(outcome.negative_pivots, 0);
     // Homogeneous: inner nodes follow the edges, and the sheet thins by 1/9.
     for (node, x) in mesh.positions.iter().enumerate() {
-        let u = outcome.state.u[system.position_of[node] as usize];
+        let u = outcome.state.u[system.coordinates.position_of[node] as usize];
         for i in 0..2 {
             assert!((u[i] - 2.0 * x[i]).abs() < 1e-6, "node {node}: {u:?}");
         }
-        let d = outcome.state.u[system.director_of[node] as usize];
+        let d = outcome.state.u[system.coordinates.director_of[node] as usize];
         assert!((d[2] + 8.0 / 9.0).abs() < 1e-3, "node {node}: {d:?}");
     }
     assert!((displacement(&mesh, &system, &outcome.state.u, "u_max_v_max").x - 2.0).abs() < 1e-12);

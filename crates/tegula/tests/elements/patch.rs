@@ -89,8 +89,11 @@ fn prescribed(mesh: &mut Mesh, thickness: f64, analysis: StaticAnalysis, field: 
 /// Largest error of positions and of directors over the largest change in the field.
 fn error(system: &System, u: &[[f64; 3]], field: Field) -> (f64, f64) {
     let (mut errors, mut sizes) = ([0.0_f64; 2], [0.0_f64; 2]);
-    for (v, kind) in system.kinds.iter().enumerate() {
-        let x = Vec3::from(system.reference[system.position_of[system.nodes[v] as usize] as usize]);
+    for (v, kind) in system.coordinates.kinds.iter().enumerate() {
+        let x = Vec3::from(
+            system.coordinates.reference
+                [system.coordinates.position_of[system.coordinates.nodes[v] as usize] as usize],
+        );
         let (position, director) = field(x);
         let (i, exact) = match kind {
             VectorKind::Position => (0, position),
@@ -238,7 +241,7 @@ fn rigid_rotation_in_statics() {
     let (_, system, outcome) = common::solve(&m);
     let q = rotation([0.0, 1.0, 0.0], std::f64::consts::PI);
     for v in 0..system.vectors() {
-        let x0 = Vec3::from(system.reference[v]);
+        let x0 = Vec3::from(system.coordinates.reference[v]);
         let x = x0 + Vec3::from(outcome.state.u[v]);
         assert!((x - q * x0).norm() < 1e-9, "{v}: {x:?}");
     }

@@ -88,6 +88,7 @@ fn added_masses_add_up() {
     assert!((system.total_mass() - exact).abs() < 1e-12 * exact);
     // The momentum of a translation is mass times velocity, its energy ½ m v².
     let v: Vec<Nodal> = system
+        .coordinates
         .kinds
         .iter()
         .map(|k| if *k == tegula::system::VectorKind::Position { [1.0, -2.0, 0.5] } else { [0.0; 3] })
@@ -177,8 +178,9 @@ fn follower_pressure_on_a_deformed_surface() {
     let mut random = Random::new(5);
     let u: Vec<Nodal> = (0..system.vectors()).map(|_| (random.vector() * 0.3).into()).collect();
     let (force, _) = resultant(&system, &u, &loads(&system, &u));
-    let current =
-        |n: u32| mesh.positions[n as usize] + Vec3::from(u[system.position_of[n as usize] as usize]);
+    let current = |n: u32| {
+        mesh.positions[n as usize] + Vec3::from(u[system.coordinates.position_of[n as usize] as usize])
+    };
     let loop_area: Vec3 =
         mesh.boundary_edges().into_iter().map(|[a, b]| current(a).cross(&current(b)) * 0.5).sum();
     // The direction of the loop is that of the elements.

@@ -104,7 +104,7 @@ fn statics_do_not_know_units() {
         let mut notes = Notes::default();
         let outcome = statics::run(&system, &static_options(&m), None, &mut notes).unwrap();
         Result {
-            u: dimensionless(&system.kinds, &outcome.state.u, units),
+            u: dimensionless(&system.coordinates.kinds, &outcome.state.u, units),
             energies: vec![outcome.balance.strain * units.energy(), outcome.state.work * units.energy()],
             counts: (outcome.statistics, notes.iterations),
         }
@@ -136,7 +136,7 @@ fn pendulum(scheme: Scheme) {
         assert!(outcome.statistics.steps >= 20, "{:?}", outcome.statistics);
         let b = outcome.balance;
         Result {
-            u: dimensionless(&system.kinds, &outcome.state.u, units),
+            u: dimensionless(&system.coordinates.kinds, &outcome.state.u, units),
             energies: [b.kinetic, b.strain, b.potential, b.dissipated, b.total]
                 .map(|e| e * units.energy())
                 .to_vec(),

@@ -87,7 +87,7 @@ fn deflection(deck: &Deck) -> (f64, Vec<String>) {
     let outcome = statics::run(&prepared.system, options, None, &mut Silent).unwrap();
     let node = prepared.mesh.nearest_node(tegula::Vec3::x()).unwrap();
     let warnings = prepared.warnings.iter().map(|w| format!("{}: {}", w.key, w.message)).collect();
-    (outcome.state.u[prepared.system.position_of[node as usize] as usize][2], warnings)
+    (outcome.state.u[prepared.system.coordinates.position_of[node as usize] as usize][2], warnings)
 }
 
 /// A beam of length 2 and stiffness EI, clamped at both ends, sags by `q 2⁴/384 EI`, and by `q/8 EI` with a cut in its

@@ -77,15 +77,15 @@ impl EnergyMomentum {
         for (a, change) in self.a.iter_mut().zip(change) {
             (0..3).for_each(|i| a[i] += second * change[i]);
         }
-        let numbering = &system.numbering;
-        for prescribed in &numbering.prescribed {
+        let frames = &system.frames;
+        for prescribed in &frames.dofs().prescribed {
             let (n, c) = prescribed.place();
             let rate = prescribed
                 .amplitude
                 .map_or(0.0, |i| prescribed.value * system.amplitudes[i].rate_before(self.time));
-            let mut local = numbering.to_axes(n, self.a[n]);
-            local[c] = (rate - numbering.to_axes(n, self.v_old[n])[c]) / self.dt;
-            self.a[n] = numbering.from_axes(n, local);
+            let mut local = frames.to_local(n, self.a[n]);
+            local[c] = (rate - frames.to_local(n, self.v_old[n])[c]) / self.dt;
+            self.a[n] = frames.to_global(n, local);
         }
         for (n, v) in self.v.iter_mut().enumerate() {
             *v = std::array::from_fn(|i| self.v_old[n][i] + self.dt * self.a[n][i]);
@@ -96,7 +96,7 @@ impl EnergyMomentum {
     /// Work of the reactions over prescribed motions: that of forces over the change of displacement, that of inertia
     /// over Δt ½ (v₀ + v₁), which is the kinetic energy it gives. `internal` are the internal forces.
     fn work_of_supports(&mut self, system: &System, internal: &mut [Nodal], buffer: &mut [Nodal]) -> f64 {
-        if system.numbering.prescribed.is_empty() {
+        if system.dofs().prescribed.is_empty() {
             return 0.0;
         }
         // The reaction is the residual of the equation of motion at the constrained degrees of freedom.
@@ -125,7 +125,7 @@ impl EnergyMomentum {
 impl Equation for EnergyMomentum {
     fn kinematics<'a>(&'a self, system: &'a System) -> Kinematics<'a> {
         let motion = Motion::Step { old: &self.u_old, new: &self.u, dt: self.dt };
-        Kinematics::new(&system.reference, motion, system.linear, self.time - 0.5 * self.dt)
+        Kinematics::new(&system.coordinates.reference, motion, system.linear, self.time - 0.5 * self.dt)
     }
 
     fn parts(&self) -> TangentCoefficients {
@@ -213,7 +213,7 @@ impl Integrator for EnergyMomentum {
         let k = self.kinematics(system);
         let power = assembly.dissipated_power(system, &k)
             + 2.0 * system.mass_damping * system.kinetic_energy(&buffer);
-        if !system.numbering.prescribed.is_empty() {
+        if !system.dofs().prescribed.is_empty() {
             assembly.forces(system, &k, &mut internal);
         }
         let supports = self.work_of_supports(system, &mut internal, &mut buffer);

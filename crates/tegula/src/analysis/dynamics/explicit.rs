@@ -23,8 +23,8 @@ use crate::analysis::State;
 use crate::analysis::statics::state_kinematics;
 use crate::element::{Kinematics, Motion, Nodal};
 use crate::system::assembly::add_follower_loads;
-use crate::system::numbering::CONSTRAINED;
-use crate::system::{Assembly, Numbering, Procedure, System, dot3};
+use crate::system::dof_map::CONSTRAINED;
+use crate::system::{Assembly, LocalFrames, Procedure, System, dot3};
 
 /// Smallest number of nodal vectors that one task moves.
 const GRAIN: usize = 4096;
@@ -65,7 +65,7 @@ impl<'a> Explicit<'a> {
             }
         });
         let zero = vec![[0.0; 3]; n];
-        let moving = if system.numbering.prescribed.is_empty() { Vec::new() } else { zero.clone() };
+        let moving = if system.dofs().prescribed.is_empty() { Vec::new() } else { zero.clone() };
         Ok(Self {
             system,
             assembly: Assembly::new(system),
@@ -85,7 +85,7 @@ impl<'a> Explicit<'a> {
     /// Adds the free accelerations under the unbalanced forces `rest`.
     pub(super) fn accelerate(&self, rest: &[Nodal], a: &mut [Nodal]) {
         for (v, (a, r)) in a.iter_mut().zip(rest).enumerate() {
-            let free = free_acceleration(&self.system.numbering, v, *r, self.mass[v]);
+            let free = free_acceleration(&self.system.frames, v, *r, self.mass[v]);
             for i in 0..3 {
                 a[i] += free[i];
             }
@@ -127,7 +127,7 @@ impl<'a> Explicit<'a> {
 
         let velocity = self.damped.then_some(self.middle.as_slice());
         let motion = Motion::State { u: &state.u, velocity };
-        let k = Kinematics::new(&system.reference, motion, system.linear, end);
+        let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, end);
         self.assembly.forces(system, &k, &mut self.forces);
         self.find_loads(state);
         self.kick(state, dt);
@@ -159,19 +159,19 @@ impl<'a> Explicit<'a> {
 
     /// Velocities at the midpoint of the step that bring the supports to their prescribed positions.
     fn lead_supports(&mut self, u: &[Nodal], dt: f64, end: f64) {
-        let numbering = &self.system.numbering;
+        let frames = &self.system.frames;
         // The buffer of the reactions of two steps ago is reused.
         self.reactions.copy_from_slice(u);
         self.system.prescribe(end, &mut self.reactions);
         for (v, (middle, next)) in self.middle.iter_mut().zip(&self.reactions).enumerate() {
-            let mut local = numbering.to_axes(v, *middle);
-            let change = numbering.to_axes(v, std::array::from_fn(|i| (next[i] - u[v][i]) / dt));
-            for (c, number) in numbering.of(v).into_iter().enumerate() {
+            let mut local = frames.to_local(v, *middle);
+            let change = frames.to_local(v, std::array::from_fn(|i| (next[i] - u[v][i]) / dt));
+            for (c, number) in frames.of(v).into_iter().enumerate() {
                 if number == CONSTRAINED {
                     local[c] = change[c];
                 }
             }
-            *middle = numbering.from_axes(v, local);
+            *middle = frames.to_global(v, local);
         }
     }
 
@@ -179,7 +179,7 @@ impl<'a> Explicit<'a> {
     fn find_forces(&mut self, state: &State) {
         let velocity = self.damped.then_some(state.v.as_slice());
         let motion = Motion::State { u: &state.u, velocity };
-        let k = Kinematics::new(&self.system.reference, motion, self.system.linear, state.time);
+        let k = Kinematics::new(&self.system.coordinates.reference, motion, self.system.linear, state.time);
         self.assembly.forces(self.system, &k, &mut self.forces);
     }
 
@@ -193,14 +193,14 @@ impl<'a> Explicit<'a> {
 
     /// Velocities and accelerations at the end of the step from the forces there.
     fn kick(&self, state: &mut State, dt: f64) {
-        let (numbering, alpha) = (&self.system.numbering, self.system.mass_damping);
+        let (frames, alpha) = (&self.system.frames, self.system.mass_damping);
         let damping = 1.0 + 0.5 * dt * alpha;
         let forces = self.forces.par_iter().zip(&self.loads).zip(&self.mass).zip(&self.middle);
         let rates = state.v.par_iter_mut().zip(&mut state.a);
         rates.zip(forces).with_min_len(GRAIN).enumerate().for_each(
             |(n, ((v, a), (((f, load), m), middle)))| {
                 let rest = std::array::from_fn(|i| load[i] - f[i]);
-                let free = free_acceleration(numbering, n, rest, *m);
+                let free = free_acceleration(frames, n, rest, *m);
                 for i in 0..3 {
                     v[i] = (middle[i] + 0.5 * dt * free[i]) / damping;
                     a[i] = free[i] - alpha * v[i];
@@ -211,13 +211,13 @@ impl<'a> Explicit<'a> {
 
     /// Product a·M a of the free degrees of freedom.
     fn free_inertia(&self, a: &[Nodal]) -> f64 {
-        let numbering = &self.system.numbering;
+        let frames = &self.system.frames;
         let product = |(v, (a, m)): (usize, (&Nodal, &f64))| {
             if self.reactions.is_empty() {
                 return m * dot3(*a, *a);
             }
-            let local = numbering.to_axes(v, *a);
-            let free = |c: &usize| numbering.of(v)[*c] != CONSTRAINED;
+            let local = frames.to_local(v, *a);
+            let free = |c: &usize| frames.of(v)[*c] != CONSTRAINED;
             m * (0..3).filter(free).map(|c| local[c] * local[c]).sum::<f64>()
         };
         a.iter().zip(&self.mass).enumerate().map(product).sum()
@@ -231,7 +231,7 @@ impl<'a> Explicit<'a> {
                 f[i] += self.mass[v] * inertia - self.loads[v][i];
             }
         }
-        self.system.numbering.supported_part(&self.forces, &mut self.reactions);
+        self.system.frames.constrained_part(&self.forces, &mut self.reactions);
     }
 
     /// Adds the work and dissipation of the step that ended, and commits the history variables.
@@ -255,7 +255,7 @@ impl<'a> Explicit<'a> {
         state.work += done + self.assembly.prescribed_strain_work(system, ends.0, ends.1);
         if self.damped || system.mass_damping != 0.0 {
             let motion = Motion::Step { old: &self.u_old, new: &state.u, dt };
-            let k = Kinematics::new(&system.reference, motion, system.linear, end);
+            let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, end);
             let strains = if self.damped { self.assembly.dissipated_power(system, &k) } else { 0.0 };
             state.dissipated +=
                 dt * (strains + 2.0 * system.mass_damping * system.kinetic_energy(&self.middle));
@@ -285,19 +285,19 @@ impl<'a> Explicit<'a> {
         let Some(v) = all.reduce(|a, b| if energy(b) > energy(a) { b } else { a }) else {
             return "the model".into();
         };
-        let node = self.system.nodes[v];
-        let p = self.system.position_of[node as usize] as usize;
-        let [x, y, z] = self.system.reference[p];
+        let node = self.system.coordinates.nodes[v];
+        let p = self.system.coordinates.position_of[node as usize] as usize;
+        let [x, y, z] = self.system.coordinates.reference[p];
         format!("node {} at ({x:.4}, {y:.4}, {z:.4})", self.system.node_label(node))
     }
 }
 
 /// Acceleration of a nodal vector under a force, zero along constrained directions.
 #[inline]
-fn free_acceleration(numbering: &Numbering, vector: usize, force: Nodal, mass: f64) -> Nodal {
-    let mut local = numbering.to_axes(vector, force);
-    for (x, number) in local.iter_mut().zip(numbering.of(vector)) {
+fn free_acceleration(frames: &LocalFrames, vector: usize, force: Nodal, mass: f64) -> Nodal {
+    let mut local = frames.to_local(vector, force);
+    for (x, number) in local.iter_mut().zip(frames.of(vector)) {
         *x = if number == CONSTRAINED { 0.0 } else { *x / mass };
     }
-    numbering.from_axes(vector, local)
+    frames.to_global(vector, local)
 }

@@ -51,7 +51,7 @@ fn fibres(system: &System, shell: usize, u: &[Nodal]) -> [f64; FIBRES] {
     let half = 0.5 * system.sections[shell.section].section.thickness;
     let at = |a: usize| {
         let v = vectors[a] as usize;
-        Vec3::from(system.reference[v]) + Vec3::from(u[v])
+        Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v])
     };
     let mut out = [0.0; FIBRES];
     for (i, &(a, b)) in PAIRS.iter().enumerate() {

@@ -41,7 +41,7 @@ fn change_accelerations(system: &System, newton: &mut Newton, old: &[Nodal], sta
     let (mut behind, mut change) = (vec![[0.0; 3]; old.len()], vec![[0.0; 3]; old.len()]);
     newton.assembly.forces(system, &state_with_rates(system, state), &mut behind);
     let motion = Motion::State { u: &state.u, velocity: Some(old) };
-    let k = Kinematics::new(&system.reference, motion, system.linear, state.time);
+    let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, state.time);
     newton.assembly.forces(system, &k, &mut change);
     for (change, behind) in change.as_flattened_mut().iter_mut().zip(behind.as_flattened()) {
         *change -= behind;
@@ -53,10 +53,10 @@ fn change_accelerations(system: &System, newton: &mut Newton, old: &[Nodal], sta
 /// Adds the response of the mass matrix, with its factor, to forces on free degrees of freedom.
 pub(super) fn add_free_response(system: &System, newton: &mut Newton, forces: &[Nodal], field: &mut [Nodal]) {
     let mut free = vec![0.0; system.unknowns()];
-    newton.assembly.numbering.reduce(forces, &mut free);
+    newton.assembly.frames.reduce(forces, &mut free);
     newton.solver.solve(&mut free);
     let mut response = vec![[0.0; 3]; forces.len()];
-    newton.assembly.numbering.expand(&free, &mut response);
+    newton.assembly.frames.expand(&free, &mut response);
     for (x, change) in field.as_flattened_mut().iter_mut().zip(response.as_flattened()) {
         *x += change;
     }

@@ -18,7 +18,7 @@ use super::{Balance, Observer, State, Statistics, Stepper, statics, stepper};
 use crate::element::{Kinematics, Motion, Nodal};
 use crate::model::{Scheme, TransientAnalysis};
 use crate::system::assembly::add_follower_loads;
-use crate::system::numbering::CONSTRAINED;
+use crate::system::dof_map::CONSTRAINED;
 use crate::system::{Assembly, Procedure, System, VectorKind, dot, dot3};
 use crate::{Result, Vec3};
 pub use amplitude_check::{PassedOver, passed_over};
@@ -152,7 +152,7 @@ fn initial_motion(system: &System) -> State {
     let mut state = State { v: given_velocities(system), a: vec![[0.0; 3]; n], ..State::first(system) };
     // Supports hold from the start: an initial velocity along constrained directions is not possible.
     let mut supported = vec![[0.0; 3]; n];
-    system.numbering.supported_part(&state.v, &mut supported);
+    system.frames.constrained_part(&state.v, &mut supported);
     for (v, s) in state.v.iter_mut().zip(&supported) {
         for i in 0..3 {
             v[i] -= s[i];
@@ -188,7 +188,7 @@ fn unbalanced_forces(system: &System, assembly: &mut Assembly, state: &State) ->
 /// Kinematics of a state with its velocities.
 fn state_with_rates<'a>(system: &'a System, state: &'a State) -> Kinematics<'a> {
     let motion = Motion::State { u: &state.u, velocity: Some(&state.v) };
-    Kinematics::new(&system.reference, motion, system.linear, state.time)
+    Kinematics::new(&system.coordinates.reference, motion, system.linear, state.time)
 }
 
 /// Energies and momenta of a state.
@@ -221,7 +221,7 @@ pub(super) const RESOLUTION: f64 = 1e-10;
 /// Norm of the change of the nodal vectors in a step.
 pub(super) fn step_size(system: &System, from: &[Nodal], to: &[Nodal]) -> f64 {
     let mut sum = 0.0;
-    for (v, kind) in system.kinds.iter().enumerate() {
+    for (v, kind) in system.coordinates.kinds.iter().enumerate() {
         let d: Nodal = std::array::from_fn(|i| to[v][i] - from[v][i]);
         let s = dot3(d, d);
         sum += if *kind == VectorKind::Position { s / (system.length * system.length) } else { s };
@@ -232,17 +232,18 @@ pub(super) fn step_size(system: &System, from: &[Nodal], to: &[Nodal]) -> f64 {
 /// Copies the constrained degrees of freedom of a field: a prediction must not move them.
 pub(super) fn copy_supported(system: &System, from: &[Nodal], to: &mut [Nodal]) {
     for (v, to) in to.iter_mut().enumerate() {
-        if !system.linear && system.unit.get(v) == Some(&true) && system.numbering.is_free(v) {
+        if !system.linear && system.coordinates.inextensible.get(v) == Some(&true) && system.dofs().is_free(v)
+        {
             continue;
         }
-        let old = system.numbering.to_axes(v, from[v]);
-        let mut local = system.numbering.to_axes(v, *to);
-        for (i, number) in system.numbering.of(v).into_iter().enumerate() {
+        let old = system.frames.to_local(v, from[v]);
+        let mut local = system.frames.to_local(v, *to);
+        for (i, number) in system.frames.of(v).into_iter().enumerate() {
             if number == CONSTRAINED {
                 local[i] = old[i];
             }
         }
-        *to = system.numbering.from_axes(v, local);
+        *to = system.frames.to_global(v, local);
     }
     project_unit_vectors(system, to);
 }
@@ -260,9 +261,9 @@ pub(super) fn hold_supported(system: &System, from: &[Nodal], to: &mut [Nodal], 
     if system.linear {
         return;
     }
-    for unit in system.numbering.unit.iter().filter(|unit| unit.fixed.is_none()) {
+    for unit in system.dofs().unit.iter().filter(|unit| unit.fixed.is_none()) {
         let v = unit.vector as usize;
-        let d = Vec3::from(system.reference[v]) + Vec3::from(to[v]);
+        let d = Vec3::from(system.coordinates.reference[v]) + Vec3::from(to[v]);
         moved[v] = (d * d.dot(&Vec3::from(moved[v]))).into();
     }
 }
@@ -272,9 +273,9 @@ pub(super) fn project_unit_vectors(system: &System, u: &mut [Nodal]) {
     if system.linear {
         return;
     }
-    for unit in &system.numbering.unit {
+    for unit in &system.dofs().unit {
         let v = unit.vector as usize;
-        let reference = Vec3::from(system.reference[v]);
+        let reference = Vec3::from(system.coordinates.reference[v]);
         u[v] = (unit.project(reference + Vec3::from(u[v]), &reference) - reference).into();
     }
 }
@@ -282,9 +283,9 @@ pub(super) fn project_unit_vectors(system: &System, u: &mut [Nodal]) {
 /// Projection of rates onto the constraint manifold of inextensible directors d: velocities satisfy v·d = 0, and
 /// accelerations a·d = −v·v. The drift that the integration of the free vectors leaves would grow from step to step.
 pub(super) fn project_rates(system: &System, u: &[Nodal], v: &mut [Nodal], a: &mut [Nodal]) {
-    for unit in &system.numbering.unit {
+    for unit in &system.dofs().unit {
         let i = unit.vector as usize;
-        let mut d = Vec3::from(system.reference[i]);
+        let mut d = Vec3::from(system.coordinates.reference[i]);
         if !system.linear {
             d += Vec3::from(u[i]);
         }

@@ -131,7 +131,7 @@ impl Newmark {
     fn loads(&self, system: &System, time: f64, u: &[Nodal], out: &mut [Nodal]) {
         system.add_dead_loads(time, 1.0, out);
         let motion = Motion::State { u, velocity: None };
-        let k = Kinematics::new(&system.reference, motion, system.linear, time);
+        let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, time);
         add_follower_loads(system, &k, time, 1.0, out);
     }
 }
@@ -140,7 +140,7 @@ impl Equation for Newmark {
     fn kinematics<'a>(&'a self, system: &'a System) -> Kinematics<'a> {
         let velocity = self.damped.then_some(self.v.as_slice());
         let motion = Motion::State { u: &self.u, velocity };
-        Kinematics::new(&system.reference, motion, system.linear, self.time)
+        Kinematics::new(&system.coordinates.reference, motion, system.linear, self.time)
     }
 
     fn parts(&self) -> TangentCoefficients {
@@ -213,7 +213,7 @@ impl Integrator for Newmark {
         if self.alpha_f != 0.0 {
             let velocity = self.damped.then_some(state.v.as_slice());
             let motion = Motion::State { u: &state.u, velocity };
-            let k = Kinematics::new(&system.reference, motion, system.linear, state.time);
+            let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, state.time);
             assembly.forces(system, &k, &mut self.old_rest);
             for (r, f) in self.old_rest.iter_mut().zip(&self.loads_old) {
                 for i in 0..3 {
@@ -259,7 +259,7 @@ impl Integrator for Newmark {
             *mean = std::array::from_fn(|i| (self.u[n][i] - self.u_old[n][i]) / self.dt);
         }
         let motion = Motion::Step { old: &self.u_old, new: &self.u, dt: self.dt };
-        let k = Kinematics::new(&system.reference, motion, system.linear, self.time);
+        let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, self.time);
         let power =
             assembly.dissipated_power(system, &k) + 2.0 * system.mass_damping * system.kinetic_energy(&loads);
         self.buffer = loads;
@@ -284,14 +284,14 @@ impl Newmark {
         k: &Kinematics,
         acceleration: &[Nodal],
     ) {
-        if system.linear || system.numbering.unit.is_empty() {
+        if system.linear || system.dofs().unit.is_empty() {
             return;
         }
         assembly.follow(system, k);
         self.buffer.copy_from_slice(&self.old_rest);
         system.pattern.add_mass_product(-1.0, acceleration, &mut self.buffer);
-        assembly.numbering.supported_part(&self.buffer, &mut self.supported);
-        for unit in &system.numbering.unit {
+        assembly.frames.constrained_part(&self.buffer, &mut self.supported);
+        for unit in &system.dofs().unit {
             let v = unit.vector as usize;
             for i in 0..3 {
                 self.old_rest[v][i] -= self.supported[v][i];
@@ -301,7 +301,7 @@ impl Newmark {
 
     /// Work of the reactions over prescribed motions, by the trapezoidal rule.
     fn work_of_supports(&mut self, system: &System, assembly: &mut Assembly, state: &State) -> f64 {
-        if system.numbering.prescribed.is_empty() {
+        if system.dofs().prescribed.is_empty() {
             return 0.0;
         }
         let mut total = 0.0;
@@ -312,7 +312,7 @@ impl Newmark {
         {
             loads.fill([0.0; 3]);
             let motion = Motion::State { u, velocity: Some(v) };
-            let k = Kinematics::new(&system.reference, motion, system.linear, time);
+            let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, time);
             assembly.forces(system, &k, &mut reaction);
             self.loads(system, time, u, &mut loads);
             system.pattern.add_mass_product(1.0, a, &mut reaction);

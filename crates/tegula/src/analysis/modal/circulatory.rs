@@ -52,12 +52,12 @@ pub(super) fn refuse(
         return Err(Error::Outside("the shifted matrix changed between two factorisations".into()));
     }
     let size = problem.pattern.size();
-    let numbering = &problem.newton.assembly.numbering;
+    let frames = &problem.newton.assembly.frames;
     let reduced: Vec<Vec<f64>> = elastic
         .iter()
         .map(|mode| {
             let mut x = vec![0.0; size];
-            numbering.reduce(&mode.shape, &mut x);
+            frames.reduce(&mode.shape, &mut x);
             x
         })
         .collect();
@@ -65,7 +65,7 @@ pub(super) fn refuse(
         .iter()
         .map(|x| {
             let mut out = vec![0.0; size];
-            skew.product(numbering, x, &mut out);
+            skew.product(frames, x, &mut out);
             out
         })
         .collect();

@@ -97,7 +97,7 @@ impl<'a> Problem<'a> {
             moved[parts.of(v)] |= u.iter().any(|x| *x != 0.0);
         }
         let rests = |part: usize| !strained && !moved[part];
-        let rigid = RigidModes::new(system, u, &parts, &newton.assembly.numbering, rests);
+        let rigid = RigidModes::new(system, u, &parts, &newton.assembly.frames, rests);
         let linear = system.sections.iter().all(|s| s.section.is_linear());
         let mut out = Self {
             system,
@@ -154,7 +154,7 @@ impl<'a> Problem<'a> {
         let n = part_of.len();
         for mode in 0..self.rigid.len() {
             let (mut x, mut m_x) = (vec![0.0; n], vec![0.0; n]);
-            self.newton.assembly.numbering.reduce(&self.rigid.shape(mode, &self.parts), &mut x);
+            self.newton.assembly.frames.reduce(&self.rigid.shape(mode, &self.parts), &mut x);
             self.pattern.add_product(&self.mass, &x, &mut m_x);
             let part = self.rigid.part(mode);
             let rows: Vec<u32> = (0..n as u32).filter(|&i| part_of[i as usize] == part).collect();
@@ -169,11 +169,11 @@ impl<'a> Problem<'a> {
 
     /// Part of each free degree of freedom.
     fn part_of_unknowns(&self) -> Vec<usize> {
-        let numbering = &self.newton.assembly.numbering;
+        let frames = &self.newton.assembly.frames;
         let size = self.pattern.size();
         let mut out = vec![0; size];
         for v in 0..self.system.vectors() {
-            for number in numbering.of(v).into_iter().filter(|&n| (n as usize) < size) {
+            for number in frames.of(v).into_iter().filter(|&n| (n as usize) < size) {
                 out[number as usize] = self.parts.of(v);
             }
         }

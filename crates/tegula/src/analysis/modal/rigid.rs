@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, SMatrix, SymmetricEigen};
 
 use crate::Vec3;
 use crate::element::Nodal;
-use crate::system::numbering::Numbering;
+use crate::system::LocalFrames;
 use crate::system::{System, VectorKind, dot3};
 
 /// Number of rigid motions of a part: t + ω × x of positions, ω × d of directors.
@@ -98,23 +98,23 @@ pub(super) struct RigidModes {
 }
 
 impl RigidModes {
-    /// Rigid modes of a configuration under the supports of `numbering`; parts for which `rests` is false keep their
+    /// Rigid modes of a configuration, for the degrees of freedom of `frames`; parts for which `rests` is false keep their
     /// translations only.
     pub fn new(
         system: &System,
         u: &[Nodal],
         parts: &Parts,
-        numbering: &Numbering,
+        frames: &LocalFrames,
         rests: impl Fn(usize) -> bool,
     ) -> Self {
         let (fields, sizes) = motions(system, u, parts);
         let gram = gram(&fields, parts, |v| mass_products(system, v));
-        let mut free = vec![0.0; numbering.unknowns];
+        let mut free = vec![0.0; frames.dofs().unknowns];
         let supported = |fields: &[Vec<Nodal>]| {
             let rest = |field: &Vec<Nodal>| {
                 let mut out = vec![[0.0; 3]; field.len()];
-                numbering.reduce(field, &mut free);
-                numbering.expand(&free, &mut out);
+                frames.reduce(field, &mut free);
+                frames.expand(&free, &mut out);
                 out.iter_mut().zip(field).for_each(|(o, f)| *o = std::array::from_fn(|i| f[i] - o[i]));
                 out
             };
@@ -160,8 +160,8 @@ impl RigidModes {
 /// Six rigid motions of all parts: unit translations, and rotations about the centres that move the outermost node by
 /// about 1; and the sizes of the parts.
 fn motions(system: &System, u: &[Nodal], parts: &Parts) -> (Vec<Vec<Nodal>>, Vec<f64>) {
-    let current = |v: usize| Vec3::from(system.reference[v]) + Vec3::from(u[v]);
-    let is_position = |v: usize| system.kinds[v] == VectorKind::Position;
+    let current = |v: usize| Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v]);
+    let is_position = |v: usize| system.coordinates.kinds[v] == VectorKind::Position;
     let count = parts.sums(|v| f64::from(u8::from(is_position(v))));
     let sums: [Vec<f64>; 3] =
         std::array::from_fn(|i| parts.sums(|v| if is_position(v) { current(v)[i] } else { 0.0 }));
@@ -226,7 +226,8 @@ fn supports_gram(
     for v in 0..system.vectors() {
         let at: [Nodal; MOTIONS] = std::array::from_fn(|field| kept(field, v));
         let part = parts.of(v);
-        let weight = if system.kinds[v] == VectorKind::Position { 1.0 } else { sizes[part].powi(2) };
+        let weight =
+            if system.coordinates.kinds[v] == VectorKind::Position { 1.0 } else { sizes[part].powi(2) };
         for i in 0..MOTIONS {
             for j in 0..MOTIONS {
                 out[part][(i, j)] += weight * dot3(at[i], at[j]);

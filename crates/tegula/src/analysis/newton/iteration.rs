@@ -11,7 +11,7 @@ use crate::analysis::solver::{Linearization, TangentSolver};
 use crate::element::{Kinematics, Motion, Nodal};
 use crate::model::NewtonMethod;
 use crate::system::assembly::{TangentCoefficients, add_follower_stiffness};
-use crate::system::{Numbering, System, VectorKind, dot};
+use crate::system::{LocalFrames, System, VectorKind, dot};
 
 /// Largest increment over the size of the model; beyond it the iteration diverges.
 const FLIGHT: f64 = 1e4;
@@ -109,7 +109,7 @@ impl<S: TangentSolver> Newton<S> {
                 return Ok(done);
             }
         }
-        let place = largest(system, &self.assembly.numbering, &self.residual);
+        let place = largest(system, &self.assembly.frames, &self.residual);
         let reason = format!("not converged after {} iterations; {place}", tolerances.max_iterations);
         Err((Cause::Iterations, reason))
     }
@@ -207,14 +207,14 @@ impl<S: TangentSolver> Newton<S> {
         if reuse {
             // The constraint force of an inextensible director must not act as a force in the local frame of
             // another state.
-            self.assembly.numbering.free_part(&mut self.residual);
+            self.assembly.frames.free_part(&mut self.residual);
         } else {
-            self.axes.copy_axes(&self.assembly.numbering);
+            self.frames.copy_from(&self.assembly.frames);
         }
         if let Some(rotations) = self.corotational.as_ref().filter(|_| self.turns(reuse)) {
             rotations.turn(system, true, &mut self.residual);
         }
-        self.axes.reduce(&self.residual, &mut self.right_side);
+        self.frames.reduce(&self.residual, &mut self.right_side);
         if self.right_side.iter().all(|r| r.is_finite()) {
             return Ok(());
         }
@@ -244,11 +244,11 @@ impl<S: TangentSolver> Newton<S> {
             let old = setting.reuse || setting.coefficients.mass != 0.0;
             let purpose = if old { Purpose::Contraction } else { Purpose::Increment };
             loads
-                .correct(&mut self.solver, &self.axes, &mut self.solution, purpose)
+                .correct(&mut self.solver, &self.frames, &mut self.solution, purpose)
                 .map_err(tangent_failed)?;
         }
         let energy = self.solution.iter().zip(&self.right_side).map(|(a, b)| a * b).sum::<f64>().abs();
-        expand_free(&self.axes, &self.solution, setting.prescribed, &mut self.increment);
+        expand_free(&self.frames, &self.solution, setting.prescribed, &mut self.increment);
         if let Some(rotations) = self.corotational.as_ref().filter(|_| self.turns(setting.reuse)) {
             rotations.turn(system, false, &mut self.increment);
         }
@@ -302,12 +302,12 @@ impl<S: TangentSolver> Newton<S> {
             self.assembly.extrapolate(system, &k, &self.increment, &setting.coefficients.weights);
         }
         if !system.linear {
-            retract(system, &self.assembly.numbering, &equation.kinematics(system), &mut self.increment);
+            retract(system, &self.assembly.frames, &equation.kinematics(system), &mut self.increment);
         }
         equation.apply(system, &self.increment);
         let norm = system.norm(&self.increment);
         if norm > FLIGHT {
-            let place = largest(system, &self.assembly.numbering, &self.residual);
+            let place = largest(system, &self.assembly.frames, &self.residual);
             let reason =
                 format!("divergence: an increment moved the model by {norm:.1e} times its own size; {place}");
             return Err((Cause::Flight, reason));
@@ -390,7 +390,7 @@ impl<S: TangentSolver> Newton<S> {
             return Ok(true);
         }
         if floor {
-            let place = largest(system, &self.assembly.numbering, &self.residual);
+            let place = largest(system, &self.assembly.frames, &self.residual);
             let energy = format!("energy of the increment {relative:.1e} of the model's");
             return Err((Cause::Stagnation, format!("the iteration stagnates ({energy}); {place}")));
         }
@@ -405,7 +405,7 @@ fn limit_rotation(system: &System, turn: f64, increment: &mut [Nodal]) {
         let length = if *kind == VectorKind::Position { system.length } else { 1.0 };
         dot(&[*d], &[*d]).sqrt() / length
     };
-    let largest = increment.iter().zip(&system.kinds).map(size).fold(0.0, f64::max);
+    let largest = increment.iter().zip(&system.coordinates.kinds).map(size).fold(0.0, f64::max);
     if largest > turn {
         increment.iter_mut().for_each(|d| *d = d.map(|x| x * (turn / largest)));
     }
@@ -413,11 +413,11 @@ fn limit_rotation(system: &System, turn: f64, increment: &mut [Nodal]) {
 
 /// Retraction of the increments of inextensible directors onto the unit sphere, along the great circle (exponential
 /// map).
-fn retract(system: &System, numbering: &Numbering, k: &Kinematics, increment: &mut [Nodal]) {
+fn retract(system: &System, frames: &LocalFrames, k: &Kinematics, increment: &mut [Nodal]) {
     let (Motion::State { u, .. } | Motion::Step { new: u, .. }) = k.motion;
-    for unit in &numbering.unit {
+    for unit in &frames.dofs().unit {
         let v = unit.vector as usize;
-        let reference = Vec3::from(system.reference[v]);
+        let reference = Vec3::from(system.coordinates.reference[v]);
         let d = reference + Vec3::from(u[v]);
         let step = Vec3::from(increment[v]);
         let across = step - d * d.dot(&step);

@@ -128,7 +128,7 @@ impl<S: TangentSolver> Newton<S> {
                 break done?;
             }
         };
-        self.axes.copy_axes(&self.assembly.numbering);
+        self.frames.copy_from(&self.assembly.frames);
         if let Some(loaded) = loaded.filter(|_| moved) {
             loaded.external_minus_inertia(system, &mut self.residual);
             add_follower_stiffness(system, &k, &parts, &self.increment, &mut self.residual);
@@ -155,19 +155,19 @@ impl<S: TangentSolver> Newton<S> {
     /// Solves for the residual, with the unsymmetric tangent if it is `whole`; prescribed degrees of freedom keep their
     /// increment if they have `moved`, else they are at rest. Returns the norm of the increment.
     fn find_response(&mut self, system: &System, moved: bool, whole: bool) -> Result<f64, String> {
-        self.axes.reduce(&self.residual, &mut self.solution);
+        self.frames.reduce(&self.residual, &mut self.solution);
         self.solver.solve_tangent(&mut self.solution)?;
         if let Some(loads) = self.circulatory.as_mut().filter(|_| whole) {
-            loads.correct(&mut self.solver, &self.axes, &mut self.solution, Purpose::Increment)?;
+            loads.correct(&mut self.solver, &self.frames, &mut self.solution, Purpose::Increment)?;
         }
-        expand_free(&self.axes, &self.solution, moved, &mut self.increment);
+        expand_free(&self.frames, &self.solution, moved, &mut self.increment);
         Ok(system.norm(&self.increment))
     }
 }
 
 /// Multiplies displacements by the weights of [`System::norm`].
 pub(super) fn apply_metric(system: &System, field: &mut [Nodal]) {
-    for (x, kind) in field.iter_mut().zip(&system.kinds) {
+    for (x, kind) in field.iter_mut().zip(&system.coordinates.kinds) {
         if *kind == VectorKind::Position {
             *x = x.map(|x| x / (system.length * system.length));
         }

@@ -54,11 +54,11 @@ impl<S: TangentSolver> Newton<S> {
             // xᵀ(K + N) x = xᵀ K x > 0: no eigenvalue has a negative real part.
             return Ok(Stability::Stable);
         }
-        let Self { circulatory, solver, axes, .. } = self;
+        let Self { circulatory, solver, frames, .. } = self;
         let Some(loads) = circulatory.as_mut().filter(|loads| !loads.is_zero()) else {
             return Ok(Stability::Unstable(negative_pivots));
         };
-        let crossings = loads.zero_crossings(solver, axes)?;
+        let crossings = loads.zero_crossings(solver, frames)?;
         // Each crossing changes the number of real negative eigenvalues by one: an odd number is never zero.
         if crossings.is_some_and(|n| (negative_pivots + n) % 2 == 1) {
             return Ok(Stability::Unstable(negative_pivots));
@@ -91,14 +91,14 @@ impl<S: TangentSolver> Newton<S> {
             last = now;
             found.real_negative || without == LOOKS_WITHOUT
         };
-        let Self { solver, axes, circulatory, increment, .. } = self;
+        let Self { solver, frames, circulatory, increment, .. } = self;
         arnoldi.ritz_values(&start, EIGENVALUE_STEPS, &mut looked, |v, out| {
-            expand_free(axes, v, false, increment);
+            expand_free(frames, v, false, increment);
             apply_metric(system, increment);
-            axes.reduce(increment, out);
+            frames.reduce(increment, out);
             solver.solve_tangent(out)?;
             match circulatory {
-                Some(loads) => loads.correct(solver, axes, out, Purpose::Eigenvalues),
+                Some(loads) => loads.correct(solver, frames, out, Purpose::Eigenvalues),
                 None => Ok(()),
             }
         })?;

@@ -56,7 +56,7 @@ pub(super) fn released_energy(
     [first, last, change]: [&mut [Nodal]; 3],
 ) -> f64 {
     let elastic = assembly.history.is_empty() && system.prescribed_strains.is_empty();
-    if !elastic || !system.followers.is_empty() || !system.numbering.prescribed.is_empty() {
+    if !elastic || !system.followers.is_empty() || !system.dofs().prescribed.is_empty() {
         return 0.0;
     }
     // Loads at the middle of the step: in proportion, they are the mean of those at its ends.

@@ -20,9 +20,13 @@ pub(super) fn share(system: &System, u: &[Nodal], time: f64, mode: &[Nodal]) -> 
     if system.yields() {
         return None;
     }
-    let mut k =
-        Kinematics::new(&system.reference, Motion::State { u, velocity: Some(mode) }, system.linear, time);
-    k.unit = &system.unit;
+    let mut k = Kinematics::new(
+        &system.coordinates.reference,
+        Motion::State { u, velocity: Some(mode) },
+        system.linear,
+        time,
+    );
+    k.unit = &system.coordinates.inextensible;
     let (mut with, mut without, mut any) = (0.0, 0.0, false);
     for (number, section) in system.sections.iter().enumerate() {
         let own = stiffness(system, number, section, section.element.as_ref(), &k, mode)?;

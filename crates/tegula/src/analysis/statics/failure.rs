@@ -229,7 +229,7 @@ fn beyond_limit_point(system: &System, options: &StaticAnalysis) -> String {
 
 /// Advice on how to pass a limit point of the path.
 fn past_the_limit(system: &System) -> String {
-    if !system.numbering.prescribed.is_empty() {
+    if !system.dofs().prescribed.is_empty() {
         return "Beyond it the structure snaps even under displacement control (snap-back); a transient analysis with some \
                 damping follows the snap."
             .into();
@@ -262,8 +262,8 @@ fn beyond_bifurcation(options: &StaticAnalysis) -> String {
 /// Size and place of the largest displacement of a field.
 fn place(system: &System, field: &[Nodal]) -> Option<(f64, String)> {
     let size = |v: usize| dot(&[field[v]], &[field[v]]).sqrt();
-    let positions = (0..field.len()).filter(|&v| system.kinds[v] == VectorKind::Position);
+    let positions = (0..field.len()).filter(|&v| system.coordinates.kinds[v] == VectorKind::Position);
     let v = positions.max_by(|&a, &b| size(a).total_cmp(&size(b)))?;
-    let (node, p) = (system.node_label(system.nodes[v]), system.reference[v]);
+    let (node, p) = (system.node_label(system.coordinates.nodes[v]), system.coordinates.reference[v]);
     (size(v) > 0.0).then(|| (size(v), format!("at node {node}, at ({:.4}, {:.4}, {:.4})", p[0], p[1], p[2])))
 }

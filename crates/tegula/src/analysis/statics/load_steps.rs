@@ -83,7 +83,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         }
         // The tangent of a linear model is the same in smaller steps: they cannot help.
         let cutbacks = if system.linear { 0 } else { options.max_cutbacks as i32 };
-        let moved = !system.numbering.prescribed.is_empty();
+        let moved = !system.dofs().prescribed.is_empty();
         Self {
             tolerances: Tolerances {
                 energy: ENERGY_TOLERANCE,

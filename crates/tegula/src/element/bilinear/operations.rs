@@ -52,7 +52,8 @@ fn counted(mesh: MeshSource, element: ElementKind, arch: Option<Arch>) -> [f64; 
     let group = &system.groups[0];
     assert_eq!(group.len(), ELEMENTS);
     let u = vec![[1e-3; 3]; system.vectors()];
-    let k = Kinematics::new(&system.reference, Motion::State { u: &u, velocity: None }, false, 0.0);
+    let k =
+        Kinematics::new(&system.coordinates.reference, Motion::State { u: &u, velocity: None }, false, 0.0);
     let vectors = group.vectors_per_element();
     let mut forces = vec![0.0; ELEMENTS * 3 * vectors];
     let mut blocks = vec![0.0; ELEMENTS * 9 * vectors * (vectors + 1) / 2];

@@ -115,7 +115,7 @@ fn pure_bending_gives_the_moment_and_pulls_one_side() {
     }
     let mesh = generate(&model.mesh).unwrap();
     let (system, outcome) = solve(&mesh, &model);
-    let tip = system.position_of[mesh.nodes_on("u_max_v_max").unwrap()[0] as usize] as usize;
+    let tip = system.coordinates.position_of[mesh.nodes_on("u_max_v_max").unwrap()[0] as usize] as usize;
     assert!(outcome.state.u[tip][2] < 0.0, "the strip bends downwards");
     for r in recover(&system, &outcome.state) {
         near(r.bending[0], -3.0, 3.0, "m_xx");

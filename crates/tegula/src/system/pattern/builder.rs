@@ -3,7 +3,8 @@
 use rayon::prelude::*;
 
 use super::{BATCH, Batch, Pattern, Source, Target, Task, rows_below};
-use crate::system::numbering::{CONSTRAINED, Numbering};
+use crate::system::LocalFrames;
+use crate::system::dof_map::CONSTRAINED;
 use crate::{Error, Result};
 
 /// Smallest number of blocks of a task: it ends with the block column in which it reaches as many.
@@ -91,7 +92,7 @@ impl PatternBuilder {
     ///
     /// # Errors
     /// The elements couple more pairs of nodal vectors than can be numbered.
-    pub fn build(mut self, vectors: usize, numbering: &Numbering) -> Result<Pattern> {
+    pub fn build(mut self, vectors: usize, frames: &LocalFrames) -> Result<Pattern> {
         self.end_batch();
         self.entries = Vec::new();
         self.masses.sort_by_key(|m| m.0);
@@ -127,7 +128,7 @@ impl PatternBuilder {
         let mut tail_start = Vec::with_capacity(vectors + 1);
         let mut column_pointers = Vec::new();
         let mut value_start = Vec::with_capacity(vectors);
-        column_pointers.reserve_exact(if self.tangent { numbering.unknowns + 1 } else { 1 });
+        column_pointers.reserve_exact(if self.tangent { frames.dofs().unknowns + 1 } else { 1 });
         column_pointers.push(0);
         let mut values = 0;
         for j in (0..vectors).filter(|_| self.tangent) {
@@ -135,7 +136,7 @@ impl PatternBuilder {
             tail_start.push(tail.len() as u32);
             let rows = &row[column_start[j] as usize..column_start[j + 1] as usize];
             let free =
-                |i: u32| numbering.of(i as usize).into_iter().filter(|&r| r != CONSTRAINED).count() as u32;
+                |i: u32| frames.of(i as usize).into_iter().filter(|&r| r != CONSTRAINED).count() as u32;
             if rows.iter().any(|&i| free(i) < 3) {
                 let mut below: u32 = rows.iter().map(|&i| free(i)).sum();
                 for &i in rows {
@@ -143,8 +144,8 @@ impl PatternBuilder {
                     below -= free(i);
                 }
             }
-            for number in numbering.of(j).into_iter().filter(|&n| n != CONSTRAINED) {
-                values += rows_below(rows, numbering, number).count();
+            for number in frames.of(j).into_iter().filter(|&n| n != CONSTRAINED) {
+                values += rows_below(rows, frames, number).count();
                 column_pointers.push(values);
             }
         }
@@ -154,7 +155,7 @@ impl PatternBuilder {
         let mut met = vec![false; keys.len()];
         let mut batches = Vec::with_capacity(self.batches.len());
         for (mut batch, of_batch) in self.batches {
-            batch.aim(&of_batch, (&keys, &column_start, numbering), &mut met);
+            batch.aim(&of_batch, (&keys, &column_start, frames), &mut met);
             batch.divide(&of_batch, &value_start);
             batches.push(batch);
         }
@@ -178,7 +179,7 @@ impl Batch {
     fn aim(
         &mut self,
         wanted: &[u64],
-        (keys, column_start, numbering): (&[u64], &[u32], &Numbering),
+        (keys, column_start, frames): (&[u64], &[u32], &LocalFrames),
         met: &mut [bool],
     ) {
         self.targets = wanted
@@ -190,7 +191,7 @@ impl Batch {
                 let block = start + keys[start..end].partition_point(|&k| k < key);
                 let first = !std::mem::replace(&mut met[block], true);
                 let (i, j) = (key as u32 as usize, column as usize);
-                Target::new(block, first, numbering.is_plain(i) && numbering.is_plain(j))
+                Target::new(block, first, frames.is_plain(i) && frames.is_plain(j))
             })
             .collect();
     }

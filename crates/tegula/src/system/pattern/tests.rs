@@ -1,6 +1,6 @@
 use super::*;
 use crate::Vec3;
-use crate::system::numbering::Support;
+use crate::system::supports::Support;
 
 /// Reproducible numbers in −1…1.
 struct Random(u64);
@@ -23,7 +23,7 @@ fn quads(n: u32) -> Vec<[u32; 4]> {
 }
 
 /// Vectors in turn free, wholly constrained, constrained along an axis and along an inclined direction.
-fn numbering(vectors: usize) -> Numbering {
+fn frames(vectors: usize) -> LocalFrames {
     let support = |vector, direction| Support { vector, direction, motion: None, key: String::new() };
     let supports = [
         support(0, Vec3::x()),
@@ -32,7 +32,7 @@ fn numbering(vectors: usize) -> Numbering {
         support(5, Vec3::y()),
         support(90, Vec3::new(0.6, 0.0, 0.8)),
     ];
-    Numbering::new(vectors, &supports, &Default::default(), &vec![[0.0; 3]; vectors]).unwrap()
+    LocalFrames::new(&supports, &Default::default(), &vec![[0.0; 3]; vectors]).unwrap()
 }
 
 /// Sums elements in two batches, and compares with the dense matrix of the global degrees of freedom, rotated to the
@@ -41,7 +41,7 @@ fn compare(with_mass: bool) {
     let n = 16;
     let vectors = (n * n) as usize;
     let elements = quads(n);
-    let numbering = numbering(vectors);
+    let frames = frames(vectors);
     let mut random = Random(1);
     let mass: Vec<f64> = (0..10).map(|_| if with_mass { random.next() } else { 0.0 }).collect();
     let factor = 0.7;
@@ -53,7 +53,7 @@ fn compare(with_mass: bool) {
     }
     let lonely = (3, 100, if with_mass { 2.5 } else { 0.0 });
     builder.mass(lonely.0, lonely.1, lonely.2);
-    let pattern = builder.build(vectors, &numbering).unwrap();
+    let pattern = builder.build(vectors, &frames).unwrap();
     assert_eq!(pattern.mass.is_empty(), !with_mass);
     assert_eq!(pattern.alone.len(), usize::from(with_mass));
     assert!(pattern.batches.iter().any(|p| p.tasks.len() > 1));
@@ -68,7 +68,7 @@ fn compare(with_mass: bool) {
         }
     };
     add_mass(lonely.0, lonely.1, lonely.2);
-    pattern.begin(factor, &numbering, &mut values);
+    pattern.begin(factor, &frames, &mut values);
     for (batch, half) in [halves.0, halves.1].into_iter().enumerate() {
         let mut buffer = Vec::new();
         for element in half {
@@ -93,18 +93,18 @@ fn compare(with_mass: bool) {
                 }
             }
         }
-        pattern.add(batch, &buffer, factor, &numbering, &mut values);
+        pattern.add(batch, &buffer, factor, &frames, &mut values);
     }
     let mut mass_values = vec![f64::NAN; pattern.values()];
-    pattern.mass_values(&numbering, &mut mass_values);
+    pattern.mass_values(&frames, &mut mass_values);
 
     let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let free: Vec<(usize, Nodal)> = (0..vectors)
         .flat_map(|v| (0..3).map(move |c| (v, c)))
-        .filter(|&(v, c)| numbering.of(v)[c] != CONSTRAINED)
-        .map(|(v, c)| (v, numbering.from_axes(v, unit[c])))
+        .filter(|&(v, c)| frames.of(v)[c] != CONSTRAINED)
+        .map(|(v, c)| (v, frames.to_global(v, unit[c])))
         .collect();
-    let compressed = pattern.compressed(&numbering);
+    let compressed = pattern.compressed(&frames);
     for (q, &(w, d)) in free.iter().enumerate() {
         let mut x = vec![0.0; free.len()];
         x[q] = 1.0;
@@ -134,8 +134,8 @@ fn without_mass_none_is_kept() {
 
 #[test]
 fn mass_may_be_given_where_there_was_none() {
-    let numbering = Numbering::new(2, &[], &Default::default(), &[[0.0; 3]; 2]).unwrap();
-    let mut pattern = PatternBuilder::new(false).build(2, &numbering).unwrap();
+    let frames = LocalFrames::new(&[], &Default::default(), &[[0.0; 3]; 2]).unwrap();
+    let mut pattern = PatternBuilder::new(false).build(2, &frames).unwrap();
     let mut out = [[0.0; 3]; 2];
     pattern.add_mass_product(1.0, &[[1.0; 3]; 2], &mut out);
     pattern.for_each_mass(|i, j, m| panic!("{i} {j} {m}"));

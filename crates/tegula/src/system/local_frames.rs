@@ -1,0 +1,185 @@
+//! Local frames of the nodal vectors in a state: transformation between fields and free degrees of freedom.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use super::dof_map::{CONSTRAINED, DofMap, Prescribed};
+use super::supports::{Conflict, Support, constrain};
+use crate::element::Nodal;
+use crate::{Mat3, Vec3};
+
+/// Local frames of the nodal vectors in a state, with the degree-of-freedom map that they share with the system.
+///
+/// The degrees of freedom of a nodal vector are its components along the axes of its frame: the global axes, axes along
+/// and across an inclined support, or, for an inextensible director, tangents of the sphere on which it moves. These last
+/// ones [follow](Self::follow) the director, so that each solver owns the frames of the state at which it linearises.
+#[derive(Debug, Clone)]
+pub struct LocalFrames {
+    /// Degree-of-freedom map.
+    dofs: Arc<DofMap>,
+    /// Frames (axes as columns) of the vectors that have one; empty if none has.
+    frames: Vec<Option<Mat3>>,
+}
+
+impl LocalFrames {
+    /// Degree-of-freedom map of the nodal vectors `reference` under the given supports, and their frames; the vectors of
+    /// `unit` are inextensible unless they are fully constrained.
+    ///
+    /// # Errors
+    /// Supports that prescribe the same component differently.
+    pub fn new(
+        supports: &[Support],
+        unit: &BTreeSet<u32>,
+        reference: &[Nodal],
+    ) -> Result<Self, Vec<Conflict>> {
+        let (dofs, frames) = constrain(supports, unit, reference)?;
+        Ok(Self { dofs: Arc::new(dofs), frames })
+    }
+
+    /// Degree-of-freedom map.
+    pub fn dofs(&self) -> &Arc<DofMap> {
+        &self.dofs
+    }
+
+    /// Numbers of the three degrees of freedom of a vector, [`CONSTRAINED`] for those that are not free.
+    #[inline]
+    pub fn of(&self, vector: usize) -> [u32; 3] {
+        self.dofs.of(vector)
+    }
+
+    /// Starts an analysis step at the displacements `u`: prescribed degrees of freedom continue from there, and fixed ones
+    /// stay there.
+    pub fn start_at(&mut self, reference: &[Nodal], u: &[Nodal]) {
+        let current = |v: usize| Vec3::from(reference[v]) + Vec3::from(u[v]);
+        self.follow(current);
+        let mut held: BTreeMap<u32, Prescribed> = BTreeMap::new();
+        for (v, value) in u.iter().enumerate() {
+            let (local, numbers) = (self.to_local(v, *value), self.of(v));
+            for (c, start) in local.into_iter().enumerate().filter(|(_, x)| *x != 0.0) {
+                let dof = (3 * v + c) as u32;
+                if numbers[c] == CONSTRAINED {
+                    held.insert(dof, Prescribed { dof, value: 0.0, amplitude: None, start, held: true });
+                }
+            }
+        }
+        let dofs = Arc::make_mut(&mut self.dofs);
+        for unit in &mut dofs.unit {
+            let v = unit.vector;
+            held.retain(|dof, _| dof / 3 != v);
+            unit.held = unit.fixed.map(|axis| axis.dot(&current(v as usize)));
+        }
+        for prescribed in &mut dofs.prescribed {
+            prescribed.start = held.remove(&prescribed.dof).map_or(0.0, |h| h.start);
+        }
+        dofs.prescribed.extend(held.into_values());
+    }
+
+    /// Rotates the local frames of inextensible directors to their present values.
+    pub fn follow(&mut self, value: impl Fn(usize) -> Vec3) {
+        for unit in &self.dofs.unit {
+            self.frames[unit.vector as usize] = Some(unit.axes(&value(unit.vector as usize)));
+        }
+    }
+
+    /// Copies the local frames of the vectors from another state.
+    pub fn copy_from(&mut self, other: &Self) {
+        if !self.dofs.unit.is_empty() {
+            self.frames.copy_from_slice(&other.frames);
+        }
+    }
+
+    /// Local frame (axes as columns) of a vector that has one.
+    #[inline]
+    pub fn frame(&self, vector: usize) -> Option<&Mat3> {
+        self.frames.get(vector)?.as_ref()
+    }
+
+    /// Whether all degrees of freedom of a vector are free and along the global axes.
+    pub fn is_plain(&self, vector: usize) -> bool {
+        self.frame(vector).is_none() && self.of(vector).iter().all(|&n| n != CONSTRAINED)
+    }
+
+    /// Components of a field in the local frame of a vector.
+    pub fn to_local(&self, vector: usize, value: Nodal) -> Nodal {
+        match self.frame(vector) {
+            None => value,
+            Some(q) => (q.transpose() * Vec3::from(value)).into(),
+        }
+    }
+
+    /// Global components from those in the local frame of a vector.
+    pub fn to_global(&self, vector: usize, value: Nodal) -> Nodal {
+        match self.frame(vector) {
+            None => value,
+            Some(q) => (q * Vec3::from(value)).into(),
+        }
+    }
+
+    /// Rotates a block of a matrix (by rows) to the local frames of its vectors: `Qᵢᵀ K Qⱼ`.
+    #[inline]
+    pub fn rotate(&self, k: &mut [f64; 9], i: usize, j: usize) {
+        let (q_i, q_j) = (self.frame(i), self.frame(j));
+        if q_i.is_none() && q_j.is_none() {
+            return;
+        }
+        let mut m = Mat3::from_row_slice(k);
+        if let Some(q) = q_i {
+            m = q.transpose() * m;
+        }
+        if let Some(q) = q_j {
+            m *= q;
+        }
+        for r in 0..3 {
+            for c in 0..3 {
+                k[3 * r + c] = m[(r, c)];
+            }
+        }
+    }
+
+    /// Free degrees of freedom of a field.
+    pub fn reduce(&self, field: &[Nodal], free: &mut [f64]) {
+        for (v, value) in field.iter().enumerate() {
+            let local = self.to_local(v, *value);
+            for (number, x) in self.of(v).into_iter().zip(local) {
+                if number != CONSTRAINED {
+                    free[number as usize] = x;
+                }
+            }
+        }
+    }
+
+    /// Field of given free degrees of freedom, zero where constrained.
+    pub fn expand(&self, free: &[f64], field: &mut [Nodal]) {
+        for (v, value) in field.iter_mut().enumerate() {
+            let local = self.of(v).map(|n| if n == CONSTRAINED { 0.0 } else { free[n as usize] });
+            *value = self.to_global(v, local);
+        }
+    }
+
+    /// Part of a field along constrained degrees of freedom (reactions of a residual).
+    pub fn constrained_part(&self, field: &[Nodal], out: &mut [Nodal]) {
+        for (v, (value, out)) in field.iter().zip(out).enumerate() {
+            let mut local = self.to_local(v, *value);
+            for (number, x) in self.of(v).into_iter().zip(&mut local) {
+                if number != CONSTRAINED {
+                    *x = 0.0;
+                }
+            }
+            *out = self.to_global(v, local);
+        }
+    }
+
+    /// Removes from inextensible directors the part of a field along constrained degrees of freedom.
+    pub fn free_part(&self, field: &mut [Nodal]) {
+        for unit in &self.dofs.unit {
+            let v = unit.vector as usize;
+            let mut local = self.to_local(v, field[v]);
+            for (number, x) in self.of(v).into_iter().zip(&mut local) {
+                if number == CONSTRAINED {
+                    *x = 0.0;
+                }
+            }
+            field[v] = self.to_global(v, local);
+        }
+    }
+}
