@@ -9,9 +9,9 @@ use std::hint::black_box;
 
 use common::loaded_quarter_cylinder;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use tegula::analysis::statics::state_kinematics;
 use tegula::element::{TangentRequest, TangentWeights};
 use tegula::model::ElementKind;
+use tegula::system::EvaluationPoint;
 
 fn elements(c: &mut Criterion) {
     // This thread is the pool: no time is spent between threads.
@@ -26,7 +26,7 @@ fn elements(c: &mut Criterion) {
         let mut blocks = vec![0.0; 9 * m * (m + 1) / 2 * shells.len()];
         let stress = vec![1e-3; shells.stresses_per_element() * shells.len()];
         let weights = TangentWeights::STATIC;
-        let k = state_kinematics(&system, &u, 1.0);
+        let k = EvaluationPoint::at_rest(&system, &u, 1.0, &[]).of_group(&system, 0, &[]);
         let mut group = c.benchmark_group(format!("kernel-{n}x{n}"));
         group.throughput(Throughput::Elements(shells.len() as u64));
         group.bench_function("force", |b| {

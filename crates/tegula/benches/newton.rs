@@ -9,11 +9,11 @@ use std::hint::black_box;
 
 use common::{compile, loaded_quarter_cylinder, pendulum};
 use criterion::{Criterion, criterion_group, criterion_main};
-use tegula::analysis::statics::state_kinematics;
 use tegula::analysis::{Silent, dynamics};
 use tegula::element::TangentWeights;
 use tegula::model::{Analysis, ElementKind, Model, TransientAnalysis};
 use tegula::system::Assembly;
+use tegula::system::EvaluationPoint;
 use tegula::system::assembly::TangentCoefficients;
 use tegula_sparse::{Factor, SparseLdlt};
 
@@ -25,7 +25,7 @@ fn iteration(c: &mut Criterion) {
     let mut forces = vec![[0.0; 3]; system.vectors()];
     let weights = TangentWeights::STATIC;
     let parts = TangentCoefficients { weights, mass: 0.0, time: 1.0 };
-    let k = state_kinematics(&system, &u, 1.0);
+    let k = EvaluationPoint::at_rest(&system, &u, 1.0, &[]);
     let mut group = c.benchmark_group(format!("newton-{n}x{n}"));
     group.sample_size(20);
     group.bench_function("force", |b| b.iter(|| assembly.forces(&system, black_box(&k), &mut forces)));
@@ -36,7 +36,7 @@ fn iteration(c: &mut Criterion) {
         b.iter(|| assembly.forces_and_tangent(&system, black_box(&k), &parts, true, None, &mut forces));
     });
     let zero = vec![[0.0; 3]; system.vectors()];
-    let k = state_kinematics(&system, &zero, 1.0);
+    let k = EvaluationPoint::at_rest(&system, &zero, 1.0, &[]);
     assembly.forces_and_tangent(&system, &k, &parts, false, None, &mut forces);
     let pattern = system.tangent_pattern();
     let mut solver = SparseLdlt::new(&pattern).unwrap();

@@ -20,10 +20,10 @@ mod common;
 use std::time::Instant;
 
 use common::loaded_quarter_cylinder;
-use tegula::analysis::statics::state_kinematics;
 use tegula::element::TangentWeights;
 use tegula::model::ElementKind;
 use tegula::system::Assembly;
+use tegula::system::EvaluationPoint;
 use tegula::system::assembly::TangentCoefficients;
 use tegula_sparse::{Factor, SparseLdlt};
 
@@ -41,7 +41,7 @@ fn main() {
     let mut forces = u.clone();
     let weights = TangentWeights::STATIC;
     let parts = TangentCoefficients { weights, mass: 0.0, time: 1.0 };
-    let k = state_kinematics(&system, &u, 1.0);
+    let k = EvaluationPoint::at_rest(&system, &u, 1.0, &[]);
     assembly.forces_and_tangent(&system, &k, &parts, false, None, &mut forces);
     let pattern = system.tangent_pattern();
     let (pointers, rows) = pattern.columns();

@@ -21,10 +21,11 @@ use common::{compile, model, plate};
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
 use faer::sparse::{SparseColMat, Triplet};
-use tegula::analysis::statics::{self, state_kinematics};
+use tegula::analysis::statics;
 use tegula::analysis::{Observer, Step};
 use tegula::element::TangentWeights;
 use tegula::model::*;
+use tegula::system::EvaluationPoint;
 use tegula::system::assembly::{TangentCoefficients, add_follower_loads};
 use tegula::system::{Assembly, CirculatoryStiffness};
 use tegula_sparse::{Factor, SparseLdlt};
@@ -69,15 +70,15 @@ fn main() {
 
         let weights = TangentWeights::STATIC;
         let parts = TangentCoefficients { weights, mass: 0.0, time: 1.0 };
-        let k = state_kinematics(&system, &outcome.state.u, 1.0);
+        let k = EvaluationPoint::at_rest(&system, &outcome.state.u, 1.0, &[]);
         let mut assembly = Assembly::new(&system);
         assembly.follow(&system, &k);
         let (mut forces, mut loads) = (vec![[0.0; 3]; system.vectors()], vec![[0.0; 3]; system.vectors()]);
         assembly.forces_and_tangent(&system, &k, &parts, false, None, &mut forces);
-        add_follower_loads(&system, &k, 1.0, 1.0, &mut loads);
+        add_follower_loads(&system, &k.motion, 1.0, 1.0, &mut loads);
         assembly.add_curvature(&system, &k, &weights, &loads);
         let mut skew = CirculatoryStiffness::new(&system);
-        skew.take(&system, &k, &parts);
+        skew.take(&system, &k.motion, &parts);
 
         let pattern = system.tangent_pattern();
         let mut solver = SparseLdlt::new(&pattern).unwrap();

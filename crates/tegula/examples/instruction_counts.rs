@@ -14,9 +14,9 @@ mod common;
 use std::hint::black_box;
 
 use common::loaded_quarter_cylinder;
-use tegula::analysis::statics::state_kinematics;
 use tegula::element::TangentWeights;
 use tegula::model::ElementKind;
+use tegula::system::EvaluationPoint;
 use tegula::system::assembly::TangentCoefficients;
 use tegula::system::{Assembly, System};
 
@@ -36,7 +36,7 @@ fn repeat(system: &System, part: &str, times: usize) {
     let mut forces = vec![[0.0; 3]; system.vectors()];
     let weights = TangentWeights::STATIC;
     let parts = TangentCoefficients { weights, mass: 0.0, time: 1.0 };
-    let k = state_kinematics(system, &u, 1.0);
+    let k = EvaluationPoint::at_rest(system, &u, 1.0, &[]);
     for _ in 0..times {
         match part {
             "force" => assembly.forces(system, black_box(&k), &mut forces),

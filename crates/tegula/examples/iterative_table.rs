@@ -18,10 +18,10 @@ mod growth;
 use common::{compile, edge_loaded_shell};
 use growth::refuse;
 use tegula::System;
-use tegula::analysis::statics::state_kinematics;
 use tegula::bddc::{Convergence, Options, StoppingCriterion};
 use tegula::element::TangentWeights;
 use tegula::system::Assembly;
+use tegula::system::EvaluationPoint;
 use tegula::system::assembly::TangentCoefficients;
 use tegula_sparse::{Factor as _, SparseLdlt};
 
@@ -72,7 +72,7 @@ fn solve(system: &System) -> (Convergence, f64) {
 
     let weights = TangentWeights::STATIC;
     let parts = TangentCoefficients { weights, mass: 0.0, time: 1.0 };
-    let k = state_kinematics(system, &u, 1.0);
+    let k = EvaluationPoint::at_rest(system, &u, 1.0, &[]);
     let mut assembly = Assembly::new(system);
     let mut pieces = system.bddc(&Options::default()).unwrap();
     pieces.begin();

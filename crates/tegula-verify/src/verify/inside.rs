@@ -135,7 +135,6 @@ fn balloon_pressures(element: ElementKind, n: u32, stretches: &[f64]) -> Result<
             state.next_step = 1.0;
             let outcome = statics::run(&system, &options, Some(state), &mut Silent)?;
             let mut assembly = Assembly::new(&system);
-            assembly.history.copy_from_slice(&outcome.state.history);
             let reactions = statics::reactions(&system, &mut assembly, &outcome.state);
             let work = |node: &u32| {
                 let v = system.coordinates.position_of[*node as usize] as usize;

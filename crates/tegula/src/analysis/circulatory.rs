@@ -17,7 +17,7 @@
 //! are above 1.
 
 use super::solver::TangentSolver;
-use crate::element::Kinematics;
+use crate::element::Motion;
 use crate::system::assembly::TangentCoefficients;
 use crate::system::{CirculatoryStiffness, LocalFrames, System};
 use tegula_sparse::gmres::{Gmres, noise, norm, project_out};
@@ -141,8 +141,8 @@ impl CirculatoryLoads {
     }
 
     /// Computes the circulatory stiffness that belongs to a tangent.
-    pub fn take(&mut self, system: &System, k: &Kinematics, parts: &TangentCoefficients) {
-        self.operator.stiffness.take(system, k, parts);
+    pub fn take(&mut self, system: &System, motion: &Motion, parts: &TangentCoefficients) {
+        self.operator.stiffness.take(system, motion, parts);
     }
 
     /// Begins a step: the strength of the loads has to be found again.

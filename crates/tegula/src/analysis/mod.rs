@@ -12,8 +12,8 @@ pub mod stepper;
 pub mod stops;
 
 use crate::Result;
-use crate::element::Nodal;
-use crate::system::{StepStart, System};
+use crate::element::{Motion, Nodal};
+use crate::system::{EvaluationPoint, StepStart, System};
 use lagged_tangent::LaggedTangent;
 pub use newton::Stability;
 pub use stepper::Stepper;
@@ -79,6 +79,17 @@ impl State {
     pub fn at_rest(system: &System) -> Self {
         let history = system.groups.iter().map(|g| g.len() * g.history_per_element()).sum();
         Self { u: vec![[0.0; 3]; system.vectors()], history: vec![0.0; history], ..Self::default() }
+    }
+
+    /// Evaluation point of the displacements, without rates.
+    pub fn point<'a>(&'a self, system: &System) -> EvaluationPoint<'a> {
+        EvaluationPoint::at_rest(system, &self.u, self.time, &self.history)
+    }
+
+    /// Evaluation point of the displacements and velocities.
+    pub fn point_with_rates<'a>(&'a self, system: &System) -> EvaluationPoint<'a> {
+        let velocity = (!self.v.is_empty()).then_some(self.v.as_slice());
+        EvaluationPoint::new(system, Motion::State { u: &self.u, velocity }, self.time, &self.history)
     }
 
     /// Displacements, velocities and history variables from which the next analysis step starts.

@@ -209,12 +209,11 @@ fn miscounted(counted: usize, found: usize) -> Error {
 
 /// Rigid modes, up to the number that is wanted.
 fn rigid_modes(problem: &mut Problem, wanted: usize) -> Vec<Mode> {
-    let system = problem.system;
     let mut modes = Vec::new();
     for index in 0..problem.rigid.len().min(wanted) {
         let shape = problem.rigid.shape(index, &problem.parts);
         // Under loads the rigid modes of parts are their translations, which strain no configuration.
-        let energy = problem.newton.assembly.small_strain_energy(system, &shape);
+        let energy = problem.small_strain_energy(&shape);
         let group = problem.groups.iter().find(|g| g.rigid.contains(&index));
         let residual = 2.0 * energy / group.map_or(f64::NAN, |g| g.lowest);
         modes.push(Mode { frequency_hz: 0.0, omega: 0.0, rigid: true, shape, residual });
@@ -233,7 +232,7 @@ fn mode(problem: &mut Problem, lambda: f64, pair: RitzPair) -> Result<Mode> {
     let mut exact = lambda;
     if problem.stress_free {
         // The strain energy gives the Rayleigh quotient without cancellation.
-        exact = problem.newton.assembly.small_strain_energy(system, &shape) / system.kinetic_energy(&shape);
+        exact = problem.small_strain_energy(&shape) / system.kinetic_energy(&shape);
         if !((exact - lambda).abs() <= HIDDEN * exact.abs()) {
             return Err(hidden(format!(
                 "a mode of ω² = {exact:.4e} by its strain energy has {lambda:.4e} by the assembled stiffness"

@@ -21,23 +21,22 @@ pub use response::SoftestMode;
 pub use stability::Stability;
 
 use crate::Result;
-use crate::element::{Kinematics, Motion, Nodal};
+use crate::element::{Motion, Nodal};
 use crate::model::NewtonMethod;
 use crate::system::assembly::TangentCoefficients;
-use crate::system::{Assembly, CorotationalUpdate, LocalFrames, System, VectorKind, dot};
+use crate::system::{Assembly, CorotationalUpdate, EvaluationPoint, LocalFrames, System, VectorKind, dot};
 use tegula_sparse::SparseLdlt;
 
 use super::circulatory::CirculatoryLoads;
 use super::lagged_tangent::{Increments, LaggedTangent};
 use super::solver::{self, Linearization, TangentSolver};
-use super::statics::state_kinematics;
 use super::{Observer, State};
 
 /// Equation of one step: `f_ext(q) − f_inertia(q) − force · f_int(q) = 0`, with the weight `force` of the internal forces.
 pub trait Equation {
     /// Motion at the present iterate.
-    fn kinematics<'a>(&'a self, system: &'a System) -> Kinematics<'a>;
-    /// Tangent coefficients.
+    fn motion(&self) -> Motion<'_>;
+    /// Tangent coefficients, and the time at which loads and prescribed strains act.
     fn parts(&self) -> TangentCoefficients;
     /// External minus inertia forces: all forces but the internal forces of this iterate.
     fn external_minus_inertia(&self, system: &System, out: &mut [Nodal]);
@@ -52,7 +51,7 @@ pub trait Equation {
         None
     }
     /// Energy scale, to which the energy of an increment is compared.
-    fn energy_scale(&self, system: &System, assembly: &mut Assembly) -> f64;
+    fn energy_scale(&self, system: &System, assembly: &mut Assembly, history: &[f64]) -> f64;
     /// Displacement scale: norm of the displacement of the step or of the state, to which increments are compared.
     fn displacement_scale(&self, system: &System) -> f64;
     /// Bound on the energy of the iteration error, in addition to the tolerance, where the energy of the first
@@ -140,8 +139,6 @@ pub struct Newton<S = SparseLdlt> {
     increment: Vec<Nodal>,
     right_side: Vec<f64>,
     solution: Vec<f64>,
-    /// History variables, saved while the tangent of another state is computed.
-    history: Vec<f64>,
     increments: Increments,
     factored: FactoredTangent,
     /// Local frames of the vectors where the tangent was computed.
@@ -189,7 +186,6 @@ impl<S: TangentSolver> Newton<S> {
         let price = solver.price();
         let assembly = Assembly::new(system);
         Self {
-            history: assembly.history.clone(),
             assembly,
             solver,
             method: method.unwrap_or(if system.yields() {
@@ -261,24 +257,21 @@ impl<S: TangentSolver> Newton<S> {
     fn take_tangent(&mut self, system: &System, parts: &TangentCoefficients, at: &LaggedTangent) -> bool {
         let velocity = (!at.v.is_empty()).then_some(at.v.as_slice());
         let motion = Motion::State { u: &at.u, velocity };
-        let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, at.time);
+        let k = EvaluationPoint::new(system, motion, at.time, &at.history);
         let parts = TangentCoefficients { time: at.time, ..*parts };
         self.factored = FactoredTangent::Nothing;
         self.assembly.follow(system, &k);
         self.frames.copy_from(&self.assembly.frames);
-        self.history.copy_from_slice(&self.assembly.history);
-        self.assembly.history.copy_from_slice(&at.history);
         let Self { solver, assembly, internal, .. } = self;
-        let at = Linearization { system, motion: &k, parts: &parts, extrapolated: false, prescribed: None };
+        let at = Linearization { system, point: &k, parts: &parts, extrapolated: false, prescribed: None };
         let prepared = loop {
             solver.assemble(assembly, &at, internal);
             if let Some(done) = solver.prepare(assembly).transpose() {
                 break done;
             }
         };
-        self.assembly.history.copy_from_slice(&self.history);
         if let Some(loads) = &mut self.circulatory {
-            loads.take(system, &k, &parts);
+            loads.take(system, &k.motion, &parts);
         }
         if prepared.is_ok() {
             self.factored = FactoredTangent::Lagged;
@@ -286,12 +279,11 @@ impl<S: TangentSolver> Newton<S> {
         self.factored == FactoredTangent::Lagged
     }
 
-    /// Restarts from a state: sets its history variables, and the extrapolated stress of the first tangent. For a state
-    /// that is no equilibrium, as the first of an analysis may be, this stress is zero.
+    /// Restarts from a state: sets the extrapolated stress of the first tangent. For a state that is no equilibrium, as the
+    /// first of an analysis may be, this stress is zero.
     pub fn restore(&mut self, system: &System, state: &State, equilibrium: bool) {
-        self.assembly.history.copy_from_slice(&state.history);
         if equilibrium {
-            self.assembly.reset_stress(system, &state_kinematics(system, &state.u, state.time));
+            self.assembly.reset_stress(system, &state.point(system));
         } else {
             self.assembly.stress.fill(0.0);
         }
@@ -313,7 +305,7 @@ impl<S: TangentSolver> Newton<S> {
         state.tangent.fail();
     }
 
-    /// Iterates an equation to convergence.
+    /// Iterates an equation to convergence, from the history variables at the start of the step.
     ///
     /// # Errors
     /// The iteration did not converge; the iterate is useless then.
@@ -321,12 +313,13 @@ impl<S: TangentSolver> Newton<S> {
         &mut self,
         system: &System,
         equation: &mut dyn Equation,
+        history: &[f64],
         tolerances: &Tolerances,
         observer: &mut dyn Observer,
     ) -> std::result::Result<Converged, Diverged> {
         let began_with_old_factor = self.factored == FactoredTangent::Lagged;
         (self.iterations, self.most_negative_pivots) = (0, 0);
-        self.iterate(system, equation, tolerances, observer).map_err(|(cause, reason)| Diverged {
+        self.iterate(system, equation, history, tolerances, observer).map_err(|(cause, reason)| Diverged {
             iterations: self.iterations,
             most_negative_pivots: self.most_negative_pivots,
             cause,
@@ -334,6 +327,11 @@ impl<S: TangentSolver> Newton<S> {
             began_with_old_factor,
         })
     }
+}
+
+/// Evaluation point of the present iterate of an equation.
+fn point<'a>(system: &System, equation: &'a dyn Equation, history: &'a [f64]) -> EvaluationPoint<'a> {
+    EvaluationPoint::new(system, equation.motion(), equation.parts().time, history)
 }
 
 /// Expands the free degrees of freedom of an increment; with `keep` the prescribed ones retain their values.

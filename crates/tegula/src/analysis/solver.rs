@@ -2,9 +2,9 @@
 
 use super::lagged_tangent;
 use crate::bddc::{Bddc, BddcError, Options, StoppingCriterion};
-use crate::element::{Kinematics, Nodal};
+use crate::element::Nodal;
 use crate::system::assembly::{TangentCoefficients, curvature};
-use crate::system::{Assembly, Procedure, System};
+use crate::system::{Assembly, EvaluationPoint, Procedure, System};
 use crate::{Error, Result};
 use tegula_sparse::{Factor, FactorError, SparseLdlt};
 
@@ -20,8 +20,8 @@ const MOST_ITERATIONS: usize = 500;
 pub struct Linearization<'a> {
     /// The compiled model.
     pub system: &'a System,
-    /// Motion at which the tangent is computed.
-    pub motion: &'a Kinematics<'a>,
+    /// Evaluation point of the tangent.
+    pub point: &'a EvaluationPoint<'a>,
     /// Tangent coefficients.
     pub parts: &'a TangentCoefficients,
     /// Whether the geometric stiffness uses the extrapolated stress.
@@ -85,11 +85,11 @@ impl TangentSolver for SparseLdlt {
         if assembly.values.is_empty() {
             assembly.values = self.reclaim_values();
         }
-        assembly.forces_and_tangent(at.system, at.motion, at.parts, at.extrapolated, at.prescribed, out);
+        assembly.forces_and_tangent(at.system, at.point, at.parts, at.extrapolated, at.prescribed, out);
     }
 
     fn add_curvature(&mut self, assembly: &mut Assembly, at: &Linearization, rest: &[Nodal]) {
-        assembly.add_curvature(at.system, at.motion, &at.parts.weights, rest);
+        assembly.add_curvature(at.system, at.point, &at.parts.weights, rest);
     }
 
     fn prepare(&mut self, assembly: &mut Assembly) -> std::result::Result<Option<usize>, String> {
@@ -157,15 +157,15 @@ impl TangentSolver for Iterative {
         self.bddc.begin();
         let (bddc, mut term) = (&mut self.bddc, 0);
         let how = (at.extrapolated, at.prescribed);
-        assembly.forces_and_blocks(at.system, at.motion, at.parts, how, out, |blocks| {
+        assembly.forces_and_blocks(at.system, at.point, at.parts, how, out, |blocks| {
             bddc.put(term, blocks);
             term += 1;
         });
     }
 
     fn add_curvature(&mut self, assembly: &mut Assembly, at: &Linearization, rest: &[Nodal]) {
-        if !at.motion.linear && !assembly.frames.dofs().unit.is_empty() {
-            let shift = curvature(at.system, &assembly.frames, at.motion, &at.parts.weights, rest);
+        if !at.point.linear && !assembly.frames.dofs().unit.is_empty() {
+            let shift = curvature(at.system, &assembly.frames, at.point, &at.parts.weights, rest);
             self.bddc.shift(at.system.vectors(), shift);
         }
     }

@@ -8,8 +8,9 @@ mod load_steps;
 use super::newton::{Equation, Newton};
 use super::solver::Iterative;
 use super::{Balance, Observer, State, Statistics, Stepper, stepper};
-use crate::element::{Kinematics, Motion, Nodal, TangentWeights};
+use crate::element::{Motion, Nodal, TangentWeights};
 use crate::model::{LinearSolver, StaticAnalysis};
+use crate::system::EvaluationPoint;
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::system::{Assembly, Procedure, System, dot};
 use crate::{Error, Result};
@@ -51,8 +52,8 @@ pub struct StaticEquation {
 }
 
 impl Equation for StaticEquation {
-    fn kinematics<'a>(&'a self, system: &'a System) -> Kinematics<'a> {
-        state_kinematics(system, &self.u, self.time)
+    fn motion(&self) -> Motion<'_> {
+        Motion::State { u: &self.u, velocity: None }
     }
 
     fn parts(&self) -> TangentCoefficients {
@@ -62,7 +63,7 @@ impl Equation for StaticEquation {
     fn external_minus_inertia(&self, system: &System, out: &mut [Nodal]) {
         out.fill([0.0; 3]);
         system.add_dead_loads(self.time, 1.0, out);
-        add_follower_loads(system, &self.kinematics(system), self.time, 1.0, out);
+        add_follower_loads(system, &self.motion(), self.time, 1.0, out);
         let left = 1.0 - self.time.clamp(0.0, 1.0);
         for (out, force) in out.iter_mut().zip(self.released.iter()) {
             (0..3).for_each(|i| out[i] += left * force[i]);
@@ -77,8 +78,9 @@ impl Equation for StaticEquation {
         prescribed_increment(system, self.time, &self.u, increment)
     }
 
-    fn energy_scale(&self, system: &System, assembly: &mut Assembly) -> f64 {
-        assembly.strain_energy(system, &self.u, self.time).max(self.scales[0])
+    fn energy_scale(&self, system: &System, assembly: &mut Assembly, history: &[f64]) -> f64 {
+        let k = EvaluationPoint::at_rest(system, &self.u, self.time, history);
+        assembly.strain_energy(system, &k).max(self.scales[0])
     }
 
     fn first_rotation_limit(&self, system: &System) -> Option<f64> {
@@ -108,21 +110,16 @@ pub(super) fn released_reactions(system: &System, assembly: &mut Assembly, state
 fn unbalanced(system: &System, assembly: &mut Assembly, state: &State) -> (Vec<Nodal>, f64) {
     let n = system.vectors();
     let (mut internal, mut external) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
-    let k = state_kinematics(system, &state.u, state.time);
+    let k = state.point(system);
     assembly.follow(system, &k);
     assembly.forces(system, &k, &mut internal);
     system.add_dead_loads(state.time, 1.0, &mut external);
-    add_follower_loads(system, &k, state.time, 1.0, &mut external);
+    add_follower_loads(system, &k.motion, state.time, 1.0, &mut external);
     let size = larger(max_norm(internal.as_flattened()), max_norm(external.as_flattened()));
     for (f, e) in internal.as_flattened_mut().iter_mut().zip(external.as_flattened()) {
         *f -= e;
     }
     (internal, size)
-}
-
-/// Kinematics of a state without rates.
-pub fn state_kinematics<'a>(system: &'a System, u: &'a [Nodal], time: f64) -> Kinematics<'a> {
-    Kinematics::new(&system.coordinates.reference, Motion::State { u, velocity: None }, system.linear, time)
 }
 
 /// Adds an increment to a field.
@@ -216,13 +213,11 @@ pub(super) fn undefined(what: &str, (reached, wanted): (f64, f64), reason: Strin
 
 /// Energies of the first state of a static analysis.
 pub fn first_energies(system: &System, state: &State) -> Balance {
-    let mut assembly = Assembly::new(system);
-    assembly.history.copy_from_slice(&state.history);
-    energies(system, &mut assembly, state)
+    energies(system, &mut Assembly::new(system), state)
 }
 
 fn energies(system: &System, assembly: &mut Assembly, state: &State) -> Balance {
-    let strain = assembly.strain_energy(system, &state.u, state.time);
+    let strain = assembly.strain_energy(system, &state.point(system));
     let mut external = vec![[0.0; 3]; state.u.len()];
     system.add_dead_loads(state.time, 1.0, &mut external);
     let potential = -dot(&external, &state.u);
@@ -247,8 +242,8 @@ fn follower_work(
         return 0.0;
     }
     force.fill([0.0; 3]);
-    add_follower_loads(system, &state_kinematics(system, from, start), start, 0.5, force);
-    add_follower_loads(system, &state_kinematics(system, to, end), end, 0.5, force);
+    add_follower_loads(system, &Motion::State { u: from, velocity: None }, start, 0.5, force);
+    add_follower_loads(system, &Motion::State { u: to, velocity: None }, end, 0.5, force);
     dot(force, to) - dot(force, from)
 }
 

@@ -26,9 +26,9 @@ use crate::mesh::{Mesh, quality};
 use crate::model::{
     Analysis, ExplicitScheme, LinearSolver, Model, PrescribedStrain, Scheme, TransientAnalysis,
 };
-use crate::system::LocalFrames;
 use crate::system::pattern::PatternBuilder;
 use crate::system::supports::Support;
+use crate::system::{GroupOffsets, LocalFrames};
 use crate::system::{Pattern, PrescribedField, Procedure, Shell, ShellSection, StepStart, System, lumping};
 use crate::{Error, Issue, Result};
 use actions::{
@@ -55,6 +55,7 @@ pub struct Compiler<'a> {
     directors: Directors,
     vectors: Vectors,
     groups: Arc<Vec<Box<dyn ElementGroup>>>,
+    offsets: Arc<Vec<GroupOffsets>>,
     shells: Vec<Shell>,
     sections: Arc<Vec<ShellSection>>,
     /// Nodal vectors that keep their length.
@@ -123,6 +124,7 @@ impl<'a> Compiler<'a> {
             steps,
             directors,
             vectors,
+            offsets: Arc::new(GroupOffsets::of(&elements.groups)),
             groups: Arc::new(elements.groups),
             shells: elements.list,
             sections: Arc::new(elements.sections),
@@ -235,6 +237,7 @@ impl<'a> Compiler<'a> {
             coordinates: Arc::clone(&vectors.coordinates),
             frames,
             groups: Arc::clone(&self.groups),
+            offsets: Arc::clone(&self.offsets),
             shells: self.shells.clone(),
             sections: Arc::clone(&self.sections),
             prescribed_strains: self.prescribed_fields(step, &names),

@@ -25,7 +25,7 @@ use super::bilinear_kernel::{LanesTangent, Measure, StrainAndStress, Workspace, 
 use super::forms::{BASIS, Forms, MOST, QUADRATIC, VECTORS, shares};
 use super::generalized_law::energy_of_fields;
 use super::geometry::ShellGeometry;
-use super::group::{ElementGroup, Kinematics, Nodal, TangentRequest, TangentWeights};
+use super::group::{ElementGroup, GroupPoint, Nodal, TangentRequest, TangentWeights};
 use super::lanes::{BATCH, LaneWork, Lanes, in_batches, run};
 use super::shell::Condensed;
 use crate::Vec3;
@@ -267,7 +267,7 @@ fn coupled_forms(n: usize, stiffness: &[f64]) -> Vec<Vec<usize>> {
 
 struct Forces<'a> {
     group: &'a BilinearGroup,
-    k: &'a Kinematics<'a>,
+    k: &'a GroupPoint<'a>,
     forces: &'a mut [f64],
 }
 
@@ -289,7 +289,7 @@ impl LaneWork for Forces<'_> {
 
 struct ForcesAndTangent<'a> {
     group: &'a BilinearGroup,
-    k: &'a Kinematics<'a>,
+    k: &'a GroupPoint<'a>,
     forces: &'a mut [f64],
     weights: TangentWeights,
     stress: Option<&'a [f64]>,
@@ -331,7 +331,7 @@ enum Wanted<'a> {
 
 struct PerElement<'a> {
     group: &'a BilinearGroup,
-    k: &'a Kinematics<'a>,
+    k: &'a GroupPoint<'a>,
     wanted: Wanted<'a>,
     /// Values per element.
     count: usize,
@@ -375,14 +375,14 @@ impl LaneWork for PerElement<'_> {
 
 impl BilinearGroup {
     /// Strain measure of one element, as the sampled strains of its type.
-    fn samples(&self, element: usize, k: &Kinematics, measure: Measure) -> Vec<f64> {
+    fn samples(&self, element: usize, k: &GroupPoint, measure: Measure) -> Vec<f64> {
         let l = Lanes { simd: Scalar::new(), first: element };
         let mut forms = [0.0; MOST];
         self.strained(l, k, measure, &mut forms);
         (&self.forms.samples * nalgebra::DVector::from_column_slice(&forms)).as_slice().to_vec()
     }
 
-    fn per_element(&self, k: &Kinematics, wanted: Wanted, count: usize, out: &mut [f64]) {
+    fn per_element(&self, k: &GroupPoint, wanted: Wanted, count: usize, out: &mut [f64]) {
         out.par_chunks_mut(CHUNK * count).enumerate().for_each(|(chunk, out)| {
             let elements = out.len() / count;
             let work = PerElement { group: self, k, wanted, count, out };
@@ -420,7 +420,7 @@ impl ElementGroup for BilinearGroup {
         self.retardation_time
     }
 
-    fn evaluate(&self, k: &Kinematics, first: usize, forces: &mut [f64], tangent: Option<TangentRequest>) {
+    fn evaluate(&self, k: &GroupPoint, first: usize, forces: &mut [f64], tangent: Option<TangentRequest>) {
         match tangent {
             None => forces.par_chunks_mut(CHUNK * COORDINATES).enumerate().for_each(|(chunk, forces)| {
                 let elements = forces.len() / COORDINATES;
@@ -439,13 +439,13 @@ impl ElementGroup for BilinearGroup {
         }
     }
 
-    fn stresses(&self, k: &Kinematics, stresses: &mut [f64]) {
+    fn stresses(&self, k: &GroupPoint, stresses: &mut [f64]) {
         self.per_element(k, Wanted::Stress(None), self.stored, stresses);
     }
 
     fn extrapolate(
         &self,
-        k: &Kinematics,
+        k: &GroupPoint,
         increment: &[Nodal],
         weights: &TangentWeights,
         stresses: &mut [f64],
@@ -454,7 +454,7 @@ impl ElementGroup for BilinearGroup {
         self.per_element(k, Wanted::Stress(Some((increment, factor))), self.stored, stresses);
     }
 
-    fn energies(&self, k: &Kinematics, energies: &mut [f64]) {
+    fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {
         self.per_element(k, Wanted::Energy, 1, energies);
         let f = self.fields;
         if f != 0 {
@@ -465,11 +465,11 @@ impl ElementGroup for BilinearGroup {
         }
     }
 
-    fn sampled_strains(&self, element: usize, k: &Kinematics) -> Vec<f64> {
+    fn sampled_strains(&self, element: usize, k: &GroupPoint) -> Vec<f64> {
         self.samples(element, k, Measure::End)
     }
 
-    fn strain_rates(&self, element: usize, k: &Kinematics) -> Vec<f64> {
+    fn strain_rates(&self, element: usize, k: &GroupPoint) -> Vec<f64> {
         self.samples(element, k, Measure::Rate)
     }
 
@@ -477,11 +477,11 @@ impl ElementGroup for BilinearGroup {
         0
     }
 
-    fn update_history(&self, _: &Kinematics, _: &mut [f64]) -> f64 {
+    fn update_history(&self, _: &GroupPoint, _: &mut [f64]) -> f64 {
         0.0
     }
 
-    fn dissipation(&self, k: &Kinematics, power: &mut [f64]) {
+    fn dissipation(&self, k: &GroupPoint, power: &mut [f64]) {
         if self.retardation_time == 0.0 {
             power.fill(0.0);
             return;

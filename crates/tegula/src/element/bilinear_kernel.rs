@@ -8,7 +8,7 @@ use pulp::{Simd, bytemuck};
 
 use super::bilinear::{BLOCKS, BilinearGroup, COORDINATES, Coupled, ROWS, lower};
 use super::forms::{BASIS, D0, D1, D2, D3, MOST, R1, R2, R3, VECTORS, quadratic_terms, surface_terms};
-use super::group::{Kinematics, Motion, Nodal, TangentWeights};
+use super::group::{GroupPoint, Motion, Nodal, TangentWeights};
 use super::lanes::{BATCH, Lanes};
 use super::quadratic::{add_curvature, multiply_blocks};
 
@@ -127,7 +127,7 @@ impl BilinearGroup {
     pub fn strained<S: Simd>(
         &self,
         l: Lanes<S>,
-        k: &Kinematics,
+        k: &GroupPoint,
         wanted: Measure,
         strain: &mut PerForm<S>,
     ) -> Basis<S> {
@@ -340,7 +340,7 @@ impl BilinearGroup {
     pub fn force_lanes<S: Simd>(
         &self,
         l: Lanes<S>,
-        k: &Kinematics,
+        k: &GroupPoint,
         forces: &mut [f64],
         [strain, n]: &mut StrainAndStress<S>,
     ) {
@@ -354,7 +354,7 @@ impl BilinearGroup {
     pub fn tangent_lanes<S: Simd>(
         &self,
         l: Lanes<S>,
-        k: &Kinematics,
+        k: &GroupPoint,
         forces: &mut [f64],
         tangent: LanesTangent,
         work: &mut Workspace<S>,
@@ -379,7 +379,7 @@ impl BilinearGroup {
         to_nodes(l, &work.basis, &mut work.nodal);
         l.write(work.nodal.as_flattened(), 9 * BLOCKS, blocks);
         let elements = blocks.chunks_exact_mut(9 * BLOCKS).enumerate();
-        if !k.linear && !k.unit.is_empty() {
+        if !k.linear && !k.inextensible.is_empty() {
             let f = self.forces(l, &acting, &n);
             let f: &[f64] = bytemuck::cast_slice(f.as_flattened());
             for (lane, blocks) in elements {

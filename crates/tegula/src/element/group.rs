@@ -44,33 +44,24 @@ impl TangentWeights {
     pub const STATIC: Self = Self { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
 }
 
-/// Evaluation point of the elements: configuration, motion, time and history variables.
+/// Evaluation point of a group of elements: motion, history variables and factors of the prescribed strains.
 #[derive(Debug, Clone, Copy)]
-pub struct Kinematics<'a> {
+pub struct GroupPoint<'a> {
     /// Nodal vectors of the reference configuration.
     pub reference: &'a [Nodal],
     /// Motion: a state or a step.
     pub motion: Motion<'a>,
     /// Geometrically linear analysis: strains linear in the displacement.
     pub linear: bool,
-    /// Time (load factor) at which prescribed strains act.
-    pub time: f64,
     /// History variables and factors of the prescribed strains.
     pub interior: InternalVariables<'a>,
-    /// Mask of the inextensible directors among the nodal vectors; empty: none.
-    pub unit: &'a [bool],
-}
-
-impl<'a> Kinematics<'a> {
-    /// Evaluation point of a motion; the assembly fills in the history variables.
-    pub fn new(reference: &'a [Nodal], motion: Motion<'a>, linear: bool, time: f64) -> Self {
-        Self { reference, motion, linear, time, interior: InternalVariables::default(), unit: &[] }
-    }
+    /// Flags of the inextensible directors among the nodal vectors; empty: none.
+    pub inextensible: &'a [bool],
 }
 
 /// History (internal) variables and factors of the prescribed strains: they determine the stress besides the
 /// deformation.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct InternalVariables<'a> {
     /// Committed history variables (end of the last step) of the group, element by element: enhanced parameters and
     /// internal variables.
@@ -106,30 +97,30 @@ pub trait ElementGroup: Send + Sync {
     /// room for, one block of `3 · vectors_per_element` each. With `tangent` also the lower-triangle blocks of the
     /// tangent, whose geometric part takes [`TangentRequest::stress`] (the stress of the motion where `None`); an
     /// increment [`TangentRequest::prescribed`] adds `tangent · increment` to the force.
-    fn evaluate(&self, k: &Kinematics, first: usize, forces: &mut [f64], tangent: Option<TangentRequest>);
+    fn evaluate(&self, k: &GroupPoint, first: usize, forces: &mut [f64], tangent: Option<TangentRequest>);
     /// Generalised stresses, work-conjugate to the strains in which the group works (sampled strains or quadratic
     /// forms).
-    fn stresses(&self, k: &Kinematics, stresses: &mut [f64]);
+    fn stresses(&self, k: &GroupPoint, stresses: &mut [f64]);
     /// Generalised stresses extrapolated along an increment: `n ← n(motion) + weight · H B δ`.
     fn extrapolate(
         &self,
-        k: &Kinematics,
+        k: &GroupPoint,
         increment: &[Nodal],
         weights: &TangentWeights,
         stresses: &mut [f64],
     );
     /// Stored energy of each element (at the end of a step); `½ sᵀHs` for linear materials.
-    fn energies(&self, k: &Kinematics, energies: &mut [f64]);
+    fn energies(&self, k: &GroupPoint, energies: &mut [f64]);
     /// Sampled strains of one element (at the end of a step).
-    fn sampled_strains(&self, element: usize, k: &Kinematics) -> Vec<f64>;
+    fn sampled_strains(&self, element: usize, k: &GroupPoint) -> Vec<f64>;
     /// Rates `B(q) v` of the sampled strains of one element, at a state `q` with the velocity `v`.
-    fn strain_rates(&self, element: usize, k: &Kinematics) -> Vec<f64>;
+    fn strain_rates(&self, element: usize, k: &GroupPoint) -> Vec<f64>;
     /// Number of history variables per element: enhanced parameters and internal variables.
     fn history_per_element(&self) -> usize;
     /// Computes the history variables at the end of a step; returns the energy that the materials dissipate in it.
-    fn update_history(&self, k: &Kinematics, history: &mut [f64]) -> f64;
+    fn update_history(&self, k: &GroupPoint, history: &mut [f64]) -> f64;
     /// Power τ ṡᵀHṡ that Kelvin–Voigt damping dissipates in each element.
-    fn dissipation(&self, k: &Kinematics, power: &mut [f64]);
+    fn dissipation(&self, k: &GroupPoint, power: &mut [f64]);
 }
 
 /// Request for the tangent: weights, stress of the geometric part, output buffer.

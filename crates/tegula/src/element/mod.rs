@@ -24,7 +24,7 @@ pub mod strains;
 pub mod transform;
 
 pub use geometry::ShellGeometry;
-pub use group::{ElementGroup, InternalVariables, Kinematics, Motion, Nodal, TangentRequest, TangentWeights};
+pub use group::{ElementGroup, GroupPoint, InternalVariables, Motion, Nodal, TangentRequest, TangentWeights};
 pub use quadratic::QuadraticGroup;
 pub use shell::ShellElement;
 

@@ -209,7 +209,7 @@ impl<const S: usize> PointLaw<S> {
             let place = at..at + law.history();
             at = place.end;
             let strain = self.strain_at(point, s, alpha, interior);
-            f(point, law, &strain, interior.history.get(place.clone()).unwrap_or(&[]), place)?;
+            f(point, law, &strain, &interior.history[place.clone()], place)?;
         }
         Some(())
     }

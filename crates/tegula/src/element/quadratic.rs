@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::generalized_law::GeneralizedLaw;
 use super::group::{
-    ElementGroup, InternalVariables, Kinematics, Motion, Nodal, TangentRequest, TangentWeights,
+    ElementGroup, GroupPoint, InternalVariables, Motion, Nodal, TangentRequest, TangentWeights,
 };
 use super::strains::{Directions, SampledStrains};
 use super::transform::NodalTransform;
@@ -80,21 +80,19 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
 
     /// History variables of an element, and the factors of the prescribed strains.
     #[inline(always)]
-    fn interior<'a>(&self, element: usize, k: &Kinematics<'a>) -> InternalVariables<'a> {
+    fn interior<'a>(&self, element: usize, k: &GroupPoint<'a>) -> InternalVariables<'a> {
         let n = self.constitution.history();
-        let history = if n == 0 {
-            &[][..]
-        } else {
-            k.interior.history.get(element * n..(element + 1) * n).unwrap_or(&[])
-        };
-        InternalVariables { history, factors: k.interior.factors }
+        InternalVariables {
+            history: &k.interior.history[element * n..(element + 1) * n],
+            factors: k.interior.factors,
+        }
     }
 
     #[inline(always)]
     fn strains_at(
         &self,
         e: usize,
-        k: &Kinematics,
+        k: &GroupPoint,
         p0: &Directions<f64, D>,
         u: &[Nodal],
     ) -> (Directions<f64, D>, [f64; S]) {
@@ -105,14 +103,14 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
 
     /// Sampled strains at the end of the motion.
     #[inline(always)]
-    fn strain(&self, e: usize, k: &Kinematics) -> [f64; S] {
+    fn strain(&self, e: usize, k: &GroupPoint) -> [f64; S] {
         let (Motion::State { u, .. } | Motion::Step { new: u, .. }) = k.motion;
         let p0 = self.strains.directions(&self.gather(e, k.reference));
         self.strains_at(e, k, &p0, u).1
     }
 
     /// Rates of the sampled strains of the motion; zero where it has no velocity.
-    fn rate(&self, e: usize, k: &Kinematics) -> [f64; S] {
+    fn rate(&self, e: usize, k: &GroupPoint) -> [f64; S] {
         let p0 = self.strains.directions(&self.gather(e, k.reference));
         match k.motion {
             Motion::State { velocity: None, .. } => [0.0; S],
@@ -134,7 +132,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
 
     /// Strain state of the motion: generalised stresses, and base vectors of the configuration in which they act.
     #[inline(always)]
-    fn stress(&self, e: usize, k: &Kinematics) -> StrainState<S, D> {
+    fn stress(&self, e: usize, k: &GroupPoint) -> StrainState<S, D> {
         let p0 = self.strains.directions(&self.gather(e, k.reference));
         let interior = self.interior(e, k);
         let mut acting = p0;
@@ -172,7 +170,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
     }
 
     #[inline(always)]
-    fn evaluate_one(&self, e: usize, k: &Kinematics, force: &mut [f64], tangent: Option<OneTangent>) {
+    fn evaluate_one(&self, e: usize, k: &GroupPoint, force: &mut [f64], tangent: Option<OneTangent>) {
         let StrainState { acting, stress: n, strain } = self.stress(e, k);
         let mut f = self.strains.force(&acting, &n);
         if let Some(t) = self.members.transforms.get(e) {
@@ -195,7 +193,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
         if let Some(t) = self.members.transforms.get(e) {
             t.apply_to_blocks(blocks);
         }
-        if !k.linear && !k.unit.is_empty() {
+        if !k.linear && !k.inextensible.is_empty() {
             let f = self.strains.force(&acting, &geometric_stress);
             add_curvature(k, &self.members.vectors[e], &f, geometric, blocks);
         }
@@ -218,8 +216,8 @@ struct OneTangent<'a> {
 
 /// Curvature term of the inextensible directors: a vector d of constant length moves on a sphere; its second variation
 /// −d |δ|² adds −(f·d) I, with the force f on it, to the lower-triangle blocks of an element matrix.
-pub(super) fn add_curvature(k: &Kinematics, vectors: &[u32], f: &[Nodal], factor: f64, blocks: &mut [f64]) {
-    for (a, (&v, f)) in vectors.iter().zip(f).enumerate().filter(|(_, (v, _))| k.unit[**v as usize]) {
+pub(super) fn add_curvature(k: &GroupPoint, vectors: &[u32], f: &[Nodal], factor: f64, blocks: &mut [f64]) {
+    for (a, (&v, f)) in vectors.iter().zip(f).enumerate().filter(|(_, (v, _))| k.inextensible[**v as usize]) {
         let v = v as usize;
         let u: Nodal = match k.motion {
             Motion::State { u, .. } => u[v],
@@ -299,7 +297,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
         self.retardation_time
     }
 
-    fn evaluate(&self, k: &Kinematics, first: usize, forces: &mut [f64], tangent: Option<TangentRequest>) {
+    fn evaluate(&self, k: &GroupPoint, first: usize, forces: &mut [f64], tangent: Option<TangentRequest>) {
         let arch = self.arch;
         match tangent {
             None => {
@@ -339,7 +337,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
         }
     }
 
-    fn stresses(&self, k: &Kinematics, stresses: &mut [f64]) {
+    fn stresses(&self, k: &GroupPoint, stresses: &mut [f64]) {
         stresses.par_chunks_mut(S).with_min_len(CHUNK).enumerate().for_each(|(e, n)| {
             n.copy_from_slice(&self.stress(e, k).stress);
         });
@@ -347,7 +345,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
 
     fn extrapolate(
         &self,
-        k: &Kinematics,
+        k: &GroupPoint,
         increment: &[Nodal],
         weights: &TangentWeights,
         stresses: &mut [f64],
@@ -370,17 +368,17 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
         });
     }
 
-    fn energies(&self, k: &Kinematics, energies: &mut [f64]) {
+    fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {
         energies.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(e, out)| {
             *out = self.constitution.energy(e, &self.strain(e, k), &self.interior(e, k));
         });
     }
 
-    fn sampled_strains(&self, element: usize, k: &Kinematics) -> Vec<f64> {
+    fn sampled_strains(&self, element: usize, k: &GroupPoint) -> Vec<f64> {
         self.strain(element, k).to_vec()
     }
 
-    fn strain_rates(&self, element: usize, k: &Kinematics) -> Vec<f64> {
+    fn strain_rates(&self, element: usize, k: &GroupPoint) -> Vec<f64> {
         self.rate(element, k).to_vec()
     }
 
@@ -388,7 +386,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
         self.constitution.history()
     }
 
-    fn update_history(&self, k: &Kinematics, history: &mut [f64]) -> f64 {
+    fn update_history(&self, k: &GroupPoint, history: &mut [f64]) -> f64 {
         let n = self.constitution.history();
         if n == 0 {
             return 0.0;
@@ -401,7 +399,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
         dissipated
     }
 
-    fn dissipation(&self, k: &Kinematics, power: &mut [f64]) {
+    fn dissipation(&self, k: &GroupPoint, power: &mut [f64]) {
         let tau = self.retardation_time;
         if tau == 0.0 {
             power.fill(0.0);

@@ -6,14 +6,14 @@ use nalgebra::{DMatrix, DVector, Matrix6, Vector6};
 
 use crate::Mat3;
 use crate::analysis::State;
-use crate::analysis::statics::state_kinematics;
 use crate::element::geometry::cross_section_frame;
 use crate::element::shell::{Condensed, IntegrationPoint, PointResponse, condense};
-use crate::element::{InternalVariables, Kinematics, Motion, Nodal, ShellGeometry};
+use crate::element::{GroupPoint, Motion, Nodal, ShellGeometry};
 use crate::material::Response;
 use crate::model::PrescribedStrain;
 use crate::section::CompiledSection;
 use crate::section::compiled::Layer;
+use crate::system::EvaluationPoint;
 use crate::system::{Shell, System};
 
 /// Snapshot for the recovery of stresses: state of a model, or a small motion about that state.
@@ -29,8 +29,6 @@ pub struct Snapshot<'a> {
     small: Option<&'a [Nodal]>,
     /// Factor of each field of prescribed strain.
     factors: Vec<f64>,
-    /// Internal variables of each group.
-    history: Vec<&'a [f64]>,
 }
 
 impl<'a> Snapshot<'a> {
@@ -38,17 +36,7 @@ impl<'a> Snapshot<'a> {
     pub fn new(system: &'a System, state: &'a State) -> Self {
         let factors =
             system.prescribed_strains.iter().map(|f| system.factor(&f.factor, state.time)).collect();
-        let mut rest = state.history.as_slice();
-        let history = system
-            .groups
-            .iter()
-            .map(|g| {
-                let (mine, others) = rest.split_at((g.len() * g.history_per_element()).min(rest.len()));
-                rest = others;
-                mine
-            })
-            .collect();
-        Self { system, state, small: None, factors, history }
+        Self { system, state, small: None, factors }
     }
 
     /// Snapshot of a small motion `shape` about a state, such as a mode.
@@ -56,12 +44,11 @@ impl<'a> Snapshot<'a> {
         Self { small: Some(shape), ..Self::new(system, state) }
     }
 
-    /// Motion and internal variables for a group.
-    pub fn kinematics(&'a self, group: usize) -> Kinematics<'a> {
-        let k = state_kinematics(self.system, &self.state.u, self.state.time);
+    /// Evaluation point of a group.
+    pub fn point(&'a self, group: usize) -> GroupPoint<'a> {
         let motion = Motion::State { u: &self.state.u, velocity: self.small };
-        let interior = InternalVariables { history: self.history[group], factors: &self.factors };
-        Kinematics { interior, motion, ..k }
+        let Self { system, state, factors, .. } = self;
+        EvaluationPoint::new(system, motion, state.time, &state.history).of_group(system, group, factors)
     }
 
     /// Sampled strains of a shell: at the state, and their changes with the small motion.
@@ -70,9 +57,8 @@ impl<'a> Snapshot<'a> {
             DVector::from_vec(shell.groups.clone().flat_map(f).collect::<Vec<f64>>())
         };
         let groups = &self.system.groups;
-        let at_state = of_groups(&|g| groups[g].sampled_strains(shell.member, &self.kinematics(g)));
-        let change =
-            self.small.map(|_| of_groups(&|g| groups[g].strain_rates(shell.member, &self.kinematics(g))));
+        let at_state = of_groups(&|g| groups[g].sampled_strains(shell.member, &self.point(g)));
+        let change = self.small.map(|_| of_groups(&|g| groups[g].strain_rates(shell.member, &self.point(g))));
         (at_state, change)
     }
 
@@ -82,7 +68,7 @@ impl<'a> Snapshot<'a> {
             .map(|g| {
                 let group = &self.system.groups[g];
                 let mut out = vec![0.0; group.len()];
-                group.energies(&self.kinematics(g), &mut out);
+                group.energies(&self.point(g), &mut out);
                 out
             })
             .collect()
@@ -214,7 +200,8 @@ impl<'a> Inside<'a> {
         *last = Some(shape.clone());
         let first = shell.groups.start;
         let n = system.groups[first].history_per_element();
-        let history = snapshot.history[first].get(n * shell.member..n * (shell.member + 1)).unwrap_or(&[]);
+        let start = system.offsets[first].history.start + n * shell.member;
+        let history = &snapshot.state.history[start..start + n];
         let (samples, change) = snapshot.samples(shell);
         let parameters = if element.parameters() == 0 {
             DVector::zeros(0)

@@ -15,8 +15,9 @@ use std::collections::BTreeMap;
 
 use crate::Vec3;
 use crate::analysis::State;
-use crate::element::{Kinematics, Motion, Nodal};
+use crate::element::{Motion, Nodal};
 use crate::model::Scheme;
+use crate::system::EvaluationPoint;
 use crate::system::supports::Support;
 use crate::system::{Assembly, System, VectorKind};
 
@@ -115,7 +116,6 @@ impl ReactionFinder {
     /// Equilibrium of the forces of a step from `old` to `new`; at `new` alone without a step.
     pub fn find(&mut self, system: &System, old: Option<&State>, new: &State) -> Equilibrium {
         let old = old.filter(|old| old.u.len() == new.u.len() && old.time < new.time);
-        self.assembly.history.copy_from_slice(&new.history);
         // A jump of velocities changes damping forces at once: the equation of the step before no longer holds.
         let jumped = system.has_kink(new.time) && system.has_rate_damping();
         let forces = match (self.instant, old) {
@@ -153,9 +153,8 @@ impl ReactionFinder {
     fn middle<'a>(&mut self, system: &System, old: &State, new: &State) -> Forces<'a> {
         let dt = new.time - old.time;
         let middle = old.time + 0.5 * dt;
-        self.assembly.history.copy_from_slice(&old.history);
         let motion = Motion::Step { old: &old.u, new: &new.u, dt };
-        let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, middle);
+        let k = EvaluationPoint::new(system, motion, middle, &old.history);
         let mut internal = vec![[0.0; 3]; new.u.len()];
         self.assembly.forces(system, &k, &mut internal);
         let (mean, rate) = ([0.5, 0.5], [-1.0 / dt, 1.0 / dt]);
@@ -171,11 +170,8 @@ impl ReactionFinder {
 
     /// Internal forces of a state.
     fn internal(&mut self, system: &System, state: &State) -> Vec<Nodal> {
-        let velocity = (!state.v.is_empty()).then_some(state.v.as_slice());
-        let motion = Motion::State { u: &state.u, velocity };
-        let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, state.time);
         let mut out = vec![[0.0; 3]; state.u.len()];
-        self.assembly.forces(system, &k, &mut out);
+        self.assembly.forces(system, &state.point_with_rates(system), &mut out);
         out
     }
 

@@ -2,12 +2,11 @@
 
 use rayon::prelude::*;
 
+use super::evaluation_point::{EvaluationPoint, current_vector};
 use super::pattern::BATCH;
 use super::{LocalFrames, System};
 use crate::Vec3;
-use crate::element::{
-    ElementGroup, InternalVariables, Kinematics, Motion, Nodal, TangentRequest, TangentWeights,
-};
+use crate::element::{ElementGroup, Motion, Nodal, TangentRequest, TangentWeights};
 use crate::lists::Lists;
 
 /// Tangent coefficients: weights of the element parts, factor of the mass, and time of the follower loads.
@@ -48,8 +47,6 @@ pub struct Assembly {
     pub values: Vec<f64>,
     /// Energies per element, all groups.
     energies: Vec<f64>,
-    /// Enhanced parameters and internal variables at the end of the last step, all groups.
-    pub history: Vec<f64>,
     /// Enhanced parameters and internal variables at the end of the present step, all groups.
     new_history: Vec<f64>,
     /// Factors of the fields of prescribed strain.
@@ -71,32 +68,22 @@ impl Assembly {
 
     /// Buffers for forces and energies; those of a tangent are made on demand.
     pub fn for_forces(system: &System) -> Self {
-        let mut sources: Vec<(u32, u32)> = Vec::new();
-        let mut stresses = 0;
-        let mut elements = 0;
-        let mut history = 0;
-        for group in system.groups.iter() {
-            history += group.len() * group.history_per_element();
-            for e in 0..group.len() {
-                for &v in group.vectors(e) {
-                    sources.push((v, sources.len() as u32));
-                }
-            }
-            stresses += group.len() * group.stresses_per_element();
-            elements += group.len();
-        }
-        let element_forces = vec![0.0; 3 * sources.len()];
+        let connectivity =
+            system.groups.iter().flat_map(|group| (0..group.len()).flat_map(|e| group.vectors(e)));
+        let sources = connectivity.zip(0..).map(|(&v, source): (_, u32)| (v, source));
+        let [elements, forces, stresses, history] = system.offsets.last().map_or([0; 4], |last| {
+            [&last.elements, &last.forces, &last.stresses, &last.history].map(|range| range.end)
+        });
         Self {
-            element_forces,
+            element_forces: vec![0.0; forces],
             blocks: Vec::new(),
             stress: vec![0.0; stresses],
             values: Vec::new(),
             energies: vec![0.0; elements],
-            history: vec![0.0; history],
             new_history: vec![0.0; history],
             factors: vec![0.0; system.prescribed_strains.len()],
             frames: system.frames.clone(),
-            force_sources: Lists::by_key(system.vectors(), sources.into_iter()),
+            force_sources: Lists::by_key(system.vectors(), sources),
         }
     }
 
@@ -108,22 +95,18 @@ impl Assembly {
     }
 
     /// Rotates the local frames of inextensible directors to the configuration on which the forces of a motion act.
-    pub fn follow(&mut self, system: &System, k: &Kinematics) {
+    pub fn follow(&mut self, system: &System, k: &EvaluationPoint) {
         if !self.frames.dofs().unit.is_empty() && !k.linear {
-            self.frames.follow(|v| current_vector(system, k, v));
+            self.frames.follow(|v| current_vector(system, &k.motion, v));
         }
     }
 
     /// Internal forces of a motion.
-    pub fn forces(&mut self, system: &System, k: &Kinematics, out: &mut [Nodal]) {
+    pub fn forces(&mut self, system: &System, k: &EvaluationPoint, out: &mut [Nodal]) {
         self.set_time(system, k.time);
-        let mut forces = self.element_forces.as_mut_slice();
-        let mut history = self.history.as_slice();
-        for group in system.groups.iter() {
-            let (mine, rest) = forces.split_at_mut(3 * group.len() * group.vectors_per_element());
-            let k = inside(system, k, &mut history, group.as_ref(), &self.factors);
-            group.evaluate(&k, 0, mine, None);
-            forces = rest;
+        for (g, group, offsets) in system.numbered_groups() {
+            let k = k.of_group(system, g, &self.factors);
+            group.evaluate(&k, 0, &mut self.element_forces[offsets.forces.clone()], None);
         }
         self.gather_forces(out);
     }
@@ -133,7 +116,7 @@ impl Assembly {
     pub fn forces_and_tangent(
         &mut self,
         system: &System,
-        k: &Kinematics,
+        k: &EvaluationPoint,
         parts: &TangentCoefficients,
         extrapolated: bool,
         prescribed: Option<&[Nodal]>,
@@ -162,7 +145,7 @@ impl Assembly {
     pub fn forces_and_blocks(
         &mut self,
         system: &System,
-        k: &Kinematics,
+        k: &EvaluationPoint,
         parts: &TangentCoefficients,
         (extrapolated, prescribed): (bool, Option<&[Nodal]>),
         out: &mut [Nodal],
@@ -198,7 +181,7 @@ impl Assembly {
     pub fn element_work(
         &mut self,
         system: &System,
-        k: &Kinematics,
+        k: &EvaluationPoint,
         parts: &TangentCoefficients,
         out: &mut [Nodal],
     ) {
@@ -214,7 +197,7 @@ impl Assembly {
     pub fn for_each_element(
         &mut self,
         system: &System,
-        k: &Kinematics,
+        k: &EvaluationPoint,
         parts: &TangentCoefficients,
         mut f: impl FnMut(ElementBlocks),
     ) {
@@ -231,34 +214,26 @@ impl Assembly {
     fn batches(
         &mut self,
         system: &System,
-        k: &Kinematics,
+        k: &EvaluationPoint,
         parts: &TangentCoefficients,
         (extrapolated, prescribed): (bool, Option<&[Nodal]>),
         mut take: impl FnMut(Option<(&dyn ElementGroup, usize)>, &[f64], (&LocalFrames, &mut [f64])),
     ) {
         self.set_time(system, k.time);
         let Self { frames, values, blocks, .. } = self;
-        let mut forces = self.element_forces.as_mut_slice();
-        let mut stress = self.stress.as_slice();
-        let mut history = self.history.as_slice();
-        for group in system.groups.iter() {
+        for (g, group, offsets) in system.numbered_groups() {
             let m = group.vectors_per_element();
-            let (f, forces_rest) = forces.split_at_mut(3 * group.len() * m);
-            let (s, stress_rest) = stress.split_at(group.len() * group.stresses_per_element());
-            let k = inside(system, k, &mut history, group.as_ref(), &self.factors);
-            for (batch, forces) in f.chunks_mut(3 * m * BATCH).enumerate() {
+            let k = k.of_group(system, g, &self.factors);
+            let stress = extrapolated.then_some(&self.stress[offsets.stresses.clone()]);
+            let forces = &mut self.element_forces[offsets.forces.clone()];
+            for (batch, forces) in forces.chunks_mut(3 * m * BATCH).enumerate() {
                 let first = batch * BATCH;
                 let blocks = &mut blocks[..9 * pairs(m) * (forces.len() / (3 * m))];
-                let request = TangentRequest {
-                    weights: parts.weights,
-                    stress: extrapolated.then_some(s),
-                    prescribed,
-                    blocks: &mut *blocks,
-                };
+                let request =
+                    TangentRequest { weights: parts.weights, stress, prescribed, blocks: &mut *blocks };
                 group.evaluate(&k, first, forces, Some(request));
-                take(Some((group.as_ref(), first)), blocks, (frames, values));
+                take(Some((group, first)), blocks, (frames, values));
             }
-            (forces, stress) = (forces_rest, stress_rest);
         }
         let w = &parts.weights;
         let direction = if k.linear { 0.0 } else { w.force * w.direction };
@@ -268,7 +243,7 @@ impl Assembly {
                 let n = load.vectors().len();
                 let (b, others) = rest.split_at_mut(9 * pairs(n));
                 let mut x = [Vec3::zeros(); 4];
-                current(system, k, load.vectors(), &mut x);
+                current(system, &k.motion, load.vectors(), &mut x);
                 load.stiffness(&x[..n], b);
                 let factor = direction * system.factor(load.factor(), parts.time);
                 b.iter_mut().for_each(|v| *v *= factor);
@@ -283,7 +258,7 @@ impl Assembly {
     pub fn add_curvature(
         &mut self,
         system: &System,
-        k: &Kinematics,
+        k: &EvaluationPoint,
         weights: &TangentWeights,
         rest: &[Nodal],
     ) {
@@ -310,16 +285,12 @@ impl Assembly {
 
     /// First shell whose last forces are not finite, as text: its material law could not be evaluated.
     pub fn without_answer(&self, system: &System) -> Option<String> {
-        let mut at = 0;
-        for (index, group) in system.groups.iter().enumerate() {
-            let n = 3 * group.vectors_per_element();
-            for element in 0..group.len() {
-                if self.element_forces[at..at + n].iter().all(|f| f.is_finite()) {
-                    at += n;
-                    continue;
-                }
-                let shell =
-                    system.shells.iter().find(|s| s.groups.contains(&index) && s.member == element)?;
+        for (g, group, offsets) in system.numbered_groups() {
+            let forces = &self.element_forces[offsets.forces.clone()];
+            let elements = forces.chunks(3 * group.vectors_per_element());
+            let broken = elements.enumerate().find(|(_, f)| !f.iter().all(|f| f.is_finite()));
+            if let Some((element, _)) = broken {
+                let shell = system.shells.iter().find(|s| s.groups.contains(&g) && s.member == element)?;
                 let (label, c) = (system.quad_label(shell.quad), system.geometry(shell).centre());
                 return Some(format!("element {label} at ({:.4}, {:.4}, {:.4})", c.x, c.y, c.z));
             }
@@ -333,14 +304,11 @@ impl Assembly {
     }
 
     /// Sets the extrapolated stress to that of a motion.
-    pub fn reset_stress(&mut self, system: &System, k: &Kinematics) {
+    pub fn reset_stress(&mut self, system: &System, k: &EvaluationPoint) {
         self.set_time(system, k.time);
-        let mut stress = self.stress.as_mut_slice();
-        let mut history = self.history.as_slice();
-        for group in system.groups.iter() {
-            let (s, rest) = stress.split_at_mut(group.len() * group.stresses_per_element());
-            group.stresses(&inside(system, k, &mut history, group.as_ref(), &self.factors), s);
-            stress = rest;
+        for (g, group, offsets) in system.numbered_groups() {
+            let stress = &mut self.stress[offsets.stresses.clone()];
+            group.stresses(&k.of_group(system, g, &self.factors), stress);
         }
     }
 
@@ -348,43 +316,34 @@ impl Assembly {
     pub fn extrapolate(
         &mut self,
         system: &System,
-        k: &Kinematics,
+        k: &EvaluationPoint,
         increment: &[Nodal],
         weights: &TangentWeights,
     ) {
-        let mut stress = self.stress.as_mut_slice();
-        let mut history = self.history.as_slice();
-        for group in system.groups.iter() {
-            let (s, rest) = stress.split_at_mut(group.len() * group.stresses_per_element());
-            let k = inside(system, k, &mut history, group.as_ref(), &self.factors);
-            group.extrapolate(&k, increment, weights, s);
-            stress = rest;
+        for (g, group, offsets) in system.numbered_groups() {
+            let stress = &mut self.stress[offsets.stresses.clone()];
+            group.extrapolate(&k.of_group(system, g, &self.factors), increment, weights, stress);
         }
     }
 
-    /// Commits the history variables at the end of a converged step; returns the energy dissipated in it.
-    pub fn commit(&mut self, system: &System, k: &Kinematics) -> f64 {
-        let dissipated = self.find_history(system, k);
-        if !self.history.is_empty() {
-            std::mem::swap(&mut self.history, &mut self.new_history);
-        }
+    /// Commits the history variables at the end of a converged step, from `history` at its start: `history` becomes that
+    /// at its end. Returns the energy dissipated in the step.
+    pub fn commit(&mut self, system: &System, motion: Motion, time: f64, history: &mut Vec<f64>) -> f64 {
+        let dissipated = self.find_history(system, &EvaluationPoint::new(system, motion, time, history));
+        std::mem::swap(history, &mut self.new_history);
         dissipated
     }
 
     /// Computes the history variables after a step to a motion; returns the energy that would be dissipated in it.
-    fn find_history(&mut self, system: &System, k: &Kinematics) -> f64 {
-        if self.history.is_empty() {
+    fn find_history(&mut self, system: &System, k: &EvaluationPoint) -> f64 {
+        if self.new_history.is_empty() {
             return 0.0;
         }
         self.set_time(system, k.time);
-        let mut new = self.new_history.as_mut_slice();
-        let mut history = self.history.as_slice();
         let mut dissipated = 0.0;
-        for group in system.groups.iter() {
-            let (mine, rest) = new.split_at_mut(group.len() * group.history_per_element());
-            let k = inside(system, k, &mut history, group.as_ref(), &self.factors);
-            dissipated += group.update_history(&k, mine);
-            new = rest;
+        for (g, group, offsets) in system.numbered_groups() {
+            let history = &mut self.new_history[offsets.history.clone()];
+            dissipated += group.update_history(&k.of_group(system, g, &self.factors), history);
         }
         dissipated
     }
@@ -400,6 +359,7 @@ impl Assembly {
     pub fn prescribed_strain_work(
         &mut self,
         system: &System,
+        history: &[f64],
         old: (&[Nodal], f64),
         new: (&[Nodal], f64),
     ) -> f64 {
@@ -410,50 +370,31 @@ impl Assembly {
             return 0.0;
         }
         let mut change = |u: &[Nodal], from: f64, to: f64| {
-            self.energy_to_reach(system, u, to) - self.energy_to_reach(system, u, from)
+            let mut energy_at = |time| {
+                let k = EvaluationPoint::at_rest(system, u, time, history);
+                self.strain_energy(system, &k) + self.find_history(system, &k)
+            };
+            energy_at(to) - energy_at(from)
         };
         change(old.0, old.1, middle) + change(new.0, middle, new.1)
     }
 
-    /// Energy stored at displacements, and dissipated on the way there from the last step.
-    fn energy_to_reach(&mut self, system: &System, u: &[Nodal], time: f64) -> f64 {
-        let motion = Motion::State { u, velocity: None };
-        let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, time);
-        self.strain_energy(system, u, time) + self.find_history(system, &k)
-    }
-
-    /// Strain energy.
-    pub fn strain_energy(&mut self, system: &System, u: &[Nodal], time: f64) -> f64 {
-        self.sum_energies(system, u, system.linear, time)
-    }
-
-    /// Strain energy of small displacements, ½ uᵀKu, summed from strains without cancellation.
-    pub fn small_strain_energy(&mut self, system: &System, u: &[Nodal]) -> f64 {
-        self.sum_energies(system, u, true, 0.0)
-    }
-
-    fn sum_energies(&mut self, system: &System, u: &[Nodal], linear: bool, time: f64) -> f64 {
-        self.set_time(system, time);
-        let k =
-            Kinematics::new(&system.coordinates.reference, Motion::State { u, velocity: None }, linear, time);
-        let mut energies = self.energies.as_mut_slice();
-        let mut history = self.history.as_slice();
-        for group in system.groups.iter() {
-            let (e, rest) = energies.split_at_mut(group.len());
-            group.energies(&inside(system, &k, &mut history, group.as_ref(), &self.factors), e);
-            energies = rest;
+    /// Strain energy at the end of a motion. In a geometrically linear evaluation of displacements it is ½ uᵀKu, summed
+    /// from strains without cancellation.
+    pub fn strain_energy(&mut self, system: &System, k: &EvaluationPoint) -> f64 {
+        self.set_time(system, k.time);
+        for (g, group, offsets) in system.numbered_groups() {
+            let energies = &mut self.energies[offsets.elements.clone()];
+            group.energies(&k.of_group(system, g, &self.factors), energies);
         }
         self.energies.iter().sum()
     }
 
     /// Power that rate damping dissipates.
-    pub fn dissipated_power(&mut self, system: &System, k: &Kinematics) -> f64 {
-        let mut power = self.energies.as_mut_slice();
-        let mut history = self.history.as_slice();
-        for group in system.groups.iter() {
-            let (p, rest) = power.split_at_mut(group.len());
-            group.dissipation(&inside(system, k, &mut history, group.as_ref(), &self.factors), p);
-            power = rest;
+    pub fn dissipated_power(&mut self, system: &System, k: &EvaluationPoint) -> f64 {
+        for (g, group, offsets) in system.numbered_groups() {
+            let power = &mut self.energies[offsets.elements.clone()];
+            group.dissipation(&k.of_group(system, g, &self.factors), power);
         }
         self.energies.iter().sum()
     }
@@ -463,13 +404,13 @@ impl Assembly {
 pub fn curvature<'a>(
     system: &'a System,
     frames: &'a LocalFrames,
-    k: &'a Kinematics,
+    k: &'a EvaluationPoint,
     weights: &'a TangentWeights,
     rest: &'a [Nodal],
 ) -> impl Iterator<Item = (usize, f64)> + 'a {
     frames.dofs().unit.iter().map(|unit| {
         let v = unit.vector as usize;
-        (v, weights.direction * current_vector(system, k, v).dot(&Vec3::from(rest[v])))
+        (v, weights.direction * current_vector(system, &k.motion, v).dot(&Vec3::from(rest[v])))
     })
 }
 
@@ -485,48 +426,18 @@ fn largest_batch(system: &System) -> usize {
     groups.chain(loads.map(|l| l.iter().map(|load| pairs(load.vectors().len())).sum())).max().unwrap_or(0)
 }
 
-/// Motion with history and prescribed strains of a group's elements; splits the group's part from the front of
-/// `history`.
-fn inside<'a>(
-    system: &'a System,
-    k: &Kinematics<'a>,
-    history: &mut &'a [f64],
-    group: &dyn ElementGroup,
-    factors: &'a [f64],
-) -> Kinematics<'a> {
-    let (mine, rest) = history.split_at(group.len() * group.history_per_element());
-    *history = rest;
-    Kinematics {
-        interior: InternalVariables { history: mine, factors },
-        unit: &system.coordinates.inextensible,
-        ..*k
-    }
-}
-
-/// Nodal vector of the configuration on which the forces of a motion act.
-pub(super) fn current_vector(system: &System, k: &Kinematics, v: usize) -> Vec3 {
-    let mut x = Vec3::from(system.coordinates.reference[v]);
-    if !k.linear {
-        match k.motion {
-            Motion::State { u, .. } => x += Vec3::from(u[v]),
-            Motion::Step { old, new, .. } => x += (Vec3::from(old[v]) + Vec3::from(new[v])) * 0.5,
-        }
-    }
-    x
-}
-
 /// Nodal vectors of the configuration on which the forces of a motion act.
-fn current(system: &System, k: &Kinematics, vectors: &[u32], x: &mut [Vec3; 4]) {
+fn current(system: &System, motion: &Motion, vectors: &[u32], x: &mut [Vec3; 4]) {
     for (x, &v) in x.iter_mut().zip(vectors) {
-        *x = current_vector(system, k, v as usize);
+        *x = current_vector(system, motion, v as usize);
     }
 }
 
 /// Adds the follower loads at a time, times `factor`.
-pub fn add_follower_loads(system: &System, k: &Kinematics, time: f64, factor: f64, out: &mut [Nodal]) {
+pub fn add_follower_loads(system: &System, motion: &Motion, time: f64, factor: f64, out: &mut [Nodal]) {
     for load in &system.followers {
         let mut x = [Vec3::zeros(); 4];
-        current(system, k, load.vectors(), &mut x);
+        current(system, motion, load.vectors(), &mut x);
         let mut f = [[0.0; 3]; 4];
         let n = load.vectors().len();
         load.forces(&x[..n], &mut f[..n]);
@@ -542,12 +453,12 @@ pub fn add_follower_loads(system: &System, k: &Kinematics, time: f64, factor: f6
 /// Adds the change of the follower loads in an increment of the motion, `∂f/∂x Δ`, with the weights of a tangent.
 pub fn add_follower_stiffness(
     system: &System,
-    k: &Kinematics,
+    motion: &Motion,
     parts: &TangentCoefficients,
     increment: &[Nodal],
     out: &mut [Nodal],
 ) {
-    if k.linear {
+    if system.linear {
         return;
     }
     let direction = parts.weights.force * parts.weights.direction;
@@ -558,7 +469,7 @@ pub fn add_follower_stiffness(
             continue;
         }
         let mut x = [Vec3::zeros(); 4];
-        current(system, k, vectors, &mut x);
+        current(system, motion, vectors, &mut x);
         let stiffness = load.derivative(&x[..vectors.len()]);
         let factor = -direction * system.factor(load.factor(), parts.time);
         for (&v, row) in vectors.iter().zip(&stiffness) {

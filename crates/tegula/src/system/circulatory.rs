@@ -15,10 +15,11 @@
 use std::collections::BTreeMap;
 
 use super::LocalFrames;
-use super::assembly::{TangentCoefficients, current_vector};
+use super::assembly::TangentCoefficients;
 use super::dof_map::CONSTRAINED;
+use super::evaluation_point::current_vector;
 use super::{System, VectorKind};
-use crate::element::Kinematics;
+use crate::element::Motion;
 use crate::load::{FollowerLoad, LoadFactor};
 use crate::{Mat3, Vec3};
 
@@ -89,16 +90,17 @@ impl CirculatoryStiffness {
     }
 
     /// Computes the stiffness at a motion, with the coefficients of a tangent.
-    pub fn take(&mut self, system: &System, k: &Kinematics, parts: &TangentCoefficients) {
+    pub fn take(&mut self, system: &System, motion: &Motion, parts: &TangentCoefficients) {
         self.blocks.clear();
-        if k.linear {
+        if system.linear {
             return;
         }
         let direction = parts.weights.force * parts.weights.direction;
         for edge in &self.edges {
             let p = direction * edge.pressure * system.factor(&edge.factor, parts.time);
             let [a, b] = edge.ends;
-            let along = current_vector(system, k, b as usize) - current_vector(system, k, a as usize);
+            let along =
+                current_vector(system, motion, b as usize) - current_vector(system, motion, a as usize);
             // ∮ N_a N_b along an edge: a third of it and a sixth.
             let values = along.cross_matrix() * (-p / 6.0);
             if p != 0.0 {
@@ -113,7 +115,7 @@ impl CirculatoryStiffness {
             let vectors = load.vectors();
             let mut x = [Vec3::zeros(); 4];
             for (x, &v) in x.iter_mut().zip(vectors) {
-                *x = current_vector(system, k, v as usize);
+                *x = current_vector(system, motion, v as usize);
             }
             let stiffness = load.derivative(&x[..vectors.len()]);
             let largest = stiffness.iter().flatten().map(|b| b.amax()).fold(0.0, f64::max);

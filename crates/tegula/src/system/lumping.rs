@@ -9,12 +9,13 @@
 //! directors is not above the highest one of the positions of any element. This adds a rotary inertia of about the
 //! element size squared, which vanishes with the mesh.
 
+use super::EvaluationPoint;
 use super::assembly::{ElementBlocks, pairs};
 use super::element_frequency::{MassShares, of_elements, row_sums};
 use super::pattern::BATCH;
 use super::{System, VectorKind};
 use crate::Issue;
-use crate::element::{InternalVariables, Kinematics, Motion, TangentRequest, TangentWeights};
+use crate::element::{TangentRequest, TangentWeights};
 
 /// Coupling mass below this part of the mean of both masses is round-off.
 const ROUNDING: f64 = 1e-10;
@@ -115,12 +116,10 @@ fn at_rest(system: &System, mut take: impl FnMut(ElementBlocks)) {
     let factors: Vec<f64> = system.prescribed_strains.iter().map(|f| system.factor(&f.factor, 0.0)).collect();
     // Material stiffness only: prescribed strains would add their stress.
     let weights = TangentWeights { stress: 1.0, direction: 0.0, force: 1.0, rate: 0.0 };
-    let motion = Motion::State { u: &rest, velocity: None };
-    let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, 0.0);
-    for group in system.groups.iter().map(AsRef::as_ref) {
-        let history = vec![0.0; group.len() * group.history_per_element()];
-        let interior = InternalVariables { history: &history, factors: &factors };
-        let k = Kinematics { interior, unit: &system.coordinates.inextensible, ..k };
+    let history = vec![0.0; system.offsets.last().map_or(0, |last| last.history.end)];
+    let k = EvaluationPoint::at_rest(system, &rest, 0.0, &history);
+    for (g, group) in system.groups.iter().map(AsRef::as_ref).enumerate() {
+        let k = k.of_group(system, g, &factors);
         let m = group.vectors_per_element();
         let mut forces = vec![0.0; 3 * m * group.len().min(BATCH)];
         let mut blocks = vec![0.0; 9 * pairs(m) * group.len().min(BATCH)];

@@ -6,6 +6,7 @@ pub mod coordinates;
 pub mod corotational_update;
 pub mod dof_map;
 pub mod element_frequency;
+pub mod evaluation_point;
 mod inverted_element;
 mod local_frames;
 pub mod lumping;
@@ -30,6 +31,7 @@ pub use coordinates::{Coordinates, VectorKind};
 pub use corotational_update::CorotationalUpdate;
 pub use dof_map::DofMap;
 use dof_map::Prescribed;
+pub use evaluation_point::{EvaluationPoint, GroupOffsets};
 pub use inverted_element::inverted_element;
 pub use local_frames::LocalFrames;
 pub use pattern::Pattern;
@@ -113,6 +115,8 @@ pub struct System {
     pub frames: LocalFrames,
     /// Elements.
     pub groups: Arc<Vec<Box<dyn ElementGroup>>>,
+    /// Ranges of each group in the arrays that hold the data of all groups.
+    pub offsets: Arc<Vec<GroupOffsets>>,
     /// Shells, one per quad that has an element.
     pub shells: Vec<Shell>,
     /// Sections of the shells.
@@ -185,6 +189,17 @@ impl System {
     /// Number of free degrees of freedom.
     pub fn unknowns(&self) -> usize {
         self.dofs().unknowns
+    }
+
+    /// Groups of elements, each with its number and its ranges in the arrays of all groups.
+    pub fn numbered_groups(&self) -> impl Iterator<Item = (usize, &dyn ElementGroup, &GroupOffsets)> {
+        let groups = self.groups.iter().map(AsRef::as_ref).zip(self.offsets.iter());
+        groups.enumerate().map(|(number, (group, offsets))| (number, group, offsets))
+    }
+
+    /// True if no element has history variables: enhanced parameters that are iterated, or internal variables.
+    pub fn without_history(&self) -> bool {
+        self.offsets.last().is_none_or(|last| last.history.end == 0)
     }
 
     /// True if a material of the model can yield.

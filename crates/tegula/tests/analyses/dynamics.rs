@@ -5,8 +5,7 @@ use crate::common::{
     vector_load,
 };
 use tegula::analysis::dynamics;
-use tegula::analysis::statics::state_kinematics;
-use tegula::element::{Kinematics, Motion};
+use tegula::element::Motion;
 use tegula::model::*;
 use tegula::norm::max_norm;
 use tegula::system::{Assembly, dot};
@@ -121,10 +120,9 @@ fn the_start_satisfies_the_equations_of_motion() {
     let mut force = vec![[0.0; 3]; n];
     let mut internal = vec![[0.0; 3]; n];
     system.add_dead_loads(0.0, 1.0, &mut force);
-    let rest = state_kinematics(&system, &state.u, state.time);
+    let rest = Motion::State { u: &state.u, velocity: None };
     tegula::system::assembly::add_follower_loads(&system, &rest, 0.0, 1.0, &mut force);
-    let k = Kinematics { motion: Motion::State { u: &state.u, velocity: Some(&state.v) }, ..rest };
-    Assembly::new(&system).forces(&system, &k, &mut internal);
+    Assembly::new(&system).forces(&system, &state.point_with_rates(&system), &mut internal);
     system.pattern.add_mass_product(-0.7, &state.v, &mut force);
     let scale = dot(&force, &force).sqrt() + dot(&internal, &internal).sqrt();
     system.pattern.add_mass_product(-1.0, &state.a, &mut force);

@@ -5,6 +5,7 @@ use crate::common::{Notes, compile, model, plate};
 use tegula::analysis::dynamics::{self, TransientOutcome};
 use tegula::analysis::{Silent, modal};
 use tegula::model::*;
+use tegula::system::EvaluationPoint;
 use tegula::{Error, Result, System, Vec3};
 
 const NEWMARK: Scheme = Scheme::Newmark(NewmarkScheme { beta: 0.25, gamma: 0.5 });
@@ -140,7 +141,7 @@ fn critical_by_iteration(m: &Model) -> f64 {
             }
         }
         x.iter_mut().flatten().for_each(|x| *x /= norm.sqrt());
-        let k = tegula::analysis::statics::state_kinematics(&system, &x, 0.0);
+        let k = EvaluationPoint::at_rest(&system, &x, 0.0, &[]);
         assembly.forces(&system, &k, &mut force);
         square = tegula::system::dot(&x, &force);
         for v in 0..x.len() {

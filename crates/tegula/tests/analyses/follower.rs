@@ -6,12 +6,13 @@ use std::f64::consts::PI;
 use crate::common::{
     Notes, Random, compile, displacement, model, on, plate, side_by_side, static_options, vector_load,
 };
-use tegula::analysis::statics::{self, StaticOutcome, reactions, state_kinematics};
+use tegula::analysis::statics::{self, StaticOutcome, reactions};
 use tegula::analysis::{Observer, Step};
 use tegula::compile::build;
 use tegula::element::{Nodal, TangentWeights};
 use tegula::mesh::generators::generate;
 use tegula::model::*;
+use tegula::system::EvaluationPoint;
 use tegula::system::assembly::{TangentCoefficients, add_follower_stiffness};
 use tegula::system::{Assembly, CirculatoryStiffness, VectorKind};
 use tegula::{Mesh, Result, System, Vec3};
@@ -285,7 +286,7 @@ fn circulatory_stiffness_is_the_skew_part_of_all_follower_loads() {
         };
         let u = field(0.1);
         let (x, y) = (field(1.0), field(1.0));
-        let k = state_kinematics(&system, &u, 0.9);
+        let k = EvaluationPoint::at_rest(&system, &u, 0.9, &[]);
         let weights = TangentWeights { stress: 1.0, direction: 0.5, force: 0.8, rate: 0.0 };
         let parts = TangentCoefficients { weights, mass: 0.0, time: 0.9 };
         let mut frames = system.frames.clone();
@@ -299,14 +300,14 @@ fn circulatory_stiffness_is_the_skew_part_of_all_follower_loads() {
         };
         let ((x, x_whole), (y, y_whole)) = (free(&x), free(&y));
         let mut stiffness = CirculatoryStiffness::new(&system);
-        stiffness.take(&system, &k, &parts);
+        stiffness.take(&system, &k.motion, &parts);
         let mut product = vec![f64::NAN; x.len()];
         stiffness.product(&frames, &x, &mut product);
         let found: f64 = product.iter().zip(&y).map(|(a, b)| a * b).sum();
         // ½ (yᵀ K x − xᵀ K y) with K = −∂f/∂x of all loads.
         let change = |increment: &[Nodal], test: &[Nodal]| {
             let mut out = vec![[0.0; 3]; system.vectors()];
-            add_follower_stiffness(&system, &k, &parts, increment, &mut out);
+            add_follower_stiffness(&system, &k.motion, &parts, increment, &mut out);
             -tegula::system::dot(&out, test)
         };
         let (there, back) = (change(&x_whole, &y_whole), change(&y_whole, &x_whole));

@@ -237,7 +237,7 @@ fn step(system: &System, scheme: Scheme, state: &State, dt: f64) -> (State, f64)
     let mut end = state.clone();
     scheme.begin(system, &mut newton.assembly, state, Span { dt, end: state.time + dt });
     let tolerances = scheme.tolerances(30);
-    newton.solve(system, scheme.as_mut(), &tolerances, &mut Silent).unwrap();
+    newton.solve(system, scheme.as_mut(), &state.history, &tolerances, &mut Silent).unwrap();
     let error = scheme.local_error(system, state);
     scheme.finish(system, &mut end);
     (end, error)

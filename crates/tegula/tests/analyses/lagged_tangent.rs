@@ -2,10 +2,10 @@
 
 use crate::common::{Notes, Random, compile, distance, move_in_time, pendulum, quarter_cylinder, rotation};
 use tegula::analysis::dynamics::{self, TransientOutcome};
-use tegula::analysis::statics::state_kinematics;
 use tegula::element::{Nodal, TangentWeights};
 use tegula::model::*;
 use tegula::norm::max_norm;
+use tegula::system::EvaluationPoint;
 use tegula::system::assembly::TangentCoefficients;
 use tegula::system::{Assembly, CorotationalUpdate, VectorKind};
 use tegula::{System, Vec3};
@@ -133,7 +133,7 @@ fn the_tangent_of_a_turned_shell_is_the_turned_tangent() {
         let weights = TangentWeights::STATIC;
         let parts = TangentCoefficients { weights, mass: 0.0, time: 0.0 };
         let mut forces = vec![[0.0; 3]; system.vectors()];
-        let k = state_kinematics(&system, u, 0.0);
+        let k = EvaluationPoint::at_rest(&system, u, 0.0, &[]);
         assembly.forces_and_tangent(&system, &k, &parts, false, None, &mut forces);
         let (mut free, mut out) = (vec![0.0; system.unknowns()], vec![0.0; system.unknowns()]);
         system.frames.reduce(x, &mut free);

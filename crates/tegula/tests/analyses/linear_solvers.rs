@@ -4,13 +4,13 @@ use crate::common::{
     compile, edge_loaded_shell, irregular, loaded_quarter_cylinder, model, plate, vector_load,
 };
 use tegula::System;
-use tegula::analysis::statics::state_kinematics;
 use tegula::bddc::{Bddc, BddcError, Convergence, Options, StoppingCriterion};
 use tegula::compile::build;
 use tegula::element::TangentWeights;
 use tegula::model::*;
 use tegula::norm::max_norm;
 use tegula::system::Assembly;
+use tegula::system::EvaluationPoint;
 use tegula::system::assembly::TangentCoefficients;
 use tegula_sparse::{Factor as _, SparseLdlt, SymmetricPattern};
 
@@ -35,7 +35,7 @@ impl Problem {
         system.frames.reduce(&field, &mut load);
         let mut assembly = Assembly::new(&system);
         let u = vec![[0.0; 3]; system.vectors()];
-        let k = state_kinematics(&system, &u, 1.0);
+        let k = EvaluationPoint::at_rest(&system, &u, 1.0, &[]);
         assembly.forces_and_tangent(&system, &k, &parts(), false, None, &mut field);
         let pattern = system.tangent_pattern();
         let mut out = Self { bddc, load, pattern, values: assembly.values, system };
@@ -46,7 +46,7 @@ impl Problem {
     /// Gives the element terms to BDDC; returns how many numbers each has.
     fn assemble(&mut self) -> Vec<usize> {
         let u = vec![[0.0; 3]; self.system.vectors()];
-        let k = state_kinematics(&self.system, &u, 1.0);
+        let k = EvaluationPoint::at_rest(&self.system, &u, 1.0, &[]);
         let (mut size, mut forces) = (Vec::new(), u.clone());
         self.bddc.begin();
         let bddc = &mut self.bddc;

@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 
 use crate::common::{Notes, compile, displacement, driven_edge, model, move_in_time, plate, vector_load};
 use tegula::analysis::statics;
-use tegula::element::{Kinematics, Motion};
 use tegula::model::*;
 use tegula::norm::max_norm;
 use tegula::result::plastic_strains;
@@ -199,8 +198,7 @@ fn free_coordinates_keep_their_momentum_where_the_velocity_of_a_support_jumps() 
                 continue;
             }
             // The equations of motion hold behind the kink, with damping forces that the jump has changed.
-            let motion = Motion::State { u: &state.u, velocity: Some(&state.v) };
-            let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, state.time);
+            let k = state.point_with_rates(&system);
             let mut rest = vec![[0.0; 3]; system.vectors()];
             let mut assembly = Assembly::new(&system);
             assembly.follow(&system, &k);

@@ -4,13 +4,14 @@ use crate::common;
 use crate::common::{compile, distance, model, on, plate, side_by_side};
 use tegula::analysis::modal::{self, ModalOutcome, Mode};
 use tegula::analysis::{Silent, State, statics};
-use tegula::element::{Kinematics, Motion, Nodal};
+use tegula::element::{Motion, Nodal};
 use tegula::material::NeoHookeanForm;
 use tegula::mesh::generators::generate;
 use tegula::model::*;
 use tegula::norm::max_norm;
 use tegula::result::inside::Snapshot;
 use tegula::result::{ShellResult, recovery};
+use tegula::system::EvaluationPoint;
 use tegula::system::{Assembly, dot};
 use tegula::{Error, Result, System, Vec3};
 
@@ -131,12 +132,8 @@ fn stresses_of_a_mode_are_the_derivative_of_those_of_the_state() {
                 *u = std::array::from_fn(|i| u[i] + sign * step * s[i]);
             }
             // Enhanced parameters of materials that are not linear are internal variables.
-            let mut assembly = Assembly::new(&system);
-            assembly.history.copy_from_slice(&state.history);
             let motion = Motion::State { u: &moved.u, velocity: None };
-            assembly
-                .commit(&system, &Kinematics::new(&system.coordinates.reference, motion, false, state.time));
-            moved.history.copy_from_slice(&assembly.history);
+            Assembly::new(&system).commit(&system, motion, state.time, &mut moved.history);
             recovery::recover(&system, &moved)
         };
         let (plus, minus) = (at(1.0), at(-1.0));
@@ -201,7 +198,7 @@ fn sturm_count_finds_modes_that_the_blocks_miss() {
 fn forces(system: &System, shape: &[Nodal]) -> Vec<Nodal> {
     let mut out = vec![[0.0; 3]; shape.len()];
     let motion = Motion::State { u: shape, velocity: None };
-    let k = Kinematics::new(&system.coordinates.reference, motion, true, 0.0);
+    let k = EvaluationPoint { motion, linear: true, time: 0.0, history: &[] };
     Assembly::new(system).forces(system, &k, &mut out);
     out
 }

@@ -2,13 +2,13 @@
 
 use crate::common;
 use crate::common::{Random, model, plate, ply};
-use tegula::analysis::statics::state_kinematics;
 use tegula::compile::build;
 use tegula::element::{Nodal, TangentWeights};
 use tegula::mesh::generators::generate;
 use tegula::model::*;
 use tegula::norm::max_norm;
 use tegula::system::Assembly;
+use tegula::system::EvaluationPoint;
 use tegula::system::assembly::TangentCoefficients;
 use tegula::{Error, Mesh, System, Vec3};
 
@@ -59,10 +59,10 @@ fn response(system: &System, u: &[Nodal]) -> (Vec<f64>, Vec<f64>, f64) {
     let mut assembly = Assembly::new(system);
     let weights = TangentWeights::STATIC;
     let parts = TangentCoefficients { weights, mass: 3.0, time: 0.0 };
-    let k = state_kinematics(system, u, 0.0);
+    let k = EvaluationPoint::at_rest(system, u, 0.0, &[]);
     let mut forces = vec![[0.0; 3]; system.vectors()];
     assembly.forces_and_tangent(system, &k, &parts, false, None, &mut forces);
-    let energy = assembly.strain_energy(system, u, 0.0);
+    let energy = assembly.strain_energy(system, &k);
     (forces.into_flattened(), assembly.values, energy)
 }
 

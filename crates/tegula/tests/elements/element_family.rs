@@ -11,7 +11,8 @@ use nalgebra::DMatrix;
 use tegula::Vec3;
 use tegula::element::shell::{GroupSetup, Member, ShellElement};
 use tegula::element::{
-    ElementGroup, Kinematics, Motion, Nodal, ShellGeometry, TangentRequest, TangentWeights, registry,
+    ElementGroup, GroupPoint, InternalVariables, Motion, Nodal, ShellGeometry, TangentRequest,
+    TangentWeights, registry,
 };
 use tegula::model::{ElementKind, Isotropic, Material, Membrane, Section};
 use tegula::norm::{larger, max_norm};
@@ -84,8 +85,14 @@ fn element(section: &Section, geometry: ShellGeometry) -> Element {
 }
 
 impl Element {
-    fn motion<'a>(&'a self, u: &'a [Nodal]) -> Kinematics<'a> {
-        Kinematics::new(&self.reference, Motion::State { u, velocity: None }, false, 0.0)
+    fn motion<'a>(&'a self, u: &'a [Nodal]) -> GroupPoint<'a> {
+        GroupPoint {
+            reference: &self.reference,
+            motion: Motion::State { u, velocity: None },
+            linear: false,
+            interior: InternalVariables { history: &[], factors: &[] },
+            inextensible: &[],
+        }
     }
 
     fn energy(&self, u: &[Nodal]) -> f64 {

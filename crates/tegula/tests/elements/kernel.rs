@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use crate::common::{Random, geometry, ply, rotation, strains};
 use tegula::element::shell::{GroupSetup, Member};
 use tegula::element::{
-    ElementGroup, InternalVariables, Kinematics, Motion, Nodal, TangentRequest, TangentWeights, registry,
+    ElementGroup, GroupPoint, InternalVariables, Motion, Nodal, TangentRequest, TangentWeights, registry,
 };
 use tegula::model::*;
 use tegula::norm::max_norm;
@@ -94,7 +94,7 @@ fn field(count: usize, size: f64, random: &mut Random) -> Vec<Nodal> {
 }
 
 /// Everything that a group computes of a motion, concatenated by kind.
-fn everything(g: &dyn ElementGroup, k: &Kinematics, increment: &[Nodal]) -> Vec<(&'static str, Vec<f64>)> {
+fn everything(g: &dyn ElementGroup, k: &GroupPoint, increment: &[Nodal]) -> Vec<(&'static str, Vec<f64>)> {
     let n = g.len();
     let mut stress = vec![0.0; n * g.stresses_per_element()];
     g.extrapolate(k, increment, &WEIGHTS, &mut stress);
@@ -161,11 +161,9 @@ fn both_kernels_agree() {
                     Motion::Step { old: &v, new: &u, dt: 0.02 },
                 ];
                 for (motion, linear) in motions.into_iter().flat_map(|m| [(m, false), (m, true)]) {
-                    let mut k = Kinematics::new(&e.reference, motion, linear, 0.0);
-                    k.interior = InternalVariables { history: &[], factors: &FACTORS };
-                    if element == ElementKind::Mitc4 {
-                        k.unit = &unit;
-                    }
+                    let inextensible: &[bool] = if element == ElementKind::Mitc4 { &unit } else { &[] };
+                    let interior = InternalVariables { history: &[], factors: &FACTORS };
+                    let k = GroupPoint { reference: &e.reference, motion, linear, interior, inextensible };
                     let pairs = everything(e.fast.as_ref(), &k, &w).into_iter().zip(everything(
                         e.general.as_ref(),
                         &k,
@@ -193,8 +191,8 @@ fn parts_are_evaluated_alike() {
     let e = elements(&Section::new("steel", THICKNESS), Copies::Shifted, 30, 0.1, &mut random);
     let u = field(e.reference.len(), 0.05, &mut random);
     let motion = Motion::State { u: &u, velocity: None };
-    let mut k = Kinematics::new(&e.reference, motion, false, 0.0);
-    k.interior = InternalVariables { history: &[], factors: &FACTORS };
+    let interior = InternalVariables { history: &[], factors: &FACTORS };
+    let k = GroupPoint { reference: &e.reference, motion, linear: false, interior, inextensible: &[] };
     let mut whole = vec![0.0; 30 * 24];
     e.fast.evaluate(&k, 0, &mut whole, None);
     for (first, count) in [(0, 8), (8, 16), (16, 3), (24, 6)] {

@@ -2,8 +2,9 @@
 
 use crate::common::{Random, compile, model, on, plate, quarter_cylinder, resultant, solve, vector_load};
 use tegula::analysis::State;
-use tegula::analysis::statics::{reactions, state_kinematics};
+use tegula::analysis::statics::reactions;
 use tegula::compile::build;
+use tegula::element::Motion;
 use tegula::element::Nodal;
 use tegula::model::*;
 use tegula::norm::larger;
@@ -15,7 +16,7 @@ use tegula::{Mesh, System, Vec3};
 fn loads(system: &System, u: &[Nodal]) -> Vec<Nodal> {
     let mut f = vec![[0.0; 3]; system.vectors()];
     system.add_dead_loads(1.0, 1.0, &mut f);
-    add_follower_loads(system, &state_kinematics(system, u, 1.0), 1.0, 1.0, &mut f);
+    add_follower_loads(system, &Motion::State { u, velocity: None }, 1.0, 1.0, &mut f);
     f
 }
 

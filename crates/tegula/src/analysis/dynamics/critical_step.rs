@@ -1,7 +1,6 @@
 //! Lower bound of the critical time step `2/ω` of central differences, with the highest circular frequency ω.
 
 use crate::analysis::State;
-use crate::analysis::statics::state_kinematics;
 use crate::element::TangentWeights;
 use crate::system::assembly::TangentCoefficients;
 use crate::system::element_frequency::{MassShares, of_followers, of_part};
@@ -21,8 +20,7 @@ impl CriticalStep {
         Self { shares: MassShares::new(system), retardation }
     }
 
-    /// Lower bound of the critical time step at a state with the lumped masses `mass` (time). The assembly holds the
-    /// history variables of that state.
+    /// Lower bound of the critical time step at a state with the lumped masses `mass` (time).
     ///
     /// ω is that of the element with the highest frequency, see [`crate::system::element_frequency`]. Strain-rate
     /// damping with the velocity of the last half step lowers the bound to `2/ω (√(1 + ξ²) − ξ)`, `ξ = τ ω/2`.
@@ -30,7 +28,7 @@ impl CriticalStep {
         let weights = TangentWeights::STATIC;
         let parts = TangentCoefficients { weights, mass: 0.0, time: state.time };
         let mut highest = 0.0_f64;
-        let k = state_kinematics(system, &state.u, state.time);
+        let k = state.point(system);
         assembly.for_each_element(system, &k, &parts, |part| {
             let bound = of_part(system, &self.shares, mass, part);
             highest = if bound.is_nan() { bound } else { highest.max(bound) };

@@ -19,7 +19,8 @@ use super::{Integrator, RESOLUTION, Span, StepWork, hold_supported, step_size, w
 use crate::analysis::State;
 use crate::analysis::newton::{Equation, Tolerances};
 use crate::analysis::statics::{add, prescribed_increment};
-use crate::element::{Kinematics, Motion, Nodal, TangentWeights};
+use crate::element::{Motion, Nodal, TangentWeights};
+use crate::system::EvaluationPoint;
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::system::{Assembly, System};
 
@@ -118,14 +119,13 @@ impl EnergyMomentum {
     fn loads(&self, system: &System, out: &mut [Nodal]) {
         let middle = self.time - 0.5 * self.dt;
         system.add_dead_loads(middle, 1.0, out);
-        add_follower_loads(system, &self.kinematics(system), middle, 1.0, out);
+        add_follower_loads(system, &self.motion(), middle, 1.0, out);
     }
 }
 
 impl Equation for EnergyMomentum {
-    fn kinematics<'a>(&'a self, system: &'a System) -> Kinematics<'a> {
-        let motion = Motion::Step { old: &self.u_old, new: &self.u, dt: self.dt };
-        Kinematics::new(&system.coordinates.reference, motion, system.linear, self.time - 0.5 * self.dt)
+    fn motion(&self) -> Motion<'_> {
+        Motion::Step { old: &self.u_old, new: &self.u, dt: self.dt }
     }
 
     fn parts(&self) -> TangentCoefficients {
@@ -155,7 +155,7 @@ impl Equation for EnergyMomentum {
         prescribed_increment(system, self.time, &self.u, increment)
     }
 
-    fn energy_scale(&self, system: &System, _assembly: &mut Assembly) -> f64 {
+    fn energy_scale(&self, system: &System, _assembly: &mut Assembly, _history: &[f64]) -> f64 {
         self.energy_scale.max(system.kinetic_energy(&self.v))
     }
 
@@ -199,7 +199,7 @@ impl Integrator for EnergyMomentum {
         system.position_rms(|n| std::array::from_fn(|i| factor * (self.a[n][i] - self.a_old[n][i])))
     }
 
-    fn step_work(&mut self, system: &System, assembly: &mut Assembly, _state: &State) -> StepWork {
+    fn step_work(&mut self, system: &System, assembly: &mut Assembly, state: &State) -> StepWork {
         let mut buffer = std::mem::take(&mut self.buffer);
         let mut internal = std::mem::take(&mut self.internal);
         buffer.fill([0.0; 3]);
@@ -210,7 +210,7 @@ impl Integrator for EnergyMomentum {
         for (n, mean) in buffer.iter_mut().enumerate() {
             *mean = std::array::from_fn(|i| (self.u[n][i] - self.u_old[n][i]) / self.dt);
         }
-        let k = self.kinematics(system);
+        let k = EvaluationPoint::new(system, self.motion(), self.parts().time, &state.history);
         let power = assembly.dissipated_power(system, &k)
             + 2.0 * system.mass_damping * system.kinetic_energy(&buffer);
         if !system.dofs().prescribed.is_empty() {

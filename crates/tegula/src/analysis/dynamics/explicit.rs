@@ -20,8 +20,8 @@ use rayon::prelude::*;
 use super::work;
 use crate::Result;
 use crate::analysis::State;
-use crate::analysis::statics::state_kinematics;
-use crate::element::{Kinematics, Motion, Nodal};
+use crate::element::{Motion, Nodal};
+use crate::system::EvaluationPoint;
 use crate::system::assembly::add_follower_loads;
 use crate::system::dof_map::CONSTRAINED;
 use crate::system::{Assembly, LocalFrames, Procedure, System, dot3};
@@ -94,7 +94,6 @@ impl<'a> Explicit<'a> {
 
     /// Initialises loads, reactions and inertia at the state from which steps start.
     pub(super) fn begin(&mut self, state: &State) {
-        self.assembly.history.copy_from_slice(&state.history);
         self.find_loads(state);
         if !self.reactions.is_empty() {
             self.find_forces(state);
@@ -127,7 +126,7 @@ impl<'a> Explicit<'a> {
 
         let velocity = self.damped.then_some(self.middle.as_slice());
         let motion = Motion::State { u: &state.u, velocity };
-        let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, end);
+        let k = EvaluationPoint::new(system, motion, end, &state.history);
         self.assembly.forces(system, &k, &mut self.forces);
         self.find_loads(state);
         self.kick(state, dt);
@@ -179,7 +178,7 @@ impl<'a> Explicit<'a> {
     fn find_forces(&mut self, state: &State) {
         let velocity = self.damped.then_some(state.v.as_slice());
         let motion = Motion::State { u: &state.u, velocity };
-        let k = Kinematics::new(&self.system.coordinates.reference, motion, self.system.linear, state.time);
+        let k = EvaluationPoint::new(self.system, motion, state.time, &state.history);
         self.assembly.forces(self.system, &k, &mut self.forces);
     }
 
@@ -187,8 +186,8 @@ impl<'a> Explicit<'a> {
     fn find_loads(&mut self, state: &State) {
         self.loads.fill([0.0; 3]);
         self.system.add_dead_loads(state.time, 1.0, &mut self.loads);
-        let k = state_kinematics(self.system, &state.u, state.time);
-        add_follower_loads(self.system, &k, state.time, 1.0, &mut self.loads);
+        let motion = Motion::State { u: &state.u, velocity: None };
+        add_follower_loads(self.system, &motion, state.time, 1.0, &mut self.loads);
     }
 
     /// Velocities and accelerations at the end of the step from the forces there.
@@ -252,18 +251,17 @@ impl<'a> Explicit<'a> {
             }
         }
         let ends = ((self.u_old.as_slice(), end - dt), (state.u.as_slice(), end));
-        state.work += done + self.assembly.prescribed_strain_work(system, ends.0, ends.1);
+        state.work += done + self.assembly.prescribed_strain_work(system, &state.history, ends.0, ends.1);
         if self.damped || system.mass_damping != 0.0 {
             let motion = Motion::Step { old: &self.u_old, new: &state.u, dt };
-            let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, end);
+            let k = EvaluationPoint::new(system, motion, end, &state.history);
             let strains = if self.damped { self.assembly.dissipated_power(system, &k) } else { 0.0 };
             state.dissipated +=
                 dt * (strains + 2.0 * system.mass_damping * system.kinetic_energy(&self.middle));
         }
         if !state.history.is_empty() {
-            let k = state_kinematics(system, &state.u, end);
-            state.dissipated += self.assembly.commit(system, &k);
-            state.history.copy_from_slice(&self.assembly.history);
+            let motion = Motion::State { u: &state.u, velocity: None };
+            state.dissipated += self.assembly.commit(system, motion, end, &mut state.history);
         }
     }
 

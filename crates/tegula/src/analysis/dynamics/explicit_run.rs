@@ -123,7 +123,6 @@ impl<'a> ExplicitSteps<'a> {
         }
         // A resumed run needs this, too: later energies are compared with the energy at time 0.
         let mut first = initial_motion(system);
-        scheme.assembly.history.copy_from_slice(&first.history);
         let rest = unbalanced_forces(system, &mut scheme.assembly, &first);
         scheme.accelerate(&rest, &mut first.a);
         first.energy_scale = system.kinetic_energy(&first.v);

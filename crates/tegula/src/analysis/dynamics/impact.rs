@@ -7,11 +7,12 @@
 //!
 //! Strain-rate damping changes its forces with the velocities at once, and accelerations follow: `M_ff Δa_f = −Δf`.
 
-use super::{project_rates, state_with_rates};
+use super::project_rates;
 use crate::analysis::State;
 use crate::analysis::newton::Newton;
-use crate::element::{Kinematics, Motion, Nodal};
+use crate::element::{Motion, Nodal};
 use crate::error::{Error, Result};
+use crate::system::EvaluationPoint;
 use crate::system::System;
 use tegula_sparse::Factor;
 
@@ -26,7 +27,7 @@ pub(super) fn pass_kink(system: &System, newton: &mut Newton, mean: bool, state:
     let old = state.v.clone();
     system.prescribe_velocity(state.time, &mut state.v);
     newton.forget(state);
-    newton.assembly.follow(system, &state_with_rates(system, state));
+    newton.assembly.follow(system, &state.point_with_rates(system));
     factor_mass(system, newton)?;
     share_jump(system, newton, &old, state);
     if !mean && system.has_rate_damping() {
@@ -39,9 +40,9 @@ pub(super) fn pass_kink(system: &System, newton: &mut Newton, mean: bool, state:
 /// velocities from `old` ones; reuses the factor of the mass matrix.
 fn change_accelerations(system: &System, newton: &mut Newton, old: &[Nodal], state: &mut State) {
     let (mut behind, mut change) = (vec![[0.0; 3]; old.len()], vec![[0.0; 3]; old.len()]);
-    newton.assembly.forces(system, &state_with_rates(system, state), &mut behind);
+    newton.assembly.forces(system, &state.point_with_rates(system), &mut behind);
     let motion = Motion::State { u: &state.u, velocity: Some(old) };
-    let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, state.time);
+    let k = EvaluationPoint::new(system, motion, state.time, &state.history);
     newton.assembly.forces(system, &k, &mut change);
     for (change, behind) in change.as_flattened_mut().iter_mut().zip(behind.as_flattened()) {
         *change -= behind;

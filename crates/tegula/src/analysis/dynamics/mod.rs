@@ -15,7 +15,7 @@ mod time_steps;
 
 use super::newton::{Equation, Newton, Tolerances};
 use super::{Balance, Observer, State, Statistics, Stepper, statics, stepper};
-use crate::element::{Kinematics, Motion, Nodal};
+use crate::element::Nodal;
 use crate::model::{Scheme, TransientAnalysis};
 use crate::system::assembly::add_follower_loads;
 use crate::system::dof_map::CONSTRAINED;
@@ -121,8 +121,7 @@ pub fn steps<'a>(
 /// equations of motion there: `M a = F − f_int − C v`.
 fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
     let mut state = initial_motion(system);
-    newton.assembly.history.copy_from_slice(&state.history);
-    newton.assembly.follow(system, &state_with_rates(system, &state));
+    newton.assembly.follow(system, &state.point_with_rates(system));
     impact::factor_mass(system, newton)?;
     impact::share_jump(system, newton, &given_velocities(system), &mut state);
     let rest = unbalanced_forces(system, &mut newton.assembly, &state);
@@ -130,7 +129,7 @@ fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
     state.energy_scale = system.kinetic_energy(&state.v);
     if system.start.is_some() {
         // A preloaded model may not move at all: round-off is that of its strain energy.
-        let strain = newton.assembly.strain_energy(system, &state.u, state.time);
+        let strain = newton.assembly.strain_energy(system, &state.point(system));
         state.energy_scale = state.energy_scale.max(strain);
     }
     Ok(state)
@@ -169,12 +168,12 @@ fn initial_motion(system: &System) -> State {
 /// follow the state.
 fn unbalanced_forces(system: &System, assembly: &mut Assembly, state: &State) -> Vec<Nodal> {
     let n = system.vectors();
-    let k = state_with_rates(system, state);
+    let k = state.point_with_rates(system);
     assembly.follow(system, &k);
     let (mut internal, mut rest) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
     assembly.forces(system, &k, &mut internal);
     system.add_dead_loads(0.0, 1.0, &mut rest);
-    add_follower_loads(system, &k, 0.0, 1.0, &mut rest);
+    add_follower_loads(system, &k.motion, 0.0, 1.0, &mut rest);
     system.pattern.add_mass_product(-1.0, &state.a, &mut rest);
     system.pattern.add_mass_product(-system.mass_damping, &state.v, &mut rest);
     for (r, f) in rest.iter_mut().zip(&internal) {
@@ -185,16 +184,10 @@ fn unbalanced_forces(system: &System, assembly: &mut Assembly, state: &State) ->
     rest
 }
 
-/// Kinematics of a state with its velocities.
-fn state_with_rates<'a>(system: &'a System, state: &'a State) -> Kinematics<'a> {
-    let motion = Motion::State { u: &state.u, velocity: Some(&state.v) };
-    Kinematics::new(&system.coordinates.reference, motion, system.linear, state.time)
-}
-
 /// Energies and momenta of a state.
 pub fn balance(system: &System, assembly: &mut Assembly, state: &State) -> Balance {
     let kinetic = system.kinetic_energy(&state.v);
-    let strain = assembly.strain_energy(system, &state.u, state.time);
+    let strain = assembly.strain_energy(system, &state.point(system));
     let potential = system.constant_gravity_potential(&state.u);
     let (momentum, angular_momentum) = system.momentum(&state.u, &state.v);
     Balance {

@@ -19,7 +19,8 @@ use super::{Integrator, RESOLUTION, Span, StepWork, hold_supported, project_rate
 use crate::analysis::State;
 use crate::analysis::newton::{Equation, Tolerances};
 use crate::analysis::statics::{add, prescribed_increment};
-use crate::element::{Kinematics, Motion, Nodal, TangentWeights};
+use crate::element::{Motion, Nodal, TangentWeights};
+use crate::system::EvaluationPoint;
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::system::{Assembly, System};
 
@@ -131,16 +132,13 @@ impl Newmark {
     fn loads(&self, system: &System, time: f64, u: &[Nodal], out: &mut [Nodal]) {
         system.add_dead_loads(time, 1.0, out);
         let motion = Motion::State { u, velocity: None };
-        let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, time);
-        add_follower_loads(system, &k, time, 1.0, out);
+        add_follower_loads(system, &motion, time, 1.0, out);
     }
 }
 
 impl Equation for Newmark {
-    fn kinematics<'a>(&'a self, system: &'a System) -> Kinematics<'a> {
-        let velocity = self.damped.then_some(self.v.as_slice());
-        let motion = Motion::State { u: &self.u, velocity };
-        Kinematics::new(&system.coordinates.reference, motion, system.linear, self.time)
+    fn motion(&self) -> Motion<'_> {
+        Motion::State { u: &self.u, velocity: self.damped.then_some(self.v.as_slice()) }
     }
 
     fn parts(&self) -> TangentCoefficients {
@@ -175,7 +173,7 @@ impl Equation for Newmark {
         prescribed_increment(system, self.time, &self.u, increment)
     }
 
-    fn energy_scale(&self, system: &System, _assembly: &mut Assembly) -> f64 {
+    fn energy_scale(&self, system: &System, _assembly: &mut Assembly, _history: &[f64]) -> f64 {
         self.energy_scale.max(system.kinetic_energy(&self.v))
     }
 
@@ -213,7 +211,7 @@ impl Integrator for Newmark {
         if self.alpha_f != 0.0 {
             let velocity = self.damped.then_some(state.v.as_slice());
             let motion = Motion::State { u: &state.u, velocity };
-            let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, state.time);
+            let k = EvaluationPoint::new(system, motion, state.time, &state.history);
             assembly.forces(system, &k, &mut self.old_rest);
             for (r, f) in self.old_rest.iter_mut().zip(&self.loads_old) {
                 for i in 0..3 {
@@ -259,7 +257,7 @@ impl Integrator for Newmark {
             *mean = std::array::from_fn(|i| (self.u[n][i] - self.u_old[n][i]) / self.dt);
         }
         let motion = Motion::Step { old: &self.u_old, new: &self.u, dt: self.dt };
-        let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, self.time);
+        let k = EvaluationPoint::new(system, motion, self.time, &state.history);
         let power =
             assembly.dissipated_power(system, &k) + 2.0 * system.mass_damping * system.kinetic_energy(&loads);
         self.buffer = loads;
@@ -281,7 +279,7 @@ impl Newmark {
         &mut self,
         system: &System,
         assembly: &mut Assembly,
-        k: &Kinematics,
+        k: &EvaluationPoint,
         acceleration: &[Nodal],
     ) {
         if system.linear || system.dofs().unit.is_empty() {
@@ -312,7 +310,7 @@ impl Newmark {
         {
             loads.fill([0.0; 3]);
             let motion = Motion::State { u, velocity: Some(v) };
-            let k = Kinematics::new(&system.coordinates.reference, motion, system.linear, time);
+            let k = EvaluationPoint::new(system, motion, time, &state.history);
             assembly.forces(system, &k, &mut reaction);
             self.loads(system, time, u, &mut loads);
             system.pattern.add_mass_product(1.0, a, &mut reaction);

@@ -6,9 +6,10 @@ use super::step_end::{Span, StepEnds};
 use super::{Integrator, SMALLEST_STEP, balance, impact, initial_state, predictor};
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::newton::{Cause, Converged, Diverged, Newton, Tolerances};
-use crate::analysis::statics::{state_kinematics, undefined};
+use crate::analysis::statics::undefined;
 use crate::analysis::stepper::Reached;
 use crate::analysis::{Balance, Observer, State, Statistics, Stepper};
+use crate::element::Motion;
 use crate::element::Nodal;
 use crate::model::{Scheme, TransientAnalysis};
 use crate::system::{System, inverted_element};
@@ -109,7 +110,7 @@ impl<'a> TimeSteps<'a> {
         if !self.own_tangents {
             newton.prepare(system, (&scheme.parts(), scheme.displacements()), span.dt, state);
         }
-        let result = newton.solve(system, scheme.as_mut(), &self.tolerances, observer);
+        let result = newton.solve(system, scheme.as_mut(), &state.history, &self.tolerances, observer);
         statistics.factorizations = newton.solver.factorizations() as u64;
         statistics.linear_iterations = newton.linear_iterations();
         statistics.iterations += u64::from(match &result {
@@ -170,8 +171,9 @@ impl<'a> TimeSteps<'a> {
         let Self { system, scheme, newton, state, statistics, control, .. } = self;
         let step_work = scheme.step_work(system, &mut newton.assembly, state);
         let after = (scheme.displacements(), span.end);
-        state.work +=
-            step_work.work + newton.assembly.prescribed_strain_work(system, (&state.u, state.time), after);
+        let strains =
+            newton.assembly.prescribed_strain_work(system, &state.history, (&state.u, state.time), after);
+        state.work += step_work.work + strains;
         state.dissipated += step_work.dissipated;
         self.old_velocities.copy_from_slice(&state.v);
         scheme.finish(system, state);
@@ -187,10 +189,9 @@ impl<'a> TimeSteps<'a> {
         state.step += 1;
         state.next_step = control.next(span.dt, state.next_step, error, converged.tangents);
         state.tangent.record_use(converged.iterations, converged.tangents);
-        let k = state_kinematics(system, &state.u, state.time);
-        state.dissipated += newton.assembly.commit(system, &k);
-        state.history.copy_from_slice(&newton.assembly.history);
-        newton.assembly.reset_stress(system, &k);
+        let motion = Motion::State { u: &state.u, velocity: None };
+        state.dissipated += newton.assembly.commit(system, motion, state.time, &mut state.history);
+        newton.assembly.reset_stress(system, &state.point(system));
         self.balance = balance(system, &mut newton.assembly, state);
         state.energy_scale = state.energy_scale.max(self.balance.kinetic).max(self.balance.strain);
         statistics.steps = state.step;

@@ -13,7 +13,7 @@
 use super::Mode;
 use super::problem::Problem;
 use crate::analysis::State;
-use crate::analysis::statics::state_kinematics;
+use crate::element::Motion;
 use crate::element::TangentWeights;
 use crate::system::assembly::TangentCoefficients;
 use crate::system::{CirculatoryStiffness, System};
@@ -29,7 +29,7 @@ const NEGLIGIBLE: f64 = 2e-3;
 pub(super) fn stiffness(system: &System, equilibrium: &State) -> Option<CirculatoryStiffness> {
     let mut skew = CirculatoryStiffness::new(system);
     let parts = TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time: equilibrium.time };
-    skew.take(system, &state_kinematics(system, &equilibrium.u, equilibrium.time), &parts);
+    skew.take(system, &Motion::State { u: &equilibrium.u, velocity: None }, &parts);
     (!skew.is_zero()).then_some(skew)
 }
 

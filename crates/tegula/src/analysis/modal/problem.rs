@@ -6,10 +6,11 @@
 
 use super::rigid::{Parts, RigidModes};
 use crate::analysis::newton::Newton;
-use crate::analysis::statics::state_kinematics;
 use crate::analysis::{Observer, State};
+use crate::element::Motion;
 use crate::element::{Nodal, TangentWeights};
 use crate::model::NewtonMethod;
+use crate::system::EvaluationPoint;
 use crate::system::System;
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::{Error, Result};
@@ -70,6 +71,8 @@ pub(super) struct Problem<'a> {
     pub rigid: RigidModes,
     /// Whether the strain energy of a small motion is ½ δs·H δs: about a stress-free reference of linear materials.
     pub stress_free: bool,
+    /// History variables of the state.
+    history: Vec<f64>,
     /// Applications of the inverse so far.
     pub applications: u64,
     /// Group of each free degree of freedom.
@@ -84,9 +87,9 @@ impl<'a> Problem<'a> {
     /// The factor does not fit in memory, or there is no mass or stiffness.
     pub fn new(system: &'a System, equilibrium: Option<&State>) -> Result<Self> {
         let mut newton = Newton::new(system, Some(NewtonMethod::Displacement))?;
-        let zero = vec![[0.0; 3]; system.vectors()];
-        let (u, time) = equilibrium.map_or((zero.as_slice(), 0.0), |s| (s.u.as_slice(), s.time));
-        let stiffness = stiffness(system, &mut newton, equilibrium, (u, time));
+        let state = equilibrium.cloned().unwrap_or_else(|| State::at_rest(system));
+        let (u, time) = (state.u.as_slice(), state.time);
+        let stiffness = stiffness(system, &mut newton, &state, equilibrium.is_some());
         let mut mass = vec![0.0; stiffness.len()];
         newton.assembly.mass_values(system, &mut mass);
         let pattern = system.tangent_pattern();
@@ -111,6 +114,7 @@ impl<'a> Problem<'a> {
             parts,
             rigid,
             stress_free: equilibrium.is_none() && linear && !strained,
+            history: state.history,
             applications: 0,
         };
         out.split()?;
@@ -221,31 +225,31 @@ impl<'a> Problem<'a> {
         })
     }
 
+    /// Energy of a small motion from the state, summed from its strains without cancellation.
+    pub fn small_strain_energy(&mut self, shape: &[Nodal]) -> f64 {
+        let motion = Motion::State { u: shape, velocity: None };
+        let k = EvaluationPoint { motion, linear: true, time: 0.0, history: &self.history };
+        self.newton.assembly.strain_energy(self.system, &k)
+    }
+
     /// Shift-invert operator of a group with the present factor.
     pub fn operator<'b>(&'b mut self, group: usize, watch: &'b dyn Observer) -> ShiftInvert<'b, 'a> {
         ShiftInvert { problem: self, group, watch }
     }
 }
 
-/// Tangent at a state, in the free degrees of freedom.
-fn stiffness(
-    system: &System,
-    newton: &mut Newton,
-    equilibrium: Option<&State>,
-    (u, time): (&[Nodal], f64),
-) -> Vec<f64> {
+/// Tangent at a state, in the free degrees of freedom; the loads on inextensible directors enter at an equilibrium.
+fn stiffness(system: &System, newton: &mut Newton, state: &State, equilibrium: bool) -> Vec<f64> {
+    let time = state.time;
     let parts = TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time };
     let mut internal = vec![[0.0; 3]; system.vectors()];
-    if let Some(state) = equilibrium {
-        newton.assembly.history.copy_from_slice(&state.history);
-    }
-    let k = state_kinematics(system, u, time);
+    let k = state.point(system);
     newton.assembly.follow(system, &k);
     newton.assembly.forces_and_tangent(system, &k, &parts, false, None, &mut internal);
-    if equilibrium.is_some() {
+    if equilibrium {
         let mut loads = vec![[0.0; 3]; system.vectors()];
         system.add_dead_loads(time, 1.0, &mut loads);
-        add_follower_loads(system, &k, time, 1.0, &mut loads);
+        add_follower_loads(system, &k.motion, time, 1.0, &mut loads);
         newton.assembly.add_curvature(system, &k, &parts.weights, &loads);
     }
     newton.assembly.values.clone()

@@ -1,17 +1,17 @@
 //! One Newton step: iterations from residual and tangent to the increment, and the test of convergence.
 
 use super::{
-    Cause, Converged, Equation, FactoredTangent, Newton, ROUND_OFF, Tolerances, expand_free, largest,
+    Cause, Converged, Equation, FactoredTangent, Newton, ROUND_OFF, Tolerances, expand_free, largest, point,
 };
 use crate::Vec3;
 use crate::analysis::Observer;
 use crate::analysis::circulatory::Purpose;
 use crate::analysis::lagged_tangent::{self, Increment};
 use crate::analysis::solver::{Linearization, TangentSolver};
-use crate::element::{Kinematics, Motion, Nodal};
+use crate::element::{Motion, Nodal};
 use crate::model::NewtonMethod;
 use crate::system::assembly::{TangentCoefficients, add_follower_stiffness};
-use crate::system::{LocalFrames, System, VectorKind, dot};
+use crate::system::{EvaluationPoint, LocalFrames, System, VectorKind, dot};
 
 /// Largest increment over the size of the model; beyond it the iteration diverges.
 const FLIGHT: f64 = 1e4;
@@ -52,6 +52,8 @@ struct Setting {
 struct Size {
     energy: f64,
     norm: f64,
+    /// Energy scale of the equation.
+    scale: f64,
 }
 
 impl<S: TangentSolver> Newton<S> {
@@ -60,6 +62,7 @@ impl<S: TangentSolver> Newton<S> {
         &mut self,
         system: &System,
         equation: &mut dyn Equation,
+        history: &[f64],
         tolerances: &Tolerances,
         observer: &mut dyn Observer,
     ) -> Result<Converged, Failed> {
@@ -78,9 +81,9 @@ impl<S: TangentSolver> Newton<S> {
             }
             let setting = self.setting(system, equation, number, tolerances);
             if setting.mixed && !setting.reuse && !progress.extrapolated {
-                self.assembly.reset_stress(system, &equation.kinematics(system));
+                self.assembly.reset_stress(system, &point(system, equation, history));
             }
-            let prepared = self.residual_and_tangent(system, equation, &setting);
+            let prepared = self.residual_and_tangent(system, equation, history, &setting);
             self.reduce_residual(system, &setting)?;
             if !setting.reuse {
                 progress.tangents += 1;
@@ -100,9 +103,10 @@ impl<S: TangentSolver> Newton<S> {
             if number == 1 {
                 progress.first_increment = system.norm(&self.increment);
             }
-            let norm = self.update(system, equation, &setting)?;
+            let norm = self.update(system, equation, history, &setting)?;
             progress.extrapolated = setting.mixed && !setting.reuse;
-            let size = Size { energy, norm };
+            let size =
+                Size { energy, norm, scale: equation.energy_scale(system, &mut self.assembly, history) };
             if let Some(done) =
                 self.converged(system, equation, (&setting, tolerances), size, &mut progress, observer)?
             {
@@ -156,10 +160,11 @@ impl<S: TangentSolver> Newton<S> {
         &mut self,
         system: &System,
         equation: &dyn Equation,
+        history: &[f64],
         setting: &Setting,
     ) -> Result<usize, String> {
         equation.external_minus_inertia(system, &mut self.residual);
-        let k = equation.kinematics(system);
+        let k = point(system, equation, history);
         self.assembly.follow(system, &k);
         let prepared = if setting.reuse {
             self.assembly.forces(system, &k, &mut self.internal);
@@ -168,7 +173,13 @@ impl<S: TangentSolver> Newton<S> {
             self.factor(system, &k, setting)
         };
         if setting.prescribed {
-            add_follower_stiffness(system, &k, &setting.coefficients, &self.increment, &mut self.residual);
+            add_follower_stiffness(
+                system,
+                &k.motion,
+                &setting.coefficients,
+                &self.increment,
+                &mut self.residual,
+            );
         }
         for (r, f) in self.residual.iter_mut().zip(&self.internal) {
             for i in 0..3 {
@@ -179,14 +190,14 @@ impl<S: TangentSolver> Newton<S> {
     }
 
     /// Internal forces and factored tangent of an iterate.
-    fn factor(&mut self, system: &System, k: &Kinematics, setting: &Setting) -> Result<usize, String> {
+    fn factor(&mut self, system: &System, k: &EvaluationPoint, setting: &Setting) -> Result<usize, String> {
         let Self { solver, assembly, internal, circulatory, .. } = self;
         let parts = &setting.coefficients;
         if let Some(loads) = circulatory {
-            loads.take(system, k, parts);
+            loads.take(system, &k.motion, parts);
         }
         let prescribed = setting.prescribed.then_some(self.increment.as_slice());
-        let at = Linearization { system, motion: k, parts, extrapolated: setting.mixed, prescribed };
+        let at = Linearization { system, point: k, parts, extrapolated: setting.mixed, prescribed };
         self.factored = FactoredTangent::Nothing;
         loop {
             solver.assemble(assembly, &at, internal);
@@ -289,6 +300,7 @@ impl<S: TangentSolver> Newton<S> {
         &mut self,
         system: &System,
         equation: &mut dyn Equation,
+        history: &[f64],
         setting: &Setting,
     ) -> Result<f64, Failed> {
         // Under follower loads that rotate with the shell, or rotate it, later increments overshoot as far.
@@ -298,11 +310,11 @@ impl<S: TangentSolver> Newton<S> {
             limit_rotation(system, turn, &mut self.increment);
         }
         if setting.mixed && !setting.reuse {
-            let k = equation.kinematics(system);
+            let k = point(system, equation, history);
             self.assembly.extrapolate(system, &k, &self.increment, &setting.coefficients.weights);
         }
         if !system.linear {
-            retract(system, &self.assembly.frames, &equation.kinematics(system), &mut self.increment);
+            retract(system, &self.assembly.frames, &equation.motion(), &mut self.increment);
         }
         equation.apply(system, &self.increment);
         let norm = system.norm(&self.increment);
@@ -322,11 +334,10 @@ impl<S: TangentSolver> Newton<S> {
         system: &System,
         equation: &mut dyn Equation,
         (setting, tolerances): (&Setting, &Tolerances),
-        Size { energy, norm }: Size,
+        Size { energy, norm, scale: energy_scale }: Size,
         progress: &mut Progress,
         observer: &mut dyn Observer,
     ) -> Result<Option<Converged>, Failed> {
-        let energy_scale = equation.energy_scale(system, &mut self.assembly);
         self.solver.note_energy(energy_scale);
         let scale = equation.displacement_scale(system);
         let relative = energy / energy_scale.max(f64::MIN_POSITIVE);
@@ -413,8 +424,8 @@ fn limit_rotation(system: &System, turn: f64, increment: &mut [Nodal]) {
 
 /// Retraction of the increments of inextensible directors onto the unit sphere, along the great circle (exponential
 /// map).
-fn retract(system: &System, frames: &LocalFrames, k: &Kinematics, increment: &mut [Nodal]) {
-    let (Motion::State { u, .. } | Motion::Step { new: u, .. }) = k.motion;
+fn retract(system: &System, frames: &LocalFrames, motion: &Motion, increment: &mut [Nodal]) {
+    let (Motion::State { u, .. } | Motion::Step { new: u, .. }) = motion;
     for unit in &frames.dofs().unit {
         let v = unit.vector as usize;
         let reference = Vec3::from(system.coordinates.reference[v]);

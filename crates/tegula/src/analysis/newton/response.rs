@@ -1,6 +1,6 @@
 //! Linear response of an equilibrium to a change of the loads, and its softest mode.
 
-use super::{Equation, FactoredTangent, Newton, expand_free};
+use super::{Equation, FactoredTangent, Newton, expand_free, point};
 use crate::analysis::circulatory::Purpose;
 use crate::analysis::solver::{Linearization, TangentSolver};
 use crate::element::Nodal;
@@ -31,18 +31,18 @@ impl<S: TangentSolver> Newton<S> {
     pub fn response(
         &mut self,
         system: &System,
-        before: &dyn Equation,
-        after: &dyn Equation,
+        (before, after): (&dyn Equation, &dyn Equation),
+        history: &[f64],
     ) -> Result<f64, String> {
         let moved = before.prescribed(system, &mut self.increment);
         if moved {
             // The assembly of the tangent also gives its product with a prescribed motion.
-            self.linearize(system, after, Some(before))?;
+            self.linearize(system, after, history, Some(before))?;
         } else {
             after.external_minus_inertia(system, &mut self.residual);
             before.external_minus_inertia(system, &mut self.internal);
             subtract(&mut self.residual, &self.internal);
-            self.change_of_forces(system, before, after);
+            self.change_of_forces(system, (before, after), history);
         }
         self.find_response(system, moved, true)
     }
@@ -55,16 +55,16 @@ impl<S: TangentSolver> Newton<S> {
     pub fn softest_mode(
         &mut self,
         system: &System,
-        equilibrium: &dyn Equation,
-        loaded: &dyn Equation,
+        (equilibrium, loaded): (&dyn Equation, &dyn Equation),
+        history: &[f64],
     ) -> Result<(f64, SoftestMode, usize), String> {
-        let negative = self.linearize(system, equilibrium, Some(loaded))?;
+        let negative = self.linearize(system, equilibrium, history, Some(loaded))?;
         let moved = loaded.prescribed(system, &mut self.increment);
         if !moved {
             loaded.external_minus_inertia(system, &mut self.residual);
             equilibrium.external_minus_inertia(system, &mut self.internal);
             subtract(&mut self.residual, &self.internal);
-            self.change_of_forces(system, equilibrium, loaded);
+            self.change_of_forces(system, (equilibrium, loaded), history);
         }
         let response = self.find_response(system, moved, true)?;
         let answer = self.increment.clone();
@@ -98,8 +98,13 @@ impl<S: TangentSolver> Newton<S> {
     ///
     /// # Errors
     /// The linear solver failed.
-    pub fn negative_pivots(&mut self, system: &System, equation: &dyn Equation) -> Result<usize, String> {
-        self.linearize(system, equation, None)
+    pub fn negative_pivots(
+        &mut self,
+        system: &System,
+        equation: &dyn Equation,
+        history: &[f64],
+    ) -> Result<usize, String> {
+        self.linearize(system, equation, history, None)
     }
 
     /// Assembles and factors the tangent at an iterate. The residual becomes that of the loads and prescribed motions
@@ -108,19 +113,20 @@ impl<S: TangentSolver> Newton<S> {
         &mut self,
         system: &System,
         equation: &dyn Equation,
+        history: &[f64],
         loaded: Option<&dyn Equation>,
     ) -> Result<usize, String> {
         let moved = loaded.is_some_and(|l| l.prescribed(system, &mut self.increment));
-        let (k, parts) = (equation.kinematics(system), equation.parts());
+        let (k, parts) = (point(system, equation, history), equation.parts());
         equation.external_minus_inertia(system, &mut self.residual);
         self.assembly.follow(system, &k);
         self.factored = FactoredTangent::Nothing;
         let Self { solver, assembly, internal, circulatory, .. } = self;
         if let Some(loads) = circulatory {
-            loads.take(system, &k, &parts);
+            loads.take(system, &k.motion, &parts);
         }
         let prescribed = moved.then_some(self.increment.as_slice());
-        let at = Linearization { system, motion: &k, parts: &parts, extrapolated: false, prescribed };
+        let at = Linearization { system, point: &k, parts: &parts, extrapolated: false, prescribed };
         let negative = loop {
             solver.assemble(assembly, &at, internal);
             solver.add_curvature(assembly, &at, &self.residual);
@@ -131,21 +137,26 @@ impl<S: TangentSolver> Newton<S> {
         self.frames.copy_from(&self.assembly.frames);
         if let Some(loaded) = loaded.filter(|_| moved) {
             loaded.external_minus_inertia(system, &mut self.residual);
-            add_follower_stiffness(system, &k, &parts, &self.increment, &mut self.residual);
+            add_follower_stiffness(system, &k.motion, &parts, &self.increment, &mut self.residual);
             subtract(&mut self.residual, &self.internal);
-            self.change_of_forces(system, equation, loaded);
+            self.change_of_forces(system, (equation, loaded), history);
         }
         Ok(negative)
     }
 
     /// Adds the change of the internal forces f due to prescribed strains, between two equations with equal
     /// displacements, to the residual: f(`first`) − f(`second`).
-    fn change_of_forces(&mut self, system: &System, first: &dyn Equation, second: &dyn Equation) {
+    fn change_of_forces(
+        &mut self,
+        system: &System,
+        (first, second): (&dyn Equation, &dyn Equation),
+        history: &[f64],
+    ) {
         if system.prescribed_strains.is_empty() {
             return;
         }
         for (equation, sign) in [(first, 1.0), (second, -1.0)] {
-            self.assembly.forces(system, &equation.kinematics(system), &mut self.internal);
+            self.assembly.forces(system, &point(system, equation, history), &mut self.internal);
             for (r, f) in self.residual.as_flattened_mut().iter_mut().zip(self.internal.as_flattened()) {
                 *r += sign * f;
             }

@@ -34,6 +34,7 @@
 use super::StaticEquation;
 use crate::analysis::newton::Equation;
 use crate::element::Nodal;
+use crate::system::EvaluationPoint;
 use crate::system::{Assembly, System, dot};
 
 /// Ratio of the displacement of a step to that of the faster of its two ends above which the step is refused. Large
@@ -55,7 +56,7 @@ pub(super) fn released_energy(
     (before, after): (&StaticEquation, &StaticEquation),
     [first, last, change]: [&mut [Nodal]; 3],
 ) -> f64 {
-    let elastic = assembly.history.is_empty() && system.prescribed_strains.is_empty();
+    let elastic = system.without_history() && system.prescribed_strains.is_empty();
     if !elastic || !system.followers.is_empty() || !system.dofs().prescribed.is_empty() {
         return 0.0;
     }
@@ -75,7 +76,8 @@ pub(super) fn released_energy(
     if bend.is_nan() || bend > ROUNDING * size {
         return 0.0;
     }
-    let strain = [before, after].map(|e| assembly.strain_energy(system, &e.u, e.time));
+    let strain = [before, after]
+        .map(|e| assembly.strain_energy(system, &EvaluationPoint::at_rest(system, &e.u, e.time, &[])));
     let work = [dot(first, &before.u), dot(last, &after.u)];
     let gain = (work[1] - strain[1]) - (work[0] - strain[0]);
     let most = dot(change, &after.u);

@@ -5,7 +5,7 @@
 //! 14–22): its material stiffness `φᵀ SᵀHS φ` is many times larger with the strains of the displacements alone.
 
 use crate::element::shell::{GroupSetup, Member, ShellElement};
-use crate::element::{ElementGroup, InternalVariables, Kinematics, Motion, Nodal, TangentWeights};
+use crate::element::{ElementGroup, GroupPoint, InternalVariables, Motion, Nodal, TangentWeights};
 use crate::system::{ShellSection, System};
 
 /// Share above which a message mentions it: without enhanced strains the stiffness of the mode would double.
@@ -16,17 +16,17 @@ pub(super) const NOTEWORTHY: f64 = 0.5;
 ///
 /// `None` where no element has enhanced strains, where a material yields, so that its stiffness depends on the path, or
 /// where the stiffness without them is not positive, either.
-pub(super) fn share(system: &System, u: &[Nodal], time: f64, mode: &[Nodal]) -> Option<f64> {
+pub(super) fn share(system: &System, u: &[Nodal], mode: &[Nodal]) -> Option<f64> {
     if system.yields() {
         return None;
     }
-    let mut k = Kinematics::new(
-        &system.coordinates.reference,
-        Motion::State { u, velocity: Some(mode) },
-        system.linear,
-        time,
-    );
-    k.unit = &system.coordinates.inextensible;
+    let k = GroupPoint {
+        reference: &system.coordinates.reference,
+        motion: Motion::State { u, velocity: Some(mode) },
+        linear: system.linear,
+        interior: InternalVariables { history: &[], factors: &[] },
+        inextensible: &system.coordinates.inextensible,
+    };
     let (mut with, mut without, mut any) = (0.0, 0.0, false);
     for (number, section) in system.sections.iter().enumerate() {
         let own = stiffness(system, number, section, section.element.as_ref(), &k, mode)?;
@@ -48,7 +48,7 @@ fn stiffness(
     number: usize,
     section: &ShellSection,
     element: &dyn ShellElement,
-    k: &Kinematics,
+    k: &GroupPoint,
     mode: &[Nodal],
 ) -> Option<f64> {
     let laws = section.section.laws.clone();
@@ -64,10 +64,10 @@ fn stiffness(
 }
 
 /// Material stiffness `φᵀ SᵀHS φ` of a group, with the rates `S φ` of its sampled strains.
-fn quadratic_form(group: &dyn ElementGroup, k: &Kinematics, mode: &[Nodal]) -> f64 {
+fn quadratic_form(group: &dyn ElementGroup, k: &GroupPoint, mode: &[Nodal]) -> f64 {
     let size = group.stresses_per_element();
     let history = vec![0.0; group.len() * group.history_per_element()];
-    let k = Kinematics { interior: InternalVariables { history: &history, factors: &[] }, ..*k };
+    let k = GroupPoint { interior: InternalVariables { history: &history, factors: &[] }, ..*k };
     let mut before = vec![0.0; group.len() * size];
     let mut after = before.clone();
     group.stresses(&k, &mut before);

@@ -71,7 +71,7 @@ impl CriticalPoint {
 
     /// Finds the share of the enhanced strains of the elements in the stiffness of the mode.
     pub fn look_at_enhanced_strains(&mut self, system: &System, state: &State) {
-        self.enhanced = enhanced::share(system, &state.u, state.time, &self.mode);
+        self.enhanced = enhanced::share(system, &state.u, &self.mode);
     }
 
     /// Text about the share of the enhanced strains in the mode.

@@ -4,15 +4,14 @@ use std::sync::Arc;
 
 use super::connection::{SOFTER, Speeds, released_energy};
 use super::failure::{CriticalPoint, Failure, Kind};
-use super::{
-    StaticEquation, energies, follower_work, reactions, released_reactions, state_kinematics, undefined,
-};
+use super::{StaticEquation, energies, follower_work, reactions, released_reactions, undefined};
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::newton::{Cause, Converged, Newton, Tolerances};
 use crate::analysis::solver::TangentSolver;
 use crate::analysis::stepper::Reached;
 use crate::analysis::stops::Stops;
 use crate::analysis::{Balance, Observer, Stability, State, Statistics, Stepper};
+use crate::element::Motion;
 use crate::element::Nodal;
 use crate::model::{NewtonMethod, StaticAnalysis};
 use crate::system::{Assembly, System, inverted_element};
@@ -178,7 +177,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         equation.u.copy_from_slice(&state.u);
         equation.time = target;
         equation.scales = [state.energy_scale, state.displacement_scale];
-        match newton.solve(system, equation, &self.tolerances, observer) {
+        match newton.solve(system, equation, &state.history, &self.tolerances, observer) {
             Ok(converged) => {
                 self.statistics.iterations += u64::from(converged.iterations);
                 Ok(Ok(converged))
@@ -264,7 +263,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             ))
         } else if speeds.need_the_end() {
             let unloaded = StaticEquation { u: equation.u.clone(), ..before };
-            let end = newton.response(system, &unloaded, &*equation).unwrap_or(0.0);
+            let end = newton.response(system, (&unloaded, &*equation), &state.history).unwrap_or(0.0);
             speeds.doubt(end)
         } else {
             None
@@ -301,7 +300,8 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         }
         if !self.reactions.is_empty() {
             // Before the history is committed: the stress at the end of the step must be that of the step.
-            let end = State { time: target, u: equation.u.clone(), ..State::default() };
+            let history = state.history.clone();
+            let end = State { time: target, u: equation.u.clone(), history, ..State::default() };
             let after = reactions(system, &mut newton.assembly, &end);
             for forces in [&self.reactions, &after] {
                 state.work += 0.5 * system.work_of_prescribed(forces, &state.u, &equation.u);
@@ -315,10 +315,9 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         state.time = target;
         state.step += 1;
         equation.attempts = 0;
-        let k = state_kinematics(system, &state.u, state.time);
-        state.dissipated += newton.assembly.commit(system, &k);
-        state.history.copy_from_slice(&newton.assembly.history);
-        newton.assembly.reset_stress(system, &k);
+        let motion = Motion::State { u: &state.u, velocity: None };
+        state.dissipated += newton.assembly.commit(system, motion, state.time, &mut state.history);
+        newton.assembly.reset_stress(system, &state.point(system));
         self.statistics.steps = state.step;
         if state.time >= 1.0 {
             // Writing the final results needs memory, too.
@@ -386,7 +385,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let Self { newton, system, state, equation, .. } = self;
         newton.restore(system, state, false);
         let at_rest = StaticEquation { u: state.u.clone(), time: state.time, ..equation.clone() };
-        newton.negative_pivots(system, &at_rest).ok().filter(|&n| n > 0)
+        newton.negative_pivots(system, &at_rest, &state.history).ok().filter(|&n| n > 0)
     }
 
     /// Critical point between the last equilibrium and a load factor that was not reached, if there is evidence of one.
@@ -397,7 +396,8 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let Self { newton, system, state, equation, .. } = self;
         newton.restore(system, state, is_loaded(system, state));
         let at = |time| StaticEquation { u: state.u.clone(), time, ..equation.clone() };
-        let (response, mode, _) = newton.softest_mode(system, &at(state.time), &at(target)).ok()?;
+        let (response, mode, _) =
+            newton.softest_mode(system, (&at(state.time), &at(target)), &state.history).ok()?;
         let first = State::first(system).u;
         let moved: Vec<Nodal> =
             state.u.iter().zip(&first).map(|(u, f)| std::array::from_fn(|i| u[i] - f[i])).collect();
@@ -449,7 +449,6 @@ fn released_at_start(system: &System, assembly: &mut Assembly) -> Vec<Nodal> {
         return Vec::new();
     }
     let first = State { time: system.first_load_factor(), ..State::first(system) };
-    assembly.history.copy_from_slice(&first.history);
     released_reactions(system, assembly, &first)
 }
 
