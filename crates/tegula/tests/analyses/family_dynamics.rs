@@ -248,6 +248,42 @@ fn plastic_work_closes_the_energy_balance_in_time() {
     }
 }
 
+/// Plastic flow under a strain that is there from time 0 on is part of the first energies, implicit and explicit.
+#[test]
+fn plastic_flow_at_time_zero_is_in_the_first_energies() {
+    for element in [ElementKind::Ems, ElementKind::Mitc4, ElementKind::Cm, ElementKind::SolidShell] {
+        let mut m = yielding(element);
+        m.initial_velocities.clear();
+        m.loads.clear();
+        m.prescribed_strains = vec![PrescribedStrain::Natural(NaturalStrain {
+            on: "all".into(),
+            strain: [0.0; 3],
+            curvature: [0.2, 0.0, 0.0],
+            direction: [1.0, 0.0, 0.0],
+            amplitude: None,
+        })];
+        let explicit = Scheme::Explicit(ExplicitScheme::default());
+        for o in [
+            options(NEWMARK, 4e-4, 1e-4),
+            TransientAnalysis { scheme: explicit, ..TransientAnalysis::new(4e-4) },
+        ] {
+            let mut notes = Notes::keeping();
+            if element == ElementKind::Mitc4 && o.scheme == explicit {
+                continue; // Explicit steps refuse inextensible directors.
+            }
+            run(&m, &o, &mut notes);
+            let first = notes.states[0].dissipated;
+            assert!(first > 0.0, "{element:?} {:?}: {first}", o.scheme);
+            assert!(
+                notes.drift() < 1e-3 * first,
+                "{element:?} {:?}: {:e} of {first:e}",
+                o.scheme,
+                notes.drift()
+            );
+        }
+    }
+}
+
 /// Continued from any step the run is the run itself, bit for bit; a step that was repeated smaller is the step that
 /// had this length at once.
 #[test]

@@ -257,3 +257,41 @@ fn moving_shells_are_in_balance() {
         }
     }
 }
+
+/// Reactions of HHT are forces between the ends of a step, each with the plastic strains of its end.
+#[test]
+fn reactions_of_hht_balance_while_materials_yield() {
+    for element in ELEMENTS {
+        let mut m = cantilever(element, false);
+        m.materials.insert(
+            "m".into(),
+            Material::Plastic(Plastic {
+                young: 1e6,
+                poisson: 0.3,
+                yield_stress: 2e3,
+                hardening: 1e4,
+                saturation: None,
+                saturation_rate: 0.0,
+                kinematic: 0.0,
+                density: 1e3,
+                expansion: 0.0,
+            }),
+        );
+        m.loads = vec![Load::Edge(vector_load("u_max", [200.0, 0.0, 0.0]))];
+        let scheme = Scheme::Hht(HhtScheme { alpha: -0.3 });
+        let options = TransientAnalysis { scheme, time_step: Some(2e-3), ..TransientAnalysis::new(0.08) };
+        m.analysis = Analysis::Transient(options.clone());
+        let (_, system) = compile(&m);
+        let mut recorder = Recorder::new(&system, Some(scheme));
+        let outcome = dynamics::run(&system, &options, None, &mut recorder).unwrap();
+        assert!(
+            outcome.state.dissipated > 0.05 * outcome.balance.strain,
+            "{element:?}: {:?}",
+            outcome.balance
+        );
+        for (state, forces) in &recorder.found[1..] {
+            let error = forces.force_error;
+            assert!(error < 1e-6, "{element:?} at {}: {error:e}", state.time);
+        }
+    }
+}

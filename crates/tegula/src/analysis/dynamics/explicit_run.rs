@@ -125,6 +125,7 @@ impl<'a> ExplicitSteps<'a> {
         let mut first = initial_motion(system);
         let rest = unbalanced_forces(system, &mut scheme.assembly, &first);
         scheme.accelerate(&rest, &mut first.a);
+        super::commit_jump(system, &mut scheme.assembly, &mut first);
         first.energy_scale = system.kinetic_energy(&first.v);
         let at_first = super::balance(system, &mut scheme.assembly, &first);
         let state = start.unwrap_or(first);

@@ -15,7 +15,7 @@ mod time_steps;
 
 use super::newton::{Equation, Newton, Tolerances};
 use super::{Balance, Observer, State, Statistics, Stepper, statics, stepper};
-use crate::element::Nodal;
+use crate::element::{Motion, Nodal};
 use crate::model::{Scheme, TransientAnalysis};
 use crate::system::assembly::add_follower_loads;
 use crate::system::dof_map::CONSTRAINED;
@@ -132,7 +132,15 @@ fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
         let strain = newton.assembly.strain_energy(system, &state.point(system));
         state.energy_scale = state.energy_scale.max(strain);
     }
+    commit_jump(system, &mut newton.assembly, &mut state);
     Ok(state)
+}
+
+/// Commits the history variables of the first state: prescribed strains and motions that jump at time 0 may let
+/// materials yield at once, and what this dissipates belongs to the first energies.
+fn commit_jump(system: &System, assembly: &mut Assembly, state: &mut State) {
+    let motion = Motion::State { u: &state.u, velocity: None };
+    state.dissipated += assembly.commit(system, motion, state.time, &mut state.history);
 }
 
 /// Velocities before supports act: those in which the step before has ended, and the initial velocities of the model.
