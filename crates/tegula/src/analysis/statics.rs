@@ -15,8 +15,6 @@ use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::system::{Assembly, Procedure, System, dot};
 use crate::{Error, Result};
 
-use std::sync::Arc;
-
 use tegula_sparse::norm::{larger, max_norm};
 
 use load_steps::LoadSteps;
@@ -46,9 +44,6 @@ pub struct StaticEquation {
     pub scales: [f64; 2],
     /// Repeated attempts at the present step: each reduces the step limiter.
     pub attempts: u32,
-    /// Forces that the supports of the step before exerted and this step has not: they fall to 0 with the load factor, as
-    /// released loads do. Empty: none.
-    pub released: Arc<Vec<Nodal>>,
 }
 
 impl Equation for StaticEquation {
@@ -64,10 +59,6 @@ impl Equation for StaticEquation {
         out.fill([0.0; 3]);
         system.add_dead_loads(self.time, 1.0, out);
         add_follower_loads(system, &self.motion(), self.time, 1.0, out);
-        let left = 1.0 - self.time.clamp(0.0, 1.0);
-        for (out, force) in out.iter_mut().zip(self.released.iter()) {
-            (0..3).for_each(|i| out[i] += left * force[i]);
-        }
     }
 
     fn apply(&mut self, _system: &System, increment: &[Nodal]) {
@@ -94,16 +85,19 @@ impl Equation for StaticEquation {
 }
 
 /// Forces that hold the first state of a static step in equilibrium beside its loads and supports: those of supports that
-/// it has not any more. Empty where the state is in equilibrium.
-pub(super) fn released_reactions(system: &System, assembly: &mut Assembly, state: &State) -> Vec<Nodal> {
-    let (mut out, size) = unbalanced(system, assembly, state);
+/// it has not any more, and inertia forces if the step before was a motion. `None` where the state is in equilibrium.
+pub fn released_reactions(system: &System) -> Option<Vec<Nodal>> {
+    system.start.as_ref()?;
+    let first = State { time: system.first_load_factor(), ..State::first(system) };
+    let mut assembly = Assembly::for_forces(system);
+    let (mut out, size) = unbalanced(system, &mut assembly, &first);
     let mut supported = vec![[0.0; 3]; out.len()];
     assembly.frames.constrained_part(&out, &mut supported);
     for (out, supported) in out.as_flattened_mut().iter_mut().zip(supported.as_flattened()) {
         *out -= supported;
     }
     // Equilibria are found up to round-off.
-    if max_norm(out.as_flattened()) > IN_EQUILIBRIUM * size { out } else { Vec::new() }
+    (max_norm(out.as_flattened()) > IN_EQUILIBRIUM * size).then_some(out)
 }
 
 /// Internal forces of a state less its loads, and the largest of both.

@@ -38,6 +38,11 @@ pub(super) fn of_caller(name: &str, mesh: &Mesh) -> ForceSet {
     ForceSet { name: name.into(), keys: Vec::new(), about: centre(mesh, "all") }
 }
 
+/// Reactions of supports that a static step has not any more, as a load.
+pub(super) fn of_released_supports(mesh: &Mesh) -> ForceSet {
+    ForceSet { name: "released".into(), keys: Vec::new(), about: centre(mesh, "all") }
+}
+
 fn kind_and_set(load: &Load) -> (&'static str, &str) {
     match load {
         Load::Force(l) => ("force", &l.on),

@@ -17,6 +17,7 @@ mod warnings;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use crate::analysis::statics;
 use crate::element::{ElementGroup, Nodal, director_angle};
 use crate::load::{FollowerLoad, LoadFactor, NodalLoad, OwnLoad, TimeFunction};
 use crate::material::{MaterialLaw, OwnLaw};
@@ -28,7 +29,7 @@ use crate::model::{
 };
 use crate::system::pattern::PatternBuilder;
 use crate::system::supports::Support;
-use crate::system::{GroupOffsets, LocalFrames};
+use crate::system::{DeadLoad, GroupOffsets, LocalFrames};
 use crate::system::{Pattern, PrescribedField, Procedure, Shell, ShellSection, StepStart, System, lumping};
 use crate::{Error, Issue, Result};
 use actions::{
@@ -267,6 +268,9 @@ impl<'a> Compiler<'a> {
             issues.extend(lumping::lump(&mut system, &added, scheme.scale_director_inertia));
         }
         (system.dead_loads, system.load_of_dead) = dead_loads(step, mesh, &system, &names);
+        if issues.is_empty() && matches!(procedure, Procedure::Static | Procedure::IterativeStatic) {
+            release_supports(&mut system, mesh);
+        }
         if issues.is_empty() { Ok(system) } else { Err(Error::Model(issues)) }
     }
 
@@ -310,6 +314,17 @@ impl<'a> Compiler<'a> {
 fn of_caller(load: &OwnLoad, step: &StepModel) -> FollowerLoad {
     let start = if step.starts_from.is_some() { 1.0 } else { 0.0 };
     FollowerLoad::Own { load: load.clone(), factor: LoadFactor { start, ..LoadFactor::new(None) } }
+}
+
+/// Replaces the supports that the step before had and a static step has not by their reactions: a dead load that falls to
+/// 0 with the load factor, as released loads do.
+fn release_supports(system: &mut System, mesh: &Mesh) {
+    if let Some(force) = statics::released_reactions(system) {
+        let factor = LoadFactor { start: 1.0, released: true, ..LoadFactor::new(None) };
+        system.load_of_dead.push(system.load_sets.len());
+        system.load_sets.push(force_sets::of_released_supports(mesh));
+        system.dead_loads.push(DeadLoad { force, factor, gravity: false });
+    }
 }
 
 /// Kind of analysis for which a system has to be compiled.

@@ -20,6 +20,7 @@ use crate::model::Scheme;
 use crate::system::EvaluationPoint;
 use crate::system::supports::Support;
 use crate::system::{Assembly, System, VectorKind};
+use tegula_sparse::norm::larger;
 
 /// Force and moment about a point.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -128,7 +129,7 @@ impl ReactionFinder {
                 u: Cow::Borrowed(&new.u),
             },
         };
-        self.sum(system, &forces)
+        self.sum(system, &forces, earlier_forces(system, new))
     }
 
     /// HHT: internal forces, damping and loads between the ends of the step, inertia of its accelerations.
@@ -176,7 +177,7 @@ impl ReactionFinder {
     }
 
     /// Resultants and balance.
-    fn sum(&mut self, system: &System, forces: &Forces) -> Equilibrium {
+    fn sum(&mut self, system: &System, forces: &Forces, earlier: f64) -> Equilibrium {
         let u = forces.u.as_ref();
         let zero = vec![[0.0; 3]; u.len()];
         let mut out = Equilibrium { reactions: zero.clone(), ..Equilibrium::default() };
@@ -202,7 +203,7 @@ impl ReactionFinder {
         balance.add(system, u, &all_loads, 1.0);
         balance.add(system, u, &forces.inertia, -1.0);
         balance.add(system, u, &out.reactions, 1.0);
-        (out.force_error, out.moment_error) = balance.errors();
+        (out.force_error, out.moment_error) = balance.errors(FORCE_FREE * earlier, system.length);
         out
     }
 }
@@ -317,6 +318,15 @@ fn resultant(system: &System, u: &[Nodal], forces: &[Nodal], about: &Vec3) -> Re
     out
 }
 
+/// Forces over those of earlier load steps below which a state is free of forces, up to round-off.
+const FORCE_FREE: f64 = 1e-8;
+
+/// Size of the forces of the earlier states of a static analysis step: its largest energy over its largest displacement.
+fn earlier_forces(system: &System, state: &State) -> f64 {
+    let displacement = state.displacement_scale * system.length;
+    if displacement > 0.0 { state.energy_scale / displacement } else { 0.0 }
+}
+
 /// Sum of forces and moments and of their sizes.
 struct Sum {
     about: Vec3,
@@ -346,8 +356,11 @@ impl Sum {
         }
     }
 
-    fn errors(&self) -> (f64, f64) {
+    /// Errors of the balances of forces and moments, over the forces, or over `least` where these are smaller.
+    fn errors(&self, least: f64, length: f64) -> (f64, f64) {
         let over = |sum: f64, scale: f64| if sum == 0.0 { 0.0 } else { sum / scale };
-        (over(self.total.force.norm(), self.forces), over(self.total.moment.norm(), self.moments))
+        let forces = larger(self.forces, least);
+        let moments = larger(self.moments, least * length);
+        (over(self.total.force.norm(), forces), over(self.total.moment.norm(), moments))
     }
 }

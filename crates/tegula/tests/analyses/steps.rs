@@ -11,7 +11,8 @@ use tegula::model::{
     NaturalStrain, NodalVector, OnSet, Plastic, PrescribeComponent, PrescribedStrain, PressureLoad, Scheme,
     StaticAnalysis, SymmetryPlane, TableAmplitude, TransientAnalysis, VectorLoad,
 };
-use tegula::norm::max_norm;
+use tegula::norm::{larger, max_norm};
+use tegula::result::ReactionFinder;
 use tegula::{Error, System};
 
 use crate::common::{on, plate, vector_load};
@@ -379,14 +380,24 @@ fn supports_that_a_static_step_releases_let_go_with_the_load_factor() {
         model.sections[0].element = element;
         let mesh = generate(&model.mesh).unwrap();
         let tip = mesh.nodes_on("u_max").unwrap()[1];
-        let mut path = Vec::new();
+        let (mut path, mut left, mut balance) = (Vec::new(), Vec::new(), Vec::new());
         let ends = run(&model, |step, system, state| {
             let z = state.u[system.coordinates.position_of[tip as usize] as usize][2];
             if step == 1 {
                 path.push((state.time, z));
+                let forces = ReactionFinder::new(system, None).find(system, None, state);
+                let set = system.load_sets.iter().position(|set| set.name == "released").unwrap();
+                left.push(forces.loads[set].force.z);
+                balance.push(larger(forces.force_error, forces.moment_error));
             }
         })
         .unwrap();
+        // The reaction that is left falls in proportion, it is a load of the history, and forces balance in each step, also
+        // where there are none any more.
+        for (share, force) in [0.75, 0.5, 0.25].into_iter().zip(&left) {
+            assert!((force / left[0] * 0.75 - share).abs() < 1e-12 && *force > 0.0, "{element:?}: {left:?}");
+        }
+        assert!(balance.iter().all(|&error| error < 1e-6), "{element:?}: {balance:?}");
         assert_eq!(path.len(), 4, "{element:?}: {path:?}");
         let half = path[1].1;
         assert!(half > 0.2 && half < 0.5, "{element:?}: {path:?}");

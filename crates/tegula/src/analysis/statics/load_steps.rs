@@ -1,10 +1,8 @@
 //! Load steps of a static analysis, with cut-backs.
 
-use std::sync::Arc;
-
 use super::connection::{SOFTER, Speeds, released_energy};
 use super::failure::{CriticalPoint, Failure, Kind};
-use super::{StaticEquation, energies, follower_work, reactions, released_reactions, undefined};
+use super::{StaticEquation, energies, follower_work, reactions, undefined};
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::newton::{Cause, Converged, Newton, Tolerances};
 use crate::analysis::solver::TangentSolver;
@@ -14,7 +12,7 @@ use crate::analysis::{Balance, Observer, Stability, State, Statistics, Stepper};
 use crate::element::Motion;
 use crate::element::Nodal;
 use crate::model::{NewtonMethod, StaticAnalysis};
-use crate::system::{Assembly, System, inverted_element};
+use crate::system::{System, inverted_element};
 use crate::{Error, Result};
 
 /// Energy of the last increment over the strain energy: small enough that reactions balance the loads to 1e-12, also
@@ -73,7 +71,6 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
     ) -> Self {
         let largest = 1.0 / f64::from(options.load_steps.max(1));
         let mut state = start.unwrap_or_else(|| first_state(system, options));
-        let released = released_at_start(system, &mut newton.assembly);
         newton.restore(system, &state, is_loaded(system, &state));
         if state.step == 0 && system.start.is_some() {
             // On the way back to the unloaded state those of the iterates vanish.
@@ -93,13 +90,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             largest,
             stops: Stops::of(system, 1.0),
             smallest_part: 0.5_f64.powi(cutbacks.min(MOST_CUTBACKS)),
-            equation: StaticEquation {
-                u: state.u.clone(),
-                time: state.time,
-                scales: [0.0; 2],
-                attempts: 0,
-                released: Arc::new(released),
-            },
+            equation: StaticEquation { u: state.u.clone(), time: state.time, scales: [0.0; 2], attempts: 0 },
             balance: Balance::default(),
             statistics: Statistics { steps: state.step, ..Statistics::default() },
             external: vec![[0.0; 3]; system.vectors()],
@@ -294,10 +285,6 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let Self { newton, system, state, equation, external, .. } = self;
         state.negative_pivots = converged.negative_pivots;
         state.work += follower_work(system, (&state.u, state.time), (&equation.u, target), external);
-        let left = 2.0 - state.time.clamp(0.0, 1.0) - target.clamp(0.0, 1.0);
-        for ((force, from), to) in equation.released.iter().zip(&state.u).zip(&equation.u) {
-            state.work += 0.5 * left * (0..3).map(|i| force[i] * (to[i] - from[i])).sum::<f64>();
-        }
         if !self.reactions.is_empty() {
             // Before the history is committed: the stress at the end of the step must be that of the step.
             let history = state.history.clone();
@@ -441,15 +428,6 @@ impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
             }
         }
     }
-}
-
-/// Reactions of the supports that the step before had and this one has not.
-fn released_at_start(system: &System, assembly: &mut Assembly) -> Vec<Nodal> {
-    if system.start.is_none() {
-        return Vec::new();
-    }
-    let first = State { time: system.first_load_factor(), ..State::first(system) };
-    released_reactions(system, assembly, &first)
 }
 
 /// Whether a state has been reached by load steps, of this analysis or of one before; else it is the reference
