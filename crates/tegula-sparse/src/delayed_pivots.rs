@@ -1,4 +1,4 @@
-//! Delayed pivots: fully summed columns that fail the threshold test in their front are eliminated in its parent.
+//! Delayed pivots: fully summed columns that fail threshold pivoting in their front are eliminated in its parent.
 //!
 //! Saddle-point matrices need them: the multiplier of a constraint has a zero on the diagonal until an unknown of the
 //! constraint is eliminated. The delayed columns are found from the values and then become part of the structure: they

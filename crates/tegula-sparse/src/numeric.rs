@@ -1,4 +1,4 @@
-//! Numeric factorisation: assembly and elimination of fronts, one after another in a subtree or one front by all
+//! Numeric factorisation: extend-add and elimination of fronts, one after another in a subtree or one front by all
 //! threads.
 
 use std::ops::Range;

@@ -1,9 +1,9 @@
 //! Natural frequencies and mode shapes: `K φ = ω² M φ` about the reference configuration or an equilibrium.
 //!
 //! Rigid modes are known beforehand, from geometry and supports. The lowest elastic modes are found orthogonal to them
-//! by shift-invert Lanczos, with a shift below zero, so that the matrix to factor is positive definite also for free
-//! bodies; where nearly all modes of a small model are wanted, a dense solver finds all at once. A Sturm sequence count
-//! (negative pivots of `K − sM` with `s` in a gap between modes) proves that none was missed.
+//! by block Lanczos with shift-and-invert. The shift is below zero, so that the matrix to factor is positive definite
+//! also for free bodies; where nearly all modes of a small model are requested, a dense solver finds all at once. A
+//! Sturm sequence count (negative pivots of `K − sM` with `s` in a gap between modes) proves that none was missed.
 
 mod circulatory;
 mod dense;

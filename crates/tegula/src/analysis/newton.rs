@@ -4,8 +4,8 @@
 //! iterate,
 //!
 //! ```text
-//! solve  [SᵀHS + Σ 2 n_k A_k⊗I] δ = R(q)
-//! then   n ← H (s(q) + S(q) δ),   q ← q + δ
+//! solve  [BᵀHB + Σ 2 n_k A_k⊗I] δ = R(q)
+//! then   n ← H (s(q) + B(q) δ),   q ← q + δ
 //! ```
 //!
 //! The residual is the ordinary one, so the solution is the ordinary one; the path is much

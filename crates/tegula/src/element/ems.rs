@@ -1,5 +1,5 @@
-//! The shear-deformable bilinear shell of the absolute nodal coordinate
-//! formulation with elastic middle surface ("ANCF EMS shell").
+//! The shear-deformable bilinear shell of the absolute nodal coordinate formulation with elastic middle surface ("ANCF
+//! EMS shell"), with assumed natural strains (ANS) and enhanced assumed strains (EAS).
 //!
 //! A. I. Valkeapää, H. Yamashita, P. Jayakumar, H. Sugiyama: *On the use of elastic
 //! middle surface approach in the large deformation analysis of moderately thick

@@ -1,5 +1,5 @@
-//! Membrane part of the bilinear shells: in-plane strains from the sampled strains, with remedies against locking and
-//! hourglassing.
+//! Membrane part of the bilinear shells: in-plane strains from the sampled strains, with enhanced assumed strains (EAS)
+//! and other remedies against locking and hourglassing.
 //!
 //! With `r = r₀ + ξ r₁ + η r₂ + ξη r₃` the in-plane covariant strains are combinations of six forms,
 //!

@@ -1,5 +1,5 @@
-//! Generalised constitutive law by numerical integration: energy summed over integration points, whose materials need
-//! not be linear.
+//! Generalised constitutive law by numerical integration: energy summed over integration points, whose materials may be
+//! nonlinear and have history variables.
 //!
 //! ```text
 //! ψ(s) = min over α of  ½ xᵀKx + Σ_p w_p W_p(L_p x − Σ f ε₀),    x = (s, α)

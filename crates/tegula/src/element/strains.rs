@@ -1,4 +1,4 @@
-//! Sampled strains as quadratic forms of nodal vectors.
+//! Sampled strains, the generalised strains of an element, as quadratic forms of nodal vectors.
 //!
 //! An element of `M` nodal vectors `v_a` has `S` sampled strains
 //!

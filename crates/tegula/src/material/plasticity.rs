@@ -1,4 +1,4 @@
-//! Von Mises (J2) plasticity with isotropic and kinematic hardening.
+//! Von Mises (J2) plasticity with isotropic and kinematic hardening: return mapping and consistent tangent.
 //!
 //! ```text
 //! S = C (E − Ep),   f = |dev S − β| − √(2/3) σ_y(p),

@@ -58,7 +58,7 @@ pub struct Model {
     /// Velocities at the start of a transient analysis.
     #[serde(default)]
     pub initial_velocities: Vec<InitialVelocity>,
-    /// Damping of the whole model.
+    /// Rayleigh damping of the whole model.
     #[serde(default)]
     pub damping: Damping,
     /// Strains without stress (heat, growth), and stresses without strain.
@@ -248,7 +248,7 @@ impl Membrane {
     }
 }
 
-/// Damping of the whole model.
+/// Rayleigh damping of the whole model.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Damping {

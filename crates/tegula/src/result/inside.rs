@@ -18,7 +18,7 @@ use crate::system::{Shell, System};
 
 /// Snapshot for the recovery of stresses: state of a model, or a small motion about that state.
 ///
-/// Strains of a small motion φ about the state q are the linear ones, δs = S(q) φ, and stresses their product with the
+/// Strains of a small motion φ about the state q are the linear ones, δs = B(q) φ, and stresses their product with the
 /// material's tangent at q: a rigid motion has no stress, whatever its amplitude.
 pub struct Snapshot<'a> {
     /// The compiled model.

@@ -1,4 +1,4 @@
-//! Laminates: bonded plies, in first-order shear deformation theory.
+//! Laminates: classical lamination theory of bonded plies, with first-order shear deformation.
 //!
 //! A fibre at height z along the director has the strain `ε(z) = ε − z κ`. With the reduced stiffness
 //! Q̄(z) of the plies in common axes the resultants of the section are
@@ -8,7 +8,7 @@
 //! m = −∫σ z dz = Bᵀ ε + D κ     D =  ∫Q̄ z² dz
 //! ```
 //!
-//! Textbooks count curvatures with the other sign; their B is −B here, A and D are the same.
+//! Textbooks mostly use the opposite sign of the curvature; their B is −B here, A and D are the same.
 //! Source: Reddy, Mechanics of Laminated Composite Plates and Shells, 2nd ed. 2004, chapter 3.
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};

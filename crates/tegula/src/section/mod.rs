@@ -1,4 +1,4 @@
-//! Shell sections: stiffness and inertia per area, integrated through the thickness.
+//! Shell sections: stiffness of the stress resultants and inertia per area, integrated through the thickness.
 
 pub mod compiled;
 pub mod failure;

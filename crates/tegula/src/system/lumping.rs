@@ -1,4 +1,4 @@
-//! Lumped mass for explicit integration.
+//! Mass lumping and rotary-inertia scaling for explicit integration.
 //!
 //! Positions get the row sums of the consistent mass over positions, directors those over directors, so that total mass
 //! and rigid translations are kept. O. C. Zienkiewicz, R. L. Taylor, *The Finite Element Method*, vol. 1, 5th ed.

@@ -1,9 +1,9 @@
-//! The energy–momentum scheme.
+//! Energy–momentum scheme (discrete energy–momentum method).
 //!
 //! Because the strains are quadratic in the nodal vectors, the discrete force
 //!
 //! ```text
-//! f = S(q_mid)ᵀ H ½ (s₀ + s₁),   q_mid = ½ (q₀ + q₁)
+//! f = B(q_mid)ᵀ H ½ (s₀ + s₁),   q_mid = ½ (q₀ + q₁)
 //! ```
 //!
 //! does exactly the work `½ s₁ᵀHs₁ − ½ s₀ᵀHs₀` over the step. With
@@ -11,7 +11,7 @@
 //! that Newton's method can solve. J. C. Simo, N. Tarnow, *The discrete energy-momentum method*, ZAMP 43 (1992)
 //! 757–792.
 //!
-//! The exact tangent `½ S(q_mid)ᵀ H S(q₁)` is slightly unsymmetric; `S(q_mid)` on both sides is
+//! The exact tangent `½ B(q_mid)ᵀ H B(q₁)` is slightly unsymmetric; `B(q_mid)` on both sides is
 //! symmetric, costs an iteration more and gives the same result.
 
 use super::predictor::{mean_acceleration, predict};

@@ -1,4 +1,4 @@
-//! Newmark-β and Hilber–Hughes–Taylor α.
+//! Implicit schemes Newmark-β and Hilber–Hughes–Taylor α (HHT).
 //!
 //! ```text
 //! u₁ = u₀ + Δt v₀ + Δt² ((½ − β) a₀ + β a₁)

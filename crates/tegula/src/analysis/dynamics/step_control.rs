@@ -1,4 +1,4 @@
-//! Automatic time step control by the local error.
+//! Automatic time step control by the local truncation error.
 
 use crate::analysis::State;
 use crate::model::TransientAnalysis;

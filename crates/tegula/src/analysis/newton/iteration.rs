@@ -1,4 +1,4 @@
-//! One Newton step: iterations from residual and tangent to the increment, and the test of convergence.
+//! Newton iteration of one step: residual, tangent, increment with step limiter, and convergence criteria.
 
 use super::{
     Cause, Converged, Equation, FactoredTangent, Newton, ROUND_OFF, Tolerances, expand_free, largest, point,

@@ -1,4 +1,5 @@
-//! Stability of an equilibrium by divergence: pivots of the symmetric tangent, and eigenvalues of the unsymmetric one.
+//! Stability of an equilibrium by divergence: inertia of the symmetric tangent (Sylvester's law, negative pivots), and
+//! eigenvalues of the unsymmetric one.
 
 use super::response::apply_metric;
 use super::{Newton, expand_free};

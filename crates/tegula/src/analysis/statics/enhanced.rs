@@ -2,7 +2,7 @@
 //!
 //! Enhanced strains lower the stiffness of in-plane bending of an element. A mode of instability that relies on this
 //! reduction may belong to the elements and not to the structure (T. Sussman, K.-J. Bathe, Comput. Struct. 140 (2014)
-//! 14–22): its material stiffness `φᵀ SᵀHS φ` is many times larger with the strains of the displacements alone.
+//! 14–22): its material stiffness `φᵀ BᵀHB φ` is many times larger with the strains of the displacements alone.
 
 use crate::element::shell::{GroupSetup, Member, ShellElement};
 use crate::element::{ElementGroup, GroupPoint, InternalVariables, Motion, Nodal, TangentWeights};
@@ -42,7 +42,7 @@ pub(super) fn share(system: &System, u: &[Nodal], mode: &[Nodal]) -> Option<f64>
     (any && without > 0.0).then(|| 1.0 - with / without)
 }
 
-/// Material stiffness `φᵀ SᵀHS φ` of the elements of a section, computed with the element type `element`.
+/// Material stiffness `φᵀ BᵀHB φ` of the elements of a section, computed with the element type `element`.
 fn stiffness(
     system: &System,
     number: usize,
@@ -63,7 +63,7 @@ fn stiffness(
     Some(builder.finish().iter().map(|group| quadratic_form(group.as_ref(), k, mode)).sum())
 }
 
-/// Material stiffness `φᵀ SᵀHS φ` of a group, with the rates `S φ` of its sampled strains.
+/// Material stiffness `φᵀ BᵀHB φ` of a group, with the rates `B φ` of its sampled strains.
 fn quadratic_form(group: &dyn ElementGroup, k: &GroupPoint, mode: &[Nodal]) -> f64 {
     let size = group.stresses_per_element();
     let history = vec![0.0; group.len() * group.history_per_element()];

@@ -1,4 +1,4 @@
-//! Failure of a load step: reasons why no equilibrium is found, and remedies.
+//! Failure of a load step: limit points, bifurcation points and other reasons why no equilibrium is found, and remedies.
 
 use super::{State, enhanced};
 use crate::analysis::newton::{Cause, Diverged, SoftestMode};
