@@ -1,6 +1,6 @@
-//! Signals that ask a run to stop: Ctrl-C, termination, and the end of the terminal.
+//! Signals that interrupt a run: Ctrl-C, termination, and the end of the terminal.
 //!
-//! The first one asks the run to stop with its last finished step, the second one ends the program at once.
+//! The first signal stops the run after its last finished step, the second one ends the program at once.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};

@@ -1,6 +1,6 @@
-//! Numbers for people.
+//! Formatting of numbers for the console.
 
-/// A number with at most `digits` significant digits, without zeros that say nothing; with an exponent where it is very
+/// A number with at most `digits` significant digits, without trailing zeros; with an exponent where it is very
 /// large or small.
 pub fn significant(x: f64, digits: usize) -> String {
     if x == 0.0 || !x.is_finite() {

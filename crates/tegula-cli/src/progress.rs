@@ -1,4 +1,4 @@
-//! One line that says how far a run is: moving on a terminal, now and then elsewhere.
+//! Progress line of a run: updated in place on a terminal, printed at intervals elsewhere.
 
 use std::cell::Cell;
 use std::io::IsTerminal as _;
@@ -19,7 +19,7 @@ const MARKS: u64 = 1000;
 /// Detail of the lines printed during a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Detail {
-    /// Nothing but errors.
+    /// Errors only.
     Nothing,
     /// The progress.
     Progress,
@@ -78,7 +78,7 @@ impl ProgressLine {
         }
     }
 
-    /// Seconds that are left, if the rest goes on as the part so far.
+    /// Estimated remaining time (s), at the average speed so far.
     fn left(&self, progress: &Progress) -> Option<f64> {
         let (done, rest) = (progress.time - self.from, progress.end - progress.time);
         let seconds = self.begun.elapsed().as_secs_f64() * rest / done;

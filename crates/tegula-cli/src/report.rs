@@ -1,4 +1,4 @@
-//! Failures for people, as JSON for programs, and their exit codes.
+//! Reports of failures as text or JSON, and their exit codes.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -20,7 +20,7 @@ pub enum Failure {
     Model(Vec<Diagnostic>),
     /// The analysis failed.
     Analysis(String),
-    /// The user stopped it; the folder holds the results so far, from which it can go on or not.
+    /// The user interrupted the run; the folder holds the results so far, and a checkpoint where the run can be resumed.
     Interrupted(PathBuf, bool),
 }
 
@@ -99,7 +99,7 @@ impl Failure {
     }
 }
 
-/// A diagnostic as JSON; `line` and `column` are 0 where the whole file is meant.
+/// A diagnostic as JSON; `line` and `column` are 0 where it concerns the whole file.
 pub fn as_json(d: &Diagnostic) -> Value {
     json!({
         "file": d.file.display().to_string(),
@@ -136,7 +136,7 @@ fn shown(d: &Diagnostic) -> String {
     out
 }
 
-/// The line of a diagnostic with marks below the part that is meant; of a longer part its first line is enough.
+/// Source line of a diagnostic with marks below the part that it concerns; of a longer part only the first line.
 fn snippet(d: &Diagnostic, number: &str) -> Option<String> {
     let begin = d.text.get(..d.span.start)?.rfind('\n').map_or(0, |i| i + 1);
     let line = d.text.get(begin..)?.lines().next()?;

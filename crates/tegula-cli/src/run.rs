@@ -22,13 +22,13 @@ pub struct Arguments {
     /// Threads [default: one for each processor]
     #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     threads: Option<u32>,
-    /// Go on from the checkpoint of an interrupted run
+    /// Restart from the checkpoint of an interrupted run
     #[arg(long, conflicts_with = "force")]
     resume: bool,
     /// Replace the results of another model in the result folder
     #[arg(long)]
     force: bool,
-    /// Print nothing but errors
+    /// Print errors only
     #[arg(short, long, conflicts_with = "verbose")]
     quiet: bool,
     /// Print every step and every event
@@ -67,7 +67,7 @@ fn default_folder(model: &Path) -> PathBuf {
     Path::new("results").join(Path::new(name).file_stem().unwrap_or(name))
 }
 
-/// The summary as it stands in `summary.json`.
+/// Summary, as in `summary.json`.
 pub fn as_json(summary: &Summary) -> Result<String, Failure> {
     serde_json::to_string_pretty(summary).map_err(|e| Failure::File(e.to_string()))
 }

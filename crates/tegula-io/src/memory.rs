@@ -1,7 +1,8 @@
-//! Memory that the process may take, and models that need more.
+//! Memory limits of the process, and refusal of models that require more.
 //!
-//! Linux ends a process that takes more than its control group may have, and refuses memory beyond the limits of the
-//! process: both without a word about the model. So a mesh is held against the smallest of all limits before it is made.
+//! Linux ends a process that exceeds the limit of its control group, and refuses memory beyond the limits of the
+//! process, both without a message about the model. Therefore the memory of a mesh is compared with the smallest of all
+//! limits before it is built.
 
 use std::fs;
 use std::path::Path;
@@ -108,7 +109,7 @@ fn least_per_element(analysis: &Analysis) -> u64 {
     }
 }
 
-/// Elements that do not fit into the memory: said before the attempt, which would end without a word.
+/// Refusal of elements that do not fit into the memory, before an attempt that the system would kill without a message.
 pub fn too_large(model: &Model, limit: Option<Limit>) -> Option<Issue> {
     let grid = match &model.mesh {
         MeshSource::Plate(m) => &m.grid,

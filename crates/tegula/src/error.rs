@@ -1,4 +1,4 @@
-//! Error type of the library: what is wrong, where in the model, what to do.
+//! Error type of the library: cause, place in the model, remedy.
 
 use std::fmt;
 

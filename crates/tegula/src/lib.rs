@@ -54,7 +54,7 @@
 //! # Ok::<(), tegula::Error>(())
 //! ```
 //!
-//! `examples/` has programs for modes and for a controller. `ARCHITECTURE.md` says how the library is built.
+//! `examples/` has programs for modes and for a controller. `ARCHITECTURE.md` describes the structure of the library.
 
 pub mod analysis;
 pub mod bddc;

@@ -1,11 +1,11 @@
-//! One thing wrong with a model file, for the person who has to repair it.
+//! Diagnostic: one mistake in a model file, with place and remedy.
 
 use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Mistakes that are reported one by one; of more only their number is said.
+/// Number of mistakes that are reported individually; of further ones only the number is reported.
 pub const MOST_DIAGNOSTICS: usize = 100;
 
 /// One thing wrong with a model file: where, what, and what to do about it.
@@ -15,11 +15,11 @@ pub struct Diagnostic {
     pub file: PathBuf,
     /// Text of the file as it was read; empty where it could not be.
     pub text: Arc<str>,
-    /// Line, counted from 1; 0 where the file as a whole is meant (it cannot be read, say).
+    /// Line, counted from 1; 0 for the file as a whole (if it cannot be read, for example).
     pub line: usize,
-    /// Column in characters, counted from 1; 0 where the file as a whole is meant.
+    /// Column in characters, counted from 1; 0 for the file as a whole.
     pub column: usize,
-    /// Bytes of the text that are meant.
+    /// Range of bytes that the diagnostic concerns.
     pub span: Range<usize>,
     /// Path of the key, such as `loads[2].on`; empty for the whole model and for errors of syntax.
     pub key: String,
@@ -27,7 +27,7 @@ pub struct Diagnostic {
     pub message: String,
     /// Remedy; may be empty.
     pub help: String,
-    /// Number of further mistakes that this entry stands for; 0 but for the last entry of a long list.
+    /// Number of further mistakes that this entry represents; nonzero only in the last entry of a long list.
     pub hidden: usize,
 }
 
@@ -85,7 +85,7 @@ impl Source {
         }
     }
 
-    /// The first mistakes of a list of `all` ones, and an entry that says how many there are beside them.
+    /// First mistakes of a list of `all` ones, and an entry with the number of the remaining ones.
     pub fn limited(&self, mut found: Vec<Diagnostic>, all: usize) -> Vec<Diagnostic> {
         found.truncate(MOST_DIAGNOSTICS);
         let hidden = all - found.len();

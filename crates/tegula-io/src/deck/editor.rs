@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 
 use super::schema::schema as derived;
 
-/// Name under which `tegula new` puts the schema beside a model.
+/// File name of the schema that `tegula new` writes next to a model.
 pub const SCHEMA_FILE: &str = "tegula.schema.json";
 /// Title by which a file is known as this schema.
 const TITLE: &str = "tegula model";
@@ -33,7 +33,7 @@ pub fn is_schema(text: &str) -> bool {
     serde_json::from_str(text).is_ok_and(|schema: Value| schema["title"] == TITLE)
 }
 
-/// The line by which editors find the schema beside a model.
+/// Line by which editors find the schema of a model.
 pub(super) fn directive() -> String {
     format!("#:schema ./{SCHEMA_FILE}\n")
 }

@@ -1,11 +1,11 @@
-//! From the path of a key, such as `loads[2].on`, to its place in the text, and back.
+//! Conversion between the path of a key, such as `loads[2].on`, and its place in the text.
 
 use std::ops::Range;
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// The path of `key` in the table `parent`; names that are not plain stand in quotes.
+/// The path of `key` in the table `parent`; names that are not plain are quoted.
 pub(super) fn child(parent: &str, key: &str) -> String {
     let plain = !key.is_empty() && key.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-');
     let dot = if parent.is_empty() { "" } else { "." };

@@ -4,10 +4,10 @@
 //! |---|---|
 //! | `schema` | the JSON Schema of [`Model`], and what it expects of a value |
 //! | `editor` | the same for editors: one slip gives one message there |
-//! | `validate` | the text's tree held against the schema |
+//! | `validate` | validation of the syntax tree against the schema |
 //! | `partial` | what else is wrong when keys are wrong already |
-//! | `unknown` | what an unknown key was meant to be |
-//! | `syntax` | errors of the TOML parser in words for people |
+//! | `unknown` | suggestions for an unknown key |
+//! | `syntax` | messages for the errors of the TOML parser |
 //! | `locate` | from the path of a key to its place in the text, and back |
 //! | `template` | model files to begin with |
 //!

@@ -1,4 +1,4 @@
-//! Errors of the TOML parser in words for people.
+//! Messages for the syntax errors of the TOML parser.
 
 use std::collections::HashSet;
 
@@ -32,7 +32,7 @@ pub(super) fn diagnostics(source: &Source, errors: &[toml::de::Error]) -> Vec<Di
 const ONE_PER_LINE: &str = "write one key = value on each line; comments begin with #";
 const NO_END: &str = "the string has no end";
 
-/// Errors that always mean the same: how the parser's message begins, what to say instead, and what to do.
+/// Known errors: beginning of the parser's message, replacement, and remedy.
 const PLAIN: &[(&str, &str, &str)] = &[
     (
         "invalid fraction",
@@ -153,7 +153,7 @@ fn explain(error: &str, token: &str, [before, after]: [&str; 2], line: &str) -> 
     )
 }
 
-/// The first characters of what stands in the text, on one line.
+/// First characters of the offending text, on one line.
 pub(super) fn shorten(text: &str) -> String {
     let mut short: String =
         text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).take(40).collect();

@@ -1,4 +1,4 @@
-//! Model files to begin with: each computes as it stands.
+//! Templates of model files; each one runs unchanged.
 
 /// Kinds of templates, for `tegula new KIND`.
 pub fn template_kinds() -> &'static [&'static str] {
@@ -16,7 +16,7 @@ pub fn template(kind: &str) -> Option<&'static str> {
     }
 }
 
-/// Files that the template of a kind needs beside it: names and contents.
+/// Further files that the template of a kind requires: names and contents.
 pub fn template_companions(kind: &str) -> &'static [(&'static str, &'static str)] {
     match kind {
         "gmsh" => &[

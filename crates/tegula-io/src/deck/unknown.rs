@@ -34,7 +34,7 @@ fn closest<'c>(
         .map(|(.., candidate)| candidate)
 }
 
-/// Where an unknown key stands.
+/// Place of an unknown key.
 pub(super) struct Surroundings<'s, 'k> {
     /// Schema of the model.
     pub root: &'s Value,
@@ -47,7 +47,7 @@ pub(super) struct Surroundings<'s, 'k> {
 }
 
 impl<'s> Surroundings<'s, '_> {
-    /// The key of this table that was probably meant with, or around, `key`; and advice.
+    /// Most likely intended key of this table for `key` or around it, and advice.
     pub fn advise(&self, key: &str) -> (Option<&'s str>, String) {
         let sure = closest(key, self.table.keys(), |length| usize::from(length > 3));
         let meant = match sure {

@@ -1,4 +1,4 @@
-//! The tree of a model file held against the schema, every mismatch reported.
+//! Validation of the syntax tree of a model file against the schema; every mismatch is reported.
 
 use serde_json::Value;
 use toml::Spanned;
@@ -11,7 +11,7 @@ use super::schema::{Table, Wanted, doc, schema, wanted};
 use super::syntax::shorten;
 use super::unknown::{Surroundings, list, similar};
 
-/// Everything in the tree `root` of a text that is not as the schema of the model wants it.
+/// All violations of the schema of the model in the tree `root` of a text.
 pub(super) fn validate(source: &Source, root: &DeTable<'_>) -> Vec<Diagnostic> {
     let schema = schema();
     let mut validator = Validator { source, schema: &schema, found: Vec::new() };

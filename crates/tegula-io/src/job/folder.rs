@@ -1,4 +1,4 @@
-//! The result folder: claimed by one run at a time, never mixed with anything foreign.
+//! Result folder: locked by one run at a time; files of other origin are never touched.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::Write as _;
@@ -33,7 +33,7 @@ pub struct ResultFolder {
     log: File,
 }
 
-/// A run that wants a result folder.
+/// Request of a run for a result folder.
 #[derive(Debug, Clone, Copy)]
 pub struct Claim<'a> {
     /// Path of its model file.
@@ -79,7 +79,7 @@ impl ResultFolder {
         Ok(folder)
     }
 
-    /// Claims the folder of an earlier run to go on with it.
+    /// Claims the folder of an earlier run to resume it.
     ///
     /// # Errors
     /// There is no earlier run, or another one is writing there.
@@ -186,7 +186,7 @@ impl ResultFolder {
         Ok(())
     }
 
-    /// Claims the folder of an interrupted run of several analyses to go on with it.
+    /// Claims the folder of an interrupted run of several analyses to resume it.
     ///
     /// # Errors
     /// There is no such run of this model, or another run is writing there.

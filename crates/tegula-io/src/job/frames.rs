@@ -2,7 +2,7 @@
 
 use tegula::model::Output;
 
-/// Field files that a run writes unless it is told otherwise, at most and beside the first.
+/// Default of the largest number of field files of a run, in addition to the first.
 pub(super) const USUAL_FRAMES: f64 = 200.0;
 /// Field files after which the size of all of them is foretold.
 const ENOUGH_TO_TELL: usize = 10;

@@ -1,4 +1,4 @@
-//! `history.csv`: a row a step.
+//! `history.csv`: one row per step.
 
 use tegula::System;
 use tegula::analysis::{Balance, State};

@@ -1,4 +1,4 @@
-//! Running a model file: mesh, system, analysis, and everything that is left in the result folder.
+//! Run of a model file: mesh, system, analysis, and all files of the result folder.
 //!
 //! | in the folder | is |
 //! |---|---|
@@ -13,8 +13,8 @@
 //! Where several analyses follow one another, each has such a folder of its own in the result folder, `1-preload`, whose
 //! `summary.json` lists them.
 //!
-//! A run says `running` in its summary until it has ended, so nothing half done looks complete.
-//! Nothing is printed: a [`JobObserver`] is told.
+//! The summary has the status `running` until the run has ended, so incomplete results are recognised.
+//! Nothing is printed: a [`JobObserver`] receives all events.
 
 mod fields;
 mod folder;
@@ -49,7 +49,7 @@ pub use summary::{Energy, PointResult, Status, StepSummary, Summary};
 pub struct JobOptions {
     /// The result folder; made where it does not exist.
     pub folder: PathBuf,
-    /// Go on from the folder's checkpoint instead of starting anew.
+    /// Restart from the checkpoint of the folder instead of the beginning.
     pub resume: bool,
     /// Replace the results of another model in the folder.
     pub force: bool,
@@ -87,15 +87,15 @@ pub struct Progress {
     pub end: f64,
 }
 
-/// Watches a job: a progress line, a window, a test.
+/// Observer of a job: a progress line, a window, a test.
 pub trait JobObserver {
     /// The model is compiled, the folder is ready, the analysis starts.
     fn on_start(&mut self, _start: &Start) {}
     /// A step is finished and recorded.
     fn on_step(&mut self, _progress: &Progress) {}
-    /// Something the user may want to know; it also goes to `log.txt`.
+    /// Event of interest to the user; it is also written to `log.txt`.
     fn on_event(&mut self, _message: &str) {}
-    /// Something that is most likely not meant, or makes results doubtful; it also goes to `log.txt`.
+    /// Warning of input that is most likely not intended, or of unreliable results; it is also written to `log.txt`.
     fn on_warning(&mut self, _message: &str) {}
     /// Asked between iterations; true ends the run after the last finished step, resumable but for a modal analysis.
     fn interrupted(&self) -> bool {
@@ -103,7 +103,7 @@ pub trait JobObserver {
     }
 }
 
-/// A job observer that watches nothing.
+/// Job observer that ignores all events.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Unwatched;
 
@@ -140,7 +140,7 @@ pub enum JobError {
     Interrupted {
         /// The result folder.
         folder: PathBuf,
-        /// Whether the run can go on from there; a modal analysis cannot.
+        /// Whether the run can be resumed from there; a modal analysis cannot.
         resumable: bool,
     },
 }

@@ -126,7 +126,7 @@ fn record(
     folder.log(&format!("Complete: {} modes", rows.len()))
 }
 
-/// Hands events on to the log and to the job's observer.
+/// Forwards events to the log and to the job's observer.
 struct Forward<'a> {
     folder: &'a mut ResultFolder,
     watch: &'a mut dyn JobObserver,

@@ -1,4 +1,4 @@
-//! Pictures of a run, drawn from its history and the instants it kept.
+//! Pictures of a run, drawn from its history and its snapshots.
 
 use tegula::{Mesh, System};
 

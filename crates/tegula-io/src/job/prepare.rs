@@ -22,7 +22,7 @@ pub struct Prepared {
     pub system: System,
     /// The recorded points.
     pub probes: Vec<Probe>,
-    /// Warnings: the model can be computed but is most likely not meant so.
+    /// Warnings: the model can be computed but is most likely not intended.
     pub warnings: Vec<Diagnostic>,
     /// Fingerprint of the model file and of its mesh file.
     pub fingerprint: u64,

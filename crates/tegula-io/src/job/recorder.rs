@@ -1,4 +1,4 @@
-//! Watches the analysis and writes what it finds.
+//! Observer that writes history, fields, checkpoints and log of an analysis.
 
 use std::time::Instant;
 
@@ -21,7 +21,7 @@ use crate::out::{HistoryWriter, OutputError, PvdSeries};
 const CHECKPOINT_SECONDS: f64 = 30.0;
 /// Shortest one where every step writes a field file (s).
 const SMALLEST_CHECKPOINT_SECONDS: f64 = 1.0;
-/// Strain beyond which a law that is linear in the Green–Lagrange strain says little about a real material.
+/// Strain above which a law that is linear in the Green–Lagrange strain no longer describes a real material.
 const LARGE_STRAIN: f64 = 0.2;
 
 /// Writes fields, history, checkpoints and the summary of one run.
@@ -107,7 +107,7 @@ impl<'a> Recorder<'a> {
         Ok(recorder)
     }
 
-    /// Says in the log what is about to happen.
+    /// Writes the start of the run to the log.
     pub fn announce(&mut self, start: &Start) -> std::result::Result<(), OutputError> {
         let how = if start.time > 0.0 { format!("resumed at {}", start.time) } else { "started".into() };
         self.folder.log(&format!(
@@ -116,7 +116,7 @@ impl<'a> Recorder<'a> {
         ))
     }
 
-    /// Hands on what the check of the model found doubtful.
+    /// Reports the warnings of the check of the model.
     pub fn warn(&mut self, warnings: &[Diagnostic]) -> std::result::Result<(), OutputError> {
         warnings.iter().try_for_each(|warning| self.warning(&warning.to_string()))
     }
@@ -126,7 +126,7 @@ impl<'a> Recorder<'a> {
         self.folder.log(&format!("warning: {message}"))
     }
 
-    /// Says in the log how it ended.
+    /// Writes the end of the run to the log.
     pub fn log_end(&mut self) -> std::result::Result<(), OutputError> {
         let s = &self.summary;
         let mut line = format!(
@@ -197,7 +197,7 @@ impl<'a> Recorder<'a> {
         self.summary.write(self.folder.path())
     }
 
-    /// Leaves a summary that says why the run failed, even on a full disk.
+    /// Writes a summary with the reason of the failure, even on a full disk.
     pub fn fail(&mut self, error: &OutputError) {
         self.update_summary();
         self.summary.write_failure(self.folder.path(), error);

@@ -1,4 +1,4 @@
-//! The state of a run as arrays of a checkpoint, and back.
+//! Conversion between the state of a run and the arrays of a checkpoint.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;

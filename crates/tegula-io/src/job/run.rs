@@ -1,4 +1,4 @@
-//! One run from the model file to the summary.
+//! Run of one model: from the model file to the summary.
 
 use tegula::analysis::{State, dynamics, statics};
 use tegula::model::Analysis;

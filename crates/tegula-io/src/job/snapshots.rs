@@ -1,4 +1,4 @@
-//! A few instants kept during the run for the picture of deformed shells.
+//! Snapshots stored during the run for the picture of deformed shells.
 
 use tegula::analysis::State;
 use tegula::element::Nodal;

@@ -1,4 +1,4 @@
-//! Several analyses that follow one another, each with results in a folder of its own.
+//! Analysis steps of a model, each with results in a folder of its own.
 
 use std::path::Path;
 
@@ -193,7 +193,7 @@ fn titled(title: &str, step: &str) -> String {
     if title.is_empty() { step.to_owned() } else { format!("{title}: {step}") }
 }
 
-/// Whether a step left a checkpoint to go on from.
+/// Whether a step has a checkpoint to restart from.
 fn resumable(analysis: &Analysis, place: &Path) -> bool {
     !matches!(analysis, Analysis::Modal(_))
         && place.join("checkpoint.bin").exists()

@@ -1,4 +1,4 @@
-//! `summary.json`: how a run ended, what it found and what it cost.
+//! `summary.json`: status, results and costs of a run.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -19,7 +19,7 @@ pub(super) fn vector<'de, D: Deserializer<'de>>(from: D) -> Result<[f64; 3], D::
     Ok(<[Option<f64>; 3]>::deserialize(from)?.map(|x| x.unwrap_or(f64::NAN)))
 }
 
-/// How a run stands.
+/// Status of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
@@ -29,7 +29,7 @@ pub enum Status {
     Complete,
     /// The user stopped it; it can be resumed.
     Interrupted,
-    /// The analysis failed; the key `error` says why.
+    /// The analysis failed; the key `error` gives the reason.
     Failed,
 }
 
@@ -89,7 +89,7 @@ pub struct StepSummary {
     pub folder: String,
     /// `static`, `modal` or `transient`.
     pub analysis: String,
-    /// How it stands; null where it has not begun.
+    /// Status; null before the analysis begins.
     #[serde(default)]
     pub status: Option<Status>,
 }
@@ -101,7 +101,7 @@ pub struct Summary {
     pub program: String,
     /// Version of the program.
     pub version: String,
-    /// How the run stands.
+    /// Status of the run.
     pub status: Status,
     /// Error message of a run that failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]

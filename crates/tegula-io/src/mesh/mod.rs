@@ -1,4 +1,4 @@
-//! Mesh files: what other programs write, read into a [`tegula::Mesh`].
+//! Readers of mesh files of other programs, which give a [`tegula::Mesh`].
 
 pub mod gmsh;
 

@@ -1,4 +1,4 @@
-//! Checkpoints: everything a run needs to go on as if it had never stopped.
+//! Checkpoints: complete data to resume a run as if it had not been interrupted.
 //!
 //! A binary file, little endian:
 //!
@@ -28,7 +28,7 @@ const HEADER: usize = 24;
 /// The state of a run at the end of a step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Checkpoint<'a> {
-    /// [`fingerprint`] of the model's text: a checkpoint serves no other model.
+    /// [`fingerprint`] of the model's text: a checkpoint is valid for no other model.
     pub model_fingerprint: u64,
     /// Number of the last completed step.
     pub step: u64,
@@ -36,7 +36,7 @@ pub struct Checkpoint<'a> {
     pub time: f64,
     /// Named arrays: positions, velocities, multipliers, history variables.
     pub arrays: BTreeMap<String, Cow<'a, [f64]>>,
-    /// Whatever else must be remembered, for example how many rows each history has.
+    /// Further data, for example the number of rows of each history.
     pub notes: serde_json::Value,
 }
 
@@ -174,7 +174,7 @@ fn parse_body(body: &[u8]) -> Option<Checkpoint<'static>> {
     reader.rest.is_empty().then_some(Checkpoint { model_fingerprint, step, time, arrays, notes })
 }
 
-/// Takes pieces off the front of a slice, `None` when it is too short.
+/// Reader that splits parts from the front of a slice; `None` when it is too short.
 struct Reader<'a> {
     rest: &'a [u8],
 }

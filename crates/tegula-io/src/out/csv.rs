@@ -1,4 +1,4 @@
-//! Histories: a table of numbers that grows by one row a step.
+//! Histories: tables of numbers that grow by one row per step.
 //!
 //! Plain comma-separated text with a row of names. Numbers are printed with the fewest digits that read back
 //! to the same bits, so a history is as good as the run that wrote it. A row is complete once its line feed is
@@ -43,7 +43,7 @@ impl HistoryWriter {
         Ok(writer)
     }
 
-    /// Goes on with an earlier history after its first `keep_rows` rows; later rows are removed.
+    /// Continues an earlier history after its first `keep_rows` rows; later rows are removed.
     pub fn resume(path: &Path, keep_rows: u64) -> Result<Self, OutputError> {
         if !path.exists() {
             let remedy = "Put it back, or run without `--resume` to start anew";
@@ -86,7 +86,7 @@ impl HistoryWriter {
         &self.names
     }
 
-    /// Rows written so far, those of an earlier run included: what [`HistoryWriter::resume`] asks for.
+    /// Rows written so far, those of an earlier run included: argument of [`HistoryWriter::resume`].
     pub fn rows(&self) -> u64 {
         self.rows
     }
@@ -109,7 +109,7 @@ impl HistoryWriter {
         Ok(())
     }
 
-    /// Hands what was appended to the operating system, so that other programs see it.
+    /// Flushes appended rows to the operating system, so that other programs see them.
     pub fn flush(&mut self) -> Result<(), OutputError> {
         self.file.flush().map_err(|cause| OutputError::write(&self.path, cause))
     }
@@ -128,7 +128,7 @@ impl HistoryWriter {
 
 /// Reads a history: the names of its columns, and its rows.
 ///
-/// An unfinished last row (without its line feed) is left out: the run that writes it may still be going on.
+/// An unfinished last row (without its line feed) is omitted: the run that writes it may not have ended.
 pub fn read(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), OutputError> {
     let text = read_text(path)?;
     let mut lines = text.split_inclusive('\n').filter_map(|line| line.strip_suffix('\n'));
@@ -166,7 +166,7 @@ fn no_header(path: &Path) -> OutputError {
     OutputError::damaged(path, "it has no complete row of column names", remedy)
 }
 
-/// A name as it stands in the file: in quotes where it must be.
+/// Name as written to the file, quoted where necessary.
 fn quoted(name: &str) -> String {
     if name.is_empty() || name.contains([',', '"']) || name.trim() != name {
         format!("\"{}\"", name.replace('"', "\"\""))

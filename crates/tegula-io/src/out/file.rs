@@ -1,4 +1,4 @@
-//! Files written whole or not at all.
+//! Atomic writes: files are written completely or not at all.
 //!
 //! The contents go to a temporary file in the same folder, which is flushed to the disk and then renamed over
 //! the target. A rename within one folder is atomic, so a reader sees the old file or the new one and never a
@@ -32,7 +32,7 @@ pub enum OutputError {
         /// Error of the operating system.
         cause: io::Error,
     },
-    /// The data handed over do not fit together; nothing was written.
+    /// The data are inconsistent; nothing was written.
     #[error("`{}` was not written: {problem}", path.display())]
     Refused {
         /// File that should have been written.

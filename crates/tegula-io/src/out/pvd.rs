@@ -34,7 +34,7 @@ impl PvdSeries {
         Ok(series)
     }
 
-    /// Opens an earlier series to go on with it. Entries that cannot be read are left out.
+    /// Opens an earlier series to continue it. Entries that cannot be read are omitted.
     pub fn open(path: &Path) -> Result<Self, OutputError> {
         let bytes = std::fs::read(path).map_err(|cause| OutputError::read(path, cause))?;
         let text = String::from_utf8_lossy(&bytes);

@@ -1,4 +1,4 @@
-//! Text of others on a terminal.
+//! Foreign text made safe for a terminal.
 
 use std::borrow::Cow;
 

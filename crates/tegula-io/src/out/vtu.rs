@@ -1,6 +1,6 @@
 //! VTK's XML file for unstructured grids (`.vtu`), for meshes of quadrilaterals.
 //!
-//! File version 1.0, little endian, `header_type="UInt64"`. All arrays stand in the appended section, cut into
+//! File version 1.0, little endian, `header_type="UInt64"`. All arrays are in the appended section, cut into
 //! blocks that are compressed by zlib and encoded in base64. That is one of the encodings that ParaView,
 //! PyVista (VTK) and meshio all read, and the file stays well-formed XML. One array is
 //!
@@ -130,7 +130,7 @@ fn check_arrays(kind: &str, count: usize, arrays: &[DataArray<'_>]) -> Result<()
     Ok(())
 }
 
-/// The whole file. Offsets into the appended section stand before it, so it is encoded first.
+/// Complete file. Offsets into the appended section precede it, so it is encoded first.
 fn write_to(w: &mut dyn Write, grid: &VtuGrid<'_>) -> io::Result<()> {
     let mut appended = String::new();
     let mut xml = String::new();

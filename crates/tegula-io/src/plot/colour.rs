@@ -1,4 +1,4 @@
-//! Colours: a palette that colour-blind readers can tell apart, and a map from values to colours.
+//! Colours: a palette for colour-blind readers, and a map from values to colours.
 //!
 //! The palette is that of M. Okabe and K. Ito, "Color Universal Design" (2008), without its yellow, which is
 //! lost on white. The map follows "viridis" (S. van der Walt, N. Smith; CC0): even steps of lightness, readable in

@@ -1,4 +1,4 @@
-//! The bar that explains the colours, and the little triad that explains the directions.
+//! Colour bar, and triad of the directions.
 
 use super::canvas::{Anchor, Canvas, Point, fitted, text_width};
 use super::colour::{Rgb, viridis};

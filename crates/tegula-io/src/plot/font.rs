@@ -1,4 +1,4 @@
-//! The letters: DejaVu Sans, compiled into the program and drawn by `plotters`.
+//! Font: DejaVu Sans, compiled into the program and drawn by `plotters`.
 
 use std::sync::OnceLock;
 

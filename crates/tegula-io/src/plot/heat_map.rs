@@ -1,4 +1,4 @@
-//! Tables of ratios as coloured cells: what is right is light, what is far too small is dark.
+//! Heat map: table of ratios as coloured cells, light at 1 and dark far below 1.
 
 use std::path::Path;
 

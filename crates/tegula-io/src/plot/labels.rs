@@ -1,4 +1,4 @@
-//! Where the labels of the snapshots go: on empty paper, near a point of the snapshot that is really seen.
+//! Placement of the labels of snapshots: on empty paper, near a visible point of the snapshot.
 //!
 //! Every snapshot tries places around its visible nodes; the place that is free, near and outside wins. Labels
 //! are set one after the other, so the result depends on the data alone.
@@ -16,7 +16,7 @@ const DISTANCES: [f64; 7] = [9.0, 16.0, 26.0, 40.0, 60.0, 90.0, 130.0];
 /// Visible nodes tried per snapshot, about.
 const NODES: usize = 240;
 
-/// A snapshot's label and where its nodes stand on the sheet.
+/// Label of a snapshot, and positions of its nodes on the sheet.
 pub(super) struct Request<'a> {
     pub(super) text: &'a str,
     /// Number of the snapshot plus one.

@@ -1,4 +1,4 @@
-//! The legend of a line plot: in a corner that holds no data, or else beside the plot.
+//! Legend of a line plot: in a corner without data, otherwise beside the plot.
 
 use super::canvas::{Anchor, Canvas, Point, text_width};
 use super::colour::Rgb;

@@ -47,7 +47,7 @@ impl Camera {
     }
 }
 
-/// Where the seen model stands on the sheet, the same scale in both directions.
+/// Placement of the projected model on the sheet, with the same scale in both directions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Placement {
     /// Pixels per unit of length.

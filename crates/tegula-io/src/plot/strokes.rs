@@ -1,4 +1,4 @@
-//! How the lines and markers of a series look.
+//! Style of the lines and markers of a series.
 
 use super::canvas::{Canvas, Point, regular};
 use super::colour::{Rgb, palette};

@@ -1,4 +1,4 @@
-//! Axes: where the ticks stand and what is written at them.
+//! Axes: positions and labels of the ticks.
 //!
 //! A tick is an integer times 1, 2 or 5 times a power of ten, and its label is printed from that integer, so no
 //! label reads 0.30000000000000004. What all labels share, a power of ten or a large constant, is taken out and

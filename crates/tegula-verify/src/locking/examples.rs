@@ -39,7 +39,7 @@ impl Example {
         }
     }
 
-    /// For people.
+    /// Title for tables and pictures.
     pub fn title(self) -> &'static str {
         match self {
             Self::Plate => "cantilever plate",
@@ -57,7 +57,7 @@ impl Example {
         }
     }
 
-    /// Values of the slenderness for which the answer is known; none: all.
+    /// Values of the slenderness for which the exact deflection is known; none: all.
     pub fn known(self) -> Option<Vec<u32>> {
         (self == Self::Plate).then(|| PLATE.iter().map(|p| p.0).collect())
     }

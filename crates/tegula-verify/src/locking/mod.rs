@@ -1,9 +1,9 @@
 //! The locking study: elements with a remedy switched off, on problems whose deflections are known.
 //!
-//! An element *locks* when its strains cannot all be what a deformation needs: strains that should vanish do not,
-//! and it answers far too stiffly, the more so the thinner it is. Every remedy of an element cures one such
-//! defect. Here each is switched off alone, on examples that call for it, and the linear deflection is compared
-//! with the exact one.
+//! An element *locks* if it cannot represent a deformation without spurious strains: strains that should vanish do
+//! not, and the element is far too stiff, the more so the thinner it is. Every remedy of an element cures one such
+//! defect. Here each remedy is switched off separately, on examples that require it, and the linear deflection is
+//! compared with the exact one.
 
 mod examples;
 mod report;
@@ -45,7 +45,7 @@ impl Remedy {
         }
     }
 
-    /// For people.
+    /// Title for tables and pictures.
     pub fn title(self) -> &'static str {
         match self {
             Self::All => "all remedies",

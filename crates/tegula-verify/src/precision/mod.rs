@@ -1,4 +1,4 @@
-//! Work-precision studies: what an integrator costs for what error.
+//! Work–precision studies: cost of the integrators for a given error.
 //!
 //! A transient is computed with every scheme, with constant steps and with automatic ones of several tolerances. The
 //! error is the distance of all nodes from a reference on the same mesh with a much shorter step,
@@ -10,7 +10,7 @@
 //! with N_t times spread evenly over the motion, N_n nodes and the size L of the model. Between the ends of a step the
 //! motion is the cubic of its displacements and velocities; explicit steps are reported by tens, and the cubic spans ten
 //! of them. The cost is the processor time of all threads, and a count
-//! that does not depend on the machine: iterations, with factorisations at their price in iterations
+//! that does not depend on the machine: iterations, with factorisations at their cost in iterations
 //! ([`tegula::analysis::lagged_tangent::cost`]).
 
 mod measure;
@@ -68,11 +68,11 @@ pub struct Row {
     pub stepping: Stepping,
     /// Counts of the run.
     pub statistics: Statistics,
-    /// Iterations, and factorisations at their price in iterations; steps of the explicit scheme.
+    /// Iterations, and factorisations at their cost in iterations; steps of the explicit scheme.
     pub work: f64,
     /// Processor time of all threads (s), the least of the repetitions.
     pub seconds: f64,
-    /// Error of position as the module says; not a number where the analysis failed.
+    /// Error of position as defined in the module; not a number where the analysis failed.
     pub error: f64,
     /// Why it failed; empty if it did not.
     pub failure: String,
@@ -86,7 +86,7 @@ pub struct Reference {
     pub transient: Transient,
     /// Unknowns of the model.
     pub unknowns: usize,
-    /// Price of a factorisation (iterations).
+    /// Cost of a factorisation (iterations).
     pub price: f64,
     /// Step of the reference (time).
     pub step: f64,

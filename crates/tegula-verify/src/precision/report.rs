@@ -13,7 +13,7 @@ use tegula_io::plot::{LinePlot, Series, Style, lines};
 pub enum Cost {
     /// Processor seconds of all threads.
     Seconds,
-    /// Iterations, with factorisations at their price; implicit schemes only.
+    /// Iterations, with factorisations at their cost; implicit schemes only.
     Work,
 }
 
@@ -31,7 +31,7 @@ fn stepping_value(stepping: Stepping) -> f64 {
     }
 }
 
-/// For people.
+/// Step length or tolerance as text.
 fn steps(stepping: Stepping) -> String {
     match stepping {
         Stepping::Fixed(step) => {

@@ -1,7 +1,7 @@
 //! Simply supported cross-ply plates against Navier's series of first-order shear deformation theory.
 //!
 //! SS1 supports let the sine series satisfy the equations term by term, coupling of stretching and bending
-//! included. The series is summed here ([`Navier`]) and held against the table. The elements with resultants (`ems`,
+//! included. The series is summed here ([`Navier`]) and compared with the table. The elements with resultants (`ems`,
 //! `mitc4`) are of this theory. `cm` and `solid-shell` integrate three-dimensional stresses with a thickness strain
 //! that is linear over the whole laminate, where plies that contract differently would each need their own. With the
 //! factor 5/6 instead of their own 1 they are comparable, and for these plies no difference is seen.

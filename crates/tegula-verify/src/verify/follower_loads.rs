@@ -1,4 +1,4 @@
-//! Loads that follow the motion: follower pressure, and a moment that is constant in space.
+//! Follower loads: follower pressure, and a moment that is constant in space.
 
 use tegula::analysis::{Observer, Step};
 use tegula::model::{Analysis, Load, StaticAnalysis, VectorLoad};
@@ -30,7 +30,8 @@ impl Observer for Iterations {
     }
 }
 
-/// Positions against the references, and iterations of a step, which tell whether the tangent is that of the loads.
+/// Comparison of positions with the references, and iterations of a step, which show whether the tangent contains the
+/// load stiffness.
 pub fn all(report: &mut Report) -> Result<()> {
     report.element("ems");
     pressure(report)?;

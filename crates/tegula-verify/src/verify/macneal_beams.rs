@@ -1,11 +1,12 @@
 //! Beams of MacNeal and Harder: straight, curved and twisted cantilevers made of one or two rows of shells.
 //!
 //! R. H. MacNeal, R. L. Harder, Finite Elements in Analysis and Design 1 (1985) 3–20. The coarse meshes are those of
-//! the paper. What elements make of them goes into a table, whatever it is: a bilinear element of 45° trapezoids
-//! cannot follow in-plane bending. What must hold is the limit: each mesh, its quads cut into 4 × 4 to 16 × 16, meets beam theory within 1 %.
+//! the paper. Their results are tabulated without a tolerance, because a bilinear element of 45° trapezoids cannot
+//! represent in-plane bending. The limit is verified: each mesh, with its quads divided into 4 × 4 to 16 × 16, meets
+//! beam theory within 1 %.
 //!
-//! Three values of the paper are replaced by closed forms, which the finest meshes are held against; they leave out what
-//! happens near the ends, below 1 %:
+//! Three values of the paper are replaced by closed forms, with which the finest meshes are compared; they neglect end
+//! effects, below 1 %:
 //! - the twist of the straight beam, 0.03208, where Saint-Venant's torsion of the 2:1 rectangle gives 0.03411
 //!   (`twist`);
 //! - the curved beam in its plane, 0.08734, where plane elasticity gives 0.08857 (`curved_bar`);

@@ -1,7 +1,7 @@
-//! All membrane parts side by side: how accurate they are, and how far they stay stable.
+//! Comparison of all membrane parts: accuracy and stability.
 //!
-//! The tables `membrane-accuracy` and `membrane-stability` of the book. Held against references are what the default
-//! promises: accuracy of enhanced strains on coarse meshes, no loss of stability in strips of stretched elements and in
+//! The tables `membrane-accuracy` and `membrane-stability` of the book. The properties of the default are compared with
+//! references: accuracy of enhanced strains on coarse meshes, no loss of stability in strips of stretched elements and in
 //! rubber that no theory knows.
 
 use tegula::analysis::{Observer, Silent, Step, statics};
@@ -19,7 +19,7 @@ use super::{benchmarks, frequencies, macneal_beams, paper, pendulum, plate, quar
 
 const CASE: &str = "membrane-parts";
 
-/// A row of a table: what it says, and its value for a membrane part.
+/// Row of a table: its title, and its value for a membrane part.
 type Line = (String, Box<dyn Fn(Membrane) -> Result<f64>>);
 
 /// Both tables.
@@ -272,7 +272,7 @@ fn symmetry(on: &str, normal: [f64; 3]) -> Condition {
     Condition::Symmetry(SymmetryPlane { on: on.into(), normal })
 }
 
-/// A quarter of a sheet pulled alike in two directions to a stretch of 3: the stretch up to which it is stable.
+/// Quarter of a sheet under equal biaxial tension up to a stretch of 3: largest stretch at which it is stable.
 fn biaxial(part: Option<Membrane>, distortion: f64) -> Result<f64> {
     let mut source = flat([1.0; 2], [4, 4]);
     if let Some(grid) = super::model::grid(&mut source) {

@@ -48,7 +48,7 @@ pub enum Cost {
 pub struct Case {
     /// Name on the command line.
     pub name: &'static str,
-    /// One line that says what is compared.
+    /// One line that describes the comparison.
     pub about: &'static str,
     /// How long it takes.
     pub cost: Cost,

@@ -241,7 +241,7 @@ fn yielding_sheet(report: &mut Report, element: &str) -> Result<()> {
     Ok(())
 }
 
-/// Classical lamination theory: ε = A⁻¹ N, κ = D⁻¹ M, σ = Q̄ (ε − z κ) turned into the axes of each ply; reserve by
+/// Classical lamination theory: ε = A⁻¹ N, κ = D⁻¹ M, σ = Q̄ (ε − z κ) rotated to the axes of each ply; reserve by
 /// Tsai and Wu. R. M. Jones, *Mechanics of Composite Materials*, 2nd ed., Taylor & Francis 1999, Sect. 2.6, 4.2, 2.9.4.
 fn laminate(report: &mut Report, element: &str) -> Result<()> {
     let frame: Frame = run(model!("laminate"), element)?.last_frame("fields.pvd")?;
@@ -285,7 +285,7 @@ fn reduced_stiffness() -> Matrix3<f64> {
     Matrix3::new(s * e1, s * nu * e2, 0.0, s * nu * e2, s * e2, 0.0, 0.0, 0.0, g)
 }
 
-/// Strains (ε, ε, γ) in axes that are turned by an angle (degrees).
+/// Strains (ε, ε, γ) in axes that are rotated by an angle (degrees).
 fn strain_turn(angle: f64) -> Matrix3<f64> {
     let (s, c) = angle.to_radians().sin_cos();
     Matrix3::new(c * c, s * s, s * c, s * s, c * c, -s * c, -2.0 * s * c, 2.0 * s * c, c * c - s * s)

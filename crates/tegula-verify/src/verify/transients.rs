@@ -2,8 +2,9 @@
 //!
 //! The published histories start from zero acceleration although the load acts at once, with
 //! steps of 10 ms (T5) and 1 s (T6): they lag by half a step. They are compared at the same
-//! steps with a load that grows over the first one, which a step sees as the same: no load at its start, all of it at its
-//! end. The program's own start satisfies the equations of motion; that is held against the rigid pendulum.
+//! steps with a load that grows over the first one, which is equivalent for a step: no load at its start, the
+//! full load at its end. The initial accelerations of the program satisfy the equations of motion; a comparison with the
+//! rigid pendulum verifies this.
 
 use tegula::Result;
 use tegula::model::{Amplitude, Analysis, Load, Model, RampAmplitude};

@@ -1,4 +1,4 @@
-//! Warnings: models that can be computed but are most likely not meant.
+//! Warnings: models that can be computed but are most likely not intended.
 
 use std::collections::BTreeSet;
 

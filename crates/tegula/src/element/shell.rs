@@ -145,7 +145,7 @@ pub trait GroupBuilder {
     /// The enhanced strains of the element are linearly dependent.
     fn push(&mut self, member: Member) -> Result<(), String>;
     /// Adds an element that is congruent to element `first` (moved and rotated as a rigid body) and shares its
-    /// stiffness; false if each element of this group has to be pushed by itself.
+    /// stiffness; false if each element of this group has to be added individually.
     fn push_like(&mut self, _first: usize, _vectors: &[u32], _geometry: &ShellGeometry) -> bool {
         false
     }
@@ -252,7 +252,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> QuadraticBu
         Self { name, strains, parameters, setup, members, linear, points, bilinear }
     }
 
-    /// Adds the nodal transformation of the element pushed next.
+    /// Adds the nodal transformation of the next element.
     pub fn push_transform(&mut self, transform: NodalTransform<M>) {
         self.members.transforms.push(transform);
     }

@@ -82,7 +82,7 @@ pub struct StaticAnalysis {
     #[schemars(range(min = 1))]
     #[serde(default = "thirty")]
     pub max_iterations: u32,
-    /// Cut-backs after which the analysis gives up.
+    /// Cut-backs after which the analysis ends.
     #[serde(default = "twelve")]
     pub max_cutbacks: u32,
     /// Accept an equilibrium at which the structure would buckle (tangent with negative pivots).
@@ -100,7 +100,7 @@ pub enum LinearSolver {
     /// Factors the matrix: fast while the factor fits in memory, and also for unstable equilibria.
     #[default]
     Direct,
-    /// Conjugate gradients over pieces of the mesh that are factored: for large meshes and stable equilibria. Memory
+    /// Conjugate gradients preconditioned by BDDC on subdomains: for large meshes and stable equilibria. Memory
     /// grows in proportion to the number of elements, CPU time with its power 1.08.
     Iterative,
 }
@@ -242,8 +242,8 @@ pub struct EnergyMomentumScheme {}
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExplicitScheme {
-    /// Make directors heavier until they vibrate no faster than the membrane, so that the thickness does not limit the
-    /// step.
+    /// Rotary-inertia scaling: raises the inertia of the directors until they vibrate no faster than the membrane, so
+    /// that the thickness does not limit the step.
     #[serde(default = "yes")]
     pub scale_director_inertia: bool,
 }

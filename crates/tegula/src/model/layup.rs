@@ -1,4 +1,4 @@
-//! Layups as the user says them, and their plies.
+//! Layups as the model file gives them, and their plies.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! Materials as the user says them.
+//! Materials as the model file gives them.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

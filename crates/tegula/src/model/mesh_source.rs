@@ -1,4 +1,4 @@
-//! Where the mid-surface comes from: generators and mesh files.
+//! Source of the mid-surface: generators and mesh files.
 //!
 //! All generators map a rectangle of parameters (u, v) to the surface and name
 //! the same sets: edges `u_min`, `u_max`, `v_min`, `v_max` (as node and edge

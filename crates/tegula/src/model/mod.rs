@@ -31,7 +31,7 @@ pub use units::Units;
 #[serde(deny_unknown_fields)]
 #[schemars(title = "tegula model")]
 pub struct Model {
-    /// One line that says what the model is; it appears in results and pictures.
+    /// One line that describes the model; it appears in results and pictures.
     #[serde(default)]
     pub title: String,
     /// Analysis to run; a model has this or `steps`.

@@ -1,4 +1,4 @@
-//! Strains that act without stress, and stresses that act without strain.
+//! Prescribed strains (eigenstrains): thermal and natural strains, and prestress.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -67,7 +67,7 @@ pub struct Prestress {
     /// Membrane resultants n_xx, n_yy, n_xy [force/length].
     #[serde(default)]
     pub membrane: [f64; 3],
-    /// Bending resultants m_xx, m_yy, m_xy (force); above 0 the bottom surface is pulled.
+    /// Bending resultants m_xx, m_yy, m_xy (force); positive moments put the bottom in tension.
     #[serde(default)]
     pub bending: [f64; 3],
     /// Direction of the components' x axis; its projection on the surface is taken.

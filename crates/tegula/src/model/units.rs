@@ -1,4 +1,4 @@
-//! Names of units, for people who read pictures.
+//! Names of units for the labels of pictures.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! Fields that follow from others: principal stresses, means at the nodes, axes, numbers.
+//! Derived fields: principal stresses, means at the nodes, axes, numbers.
 
 use tegula::model::Field;
 use tegula::result::ShellResult;

@@ -1,4 +1,4 @@
-//! The content of a Gmsh file checked and made a mesh.
+//! Mesh from the checked content of a Gmsh file.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 

@@ -1,4 +1,4 @@
-//! One layer of hexahedra made the middle surface of a shell, with its directors and its thickness.
+//! Middle surface of a shell from one layer of hexahedra, with its directors and its thickness.
 //!
 //! A hexahedron of eight nodes becomes a quad on the midpoints of the four edges that run through the thickness.
 //! These edges are its directors. Which of the three directions is the thickness follows from the mesh: bottom

@@ -1,4 +1,4 @@
-//! Contents of the sections of a Gmsh file, before they are checked and made a mesh.
+//! Unchecked contents of the sections of a Gmsh file.
 
 use std::collections::BTreeMap;
 

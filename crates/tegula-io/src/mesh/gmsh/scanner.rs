@@ -1,4 +1,4 @@
-//! The bytes of a Gmsh file and the numbers in them, text or binary alike.
+//! Scanner of a Gmsh file: numbers and words from ASCII or binary bytes.
 
 use std::path::Path;
 

@@ -1,5 +1,4 @@
-//! Snap-through test of a load step: has it followed a stable path from the last equilibrium, or has the structure
-//! snapped?
+//! Snap-through test of a load step: whether a stable path leads from the last equilibrium to the new one.
 //!
 //! A path of stable equilibria u(τ) under the loads F(τ) of a step, 0 ≤ τ ≤ 1, has two properties that are tested from what
 //! is known at the ends of the step.
