@@ -1,11 +1,12 @@
 //! Director-angle constraints at a node: pairs of directors with constant angle, so that they rotate as a rigid cross.
 //!
-//! Small rotations of n unit directors have 2n components; a rigid cross leaves three of them, two if the directors lie
-//! in one plane, where angles determine only the rotation about the common edge (the others follow the edge). A constraint
-//! between two directors gives one condition. Pairs are taken in turn, those of sheets with a common edge first and among them
-//! the ones nearest to a right angle, as long as their conditions are independent: of n directors about a straight edge
-//! n − 1 pairs, of n directors in general position 2n − 3. A T of three sheets, whose flange may have its directors on
-//! opposite sides, is therefore constrained by its two right angles and not by the antiparallel pair.
+//! Small rotations of n unit directors have 2n components; a rigid cross leaves three of them, two if the directors
+//! lie in one plane, where angles determine only the rotation about the common edge (the others follow the edge). A
+//! constraint between two directors gives one condition. Pairs are taken in turn, those of sheets with a common edge
+//! first and among them the ones nearest to a right angle, as long as their conditions are independent: of n directors
+//! about a straight edge n − 1 pairs, of n directors in general position 2n − 3. A T of three sheets, whose flange may
+//! have its directors on opposite sides, is therefore constrained by its two right angles and not by the antiparallel
+//! pair.
 
 use crate::Vec3;
 
