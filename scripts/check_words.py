@@ -25,6 +25,24 @@ WORDS = {
     r"\bloose nodes?\b": "orphan node",
     r"\bgoes? on from\b": "restarts from",
     r"\bwith care\b": "threshold pivoting",
+    r"\bin doubt\b": "growth check",
+    r"\btorn\b": "partially assembled",
+    r"\blikeness\b": "congruent elements",
+    r"\bpieces of the mesh\b": "subdomain",
+    r"\bfold ties?\b": "director-angle constraint",
+    r"\blost moments?\b": "drilling component",
+    r"\bloads? that follow\b": "follower load",
+    r"\brounding floor\b": "stagnation at round-off",
+    r"\bat (?:the|their|its) price\b": "cost",
+    r"\bgoes? on with\b": "resumes, continues",
+    r"\bh(?:e|o)lds? against\b": "compare with",
+    r"\bslips? of the pen\b": "misspelt",
+    r"\bfront door\b": "entry page",
+    r"\bas the user says\b": "as the model file gives",
+    r"\bpress(?:es|ed) flat\b|\bno answer to\b": "the law cannot be evaluated",
+    r"\bpull(?:s|ed)? the bottom\b|\bpress(?:es|ed)? the top\b": "tension, compression",
+    r"\b(?:hardly|likely not) meant\b": "not intended",
+    r"\bwithout a word\b": "without a message",
 }
 PATTERNS = [(re.compile(word, re.I), better) for word, better in WORDS.items()]
 
@@ -44,7 +62,8 @@ def found(path: Path) -> list[tuple[int, str, str]]:
 
 def main() -> None:
     files = [p for p in sorted((ROOT / "crates").rglob("*.rs")) if "target" not in p.parts]
-    files += sorted((ROOT / "book" / "src").rglob("*.md")) + [ROOT / "README.md", ROOT / "ARCHITECTURE.md"]
+    files += sorted((ROOT / "book" / "src").rglob("*.md"))
+    files += [ROOT / f"{name}.md" for name in ("README", "ARCHITECTURE", "CHANGELOG", "CONTRIBUTING")]
     places = [(path.relative_to(ROOT), *place) for path in files for place in found(path)]
     if "--count" in sys.argv:
         for name, count in [("files", Counter(str(p[0]) for p in places)), ("rules", Counter(p[2] for p in places))]:

@@ -2,7 +2,7 @@
 //!
 //! Exit codes: 0 done; 1 errors in the model or its files; 2 wrong command line; 3 the analysis failed; 4 a comparison
 //! of `verify` missed its tolerance; 130 interrupted (the results up to the last finished step are complete,
-//! `--resume` goes on, but for a modal analysis).
+//! `--resume` continues the run, except for a modal analysis).
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 #[macro_use]

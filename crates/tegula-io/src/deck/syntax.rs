@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use super::Diagnostic;
 use super::diagnostic::Source;
 
-/// The parser's errors, the first of each line: it goes on behind an error, and what
-/// it stumbles over next on the same line is mostly an echo.
+/// First error of the parser on each line: the parser continues after an error, and further errors on the same line
+/// are mostly consequences of the first one.
 pub(super) fn diagnostics(source: &Source, errors: &[toml::de::Error]) -> Vec<Diagnostic> {
     let text = source.text();
     let mut found: Vec<Diagnostic> = errors

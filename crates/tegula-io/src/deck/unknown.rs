@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::schema::{Table, Wanted, resolve, wanted};
 
-/// The name among `candidates` that `word` may be a slip of the pen for.
+/// Name among `candidates` of which `word` may be a misspelling.
 pub(super) fn similar<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
     closest(word, candidates, |length| (length / 3).max(1))
 }

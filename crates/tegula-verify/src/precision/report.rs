@@ -76,7 +76,7 @@ pub fn markdown(references: &[Reference], rows: &[Row]) -> String {
     for reference in references {
         let _ = writeln!(
             out,
-            "{}**{}**: {} unknowns, a factorisation at the price of {:.1} iterations; the reference is extrapolated \
+            "{}**{}**: {} unknowns, a factorisation at the cost of {:.1} iterations; the reference is extrapolated \
              from steps of {:.2e} ms and twice that, which moves it by {:.0e}\n\n\
              | scheme | steps | taken | repeated | iterations | factorisations | work | CPU s | error |\n\
              |:--|:--|---:|---:|---:|---:|---:|---:|---:|",
@@ -148,7 +148,7 @@ pub fn picture(path: &Path, transient: Transient, rows: &[Row], cost: Cost) -> R
         title: format!("Error and cost: {}", transient.title()),
         x_label: match cost {
             Cost::Seconds => "processor time [s]".into(),
-            Cost::Work => "iterations, factorisations at their price".into(),
+            Cost::Work => "iterations, factorisations at their cost".into(),
         },
         y_label: "error of position / size of the model".into(),
         series,

@@ -39,7 +39,7 @@ impl Transient {
         }
     }
 
-    /// For people.
+    /// Title for tables and pictures.
     pub fn title(self) -> &'static str {
         match self {
             Self::Pendulum => "quarter-cylinder pendulum",

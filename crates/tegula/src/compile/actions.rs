@@ -158,7 +158,7 @@ pub(super) fn contradictions(conflicts: &[Conflict], vectors: &Vectors, mesh: &M
     pairs.into_iter().filter_map(issue).collect()
 }
 
-/// Loads that follow the motion, and the number of the load of the model that each belongs to.
+/// Follower loads, each with the number of its load of the model.
 pub(super) fn follower_loads(
     step: &StepModel,
     mesh: &Mesh,

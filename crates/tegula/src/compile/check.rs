@@ -28,7 +28,7 @@ impl Condition {
     }
 }
 
-/// Longest name of a unit (characters): it stands behind the labels of pictures.
+/// Longest name of a unit (characters): it is appended to the labels of pictures.
 const LONGEST_UNIT: usize = 20;
 
 /// Values and names that are wrong whatever the mesh.

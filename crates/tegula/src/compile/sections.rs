@@ -230,7 +230,7 @@ struct Sheet {
 }
 
 impl Elements {
-    /// Flags, by director: whether gradients of `ancf-full` stand beside it.
+    /// Flags, by director: whether its node also has gradients of `ancf-full`.
     pub(super) fn gradients(model: &Model, mesh: &Mesh, directors: &Directors) -> Vec<bool> {
         let mut out = vec![false; directors.values.len()];
         for section in &model.sections {

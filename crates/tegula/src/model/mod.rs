@@ -195,7 +195,7 @@ pub enum ElementKind {
     Ems,
     /// `ems` with three-dimensional stresses integrated over the thickness: continuum mechanics based shell.
     Cm,
-    /// Bilinear shell with directors of unit length (MITC4 with enhanced membrane strains).
+    /// Bilinear shell with inextensible directors (MITC4 with enhanced membrane strains).
     Mitc4,
     /// Eight-node solid shell: positions at the bottom and the top of the thickened mid-surface.
     SolidShell,

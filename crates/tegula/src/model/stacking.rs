@@ -7,7 +7,7 @@
 //! angle    = [ "+" | "-" | "±" | "∓" | "+-" | "-+" ] number [ "°" ]
 //! ```
 
-/// Most plies that a stacking sequence may have; more is a slip of the pen.
+/// Largest number of plies of a stacking sequence; more are most likely a mistake.
 pub(super) const MOST_PLIES: usize = 10_000;
 
 /// Most brackets within brackets.

@@ -1,4 +1,4 @@
-//! Loads that follow the motion: quadratic convergence with their unsymmetric tangent, reference solutions, balance.
+//! Follower loads: quadratic convergence with their unsymmetric tangent, reference solutions, balance.
 
 use crate::common;
 use std::f64::consts::PI;

@@ -212,8 +212,8 @@ fn free_coordinates_keep_their_momentum_where_the_velocity_of_a_support_jumps() 
     }
 }
 
-/// Supported coordinates have the velocities of their motion; those of the energy–momentum scheme do not swing about
-/// them when it stops.
+/// Constrained degrees of freedom have the velocities of their motion; with the energy–momentum scheme they do not
+/// oscillate about them when the motion stops.
 #[test]
 fn a_ramp_that_stops_leaves_no_motion_behind() {
     let mut m = model(plate([1.0, 0.1], [8, 1], 0.0), 1e7, 0.02);

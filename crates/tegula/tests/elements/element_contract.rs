@@ -1,6 +1,6 @@
 //! Contract of every element, tested on random warped, curved and distorted elements with
 //! every combination of the locking remedies: forces and tangents are exact derivatives (checked
-//! by dual numbers through the same generic kernel), rigid motions cost nothing, exactly six
+//! by dual numbers through the same generic kernel), rigid motions store no energy, exactly six
 //! motions are free of energy, the numbering of the nodes does not matter, and the enhanced
 //! strains satisfy their condition (eq. 36 of the paper).
 

@@ -1,4 +1,4 @@
-//! The schema for editors, held against models by a small validator of its own.
+//! Schema for editors, compared with models by a small validator.
 
 use std::path::Path;
 

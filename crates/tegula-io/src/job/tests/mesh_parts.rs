@@ -123,7 +123,7 @@ fn parts_meshed_apart_are_warned_about_and_merged_where_asked() {
     assert!(warnings.is_empty(), "{warnings:?}");
 }
 
-/// Facets of a cylinder that meet at 22.5 degrees are not taken for folds without a word.
+/// Facets of a cylinder that meet at 22.5 degrees count as folds only with a warning.
 #[test]
 fn coarse_curved_surfaces_are_warned_about() {
     let folder = tempfile::tempdir().unwrap();

@@ -87,7 +87,7 @@ pub(super) fn elements(scanner: &mut Scanner<'_>, raw: &mut Raw) -> Result<(), M
             let head = Head { kind, tag, groups, entity, at };
             raw.read_element(scanner, head, |s| s.size("a node of an element"))?;
         }
-        // Format 2.2 writes elements of negative groups turned around; here the reader has to.
+        // Format 2.2 writes the elements of negative groups reversed; in format 4.1 the reader reverses them.
         if turned {
             for element in raw.elements.iter_mut().skip(first) {
                 if let Corners::Quad(corners) = &mut element.corners {
