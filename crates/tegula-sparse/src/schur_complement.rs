@@ -1,4 +1,5 @@
-//! Schur complement of the interior of a symmetric matrix on an interface of some of its unknowns.
+//! Schur complement of the interior of a symmetric matrix on an interface of some of its unknowns; inertia by
+//! Haynsworth's formula.
 //!
 //! The [multifrontal method](super::multifrontal) leaves it behind if the interface is ordered last and not eliminated:
 //! the last front assembles the entries of the interface and the contribution blocks of the interior, which are all

@@ -1,4 +1,5 @@
-//! Interface of a group of elements of one type and section: forces, tangent, mass, energy, history variables.
+//! Interface of a group of elements of one type and section: forces, tangent, mass, energy, history variables,
+//! Kelvin–Voigt damping.
 
 /// Components of a nodal vector, as stored in fields.
 pub type Nodal = [f64; 3];

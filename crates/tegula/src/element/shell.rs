@@ -1,4 +1,4 @@
-//! Interface of a shell element type, and the builder of its element groups.
+//! Interface of a shell element type, and the builder of its element groups, with static condensation.
 //!
 //! An element type consists of its table of sampled strains and of strain operators at any height over a few points of
 //! its mid-surface. Sections and materials make integration points of them ([`IntegrationPoint`]), the terms of the element's

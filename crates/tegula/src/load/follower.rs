@@ -1,4 +1,4 @@
-//! Follower loads: pressure and moments.
+//! Follower loads and their load stiffness: pressure and moments.
 //!
 //! Such loads have no potential in general, so their load stiffness `−∂f/∂x` is not symmetric. Its symmetric part
 //! enters the tangent of the model. The skew part, the *circulatory* stiffness of

@@ -1,4 +1,4 @@
-//! Supports of nodal vectors, and the degree-of-freedom map that they leave.
+//! Supports and prescribed displacements of nodal vectors, and the degree-of-freedom map that results from them.
 
 use std::collections::BTreeSet;
 

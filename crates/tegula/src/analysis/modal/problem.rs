@@ -1,4 +1,5 @@
-//! Eigenvalue problem `K φ = λ M φ` of a model, split into groups of connected parts.
+//! Eigenvalue problem `K φ = λ M φ` of a model, split into groups of connected parts: shift-and-invert operator, Sturm
+//! sequence count.
 //!
 //! Unconnected parts vibrate independently. Where their frequencies are decades apart, no shift suits all of them: what
 //! is small beside the shift of the one is large beside that of the other, and round-off of the stiff part hides the
