@@ -83,7 +83,9 @@ pub(super) fn supports(
                     match p.of {
                         NodalVector::Position => on(&position(node), axes[p.component.index()], motion),
                         NodalVector::Director => {
-                            on(&of_node(&directors, node), axes[p.component.index()], motion)
+                            // At a fold a rotation changes each director differently: the tie moves the others.
+                            let first = vectors.coordinates.director_of[node as usize];
+                            on(&[first], axes[p.component.index()], motion)
                         }
                         NodalVector::FirstGradient | NodalVector::SecondGradient => {
                             let second = p.of == NodalVector::SecondGradient;

@@ -85,7 +85,7 @@ pub enum NodalVector {
     /// Position of the mid-surface.
     #[default]
     Position,
-    /// Director (transverse gradient).
+    /// Director (transverse gradient); at a fold the first one of the node, with which the others turn.
     Director,
     /// Gradient along the first tangent of the surface (`ancf-full` only).
     FirstGradient,

@@ -7,7 +7,8 @@ use tegula::mesh::Mesh;
 use tegula::mesh::generators::generate;
 use tegula::model::{
     Analysis, Axis, Condition, ElementKind, ExtrusionMesh, FixComponents, Grid, Isotropic, Load, Material,
-    MeshSource, ModalAnalysis, Model, OnSet, Section, StaticAnalysis, VectorLoad,
+    MeshSource, ModalAnalysis, Model, NodalVector, OnSet, PrescribeComponent, Section, StaticAnalysis,
+    VectorLoad,
 };
 use tegula::{System, Vec3};
 
@@ -74,6 +75,40 @@ fn l_frames_converge_to_beam_theory_at_any_thickness() {
         }
         println!("h = {h}: {errors:?}");
         assert!(errors[2] < 1e-4 && errors[1] < 0.2 * errors[0] && errors[2] < 0.2 * errors[1], "{errors:?}");
+    }
+}
+
+/// A prescribed director of a fold turns the fold as a whole: the foot of an L of length 1 bends with the energy
+/// `½ EI φ²`, and the other arm goes along without strain.
+#[test]
+fn a_prescribed_director_of_a_fold_turns_all_sheets() {
+    for element in [ElementKind::Ems, ElementKind::Cm] {
+        let mut model = strip(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 1.0]], 40);
+        model.sections[0].element = element;
+        linear(&mut model, Vec::new());
+        let mut mesh = generate(&model.mesh).unwrap();
+        let fold = |x: &Vec3| (x - Vec3::new(1.0, x.y, 0.0)).norm() < 1e-9;
+        let nodes: Vec<u32> =
+            (0..mesh.positions.len() as u32).filter(|&n| fold(&mesh.positions[n as usize])).collect();
+        let first = nodes[0] as usize;
+        mesh.node_sets.insert("fold".into(), nodes);
+        // The first director is that of the foot, (0, 0, 1): turned about y, it moves along x.
+        let turned = 1e-3;
+        model.conditions.push(Condition::Prescribe(PrescribeComponent {
+            on: "fold".into(),
+            of: NodalVector::Director,
+            component: Axis::X,
+            value: turned,
+            amplitude: None,
+        }));
+        let system = tegula::compile::build(&model, &mesh).unwrap();
+        let director = system.coordinates.reference[system.coordinates.director_of[first] as usize];
+        assert!((director[2].abs() - 1.0).abs() < 1e-12, "{director:?}");
+        let Analysis::Static(options) = &model.analysis else { unreachable!() };
+        let outcome = statics::run(&system, options, None, &mut Silent).unwrap();
+        let exact = 0.5 * E * inertia(H) * turned * turned;
+        let found = outcome.balance.strain;
+        assert!((found / exact - 1.0).abs() < 5e-3, "{element:?}: {found:e} for {exact:e}");
     }
 }
 
