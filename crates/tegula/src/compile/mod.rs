@@ -191,16 +191,16 @@ impl<'a> Compiler<'a> {
         let vectors = &self.vectors;
         let supports = supports(&step.model, self.mesh, vectors, names, issues);
         let current: Vec<Nodal> = match start {
-            None => vectors.coordinates.reference.clone(),
-            Some(start) => {
+            Some(start) if !self.linear => {
                 let add = |(x, u): (&Nodal, &Nodal)| std::array::from_fn(|i| x[i] + u[i]);
                 vectors.coordinates.reference.iter().zip(&start.u).map(add).collect()
             }
+            _ => vectors.coordinates.reference.clone(),
         };
         match LocalFrames::new(&supports, &self.unit, &current) {
             Ok(mut frames) => {
                 if let Some(start) = start {
-                    frames.start_at(&vectors.coordinates.reference, &start.u);
+                    frames.start_at(&current, &start.u);
                 }
                 Some((supports, frames))
             }

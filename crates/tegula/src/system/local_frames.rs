@@ -48,9 +48,9 @@ impl LocalFrames {
     }
 
     /// Starts an analysis step at the displacements `u`: prescribed degrees of freedom continue from there, and fixed ones
-    /// stay there.
-    pub fn start_at(&mut self, reference: &[Nodal], u: &[Nodal]) {
-        let current = |v: usize| Vec3::from(reference[v]) + Vec3::from(u[v]);
+    /// stay there. Frames belong to the configuration `current`: in linear models to the reference configuration.
+    pub fn start_at(&mut self, current: &[Nodal], u: &[Nodal]) {
+        let current = |v: usize| Vec3::from(current[v]);
         self.follow(current);
         let mut held: BTreeMap<u32, Prescribed> = BTreeMap::new();
         for (v, value) in u.iter().enumerate() {

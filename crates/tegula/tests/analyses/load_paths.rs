@@ -89,6 +89,22 @@ fn an_elastic_model_without_load_is_where_it_began() {
 }
 
 #[test]
+fn loads_that_come_late_find_inextensible_directors_at_rest() {
+    let mut m = model(plate([1.0, 1.0], [6, 4], 0.0), 1e3, 0.05);
+    if let MeshSource::Plate(p) = &mut m.mesh {
+        (p.u_axis, p.v_axis) = ([1.0, 0.3, 0.2], [-0.1, 1.0, 0.7]);
+    }
+    m.sections[0].element = ElementKind::Mitc4;
+    let amplitude = Some("late".to_owned());
+    m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: 2e-3, amplitude })];
+    let late = TableAmplitude { times: vec![0.0, 0.5, 1.0], values: vec![0.0, 0.0, 1.0] };
+    m.amplitudes.insert("late".into(), Amplitude::Table(late));
+    m.analysis = Analysis::Static(StaticAnalysis { load_steps: 4, ..Default::default() });
+    let (path, _) = follow(&m, &compile(&m).1, None, 0);
+    assert!(path.sizes[0] < 1e-15 && path.sizes[1] < 1e-15 && path.sizes[3] > 1e-3, "{path:?}");
+}
+
+#[test]
 fn a_prescribed_displacement_that_returns_leaves_nothing() {
     let mut m = strip(ElementKind::Ems, false, &[0.0, 1.0, 0.0]);
     m.loads.clear();

@@ -501,3 +501,38 @@ fn modes_of_linear_steps_come_with_a_warning() {
         assert!(found.iter().all(|w| w.place.key == "steps[1].analysis" && w.message.contains("unloaded")));
     }
 }
+
+/// Linear steps are linear: motions and modes after a linear static step scale with its load, also where directors keep their
+/// length.
+#[test]
+fn linear_steps_scale_with_the_load_before_them() {
+    let linear = StaticAnalysis { linear: true, ..StaticAnalysis::default() };
+    for element in [ElementKind::Ems, ElementKind::Mitc4] {
+        let after = |size: f64| {
+            let load = Load::Edge(vector_load("u_max", [0.0, 0.0, size]));
+            let mut shake = transient("shake", 0.1, 1e-3);
+            if let Analysis::Transient(options) = &mut shake.analysis {
+                options.linear = true;
+            }
+            let push = AnalysisStep {
+                loads: vec![load],
+                ..AnalysisStep::new("push", Analysis::Static(linear.clone()))
+            };
+            let mut model = cantilever(vec![push, modes("modes"), shake]);
+            model.sections[0].element = element;
+            let mut lowest = 0.0;
+            let mesh = generate(&model.mesh).unwrap();
+            let ends = run(&model, |_, _, _| {}).unwrap();
+            let compiler = Compiler::new(&model, &mesh).unwrap();
+            let system = compiler.system(1, Some(ends[0].end_of_step())).unwrap();
+            for mode in modal::run(&system, 1, None, &mut Silent).unwrap().modes {
+                lowest = mode.omega;
+            }
+            (ends[2].u.as_flattened().iter().map(|u| u / size).collect::<Vec<f64>>(), lowest)
+        };
+        let ((small, slow), (large, fast)) = (after(1e-3), after(1e3));
+        let off = max_norm(small.iter().zip(&large).map(|(a, b)| a - b)) / max_norm(&small);
+        assert!(off < 1e-7, "{element:?}: {off:e}");
+        assert!((fast / slow - 1.0).abs() < 1e-9, "{element:?}: {slow} {fast}");
+    }
+}

@@ -15,6 +15,9 @@ use crate::model::{NewtonMethod, StaticAnalysis};
 use crate::system::{System, inverted_element};
 use crate::{Error, Result};
 
+/// Displacement of a step over the size of the model that is round-off of directors, as where loads have not begun yet.
+const ROUND_OFF: f64 = 1e-14;
+
 /// Energy of the last increment over the strain energy: small enough that reactions balance the loads to 1e-12, also
 /// where follower loads make convergence linear.
 const ENERGY_TOLERANCE: f64 = 1e-18;
@@ -230,9 +233,9 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         observer: &mut dyn Observer,
     ) -> std::result::Result<(), Failure> {
         let moved = self.moved();
-        let noticeable =
-            self.tolerances.increment * self.system.norm(&self.equation.u).max(self.state.displacement_scale);
-        if self.system.linear || moved <= noticeable {
+        let scale = self.system.norm(&self.equation.u).max(self.state.displacement_scale);
+        let noticeable = self.tolerances.increment * scale;
+        if self.system.linear || moved <= noticeable.max(ROUND_OFF) {
             return Ok(());
         }
         let before =
