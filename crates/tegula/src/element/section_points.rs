@@ -1,7 +1,7 @@
 //! Integration points of an element with a section: the terms of its energy, from the strain operators of the element
 //! type and the layers or the stiffness of the section.
 
-use nalgebra::{DMatrix, DVector, Matrix6};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix6, Vector2};
 
 use super::geometry::ShellGeometry;
 use super::shell::{IntegrationPoint, PointResponse, ShellElement, StrainOperator};
@@ -59,6 +59,7 @@ impl CompiledSection {
                 response: PointResponse::Linear(response),
                 weight: 1.0,
                 prescribed: prescribed.iter().map(|_| DVector::zeros(n)).collect(),
+                residual_energy: DMatrix::zeros(0, 0),
             });
         }
         Ok(out)
@@ -73,16 +74,32 @@ impl CompiledSection {
         prescribed: &[Option<&PrescribedStrain>],
         out: &mut Vec<IntegrationPoint>,
     ) -> Result<(), String> {
+        let (mut points, mut heights) = (Vec::new(), Vec::new());
         for layer in &self.layers {
             for &(z, weight) in &layer.points {
                 let operator = element.operator(g, point, z)?;
                 let turn = self.turn(&operator.frame)? + layer.angle;
                 let stiffness = self.stiffness_3d(layer, turn);
                 let place = (turn, z, operator.measure * weight);
-                out.push(self.layer_point(layer, operator, place, &stiffness, prescribed, 6)?);
+                points.push(self.layer_point(layer, operator, place, &stiffness, prescribed, 6)?);
+                heights.push(z);
             }
         }
+        if self.has_thickness_strain_of_layers() {
+            out.push(condense_thickness_strain(&mut points, &heights)?);
+        }
+        out.append(&mut points);
         Ok(())
+    }
+
+    /// Whether layers of different linear materials have thickness strains of their own in elements with three-dimensional
+    /// stresses. One thickness strain, linear in z, for all of them would let layers that expand or contract differently
+    /// hold each other across the thickness, which free faces do not.
+    pub fn has_thickness_strain_of_layers(&self) -> bool {
+        let equal = |a: &Layer, b: &Layer| {
+            a.material == b.material && (a.angle == b.angle || a.material.is_isotropic())
+        };
+        self.is_linear() && self.layers.windows(2).any(|pair| !equal(&pair[0], &pair[1]))
     }
 
     /// Adds an integration point with the section stiffness. If a layer is not linear, this point has transverse shear
@@ -151,6 +168,11 @@ impl CompiledSection {
             response: PointResponse::Linear(response),
             weight: middle.measure,
             prescribed: fields,
+            residual_energy: if linear {
+                self.residual_energy(prescribed, turn)?
+            } else {
+                DMatrix::zeros(0, 0)
+            },
         });
         if linear {
             return Ok(());
@@ -196,6 +218,57 @@ impl CompiledSection {
                 None => PointResponse::Linear(DMatrix::from_column_slice(6, 6, stiffness.as_slice())),
             },
             weight,
+            residual_energy: DMatrix::zeros(0, 0),
         })
     }
+}
+
+/// Static condensation of the thickness strains β of layers over a point of the mid-surface, which add to the strain ε_zz of
+/// the element and do no work on a stress σ_zz linear in z: `Σ w β = Σ w z β = 0`.
+///
+/// Minimising the energy `Σ w ½ (ε + β e − ε₀)·C (ε + β e − ε₀)` with the unit vector e of ε_zz gives `σ_zz = p + q z` and
+///
+/// ```text
+/// Σ w ½ (ε − ε₀)·C̄ (ε − ε₀) + ½ r·M⁻¹ r,   C̄ = C − c cᵀ/C₃₃,   c = C e,
+/// r = Σ w/C₃₃ (1, z) c·(ε − ε₀),            M = Σ w/C₃₃ (1, z)(1, z)ᵀ,   (p, q) = M⁻¹ r .
+/// ```
+///
+/// The points get C̄ in place of C; the point returned has the strains r, and the stress (p, q).
+///
+/// # Errors
+/// A layer has no stiffness across the thickness.
+fn condense_thickness_strain(
+    points: &mut [IntegrationPoint],
+    heights: &[f64],
+) -> Result<IntegrationPoint, String> {
+    let sizes =
+        points.first().map_or((0, 0, 0), |p| (p.samples.ncols(), p.enhanced.ncols(), p.prescribed.len()));
+    let mut samples = DMatrix::zeros(2, sizes.0);
+    let mut enhanced = DMatrix::zeros(2, sizes.1);
+    let mut prescribed = vec![DVector::zeros(2); sizes.2];
+    let mut m = Matrix2::zeros();
+    for (point, &z) in points.iter_mut().zip(heights) {
+        let PointResponse::Linear(c) = &mut point.response else { continue };
+        let (column, stiffness) = (c.column(3).into_owned(), c[(3, 3)]);
+        let basis = Vector2::new(1.0, z);
+        let along = basis * (point.weight / stiffness);
+        m += along * basis.transpose();
+        samples += along * column.tr_mul(&point.samples);
+        enhanced += along * column.tr_mul(&point.enhanced);
+        for (sum, e0) in prescribed.iter_mut().zip(&point.prescribed) {
+            *sum += along * column.dot(e0);
+        }
+        *c -= &column * column.transpose() / stiffness;
+        c.row_mut(3).fill(0.0);
+        c.column_mut(3).fill(0.0);
+    }
+    let response = m.try_inverse().ok_or("its layers have no stiffness across the thickness")?;
+    Ok(IntegrationPoint {
+        samples,
+        enhanced,
+        response: PointResponse::Linear(DMatrix::from_column_slice(2, 2, response.as_slice())),
+        weight: 1.0,
+        prescribed,
+        residual_energy: DMatrix::zeros(0, 0),
+    })
 }

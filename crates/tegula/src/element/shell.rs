@@ -113,6 +113,9 @@ pub struct IntegrationPoint {
     pub weight: f64,
     /// ε₀ of each prescribed strain field.
     pub prescribed: Vec<DVector<f64>>,
+    /// Energy of the self-equilibrated stresses that the prescribed strain fields leave between layers, per weight and by
+    /// pairs of fields; empty where there is none.
+    pub residual_energy: DMatrix<f64>,
 }
 
 /// Material response of an integration point.
@@ -191,6 +194,9 @@ pub fn condense(
         if parameters > 0 {
             k_aa += s.enhanced.transpose() * (c * &s.enhanced) * s.weight;
             k_as += s.enhanced.transpose() * &cl;
+        }
+        if !s.residual_energy.is_empty() {
+            energy += &s.residual_energy * s.weight;
         }
         for (i, e0) in s.prescribed.iter().enumerate() {
             let stress = c * e0 * s.weight;

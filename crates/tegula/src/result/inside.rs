@@ -155,6 +155,9 @@ pub struct Inside<'a> {
     state: Generalised,
     /// Change with the small motion whose strains and stresses are recovered.
     change: Option<Generalised>,
+    /// Thickness stress `σ_zz = p + q z` over each point of the mid-surface, where layers have thickness strains of their
+    /// own; else empty.
+    thickness_stress: Vec<[f64; 2]>,
 }
 
 /// Strain at a point.
@@ -216,10 +219,26 @@ impl<'a> Inside<'a> {
         };
         let state = Generalised { samples, parameters };
         let geometry = system.geometry(shell);
-        let mut inside =
-            Self { section, geometry, element, prescribed, factors, history, shape, state, change: None };
+        let mut inside = Self {
+            section,
+            geometry,
+            element,
+            prescribed,
+            factors,
+            history,
+            shape,
+            state,
+            change: None,
+            thickness_stress: Vec::new(),
+        };
         if let Some(samples) = change {
             inside.change = Some(inside.changed(samples)?);
+        }
+        if element.is_solid() && section.has_thickness_strain_of_layers() {
+            let stresses = inside.all_point_stresses();
+            let per_point = inside.shape.points / element.surface_points();
+            let of_points = stresses[..inside.shape.points].chunks(per_point);
+            inside.thickness_stress = of_points.map(|of| [of[0][0], of[0][1]]).collect();
         }
         Some(inside)
     }
@@ -290,7 +309,29 @@ impl<'a> Inside<'a> {
     pub fn point_stresses(&self) -> Vec<DVector<f64>> {
         let mut stresses = self.all_point_stresses();
         stresses.truncate(self.shape.points);
-        stresses
+        if self.thickness_stress.is_empty() {
+            return stresses;
+        }
+        // The first point of each group holds the thickness stress, which the others lack.
+        let heights = || self.section.layers.iter().flat_map(|l| l.points.iter().map(move |p| (l, p.0)));
+        let per_point = self.shape.points / self.element.surface_points();
+        let whole = |(point, of): (usize, &[DVector<f64>])| {
+            let add = |((layer, z), stress): ((&Layer, f64), &DVector<f64>)| {
+                let frame = self.element.operator(&self.geometry, point, z).map(|o| o.frame);
+                let turn = frame.and_then(|frame| self.section.layer_turn(layer, &frame)).unwrap_or(f64::NAN);
+                let missing = self.of_thickness_stress(&self.section.stiffness_3d(layer, turn), point, z);
+                stress + DVector::from_column_slice(missing.as_slice())
+            };
+            heights().zip(&of[1..]).map(add).collect::<Vec<_>>()
+        };
+        stresses.chunks(per_point).enumerate().flat_map(whole).collect()
+    }
+
+    /// Stress that the thickness stress σ_zz over a point of the mid-surface adds to that of the condensed stiffness of a
+    /// layer of stiffness C: `C e σ_zz/C₃₃`.
+    fn of_thickness_stress(&self, c: &Matrix6<f64>, point: usize, z: f64) -> Vector6<f64> {
+        let [p, q] = self.thickness_stress[point];
+        c.column(3) * ((p + q * z) / c[(3, 3)])
     }
 
     fn all_point_stresses(&self) -> Vec<DVector<f64>> {
@@ -359,7 +400,13 @@ impl<'a> Inside<'a> {
                 } else {
                     self.section.stiffness_plane(layer, at.turn, &self.geometry)
                 };
-                c * at.strain
+                if self.thickness_stress.is_empty() {
+                    c * at.strain
+                } else {
+                    let column = c.column(3);
+                    let condensed = c - column * column.transpose() / c[(3, 3)];
+                    condensed * at.strain + self.of_thickness_stress(&c, point, z)
+                }
             }
             Some(law) => {
                 let law = &self.section.laws[law];

@@ -1,7 +1,7 @@
 //! Compiled section of the model: layers, material laws and section stiffness. Its integration points in an element are
 //! made in `element/section_points.rs`.
 
-use nalgebra::{DVector, Matrix6, SMatrix, SVector, Vector3, Vector6};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix6, SMatrix, SVector, Vector2, Vector3, Vector6};
 
 use super::laminate::Laminate;
 use super::ply::{angle_in_plane, shear_turn, strain_turn, turned_plane_stress, turned_shear};
@@ -218,6 +218,58 @@ impl CompiledSection {
             }
         };
         Ok(DVector::from_column_slice(strain.as_slice()))
+    }
+
+    /// Energy per area of the self-equilibrated stresses that heated layers of different expansion leave in each other, in
+    /// plane stress and by pairs of fields: `∫ε₀ᵀQ ε₀ dz − x₀ᵀ D x₀` with the thermal strains ε₀ of the layers and the section
+    /// strains x₀ that take them up on the average. Other fields are given for the section as a whole and leave none. `turn`
+    /// is the angle of the section's direction.
+    ///
+    /// # Errors
+    /// The section's stiffness is singular.
+    pub(crate) fn residual_energy(
+        &self,
+        prescribed: &[Option<&PrescribedStrain>],
+        turn: f64,
+    ) -> Result<DMatrix<f64>, String> {
+        let heat: Vec<Option<[f64; 2]>> = prescribed
+            .iter()
+            .map(|field| match field {
+                Some(PrescribedStrain::Thermal(t)) => Some([t.temperature, t.gradient]),
+                _ => None,
+            })
+            .collect();
+        if self.layers.len() < 2 || heat.iter().all(Option::is_none) {
+            return Ok(DMatrix::zeros(0, 0));
+        }
+        // Stress resultants (membrane, then bending) of a temperature 1 and of a gradient 1, and their energies.
+        let mut held_back = SMatrix::<f64, 6, 2>::zeros();
+        let mut energy = Matrix2::<f64>::zeros();
+        for layer in &self.layers {
+            let [z0, z1, z2] = layer.moments();
+            let alpha = expansion(&layer.material, turn + layer.angle);
+            let stress = plane_stress_3d(&layer.material, turn + layer.angle) * alpha;
+            let (stress, alpha) = (stress.fixed_rows::<3>(0), alpha.fixed_rows::<3>(0));
+            energy += Matrix2::new(z0, z1, z1, z2) * stress.dot(&alpha);
+            for (c, [force, moment]) in [[z0, z1], [z1, z2]].into_iter().enumerate() {
+                let mut column = held_back.column_mut(c);
+                column.fixed_rows_mut::<3>(0).axpy(force, &stress, 1.0);
+                column.fixed_rows_mut::<3>(3).axpy(-moment, &stress, 1.0);
+            }
+        }
+        let section = self.resultant.at(turn);
+        let mut d = Matrix6::zeros();
+        d.fixed_view_mut::<3, 3>(0, 0).copy_from(&section.membrane);
+        d.fixed_view_mut::<3, 3>(0, 3).copy_from(&section.coupling);
+        d.fixed_view_mut::<3, 3>(3, 0).copy_from(&section.coupling.transpose());
+        d.fixed_view_mut::<3, 3>(3, 3).copy_from(&section.bending);
+        let taken_up = d.lu().solve(&held_back).ok_or("the section's stiffness is singular")?;
+        energy -= held_back.transpose() * taken_up;
+        let pair = |i: usize, j: usize| match (heat[i], heat[j]) {
+            (Some(a), Some(b)) => Vector2::from(a).dot(&(energy * Vector2::from(b))),
+            _ => 0.0,
+        };
+        Ok(DMatrix::from_fn(heat.len(), heat.len(), pair))
     }
 
     /// Prescribed section strains ε, ε_zz, γ, κ, conjugate to the stress resultants.

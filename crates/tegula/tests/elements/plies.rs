@@ -3,6 +3,7 @@
 use crate::common;
 use crate::common::{plate, vector_load};
 use nalgebra::Vector3;
+use tegula::analysis::{Silent, statics};
 use tegula::model::*;
 use tegula::result::{recover, recover_plies};
 use tegula::section::failure::Strengths;
@@ -110,6 +111,107 @@ fn ply_stresses_integrate_to_the_resultants() {
             let size = r.bending[0].abs() + r.bending[1].abs() + 1e-6;
             assert!((moment - r.bending[0] - r.bending[1]).abs() < 1e-9 * size, "{element:?}");
             assert!((n - r.membrane[0] - r.membrane[1]).abs() < 1e-6 * size);
+        }
+    }
+}
+
+/// A square sheet of two isotropic plies on supports that leave every deformation free.
+fn two_plies(element: ElementKind, plies: [Isotropic; 2]) -> Model {
+    let mut m = common::model(plate([1.0, 1.0], [4, 4], 0.0), 1.0, 0.1);
+    let [lower, upper] = plies;
+    m.materials.insert("lower".into(), Material::Isotropic(lower));
+    m.materials.insert("upper".into(), Material::Isotropic(upper));
+    let layer =
+        |material: &str| LayupPly { material: Some(material.into()), angle: 0.0, thickness: Some(0.01) };
+    m.sections[0] = Section {
+        element,
+        layup: Some(Layup { plies: vec![layer("lower"), layer("upper")], ..Layup::default() }),
+        ..Section::new("", 0.0)
+    };
+    let fix = |on: &str, position: Vec<Axis>| {
+        Condition::Fix(FixComponents { on: on.into(), position, director: vec![] })
+    };
+    m.conditions = vec![
+        fix("u_min_v_min", vec![Axis::X, Axis::Y, Axis::Z]),
+        fix("u_max_v_min", vec![Axis::Y, Axis::Z]),
+        fix("u_min_v_max", vec![Axis::Z]),
+    ];
+    m.analysis = Analysis::Static(StaticAnalysis { linear: true, ..Default::default() });
+    m
+}
+
+fn expanding(young: f64, poisson: f64, expansion: f64) -> Isotropic {
+    Isotropic { expansion, ..Isotropic::new(young, poisson, 1.0) }
+}
+
+/// Two heated plies of one stiffness bend freely to a sphere. With the misfit strain ±a, biaxial modulus `Ē = E/(1 − ν)` and
+/// the thickness h the curvature is 3a/h, the stress ∓Ē a (1 − 3|z|/h) in both directions, and the energy of these residual stresses
+/// ¼ Ē a² h per area.
+#[test]
+fn heated_plies_keep_their_residual_stresses_and_energy() {
+    let (young, poisson, heat, misfit) = (2e5, 0.3, 10.0, 1e-5);
+    let (a, h) = (heat * misfit, 0.02);
+    let modulus = young / (1.0 - poisson);
+    for element in [ElementKind::Ems, ElementKind::Mitc4, ElementKind::Cm, ElementKind::SolidShell] {
+        let of = |sign: f64| expanding(young, poisson, 2e-5 + sign * misfit);
+        let mut m = two_plies(element, [of(1.0), of(-1.0)]);
+        m.prescribed_strains = vec![PrescribedStrain::Thermal(ThermalStrain {
+            on: "all".into(),
+            temperature: heat,
+            gradient: 0.0,
+            amplitude: None,
+        })];
+        let (_, system) = common::compile(&m);
+        let outcome = statics::run(&system, &common::static_options(&m), None, &mut Silent).unwrap();
+        let energy = 0.25 * modulus * a * a * h;
+        let found = outcome.balance.strain;
+        assert!((found / energy - 1.0).abs() < 1e-3, "{element:?}: {found:e} for {energy:e}");
+        let density = recover(&system, &outcome.state)[5].energy_density;
+        assert!((density / energy - 1.0).abs() < 1e-3, "{element:?}: {density:e} for {energy:e}");
+        for plies in recover_plies(&system, &outcome.state) {
+            for (ply, sign) in plies.iter().zip([-1.0, 1.0]) {
+                for at in &ply.stress {
+                    let exact = sign * modulus * a * (1.0 - 3.0 * at.height.abs() / h);
+                    for c in 0..2 {
+                        let off = (at.plane[c] - exact).abs();
+                        assert!(off < 2e-3 * modulus * a, "{element:?}: {:?} for {exact}", at.plane);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A soft ply of another contraction between free faces has the plane stress of its own law: with the membrane strains of
+/// laminate theory, in elements with three-dimensional stresses as in those with resultants.
+#[test]
+fn plies_of_unlike_contraction_do_not_hold_each_other() {
+    let (stiff, soft) = (expanding(2e5, 0.3, 0.0), expanding(2e3, 0.45, 0.0));
+    for element in [ElementKind::Ems, ElementKind::Mitc4, ElementKind::Cm, ElementKind::SolidShell] {
+        let mut m = two_plies(element, [stiff.clone(), soft.clone()]);
+        let ply = |material: &str, thickness| LayupPly {
+            material: Some(material.into()),
+            angle: 0.0,
+            thickness: Some(thickness),
+        };
+        let plies = vec![ply("lower", 0.005), ply("upper", 0.01), ply("lower", 0.005)];
+        m.sections[0].layup = Some(Layup { plies, ..Layup::default() });
+        m.conditions.push(Condition::Fix(FixComponents {
+            on: "u_min".into(),
+            position: vec![Axis::X],
+            director: vec![],
+        }));
+        m.loads = vec![Load::Edge(vector_load("u_max", [4.0, 0.0, 0.0]))];
+        let (_, system) = common::compile(&m);
+        let outcome = statics::run(&system, &common::static_options(&m), None, &mut Silent).unwrap();
+        let plane = |e: f64, nu: f64| nalgebra::Matrix2::new(1.0, nu, nu, 1.0) * (e / (1.0 - nu * nu));
+        let section = plane(2e5, 0.3) * 0.01 + plane(2e3, 0.45) * 0.01;
+        let strain = section.try_inverse().unwrap() * nalgebra::Vector2::new(4.0, 0.0);
+        let exact = plane(2e3, 0.45) * strain;
+        for plies in recover_plies(&system, &outcome.state) {
+            let core = plies[1].stress[1].plane;
+            let off = (core[0] - exact[0]).hypot(core[1] - exact[1]);
+            assert!(off < 2e-3 * exact.norm(), "{element:?}: {core:?} for {exact:?}");
         }
     }
 }
