@@ -223,20 +223,27 @@ fn edge_moments(load: &VectorLoad, factor: LoadFactor, mesh: &Mesh, vectors: &Ve
 }
 
 /// Moments with a drilling component, for which a node has no stiffness, so that it would be dropped.
-pub(super) fn drilling_components(loads: &[FollowerLoad], vectors: &Vectors, mesh: &Mesh) -> Vec<Issue> {
-    let lost = |load: &FollowerLoad| match load {
+///
+/// `numbers` gives the load of the model that each belongs to.
+pub(super) fn drilling_components(
+    loads: &[FollowerLoad],
+    numbers: &[usize],
+    vectors: &Vectors,
+    mesh: &Mesh,
+) -> Vec<Issue> {
+    let lost = |(load, number): (&FollowerLoad, &usize)| match load {
         FollowerLoad::Moment { vector, moment, .. } => {
             let d = Vec3::from(vectors.coordinates.reference[*vector as usize]);
             let along = moment.dot(&d).abs();
             (along > 1e-3 * moment.norm())
-                .then(|| (vectors.coordinates.nodes[*vector as usize], along, moment.norm()))
+                .then(|| (vectors.coordinates.nodes[*vector as usize], along, moment.norm(), *number))
         }
         FollowerLoad::Pressure { .. } | FollowerLoad::EdgeMoment { .. } | FollowerLoad::Own { .. } => None,
     };
-    let all: Vec<_> = loads.iter().filter_map(lost).collect();
-    let Some((node, along, whole)) = all.first() else { return Vec::new() };
+    let all: Vec<_> = loads.iter().zip(numbers).filter_map(lost).collect();
+    let Some((node, along, whole, number)) = all.first() else { return Vec::new() };
     vec![Issue::new(
-        "loads",
+        format!("loads[{number}].value"),
         format!(
             "{} moment(s) have a drilling component (along the director), the first at node {}: {along:.3e} of {whole:.3e} would be dropped",
             all.len(),

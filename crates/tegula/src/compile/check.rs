@@ -13,6 +13,9 @@ use crate::{Issue, Vec3};
 /// Longest name of a point (characters). It becomes part of file names, which most systems limit to 255 bytes.
 const LONGEST_NAME: usize = 60;
 
+/// Largest number of time steps that an analysis can be meant to take.
+const MOST_STEPS: f64 = 1e12;
+
 /// Part by which the thickness of a mesh of solids may differ from that of its section.
 const OTHER_THICKNESS: f64 = 1e-3;
 
@@ -524,6 +527,17 @@ impl Checker {
                             "give a step below the end time",
                         );
                     }
+                }
+                if let Some(step) = t.time_step.filter(|&step| step > 0.0 && t.end_time / step > MOST_STEPS) {
+                    self.add(
+                        "analysis.time_step",
+                        format!(
+                            "the analysis of {} would take {:.1e} steps of {step}",
+                            t.end_time,
+                            t.end_time / step
+                        ),
+                        "give a larger step or an earlier end",
+                    );
                 }
                 if t.max_iterations == 0 {
                     self.add("analysis.max_iterations", "`max_iterations` is 0", "give at least 1");

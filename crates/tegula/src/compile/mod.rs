@@ -230,7 +230,7 @@ impl<'a> Compiler<'a> {
             load_sets.push(force_sets::of_caller(name, mesh));
             followers.push(of_caller(load, step));
         }
-        issues.extend(drilling_components(&followers, vectors, mesh));
+        issues.extend(drilling_components(&followers, &load_of_follower, vectors, mesh));
         let added = added_masses(model, mesh, vectors);
         let procedure = procedure(&model.analysis);
         let pattern = self.pattern(procedure, &frames, &followers, &added)?;

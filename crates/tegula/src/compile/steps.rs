@@ -146,9 +146,16 @@ fn about_the_end(
         model: Model { analysis: step.analysis.clone(), output: output(model, step), ..before.model.clone() },
         starts_from: Some(index),
         place: Some(format!("steps[{number}]")),
-        keys: [vec![("analysis".into(), format!("steps[{number}].analysis"))], before.keys.clone()].concat(),
+        keys: [own_keys(number), before.keys.clone()].concat(),
         ..before.clone()
     }
+}
+
+/// Keys of a step that stand for those of a model of its own, with the exception of lists.
+fn own_keys(number: usize) -> Vec<(String, String)> {
+    [("analysis", "analysis"), ("initial_velocities", "initial_velocities"), ("output.at", "at")]
+        .map(|(own, file)| (own.to_owned(), format!("steps[{number}].{file}")))
+        .into()
 }
 
 fn one_step(
@@ -157,19 +164,15 @@ fn one_step(
     step: &AnalysisStep,
     before: Option<(usize, &StepModel)>,
 ) -> StepModel {
-    let mut keys: Vec<(String, String)> = ["analysis", "initial_velocities"]
-        .into_iter()
-        .map(|key| (key.to_owned(), format!("steps[{number}].{key}")))
-        .collect();
-    keys.push(("output.at".into(), format!("steps[{number}].at")));
-    let mut own_keys = |list: &str, common: usize, own: usize| {
+    let mut keys = own_keys(number);
+    let mut of_list = |list: &str, common: usize, own: usize| {
         keys.extend(
             (0..own).map(|i| (format!("{list}[{}]", common + i), format!("steps[{number}].{list}[{i}]"))),
         );
     };
-    own_keys("conditions", model.conditions.len(), step.conditions.len());
-    own_keys("loads", model.loads.len(), step.loads.len());
-    own_keys("prescribed_strains", model.prescribed_strains.len(), step.prescribed_strains.len());
+    of_list("conditions", model.conditions.len(), step.conditions.len());
+    of_list("loads", model.loads.len(), step.loads.len());
+    of_list("prescribed_strains", model.prescribed_strains.len(), step.prescribed_strains.len());
     let is_static = matches!(step.analysis, Analysis::Static(_));
     let mut loads = [model.loads.clone(), step.loads.clone()].concat();
     let mut continued = vec![Continued::default(); loads.len()];

@@ -407,10 +407,14 @@ impl System {
         t
     }
 
-    /// Linear and angular momentum (about the origin) at displacements `u` and velocities `v`.
+    /// Linear and angular momentum (about the origin) at displacements `u` and velocities `v`; in linear models the arms of the
+    /// momenta are those of the reference configuration.
     pub fn momentum(&self, u: &[Nodal], v: &[Nodal]) -> (Vec3, Vec3) {
         let (mut linear, mut angular) = (Vec3::zeros(), Vec3::zeros());
-        let current = |i: usize| Vec3::from(self.coordinates.reference[i]) + Vec3::from(u[i]);
+        let arm = |i: usize| {
+            let reference = Vec3::from(self.coordinates.reference[i]);
+            if self.linear { reference } else { reference + Vec3::from(u[i]) }
+        };
         self.pattern.for_each_mass(|i, j, m| {
             let pairs = if i == j { 1 } else { 2 };
             for (a, b) in [(i, j), (j, i)].into_iter().take(pairs) {
@@ -418,7 +422,7 @@ impl System {
                 if self.coordinates.kinds[a] == VectorKind::Position {
                     linear += p;
                 }
-                angular += current(a).cross(&p);
+                angular += arm(a).cross(&p);
             }
         });
         (linear, angular)

@@ -168,6 +168,7 @@ fn moments_across_the_directors_have_their_resultants() {
     let mesh = tegula::mesh::generators::generate(&m.mesh).unwrap();
     let Err(tegula::Error::Model(issues)) = tegula::compile::build(&m, &mesh) else { panic!("not refused") };
     assert!(issues[0].message.contains("would be dropped"), "{issues:?}");
+    assert_eq!(issues[0].place.key, "loads[0].value");
 }
 
 #[test]

@@ -318,7 +318,8 @@ impl<S: TangentSolver> Newton<S> {
         }
         equation.apply(system, &self.increment);
         let norm = system.norm(&self.increment);
-        if norm > FLIGHT {
+        // Linear models have no size that a displacement must not exceed.
+        if norm > FLIGHT && !system.linear {
             let place = largest(system, &self.assembly.frames, &self.residual);
             let reason =
                 format!("divergence: an increment moved the model by {norm:.1e} times its own size; {place}");
