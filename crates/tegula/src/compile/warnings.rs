@@ -14,7 +14,7 @@ use crate::model::{
     Analysis, Condition, GmshMesh, Load, MeshSource, Model, NodalVector, PrescribeComponent, PrescribedStrain,
 };
 use crate::system::dof_map::Prescribed;
-use crate::system::{Procedure, System};
+use crate::system::{Procedure, ShellSection, System};
 use crate::{Issue, Vec3};
 
 /// Thickness over the size of the largest element, above which units are most likely mixed up.
@@ -80,6 +80,7 @@ fn independent_of_the_start(model: &Model, mesh: &Mesh, system: &System) -> Vec<
     found.extend(seams(model, mesh));
     found.extend(prism(model, mesh, system));
     found.extend(coarse_steps(model, system));
+    found.extend(shared_thickness_strains(model, system));
     for (i, section) in model.sections.iter().enumerate() {
         let shells = || system.shells.iter().filter(|shell| shell.section == i);
         let worst = shells()
@@ -311,6 +312,32 @@ fn shortened_directors(model: &Model, system: &System) -> Vec<Issue> {
         }
     }
     found
+}
+
+/// Sections of solid elements whose unlike layers are not linear, and share one thickness strain.
+fn shared_thickness_strains(model: &Model, system: &System) -> Vec<Issue> {
+    let shares = |of: &ShellSection| {
+        let first = of.section.layers.first();
+        let unlike =
+            of.section.layers.iter().any(|layer| first.is_some_and(|f| f.material != layer.material));
+        of.element.is_solid() && !of.section.is_linear() && unlike
+    };
+    let issue = |(i, _): (usize, _)| {
+        Issue::new(
+            format!("sections[{i}].element"),
+            "its layers are of different materials, not all linear, and share one thickness strain: layers that contract or \
+             expand differently hold each other across the thickness, and their stresses may be too large",
+            "use `ems` or `mitc4`, where every layer is in plane stress",
+        )
+    };
+    model
+        .sections
+        .iter()
+        .zip(system.sections.iter())
+        .enumerate()
+        .filter(|(_, (_, of))| shares(of))
+        .map(issue)
+        .collect()
 }
 
 /// Keys of sections without effect on their element types.

@@ -182,6 +182,34 @@ fn heated_plies_keep_their_residual_stresses_and_energy() {
     }
 }
 
+/// Nonlinear layers of different materials share one thickness strain in elements with three-dimensional stresses, which is
+/// warned of.
+#[test]
+fn unlike_nonlinear_layers_of_solid_elements_are_warned_of() {
+    for (element, expected) in [(ElementKind::Ems, 0), (ElementKind::Cm, 1), (ElementKind::SolidShell, 1)] {
+        let mut m = two_plies(element, [expanding(2e5, 0.3, 0.0), expanding(2e5, 0.2, 0.0)]);
+        m.materials.insert(
+            "upper".into(),
+            Material::Plastic(Plastic {
+                young: 2e5,
+                poisson: 0.3,
+                yield_stress: 1e3,
+                hardening: 1e3,
+                saturation: None,
+                saturation_rate: 0.0,
+                kinematic: 0.0,
+                density: 1.0,
+                expansion: 0.0,
+            }),
+        );
+        m.loads = vec![Load::Edge(vector_load("u_max", [4.0, 0.0, 0.0]))];
+        let (mesh, system) = common::compile(&m);
+        let found = tegula::compile::warnings(&m, &mesh, &system);
+        assert_eq!(found.len(), expected, "{element:?}: {found:?}");
+        assert!(found.iter().all(|w| w.place.key == "sections[0].element"), "{found:?}");
+    }
+}
+
 /// A soft ply of another contraction between free faces has the plane stress of its own law: with the membrane strains of
 /// laminate theory, in elements with three-dimensional stresses as in those with resultants.
 #[test]
