@@ -203,6 +203,7 @@ fn unlike_nonlinear_layers_of_solid_elements_are_warned_of() {
             }),
         );
         m.loads = vec![Load::Edge(vector_load("u_max", [4.0, 0.0, 0.0]))];
+        m.analysis = Analysis::Static(StaticAnalysis::default());
         let (mesh, system) = common::compile(&m);
         let found = tegula::compile::warnings(&m, &mesh, &system);
         assert_eq!(found.len(), expected, "{element:?}: {found:?}");
