@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::Args;
 use tegula::model::ElementKind;
 use tegula_io::out::write_whole;
-use tegula_verify::locking::{Example, Remedy, Study, csv, element_name, markdown, picture};
+use tegula_verify::locking::{Example, Remedy, Study, csv, markdown, picture};
 
 use crate::terminal;
 
@@ -51,7 +51,8 @@ impl Locking {
     fn study(&self) -> Result<(Study, u32), (String, u8)> {
         let wrong = |message: String| (message, 2);
         let examples = chosen(&self.examples, "example", &Example::EVERY, |e| e.name()).map_err(wrong)?;
-        let elements = chosen(&self.elements, "element", &ElementKind::ALL, element_name).map_err(wrong)?;
+        let elements =
+            chosen(&self.elements, "element", ElementKind::ALL, ElementKind::name).map_err(wrong)?;
         let without = chosen(&self.without, "remedy", &Remedy::EVERY, |r| r.name()).map_err(wrong)?;
         for example in &examples {
             let Some(known) = example.known() else { continue };

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use tegula_io::out::write_whole;
-use tegula_verify::verify::{CASES, Case, Cost, Row, run};
+use tegula_verify::verify::{Case, Cost, Row, cases, run};
 
 use crate::terminal;
 
@@ -41,7 +41,7 @@ impl Verify {
     /// Runs the subcommand.
     pub fn run(&self) -> ExitCode {
         if self.list {
-            for case in CASES {
+            for case in cases() {
                 say!("{:<24} {}", case.name, case.about);
             }
             return ExitCode::SUCCESS;
@@ -89,16 +89,16 @@ impl Verify {
         if self.cases.is_empty() {
             // Cases with this ending are parts of others.
             let wanted = |c: &&Case| !c.name.ends_with("-fast") && (self.all || c.cost != Cost::Long);
-            return Ok(CASES.iter().filter(wanted).collect());
+            return Ok(cases().filter(wanted).collect());
         }
         let mut out = Vec::new();
         for name in &self.cases {
             if name == "paper" {
-                out.extend(CASES.iter().filter(|c| PAPER.contains(&c.name)));
-            } else if let Some(case) = CASES.iter().find(|c| c.name == name) {
+                out.extend(cases().filter(|c| PAPER.contains(&c.name)));
+            } else if let Some(case) = cases().find(|c| c.name == name) {
                 out.push(case);
             } else {
-                let known: Vec<&str> = CASES.iter().map(|c| c.name).collect();
+                let known: Vec<&str> = cases().map(|c| c.name).collect();
                 return Err(format!(
                     "there is no case \"{name}\"; the cases are: paper, {}",
                     known.join(", ")

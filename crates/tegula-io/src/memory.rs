@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 
 use tegula::Issue;
-use tegula::model::{Analysis, LinearSolver, MeshSource, Model, Scheme};
+use tegula::model::{Analysis, LinearSolver, Model};
 
 /// The smallest limit of memory, and what sets it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,7 +101,7 @@ fn control_group(root: &Path) -> Option<Limit> {
 fn least_per_element(analysis: &Analysis) -> u64 {
     match analysis {
         // Its nodes and its matrices where no other element has its shape; a million elements took 4.1 kB each.
-        Analysis::Transient(t) if matches!(t.scheme, Scheme::Explicit(_)) => 4_000,
+        Analysis::Transient(t) if t.scheme.is_explicit() => 4_000,
         // Its share of pieces and of the coarse matrix: 13.7 kB, and less where directors have two unknowns.
         Analysis::Static(s) if s.linear_solver == LinearSolver::Iterative => 10_000,
         // Its share of the pattern and of the factor: 22 kB at 65 000 elements, and it grows with their number.
@@ -111,14 +111,7 @@ fn least_per_element(analysis: &Analysis) -> u64 {
 
 /// Refusal of elements that do not fit into the memory, before an attempt that the system would kill without a message.
 pub fn too_large(model: &Model, limit: Option<Limit>) -> Option<Issue> {
-    let grid = match &model.mesh {
-        MeshSource::Plate(m) => &m.grid,
-        MeshSource::Cylinder(m) => &m.grid,
-        MeshSource::Annulus(m) => &m.grid,
-        MeshSource::Sphere(m) => &m.grid,
-        MeshSource::Extrusion(m) => &m.grid,
-        MeshSource::Gmsh(_) => return None,
-    };
+    let grid = model.mesh.grid()?;
     let [u, v] = grid.elements.map(u64::from);
     let of_steps = model.steps.iter().map(|step| least_per_element(&step.analysis)).max();
     let per_element = of_steps.unwrap_or_else(|| least_per_element(&model.analysis));
@@ -149,7 +142,9 @@ pub fn too_large(model: &Model, limit: Option<Limit>) -> Option<Issue> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tegula::model::{ExplicitScheme, Grid, Isotropic, PlateMesh, StaticAnalysis, TransientAnalysis};
+    use tegula::model::{
+        ExplicitScheme, Grid, Isotropic, MeshSource, PlateMesh, Scheme, StaticAnalysis, TransientAnalysis,
+    };
 
     #[test]
     fn meshes_that_do_not_fit_are_refused() {

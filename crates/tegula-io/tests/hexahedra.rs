@@ -55,7 +55,7 @@ fn tip(model: &Model, options: &StaticAnalysis, mesh: &Mesh, at: &str) -> Vec3 {
 fn hexahedra_and_quads_with_exact_normals_are_one_shell() {
     let from_generator = tegula::mesh::generators::generate(&generated()).unwrap();
     let from_file = read();
-    for element in ElementKind::ALL {
+    for &element in ElementKind::ALL {
         let (a, options) = model(element, 0.1, "u_min", "u_max_v_min");
         let (b, _) = model(element, 0.1, "fixed", "tip");
         let a = tip(&a, &options, &from_generator, "u_max_v_min");

@@ -18,7 +18,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use tegula_io::out::write_whole;
-use tegula_verify::precision::{Cost, Study, Transient, csv, markdown, picture, scheme_name};
+use tegula_verify::precision::{Cost, Study, Transient, csv, markdown, picture};
 
 fn main() -> ExitCode {
     match arguments().and_then(|(study, out)| run(&study, &out)) {
@@ -72,7 +72,7 @@ fn run(study: &Study, out: &std::path::Path) -> Result<(), String> {
             eprintln!(
                 "{} {} {:?}: {} steps, work {:.0}, {:.2} s, error {:.1e} {}",
                 row.transient.name(),
-                scheme_name(row.scheme),
+                row.scheme.name(),
                 row.stepping,
                 row.statistics.steps,
                 row.work,

@@ -58,6 +58,7 @@
 
 pub mod analysis;
 pub mod bddc;
+mod checker;
 pub mod compile;
 pub mod element;
 pub mod error;
@@ -80,3 +81,9 @@ pub use tegula_sparse::norm;
 pub type Vec3 = nalgebra::Vector3<f64>;
 /// A 3×3 matrix.
 pub type Mat3 = nalgebra::Matrix3<f64>;
+
+/// Fragments of code on the developer page about elements, compiled as tests of the documentation. The files of new kinds on the
+/// developer pages are compiled by `scripts/adding_things.py`.
+#[cfg(doctest)]
+#[doc = include_str!("../../../book/src/developers/element.md")]
+pub struct ElementPage;

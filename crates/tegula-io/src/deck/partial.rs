@@ -9,7 +9,6 @@ use std::path::Path;
 use serde_json::Value as Json;
 use tegula::compile::check;
 use tegula::mesh::generators::generate;
-use tegula::model::MeshSource;
 use tegula::{Error, Issue, Mesh, Model};
 use toml::{Table, Value};
 
@@ -69,15 +68,17 @@ pub(super) fn issues(path: &Path, text: &str, found: &[Diagnostic]) -> Vec<Issue
 }
 
 fn mesh_of(path: &Path, model: &Model) -> Result<Mesh, Vec<Issue>> {
-    let MeshSource::Gmsh(gmsh) = &model.mesh else {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let file = model.mesh.file();
+    let read = file.and_then(|file| crate::mesh::read(&model.mesh, &folder.join(&file.file)));
+    let (Some(file), Some(read)) = (file, read) else {
         return generate(&model.mesh).map_err(|e| match e {
             Error::Model(list) => list,
             _ => Vec::new(),
         });
     };
-    let file = path.parent().unwrap_or(Path::new("")).join(&gmsh.file);
-    let mut mesh = crate::mesh::gmsh::read(&file, gmsh.scale).map_err(|e| vec![e.issue()])?;
-    let issues = mesh.name_points(&gmsh.points);
+    let mut mesh = read.map_err(|e| vec![e.issue()])?.mesh;
+    let issues = mesh.name_points(&file.points);
     if issues.is_empty() { Ok(mesh) } else { Err(issues) }
 }
 

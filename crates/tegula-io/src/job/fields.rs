@@ -187,10 +187,7 @@ pub(super) fn write(
             by_shell(&|i| worst(i).map_or(0.0, |w| (w.0 + 1) as f64)),
         ));
     }
-    let plastic = system
-        .sections
-        .iter()
-        .any(|s| s.section.layers.iter().any(|l| matches!(l.material, tegula::model::Material::Plastic(_))));
+    let plastic = system.sections.iter().any(|s| s.section.layers.iter().any(|l| l.material.yields()));
     if has(Field::PlasticStrain) && plastic {
         let strains = plastic_strains(system, state);
         cell_data.push(DataArray::new("plastic_strain", 1, by_shell(&|i| strains[i])));

@@ -4,14 +4,13 @@ use std::sync::Arc;
 
 use tegula::compile::{Compiler, StepModel, check, soft_folds, warnings, warnings_before_start};
 use tegula::mesh::generators;
-use tegula::model::MeshSource;
 use tegula::result::Probe;
 use tegula::{Error, Issue, Mesh, System};
 
 use super::JobError;
 use crate::deck::{Deck, Diagnostic};
 use crate::memory;
-use crate::mesh::{MeshError, gmsh};
+use crate::mesh::{self, FileMesh};
 use crate::out::fingerprint;
 
 /// A model file ready to run.
@@ -80,13 +79,15 @@ fn compiled(deck: &Deck, mesh: &Mesh) -> tegula::Result<(System, Vec<Probe>, Vec
 /// The mesh, and the fingerprint of the files that the model is made of.
 fn mesh(deck: &Deck) -> Result<(Mesh, u64), Vec<Issue>> {
     let text = fingerprint(&deck.text);
-    let MeshSource::Gmsh(source) = &deck.model.mesh else {
+    let file = deck
+        .model
+        .mesh
+        .file()
+        .and_then(|source| Some((source, mesh::read(&deck.model.mesh, &deck.beside(&source.file))?)));
+    let Some((source, read)) = file else {
         return generators::generate(&deck.model.mesh).map(|mesh| (mesh, text)).map_err(issues_of);
     };
-    let path = deck.beside(&source.file);
-    let issue = |error: MeshError| vec![error.issue()];
-    let bytes = gmsh::load(&path).map_err(issue)?;
-    let mut mesh = gmsh::parse(&path, &bytes, source.scale).map_err(issue)?;
+    let FileMesh { mut mesh, bytes } = read.map_err(|error| vec![error.issue()])?;
     if source.merge_coincident == Some(true) {
         mesh.merge_coincident_nodes()?;
     }

@@ -3,7 +3,6 @@
 use std::time::Instant;
 
 use tegula::analysis::{Balance, Observer, State, Statistics, Step};
-use tegula::material::Law;
 use tegula::model::{Analysis, Model, Scheme};
 use tegula::result::{Equilibrium, ReactionFinder, ShellResult, plastic_strains, recover};
 use tegula::system::{Procedure, Shell};
@@ -388,7 +387,7 @@ fn largest_strain(system: &System, state: &State, results: &[ShellResult]) -> Op
         plastic_strains(system, state)
     };
     let strain = |(i, (shell, result)): (usize, (&Shell, &ShellResult))| {
-        if laws(shell).iter().any(|law| matches!(law, Law::Hyperelastic(_))) {
+        if laws(shell).iter().any(|law| law.is_hyperelastic()) {
             return None;
         }
         let stretching = system.sections.get(shell.section)?.section.resultant.stretch();

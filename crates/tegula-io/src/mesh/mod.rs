@@ -1,11 +1,95 @@
 //! Readers of mesh files of other programs, which give a [`tegula::Mesh`].
 
-pub mod gmsh;
-
 use std::fmt;
-use std::path::PathBuf;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
 
-use tegula::Issue;
+use tegula::model::MeshSource;
+use tegula::{Issue, Mesh, mesh_readers};
+
+/// Format of mesh files.
+pub trait MeshReader {
+    /// Usual end of the names of such files, such as `.msh`.
+    const SUFFIX: &'static str;
+    /// Mesh of the bytes of a file, all coordinates multiplied by `scale`; `path` only appears in errors.
+    ///
+    /// # Errors
+    /// The bytes are not a mesh of four-node quadrilaterals in this format, or are damaged; counts in them are never trusted.
+    fn parse(path: &Path, bytes: &[u8], scale: f64) -> Result<Mesh, MeshError>;
+    /// Small file of this format with quads and a named set, on which the contract of all readers is tested.
+    fn example() -> &'static [u8];
+}
+
+/// Declares the files of the readers and chooses among them, by the registry in `crates/tegula/src/model/mesh_source.rs`.
+macro_rules! readers {
+    ($($file:ident::$format:ident: $help:literal,)*) => {
+        $(pub mod $file;)*
+
+        /// Reads the mesh file of a model, which lies at `path`; `None` for generators.
+        ///
+        /// # Errors
+        /// The file cannot be read, or is no mesh of four-node quadrilaterals.
+        pub fn read(source: &MeshSource, path: &Path) -> Option<Result<FileMesh, MeshError>> {
+            let scale = source.file()?.scale;
+            match source {
+                $(MeshSource::$format(_) => Some(parsed::<$file::$format>(path, scale)),)*
+                _ => None,
+            }
+        }
+
+        /// Name, example and parser of every format: the contract of all readers is tested on them.
+        pub fn readers() -> Vec<(&'static str, &'static [u8], Parser)> {
+            vec![$((
+                stringify!($file),
+                <$file::$format as MeshReader>::example(),
+                <$file::$format as MeshReader>::parse as Parser,
+            )),*]
+        }
+    };
+}
+mesh_readers!(readers);
+
+/// Parser of a format: path for errors, bytes, factor on all coordinates.
+pub type Parser = fn(&Path, &[u8], f64) -> Result<Mesh, MeshError>;
+
+/// Mesh of a file, and the bytes from which it was read.
+pub struct FileMesh {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// Bytes of the file, for its fingerprint.
+    pub bytes: Vec<u8>,
+}
+
+fn parsed<R: MeshReader>(path: &Path, scale: f64) -> Result<FileMesh, MeshError> {
+    let bytes = load(path, R::SUFFIX)?;
+    Ok(FileMesh { mesh: R::parse(path, &bytes, scale)?, bytes })
+}
+
+/// Bytes of the mesh file at `path`, whose name should end with `suffix`. Devices and pipes are refused: they may have no
+/// end.
+pub fn load(path: &Path, suffix: &str) -> Result<Vec<u8>, MeshError> {
+    let give = format!("give the path of a {suffix} file");
+    let refused = |message: String, help: &str| MeshError {
+        file: path.to_owned(),
+        at: At::File,
+        message,
+        help: help.to_owned(),
+    };
+    let failed = |error: std::io::Error| match error.kind() {
+        ErrorKind::NotFound => {
+            refused("there is no such mesh file".into(), "check the path; it is relative to the model file")
+        }
+        _ => refused(format!("the mesh file cannot be read: {error}"), "check the file and its permissions"),
+    };
+    let kind = std::fs::metadata(path).map_err(failed)?.file_type();
+    if kind.is_dir() {
+        return Err(refused("this is a directory, not a mesh file".into(), &give));
+    }
+    if !kind.is_file() {
+        return Err(refused("this is a device or a pipe, not a mesh file".into(), &give));
+    }
+    std::fs::read(path).map_err(failed)
+}
 
 /// Where in a mesh file an error sits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -9,6 +9,7 @@ mod examples;
 mod report;
 
 use tegula::Result;
+use tegula::element::registry;
 use tegula::model::{ElementKind, Section};
 
 pub use examples::Example;
@@ -56,19 +57,13 @@ impl Remedy {
         }
     }
 
-    /// True if the element has this remedy.
+    /// True if the element has this remedy: it is another one without it.
     pub fn belongs_to(self, element: ElementKind) -> bool {
-        let (thickness, continuum) = match element {
-            ElementKind::Ems => (true, false),
-            ElementKind::Mitc4 => (false, false),
-            ElementKind::Cm | ElementKind::SolidShell => (true, true),
-            ElementKind::AncfFull => return self == Self::All,
-        };
-        match self {
-            Self::All | Self::AnsShear | Self::Eas => true,
-            Self::AnsThickness => thickness,
-            Self::ThicknessEas => continuum,
-        }
+        let with = Section { element, ..Section::new("", 1.0) };
+        let mut without = with.clone();
+        self.leave_out(&mut without);
+        let made = |section: &Section| format!("{:?}", registry::shell(section, 1.0));
+        self == Self::All || made(&with) != made(&without)
     }
 
     /// Switches it off.
@@ -80,17 +75,6 @@ impl Remedy {
             Self::Eas => section.eas = false,
             Self::ThicknessEas => section.thickness_eas = 0,
         }
-    }
-}
-
-/// Name of an element in model files.
-pub fn element_name(element: ElementKind) -> &'static str {
-    match element {
-        ElementKind::Ems => "ems",
-        ElementKind::Cm => "cm",
-        ElementKind::Mitc4 => "mitc4",
-        ElementKind::SolidShell => "solid-shell",
-        ElementKind::AncfFull => "ancf-full",
     }
 }
 

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::{Row, element_name};
+use super::Row;
 use tegula_io::out::OutputError;
 use tegula_io::plot::{Group, HeatMap, heat_map};
 
@@ -16,7 +16,7 @@ pub fn csv(rows: &[Row]) -> String {
             out,
             "{},{},{},{},{nu}x{nv},{:.9}",
             r.example.name(),
-            element_name(r.element),
+            r.element.name(),
             r.without.name(),
             r.slenderness,
             r.ratio
@@ -82,7 +82,7 @@ pub fn markdown(rows: &[Row]) -> String {
         out.push_str(&"--:|".repeat(meshes.len()));
         out.push('\n');
         for line in lines(rows) {
-            let _ = write!(out, "| `{}` | {} |", element_name(line.element), line.without.title());
+            let _ = write!(out, "| `{}` | {} |", line.element.name(), line.without.title());
             for m in &meshes {
                 match find(rows, line, m) {
                     Some(r) => drop(write!(out, " {} |", number(r.ratio, 4))),
@@ -123,7 +123,7 @@ pub fn picture(path: &Path, rows: &[Row], mesh: u32) -> Result<(), OutputError> 
         ..HeatMap::default()
     };
     for line in &lines {
-        Group::add(&mut map.rows, element_name(line.element), line.without.title());
+        Group::add(&mut map.rows, line.element.name(), line.without.title());
     }
     for c in &columns {
         let head = format!("{}, {}", c.example.title(), c.example.slenderness());

@@ -47,16 +47,6 @@ pub fn schemes() -> [Scheme; 4] {
     ]
 }
 
-/// Name of a scheme in model files.
-pub fn scheme_name(scheme: Scheme) -> &'static str {
-    match scheme {
-        Scheme::Newmark(_) => "newmark",
-        Scheme::Hht(_) => "hht",
-        Scheme::EnergyMomentum(_) => "energy-momentum",
-        Scheme::Explicit(_) => "explicit",
-    }
-}
-
 /// One run of a transient.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::{Reference, Row, Stepping, Transient, scheme_name, schemes};
+use super::{Reference, Row, Stepping, Transient, schemes};
 use tegula::model::Scheme;
 use tegula_io::out::OutputError;
 use tegula_io::plot::{LinePlot, Series, Style, lines};
@@ -54,7 +54,7 @@ pub fn csv(rows: &[Row]) -> String {
             out,
             "{},{},{},{:e},{},{},{},{},{:.1},{:.4},{:.4e},{}",
             r.transient.name(),
-            scheme_name(r.scheme),
+            r.scheme.name(),
             stepping_kind(r.stepping),
             stepping_value(r.stepping),
             s.steps,
@@ -89,7 +89,7 @@ pub fn markdown(references: &[Reference], rows: &[Row]) -> String {
         );
         for r in rows.iter().filter(|r| r.transient == reference.transient) {
             let steps = steps(r.stepping);
-            let name = scheme_name(r.scheme);
+            let name = r.scheme.name();
             if !r.failure.is_empty() {
                 let _ = writeln!(out, "| {name} | {steps} | – | – | – | – | – | – | failed |");
                 continue;
@@ -123,7 +123,7 @@ pub fn picture(path: &Path, transient: Transient, rows: &[Row], cost: Cost) -> R
             }
             let of_line = |r: &&Row| {
                 let fits = matches!(r.stepping, Stepping::Tolerance(_)) == automatic;
-                r.transient == transient && scheme_name(r.scheme) == scheme_name(scheme) && fits
+                r.transient == transient && r.scheme.name() == scheme.name() && fits
             };
             let points = rows
                 .iter()
@@ -133,16 +133,16 @@ pub fn picture(path: &Path, transient: Transient, rows: &[Row], cost: Cost) -> R
                 .filter(|p| p.0.is_finite() && p.1.is_finite())
                 .collect();
             let name = match (explicit, automatic) {
-                (true, _) => scheme_name(scheme).to_string(),
-                (_, true) => format!("{}, automatic", scheme_name(scheme)),
-                (_, false) => format!("{}, constant", scheme_name(scheme)),
+                (true, _) => scheme.name().to_string(),
+                (_, true) => format!("{}, automatic", scheme.name()),
+                (_, false) => format!("{}, constant", scheme.name()),
             };
             series.push(Series { name, points, style: Style::Both });
         }
     }
     let mut note = "Lower left is better. Against the same mesh with a much shorter step.".to_string();
     for r in rows.iter().filter(|r| r.transient == transient && !r.failure.is_empty()) {
-        let _ = write!(note, " {} with {} failed.", scheme_name(r.scheme), steps(r.stepping));
+        let _ = write!(note, " {} with {} failed.", r.scheme.name(), steps(r.stepping));
     }
     let plot = LinePlot {
         title: format!("Error and cost: {}", transient.title()),

@@ -8,7 +8,30 @@ use tegula::{Error, Result};
 use super::model::{Compiled, read, refine, switch};
 use super::reference::{Record, records};
 use super::report::Report;
+use super::{Case, Cost};
 use tegula_io::plot::{LinePlot, Series, Style, lines};
+
+/// Cases of this file.
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "linear-benchmarks",
+        about: "Scordelis-Lo roof, pinched cylinder, pinched hemisphere",
+        cost: Cost::Normal,
+        run: linear,
+    },
+    Case {
+        name: "sze",
+        about: "Sze, Liu, Lo: strip under shear and moment, slit annulus, hemisphere",
+        cost: Cost::Normal,
+        run: sze,
+    },
+    Case {
+        name: "sze-literature",
+        about: "the same for EMS, CM and MITC4 against elastica, exact arc and literature",
+        cost: Cost::Normal,
+        run: sze_literature,
+    },
+];
 
 const ROOF: &str = include_str!("../../../../verification/models/scordelis_lo.toml");
 const CYLINDER: &str = include_str!("../../../../verification/models/pinched_cylinder.toml");

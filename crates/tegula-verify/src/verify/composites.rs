@@ -18,6 +18,15 @@ use tegula::{Error, Result};
 use super::model::{Compiled, read, refine, section, switch};
 use super::reference::records;
 use super::report::{Report, Table};
+use super::{Case, Cost};
+
+/// Cases of this file.
+pub(super) const CASES: &[Case] = &[Case {
+    name: "composites",
+    about: "simply supported cross-ply plates against Navier's series",
+    cost: Cost::Fast,
+    run: all,
+}];
 
 const MODEL: &str = include_str!("../../../../verification/models/composite_plate.toml");
 const REFERENCE: &str = include_str!("../../../../verification/reference/composites.csv");

@@ -7,6 +7,15 @@ use tegula::{Result, Vec3};
 use super::model::{Compiled, material, read, refine, section};
 use super::reference::records;
 use super::report::Report;
+use super::{Case, Cost};
+
+/// Cases of this file.
+pub(super) const CASES: &[Case] = &[Case {
+    name: "follower-loads",
+    about: "strip under follower pressure, strip rolled up by a moment constant in space",
+    cost: Cost::Normal,
+    run: all,
+}];
 
 const MODEL: &str = include_str!("../../../../verification/models/follower_strip.toml");
 const REFERENCE: &str = include_str!("../../../../verification/reference/follower_strip.csv");

@@ -8,6 +8,18 @@ use tegula::analysis::{Silent, modal};
 use super::model::{Compiled, material, read, refine, section, switch};
 use super::reference::records;
 use super::report::Report;
+use super::{Case, Cost};
+
+/// Cases of this file.
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "frequencies",
+        about: "Sect. 5.3: free plate, ten frequencies, L/H = 1000, 100, 10",
+        cost: Cost::Normal,
+        run: all,
+    },
+    Case { name: "frequencies-fast", about: "Sect. 5.3 up to n = 8", cost: Cost::Fast, run: fast },
+];
 
 const MODEL: &str = include_str!("../../../../verification/models/free_plate.toml");
 const REFERENCE: &str = include_str!("../../../../verification/reference/free_plate.csv");

@@ -14,7 +14,24 @@ use tegula::{Error, Mesh, Result, Vec3};
 
 use super::reference::records;
 use super::report::{Report, Table};
+use super::{Case, Cost};
 use tegula_io::plot::{LinePlot, Series, Style, lines};
+
+/// Cases of this file.
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "balloon",
+        about: "sphere of neo-Hookean rubber under pressure, through its limit",
+        cost: Cost::Normal,
+        run: balloon,
+    },
+    Case {
+        name: "bimetal",
+        about: "Timoshenko's bimetal strip: two layers that expand differently",
+        cost: Cost::Fast,
+        run: bimetal,
+    },
+];
 
 const BALLOON: &str = include_str!("../../../../verification/reference/balloon.csv");
 

@@ -8,7 +8,16 @@ use tegula::{Error, Result, Vec3};
 use super::model::{Compiled, read, refine, switch};
 use super::reference::{Record, records};
 use super::report::Report;
+use super::{Case, Cost};
 use tegula_io::plot::{LinePlot, Series, Style, lines};
+
+/// Cases of this file.
+pub(super) const CASES: &[Case] = &[Case {
+    name: "large-cantilever",
+    about: "A1: cantilever plate under a corner force against quadratic solids, large displacement",
+    cost: Cost::Normal,
+    run: all,
+}];
 
 /// The plate of T1, which comes to rest at this equilibrium.
 const MODEL: &str = include_str!("../../../../verification/models/cantilever_corner_force.toml");

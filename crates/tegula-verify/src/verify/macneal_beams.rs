@@ -26,6 +26,15 @@ use tegula::{Mesh, Result, Vec3};
 use super::model::switch;
 use super::reference::records;
 use super::report::{Report, Table};
+use super::{Case, Cost};
+
+/// Cases of this file.
+pub(super) const CASES: &[Case] = &[Case {
+    name: "macneal-harder-beams",
+    about: "MacNeal and Harder: straight, curved and twisted beams, coarse and fine",
+    cost: Cost::Normal,
+    run: all,
+}];
 
 const REFERENCE: &str = include_str!("../../../../verification/reference/macneal_harder.csv");
 const CASE: &str = "macneal-harder-beams";

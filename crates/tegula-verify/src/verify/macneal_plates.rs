@@ -13,6 +13,15 @@ use tegula::model::{Axis, Condition, FixComponents, Load, MeshSource, OnSet, Vec
 use super::model::{Compiled, read, refine, switch};
 use super::reference::records;
 use super::report::{Report, Table};
+use super::{Case, Cost};
+
+/// Cases of this file.
+pub(super) const CASES: &[Case] = &[Case {
+    name: "macneal-harder-plates",
+    about: "MacNeal and Harder: thin rectangular plates",
+    cost: Cost::Normal,
+    run: all,
+}];
 
 const MODEL: &str = include_str!("../../../../verification/models/rectangular_plate.toml");
 const REFERENCE: &str = include_str!("../../../../verification/reference/macneal_harder.csv");

@@ -15,7 +15,16 @@ use tegula::{Error, Mesh, Result, Vec3};
 
 use super::inside::{flat, octant};
 use super::report::{Report, Table};
+use super::{Case, Cost};
 use super::{benchmarks, frequencies, macneal_beams, paper, pendulum, plate, quarter_cylinder};
+
+/// Cases of this file.
+pub(super) const CASES: &[Case] = &[Case {
+    name: "membrane-parts",
+    about: "all values of the key membrane: accuracy, stability of stretched elements and of rubber",
+    cost: Cost::Normal,
+    run: all,
+}];
 
 const CASE: &str = "membrane-parts";
 

@@ -28,14 +28,7 @@ pub fn refine(model: &mut Model, elements: [u32; 2]) {
 
 /// The grid of a generated mesh.
 pub fn grid(mesh: &mut MeshSource) -> Option<&mut Grid> {
-    match mesh {
-        MeshSource::Plate(m) => Some(&mut m.grid),
-        MeshSource::Cylinder(m) => Some(&mut m.grid),
-        MeshSource::Annulus(m) => Some(&mut m.grid),
-        MeshSource::Sphere(m) => Some(&mut m.grid),
-        MeshSource::Extrusion(m) => Some(&mut m.grid),
-        MeshSource::Gmsh(_) => None,
-    }
+    mesh.grid_mut()
 }
 
 /// Sets element type and remedies of all sections as a reference variant is named: `EMS no ANS shear`,

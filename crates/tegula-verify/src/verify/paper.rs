@@ -13,6 +13,15 @@ use super::plate;
 use super::quarter_cylinder;
 use super::reference::records;
 use super::report::{Report, Table};
+use super::{Case, Cost};
+
+/// Cases of this file.
+pub(super) const CASES: &[Case] = &[Case {
+    name: "paper-tables",
+    about: "Tables 1-4 and Fig. 7 of the paper with all elements side by side",
+    cost: Cost::Normal,
+    run: tables,
+}];
 
 const CASE: &str = "paper-tables";
 const CONVERGED: &str = include_str!("../../../../verification/reference/plate_converged.csv");

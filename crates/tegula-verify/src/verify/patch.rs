@@ -21,6 +21,15 @@ use tegula::{Mesh, Result, System, Vec3};
 
 use super::model::switch;
 use super::report::{Report, Table};
+use super::{Case, Cost};
+
+/// Cases of this file.
+pub(super) const CASES: &[Case] = &[Case {
+    name: "patch",
+    about: "patch tests of MacNeal and Harder for all elements",
+    cost: Cost::Fast,
+    run: all,
+}];
 
 const CASE: &str = "patch";
 const NU: f64 = 0.25;

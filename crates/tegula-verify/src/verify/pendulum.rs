@@ -8,7 +8,25 @@ use tegula::{Error, Result};
 use super::model::{Compiled, read, refine, switch};
 use super::reference::{Record, records};
 use super::report::Report;
+use super::{Case, Cost};
 use tegula_io::plot::{LinePlot, Series, Style, lines};
+
+/// Cases of this file.
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "pendulum",
+        about: "Sect. 5.4: quarter cylinder pendulum at 16x16 and 32x32",
+        cost: Cost::Normal,
+        run: all,
+    },
+    Case { name: "pendulum-64", about: "Sect. 5.4: the pendulum at 64x64", cost: Cost::Normal, run: fine },
+    Case {
+        name: "pendulum-fast",
+        about: "Sect. 5.4: the start of the pendulum at 8x8, energy-momentum",
+        cost: Cost::Fast,
+        run: fast,
+    },
+];
 
 const MODEL: &str = include_str!("../../../../verification/models/pendulum.toml");
 const COARSE: &str = include_str!("../../../../verification/reference/pendulum_n16_trapezoid_dt05.csv");

@@ -6,6 +6,18 @@ use tegula::model::Load;
 use super::model::{Compiled, read, refine, section, switch};
 use super::reference::records;
 use super::report::Report;
+use super::{Case, Cost};
+
+/// Cases of this file.
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "plate",
+        about: "Sect. 5.1: cantilevered plates, three slendernesses, n = 1…32",
+        cost: Cost::Normal,
+        run: all,
+    },
+    Case { name: "plate-fast", about: "Sect. 5.1 up to n = 8", cost: Cost::Fast, run: fast },
+];
 
 const MODEL: &str = include_str!("../../../../verification/models/cantilever_plate.toml");
 const REFERENCE: &str = include_str!("../../../../verification/reference/cantilever_plate.csv");

@@ -6,7 +6,19 @@ use tegula::model::{Load, MeshSource, Model};
 use super::model::{Compiled, read, refine, switch};
 use super::reference::records;
 use super::report::Report;
+use super::{Case, Cost};
 use tegula_io::plot::{LinePlot, Series, Style, lines};
+
+/// Cases of this file.
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "quarter-cylinder",
+        about: "Sect. 5.2: large deformation, set-ups S1-S4, convergence",
+        cost: Cost::Normal,
+        run: all,
+    },
+    Case { name: "quarter-cylinder-fast", about: "Sect. 5.2 up to 16x16", cost: Cost::Fast, run: fast },
+];
 
 const MODEL: &str = include_str!("../../../../verification/models/quarter_cylinder.toml");
 const REFERENCE: &str = include_str!("../../../../verification/reference/quarter_cylinder.csv");

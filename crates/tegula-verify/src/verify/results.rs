@@ -12,6 +12,15 @@ use tegula::norm::larger;
 
 use super::files::{Frame, Results};
 use super::report::Report;
+use super::{Case, Cost};
+
+/// Cases of this file.
+pub(super) const CASES: &[Case] = &[Case {
+    name: "results",
+    about: "files of a run against closed forms: stresses, plies, frequencies, histories",
+    cost: Cost::Fast,
+    run: all,
+}];
 
 const CASE: &str = "results";
 /// Equal up to the rounding of a linear solution.

@@ -14,6 +14,23 @@ use super::history::{History, range};
 use super::model::{read, section};
 use super::reference::records;
 use super::report::Report;
+use super::{Case, Cost};
+
+/// Cases of this file.
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "hinged-plate",
+        about: "T5: plate hinged along an edge, released horizontal",
+        cost: Cost::Normal,
+        run: hinged_plate,
+    },
+    Case {
+        name: "oscillating-plate",
+        about: "T6: clamped plate under sudden pressure, linear",
+        cost: Cost::Normal,
+        run: oscillating_plate,
+    },
+];
 
 const HINGED: &str = include_str!("../../../../verification/models/hinged_plate.toml");
 const OSCILLATING: &str = include_str!("../../../../verification/models/oscillating_plate.toml");

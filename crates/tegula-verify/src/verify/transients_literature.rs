@@ -18,7 +18,24 @@ use super::history::{History, range};
 use super::model::{read, refine, switch};
 use super::reference::records;
 use super::report::{Report, Table};
+use super::{Case, Cost};
 use tegula_io::plot::{LinePlot, Series, Style, lines};
+
+/// Cases of this file.
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "transients-literature",
+        about: "T1-T3: clamped plate and laminated quarter cylinders, suddenly loaded, large motion",
+        cost: Cost::Normal,
+        run: all,
+    },
+    Case {
+        name: "transients-literature-fine",
+        about: "T1-T3 with the published meshes halved twice",
+        cost: Cost::Long,
+        run: fine,
+    },
+];
 
 const FLAT: &str = include_str!("../../../../verification/models/cantilever_corner_force.toml");
 const FORCE: &str = include_str!("../../../../verification/models/laminated_cylinder_force.toml");

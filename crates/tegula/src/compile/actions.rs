@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use super::amplitudes::amplitude_of;
 use super::{StepModel, Vectors, pair};
 use crate::element::Nodal;
 use crate::element::geometry::{ShellGeometry, nodal_areas, shell_mass, tangents};
-use crate::load::{FollowerLoad, LoadFactor};
+use crate::load::{FollowerLoad, LoadFactor, OwnLoad};
 use crate::mesh::Mesh;
-use crate::model::{AddedMass, Condition, Load, Model, NodalVector, VectorLoad};
+use crate::model::loads::{Action, LoadedMesh};
+use crate::model::supports::{Constraints, Direction, SupportedNode};
+use crate::model::{AddedMass, Condition, Model};
 use crate::section::SectionInertia;
 use crate::system::VectorKind;
 use crate::system::supports::{Conflict, Support};
@@ -24,98 +25,44 @@ pub(super) fn supports(
 ) -> Vec<Support> {
     let directors = vectors.by_node(VectorKind::Director);
     let gradients = vectors.by_node(VectorKind::Gradient);
-    let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
     let mut out = Vec::new();
     for (i, condition) in model.conditions.iter().enumerate() {
         let key = format!("conditions[{i}]");
-        let mut oblique = None;
-        let mut without_gradients = None;
-        let mut on = |vectors: &[u32], direction: Vec3, motion| {
-            for &vector in vectors.iter().filter(|&&v| v != u32::MAX) {
-                out.push(Support { vector, direction, motion, key: key.clone() });
-            }
-        };
-        let position = |node: u32| [vectors.coordinates.position_of[node as usize]];
-        let of_node =
-            |list: &'_ BTreeMap<u32, Vec<u32>>, node: u32| list.get(&node).cloned().unwrap_or_default();
+        let amplitude = condition.motion().and_then(|m| amplitudes.get(m.amplitude.as_ref()?).copied());
+        let mut refusal = None;
         for node in mesh.nodes_on(condition.on()).unwrap_or_default() {
-            match condition {
-                Condition::Clamp(_) => {
-                    for a in axes {
-                        on(&position(node), a, None);
-                        on(&of_node(&directors, node), a, None);
-                        on(&of_node(&gradients, node), a, None);
-                    }
-                }
-                Condition::Hinge(_) | Condition::Spherical(_) => {
-                    axes.into_iter().for_each(|a| on(&position(node), a, None));
-                }
-                Condition::Symmetry(plane) => {
-                    let normal = Vec3::from(plane.normal).normalize();
-                    on(&position(node), normal, None);
-                    on(&of_node(&directors, node), normal, None);
-                    for vector in of_node(&gradients, node) {
-                        let g = Vec3::from(vectors.coordinates.reference[vector as usize]);
-                        let along = g.dot(&normal).abs();
-                        // The mirror image of the derivative across the plane is its opposite.
-                        let fixed: Vec<Vec3> = if along < 1e-6 {
-                            vec![normal]
-                        } else if along > 1.0 - 1e-6 {
-                            tangents(&normal).into()
-                        } else {
-                            oblique.get_or_insert(node);
-                            continue;
-                        };
-                        fixed.into_iter().for_each(|direction| on(&[vector], direction, None));
-                    }
-                }
-                Condition::Fix(fix) => {
-                    for a in &fix.position {
-                        on(&position(node), axes[a.index()], None);
-                    }
-                    for a in &fix.director {
-                        on(&of_node(&directors, node), axes[a.index()], None);
-                    }
-                }
-                Condition::Prescribe(p) => {
-                    let amplitude = p.amplitude.as_ref().and_then(|a| amplitudes.get(a).copied());
-                    let motion = Some((p.value, amplitude));
-                    match p.of {
-                        NodalVector::Position => on(&position(node), axes[p.component.index()], motion),
-                        NodalVector::Director => {
-                            // At a fold a rotation changes each director differently: the tie moves the others.
-                            let first = vectors.coordinates.director_of[node as usize];
-                            on(&[first], axes[p.component.index()], motion)
-                        }
-                        NodalVector::FirstGradient | NodalVector::SecondGradient => {
-                            let second = p.of == NodalVector::SecondGradient;
-                            let list = of_node(&gradients, node);
-                            if list.is_empty() {
-                                without_gradients.get_or_insert(node);
-                            }
-                            let half: Vec<u32> =
-                                list.into_iter().skip(usize::from(second)).step_by(2).collect();
-                            on(&half, axes[p.component.index()], motion);
-                        }
-                    }
+            let position = vectors.coordinates.position_of[node as usize];
+            let found = constraints(
+                condition,
+                &SupportedNode {
+                    position: if position == u32::MAX { &[] } else { std::slice::from_ref(&position) },
+                    directors: directors.get(&node).map_or(&[], Vec::as_slice),
+                    gradients: gradients.get(&node).map_or(&[], Vec::as_slice),
+                    reference: &vectors.coordinates.reference,
+                },
+            );
+            for (vector, direction, change) in found.list {
+                let motion = change.map(|change| (change, amplitude));
+                let one = |direction| Support { vector, direction, motion, key: key.clone() };
+                match direction {
+                    Direction::Along(direction) => out.push(one(direction)),
+                    Direction::Across(normal) => out.extend(tangents(&normal).map(one)),
                 }
             }
+            refusal = refusal.or(found.refusal.map(|r| (r, node)));
         }
-        if let Some(node) = without_gradients {
-            issues.push(Issue::new(
-                format!("{key}.of"),
-                format!("node {} has no gradients along the surface", mesh.node_label(node)),
-                "only the nodes of `ancf-full` have them; prescribe positions and directors",
-            ));
-        }
-        if let Some(node) = oblique {
-            issues.push(Issue::new(
-                format!("{key}.normal"),
-                format!("the plane of symmetry lies obliquely to the gradients of ancf-full at node {node}"),
-                "use a plane along the coordinate axes, or another element",
-            ));
+        if let Some(((last, message, help), node)) = refusal {
+            let message = format!("{message} at node {}", mesh.node_label(node));
+            issues.push(Issue::new(format!("{key}.{last}"), message, help));
         }
     }
+    out
+}
+
+/// Constraints of a condition at a node.
+fn constraints(condition: &Condition, node: &SupportedNode) -> Constraints {
+    let mut out = Constraints::default();
+    condition.constrain(node, &mut out);
     out
 }
 
@@ -167,30 +114,31 @@ pub(super) fn follower_loads(
     vectors: &Vectors,
     amplitudes: &BTreeMap<String, usize>,
 ) -> (Vec<FollowerLoad>, Vec<usize>) {
+    let loaded = Loaded {
+        mesh,
+        position_of: &vectors.coordinates.position_of,
+        director_of: &vectors.coordinates.director_of,
+    };
     let (mut out, mut load_of) = (Vec::new(), Vec::new());
     for (number, (load, continued)) in step.model.loads.iter().zip(&step.loads).enumerate() {
-        let amplitude = amplitude_of(load).as_ref().and_then(|a| amplitudes.get(a).copied());
+        let amplitude = load.amplitude().as_ref().and_then(|a| amplitudes.get(a).copied());
         let factor = continued.factor(amplitude);
-        match load {
-            Load::Moment(l) => {
-                for node in mesh.nodes_on(&l.on).unwrap_or_default() {
+        for action in load.actions(&loaded) {
+            match action {
+                Action::Moment { node, moment } => {
                     let vector = vectors.coordinates.director_of[node as usize];
-                    out.push(FollowerLoad::Moment { vector, moment: Vec3::from(l.value), factor });
+                    out.push(FollowerLoad::Moment { vector, moment, factor });
                 }
-            }
-            Load::EdgeMoment(l) => {
-                out.extend(edge_moments(l, factor, mesh, vectors));
-            }
-            Load::Pressure(l) => {
-                for q in mesh.quads_on(&l.on).unwrap_or_default() {
-                    out.push(FollowerLoad::Pressure {
-                        vectors: mesh.quads[q as usize].map(|n| vectors.coordinates.position_of[n as usize]),
-                        pressure: l.value,
-                        factor,
-                    });
+                Action::EdgeMoment { set, moment } => {
+                    out.extend(edge_moments(&set, moment, factor, mesh, vectors));
                 }
+                Action::Pressure { quad, pressure } => {
+                    let vectors = quad.map(|n| vectors.coordinates.position_of[n as usize]);
+                    out.push(FollowerLoad::Pressure { vectors, pressure, factor });
+                }
+                Action::Follower(load) => out.push(FollowerLoad::Own { load: OwnLoad(load), factor }),
+                Action::Force { .. } | Action::Gravity(_) => {}
             }
-            Load::Force(_) | Load::Edge(_) | Load::Traction(_) | Load::Gravity(_) => {}
         }
         load_of.resize(out.len(), number);
     }
@@ -198,11 +146,17 @@ pub(super) fn follower_loads(
 }
 
 /// Moments at both ends of each edge, with half of its length.
-fn edge_moments(load: &VectorLoad, factor: LoadFactor, mesh: &Mesh, vectors: &Vectors) -> Vec<FollowerLoad> {
+fn edge_moments(
+    set: &str,
+    moment: Vec3,
+    factor: LoadFactor,
+    mesh: &Mesh,
+    vectors: &Vectors,
+) -> Vec<FollowerLoad> {
     let directors = vectors.by_node(VectorKind::Director);
     let at = |v: u32| Vec3::from(vectors.coordinates.reference[v as usize]);
     let mut out = Vec::new();
-    for [a, b] in mesh.edges_on(&load.on).unwrap_or_default() {
+    for [a, b] in mesh.edges_on(set).unwrap_or_default() {
         let [first, second] = [a, b].map(|n| vectors.coordinates.position_of[n as usize]);
         let edge = at(second) - at(first);
         for node in [a, b] {
@@ -213,7 +167,7 @@ fn edge_moments(load: &VectorLoad, factor: LoadFactor, mesh: &Mesh, vectors: &Ve
             if let Some(&director) = list.iter().find(|v| across(v) >= 0.9 * best) {
                 out.push(FollowerLoad::EdgeMoment {
                     vectors: [first, second, director],
-                    moment: Vec3::from(load.value) * (0.5 * edge.norm()),
+                    moment: moment * (0.5 * edge.norm()),
                     factor,
                 });
             }
@@ -261,48 +215,45 @@ pub(super) fn dead_loads(
     amplitudes: &BTreeMap<String, usize>,
 ) -> (Vec<DeadLoad>, Vec<usize>) {
     let n = system.vectors();
+    let loaded = Loaded {
+        mesh,
+        position_of: &system.coordinates.position_of,
+        director_of: &system.coordinates.director_of,
+    };
     let (mut out, mut load_of) = (Vec::new(), Vec::new());
     for (number, (load, continued)) in step.model.loads.iter().zip(&step.loads).enumerate() {
         let mut force = vec![[0.0; 3]; n];
-        let mut add = |node: u32, f: Vec3| {
-            let v = system.coordinates.position_of[node as usize] as usize;
-            for i in 0..3 {
-                force[v][i] += f[i];
-            }
-        };
-        let gravity = match load {
-            Load::Force(l) => {
-                for node in mesh.nodes_on(&l.on).unwrap_or_default() {
-                    add(node, Vec3::from(l.value));
-                }
-                false
-            }
-            Load::Edge(l) => {
-                for (node, length) in tributary_lengths(mesh, &l.on) {
-                    add(node, Vec3::from(l.value) * length);
-                }
-                false
-            }
-            Load::Traction(l) => {
-                for (node, area) in tributary_areas(mesh, &l.on) {
-                    add(node, Vec3::from(l.value) * area);
-                }
-                false
-            }
-            Load::Gravity(l) => {
-                let mut field = vec![[0.0; 3]; n];
-                for (v, kind) in system.coordinates.kinds.iter().enumerate() {
-                    if *kind == VectorKind::Position {
-                        field[v] = l.value;
+        let (mut acts, mut gravity) = (false, false);
+        for action in load.actions(&loaded) {
+            match action {
+                Action::Force { node, force: f } => {
+                    acts = true;
+                    let v = system.coordinates.position_of[node as usize] as usize;
+                    for i in 0..3 {
+                        force[v][i] += f[i];
                     }
                 }
-                system.pattern.add_mass_product(1.0, &field, &mut force);
-                // Gravity acts on masses; a director carries weight only where the section is not symmetric.
-                true
+                Action::Gravity(acceleration) => {
+                    (acts, gravity) = (true, true);
+                    let mut field = vec![[0.0; 3]; n];
+                    for (v, kind) in system.coordinates.kinds.iter().enumerate() {
+                        if *kind == VectorKind::Position {
+                            field[v] = acceleration.into();
+                        }
+                    }
+                    // Gravity acts on masses; a director carries weight only where the section is not symmetric.
+                    system.pattern.add_mass_product(1.0, &field, &mut force);
+                }
+                Action::Moment { .. }
+                | Action::EdgeMoment { .. }
+                | Action::Pressure { .. }
+                | Action::Follower(_) => {}
             }
-            Load::Moment(_) | Load::EdgeMoment(_) | Load::Pressure(_) => continue,
-        };
-        let amplitude = amplitude_of(load).as_ref().and_then(|a| amplitudes.get(a).copied());
+        }
+        if !acts {
+            continue;
+        }
+        let amplitude = load.amplitude().as_ref().and_then(|a| amplitudes.get(a).copied());
         out.push(DeadLoad { force, factor: continued.factor(amplitude), gravity });
         load_of.push(number);
     }
@@ -377,25 +328,45 @@ pub(super) fn initial_velocity(model: &Model, mesh: &Mesh, vectors: &Vectors) ->
     out
 }
 
-/// Length of an edge set that each of its nodes stands for (consistent with linear edges).
-fn tributary_lengths(mesh: &Mesh, on: &str) -> BTreeMap<u32, f64> {
-    let mut out = BTreeMap::new();
-    for [a, b] in mesh.edges_on(on).unwrap_or_default() {
-        let half = 0.5 * (mesh.positions[a as usize] - mesh.positions[b as usize]).norm();
-        *out.entry(a).or_default() += half;
-        *out.entry(b).or_default() += half;
-    }
-    out
+/// Mesh as its loads see it.
+struct Loaded<'a> {
+    mesh: &'a Mesh,
+    position_of: &'a [u32],
+    director_of: &'a [u32],
 }
 
-/// Area ∫N_a dA that each node of a quad set stands for.
-fn tributary_areas(mesh: &Mesh, on: &str) -> BTreeMap<u32, f64> {
-    let mut out = BTreeMap::new();
-    for q in mesh.quads_on(on).unwrap_or_default() {
-        let nodes = mesh.quads[q as usize];
-        for (node, area) in nodes.into_iter().zip(nodal_areas(&nodes.map(|n| mesh.positions[n as usize]))) {
-            *out.entry(node).or_default() += area;
-        }
+impl LoadedMesh for Loaded<'_> {
+    fn nodes(&self, set: &str) -> Vec<u32> {
+        self.mesh.nodes_on(set).unwrap_or_default()
     }
-    out
+
+    fn quads(&self, set: &str) -> Vec<[u32; 4]> {
+        let quads = self.mesh.quads_on(set).unwrap_or_default();
+        quads.into_iter().map(|q| self.mesh.quads[q as usize]).collect()
+    }
+
+    fn lengths(&self, set: &str) -> BTreeMap<u32, f64> {
+        let mut out = BTreeMap::new();
+        for [a, b] in self.mesh.edges_on(set).unwrap_or_default() {
+            let half = 0.5 * (self.mesh.positions[a as usize] - self.mesh.positions[b as usize]).norm();
+            *out.entry(a).or_default() += half;
+            *out.entry(b).or_default() += half;
+        }
+        out
+    }
+
+    fn areas(&self, set: &str) -> BTreeMap<u32, f64> {
+        let mut out = BTreeMap::new();
+        for nodes in self.quads(set) {
+            let areas = nodal_areas(&nodes.map(|n| self.mesh.positions[n as usize]));
+            for (node, area) in nodes.into_iter().zip(areas) {
+                *out.entry(node).or_default() += area;
+            }
+        }
+        out
+    }
+
+    fn vectors(&self, node: u32) -> [u32; 2] {
+        [self.position_of, self.director_of].map(|of| of[node as usize])
+    }
 }

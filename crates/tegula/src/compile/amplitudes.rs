@@ -2,7 +2,7 @@
 
 use crate::Issue;
 use crate::load::TimeFunction;
-use crate::model::{Amplitude, Analysis, Condition, Load, Model};
+use crate::model::{Amplitude, Analysis, Condition, Model};
 
 /// Instants at which a formula is tried, beside the first. An undefined interval between them is found during the
 /// analysis.
@@ -43,7 +43,7 @@ pub(super) fn key(name: &str, amplitude: &Amplitude) -> String {
 /// velocity: what a scheme makes of it depends on its steps.
 fn jump(model: &Model, name: &str, amplitude: &Amplitude) -> Option<(String, String)> {
     let (Analysis::Transient(t), Amplitude::Table(table)) = (&model.analysis, amplitude) else { return None };
-    let drives = |c: &Condition| matches!(c, Condition::Prescribe(p) if p.amplitude.as_deref() == Some(name));
+    let drives = |c: &Condition| c.motion().is_some_and(|m| m.amplitude.as_deref() == Some(name));
     if !model.conditions.iter().any(drives) {
         return None;
     }
@@ -67,8 +67,8 @@ fn undefined_interval(model: &Model, name: &str, function: &TimeFunction) -> Opt
         Analysis::Transient(t) => (t.end_time, true),
     };
     let is = |amplitude: &Option<String>| amplitude.as_deref() == Some(name);
-    let drives = model.conditions.iter().any(|c| matches!(c, Condition::Prescribe(p) if is(&p.amplitude)));
-    let loads = model.loads.iter().any(|load| is(amplitude_of(load)));
+    let drives = model.conditions.iter().any(|c| c.motion().is_some_and(|m| is(m.amplitude)));
+    let loads = model.loads.iter().any(|load| is(load.amplitude()));
     let strains = model.prescribed_strains.iter().any(|p| p.amplitude().is_some_and(|a| a == name));
     if !(drives || loads || strains) || !end.is_finite() {
         return None;
@@ -89,15 +89,4 @@ fn undefined_interval(model: &Model, name: &str, function: &TimeFunction) -> Opt
         )
     };
     Some((message, help))
-}
-
-/// The amplitude of a load.
-pub(super) fn amplitude_of(load: &Load) -> &Option<String> {
-    match load {
-        Load::Force(l) | Load::Moment(l) | Load::Edge(l) | Load::EdgeMoment(l) | Load::Traction(l) => {
-            &l.amplitude
-        }
-        Load::Pressure(l) => &l.amplitude,
-        Load::Gravity(l) => &l.amplitude,
-    }
 }

@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 pub use super::check_material::issues as material;
-use super::checker::Checker;
 use super::{amplitudes, check_material, steps};
+use crate::checker::Checker;
 use crate::mesh::Mesh;
-use crate::model::{AddedMass, Analysis, Condition, LinearSolver, Load, Model, Scheme};
+use crate::model::loads::LoadedPart;
+use crate::model::{AddedMass, Analysis, LinearSolver, Load, Model};
 use crate::system::System;
 use crate::{Issue, Vec3};
 
@@ -18,18 +19,6 @@ const MOST_STEPS: f64 = 1e12;
 
 /// Part by which the thickness of a mesh of solids may differ from that of its section.
 const OTHER_THICKNESS: f64 = 1e-3;
-
-impl Condition {
-    /// Name of the set it acts on.
-    pub fn on(&self) -> &str {
-        match self {
-            Self::Clamp(c) | Self::Hinge(c) | Self::Spherical(c) => &c.on,
-            Self::Symmetry(c) => &c.on,
-            Self::Fix(c) => &c.on,
-            Self::Prescribe(c) => &c.on,
-        }
-    }
-}
 
 /// Longest name of a unit (characters): it is appended to the labels of pictures.
 const LONGEST_UNIT: usize = 20;
@@ -72,43 +61,15 @@ fn keys_of(model: &Model, continues: bool) -> Vec<Issue> {
     c.not_negative("damping.stiffness", "the damping factor", model.damping.stiffness);
     for (i, condition) in model.conditions.iter().enumerate() {
         let key = format!("conditions[{i}]");
-        match condition {
-            Condition::Symmetry(s) => {
-                if !Vec3::from(s.normal).norm().is_normal() {
-                    c.add(
-                        format!("{key}.normal"),
-                        "the normal of the plane vanishes",
-                        "give a vector such as [1, 0, 0]",
-                    );
-                }
-            }
-            Condition::Fix(f) => {
-                if f.position.is_empty() && f.director.is_empty() {
-                    c.add(
-                        key,
-                        "fixes nothing",
-                        "list components: position = [\"x\", \"y\", \"z\"], director = [...]",
-                    );
-                }
-            }
-            Condition::Prescribe(p) => {
-                c.finite(&format!("{key}.value"), "the prescribed value", &[p.value]);
-                c.amplitude(model, &key, &p.amplitude);
-            }
-            Condition::Clamp(_) | Condition::Hinge(_) | Condition::Spherical(_) => {}
+        condition.check(&key, &mut c);
+        if let Some(motion) = condition.motion() {
+            c.amplitude(model, &key, motion.amplitude);
         }
     }
     for (i, load) in model.loads.iter().enumerate() {
         let key = format!("loads[{i}]");
-        let (value, amplitude): (&[f64], _) = match load {
-            Load::Force(l) | Load::Moment(l) | Load::Edge(l) | Load::EdgeMoment(l) | Load::Traction(l) => {
-                (&l.value, &l.amplitude)
-            }
-            Load::Pressure(l) => (std::slice::from_ref(&l.value), &l.amplitude),
-            Load::Gravity(l) => (&l.value, &l.amplitude),
-        };
-        c.finite(&format!("{key}.value"), "the load", value);
-        c.amplitude(model, &key, amplitude);
+        c.finite(&format!("{key}.value"), "the load", load.values());
+        c.amplitude(model, &key, load.amplitude());
     }
     for (i, m) in model.masses.iter().enumerate() {
         let (AddedMass::Point(m) | AddedMass::Edge(m) | AddedMass::Area(m)) = m;
@@ -225,20 +186,18 @@ fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
     for (i, condition) in model.conditions.iter().enumerate() {
         let key = format!("conditions[{i}].on");
         let nodes = c.set(mesh, key.clone(), condition.on(), "nodes", Mesh::nodes_on);
-        match condition {
-            Condition::Hinge(_) if !nodes.is_empty() => c.hinge(mesh, key, condition.on(), &nodes),
-            Condition::Symmetry(s) => c.plane(mesh, key, s, &nodes),
-            _ => {}
+        if !nodes.is_empty() {
+            let positions: Vec<Vec3> = nodes.iter().map(|&n| mesh.positions[n as usize]).collect();
+            condition.check_nodes(&key, &positions, mesh.extent(), &mut c);
         }
     }
     for (i, load) in model.loads.iter().enumerate() {
         let key = format!("loads[{i}].on");
-        match load {
-            Load::Force(l) | Load::Moment(l) => drop(c.set(mesh, key, &l.on, "nodes", Mesh::nodes_on)),
-            Load::Edge(l) | Load::EdgeMoment(l) => drop(c.set(mesh, key, &l.on, "edges", Mesh::edges_on)),
-            Load::Traction(l) => drop(c.set(mesh, key, &l.on, "quads", Mesh::quads_on)),
-            Load::Pressure(l) => drop(c.set(mesh, key, &l.on, "quads", Mesh::quads_on)),
-            Load::Gravity(_) => {}
+        match load.part() {
+            LoadedPart::Nodes => drop(c.set(mesh, key, load.on(), "nodes", Mesh::nodes_on)),
+            LoadedPart::Edges => drop(c.set(mesh, key, load.on(), "edges", Mesh::edges_on)),
+            LoadedPart::Quads => drop(c.set(mesh, key, load.on(), "quads", Mesh::quads_on)),
+            LoadedPart::Model => {}
         }
     }
     for (i, p) in model.prescribed_strains.iter().enumerate() {
@@ -285,8 +244,8 @@ fn orphan_nodes(model: &Model, mesh: &Mesh) -> Vec<Issue> {
         names.push((format!("conditions[{i}].on"), c.on()));
     }
     for (i, load) in model.loads.iter().enumerate() {
-        if let Load::Force(l) | Load::Moment(l) | Load::Edge(l) | Load::EdgeMoment(l) = load {
-            names.push((format!("loads[{i}].on"), &l.on));
+        if matches!(load.part(), LoadedPart::Nodes | LoadedPart::Edges) {
+            names.push((format!("loads[{i}].on"), load.on()));
         }
     }
     for (i, mass) in model.masses.iter().enumerate() {
@@ -324,7 +283,7 @@ pub fn masses(model: &Model, system: &System) -> Vec<Issue> {
     let needed = match &model.analysis {
         Analysis::Modal(_) => Some("a modal analysis"),
         Analysis::Transient(_) => Some("a transient analysis"),
-        Analysis::Static(_) => model.loads.iter().any(|l| matches!(l, Load::Gravity(_))).then_some("gravity"),
+        Analysis::Static(_) => model.loads.iter().any(Load::needs_mass).then_some("gravity"),
     };
     if let Some(what) = needed {
         for (i, s) in model.sections.iter().enumerate() {
@@ -357,6 +316,15 @@ pub fn masses(model: &Model, system: &System) -> Vec<Issue> {
 }
 
 impl Checker {
+    /// Reports an amplitude that the model does not define.
+    pub(super) fn amplitude(&mut self, model: &Model, key: &str, name: &Option<String>) {
+        if let Some(name) = name
+            && !model.amplitudes.contains_key(name)
+        {
+            self.missing(format!("{key}.amplitude"), "amplitude", name, model.amplitudes.keys());
+        }
+    }
+
     /// Members of a set; an issue if it does not exist or is empty.
     fn set<T>(
         &mut self,
@@ -412,48 +380,6 @@ impl Checker {
         );
     }
 
-    fn hinge(&mut self, mesh: &Mesh, key: String, name: &str, nodes: &[u32]) {
-        let at = |n: u32| mesh.positions[n as usize];
-        let a = at(nodes[0]);
-        let far = nodes.iter().copied().max_by(|&p, &q| (at(p) - a).norm().total_cmp(&(at(q) - a).norm()));
-        let axis = far.map_or(Vec3::zeros(), |n| at(n) - a);
-        if axis.norm() <= 1e-9 * mesh.extent() {
-            self.add(
-                key,
-                format!("set \"{name}\" is a single point: a hinge needs an edge"),
-                "use type = \"spherical\", or a set with more nodes",
-            );
-            return;
-        }
-        let axis = axis.normalize();
-        let off = nodes.iter().map(|&n| (at(n) - a).cross(&axis).norm()).fold(0.0, f64::max);
-        if off > 1e-3 * mesh.extent() {
-            self.add(
-                key,
-                format!("the nodes of \"{name}\" are not collinear: a hinge would block the rotation"),
-                "use a straight edge, or type = \"clamp\"",
-            );
-        }
-    }
-
-    fn plane(&mut self, mesh: &Mesh, key: String, plane: &crate::model::SymmetryPlane, nodes: &[u32]) {
-        let Some(n) = Vec3::from(plane.normal).try_normalize(0.0) else { return };
-        let distance = |i: u32| mesh.positions[i as usize].dot(&n);
-        let (low, high) = nodes
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &i| (l.min(distance(i)), h.max(distance(i))));
-        if high - low > 1e-3 * mesh.extent() {
-            self.add(
-                key,
-                format!(
-                    "the nodes of \"{}\" do not lie in one plane with the normal {:?}",
-                    plane.on, plane.normal
-                ),
-                "check the normal, or choose the edge that lies in the plane",
-            );
-        }
-    }
-
     /// Times of `output.at`: after the start and not after the end.
     fn wanted_times(&mut self, model: &Model) {
         let (end, what) = match &model.analysis {
@@ -495,7 +421,7 @@ impl Checker {
                 if !continues
                     && model.loads.is_empty()
                     && model.prescribed_strains.is_empty()
-                    && !model.conditions.iter().any(|c| matches!(c, Condition::Prescribe(_)))
+                    && !model.conditions.iter().any(|c| c.motion().is_some())
                 {
                     self.add(
                         "loads",
@@ -542,28 +468,7 @@ impl Checker {
                 if t.max_iterations == 0 {
                     self.add("analysis.max_iterations", "`max_iterations` is 0", "give at least 1");
                 }
-                match t.scheme {
-                    Scheme::Newmark(n) => {
-                        self.positive("analysis.scheme.beta", "β", n.beta);
-                        if !(n.gamma >= 0.5 && n.gamma <= 1.0) {
-                            self.add(
-                                "analysis.scheme.gamma",
-                                format!("γ is {}; it must lie in 0.5…1", n.gamma),
-                                "use 0.5 unless damping is wanted",
-                            );
-                        }
-                    }
-                    Scheme::Hht(h) => {
-                        if !(-1.0 / 3.0..=0.0).contains(&h.alpha) {
-                            self.add(
-                                "analysis.scheme.alpha",
-                                format!("α is {}; it must lie in -1/3…0", h.alpha),
-                                "use -0.05 for light damping",
-                            );
-                        }
-                    }
-                    Scheme::EnergyMomentum(_) | Scheme::Explicit(_) => {}
-                }
+                t.scheme.check("analysis.scheme", self);
             }
         }
     }

@@ -1,9 +1,9 @@
 //! Checks of sections: missing values, layups, and materials that an element type cannot take.
 
-use super::checker::Checker;
+use crate::checker::Checker;
 use crate::element::registry;
 use crate::mesh::Mesh;
-use crate::model::{Analysis, Material, Membrane, Model, PrescribedStrain, Scheme, Section};
+use crate::model::{Analysis, Material, Membrane, Model, PrescribedStrain, Section};
 
 /// Issues of all sections and prescribed strains.
 pub(super) fn sections(model: &Model, c: &mut Checker) {
@@ -110,7 +110,7 @@ pub(super) fn idle_keys(s: &Section) -> Vec<&'static str> {
 }
 
 fn layers(model: &Model, s: &Section, key: &str, c: &mut Checker) {
-    let Some(layup) = &s.layup else {
+    let Some((name, layers)) = s.layers() else {
         if s.material.is_empty() {
             c.add(
                 key,
@@ -131,18 +131,21 @@ fn layers(model: &Model, s: &Section, key: &str, c: &mut Checker) {
         }
         return;
     };
-    for (name, given) in [("material", !s.material.is_empty()), ("thickness", s.thickness != 0.0)] {
+    let others = s.described().into_iter().skip(1).map(|(other, _)| (other, true));
+    for (other, given) in
+        [("material", !s.material.is_empty()), ("thickness", s.thickness != 0.0)].into_iter().chain(others)
+    {
         if given {
             c.add(
-                format!("{key}.{name}"),
-                format!("the section has both `layup` and `{name}`"),
-                "the layup says it for each ply; drop one of them",
+                format!("{key}.{other}"),
+                format!("the section has both `{name}` and `{other}`"),
+                format!("the {name} says it for each ply; drop one of them"),
             );
         }
     }
-    let key = format!("{key}.layup");
+    let key = format!("{key}.{name}");
     let solid = registry::shell(s, s.whole_thickness().max(f64::MIN_POSITIVE)).is_solid();
-    match layup.expand(&key) {
+    match layers.plies(&key) {
         Err(issues) => c.issues.extend(issues),
         Ok(_) => {
             for name in s.materials() {
@@ -164,7 +167,7 @@ fn layers(model: &Model, s: &Section, key: &str, c: &mut Checker) {
             }
         }
     }
-    if solid && layup.offset != 0.0 {
+    if solid && layers.offset() != 0.0 {
         c.add(
             format!("{key}.offset"),
             "elements with three-dimensional stresses have their mid-surface in the middle",
@@ -177,9 +180,9 @@ fn layers(model: &Model, s: &Section, key: &str, c: &mut Checker) {
 fn ability(model: &Model, s: &Section, key: &str, name: &str, material: &Material, c: &mut Checker) {
     let element = registry::shell(s, s.whole_thickness().max(f64::MIN_POSITIVE));
     let (word, kind) = (element.name(), material.kind());
-    let at = if s.layup.is_some() { format!("{key}.layup") } else { format!("{key}.material") };
+    let at = format!("{key}.{}", s.layers().map_or("material", |(name, _)| name));
     if element.takes_linear_sheets_only()
-        && (!material.is_linear() || s.layup.is_some() || s.thickness_points.is_some())
+        && (!material.is_linear() || s.layers().is_some() || s.thickness_points.is_some())
     {
         c.add(
             format!("{key}.element"),
@@ -220,8 +223,8 @@ fn ability(model: &Model, s: &Section, key: &str, name: &str, material: &Materia
         );
     }
     if let Analysis::Transient(t) = &model.analysis
-        && matches!(t.scheme, Scheme::EnergyMomentum(_))
-        && matches!(material, Material::Plastic(_))
+        && t.scheme.conserves_energy()
+        && material.yields()
     {
         c.add(
             "analysis.scheme",

@@ -2,7 +2,7 @@
 
 use crate::Vec3;
 use crate::mesh::Mesh;
-use crate::model::{Load, Model};
+use crate::model::Model;
 use crate::system::ForceSet;
 
 /// Sets that conditions support or move, each once, in the order of the model.
@@ -22,7 +22,7 @@ pub(super) fn of_conditions(model: &Model, mesh: &Mesh) -> Vec<ForceSet> {
 pub(super) fn of_loads(model: &Model, mesh: &Mesh) -> Vec<ForceSet> {
     let mut out: Vec<ForceSet> = Vec::new();
     for (number, load) in model.loads.iter().enumerate() {
-        let (kind, on) = kind_and_set(load);
+        let (kind, on) = (load.kind(), load.on());
         let name = if on.is_empty() { kind.to_owned() } else { format!("{kind}.{on}") };
         let same = |set: &ForceSet| set.name == name || set.name.starts_with(&format!("{name}#"));
         let before = out.iter().filter(|set| same(set)).count();
@@ -41,18 +41,6 @@ pub(super) fn of_caller(name: &str, mesh: &Mesh) -> ForceSet {
 /// Reactions of supports that a static step has not any more, as a load.
 pub(super) fn of_released_supports(mesh: &Mesh) -> ForceSet {
     ForceSet { name: "released".into(), keys: Vec::new(), about: centre(mesh, "all") }
-}
-
-fn kind_and_set(load: &Load) -> (&'static str, &str) {
-    match load {
-        Load::Force(l) => ("force", &l.on),
-        Load::Moment(l) => ("moment", &l.on),
-        Load::Edge(l) => ("edge", &l.on),
-        Load::EdgeMoment(l) => ("edge-moment", &l.on),
-        Load::Traction(l) => ("traction", &l.on),
-        Load::Pressure(l) => ("pressure", &l.on),
-        Load::Gravity(_) => ("gravity", ""),
-    }
 }
 
 /// Mean of the nodes of a set.

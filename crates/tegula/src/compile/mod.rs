@@ -5,7 +5,6 @@ mod amplitudes;
 pub mod check;
 mod check_material;
 mod check_sections;
-mod checker;
 mod congruence;
 mod force_sets;
 mod mechanism;
@@ -333,7 +332,7 @@ fn procedure(analysis: &Analysis) -> Procedure {
         Analysis::Static(s) if s.linear_solver == LinearSolver::Iterative => Procedure::IterativeStatic,
         Analysis::Static(_) => Procedure::Static,
         Analysis::Modal(_) => Procedure::Modal,
-        Analysis::Transient(t) if matches!(t.scheme, Scheme::Explicit(_)) => Procedure::Explicit,
+        Analysis::Transient(t) if t.scheme.is_explicit() => Procedure::Explicit,
         Analysis::Transient(_) => Procedure::Transient,
     }
 }

@@ -12,6 +12,7 @@ use crate::element::{ElementGroup, QuadraticGroup, ShellGeometry, director_angle
 use crate::material::{Law, OwnLaw};
 use crate::mesh::Mesh;
 use crate::mesh::directors::Directors;
+use crate::model::section::Layers;
 use crate::model::{Material, Membrane, Model, Section, StackedPly};
 use crate::section::compiled::{Layer, Resultant};
 use crate::section::laminate::Laminate;
@@ -23,11 +24,11 @@ use crate::{Issue, Vec3};
 impl Section {
     /// Its plies from the bottom to the top; none if the layup is wrong, which `check` reports.
     fn plies(&self) -> Vec<StackedPly> {
-        match &self.layup {
+        match self.layers() {
             None => {
                 vec![StackedPly { material: self.material.clone(), angle: 0.0, thickness: self.thickness }]
             }
-            Some(layup) => layup.expand("").unwrap_or_default(),
+            Some((_, layers)) => layers.plies("").unwrap_or_default(),
         }
     }
 
@@ -54,7 +55,8 @@ impl Section {
         laws_of_caller: &BTreeMap<String, OwnLaw>,
     ) -> Option<CompiledSection> {
         let thickness = self.whole_thickness();
-        let offset = self.layup.as_ref().map_or(0.0, |l| l.offset);
+        let described = self.layers().map(|(_, layers)| layers);
+        let offset = described.map_or(0.0, Layers::offset);
         let element = registry::shell(self, thickness);
         let mut layers = Vec::new();
         let mut plies = Vec::new();
@@ -62,7 +64,7 @@ impl Section {
         let mut bottom = offset - 0.5 * thickness;
         for ply in self.plies() {
             let material = materials.get(&ply.material)?;
-            let plastic = matches!(material, Material::Plastic(_));
+            let plastic = material.yields();
             let points = usize::from(self.thickness_points.unwrap_or(if plastic { 5 } else { 2 }));
             let heights = [bottom, bottom + ply.thickness];
             bottom = heights[1];
@@ -94,7 +96,7 @@ impl Section {
             layers.push(layer);
         }
         let single = match &layers[..] {
-            [layer] if self.layup.is_none() => Some(&layer.material),
+            [layer] if described.is_none() => Some(&layer.material),
             _ => None,
         };
         let stretch = layers.iter().map(|l| l.moments()[0] * modulus(&l.material)).sum();
@@ -131,7 +133,7 @@ impl Section {
             isotropic: layers.iter().all(|l| l.material.is_isotropic()),
             layers,
             laws,
-            direction: self.layup.as_ref().map_or(Vec3::x(), |l| Vec3::from(l.direction)),
+            direction: described.map_or(Vec3::x(), |layers| Vec3::from(layers.direction())),
             resultant,
             shear_factors: self.shear_correction.unwrap_or([1.0; 2]),
             shear_stabilization: self.shear_stabilization,
@@ -190,10 +192,10 @@ fn useless_directions(
     if !compiled.isotropic
         && let Some(message) = useless(compiled.direction, &|_| true)
     {
-        let (key, help) = if model.sections[section].layup.is_some() {
-            ("layup.direction", "give a direction that lies along the surface")
+        let (key, help) = if let Some((key, _)) = model.sections[section].layers() {
+            (format!("{key}.direction"), "give a direction that lies along the surface")
         } else {
-            ("material", "give the direction of the material's first axis in a `layup` of one ply")
+            ("material".to_owned(), "give the direction of the material's first axis in a `layup` of one ply")
         };
         out.push(Issue::new(format!("sections[{section}].{key}"), message, help));
     }

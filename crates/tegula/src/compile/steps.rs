@@ -1,7 +1,7 @@
 //! Analysis steps of a model: each as a model with one analysis, and how its loads continue those of the step before.
 
-use super::checker::Checker;
 use crate::Issue;
+use crate::checker::Checker;
 use crate::load::{LoadFactor, TimeFunction};
 use crate::model::{Analysis, AnalysisStep, Load, ModalAnalysis, Model, PrescribedStrain};
 
@@ -179,7 +179,7 @@ fn one_step(
     if let Some((_, before)) = before {
         let found = partners(&before.model.loads, &loads, Load::without_amplitude);
         for ((old, was), partner) in before.model.loads.iter().zip(&before.loads).zip(found) {
-            let start = end_factor(before, was, super::amplitudes::amplitude_of(old).as_deref());
+            let start = end_factor(before, was, old.amplitude().as_deref());
             match partner {
                 Some(i) => continued[i].start = start,
                 None if is_static && start != 0.0 => {

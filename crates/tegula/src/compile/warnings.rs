@@ -2,17 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use super::amplitudes::amplitude_of;
 use super::{StepModel, procedure};
 use crate::analysis::dynamics::{PassedOver, passed_over};
 use crate::element::{ShellGeometry, registry};
 use crate::load::LoadFactor;
-use crate::material::Law;
 use crate::mesh::directors::FOLD_ANGLE_DEGREES;
 use crate::mesh::{Mesh, show};
-use crate::model::{
-    Analysis, Condition, GmshMesh, Load, MeshSource, Model, NodalVector, PrescribeComponent, PrescribedStrain,
-};
+use crate::model::supports::PrescribedMotion;
+use crate::model::{Analysis, Load, Model, NodalVector, PrescribedStrain};
 use crate::system::dof_map::Prescribed;
 use crate::system::{Procedure, ShellSection, System};
 use crate::{Issue, Vec3};
@@ -200,7 +197,7 @@ fn plural(n: usize, word: &str) -> String {
 
 /// Coarse curved surfaces that are taken for folds.
 fn prism(model: &Model, mesh: &Mesh, system: &System) -> Option<Issue> {
-    let MeshSource::Gmsh(GmshMesh { fold_angle: None, .. }) = model.mesh else { return None };
+    model.mesh.file().filter(|file| file.fold_angle.is_none())?;
     let prism = system.folds.prism.as_ref()?;
     let n = prism.quads.len();
     let [low, high] = prism.angles;
@@ -223,7 +220,7 @@ fn prism(model: &Model, mesh: &Mesh, system: &System) -> Option<Issue> {
 /// Loads that do not act, and an equilibrium without loads.
 fn unused(model: &Model) -> Vec<Issue> {
     let Analysis::Modal(modal) = &model.analysis else { return Vec::new() };
-    let prescribed = model.conditions.iter().any(|c| matches!(c, Condition::Prescribe(p) if p.value != 0.0));
+    let prescribed = model.conditions.iter().any(|c| c.motion().is_some_and(|m| m.value != 0.0));
     // Strains without an amplitude grow with the load factor: they are not there at the reference.
     let growing = |p: &&PrescribedStrain| modal.prestressed || p.amplitude().is_none();
     if let Some(i) = model.prescribed_strains.iter().position(|p| growing(&p)) {
@@ -258,8 +255,8 @@ fn jumping_supports(model: &Model, system: &System) -> Vec<Issue> {
     }
     let mut found = Vec::new();
     for (i, condition) in model.conditions.iter().enumerate() {
-        let Condition::Prescribe(p) = condition else { continue };
-        let first = first_value(p, system);
+        let Some(p) = condition.motion() else { continue };
+        let first = first_value(&p, system);
         let key = format!("conditions[{i}]");
         let vectors: BTreeSet<u32> =
             system.supports.iter().filter(|s| s.key == key).map(|s| s.vector).collect();
@@ -282,7 +279,7 @@ fn jumping_supports(model: &Model, system: &System) -> Vec<Issue> {
 }
 
 /// Value of a prescribed component at time or load factor 0.
-fn first_value(p: &PrescribeComponent, system: &System) -> f64 {
+fn first_value(p: &PrescribedMotion, system: &System) -> f64 {
     let named = |name: &String| (0..system.amplitudes.len()).find(|&a| system.amplitude_name(a) == name);
     p.value * system.factor(&LoadFactor::new(p.amplitude.as_ref().and_then(named)), 0.0)
 }
@@ -298,8 +295,8 @@ fn shortened_directors(model: &Model, system: &System) -> Vec<Issue> {
     }
     let mut found = Vec::new();
     for (i, condition) in model.conditions.iter().enumerate() {
-        let Condition::Prescribe(p) = condition else { continue };
-        let first = first_value(p, system);
+        let Some(p) = condition.motion() else { continue };
+        let first = first_value(&p, system);
         if p.of == NodalVector::Director && first.abs() > NOTICEABLE {
             found.push(Issue::new(
                 format!("conditions[{i}]"),
@@ -352,8 +349,7 @@ fn idle_switches(model: &Model) -> Vec<Issue> {
                 "leave it out, or use an element that has it (the book's page on elements lists them)",
             ));
         }
-        let rubber =
-            |m: &String| model.materials.get(m).is_some_and(|m| matches!(m.law_3d(), Law::Hyperelastic(_)));
+        let rubber = |m: &String| model.materials.get(m).is_some_and(|m| m.law_3d().is_hyperelastic());
         if s.membrane.is_some_and(|m| m.parameters() > 0) && s.materials().iter().any(rubber) {
             found.push(Issue::new(
                 format!("sections[{i}].membrane"),
@@ -391,16 +387,10 @@ fn coarse_steps(model: &Model, system: &System) -> Vec<Issue> {
 }
 
 fn zero_loads(model: &Model) -> Vec<Issue> {
-    let zero = |load: &Load| match load {
-        Load::Force(l) | Load::Moment(l) | Load::Edge(l) | Load::EdgeMoment(l) | Load::Traction(l) => {
-            l.value == [0.0; 3]
-        }
-        Load::Pressure(l) => l.value == 0.0,
-        Load::Gravity(l) => l.value == [0.0; 3],
-    };
+    let zero = |load: &Load| load.values().iter().all(|v| *v == 0.0);
     let list = model.loads.iter().enumerate().filter(|(_, load)| zero(load));
     list.map(|(i, load)| {
-        let times = if amplitude_of(load).is_some() { ", whatever its amplitude" } else { "" };
+        let times = if load.amplitude().is_some() { ", whatever its amplitude" } else { "" };
         Issue::new(
             format!("loads[{i}].value"),
             format!("the load is zero{times}"),

@@ -15,11 +15,13 @@ use nalgebra::DMatrix;
 use super::VectorKind;
 use super::geometry::{NODES, ShellGeometry, cross_section_frame, shape, strain_transformation};
 use super::group::ElementGroup;
+use super::registry::FromSection;
 use super::shell::{
     GroupBuilder, GroupSetup, IntegrationPoint, Member, QuadraticBuilder, ShellElement, StrainOperator,
 };
 use super::strains::SampledStrains;
 use super::transform::NodalTransform;
+use crate::model::Section;
 use crate::section::SectionInertia;
 use crate::{Mat3, Vec3};
 
@@ -175,6 +177,12 @@ impl AncfFull {
         let columns = Self::directions(natural, z)
             .map(|c| c.iter().zip(&v).map(|(c, v)| Vec3::from(*v) * *c).sum::<Vec3>());
         Mat3::from_columns(&columns)
+    }
+}
+
+impl FromSection for AncfFull {
+    fn from_section(_: &Section, thickness: f64, _: bool) -> Self {
+        Self { thickness }
     }
 }
 

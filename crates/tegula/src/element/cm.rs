@@ -36,8 +36,10 @@ use super::geometry::{
     shell_mass, strain_transformation, stretch_gradient,
 };
 use super::membrane::{HourglassWeights, InPlaneSamples, Membrane, ShearPoint, assumed_shear};
+use super::registry::FromSection;
 use super::shell::{GroupBuilder, GroupSetup, QuadraticBuilder, ShellElement, StrainOperator};
 use super::strains::SampledStrains;
+use crate::model::Section;
 use crate::section::SectionInertia;
 
 /// Number of sampled strains with assumed natural transverse shear.
@@ -257,6 +259,19 @@ struct PointStrains {
 fn shear_polynomials(centre: &Matrix6<f64>, point: usize) -> DMatrix<f64> {
     let [xi, eta] = GAUSS_POINTS[point];
     DMatrix::from_fn(6, 2, |i, j| centre[(i, 2)] * [xi, eta][j])
+}
+
+impl FromSection for CmShell {
+    fn from_section(section: &Section, thickness: f64, rubber: bool) -> Self {
+        Self {
+            ans_shear: section.ans_shear,
+            ans_thickness: section.ans_thickness,
+            membrane: section.membrane_part(),
+            thickness_parameters: usize::from(section.thickness_eas),
+            thickness,
+            rubber,
+        }
+    }
 }
 
 impl ShellElement for CmShell {

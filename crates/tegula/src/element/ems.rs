@@ -46,9 +46,11 @@ use super::geometry::{
     in_plane_transformation, shape, shape_eta, shape_xi, shell_mass, strain_transformation, stretch_gradient,
 };
 use super::membrane::{HourglassWeights, InPlaneSamples, Membrane, ShearPoint, assumed_shear};
+use super::registry::FromSection;
 use super::shell::{GroupBuilder, GroupSetup, QuadraticBuilder, ShellElement, StrainOperator};
 use super::strains::SampledStrains;
 use crate::Mat3;
+use crate::model::Section;
 use crate::section::SectionInertia;
 
 /// Number of nodal vectors: positions of nodes 1–4, then their directors.
@@ -258,6 +260,13 @@ impl EmsShell {
             })
             .collect::<Result<Vec<_>, String>>()?;
         assumed_shear(g, &points).ok_or_else(|| "its in-plane shear strains are not independent".into())
+    }
+}
+
+impl FromSection for EmsShell {
+    fn from_section(section: &Section, _: f64, _: bool) -> Self {
+        let Section { ans_shear, ans_thickness, .. } = *section;
+        Self { ans_shear, ans_thickness, membrane: section.membrane_part() }
     }
 }
 

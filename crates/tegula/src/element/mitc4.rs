@@ -12,7 +12,9 @@ use nalgebra::DMatrix;
 use super::ems::EmsShell;
 use super::geometry::{ShellGeometry, shell_mass};
 use super::membrane::Membrane;
+use super::registry::FromSection;
 use super::shell::{GroupBuilder, GroupSetup, QuadraticBuilder, ShellElement, StrainOperator};
+use crate::model::Section;
 use crate::section::SectionInertia;
 
 /// Number of sampled strains with assumed natural transverse shear.
@@ -34,6 +36,12 @@ impl Mitc4 {
     /// omitted here.
     fn extensible(&self) -> EmsShell {
         EmsShell { ans_shear: self.ans_shear, ans_thickness: true, membrane: self.membrane }
+    }
+}
+
+impl FromSection for Mitc4 {
+    fn from_section(section: &Section, _: f64, _: bool) -> Self {
+        Self { ans_shear: section.ans_shear, membrane: section.membrane_part() }
     }
 }
 

@@ -1,27 +1,32 @@
 //! Elements: sampled strains that are quadratic forms of nodal vectors.
 
-pub mod ancf_full;
 pub mod bilinear;
 mod bilinear_kernel;
-pub mod cm;
 pub mod director_angle;
-pub mod ems;
 pub mod forms;
 pub mod generalized_law;
 pub mod geometry;
 pub mod group;
 mod lanes;
 pub mod membrane;
-pub mod mitc4;
 pub mod points;
 pub mod quadratic;
 pub mod registry;
 pub mod scalar;
 mod section_points;
 pub mod shell;
-pub mod solid_shell;
 pub mod strains;
 pub mod transform;
+
+use crate::model::element_types;
+
+/// Declares the files of the element types.
+macro_rules! modules {
+    ($($file:ident::$type:ident as $kind:ident: $help:literal,)*) => {
+        $(pub mod $file;)*
+    };
+}
+element_types!(modules);
 
 pub use geometry::ShellGeometry;
 pub use group::{ElementGroup, GroupPoint, InternalVariables, Motion, Nodal, TangentRequest, TangentWeights};

@@ -1,40 +1,37 @@
-//! Registry of the shell element types, by their names in model files.
+//! Elements of a section, by the registry of element types in `crates/tegula/src/model/element_kind.rs`.
 
-use super::ancf_full::AncfFull;
-use super::cm::CmShell;
-use super::ems::EmsShell;
-use super::mitc4::Mitc4;
 use super::shell::ShellElement;
-use super::solid_shell::SolidShell;
-use crate::model::{ElementKind, Section};
+use crate::model::{ElementKind, Section, element_types};
 
-impl ElementKind {
-    /// Every element type; a new one is a file beside the others, a variant and a line here and in [`shell`].
-    pub const ALL: [Self; 5] = [Self::Ems, Self::Cm, Self::Mitc4, Self::SolidShell, Self::AncfFull];
+/// Element type that is made from the keys of a section.
+pub(super) trait FromSection: ShellElement + Sized {
+    /// Element with the locking remedies of a section of the given thickness (length); `rubber` is true if one of its
+    /// materials is hyperelastic.
+    fn from_section(section: &Section, thickness: f64, rubber: bool) -> Self;
 }
+
+macro_rules! dispatch {
+    ($($file:ident::$type:ident as $kind:ident: $help:literal,)*) => {
+        /// Element type of a section whose materials are known; `rubber` is true if one of them is hyperelastic.
+        pub fn shell_of(section: &Section, thickness: f64, rubber: bool) -> Box<dyn ShellElement> {
+            match section.element {
+                $(ElementKind::$kind => {
+                    Box::new(super::$file::$type::from_section(section, thickness, rubber))
+                })*
+            }
+        }
+    };
+}
+element_types!(dispatch);
 
 /// Element type of a section, with its locking remedies.
 pub fn shell(section: &Section, thickness: f64) -> Box<dyn ShellElement> {
     shell_of(section, thickness, false)
 }
 
-/// Element type of a section whose materials are known; `rubber` is true if one of them is hyperelastic.
-pub fn shell_of(section: &Section, thickness: f64, rubber: bool) -> Box<dyn ShellElement> {
-    let Section { ans_shear, ans_thickness, .. } = *section;
-    let membrane = section.membrane_part();
-    let continuum = CmShell {
-        ans_shear,
-        ans_thickness,
-        membrane,
-        thickness_parameters: usize::from(section.thickness_eas),
-        thickness,
-        rubber,
-    };
-    match section.element {
-        ElementKind::Ems => Box::new(EmsShell { ans_shear, ans_thickness, membrane }),
-        ElementKind::Cm => Box::new(continuum),
-        ElementKind::Mitc4 => Box::new(Mitc4 { ans_shear, membrane }),
-        ElementKind::SolidShell => Box::new(SolidShell(continuum)),
-        ElementKind::AncfFull => Box::new(AncfFull { thickness }),
+impl ElementKind {
+    /// Word of the model file.
+    pub fn name(self) -> &'static str {
+        shell(&Section { element: self, ..Section::new("", 1.0) }, 1.0).name()
     }
 }

@@ -12,12 +12,20 @@
 
 use super::cm::{CmShell, SAMPLES, SAMPLES_WITHOUT_ANS_SHEAR};
 use super::geometry::ShellGeometry;
+use super::registry::FromSection;
 use super::shell::{GroupBuilder, GroupSetup, QuadraticBuilder, ShellElement, StrainOperator};
+use crate::model::Section;
 use crate::section::SectionInertia;
 
 /// Eight-node solid shell, implemented by the equivalent continuum-mechanics shell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolidShell(pub CmShell);
+
+impl FromSection for SolidShell {
+    fn from_section(section: &Section, thickness: f64, rubber: bool) -> Self {
+        Self(CmShell::from_section(section, thickness, rubber))
+    }
+}
 
 impl ShellElement for SolidShell {
     fn name(&self) -> &'static str {

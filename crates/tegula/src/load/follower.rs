@@ -10,8 +10,7 @@ use crate::element::Nodal;
 use crate::element::geometry::{GAUSS_POINTS, shape, shape_eta, shape_xi};
 use crate::{Mat3, Vec3};
 
-/// Load stiffness: blocks `−∂f_a/∂x_b` of a follower load.
-pub type LoadStiffness = [[Mat3; 4]; 4];
+pub use crate::model::LoadStiffness;
 
 /// Follower load: it depends on the positions and directors on which it acts.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,7 +52,7 @@ pub enum FollowerLoad {
         /// Factor over the analysis step.
         factor: LoadFactor,
     },
-    /// Load of a caller.
+    /// Load that is neither of these, also of a caller.
     Own {
         /// Forces and their derivatives.
         load: OwnLoad,

@@ -8,9 +8,10 @@ mod formula;
 mod own;
 mod signal;
 
+pub use crate::model::NodalLoad;
 pub use amplitude::TimeFunction;
 pub use factor::{LoadFactor, LoadParameter};
 pub use follower::FollowerLoad;
 pub use formula::Formula;
-pub use own::{NodalLoad, OwnLoad};
+pub use own::OwnLoad;
 pub use signal::Signal;

@@ -1,25 +1,10 @@
-//! Loads of a caller.
+//! Loads as functions of nodal vectors.
 
-use std::fmt::Debug;
 use std::sync::Arc;
 
-use super::follower::LoadStiffness;
-use crate::Vec3;
-use crate::element::Nodal;
+use crate::model::NodalLoad;
 
-/// Load of a caller on up to four nodal vectors (positions and directors), as a function of their present values: a spring
-/// to the ground, a magnet, a contact force
-/// ([`Compiler::add_load`](crate::compile::Compiler::add_load)).
-pub trait NodalLoad: Debug + Send + Sync {
-    /// Nodal vectors on which the load acts, one to four different ones.
-    fn vectors(&self) -> &[u32];
-    /// Forces on the nodal vectors at their present values `x`.
-    fn forces(&self, x: &[Vec3], out: &mut [Nodal]);
-    /// Blocks −∂f_a/∂x_b at `x`; those of unused places are zero. It need not be symmetric.
-    fn stiffness(&self, x: &[Vec3]) -> LoadStiffness;
-}
-
-/// Shared load of a caller; two are equal if they are the same object.
+/// Shared load; two are equal if they are the same object.
 #[derive(Debug, Clone)]
 pub struct OwnLoad(pub Arc<dyn NodalLoad>);
 

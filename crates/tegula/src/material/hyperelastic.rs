@@ -11,7 +11,7 @@
 
 use nalgebra::{Matrix3, Matrix6, Vector6};
 
-use super::{PAIRS, Response, Strain, components, tensor};
+use super::{MaterialLaw, PAIRS, Response, Strain, components, tensor};
 
 /// Hyperelastic law.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,6 +88,16 @@ fn identity_of(a: &Matrix3<f64>) -> Matrix6<f64> {
         let ((i, j), (k, l)) = (PAIRS[row], PAIRS[column]);
         0.5 * (a[(i, k)] * a[(j, l)] + a[(i, l)] * a[(j, k)])
     })
+}
+
+impl MaterialLaw for Hyperelastic {
+    fn respond(&self, strain: &Strain, _: &[f64], _: &mut [f64]) -> Option<Response> {
+        Self::respond(self, strain)
+    }
+
+    fn is_hyperelastic(&self) -> bool {
+        true
+    }
 }
 
 impl Hyperelastic {

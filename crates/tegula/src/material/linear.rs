@@ -2,6 +2,17 @@
 
 use nalgebra::{Matrix2, Matrix3, Matrix6};
 
+use super::{MaterialLaw, Response, Strain};
+
+/// Law `S = C E` of the stiffness C.
+impl MaterialLaw for Box<Matrix6<f64>> {
+    fn respond(&self, strain: &Strain, _: &[f64], _: &mut [f64]) -> Option<Response> {
+        let stress = **self * strain;
+        let energy = 0.5 * stress.dot(strain);
+        Some(Response { stress, tangent: **self, energy, dissipation: 0.0 })
+    }
+}
+
 /// Hooke's law in three dimensions from Young's modulus and Poisson's ratio:
 /// `λ = Eν/((1+ν)(1−2ν))`, `μ = E/(2(1+ν))`, `C = λ 1⊗1 + 2μ I`.
 pub fn isotropic(young: f64, poisson: f64) -> Matrix6<f64> {

@@ -11,7 +11,7 @@
 
 use nalgebra::{Matrix6, Vector6};
 
-use super::{Response, Strain};
+use super::{MaterialLaw, Response, Strain};
 
 /// Number of internal variables: plastic strain (tensor components, 6), back stress (6), equivalent plastic strain.
 pub const HISTORY: usize = 13;
@@ -72,12 +72,36 @@ impl Plasticity {
         0.5 * self.hardening * p * p + saturating
     }
 
-    pub(super) fn respond(
-        &self,
-        strain: &Strain,
-        committed: &[f64],
-        updated: &mut [f64],
-    ) -> Option<Response> {
+    /// Plastic multiplier Δγ that returns a relative stress of norm `size` to the yield surface; `None` if Newton's
+    /// method does not converge.
+    fn slip(&self, size: f64, p: f64, mu: f64) -> Option<f64> {
+        let root = (2.0_f64 / 3.0).sqrt();
+        let stiffness = 2.0 * mu + 2.0 / 3.0 * self.kinematic;
+        let mut slip = 0.0;
+        // The residual is convex and decreasing: Newton's method converges monotonically from the left.
+        for _ in 0..60 {
+            let (stress, slope) = self.yield_at(p + root * slip);
+            let f = size - stiffness * slip - root * stress;
+            let step = f / (stiffness + 2.0 / 3.0 * slope);
+            slip += step;
+            if !slip.is_finite() {
+                return None;
+            }
+            // Converged: the residual is round-off, or the correction is negligible.
+            if f.abs() <= 4.0 * f64::EPSILON * size || step.abs() <= 1e-14 * slip.abs() {
+                return Some(slip);
+            }
+        }
+        None
+    }
+}
+
+impl MaterialLaw for Plasticity {
+    fn history(&self) -> usize {
+        HISTORY
+    }
+
+    fn respond(&self, strain: &Strain, committed: &[f64], updated: &mut [f64]) -> Option<Response> {
         let old = |from: usize| Vector6::from_fn(|i, _| committed.get(from + i).copied().unwrap_or(0.0));
         let (plastic, back) = (old(0), old(6));
         let p = committed.get(EQUIVALENT).copied().unwrap_or(0.0);
@@ -136,26 +160,7 @@ impl Plasticity {
         })
     }
 
-    /// Plastic multiplier Δγ that returns a relative stress of norm `size` to the yield surface; `None` if Newton's
-    /// method does not converge.
-    fn slip(&self, size: f64, p: f64, mu: f64) -> Option<f64> {
-        let root = (2.0_f64 / 3.0).sqrt();
-        let stiffness = 2.0 * mu + 2.0 / 3.0 * self.kinematic;
-        let mut slip = 0.0;
-        // The residual is convex and decreasing: Newton's method converges monotonically from the left.
-        for _ in 0..60 {
-            let (stress, slope) = self.yield_at(p + root * slip);
-            let f = size - stiffness * slip - root * stress;
-            let step = f / (stiffness + 2.0 / 3.0 * slope);
-            slip += step;
-            if !slip.is_finite() {
-                return None;
-            }
-            // Converged: the residual is round-off, or the correction is negligible.
-            if f.abs() <= 4.0 * f64::EPSILON * size || step.abs() <= 1e-14 * slip.abs() {
-                return Some(slip);
-            }
-        }
-        None
+    fn plastic_strain(&self, history: &[f64]) -> Option<f64> {
+        history.get(EQUIVALENT).copied()
     }
 }

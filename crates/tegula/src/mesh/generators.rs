@@ -40,9 +40,12 @@ pub fn generate(source: &MeshSource) -> Result<Mesh> {
         MeshSource::Annulus(source) => meshed(annulus(source, &mut input), &source.grid, input),
         MeshSource::Sphere(source) => meshed(sphere(source, &mut input), &source.grid, input),
         MeshSource::Extrusion(source) => meshed(extrusion(source, &mut input), &source.grid, input),
-        MeshSource::Gmsh(source) => Err(Error::model(
+        _ => Err(Error::model(
             "mesh.file",
-            format!("the mesh lies in the file `{}`, which is not generated but read", source.file),
+            format!(
+                "the mesh lies in the file `{}`, which is not generated but read",
+                source.file().map_or("", |keys| &keys.file)
+            ),
             "read it with the crate tegula-io, or run the model with the program",
         )),
     }

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Condition, InitialVelocity, Load, PrescribedStrain};
+use super::{Condition, InitialVelocity, Load, PrescribedStrain, Scheme};
 
 /// Analysis to run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -193,80 +193,6 @@ impl TransientAnalysis {
     }
 }
 
-/// Time integration schemes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "type", rename_all = "kebab-case")]
-pub enum Scheme {
-    /// Newmark-β; β = 1/4, γ = 1/2 (trapezoidal rule) unless given.
-    Newmark(NewmarkScheme),
-    /// Conserves energy and momenta exactly (Simo–Tarnow).
-    EnergyMomentum(EnergyMomentumScheme),
-    /// Hilber–Hughes–Taylor α method: second order with numerical damping.
-    Hht(HhtScheme),
-    /// Central differences with lumped mass: no equations are solved, steps are small.
-    Explicit(ExplicitScheme),
-}
-
-impl Default for Scheme {
-    fn default() -> Self {
-        Self::Newmark(NewmarkScheme::default())
-    }
-}
-
-/// Newmark-β.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct NewmarkScheme {
-    /// β, above 0; unconditionally stable (linear) for β ≥ γ/2 ≥ 1/4.
-    #[serde(default = "quarter")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub beta: f64,
-    /// γ; 1/2 is second order, above it is damped and first order.
-    #[serde(default = "half")]
-    #[schemars(range(min = 0.5, max = 1.0))]
-    pub gamma: f64,
-}
-
-impl Default for NewmarkScheme {
-    fn default() -> Self {
-        Self { beta: 0.25, gamma: 0.5 }
-    }
-}
-
-/// Energy–momentum scheme; it has no parameters.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct EnergyMomentumScheme {}
-
-/// Central differences with lumped mass; the step follows from the highest frequency of the model.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ExplicitScheme {
-    /// Rotary-inertia scaling: raises the inertia of the directors until they vibrate no faster than the membrane, so
-    /// that the thickness does not limit the step.
-    #[serde(default = "yes")]
-    pub scale_director_inertia: bool,
-}
-
-impl Default for ExplicitScheme {
-    fn default() -> Self {
-        Self { scale_director_inertia: true }
-    }
-}
-
-/// Hilber–Hughes–Taylor.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct HhtScheme {
-    /// α between −1/3 (most damping) and 0 (none).
-    #[serde(default = "hht_alpha")]
-    #[schemars(extend("minimum" = -1.0 / 3.0, "maximum" = 0))]
-    pub alpha: f64,
-}
-
-fn yes() -> bool {
-    true
-}
 fn one() -> u32 {
     1
 }
@@ -278,15 +204,6 @@ fn twenty() -> u32 {
 }
 fn thirty() -> u32 {
     30
-}
-fn quarter() -> f64 {
-    0.25
-}
-fn half() -> f64 {
-    0.5
-}
-fn hht_alpha() -> f64 {
-    -0.05
 }
 fn paper_tolerance() -> f64 {
     1e-5

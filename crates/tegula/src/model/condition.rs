@@ -1,25 +1,7 @@
-//! Supports, prescribed motions, loads, added masses, initial velocities.
+//! Keys of supports, prescribed motions, loads, added masses, initial velocities.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-/// A support or a prescribed motion.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "type", rename_all = "kebab-case")]
-pub enum Condition {
-    /// Positions and directors fixed: no displacement, no rotation.
-    Clamp(OnSet),
-    /// Positions fixed along an edge, rotation about it free.
-    Hinge(OnSet),
-    /// Positions fixed, directors free: a ball joint to the ground.
-    Spherical(OnSet),
-    /// Symmetry plane: position and director do not move along its normal.
-    Symmetry(SymmetryPlane),
-    /// Chosen components of position and director fixed.
-    Fix(FixComponents),
-    /// One component of position or director prescribed as a function of time.
-    Prescribe(PrescribeComponent),
-}
 
 /// A condition that needs nothing but a set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -109,42 +91,6 @@ impl Axis {
     /// 0, 1 or 2.
     pub fn index(self) -> usize {
         self as usize
-    }
-}
-
-/// A load.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "type", rename_all = "kebab-case")]
-pub enum Load {
-    /// A force on every node of a set.
-    Force(VectorLoad),
-    /// A moment on every node of a set; it rotates the director and stays constant in space. Its drilling component
-    /// (along the director) is dropped.
-    Moment(VectorLoad),
-    /// A force per length of an edge.
-    Edge(VectorLoad),
-    /// A moment per length of an edge, constant in space with all components.
-    EdgeMoment(VectorLoad),
-    /// A force per reference area, constant in direction.
-    Traction(VectorLoad),
-    /// A pressure that follows the surface; positive pushes against the director.
-    Pressure(PressureLoad),
-    /// Gravity on all masses.
-    Gravity(GravityLoad),
-}
-
-impl Load {
-    /// Load without its amplitude.
-    pub fn without_amplitude(&self) -> Self {
-        let mut bare = self.clone();
-        match &mut bare {
-            Self::Force(l) | Self::Moment(l) | Self::Edge(l) | Self::EdgeMoment(l) | Self::Traction(l) => {
-                l.amplitude = None;
-            }
-            Self::Pressure(l) => l.amplitude = None,
-            Self::Gravity(l) => l.amplitude = None,
-        }
-        bare
     }
 }
 

@@ -12,23 +12,58 @@ use serde::{Deserialize, Serialize};
 /// Neighbouring facets that meet at a larger angle (degrees) form a fold.
 pub const FOLD_ANGLE_DEGREES: f64 = 20.0;
 
-/// The mid-surface.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "type", rename_all = "kebab-case")]
-pub enum MeshSource {
-    /// A rectangle; u along `u_axis`, v along `v_axis`.
-    Plate(PlateMesh),
-    /// A sector of a cylinder; u is the angle, v runs along the axis.
-    Cylinder(CylinderMesh),
-    /// A flat ring or sector of it in the plane z = 0; u is the radius, v the angle from the x axis.
-    Annulus(AnnulusMesh),
-    /// A patch of a sphere about the z axis; u is the longitude from the x axis, v the latitude from the equator.
-    Sphere(SphereMesh),
-    /// A polyline swept along a direction; u runs along the polyline, v along the direction.
-    Extrusion(ExtrusionMesh),
-    /// A Gmsh file (`.msh`, format 2.2 or 4.1, ASCII or binary); physical groups become sets.
-    Gmsh(GmshMesh),
+/// The registry of mesh readers: one line for each format. Calls the macro `$made` with all entries. An entry is
+///
+/// ```text
+/// file::Format: "help of the schema",
+/// ```
+///
+/// - `crates/tegula-io/src/mesh/file.rs` defines the type `Format`, which implements `MeshReader`;
+/// - `Format` becomes the variant of [`MeshSource`](crate::model::MeshSource) that holds the keys of mesh files, and its name
+///   in kebab case the word of the model file.
+///
+/// The variants are made from it below, the modules and the choice of the reader in the crate `tegula-io`.
+#[macro_export]
+macro_rules! mesh_readers {
+    ($made:ident) => {
+        $made! {
+            gmsh::Gmsh: "A Gmsh file (`.msh`, format 2.2 or 4.1, ASCII or binary); physical groups become sets.",
+        }
+    };
 }
+
+macro_rules! mesh_source {
+    ($($file:ident::$format:ident: $help:literal,)*) => {
+        /// The mid-surface.
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+        #[serde(tag = "type", rename_all = "kebab-case")]
+        pub enum MeshSource {
+            /// A rectangle; u along `u_axis`, v along `v_axis`.
+            Plate(PlateMesh),
+            /// A sector of a cylinder; u is the angle, v runs along the axis.
+            Cylinder(CylinderMesh),
+            /// A flat ring or sector of it in the plane z = 0; u is the radius, v the angle from the x axis.
+            Annulus(AnnulusMesh),
+            /// A patch of a sphere about the z axis; u is the longitude from the x axis, v the latitude from the equator.
+            Sphere(SphereMesh),
+            /// A polyline swept along a direction; u runs along the polyline, v along the direction.
+            Extrusion(ExtrusionMesh),
+            $(#[doc = $help] $format(GmshMesh),)*
+        }
+
+        impl MeshSource {
+            /// Keys of a mesh file; `None` for generators.
+            pub fn file(&self) -> Option<&GmshMesh> {
+                match self {
+                    $(Self::$format(file) => Some(file),)*
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+mesh_readers!(mesh_source);
 
 /// Grid of elements, common to all generators.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -39,7 +74,7 @@ pub struct Grid {
     pub elements: [u32; 2],
     /// Ratio of the last to the first element's length along u and v (1: all equal).
     #[serde(default = "ones")]
-    #[schemars(transform = super::positive_entries)]
+    #[schemars(transform = crate::checker::positive_entries)]
     pub grading: [f64; 2],
     /// Random shift of inner nodes within the surface, as a part of the element size (0…0.4).
     #[serde(default)]
@@ -85,7 +120,7 @@ pub struct PlateMesh {
     #[serde(default = "y_axis")]
     pub v_axis: [f64; 3],
     /// Lengths along u and v (length).
-    #[schemars(transform = super::positive_entries)]
+    #[schemars(transform = crate::checker::positive_entries)]
     pub size: [f64; 2],
     /// Elements, grading, distortion, points.
     pub grid: Grid,
@@ -137,7 +172,7 @@ pub struct AnnulusMesh {
     #[serde(default)]
     pub center: [f64; 3],
     /// Inner and outer radius (length).
-    #[schemars(transform = super::positive_entries)]
+    #[schemars(transform = crate::checker::positive_entries)]
     pub radii: [f64; 2],
     /// First and last angle (degrees); a full turn leaves a slit.
     #[serde(default = "full_turn")]
@@ -214,29 +249,46 @@ impl GmshMesh {
 }
 
 impl MeshSource {
+    /// Grid of a generated mesh; `None` for mesh files.
+    pub fn grid(&self) -> Option<&Grid> {
+        match self {
+            Self::Plate(m) => Some(&m.grid),
+            Self::Cylinder(m) => Some(&m.grid),
+            Self::Annulus(m) => Some(&m.grid),
+            Self::Sphere(m) => Some(&m.grid),
+            Self::Extrusion(m) => Some(&m.grid),
+            _ => None,
+        }
+    }
+
+    /// Grid of a generated mesh, to be changed; `None` for mesh files.
+    pub fn grid_mut(&mut self) -> Option<&mut Grid> {
+        match self {
+            Self::Plate(m) => Some(&mut m.grid),
+            Self::Cylinder(m) => Some(&mut m.grid),
+            Self::Annulus(m) => Some(&mut m.grid),
+            Self::Sphere(m) => Some(&mut m.grid),
+            Self::Extrusion(m) => Some(&mut m.grid),
+            _ => None,
+        }
+    }
+
     /// Key `merge_coincident`: whether coincident nodes are merged.
     pub fn merge_coincident(&self) -> Option<bool> {
-        match self {
-            Self::Plate(m) => m.grid.merge_coincident,
-            Self::Cylinder(m) => m.grid.merge_coincident,
-            Self::Annulus(m) => m.grid.merge_coincident,
-            Self::Sphere(m) => m.grid.merge_coincident,
-            Self::Extrusion(m) => m.grid.merge_coincident,
-            Self::Gmsh(m) => m.merge_coincident,
+        match self.file() {
+            Some(file) => file.merge_coincident,
+            None => self.grid().and_then(|grid| grid.merge_coincident),
         }
     }
 
     /// Key of [`Self::merge_coincident`].
     pub fn merge_key(&self) -> &'static str {
-        if matches!(self, Self::Gmsh(_)) { "mesh.merge_coincident" } else { "mesh.grid.merge_coincident" }
+        if self.file().is_some() { "mesh.merge_coincident" } else { "mesh.grid.merge_coincident" }
     }
 
     /// Angle (degrees) from which on neighbouring elements form a fold.
     pub fn fold_angle(&self) -> f64 {
-        match self {
-            Self::Gmsh(m) => m.fold_angle.unwrap_or(FOLD_ANGLE_DEGREES),
-            _ => FOLD_ANGLE_DEGREES,
-        }
+        self.file().and_then(|file| file.fold_angle).unwrap_or(FOLD_ANGLE_DEGREES)
     }
 }
 

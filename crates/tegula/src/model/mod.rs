@@ -6,11 +6,13 @@
 
 mod analysis;
 mod condition;
-mod layup;
-mod material;
+mod element_kind;
+pub mod loads;
 mod mesh_source;
 mod prescribed_strain;
-mod stacking;
+mod scheme;
+pub mod section;
+pub mod supports;
 mod units;
 
 use std::collections::BTreeMap;
@@ -18,12 +20,20 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use crate::material::{
+    Isotropic, Material, MooneyRivlin, NeoHookean, NeoHookeanForm, Orthotropic, Plastic, Strengths,
+};
 pub use analysis::*;
 pub use condition::*;
-pub use layup::*;
-pub use material::*;
+pub use element_kind::ElementKind;
+pub(crate) use element_kind::element_types;
+pub use loads::{Load, LoadStiffness, NodalLoad};
 pub use mesh_source::*;
 pub use prescribed_strain::*;
+pub(crate) use scheme::schemes;
+pub use scheme::*;
+pub use section::{Layup, LayupPly, Section, StackedPly};
+pub use supports::Condition;
 pub use units::Units;
 
 /// A whole model: mesh, materials, sections, conditions, loads, analysis, output.
@@ -72,96 +82,6 @@ pub struct Model {
     pub output: Output,
 }
 
-/// Element type, material and thickness of a part of the mesh.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Section {
-    /// Name of a quad set, or `"all"`.
-    #[serde(default = "all")]
-    pub on: String,
-    /// Element type.
-    #[serde(default)]
-    pub element: ElementKind,
-    /// Name of a material; needed unless there is a `layup`.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    pub material: String,
-    /// Thickness h (length), above 0; needed unless there is a `layup`.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub thickness: f64,
-    /// Plies of a laminate, instead of `material` and `thickness`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub layup: Option<Layup>,
-    /// Transverse shear correction factors c_xz, c_yz. Unless given: 5/6 each for one layer, the layup's own for a
-    /// laminate, 1 for the elements with three-dimensional stresses (`cm`, `solid-shell`, `ancf-full`).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub shear_correction: Option<[f64; 2]>,
-    /// Coefficient α of stabilised transverse shear: the shear stiffness of an element is multiplied by h²/(h² + α l²), l
-    /// its longest edge. 0.1 is usual; makes `ems` and `mitc4` more exact where elements are longer than h.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub shear_stabilization: f64,
-    /// Assumed natural strain for transverse shear; off: the element locks when thin.
-    #[serde(default = "yes")]
-    pub ans_shear: bool,
-    /// Assumed natural strain for the thickness; off: curved elements lock.
-    #[serde(default = "yes")]
-    pub ans_thickness: bool,
-    /// Enhanced assumed strain in the plane (4 parameters); off: in-plane bending is too stiff.
-    #[serde(default = "yes")]
-    pub eas: bool,
-    /// Membrane part of the bilinear elements. Unless given: `stable-eas`, for rubber `assumed-shear`, with `eas = false`
-    /// `displacement`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub membrane: Option<Membrane>,
-    /// Enhanced parameters of the thickness strain of `cm` and `solid-shell`: 0, 1, 3 or 4; with 0 bending locks, with
-    /// 1 distorted meshes fail the bending patch test.
-    #[serde(default = "four")]
-    pub thickness_eas: u8,
-    /// Integration points over the thickness (of each layer): by default 2, and 5 for plastic materials.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub thickness_points: Option<u8>,
-    /// Total mass of the section (mass); given, the density is scaled to meet it on the mesh.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub total_mass: Option<f64>,
-    /// Retardation time τ of Kelvin–Voigt damping (time): the stress is that of the strain `ε + τ dε/dt`.
-    #[serde(default)]
-    #[schemars(range(min = 0.0))]
-    pub retardation_time: f64,
-}
-
-impl Section {
-    /// One layer of a material on the whole mesh, with the default element and all remedies.
-    pub fn new(material: &str, thickness: f64) -> Self {
-        Self {
-            on: all(),
-            element: ElementKind::default(),
-            material: material.into(),
-            thickness,
-            layup: None,
-            shear_correction: None,
-            shear_stabilization: 0.0,
-            ans_shear: true,
-            ans_thickness: true,
-            eas: true,
-            membrane: None,
-            thickness_eas: four(),
-            thickness_points: None,
-            total_mass: None,
-            retardation_time: 0.0,
-        }
-    }
-
-    /// Membrane part of its elements where the material is no rubber.
-    pub fn membrane_part(&self) -> Membrane {
-        match (self.membrane, self.eas) {
-            (Some(membrane), _) => membrane,
-            (None, true) => Membrane::default(),
-            (None, false) => Membrane::Displacement,
-        }
-    }
-}
-
 impl Model {
     /// A model of one isotropic material and section on a mesh, without supports and loads.
     pub fn new(mesh: MeshSource, analysis: Analysis, material: Isotropic, thickness: f64) -> Self {
@@ -182,25 +102,6 @@ impl Model {
             output: Output::default(),
         }
     }
-}
-
-/// Element types.
-#[derive(
-    Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
-)]
-#[serde(rename_all = "kebab-case")]
-pub enum ElementKind {
-    /// Shear-deformable bilinear shell of the absolute nodal coordinate formulation, elastic middle surface.
-    #[default]
-    Ems,
-    /// `ems` with three-dimensional stresses integrated over the thickness: continuum mechanics based shell.
-    Cm,
-    /// Bilinear shell with inextensible directors (MITC4 with enhanced membrane strains).
-    Mitc4,
-    /// Eight-node solid shell: positions at the bottom and the top of the thickened mid-surface.
-    SolidShell,
-    /// Fully parameterized plate with 48 coordinates; it locks and serves for comparison.
-    AncfFull,
 }
 
 /// Membrane parts of the bilinear elements.
@@ -449,16 +350,4 @@ fn all() -> String {
 }
 fn yes() -> bool {
     true
-}
-fn four() -> u8 {
-    4
-}
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
-}
-/// Says in the schema of a list that its entries are above 0.
-fn positive_entries(schema: &mut schemars::Schema) {
-    if let Some(entries) = schema.get_mut("items").and_then(|items| items.as_object_mut()) {
-        entries.insert("exclusiveMinimum".into(), 0.into());
-    }
 }

@@ -15,6 +15,7 @@ use std::collections::BTreeMap;
 
 use crate::Vec3;
 use crate::analysis::State;
+use crate::analysis::dynamics::schemes::Instant;
 use crate::element::{Motion, Nodal};
 use crate::model::Scheme;
 use crate::system::EvaluationPoint;
@@ -69,15 +70,6 @@ impl Equilibrium {
     }
 }
 
-/// Instant of a step at which the equation of motion holds.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Instant {
-    End,
-    /// Forces between the ends, with this weight of the start of the step.
-    Between(f64),
-    Middle,
-}
-
 /// Constrained directions of a nodal vector and the sets of supports that their reactions belong to.
 struct Supported {
     vector: usize,
@@ -106,11 +98,7 @@ pub struct ReactionFinder {
 impl ReactionFinder {
     /// Recovery for a scheme of time integration, `None` for statics.
     pub fn new(system: &System, scheme: Option<Scheme>) -> Self {
-        let instant = match scheme {
-            Some(Scheme::Hht(s)) => Instant::Between(-s.alpha),
-            Some(Scheme::EnergyMomentum(_)) => Instant::Middle,
-            Some(Scheme::Newmark(_) | Scheme::Explicit(_)) | None => Instant::End,
-        };
+        let instant = scheme.map_or(Instant::End, Scheme::instant);
         Self { assembly: Assembly::for_forces(system), instant, supported: supported(system) }
     }
 

@@ -124,7 +124,7 @@ impl CompiledSection {
 
     /// True if a layer is hyperelastic.
     pub fn has_rubber(&self) -> bool {
-        self.laws.iter().any(|l| matches!(l, Law::Hyperelastic(_)))
+        self.laws.iter().any(Law::is_hyperelastic)
     }
 
     /// Angle from the x axis of a cross-section frame to a direction's projection on the surface.

@@ -64,7 +64,7 @@ fn tumbling(element: ElementKind, laminated: bool) -> Model {
 
 #[test]
 fn every_element_conserves_energy_and_momenta_in_free_flight() {
-    for element in ElementKind::ALL {
+    for &element in ElementKind::ALL {
         for laminated in [false, true] {
             if laminated && element == ElementKind::AncfFull {
                 continue;
@@ -174,7 +174,7 @@ fn pulsing(m: &mut Model) -> Option<String> {
 /// Heat, natural curvature and prestress that change in time do work, which the balance counts.
 #[test]
 fn prescribed_strains_in_time_close_the_energy_balance() {
-    for element in ElementKind::ALL {
+    for &element in ElementKind::ALL {
         let mut m = soft_plate(element);
         if let Some(Material::Isotropic(i)) = m.materials.get_mut("m") {
             i.expansion = 1e-3;
@@ -327,7 +327,7 @@ fn frequencies(m: &Model, count: usize) -> Vec<modal::Mode> {
 fn free_plates_have_six_rigid_modes_and_agree_on_the_others() {
     for laminated in [false, true] {
         let mut all = Vec::new();
-        for element in ElementKind::ALL {
+        for &element in ElementKind::ALL {
             if laminated && element == ElementKind::AncfFull {
                 continue;
             }

@@ -3,7 +3,7 @@
 
 use crate::common::{Notes, distance, model, move_in_time, plate, vector_load};
 use tegula::System;
-use tegula::analysis::dynamics::{self, Span};
+use tegula::analysis::dynamics::Span;
 use tegula::analysis::newton::Newton;
 use tegula::analysis::{Silent, State};
 use tegula::model::*;
@@ -231,7 +231,7 @@ fn schemes_are_of_second_order_under_loads_that_change_with_time() {
 
 /// One step of a scheme from a state, and the error that it estimates.
 fn step(system: &System, scheme: Scheme, state: &State, dt: f64) -> (State, f64) {
-    let mut scheme = dynamics::integrator(system, scheme).unwrap();
+    let mut scheme = scheme.integrator(system).unwrap();
     let mut newton = Newton::new(system, None).unwrap();
     newton.restore(system, state, true);
     let mut end = state.clone();

@@ -6,6 +6,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod contracts;
 mod critical_points;
 mod dynamics;
 mod explicit;

@@ -23,7 +23,8 @@ const THICKNESS: f64 = 0.08;
 /// Every element type with every combination of its remedies.
 fn sections() -> Vec<Section> {
     let mut out = Vec::new();
-    for element in ElementKind::ALL {
+    for &element in ElementKind::ALL {
+        println!("contract: element {}", element.name());
         for switches in 0..8_u8 {
             for thickness_eas in [0, 1, 3, 4] {
                 let mut s = Section::new("m", THICKNESS);

@@ -59,7 +59,7 @@ fn layup(plies: &[(&str, f64, f64)]) -> Layup {
 /// Sections of every element with what it can carry.
 fn sections() -> Vec<Section> {
     let mut out = Vec::new();
-    for element in ElementKind::ALL {
+    for &element in ElementKind::ALL {
         let solid = matches!(element, ElementKind::Cm | ElementKind::SolidShell);
         let mut add = |material: &str, plies: &[(&str, f64, f64)]| {
             let mut s = Section { element, ..Section::new(material, H) };
@@ -285,7 +285,7 @@ fn uneven_plate(element: ElementKind) -> Model {
 
 #[test]
 fn uneven_layups_have_their_weight_and_its_moment_and_reactions_balance_it() {
-    for element in ElementKind::ALL {
+    for &element in ElementKind::ALL {
         let m = uneven_plate(element);
         let (_, system) = compile(&m);
         let area = 1.2 * 0.7;

@@ -3,7 +3,7 @@
 use crate::common::{Random, rotation};
 use nalgebra::{Matrix3, Matrix6, Vector6};
 use tegula::material::linear::{Orthotropy, isotropic};
-use tegula::material::{Hyperelastic, Law, NeoHookeanForm, Plasticity};
+use tegula::material::{Hyperelastic, Law, NeoHookeanForm, PlaneStressPlasticity, Plasticity};
 use tegula::model::{Isotropic, Material, MooneyRivlin, NeoHookean, Orthotropic, Plastic};
 use tegula::norm::{larger, max_norm};
 
@@ -17,18 +17,25 @@ const STEEL: Plasticity = Plasticity {
     kinematic: 2000.0,
 };
 
+/// Laws of all registered materials, and more of their forms.
 fn laws() -> Vec<(Law, f64)> {
     let orthotropy =
         Orthotropy { young: [140.0, 10.0, 9.0], poisson: [0.3, 0.28, 0.4], shear: [5.0, 4.5, 3.5] };
-    vec![
+    let mut laws = vec![
         (Law::Linear(Box::new(isotropic(7.0, 0.3))), 0.2),
         (Law::Linear(Box::new(orthotropy.stiffness())), 0.2),
         (Law::Hyperelastic(Hyperelastic::Split { c10: 0.4, c01: 0.0, bulk: 3.0 }), 0.2),
         (Law::Hyperelastic(Hyperelastic::Split { c10: 0.4, c01: 0.15, bulk: 900.0 }), 0.2),
         (Law::Hyperelastic(Hyperelastic::Coupled { mu: 0.8, lambda: 2.0 }), 0.2),
         (Law::Plastic(STEEL), 0.01),
-        (Law::PlaneStressPlastic(STEEL), 0.01),
-    ]
+        (Law::PlaneStressPlastic(PlaneStressPlasticity(STEEL)), 0.01),
+    ];
+    for material in Material::examples() {
+        let size = material.example_strain();
+        laws.push((material.law_3d(), size));
+        laws.extend(material.law_plane_stress().map(|law| (law, size)));
+    }
+    laws
 }
 
 fn respond(law: &Law, strain: &Vector6<f64>, committed: &[f64]) -> (tegula::material::Response, Vec<f64>) {
@@ -295,7 +302,7 @@ fn uniaxial_yielding_follows_closed_forms() {
 /// The plane-stress law is the three-dimensional one with σ_zz relaxed, along a path that unloads.
 #[test]
 fn plane_stress_is_the_law_with_a_relaxed_thickness() {
-    let (plane, solid) = (Law::PlaneStressPlastic(STEEL), Law::Plastic(STEEL));
+    let (plane, solid) = (Law::PlaneStressPlastic(PlaneStressPlasticity(STEEL)), Law::Plastic(STEEL));
     let mut states = [vec![0.0; 13], vec![0.0; 13]];
     for [x, y, xy] in
         [[0.004, 0.0, 0.001], [0.008, -0.003, 0.006], [0.002, -0.004, 0.0], [-0.006, 0.002, -0.003]]
@@ -498,5 +505,17 @@ fn laws_for_unknown_and_for_linear_materials_are_refused() {
             panic!("{name} is taken")
         };
         assert!(issues.len() == 1 && issues[0].message.contains(word), "{issues:?}");
+    }
+}
+
+#[test]
+fn every_material_is_read_as_it_is_written_and_has_the_word_of_the_model_file() {
+    for material in Material::examples() {
+        println!("contract: material {}", material.kind());
+        let written = serde_json::to_value(&material).unwrap();
+        assert_eq!(written["type"], material.kind(), "{material:?}");
+        assert_eq!(serde_json::from_value::<Material>(written).unwrap(), material);
+        assert_eq!(tegula::compile::check::material(&material, "m"), [], "{material:?}");
+        assert_eq!(material.law_3d().is_linear(), material.is_linear(), "{material:?}");
     }
 }

@@ -21,43 +21,32 @@ mod scanner;
 mod v2;
 mod v4;
 
-use std::io::ErrorKind;
 use std::path::Path;
 
 use tegula::Mesh;
 
 use self::raw::Raw;
 use self::scanner::{Encoding, Scanner};
-use super::{At, MeshError};
+use super::{MeshError, MeshReader, load};
 
 /// Reads the Gmsh file at `path`; all coordinates are multiplied by `scale`.
 pub fn read(path: &Path, scale: f64) -> Result<Mesh, MeshError> {
-    parse(path, &load(path)?, scale)
+    parse(path, &load(path, Gmsh::SUFFIX)?, scale)
 }
 
-/// The bytes of the file at `path`. Devices and pipes are refused: they may have no end.
-pub fn load(path: &Path) -> Result<Vec<u8>, MeshError> {
-    const GIVE: &str = "give the path of a .msh file";
-    let refused = |message: String, help: &str| MeshError {
-        file: path.to_owned(),
-        at: At::File,
-        message,
-        help: help.to_owned(),
-    };
-    let failed = |error: std::io::Error| match error.kind() {
-        ErrorKind::NotFound => {
-            refused("there is no such mesh file".into(), "check the path; it is relative to the model file")
-        }
-        _ => refused(format!("the mesh file cannot be read: {error}"), "check the file and its permissions"),
-    };
-    let kind = std::fs::metadata(path).map_err(failed)?.file_type();
-    if kind.is_dir() {
-        return Err(refused("this is a directory, not a mesh file".into(), GIVE));
+/// Format of Gmsh.
+pub struct Gmsh;
+
+impl MeshReader for Gmsh {
+    const SUFFIX: &'static str = ".msh";
+
+    fn parse(path: &Path, bytes: &[u8], scale: f64) -> Result<Mesh, MeshError> {
+        parse(path, bytes, scale)
     }
-    if !kind.is_file() {
-        return Err(refused("this is a device or a pipe, not a mesh file".into(), GIVE));
+
+    fn example() -> &'static [u8] {
+        include_bytes!("../../../templates/plate.msh")
     }
-    std::fs::read(path).map_err(failed)
 }
 
 /// Reads Gmsh data already in memory; `path` only appears in errors.

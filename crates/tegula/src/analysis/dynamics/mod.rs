@@ -9,6 +9,7 @@ mod fibre_watch;
 mod impact;
 pub mod newmark;
 mod predictor;
+pub mod schemes;
 pub mod step_control;
 mod step_end;
 mod time_steps;
@@ -16,22 +17,19 @@ mod time_steps;
 use super::newton::{Equation, Newton, Tolerances};
 use super::{Balance, Observer, State, Statistics, Stepper, statics, stepper};
 use crate::element::{Motion, Nodal};
-use crate::model::{Scheme, TransientAnalysis};
+use crate::model::TransientAnalysis;
 use crate::system::assembly::add_follower_loads;
 use crate::system::dof_map::CONSTRAINED;
 use crate::system::{Assembly, Procedure, System, VectorKind, dot, dot3};
 use crate::{Result, Vec3};
 pub use amplitude_check::{PassedOver, passed_over};
-use energy_momentum::EnergyMomentum;
 use explicit_run::ExplicitSteps;
-use newmark::Newmark;
 pub use step_end::Span;
 use time_steps::TimeSteps;
 
 /// Time integration scheme: the equation of a step, its error estimate and its energy account.
 ///
-/// To add a scheme, write a file beside this one that implements the trait, a variant of [`Scheme`] and a line in
-/// [`integrator`].
+/// To add a scheme, write a file of [`schemes`] and a line in the registry in `crates/tegula/src/model/scheme.rs`.
 pub trait Integrator: Equation {
     /// Starts a step from a state, with a prediction of its end.
     fn begin(&mut self, system: &System, assembly: &mut Assembly, state: &State, span: Span);
@@ -54,19 +52,6 @@ pub struct StepWork {
     pub work: f64,
     /// Energy dissipated by damping.
     pub dissipated: f64,
-}
-
-/// Integrator of a scheme; `None` for explicit ones, which have no equation to solve.
-pub fn integrator(system: &System, scheme: Scheme) -> Option<Box<dyn Integrator>> {
-    Some(match scheme {
-        Scheme::Newmark(s) => Box::new(Newmark::new(system, s.beta, s.gamma, 0.0)),
-        Scheme::Hht(s) => {
-            let a = s.alpha;
-            Box::new(Newmark::new(system, 0.25 * (1.0 - a) * (1.0 - a), 0.5 - a, -a))
-        }
-        Scheme::EnergyMomentum(_) => Box::new(EnergyMomentum::new(system)),
-        Scheme::Explicit(_) => return None,
-    })
 }
 
 /// Outcome of a transient analysis.
@@ -109,9 +94,9 @@ pub fn steps<'a>(
     options: &'a TransientAnalysis,
     start: Option<State>,
 ) -> Result<Box<dyn Stepper + 'a>> {
-    let explicit = matches!(options.scheme, Scheme::Explicit(_));
+    let explicit = options.scheme.is_explicit();
     system.require(&[if explicit { Procedure::Explicit } else { Procedure::Transient }])?;
-    Ok(match integrator(system, options.scheme) {
+    Ok(match options.scheme.integrator(system) {
         Some(scheme) => Box::new(TimeSteps::new(system, options, scheme, start)?),
         None => Box::new(ExplicitSteps::new(system, options, start)?),
     })

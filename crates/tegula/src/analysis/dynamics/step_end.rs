@@ -1,7 +1,8 @@
 //! Ends of time steps: on stops, on the grid of a constant step, and at the end of the analysis.
 
+use super::schemes::Instant;
 use crate::analysis::stops::Stops;
-use crate::model::{Scheme, TransientAnalysis};
+use crate::model::TransientAnalysis;
 use crate::system::{Procedure, System};
 
 /// Tolerance, over a constant step, within which a time counts as a multiple of it: adding a million steps leaves less
@@ -38,7 +39,7 @@ impl StepEnds {
     pub fn new(system: &System, options: &TransientAnalysis) -> Self {
         let end = options.end_time;
         let shares = options.time_step.is_none() && system.procedure != Procedure::Explicit;
-        let lags = matches!(options.scheme, Scheme::Hht(_));
+        let lags = matches!(options.scheme.instant(), Instant::Between(_));
         Self { stops: Stops::of(system, end), fixed: options.time_step, end, shares, lags }
     }
 

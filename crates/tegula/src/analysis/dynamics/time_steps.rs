@@ -1,6 +1,7 @@
 //! Time steps of an implicit scheme, with step control and cut-backs.
 
 use super::amplitude_check::AmplitudeCheck;
+use super::schemes::Instant;
 use super::step_control::StepControl;
 use super::step_end::{Span, StepEnds};
 use super::{Integrator, SMALLEST_STEP, balance, impact, initial_state, predictor};
@@ -11,7 +12,7 @@ use crate::analysis::stepper::Reached;
 use crate::analysis::{Balance, Observer, State, Statistics, Stepper};
 use crate::element::Motion;
 use crate::element::Nodal;
-use crate::model::{Scheme, TransientAnalysis};
+use crate::model::TransientAnalysis;
 use crate::system::{System, inverted_element};
 use crate::{Error, Result};
 use tegula_sparse::Factor as _;
@@ -183,7 +184,7 @@ impl<'a> TimeSteps<'a> {
         state.last_step = span.dt;
         state.time = span.end;
         if system.has_kink(span.end) {
-            let mean = matches!(self.options.scheme, Scheme::EnergyMomentum(_));
+            let mean = self.options.scheme.instant() == Instant::Middle;
             state.work += impact::pass_kink(system, newton, mean, state)?;
         }
         state.step += 1;
@@ -294,7 +295,7 @@ fn advice(system: &System, options: &TransientAnalysis, trouble: Trouble) -> Str
     if trouble == Trouble::Inaccurate {
         list.push("a larger `tolerance`");
     }
-    if !matches!(options.scheme, Scheme::EnergyMomentum(_)) {
+    if !options.scheme.conserves_energy() {
         list.push("the scheme \"energy-momentum\"");
     }
     if system.mass_damping == 0.0 && system.groups.iter().all(|g| g.retardation_time() == 0.0) {

@@ -1,19 +1,19 @@
-//! Checks of single values of a model file, whose findings are collected.
+//! Checks of single values of a model file, whose findings are collected, and what its schema says of values.
 
 use crate::Issue;
-use crate::model::Model;
 
 /// Largest positive quantity, and the inverse of the smallest one: three of them may be multiplied.
 const LARGEST: f64 = 1e100;
 
-/// Mistakes found so far.
+/// Mistakes found so far, each at its key of the model file.
 #[derive(Default)]
-pub(super) struct Checker {
-    pub(super) issues: Vec<Issue>,
+pub(crate) struct Checker {
+    pub(crate) issues: Vec<Issue>,
 }
 
 impl Checker {
-    pub(super) fn add(
+    /// Adds a mistake: key, message, help.
+    pub(crate) fn add(
         &mut self,
         place: impl Into<String>,
         message: impl Into<String>,
@@ -22,7 +22,8 @@ impl Checker {
         self.issues.push(Issue::new(place, message, help));
     }
 
-    pub(super) fn positive(&mut self, key: &str, what: &str, value: f64) {
+    /// Refuses a quantity that is not above 0 or of absurd size.
+    pub(crate) fn positive(&mut self, key: &str, what: &str, value: f64) {
         if !(value > 0.0 && value.is_finite()) {
             self.add(
                 key,
@@ -38,7 +39,8 @@ impl Checker {
         }
     }
 
-    pub(super) fn not_negative(&mut self, key: &str, what: &str, value: f64) {
+    /// Refuses a quantity below 0 or of absurd size.
+    pub(crate) fn not_negative(&mut self, key: &str, what: &str, value: f64) {
         if !(value >= 0.0 && value.is_finite()) {
             self.add(
                 key,
@@ -50,7 +52,8 @@ impl Checker {
         }
     }
 
-    pub(super) fn finite(&mut self, key: &str, what: &str, values: &[f64]) {
+    /// Refuses numbers that are not finite or of absurd size.
+    pub(crate) fn finite(&mut self, key: &str, what: &str, values: &[f64]) {
         if !values.iter().all(|v| v.is_finite()) {
             self.add(key, format!("{what} is not a finite number"), "give finite numbers");
         } else if let Some(large) = values.iter().find(|v| v.abs() > LARGEST) {
@@ -62,7 +65,8 @@ impl Checker {
         }
     }
 
-    pub(super) fn missing<'a>(
+    /// Reports a name that the model does not define, with those that it does.
+    pub(crate) fn missing<'a>(
         &mut self,
         key: String,
         kind: &str,
@@ -80,12 +84,16 @@ impl Checker {
         };
         self.add(key, format!("there is no {kind} \"{name}\""), help);
     }
+}
 
-    pub(super) fn amplitude(&mut self, model: &Model, key: &str, name: &Option<String>) {
-        if let Some(name) = name
-            && !model.amplitudes.contains_key(name)
-        {
-            self.missing(format!("{key}.amplitude"), "amplitude", name, model.amplitudes.keys());
-        }
+/// True for 0: such a value is left out of a written model file.
+pub(crate) fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+/// Says in the schema of a list that its entries are above 0.
+pub(crate) fn positive_entries(schema: &mut schemars::Schema) {
+    if let Some(entries) = schema.get_mut("items").and_then(|items| items.as_object_mut()) {
+        entries.insert("exclusiveMinimum".into(), 0.into());
     }
 }

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::Layers;
 use super::stacking::{self, MOST_PLIES};
 use crate::error::Issue;
 
@@ -217,6 +218,29 @@ impl Layup {
             stack.extend(stack.clone().into_iter().rev());
         }
         Ok(stack)
+    }
+}
+
+impl Layers for Layup {
+    fn plies(&self, key: &str) -> Result<Vec<StackedPly>, Vec<Issue>> {
+        self.expand(key)
+    }
+
+    fn direction(&self) -> [f64; 3] {
+        self.direction
+    }
+
+    fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    fn example(material: &str) -> Self {
+        Self {
+            stacking: Some("[0/±45/90]s".into()),
+            material: Some(material.into()),
+            ply_thickness: Some(0.01),
+            ..Self::default()
+        }
     }
 }
 
