@@ -88,7 +88,7 @@ fn every_distributed_load_has_the_same_resultant_on_any_mesh() {
     }
 }
 
-/// Blocks −∂f/∂x of the loads that follow the motion, by central differences at a deformed configuration.
+/// Stiffness −∂f/∂x of follower loads against central differences of their forces, at a deformed configuration.
 #[test]
 fn every_follower_load_has_the_stiffness_of_its_forces() {
     for load in Load::examples() {
