@@ -167,6 +167,7 @@ impl AssemblyTree {
                 below.extend(start..start + graph.supervariables[g as usize].len() as u32);
             }
             below.sort_unstable();
+            below.shrink_to_fit();
             tree.fronts.push(Front {
                 first,
                 width,

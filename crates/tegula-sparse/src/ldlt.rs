@@ -7,6 +7,7 @@
 use std::sync::Arc;
 
 use super::multifrontal::{Attempt, Multifrontal, Values};
+use super::workspace::Workspace;
 use super::{Factor, FactorError, Inertia};
 
 /// Sparsity pattern of a symmetric matrix: its lower triangle in compressed columns, without values.
@@ -140,9 +141,19 @@ impl SparseLdlt {
         }
     }
 
-    /// Frees the workspace, which is allocated again when it is needed.
-    pub(super) fn release_workspace(&mut self) {
-        self.fronts.release_workspace();
+    /// Factors a matrix that is expected to be positive definite, without growth check and delayed columns.
+    pub(super) fn factor_definite(&mut self, values: &[f64]) -> Result<Inertia, FactorError> {
+        self.factored = false;
+        check_finite(values)?;
+        self.factorizations += 1;
+        let inertia = self.fronts.factor_definite(values)?;
+        self.factored = true;
+        Ok(inertia)
+    }
+
+    /// Workspace of factorisations and solutions.
+    pub(super) fn workspace(&mut self) -> &mut Workspace {
+        &mut self.fronts.workspace
     }
 
     /// Multifrontal factor, if there is one to solve with.

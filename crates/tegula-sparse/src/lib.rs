@@ -15,11 +15,11 @@
 //! - `rook_pivoting`, `delayed_pivots`: 1×1 and 2×2 pivots for indefinite matrices, the inertia, threshold pivoting
 //!   with growth check and delayed columns.
 //! - `schedule`, `workspace`: tree-level and node-level parallelism, bitwise identical results for any number of
-//!   threads, and a workspace pool with a low-memory mode.
+//!   threads, and a [`Workspace`] whose pool of buffers has a low-memory mode.
 //! - `substitution`, `block_column`, `right_sides`: forward and backward substitution, with one right side or with
 //!   groups of 16, for which every entry of the factor is read once.
 //! - `schur_complement`: [`SchurComplement`] on an interface, which is ordered last and assembled in the last front, but
-//!   not eliminated.
+//!   not eliminated. Many small matrices may share a workspace.
 //!
 //! [`lanczos`] finds the largest eigenvalues of a symmetric operator, for instance of a shifted and inverted stiffness
 //! matrix; [`gmres`] solves systems and finds eigenvalues of operators `I + B`; [`norm`] has norms that propagate NaN.
@@ -63,7 +63,7 @@ mod workspace;
 
 pub use ldlt::{SparseLdlt, SymmetricPattern};
 pub use schur_complement::SchurComplement;
-pub use workspace::zeros;
+pub use workspace::{Workspace, zeros};
 
 /// Inertia of a symmetric matrix: the signs of the pivots of its factorisation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -19,12 +19,11 @@ use pulp::Arch;
 
 use super::assembly_tree::AssemblyTree;
 use super::delayed_pivots::GROWTH;
-use super::diagonal_block::DiagonalBlock;
 use super::numeric::{Entries, Numeric, Part};
 use super::ordering::CompressedGraph;
 use super::partial_factorization::FrontPivots;
 use super::schedule::{Task, locked, run_all};
-use super::workspace::{Buffer, WorkspacePool, zeros};
+use super::workspace::{Buffer, Workspace, zeros};
 use super::{FactorError, Inertia};
 
 /// Work (floating-point operations) below which a subtree is not divided among threads.
@@ -37,14 +36,13 @@ const LOW_MEMORY_ENTRIES: usize = 1 << 25;
 /// Multifrontal factor of matrices of one pattern.
 pub(super) struct Multifrontal {
     tree: AssemblyTree,
-    /// Panels of all fronts but those stored in place of the values, by block columns.
+    /// Panels of all fronts, by block columns, but those of the fronts stored in place of the values and, in sequential
+    /// mode, that of the interface, which stays in the workspace.
     factor: Vec<f64>,
     in_place: Option<InPlaceFronts>,
     /// Memory of the values of the matrix, or its replacement, which holds the panels of the fronts stored in place.
     value_memory: Vec<f64>,
     pivoting: Pivoting,
-    /// Diagonal of the matrix.
-    diagonal: Vec<f64>,
     /// Pivots of all fronts.
     pivots: Vec<FrontPivots>,
     /// Tasks of the schedule: subtrees and node-level fronts.
@@ -54,12 +52,8 @@ pub(super) struct Multifrontal {
     /// Largest size of the contribution-block stack in each task that is a subtree.
     stack_sizes: Vec<usize>,
     mode: Mode,
-    /// Workspace for a diagonal block, one for each thread.
-    diagonal_blocks: Vec<Mutex<DiagonalBlock>>,
-    /// Workspace pool for contribution blocks and for the row sums of a solution.
-    workspace: WorkspacePool,
-    /// Vector of all columns in elimination order, for a solution.
-    columns: Vec<f64>,
+    /// Workspace of factorisations and solutions.
+    pub workspace: Workspace,
 }
 
 /// Last fronts of the tree, stored in place of the values of the matrix once no other front needs these.
@@ -92,9 +86,66 @@ impl InPlaceFronts {
         Some(Self { task, front, starts, size })
     }
 
-    /// Number of original entries that are set aside.
-    fn entries(&self) -> usize {
-        self.starts.last().copied().unwrap_or(0)
+    /// Copy of the original entries of these fronts, which outlives the values of the matrix.
+    fn original_entries(
+        &self,
+        tree: &AssemblyTree,
+        workspace: &Workspace,
+        values: &[f64],
+    ) -> Result<Buffer, FactorError> {
+        let mut out = workspace.pool.take(self.starts.last().copied().unwrap_or(0))?;
+        for (k, place) in self.starts.windows(2).enumerate() {
+            tree.entries.collect(self.front + k, values, &mut out[place[0]..place[1]]);
+        }
+        Ok(out)
+    }
+}
+
+/// Panels and pivots that are split off task by task. The last front's panel may be elsewhere, in `interface`.
+struct Unassigned<'a> {
+    tree: &'a AssemblyTree,
+    panels: &'a mut [f64],
+    pivots: &'a mut [FrontPivots],
+    interface: &'a mut [f64],
+}
+
+impl<'a> Unassigned<'a> {
+    /// Splits off the part of the next task. Fronts stored in place, the last ones, have no panels yet.
+    fn next(&mut self, task: &Task) -> Part<'a> {
+        let mut part = Part::default();
+        let mut size = panel_sizes(self.tree, task);
+        if task.fronts.end == self.tree.fronts.len() {
+            part.interface = std::mem::take(&mut self.interface);
+            size -= part.interface.len();
+        }
+        part.panels = self.panels.split_off_mut(..size).unwrap_or_default();
+        part.pivots = self.pivots.split_off_mut(..task.fronts.len()).unwrap_or_default();
+        part
+    }
+}
+
+/// Tasks of the schedule in progress.
+struct Progress<'a> {
+    tasks: &'a [Task],
+    stack_sizes: &'a [usize],
+    /// Panels and pivots of each task, until it begins.
+    parts: Vec<Mutex<Part<'a>>>,
+    /// Contribution block of each task, until its parent assembles it.
+    contributions: Vec<Mutex<Buffer>>,
+}
+
+impl Progress<'_> {
+    /// Runs a task whose children are done.
+    fn run(&self, numeric: &Numeric, t: usize) -> Result<(), FactorError> {
+        let task = &self.tasks[t];
+        let part = std::mem::take(&mut *locked(&self.parts[t]));
+        *locked(&self.contributions[t]) = if task.node_level {
+            let taken = |&c: &u32| std::mem::take(&mut *locked(&self.contributions[c as usize]));
+            numeric.factor_front(task.fronts.start, part, task.children.iter().map(taken).collect())?
+        } else {
+            numeric.factor_subtree(task.fronts.clone(), self.stack_sizes[t], part)?
+        };
+        Ok(())
     }
 }
 
@@ -175,21 +226,24 @@ impl Multifrontal {
             None
         };
         let stack_sizes: Vec<usize> = tasks.iter().map(|task| stack_size(&tree, &task.fronts)).collect();
-        let diagonal_blocks = (0..threads).map(|_| Mutex::new(DiagonalBlock::new())).collect();
+        // A sequential factorisation gets its factor and its workspace, which may be that of the caller, when it begins.
+        let (factor, workspace) = if mode.sequential {
+            (Vec::new(), Workspace::default())
+        } else {
+            let size = tree.size - in_place.as_ref().map_or(0, |in_place| in_place.size);
+            (zeros(size)?, Workspace::new(threads, tree.order.len(), low_memory)?)
+        };
         Ok(Self {
-            factor: zeros(tree.size - in_place.as_ref().map_or(0, |in_place| in_place.size))?,
+            factor,
             in_place,
             value_memory: Vec::new(),
             pivoting: Pivoting::Restricted,
-            diagonal: zeros(tree.order.len())?,
             pivots: (0..n).map(|_| FrontPivots::default()).collect(),
-            columns: zeros(tree.order.len())?,
             tree,
             tasks,
             node_level,
             stack_sizes,
-            diagonal_blocks,
-            workspace: WorkspacePool::new(low_memory),
+            workspace,
             mode,
         })
     }
@@ -198,13 +252,8 @@ impl Multifrontal {
     pub fn release(&mut self) {
         self.factor = Vec::new();
         self.value_memory = Vec::new();
-        self.workspace.release();
+        self.workspace.pool.release();
         self.pivoting = Pivoting::Restricted;
-    }
-
-    /// Frees the workspace, which is allocated again when it is needed.
-    pub fn release_workspace(&mut self) {
-        self.workspace.release();
     }
 
     /// Discards the factor and returns the memory of the values; returns none while a growth check is pending.
@@ -236,19 +285,22 @@ impl Multifrontal {
     /// The matrix is singular, or the memory does not suffice.
     pub fn factor(&mut self, pointers: &[usize], values: Values) -> Result<(Attempt, bool), FactorError> {
         let eliminated = self.tree.eliminated();
-        let done =
-            |negative: usize| Attempt::Done(Inertia { positive: eliminated - negative, negative, zero: 0 });
+        let done = |negative: usize| Attempt::Done(inertia(eliminated, negative));
         match std::mem::replace(&mut self.pivoting, Pivoting::Restricted) {
             Pivoting::Restricted => {
-                for (d, &first) in self.diagonal.iter_mut().zip(pointers) {
-                    *d = values.all()[first];
-                }
+                let first = &pointers[..self.tree.order.len()];
+                self.workspace.diagonal.clear();
+                self.workspace.diagonal.extend(first.iter().map(|&first| values.all()[first]));
                 match self.factor_once(values, None) {
                     // Without negative pivots only a Schur complement may have grown.
                     Ok(0) if self.tree.interface == 0 => Ok((done(0), true)),
                     Ok(negative) => {
                         let sizes = self.pivot_sizes();
-                        if sizes.iter().zip(&self.diagonal).all(|(size, d)| *size <= GROWTH * d.abs()) {
+                        if sizes
+                            .iter()
+                            .zip(&self.workspace.diagonal)
+                            .all(|(size, d)| *size <= GROWTH * d.abs())
+                        {
                             return Ok((done(negative), true));
                         }
                         self.pivoting = Pivoting::GrowthCheck(sizes, negative);
@@ -274,6 +326,18 @@ impl Multifrontal {
                 self.factor_with_threshold_pivoting(pointers, values, &scales, done)
             }
         }
+    }
+
+    /// Factors a matrix that is expected to be positive definite. Pivots are restricted to diagonal blocks, and there is
+    /// no growth check: an indefinite matrix is recognised, but its factor may be inaccurate. The assembly tree stays as
+    /// it is.
+    ///
+    /// # Errors
+    /// The matrix is singular, or the memory does not suffice.
+    pub fn factor_definite(&mut self, values: &[f64]) -> Result<Inertia, FactorError> {
+        self.pivoting = Pivoting::Restricted;
+        let negative = self.factor_once(Values::Borrowed(values), None)?;
+        Ok(inertia(self.tree.eliminated(), negative))
     }
 
     fn factor_with_threshold_pivoting(
@@ -323,7 +387,7 @@ impl Multifrontal {
     /// Sizes of the pivots by unknown: `l_jj²` of a Cholesky column, the largest entry in the column of a 1×1 or 2×2
     /// pivot; the diagonal entry of the Schur complement for an unknown of the interface.
     fn pivot_sizes(&self) -> Vec<f64> {
-        let mut size = vec![0.0; self.columns.len()];
+        let mut size = vec![0.0; self.tree.order.len()];
         for (f, (front, pivots)) in self.tree.fronts.iter().zip(&self.pivots).enumerate() {
             let (layout, panel) = (front.layout(), self.panel(f));
             let old = &self.tree.order[front.first..front.first + front.width];
@@ -342,15 +406,24 @@ impl Multifrontal {
         size
     }
 
+    /// Number of entries of the panel of the interface if it stays in the workspace, else 0.
+    fn interface_size(&self) -> usize {
+        let last = self.tree.fronts.last().filter(|_| self.mode.sequential && self.tree.interface > 0);
+        last.map_or(0, |front| front.layout().size())
+    }
+
     /// Panel of a front, followed by the panels after it.
     fn panel(&self, f: usize) -> &[f64] {
+        if self.mode.sequential && self.tree.is_interface(f) {
+            return &self.workspace.interface;
+        }
         panel(&self.factor, &self.value_memory, self.tree.fronts[f].panel)
     }
 
     /// Equilibration scales of the unknowns, with which the largest entry of every row becomes about one: D. Ruiz, *A
     /// scaling algorithm to equilibrate both rows and columns norms in matrices*, RAL-TR-2001-034 (2001).
     fn scales(&self, values: &[f64]) -> Vec<f64> {
-        let n = self.columns.len();
+        let n = self.tree.order.len();
         let mut scale = vec![1.0; n];
         for _ in 0..4 {
             let mut largest = vec![0.0_f64; n];
@@ -370,91 +443,83 @@ impl Multifrontal {
     /// pivoting.
     fn factor_once(&mut self, values: Values, scales: Option<&[f64]>) -> Result<usize, FactorError> {
         self.pivots.iter_mut().for_each(FrontPivots::clear);
+        let elsewhere =
+            self.in_place.as_ref().map_or_else(|| self.interface_size(), |in_place| in_place.size);
         if self.factor.is_empty() {
-            self.factor = zeros(self.tree.size - self.in_place.as_ref().map_or(0, |in_place| in_place.size))?;
+            self.factor = zeros(self.tree.size - elsewhere)?;
         }
-        let Self {
-            tree,
-            node_level,
-            tasks,
-            stack_sizes,
-            diagonal_blocks,
-            workspace,
-            factor,
-            in_place,
-            value_memory,
-            pivots,
-            mode,
-            ..
-        } = self;
-        workspace.begin();
-        let (mut panels, mut left) = (factor.as_mut_slice(), pivots.as_mut_slice());
-        // Panels and pivots of a task, split off task by task. The fronts stored in place, the last ones, have no
-        // memory yet.
-        let mut take = |task: &Task| {
-            let size = panel_sizes(tree, task);
-            let pivots = left.split_off_mut(..task.fronts.len()).unwrap_or_default();
-            Part { panels: panels.split_off_mut(..size).unwrap_or_default(), pivots }
-        };
-        let arch = Arch::new();
-        let numeric =
-            Numeric { tree, workspace, diagonal_blocks, entries: Entries::All(values.all()), scales, arch };
-        if !node_level.contains(&true) {
-            for (task, stack) in tasks.iter().zip(stack_sizes) {
-                numeric.factor_subtree(task.fronts.clone(), *stack, take(task))?;
-            }
+        self.workspace.begin(self.interface_size())?;
+        if self.node_level.contains(&true) {
+            self.factor_scheduled(values, scales)?;
         } else {
-            let parts: Vec<_> = tasks.iter().map(|task| Mutex::new(take(task))).collect();
-            // Contribution block of each task, until its parent assembles it.
-            let contributions: Vec<_> = tasks.iter().map(|_| Mutex::new(Buffer::default())).collect();
-            let run = |numeric: &Numeric, t: usize| {
-                let task = &tasks[t];
-                let part = std::mem::take(&mut *locked(&parts[t]));
-                *locked(&contributions[t]) = if task.node_level {
-                    let from = task
-                        .children
-                        .iter()
-                        .map(|&c| std::mem::take(&mut *locked(&contributions[c as usize])));
-                    numeric.factor_front(task.fronts.start, part, from.collect())?
-                } else {
-                    numeric.factor_subtree(task.fronts.clone(), stack_sizes[t], part)?
-                };
-                Ok(())
-            };
-            let early = 0..in_place.as_ref().map_or(tasks.len(), |in_place| in_place.task);
-            let threads = (diagonal_blocks.len(), mode.low_memory);
-            run_all(tasks, early, threads, |t| run(&numeric, t))?;
-            if let Some(in_place) = in_place {
-                let mut original_entries = workspace.take(in_place.entries())?;
-                for (k, place) in in_place.starts.windows(2).enumerate() {
-                    let out = &mut original_entries[place[0]..place[1]];
-                    tree.entries.collect(in_place.front + k, values.all(), out);
-                }
-                if let Values::Owned(values) = values {
-                    *value_memory = values;
-                } else if value_memory.len() < in_place.size {
-                    *value_memory = zeros(in_place.size)?;
-                }
-                let mut panels = value_memory.as_mut_slice();
-                for (task, part) in tasks.iter().zip(&parts).skip(in_place.task) {
-                    locked(part).panels = panels.split_off_mut(..panel_sizes(tree, task)).unwrap_or_default();
-                }
-                let entries = Entries::Collected(in_place.front, &in_place.starts, &original_entries);
-                let numeric = Numeric { tree, workspace, diagonal_blocks, entries, scales, arch };
-                run_all(tasks, in_place.task..tasks.len(), threads, |t| run(&numeric, t))?;
-                workspace.put(original_entries);
-                return Ok(self.negative_pivots());
-            }
+            self.factor_in_sequence(values, scales)?;
         }
+        Ok(self.negative_pivots())
+    }
+
+    /// Factors all subtrees, one after another.
+    fn factor_in_sequence(&mut self, values: Values, scales: Option<&[f64]>) -> Result<(), FactorError> {
+        let Self { tree, tasks, stack_sizes, workspace, factor, value_memory, pivots, .. } = self;
+        let entries = Entries::All(values.all());
+        let mut interface = std::mem::take(&mut workspace.interface);
+        let numeric = Numeric { tree, workspace, entries, scales, arch: Arch::new() };
+        let mut unassigned = Unassigned { tree, panels: factor, pivots, interface: &mut interface };
+        for (task, stack) in tasks.iter().zip(stack_sizes) {
+            numeric.factor_subtree(task.fronts.clone(), *stack, unassigned.next(task))?;
+        }
+        workspace.interface = interface;
         if let Values::Owned(values) = values {
             *value_memory = values;
         }
-        Ok(self.negative_pivots())
+        Ok(())
+    }
+
+    /// Factors the tasks of the schedule with all threads, the fronts stored in place at last.
+    fn factor_scheduled(&mut self, values: Values, scales: Option<&[f64]>) -> Result<(), FactorError> {
+        let Self {
+            tree, tasks, stack_sizes, workspace, factor, in_place, value_memory, pivots, mode, ..
+        } = self;
+        let arch = Arch::new();
+        let threads = (workspace.threads(), mode.low_memory);
+        let mut unassigned = Unassigned { tree, panels: factor, pivots, interface: &mut [] };
+        let parts = tasks.iter().map(|task| Mutex::new(unassigned.next(task))).collect();
+        let contributions = tasks.iter().map(|_| Mutex::new(Buffer::default())).collect();
+        let progress = Progress { tasks, stack_sizes, parts, contributions };
+        let early = 0..in_place.as_ref().map_or(tasks.len(), |in_place| in_place.task);
+        let entries = Entries::All(values.all());
+        let numeric = Numeric { tree, workspace, entries, scales, arch };
+        run_all(tasks, early, threads, |t| progress.run(&numeric, t))?;
+        let Some(in_place) = in_place else {
+            if let Values::Owned(values) = values {
+                *value_memory = values;
+            }
+            return Ok(());
+        };
+        let original_entries = in_place.original_entries(tree, workspace, values.all())?;
+        if let Values::Owned(values) = values {
+            *value_memory = values;
+        } else if value_memory.len() < in_place.size {
+            *value_memory = zeros(in_place.size)?;
+        }
+        let mut panels = value_memory.as_mut_slice();
+        for (task, part) in tasks.iter().zip(&progress.parts).skip(in_place.task) {
+            locked(part).panels = panels.split_off_mut(..panel_sizes(tree, task)).unwrap_or_default();
+        }
+        let entries = Entries::Collected(in_place.front, &in_place.starts, &original_entries);
+        let numeric = Numeric { tree, workspace, entries, scales, arch };
+        run_all(tasks, in_place.task..tasks.len(), threads, |t| progress.run(&numeric, t))?;
+        workspace.pool.put(original_entries);
+        Ok(())
     }
 
     fn negative_pivots(&self) -> usize {
         self.pivots.iter().flat_map(|front| &front.blocks).map(|p| p.pivots.inertia().negative).sum()
     }
+}
+
+/// Inertia of a regular matrix of which so many unknowns are eliminated.
+fn inertia(eliminated: usize, negative: usize) -> Inertia {
+    Inertia { positive: eliminated - negative, negative, zero: 0 }
 }
 
 /// Part of the factor that begins with entry `first`, the start of a panel. The fronts stored in place, in memory of

@@ -1,18 +1,15 @@
 //! Numeric factorisation: extend-add and elimination of fronts, one after another in a subtree or one front by all
 //! threads.
 
-use std::ops::Range;
-use std::sync::{Mutex, MutexGuard};
-
 use pulp::Arch;
+use std::ops::Range;
 
 use super::FactorError;
 use super::assembly_tree::{AssemblyTree, Front};
 use super::diagonal_block::DiagonalBlock;
 use super::partial_factorization::{FrontPivots, PartialFactorization, half};
-use super::schedule::locked;
 use super::trapezoid::{BLOCK, Trapezoid};
-use super::workspace::{Buffer, WorkspacePool};
+use super::workspace::{Buffer, Workspace};
 
 /// Original entries of the matrix.
 pub(super) enum Entries<'a> {
@@ -28,14 +25,14 @@ pub(super) enum Entries<'a> {
 pub(super) struct Part<'a> {
     pub panels: &'a mut [f64],
     pub pivots: &'a mut [FrontPivots],
+    /// Panel of the interface if it is the last of the fronts and its panel is not among `panels`.
+    pub interface: &'a mut [f64],
 }
 
 /// Shared data of the numeric factorisation of all fronts.
 pub(super) struct Numeric<'a> {
     pub tree: &'a AssemblyTree,
-    pub workspace: &'a WorkspacePool,
-    /// Workspace for a diagonal block, one for each thread.
-    pub diagonal_blocks: &'a [Mutex<DiagonalBlock>],
+    pub workspace: &'a Workspace,
     pub entries: Entries<'a>,
     /// Equilibration scales of the unknowns; they switch on threshold pivoting.
     pub scales: Option<&'a [f64]>,
@@ -48,7 +45,7 @@ impl Numeric<'_> {
     pub fn factor_front(&self, f: usize, part: Part<'_>, from: Vec<Buffer>) -> Result<Buffer, FactorError> {
         let front = &self.tree.fronts[f];
         let (layout, contribution) = (front.layout(), front.contribution());
-        let Part { panels: panel, pivots } = part;
+        let Part { panels: panel, pivots, .. } = part;
         self.extend_add_children(f, &from, (layout, 0), 0..layout.blocks(), panel);
         self.add_entries(f, panel);
         let (pivots, diagonal_block) = (&mut pivots[0], &mut DiagonalBlock::new());
@@ -63,11 +60,11 @@ impl Numeric<'_> {
         if !self.tree.is_interface(f) {
             work.eliminate(panel)?;
         }
-        let mut memory = self.workspace.take(contribution.size())?;
+        let mut memory = self.workspace.pool.take(contribution.size())?;
         let out = &mut memory[..contribution.size()];
         work.contribution(panel, out);
         self.extend_add_children(f, &from, (contribution, front.width), 0..contribution.blocks(), out);
-        from.into_iter().for_each(|piece| self.workspace.put(piece));
+        from.into_iter().for_each(|piece| self.workspace.pool.put(piece));
         Ok(memory)
     }
 
@@ -108,20 +105,24 @@ impl Numeric<'_> {
         let fronts = &self.tree.fronts;
         let leaf = subtree.start;
         let start = fronts[leaf].panel;
-        let mut stack = self.workspace.take(size)?;
+        let mut stack = self.workspace.pool.take(size)?;
         let mut out = Buffer::default();
-        let diagonal_block = &mut *self.diagonal_block();
+        let diagonal_block = &mut *self.workspace.diagonal_block();
         let mut top = 0;
         for s in subtree.clone() {
             let front = &fronts[s];
             let last = s + 1 == subtree.end;
             let (layout, contribution) = (front.layout(), front.contribution());
             let own = contribution.size();
-            let panel = &mut part.panels[front.panel - start..][..layout.size()];
+            let panel = if self.tree.is_interface(s) && !part.interface.is_empty() {
+                &mut *part.interface
+            } else {
+                &mut part.panels[front.panel - start..][..layout.size()]
+            };
             let children = self.tree.contributions_of_children(s);
             let (held, free) = stack.split_at_mut(top);
             let next = if last {
-                out = self.workspace.take(own)?;
+                out = self.workspace.pool.take(own)?;
                 &mut out[..own]
             } else {
                 &mut free[..own]
@@ -155,7 +156,7 @@ impl Numeric<'_> {
             }
             top = top - children + own;
         }
-        self.workspace.put(stack);
+        self.workspace.pool.put(stack);
         Ok(out)
     }
 
@@ -187,12 +188,6 @@ impl Numeric<'_> {
         values: &mut [f64],
     ) {
         self.arch.dispatch(|| extend_add(child, from, to, blocks, values));
-    }
-
-    /// Workspace of this thread for a diagonal block. The thread waits for no other work while it holds the lock.
-    fn diagonal_block(&self) -> MutexGuard<'_, DiagonalBlock> {
-        let own = rayon::current_thread_index().unwrap_or(0);
-        locked(&self.diagonal_blocks[own % self.diagonal_blocks.len()])
     }
 }
 

@@ -47,15 +47,16 @@ impl CompressedGraph {
         // Sums of two hashes over all neighbours of an unknown, itself included: equal for indistinguishable unknowns.
         // A collision of different neighbourhoods (one in 2^128) would be detected when the original entries are mapped
         // to the fronts.
-        let mut hash: Vec<[u64; 2]> = (0..n as u64).map(|j| [mix(j), mix(!j)]).collect();
+        let own: Vec<[u64; 2]> = (0..n as u64).map(|j| [mix(j), mix(!j)]).collect();
+        let mut hash = own.clone();
         for &j in interface {
             hash[j as usize] = hash[j as usize].map(|h| h.wrapping_add(INTERFACE));
         }
         for j in 0..n {
             for i in column(j).iter().map(|&i| i as usize).filter(|&i| i != j) {
-                for (of, other) in [(i, j as u64), (j, i as u64)] {
-                    hash[of][0] = hash[of][0].wrapping_add(mix(other));
-                    hash[of][1] = hash[of][1].wrapping_add(mix(!other));
+                for (of, other) in [(i, own[j]), (j, own[i])] {
+                    hash[of][0] = hash[of][0].wrapping_add(other[0]);
+                    hash[of][1] = hash[of][1].wrapping_add(other[1]);
                 }
             }
         }

@@ -8,7 +8,7 @@ use common::{Matrix, Random, constrained, grid};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use tegula_sparse::norm::max_norm;
-use tegula_sparse::{FactorError, Inertia, SchurComplement, SymmetricPattern};
+use tegula_sparse::{FactorError, Inertia, SchurComplement, SymmetricPattern, Workspace};
 
 /// Interior: all unknowns but those of the interface.
 fn interior(n: usize, interface: &[u32]) -> Vec<usize> {
@@ -280,6 +280,52 @@ fn many_are_factored_in_parallel_tasks() {
         }
     });
     assert!(together == alone);
+}
+
+/// One workspace serves matrices and interfaces of all sizes and holds nothing of them. Indefinite interiors, which are
+/// factored in between, are recognised and leave no trace.
+#[test]
+fn a_shared_workspace_gives_equal_bits() {
+    let cases = [
+        (grid(6, 9, 6, 1e-2), boundary(6, 9, 6)),
+        (grid(9, 30, 6, 1e-2), boundary(9, 30, 6).into_iter().rev().collect()),
+        (grid(5, 5, 6, 1e-2), vec![]),
+        (grid(4, 4, 6, 1e-2), (0..96).collect()),
+        (grid(8, 8, 6, 1e-2), boundary(8, 8, 6)),
+    ];
+    let mut workspace = Workspace::default();
+    for (m, interface) in &cases {
+        let mut schur = SchurComplement::sequential(&m.pattern(), interface).unwrap();
+        let (n, size) = (m.size(), interface.len());
+        let (expected, solution) = results(m, interface, true);
+        for scale in [1.0, -1.0, 1.0] {
+            let values: Vec<f64> = m.values.iter().map(|v| scale * v).collect();
+            let mut matrix = vec![0.5; size * size];
+            let inertia = schur.factor_definite(&values, &mut matrix, &mut workspace).unwrap();
+            assert_eq!(inertia.negative, if scale < 0.0 { n - size } else { 0 });
+            assert!(schur.matrix().is_empty());
+            if scale < 0.0 {
+                continue;
+            }
+            for j in 0..size {
+                assert_eq!(matrix[j * size + j..(j + 1) * size], expected[j * size + j..(j + 1) * size]);
+                assert!(matrix[j * size..j * size + j].iter().all(|x| *x == 0.5));
+            }
+            let mut x: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
+            schur.condense_with(&mut x, &mut workspace);
+            schur.expand_with(&mut x, &mut workspace);
+            assert_eq!(x, solution);
+        }
+        schur.release();
+        let (mut x, mut matrix) = (vec![0.0; n], vec![0.0; size * size]);
+        if size < n {
+            schur.condense_with(&mut x, &mut workspace);
+            assert!(x.iter().all(|x| x.is_nan()));
+        }
+        let refused = schur.factor_definite(&vec![f64::NAN; m.values.len()], &mut matrix, &mut workspace);
+        assert_eq!(refused, Err(FactorError::NotFinite));
+        assert!((0..size).all(|j| matrix[j * (size + 1)].is_nan()));
+    }
 }
 
 proptest! {

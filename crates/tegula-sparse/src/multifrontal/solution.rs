@@ -5,6 +5,7 @@ use pulp::Arch;
 
 use super::super::FactorError;
 use super::super::substitution::Solver;
+use super::super::workspace::Workspace;
 use super::Multifrontal;
 
 /// Number of right sides that are solved together; a last group of few takes the narrow kernel.
@@ -37,8 +38,8 @@ impl Multifrontal {
         self.sweep(vector, |solver, columns, rows| solver.expand(columns, rows))
     }
 
-    /// Copies the Schur complement of the interior to `out`, a square matrix with both triangles. `place` gives the row
-    /// there of an unknown of the interface.
+    /// Copies the lower triangle of the Schur complement of the interior to `out`, a square matrix by columns. `place`
+    /// gives the row there of an unknown of the interface.
     pub fn copy_schur_complement(&self, out: &mut [f64], place: impl Fn(u32) -> usize) {
         let m = self.tree.interface;
         if m == 0 {
@@ -48,11 +49,15 @@ impl Multifrontal {
         let (front, panel) = (&self.tree.fronts[f], self.panel(f));
         let layout = front.layout();
         let places: Vec<usize> = self.tree.order[front.first..].iter().map(|&old| place(old)).collect();
+        let in_order = places.iter().enumerate().all(|(j, &place)| j == place);
         for (j, &column) in places.iter().enumerate() {
             let entries = &panel[layout.diagonal(j)..][..m - j];
+            if in_order {
+                out[j * m + j..(j + 1) * m].copy_from_slice(entries);
+                continue;
+            }
             for (&row, value) in places[j..].iter().zip(entries) {
-                out[column * m + row] = *value;
-                out[row * m + column] = *value;
+                out[column.min(row) * m + column.max(row)] = *value;
             }
         }
     }
@@ -64,18 +69,18 @@ impl Multifrontal {
         right_side: &mut [f64],
         work: impl FnOnce(&Solver, &mut [f64], &mut [f64]),
     ) -> Result<(), FactorError> {
-        let Self { tree, factor, value_memory, node_level, columns, workspace, pivots, .. } = self;
-        let mut rows = workspace.take_alone(tree.rows)?;
-        for (x, &old) in columns.iter_mut().zip(&tree.order) {
-            *x = right_side[old as usize];
-        }
+        let Self { tree, factor, value_memory, node_level, workspace, pivots, .. } = self;
+        let Workspace { pool, columns, .. } = workspace;
+        let mut rows = pool.take_alone(tree.rows)?;
+        columns.clear();
+        columns.extend(tree.order.iter().map(|&old| right_side[old as usize]));
         let arch = Arch::new();
         let solver = Solver { tree, factor, in_place: value_memory, node_level, pivots, arch };
         work(&solver, columns, &mut rows[..tree.rows]);
         for (x, &old) in columns.iter().zip(&tree.order) {
             right_side[old as usize] = *x;
         }
-        workspace.put(rows);
+        pool.put(rows);
         Ok(())
     }
 
@@ -105,7 +110,7 @@ impl Multifrontal {
         let Self { tree, factor, value_memory, node_level, workspace, pivots, .. } = self;
         let n = tree.order.len();
         let size = (n + tree.rows).checked_mul(K).ok_or(FactorError::TooLarge)?;
-        let mut memory = workspace.take_alone(size)?;
+        let mut memory = workspace.pool.take_alone(size)?;
         let (columns, rows) = memory[..size].as_chunks_mut::<K>().0.split_at_mut(n);
         for (x, &old) in columns.iter_mut().zip(&tree.order) {
             *x = [0.0; K];
@@ -120,7 +125,7 @@ impl Multifrontal {
                 b[old as usize] = *x;
             }
         }
-        workspace.put(memory);
+        workspace.pool.put(memory);
         Ok(())
     }
 }

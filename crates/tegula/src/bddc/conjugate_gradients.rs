@@ -1,9 +1,12 @@
 //! Preconditioned conjugate gradients on the interface Γ.
 
+use std::sync::Mutex;
+
 use rayon::prelude::*;
+use tegula_sparse::Workspace;
 
 use super::tridiagonal::condition;
-use super::{Bddc, BddcError, Convergence};
+use super::{Bddc, BddcError, Convergence, locked};
 
 /// Number of vector entries that one task sums.
 const CHUNK: usize = 8192;
@@ -94,13 +97,13 @@ impl Bddc {
         vectors: &mut Vectors,
     ) -> Result<Convergence, BddcError> {
         let right_side: &[f64] = x;
+        let workspaces = &self.workspaces;
         self.data.par_iter_mut().with_max_len(4).zip(&self.subdomains).for_each(|(datum, subdomain)| {
-            let Some(factored) = &datum.factored else { return };
             for (x, &u) in datum.x.iter_mut().zip(&subdomain.unknowns[..subdomain.inner]) {
                 *x = right_side[u as usize];
             }
             datum.x[subdomain.inner..].fill(0.0);
-            subdomain.forward(factored, &mut datum.x, &mut datum.rows);
+            with_workspace(workspaces, |workspace| datum.interior.condense_with(&mut datum.x, workspace));
             datum.y.copy_from_slice(&datum.x[subdomain.inner..]);
         });
         for (g, &u) in vectors.right.iter_mut().zip(&self.interface.unknowns) {
@@ -108,18 +111,17 @@ impl Bddc {
         }
         self.interface.add(&self.data, 0, &mut vectors.right);
         let convergence = self.iterate(wanted, vectors)?;
-        let solution = &vectors.solution;
+        let (solution, workspaces) = (&vectors.solution, &self.workspaces);
         self.data
             .par_iter_mut()
             .with_max_len(4)
             .zip(&self.subdomains)
             .zip(&self.interface.of_subdomain)
             .for_each(|((datum, subdomain), of)| {
-                let Some(factored) = &datum.factored else { return };
                 for (x, &n) in datum.x[subdomain.inner..].iter_mut().zip(of) {
                     *x = solution[n as usize];
                 }
-                subdomain.backward(factored, &mut datum.x, &mut datum.rows);
+                with_workspace(workspaces, |workspace| datum.interior.expand_with(&mut datum.x, workspace));
             });
         for (datum, subdomain) in self.data.iter().zip(&self.subdomains) {
             for (value, &u) in datum.x.iter().zip(&subdomain.unknowns) {
@@ -212,14 +214,14 @@ impl Bddc {
             .zip(&self.subdomains)
             .zip(&self.interface.of_subdomain)
             .for_each(|((datum, subdomain), of)| {
-                let Some(factored) = &datum.factored else { return };
+                let Some(schur) = &datum.schur else { return };
                 // The interior unknowns stay in `x` until the end of the iteration; the places of the interface are
                 // free.
                 let local = &mut datum.x[subdomain.inner..];
                 for (l, &n) in local.iter_mut().zip(of) {
                     *l = x[n as usize];
                 }
-                factored.schur.product(local, &mut datum.y);
+                schur.product(local, &mut datum.y);
             });
         out.fill(0.0);
         self.interface.add(&self.data, 0, out);
@@ -235,7 +237,7 @@ impl Bddc {
                 .zip(&self.subdomains)
                 .zip(&self.interface.of_subdomain)
                 .for_each(|((datum, subdomain), of)| {
-                    let Some(factored) = &datum.factored else { return };
+                    let Some(schur) = &datum.schur else { return };
                     for (k, (y, &n)) in datum.y.iter_mut().zip(of).enumerate() {
                         *y = if k >= subdomain.dual {
                             0.0
@@ -245,7 +247,7 @@ impl Bddc {
                                 .unwrap_or_else(|| datum.weights[k] * r[n as usize])
                         };
                     }
-                    factored.schur.forward(&mut datum.y);
+                    schur.forward(&mut datum.y);
                 });
         };
         each(&mut self.data);
@@ -261,11 +263,11 @@ impl Bddc {
             .zip(&self.subdomains)
             .zip(&self.interface.of_subdomain)
             .for_each(|((datum, subdomain), of)| {
-                let Some(factored) = &datum.factored else { return };
+                let Some(schur) = &datum.schur else { return };
                 for (y, &n) in datum.y[subdomain.dual..].iter_mut().zip(&of[subdomain.dual..]) {
                     *y = z_primal[n as usize - dual];
                 }
-                factored.schur.backward(&mut datum.y);
+                schur.backward(&mut datum.y);
                 let grouped = scaling.len();
                 for ((y, w), &n) in datum.y.iter_mut().zip(&datum.weights).zip(of) {
                     *y *= if (n as usize) < grouped { 1.0 } else { *w };
@@ -276,6 +278,13 @@ impl Bddc {
         z_rest.fill(0.0);
         self.interface.add(&self.data, scaling.len(), z_rest);
     }
+}
+
+/// Calls `work` with one of the workspaces that the threads share.
+fn with_workspace(workspaces: &Mutex<Vec<Workspace>>, work: impl FnOnce(&mut Workspace)) {
+    let mut workspace = locked(workspaces).pop().unwrap_or_default();
+    work(&mut workspace);
+    locked(workspaces).push(workspace);
 }
 
 /// Checks the sign of `r·M⁻¹r`: a positive definite matrix has a positive definite preconditioner.

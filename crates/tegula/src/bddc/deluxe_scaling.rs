@@ -113,8 +113,8 @@ impl DeluxeScaling {
                 let n = member.len();
                 let mut minors = [vec![0.0; n * n], vec![0.0; n * n]];
                 for k in 0..2 {
-                    let factored = data[member.subdomains[k] as usize].factored.as_ref()?;
-                    factored.schur.add_minor(&member.places[k], &mut minors[k]);
+                    let schur = data[member.subdomains[k] as usize].schur.as_ref()?;
+                    schur.add_minor(&member.places[k], &mut minors[k]);
                 }
                 let [mut first, mut sum] = minors;
                 for j in 0..n {

@@ -91,8 +91,8 @@ impl Interface {
     /// complements. They add up to one.
     pub fn weigh(&self, subdomains: &[Subdomain], data: &mut [SubdomainData]) {
         for datum in data.iter_mut() {
-            let Some(factored) = &datum.factored else { continue };
-            datum.y.iter_mut().zip(factored.schur.diagonal()).for_each(|(y, d)| *y = d);
+            let Some(schur) = &datum.schur else { continue };
+            datum.y.iter_mut().zip(schur.diagonal()).for_each(|(y, d)| *y = d);
         }
         let mut sums = vec![0.0; self.dual];
         self.add(data, 0, &mut sums);

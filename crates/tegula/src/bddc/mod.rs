@@ -22,11 +22,11 @@
 //! A restriction of the partially assembled operator `S̃` to continuous functions is the assembled `S`. If all pivots
 //! of `S̃` are positive, `S` is therefore positive definite, too.
 
+mod assembly;
 mod coarse;
 mod conjugate_gradients;
 mod deluxe_scaling;
 mod elements;
-mod front;
 mod interface;
 mod partition;
 mod primal_nodes;
@@ -43,11 +43,12 @@ pub use self::conjugate_gradients::StoppingCriterion;
 use self::deluxe_scaling::DeluxeScaling;
 use self::interface::Interface;
 use self::primal_nodes::{PrimalNodes, Sharing, select_primal_nodes};
-use self::subdomain::{Factored, Refused, Roles, Scratch, Subdomain};
+use self::schur_complement::DenseSchurComplement;
+use self::subdomain::{Refused, Roles, Scratch, Subdomain};
 use crate::Vec3;
 use crate::lists::Lists;
 use crate::system::LocalFrames;
-use tegula_sparse::FactorError;
+use tegula_sparse::{FactorError, SchurComplement, Workspace};
 
 /// Quadrilaterals of a mesh, and the positions of their nodes.
 #[derive(Debug, Clone, Copy)]
@@ -224,14 +225,18 @@ pub struct Bddc {
     nodal: usize,
     unknowns: usize,
     vectors: conjugate_gradients::Vectors,
+    /// Workspaces of the threads for the substitutions in the interiors.
+    workspaces: Mutex<Vec<Workspace>>,
 }
 
 /// Numerical data of a subdomain.
-#[derive(Default)]
 struct SubdomainData {
     /// Blocks of its terms, until they are factored.
     blocks: Vec<f64>,
-    factored: Option<Factored>,
+    /// Factor of its interior unknowns.
+    interior: SchurComplement,
+    /// Schur complement on its interface, and the factor of that.
+    schur: Option<DenseSchurComplement>,
     /// Schur complement at its primal unknowns, until the coarse matrix is factored: lower triangle by columns.
     primal: Vec<f64>,
     /// Vector of all its unknowns.
@@ -240,7 +245,20 @@ struct SubdomainData {
     y: Vec<f64>,
     /// Weights of the subdomain at its dual unknowns.
     weights: Vec<f64>,
-    rows: Vec<f64>,
+}
+
+impl SubdomainData {
+    fn new(subdomain: &Subdomain, interior: SchurComplement) -> Self {
+        Self {
+            blocks: Vec::new(),
+            interior,
+            schur: None,
+            primal: Vec::new(),
+            x: vec![0.0; subdomain.unknowns.len()],
+            y: vec![0.0; subdomain.interface_size()],
+            weights: Vec::new(),
+        }
+    }
 }
 
 impl Bddc {
@@ -260,43 +278,14 @@ impl Bddc {
         let sharing = Sharing::new(terms, of_term, node_of.len());
         let PrimalNodes { primal, edges } =
             select_primal_nodes(&quads, &sharing, node_of, frames, options.reach);
-        let mut cells: Vec<Vec<u32>> = vec![Vec::new(); count];
-        for (q, &p) in piece_of.iter().enumerate() {
-            cells[p as usize].push(q as u32);
-        }
-        let of_quad = Lists::by_key(quads.len(), terms.quads.iter().zip(0..).map(|(&q, t)| (q, t)));
-        let terms_of = |q: u32| of_quad.of(q as usize).to_vec();
         let shared = |v: u32| sharing.shared.contains_key(&v);
-        let corner = |v: u32| primal.contains(&node_of[v as usize]);
-        let made: Vec<Result<(Subdomain, Vec<u32>), FactorError>> = cells
-            .into_par_iter()
-            .map(|cells| {
-                let roles = Roles { frames, shared: &shared, primal: &corner };
-                Subdomain::new(&quads, terms, &terms_of, cells, &roles)
-            })
-            .collect();
-        let mut slots = vec![(0, 0); terms.len()];
-        let mut subdomains = Vec::with_capacity(count);
-        for (p, made) in made.into_iter().enumerate() {
-            let (mut subdomain, order) = made?;
-            subdomain.number = p as u32;
-            for (k, t) in order.into_iter().enumerate() {
-                slots[t as usize] = (p as u32, k as u32);
-            }
-            subdomains.push(subdomain);
-        }
+        let primal = |v: u32| primal.contains(&node_of[v as usize]);
+        let roles = Roles { frames, node_of, shared: &shared, primal: &primal };
+        let Parts { subdomains, data, slots } = Parts::new(terms, (&piece_of, count), &roles)?;
         let groups = deluxe_scaling::groups(&sharing, &edges, node_of, frames);
         let interface = Interface::new(&subdomains, frames.dofs().unknowns, &groups);
         let scaling = DeluxeScaling::new(&groups, &interface);
         let coarse = Coarse::new(&subdomains, &interface)?;
-        let data = subdomains
-            .iter()
-            .map(|p| SubdomainData {
-                x: vec![0.0; p.unknowns.len()],
-                y: vec![0.0; p.interface_size()],
-                ..SubdomainData::default()
-            })
-            .collect();
         let vectors = conjugate_gradients::Vectors::new(interface.len());
         Ok(Self {
             subdomains,
@@ -312,6 +301,7 @@ impl Bddc {
             nodal: node_of.len(),
             unknowns: frames.dofs().unknowns,
             vectors,
+            workspaces: Mutex::default(),
         })
     }
 
@@ -324,7 +314,8 @@ impl Bddc {
     /// Drops the factors, the blocks and the shifts.
     fn clear(&mut self) {
         for datum in &mut self.data {
-            datum.factored = None;
+            datum.interior.release();
+            datum.schur = None;
             datum.blocks = Vec::new();
             datum.primal = Vec::new();
         }
@@ -426,10 +417,11 @@ impl Bddc {
                 }
                 let shifts = subdomain.shifts(shifts, |k| interface.subdomains(of[k]));
                 let mut scratch = locked(&scratches).pop().unwrap_or_default();
-                let factored = subdomain.factor(&blocks, frames, &shifts, &mut scratch);
+                let input = (blocks.as_slice(), shifts.as_slice());
+                let factored = subdomain.factor(&mut datum.interior, input, frames, &mut scratch);
                 locked(&scratches).push(scratch);
-                let (factored, primal) = factored?;
-                (datum.factored, datum.primal) = (Some(factored), primal);
+                let (schur, primal) = factored?;
+                (datum.schur, datum.primal) = (Some(schur), primal);
                 Ok(())
             })
             .collect();
@@ -447,6 +439,43 @@ impl Bddc {
         self.interface.weigh(&self.subdomains, &mut self.data);
         self.scaling.weigh(&self.data)?;
         self.coarse.factor(&mut self.data)
+    }
+}
+
+/// Subdomains of a partition and their data.
+struct Parts {
+    subdomains: Vec<Subdomain>,
+    data: Vec<SubdomainData>,
+    /// Subdomain of each term, and the position of the term there.
+    slots: Vec<(u32, u32)>,
+}
+
+impl Parts {
+    /// Analyses the subdomains in parallel. `piece_of` gives the subdomain of each quadrilateral, `count` their number.
+    fn new(
+        terms: &Terms,
+        (piece_of, count): (&[u32], usize),
+        roles: &Roles<'_>,
+    ) -> Result<Self, FactorError> {
+        let of_quad = Lists::by_key(piece_of.len(), terms.quads.iter().zip(0..).map(|(&q, t)| (q, t)));
+        let mut orders: Vec<Vec<u32>> = vec![Vec::new(); count];
+        for (q, &p) in piece_of.iter().enumerate() {
+            orders[p as usize].extend(of_quad.of(q));
+        }
+        let made: Vec<Result<(Subdomain, SchurComplement), FactorError>> =
+            orders.par_iter().with_max_len(1).map(|order| Subdomain::new(terms, order, roles)).collect();
+        let (mut subdomains, mut data) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut slots = vec![(0, 0); terms.len()];
+        for ((p, made), order) in (0..).zip(made).zip(&orders) {
+            let (mut subdomain, interior) = made?;
+            subdomain.number = p;
+            for (k, &t) in (0..).zip(order) {
+                slots[t as usize] = (p, k);
+            }
+            data.push(SubdomainData::new(&subdomain, interior));
+            subdomains.push(subdomain);
+        }
+        Ok(Self { subdomains, data, slots })
     }
 }
 

@@ -1,12 +1,10 @@
-//! Partition of a shell mesh into connected subdomains of about equal size, and of a subdomain into the tree by which
-//! its unknowns are eliminated (nested dissection), by recursive bisection.
+//! Partition of a shell mesh into connected subdomains of about equal size, by recursive bisection.
 //!
 //! A set of elements is bisected across the direction in which it is longest. The sides of the element in its middle
 //! are tried first, then the principal axis of the centres of its elements. The cut goes where there is a gap between
 //! the centres, so that on regular meshes it follows the lines of the mesh.
 
 use std::collections::{BTreeMap, HashMap};
-use std::ops::Range;
 
 use super::Quads;
 use crate::lists::Lists;
@@ -209,35 +207,6 @@ fn neighbours(quads: &Quads<'_>) -> Lists<u32> {
     pairs.sort_unstable();
     pairs.dedup();
     Lists::by_key(quads.len(), pairs.into_iter())
-}
-
-/// Branch of the bisection tree of a subdomain.
-pub(super) struct Branch {
-    /// Range of its elements, by position in tree order.
-    pub cells: Range<usize>,
-    /// Two halves of the branch; none for a leaf.
-    pub children: Option<(usize, usize)>,
-}
-
-/// Sorts the elements of a subdomain and returns its bisection tree, children before parents.
-pub(super) fn tree(quads: &Quads<'_>, cells: &mut [u32], leaf: usize) -> Vec<Branch> {
-    let mut out = Vec::new();
-    grow(quads, cells, 0, leaf, &mut out);
-    out
-}
-
-fn grow(quads: &Quads<'_>, cells: &mut [u32], first: usize, leaf: usize, out: &mut Vec<Branch>) -> usize {
-    let whole = first..first + cells.len();
-    let mut children = None;
-    if cells.len() > leaf {
-        let at = split(quads, cells, 0.5);
-        let (a, b) = cells.split_at_mut(at);
-        let left = grow(quads, a, first, leaf, out);
-        let right = grow(quads, b, first + at, leaf, out);
-        children = Some((left, right));
-    }
-    out.push(Branch { cells: whole, children });
-    out.len() - 1
 }
 
 /// Graph of the nodes that `keep` selects: their neighbours along sides of elements.

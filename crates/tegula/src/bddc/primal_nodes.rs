@@ -66,48 +66,17 @@ pub(super) fn select_primal_nodes(
     frames: &LocalFrames,
     reach: usize,
 ) -> PrimalNodes {
-    let mut sets: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-    let mut free: BTreeSet<u32> = BTreeSet::new();
-    for (&v, subdomains) in &sharing.shared {
-        let node = node_of[v as usize];
-        let set = sets.entry(node).or_default();
-        set.extend(subdomains);
-        set.sort_unstable();
-        set.dedup();
-        if frames.of(v as usize).iter().any(|&n| n != CONSTRAINED) {
-            free.insert(node);
-        }
-    }
+    let (sets, free) = interface_nodes(sharing, node_of, frames);
     let graph = node_graph(quads, |n| sets.contains_key(&n));
     let none = Vec::new();
     let around = |n: u32| graph.get(&n).unwrap_or(&none).iter().copied();
-    // Connected parts of the interface between the same subdomains.
-    let mut interface_size: HashMap<u32, usize> = HashMap::new();
-    let mut interface: Vec<Vec<u32>> = Vec::new();
-    for (&node, set) in &sets {
-        if interface_size.contains_key(&node) {
-            continue;
-        }
-        let mut members = vec![node];
-        interface_size.insert(node, interface.len());
-        let mut at = 0;
-        while at < members.len() {
-            for n in around(members[at]) {
-                if !interface_size.contains_key(&n) && sets.get(&n) == Some(set) {
-                    interface_size.insert(n, interface.len());
-                    members.push(n);
-                }
-            }
-            at += 1;
-        }
-        interface.push(members);
-    }
-    let same = |a: u32, b: u32| interface_size.get(&a) == interface_size.get(&b);
+    let (parts, part_of) = connected_parts(&sets, &around);
+    let same = |a: u32, b: u32| part_of.get(&a) == part_of.get(&b);
     let is_end = |n: u32| around(n).filter(|&m| same(n, m)).count() < 2;
     // Fully constrained nodes act as primal nodes, too.
     let mut primal: BTreeSet<u32> = sets.keys().copied().filter(|n| !free.contains(n)).collect();
     for many in [true, false] {
-        for (number, members) in interface.iter().enumerate() {
+        for (number, members) in parts.iter().enumerate() {
             if (sets[&members[0]].len() > 2) != many {
                 continue;
             }
@@ -118,7 +87,7 @@ pub(super) fn select_primal_nodes(
                     primal.insert(n);
                 }
             }
-            fill(members, &around, |n| interface_size.get(&n) == Some(&number), reach, &mut primal);
+            fill(members, &around, |n| part_of.get(&n) == Some(&number), reach, &mut primal);
         }
     }
     hold(quads, &sets, &mut primal);
@@ -141,6 +110,55 @@ pub(super) fn select_primal_nodes(
         count += 1;
     }
     PrimalNodes { primal: primal.intersection(&free).copied().collect(), edges }
+}
+
+/// Subdomains of each interface node, ascending, and the interface nodes with free degrees of freedom.
+fn interface_nodes(
+    sharing: &Sharing,
+    node_of: &[u32],
+    frames: &LocalFrames,
+) -> (BTreeMap<u32, Vec<u32>>, BTreeSet<u32>) {
+    let mut sets: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    let mut free = BTreeSet::new();
+    for (&v, subdomains) in &sharing.shared {
+        let node = node_of[v as usize];
+        let set = sets.entry(node).or_default();
+        set.extend(subdomains);
+        set.sort_unstable();
+        set.dedup();
+        if frames.of(v as usize).iter().any(|&n| n != CONSTRAINED) {
+            free.insert(node);
+        }
+    }
+    (sets, free)
+}
+
+/// Connected parts of the interface between the same subdomains, and the part of each node.
+fn connected_parts<I: Iterator<Item = u32>>(
+    sets: &BTreeMap<u32, Vec<u32>>,
+    around: &impl Fn(u32) -> I,
+) -> (Vec<Vec<u32>>, HashMap<u32, usize>) {
+    let mut part_of: HashMap<u32, usize> = HashMap::new();
+    let mut parts: Vec<Vec<u32>> = Vec::new();
+    for (&node, set) in sets {
+        if part_of.contains_key(&node) {
+            continue;
+        }
+        let mut members = vec![node];
+        part_of.insert(node, parts.len());
+        let mut at = 0;
+        while at < members.len() {
+            for n in around(members[at]) {
+                if !part_of.contains_key(&n) && sets.get(&n) == Some(set) {
+                    part_of.insert(n, parts.len());
+                    members.push(n);
+                }
+            }
+            at += 1;
+        }
+        parts.push(members);
+    }
+    (parts, part_of)
 }
 
 /// Adds primal nodes to subdomains with fewer than [`FEWEST`], far from those that there are.

@@ -1,6 +1,12 @@
 //! Dense kernels on the Schur complement `S` of a subdomain's interface: its lower triangle, and the factor of its
 //! first rows in single precision.
 
+use dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{Accum, MatMut, Par};
 use tegula_sparse::FactorError;
 
 /// Number of products that are summed side by side.
@@ -56,9 +62,66 @@ fn dot_rounded(a: &[f32], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| f64::from(*a) * b).sum::<f64>()
 }
 
+/// Error of a factorisation with a pivot that is not positive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct NotPositive;
+
+/// Partial Cholesky factorisation of dense matrices, with its workspace.
+#[derive(Default)]
+pub(super) struct PartialCholesky(Option<(usize, MemBuffer)>);
+
+impl PartialCholesky {
+    /// Eliminates the first `width` columns of a matrix, stored by columns in `panel` with `below` rows beneath them:
+    /// `L₁₁ L₁₁ᵀ = A₁₁`, `L₂₁ = A₂₁ L₁₁⁻ᵀ`. The remaining columns, of which `out` has the lower triangle, are updated to
+    /// their Schur complement `C − L₂₁ L₂₁ᵀ`. The inner result tells whether all pivots are positive.
+    ///
+    /// # Errors
+    /// The memory does not suffice.
+    pub fn eliminate(
+        &mut self,
+        (width, below): (usize, usize),
+        panel: &mut [f64],
+        out: &mut [f64],
+    ) -> Result<Result<(), NotPositive>, FactorError> {
+        let stack = MemStack::new(self.workspace(width)?);
+        let panel = MatMut::from_column_major_slice_mut(panel, width + below, width);
+        let (mut first, mut second) = panel.split_at_row_mut(width);
+        if cholesky_in_place(first.rb_mut(), Default::default(), Par::Seq, stack, Default::default()).is_err()
+        {
+            return Ok(Err(NotPositive));
+        }
+        if below == 0 {
+            return Ok(Ok(()));
+        }
+        solve_lower_triangular_in_place(first.rb(), second.rb_mut().transpose_mut(), Par::Seq);
+        triangular_matmul(
+            MatMut::from_column_major_slice_mut(out, below, below),
+            BlockStructure::TriangularLower,
+            Accum::Add,
+            second.rb(),
+            BlockStructure::Rectangular,
+            second.rb().transpose(),
+            BlockStructure::Rectangular,
+            -1.0,
+            Par::Seq,
+        );
+        Ok(Ok(()))
+    }
+
+    /// Workspace for the elimination of `width` columns.
+    fn workspace(&mut self, width: usize) -> Result<&mut MemBuffer, FactorError> {
+        let need = cholesky_in_place_scratch::<f64>(width, Par::Seq, Default::default());
+        let size = need.unaligned_bytes_required();
+        if self.0.as_ref().is_none_or(|(have, _)| *have < size) {
+            self.0 = Some((size, MemBuffer::try_new(need).map_err(|_| FactorError::TooLarge)?));
+        }
+        self.0.as_mut().map(|(_, buffer)| buffer).ok_or(FactorError::TooLarge)
+    }
+}
+
 /// Schur complement `S` of a subdomain whose first rows, the dual ones, are factored: `S_DD = L Lᵀ`, `L_CD = S_CD L⁻ᵀ`.
 #[derive(Debug, Default)]
-pub(super) struct SchurComplement {
+pub(super) struct DenseSchurComplement {
     /// Lower triangle of `S`, by columns.
     matrix: Vec<f64>,
     /// Rows of `L` before the diagonal, then the rows of `L_CD`, rounded to single precision.
@@ -69,7 +132,7 @@ pub(super) struct SchurComplement {
     size: usize,
 }
 
-impl SchurComplement {
+impl DenseSchurComplement {
     /// Stores the lower triangle of `S` of order `size` (by columns of a square) and that of a copy of which the first
     /// `dual` columns are factored.
     pub fn new(square: &[f64], factor: &[f64], (size, dual): (usize, usize)) -> Result<Self, FactorError> {
