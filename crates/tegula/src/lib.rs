@@ -16,6 +16,7 @@
 //! | find equilibria | [`analysis::statics`] |
 //! | find natural frequencies | [`analysis::modal`] |
 //! | integrate motions | [`analysis::dynamics`] |
+//! | have residual, tangent and mass of a state | [`analysis::equilibrium`] |
 //! | act between steps, as controllers do | [`analysis::Stepper`], [`load::Signal`] |
 //! | recover displacements, reactions, stresses | [`result`] |
 //!

@@ -17,6 +17,8 @@
 //! Costs are counted in operations, not on a clock, so that results repeat. C. T. Kelley, *Iterative Methods for Linear
 //! and Nonlinear Equations*, SIAM 1995, Sect. 5.4.
 
+use serde::{Deserialize, Serialize};
+
 use crate::element::Nodal;
 
 /// Factor on the energy tolerance when the last increment came from a lagged tangent, in statics: Newton squares the
@@ -61,7 +63,7 @@ pub fn cost(operations: f64, entries: usize) -> f64 {
 }
 
 /// Lagged tangent, reused in several time steps: the state at which it is computed, and counters of its use.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct LaggedTangent {
     /// Whether there is a lagged tangent.
     pub valid: bool,

@@ -3,6 +3,7 @@
 mod circulatory;
 mod drilling;
 pub mod dynamics;
+pub mod equilibrium;
 pub mod lagged_tangent;
 pub mod modal;
 pub mod newton;
@@ -11,6 +12,8 @@ pub mod statics;
 pub mod stepper;
 pub mod stops;
 
+use serde::{Deserialize, Serialize};
+
 use crate::Result;
 use crate::element::{Motion, Nodal};
 use crate::system::{EvaluationPoint, StepStart, System};
@@ -18,8 +21,8 @@ use lagged_tangent::LaggedTangent;
 pub use newton::Stability;
 pub use stepper::Stepper;
 
-/// State of a model at a time: plain data; a checkpoint is its dump.
-#[derive(Debug, Clone, Default, PartialEq)]
+/// State of a model at a time: plain data, which serde writes and reads; a checkpoint is its dump.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Time (load factor in statics).
     pub time: f64,

@@ -9,6 +9,7 @@ mod common;
 mod contracts;
 mod critical_points;
 mod dynamics;
+mod equilibrium;
 mod explicit;
 mod explicit_models;
 mod family_dynamics;

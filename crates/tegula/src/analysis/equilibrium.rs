@@ -1,0 +1,78 @@
+//! Residual, tangent stiffness and mass of a model as functions of a system and a state alone.
+//!
+//! Analyses keep factors and buffers from call to call; these functions are for programs that solve the equations in their
+//! own way, and for tests. Vectors and matrices belong to the free degrees of freedom, along the axes of the local frames of
+//! the state ([`frames`]).
+
+use super::State;
+use crate::Result;
+use crate::element::{Nodal, TangentWeights};
+use crate::system::assembly::{TangentCoefficients, add_follower_loads};
+use crate::system::{Assembly, EvaluationPoint, LocalFrames, Procedure, System};
+use tegula_sparse::SymmetricPattern;
+
+/// Local frames of a state: they transform fields of nodal vectors to free degrees of freedom and back.
+pub fn frames(system: &System, state: &State) -> LocalFrames {
+    let mut assembly = Assembly::for_forces(system);
+    assembly.follow(system, &state.point(system));
+    assembly.frames
+}
+
+/// Residual `F − f_int(u, v) − M (a + α v)` of the equations of motion at a state: external minus internal, inertia and
+/// damping forces \[force\]. It vanishes at equilibria. Rates that the state lacks are zero.
+pub fn residual(system: &System, state: &State) -> Vec<f64> {
+    let mut assembly = Assembly::for_forces(system);
+    let k = state.point_with_rates(system);
+    assembly.follow(system, &k);
+    let mut internal = vec![[0.0; 3]; system.vectors()];
+    assembly.forces(system, &k, &mut internal);
+    let mut out = external(system, &k);
+    for (out, internal) in out.as_flattened_mut().iter_mut().zip(internal.as_flattened()) {
+        *out -= internal;
+    }
+    for (factor, rate) in [(-1.0, &state.a), (-system.mass_damping, &state.v)] {
+        if !rate.is_empty() {
+            system.pattern.add_mass_product(factor, rate, &mut out);
+        }
+    }
+    let mut free = vec![0.0; system.unknowns()];
+    assembly.frames.reduce(&out, &mut free);
+    free
+}
+
+/// Tangent stiffness `∂(f_int − F)/∂u` at a state \[force/length\]: pattern and values of the lower triangle by columns. Of the
+/// load stiffness of follower loads it holds the symmetric part;
+/// [`CirculatoryStiffness`](crate::system::CirculatoryStiffness) is the skew one.
+///
+/// # Errors
+/// The system was compiled for an analysis without a tangent: explicit steps, or statics with the iterative solver.
+pub fn tangent(system: &System, state: &State) -> Result<(SymmetricPattern, Vec<f64>)> {
+    system.require(&[Procedure::Static, Procedure::Modal, Procedure::Transient])?;
+    let mut assembly = Assembly::new(system);
+    let k = state.point(system);
+    assembly.follow(system, &k);
+    let parts = TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time: state.time };
+    let mut internal = vec![[0.0; 3]; system.vectors()];
+    assembly.forces_and_tangent(system, &k, &parts, false, None, &mut internal);
+    assembly.add_curvature(system, &k, &parts.weights, &external(system, &k));
+    Ok((system.tangent_pattern(), assembly.values))
+}
+
+/// Mass matrix at a state: values of the lower triangle in the pattern of [`tangent`].
+///
+/// # Errors
+/// As for [`tangent`].
+pub fn mass(system: &System, state: &State) -> Result<Vec<f64>> {
+    system.require(&[Procedure::Static, Procedure::Modal, Procedure::Transient])?;
+    let mut values = vec![0.0; system.pattern.values()];
+    system.pattern.mass_values(&frames(system, state), &mut values);
+    Ok(values)
+}
+
+/// External forces at an evaluation point.
+fn external(system: &System, k: &EvaluationPoint) -> Vec<Nodal> {
+    let mut out = vec![[0.0; 3]; system.vectors()];
+    system.add_dead_loads(k.time, 1.0, &mut out);
+    add_follower_loads(system, &k.motion, k.time, 1.0, &mut out);
+    out
+}
