@@ -30,7 +30,7 @@ EXPECTED = [
 ]
 # Contract tests. The whole workspace is named, because other sets of packages would compile dependencies with other features.
 TARGETS = ["--test", "elements", "--test", "analyses", "--test", "readers", "--test", "fast_cases"]
-NAMES = ["material::", "element_family::", "contracts::", "every_reader", "fast_cases"]
+NAMES = ["material::", "element_contract::", "contracts::", "every_reader", "fast_cases"]
 MARK = re.compile(r"<!-- (?:file: (?P<file>\S+)|line of (?P<registry>\S+): (?P<opening>.*?)) -->\n```rust,ignore\n(?P<code>.*?)```\n", re.S)
 
 

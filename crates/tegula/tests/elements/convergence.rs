@@ -250,7 +250,7 @@ mod membrane {
         // Every membrane part of both kinds of bilinear elements, whose membrane the others share.
         let parts = [ElementKind::Ems, ElementKind::Cm].into_iter();
         let mut elements: Vec<_> = parts.flat_map(|e| Membrane::ALL.map(|m| (e, Some(m)))).collect();
-        elements.extend(ElementKind::ALL.into_iter().map(|e| (e, None)));
+        elements.extend(ElementKind::ALL.iter().map(|&e| (e, None)));
         let mut slow = Vec::new();
         for (element, membrane) in elements {
             for distortion in [0.0, 0.25] {
