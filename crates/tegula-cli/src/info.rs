@@ -75,7 +75,7 @@ fn program(as_json: bool) {
 }
 
 /// The widest vector instructions that the element loops can use here.
-fn instruction_set() -> &'static str {
+pub fn instruction_set() -> &'static str {
     #[cfg(target_arch = "x86_64")]
     {
         if std::arch::is_x86_feature_detected!("avx512f") {

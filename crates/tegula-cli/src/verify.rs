@@ -7,6 +7,7 @@ use clap::Args;
 use tegula_io::out::write_whole;
 use tegula_verify::verify::{Case, Cost, Row, cases, run};
 
+use crate::info::instruction_set;
 use crate::terminal;
 
 /// Compute the verification cases and compare them with their references
@@ -29,6 +30,9 @@ pub struct Verify {
     /// Write the tables that cases make for readers into a folder, a Markdown file each
     #[arg(long, value_name = "DIR")]
     tables: Option<PathBuf>,
+    /// Write the run counters of all analyses: steps, iterations, factorisations and cut-backs
+    #[arg(long, value_name = "FILE")]
+    statistics: Option<PathBuf>,
     /// Draw the figures of the cases into a folder
     #[arg(long, value_name = "DIR")]
     pictures: Option<PathBuf>,
@@ -73,7 +77,11 @@ impl Verify {
                 }
             }
         }
-        let files = [(&self.json, format!("{:#}\n", report.json())), (&self.markdown, report.markdown())];
+        let files = [
+            (&self.json, format!("{:#}\n", report.json())),
+            (&self.markdown, report.markdown()),
+            (&self.statistics, format!("processor {}\n{}", instruction_set(), report.statistics())),
+        ];
         for (path, text) in files {
             if let Some(path) = path
                 && let Err(message) = write(path, &text)

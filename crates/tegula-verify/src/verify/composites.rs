@@ -9,7 +9,7 @@
 use std::f64::consts::PI;
 
 use nalgebra::{SMatrix, SVector};
-use tegula::analysis::{Silent, modal};
+use tegula::analysis::Silent;
 use tegula::compile::build;
 use tegula::mesh::generators::generate;
 use tegula::model::{Analysis, Load, ModalAnalysis, Model, VectorLoad};
@@ -18,6 +18,7 @@ use tegula::{Error, Result};
 use super::model::{Compiled, read, refine, section, switch};
 use super::reference::records;
 use super::report::{Report, Table};
+use super::statistics::run_modal;
 use super::{Case, Cost};
 
 /// Cases of this file.
@@ -108,7 +109,7 @@ fn values(layup: &str, plies: usize, element: &str, n: u32) -> Result<[f64; 3]> 
     let second = deflection(&Compiled::new(&uniform)?, &uniform)?;
     model.analysis = Analysis::Modal(ModalAnalysis { modes: 1, prestressed: false });
     let compiled = Compiled::new(&model)?;
-    let outcome = modal::run(&compiled.system, 1, None, &mut Silent)?;
+    let outcome = run_modal(&compiled.system, 1, &mut Silent)?;
     let mode = outcome.modes.first().ok_or_else(|| Error::Outside("no mode was found".into()))?;
     Ok([first, second, mode.omega * A * A])
 }

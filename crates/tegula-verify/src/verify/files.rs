@@ -10,6 +10,7 @@ use serde_json::Value;
 use tegula::{Error, Result, Vec3};
 
 use super::reference::{Record, records};
+use super::statistics::{Counters, note};
 use tegula_io::deck::Deck;
 use tegula_io::job::{self, JobOptions, Unwatched};
 
@@ -28,7 +29,15 @@ impl Results {
             Error::Outside(problems.join("\n"))
         })?;
         let options = JobOptions { folder: folder.path().join("results"), resume: false, force: false };
-        job::run(&deck, &options, &mut Unwatched).map_err(|e| outside(&e))?;
+        let summary = job::run(&deck, &options, &mut Unwatched).map_err(|e| outside(&e))?;
+        note(Counters {
+            analysis: "run",
+            unknowns: summary.unknowns,
+            steps: summary.steps,
+            iterations: summary.iterations,
+            factorizations: summary.factorizations,
+            cutbacks: summary.cutbacks,
+        });
         Ok(Self(folder))
     }
 

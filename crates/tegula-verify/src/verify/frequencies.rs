@@ -3,11 +3,12 @@
 use std::f64::consts::PI;
 
 use tegula::Result;
-use tegula::analysis::{Silent, modal};
+use tegula::analysis::Silent;
 
 use super::model::{Compiled, material, read, refine, section, switch};
 use super::reference::records;
 use super::report::Report;
+use super::statistics::run_modal;
 use super::{Case, Cost};
 
 /// Cases of this file.
@@ -42,7 +43,7 @@ pub fn lowest(variant: &str, n: u32) -> Result<f64> {
     section(&mut model)?.thickness = h;
     let m = material(&model)?.clone();
     let compiled = Compiled::new(&model)?;
-    let outcome = modal::run(&compiled.system, 8, None, &mut Silent)?;
+    let outcome = run_modal(&compiled.system, 8, &mut Silent)?;
     let plate_stiffness = m.young * h.powi(3) / 12.0 / (1.0 - m.poisson * m.poisson);
     let unit = PI * PI * (plate_stiffness / (m.density * h)).sqrt();
     Ok(outcome.modes.iter().find(|m| !m.rigid).map_or(f64::NAN, |m| m.omega / unit))
@@ -63,7 +64,7 @@ fn compare(report: &mut Report, finest: u32) -> Result<()> {
         section(&mut model)?.thickness = h;
         let m = material(&model)?.clone();
         let compiled = Compiled::new(&model)?;
-        let outcome = modal::run(&compiled.system, 16, None, &mut Silent)?;
+        let outcome = run_modal(&compiled.system, 16, &mut Silent)?;
         let plate_stiffness = m.young * h.powi(3) / 12.0 / (1.0 - m.poisson * m.poisson);
         let unit = PI * PI * (plate_stiffness / (m.density * h)).sqrt();
         let mesh = format!("{n}x{n}");

@@ -1,11 +1,12 @@
 //! Motion of one node over a transient analysis.
 
-use tegula::analysis::{Observer, Step, dynamics};
+use tegula::analysis::{Observer, Step};
 use tegula::model::{Analysis, Model};
 use tegula::norm::larger;
 use tegula::{Error, Result, Vec3};
 
 use super::model::Compiled;
+use super::statistics::run_transient;
 
 /// Displacement and velocity of a node at every step.
 pub struct History {
@@ -29,7 +30,7 @@ impl History {
             return Err(Error::Outside("the model is not transient".into()));
         };
         let mut history = Self { vector: compiled.point(set)?, rows: Vec::new() };
-        dynamics::run(&compiled.system, options, None, &mut history)?;
+        run_transient(&compiled.system, options, &mut history)?;
         Ok(history)
     }
 

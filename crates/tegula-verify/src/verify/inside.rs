@@ -14,6 +14,7 @@ use tegula::{Error, Mesh, Result, Vec3};
 
 use super::reference::records;
 use super::report::{Report, Table};
+use super::statistics::run_static;
 use super::{Case, Cost};
 use tegula_io::plot::{LinePlot, Series, Style, lines};
 
@@ -150,7 +151,7 @@ fn balloon_pressures(element: ElementKind, n: u32, stretches: &[f64]) -> Result<
                 *u = ((reference + Vec3::from(*u)) * factor - reference).into();
             }
             state.next_step = 1.0;
-            let outcome = statics::run(&system, &options, Some(state), &mut Silent)?;
+            let outcome = run_static(&system, &options, Some(state), &mut Silent)?;
             let mut assembly = Assembly::new(&system);
             let reactions = statics::reactions(&system, &mut assembly, &outcome.state);
             let work = |node: &u32| {
@@ -307,7 +308,7 @@ fn bimetal_curvature(
     model.prescribed_strains = vec![PrescribedStrain::Thermal(thermal)];
     let mesh = tegula::mesh::generators::generate(&source)?;
     let system = build(&model, &mesh)?;
-    let outcome = statics::run(&system, &options, None, &mut Silent)?;
+    let outcome = run_static(&system, &options, None, &mut Silent)?;
     let tip = mesh.nodes_on("u_max_v_min").and_then(|n| n.first().copied()).unwrap_or(0);
     let d = system.coordinates.director_of[tip as usize] as usize;
     let director = Vec3::from(system.coordinates.reference[d]) + Vec3::from(outcome.state.u[d]);

@@ -15,7 +15,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use tegula::analysis::{Silent, statics};
+use tegula::analysis::Silent;
 use tegula::compile::build;
 use tegula::model::{
     Analysis, Axis, Condition, Grid, Isotropic, Load, MeshSource, Model, NodalVector, OnSet, PlateMesh,
@@ -26,6 +26,7 @@ use tegula::{Mesh, Result, Vec3};
 use super::model::switch;
 use super::reference::records;
 use super::report::{Report, Table};
+use super::statistics::run_static;
 use super::{Case, Cost};
 
 /// Cases of this file.
@@ -323,7 +324,7 @@ fn displacement(beam: &Beam, tip: Tip, element: &str, parts: u32) -> Result<f64>
         }
     }
     let system = build(&model, &mesh)?;
-    let outcome = statics::run(&system, &options, None, &mut Silent)?;
+    let outcome = run_static(&system, &options, None, &mut Silent)?;
     Ok(match tip {
         Tip::Force(direction) => (0..=across)
             .map(|j| {

@@ -4,7 +4,7 @@
 //! references: accuracy of enhanced strains on coarse meshes, no loss of stability in strips of stretched elements and in
 //! rubber that no theory knows.
 
-use tegula::analysis::{Observer, Silent, Step, statics};
+use tegula::analysis::{Observer, Silent, Step};
 use tegula::compile::build;
 use tegula::model::{
     Analysis, Axis, Condition, ElementKind, FixComponents, Isotropic, Load, Material, Membrane, MeshSource,
@@ -15,6 +15,7 @@ use tegula::{Error, Mesh, Result, Vec3};
 
 use super::inside::{flat, octant};
 use super::report::{Report, Table};
+use super::statistics::run_static;
 use super::{Case, Cost};
 use super::{benchmarks, frequencies, macneal_beams, paper, pendulum, plate, quarter_cylinder};
 
@@ -148,7 +149,7 @@ fn clamped(material: Isotropic, thickness: f64, part: Membrane) -> (Model, Stati
 /// Displacement of the middle of the tip.
 fn at_middle(model: &Model, options: &StaticAnalysis, mesh: &Mesh) -> Result<Vec3> {
     let system = build(model, mesh)?;
-    let outcome = statics::run(&system, options, None, &mut Silent)?;
+    let outcome = run_static(&system, options, None, &mut Silent)?;
     let node = mesh.nodes_on("middle").and_then(|n| n.first().copied()).unwrap_or(0);
     Ok(Vec3::from(outcome.state.u[system.coordinates.position_of[node as usize] as usize]))
 }
@@ -217,7 +218,7 @@ impl Observer for Reached {
 fn stable_up_to(model: &Model, options: &StaticAnalysis, mesh: &Mesh) -> Result<f64> {
     let system = build(model, mesh)?;
     let mut reached = Reached::default();
-    match statics::run(&system, options, None, &mut reached) {
+    match run_static(&system, options, None, &mut reached) {
         Ok(_) | Err(Error::NotConverged { .. }) => Ok(reached.0),
         Err(other) => Err(other),
     }
@@ -352,7 +353,7 @@ fn balloon(part: Option<Membrane>) -> Result<[f64; 2]> {
     let system = build(&model, &mesh)?;
     let mut radius =
         Radius { mesh: &mesh, position_of: &system.coordinates.position_of, reached: [0.0, 1.0] };
-    match statics::run(&system, &options, None, &mut radius) {
+    match run_static(&system, &options, None, &mut radius) {
         Ok(_) | Err(Error::NotConverged { .. }) => {
             let [factor, stretch] = radius.reached;
             Ok([1.1 * factor, stretch])

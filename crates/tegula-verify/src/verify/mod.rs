@@ -2,7 +2,7 @@
 //!
 //! A case is a function that adds rows to a [`Report`]. Reference numbers are tables in
 //! `verification/reference/`, models are model files in `verification/models/` (which has two motions of the study
-//! [`precision`](crate::precision), too).
+//! [`precision`](crate::precision), too). Run counters of all analyses are in `verification/statistics.txt`.
 //! Adding a case: a file of `verify/` with its functions and their list, and a line in the registry below.
 
 mod files;
@@ -10,6 +10,7 @@ pub(crate) mod history;
 pub(crate) mod model;
 mod reference;
 mod report;
+pub mod statistics;
 
 use std::path::Path;
 
@@ -78,9 +79,11 @@ pub fn run(cases: &[&Case], pictures: Option<&Path>, on_row: &mut dyn FnMut(&Row
     let mut report = Report::new(pictures);
     for case in cases {
         let before = report.rows().len();
+        statistics::take();
         if let Err(error) = (case.run)(&mut report) {
             report.failed(case.name, &error.to_string());
         }
+        report.count(case.name, statistics::take());
         report.rows()[before..].iter().for_each(&mut *on_row);
     }
     report

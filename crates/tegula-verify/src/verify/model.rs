@@ -12,6 +12,8 @@ use tegula::{Error, Mesh, Result, System};
 
 use tegula_io::deck::Deck;
 
+use super::statistics::run_static;
+
 /// Reads an embedded model file.
 pub fn read(text: &str) -> Result<Model> {
     Deck::parse(Path::new("verification model"), text).map(|d| d.model).map_err(|problems| {
@@ -137,6 +139,6 @@ impl Compiled {
             return Err(Error::Outside("the model is not static".into()));
         };
         let options: &StaticAnalysis = options;
-        statics::run(&self.system, options, None, observer)
+        run_static(&self.system, options, None, observer)
     }
 }

@@ -6,13 +6,14 @@
 use std::f64::consts::PI;
 
 use tegula::Result;
-use tegula::analysis::{Silent, modal};
+use tegula::analysis::Silent;
 
 use super::model::{Compiled, material, read, refine, section, switch};
 use super::plate;
 use super::quarter_cylinder;
 use super::reference::records;
 use super::report::{Report, Table};
+use super::statistics::run_modal;
 use super::{Case, Cost};
 
 /// Cases of this file.
@@ -196,7 +197,7 @@ fn free_plate(variant: &str, n: u32, h: f64) -> Result<Vec<f64>> {
     section(&mut model)?.thickness = h;
     let m = material(&model)?.clone();
     let compiled = Compiled::new(&model)?;
-    let outcome = modal::run(&compiled.system, 12, None, &mut Silent)?;
+    let outcome = run_modal(&compiled.system, 12, &mut Silent)?;
     let plate_stiffness = m.young * h.powi(3) / 12.0 / (1.0 - m.poisson * m.poisson);
     let unit = PI * PI * (plate_stiffness / (m.density * h)).sqrt();
     Ok(outcome.modes.iter().filter(|m| !m.rigid).map(|m| m.omega / unit).collect())

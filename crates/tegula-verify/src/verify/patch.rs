@@ -7,7 +7,7 @@
 
 use std::collections::BTreeSet;
 
-use tegula::analysis::{Silent, State, statics};
+use tegula::analysis::{Silent, State};
 use tegula::compile::build;
 use tegula::model::{
     Analysis, Axis, Condition, ElementKind, Isotropic, MeshSource, Model, NodalVector, PlateMesh,
@@ -21,6 +21,7 @@ use tegula::{Mesh, Result, System, Vec3};
 
 use super::model::switch;
 use super::report::{Report, Table};
+use super::statistics::run_static;
 use super::{Case, Cost};
 
 /// Cases of this file.
@@ -138,7 +139,7 @@ fn error(
         }
     }
     let system = build(&model, &mesh)?;
-    let outcome = statics::run(&system, &options, None, &mut Silent)?;
+    let outcome = run_static(&system, &options, None, &mut Silent)?;
     let (mut worst, mut size) = ([0.0_f64; 2], [0.0_f64; 2]);
     for (v, kind) in system.coordinates.kinds.iter().enumerate() {
         let exact = field(mesh.positions[system.coordinates.nodes[v] as usize]);

@@ -1,6 +1,6 @@
 //! Sect. 5.4: quarter cylinder pendulum.
 
-use tegula::analysis::{Balance, Observer, Statistics, Step, dynamics};
+use tegula::analysis::{Balance, Observer, Statistics, Step};
 use tegula::model::{Analysis, EnergyMomentumScheme, Model, Scheme};
 use tegula::norm::max_norm;
 use tegula::{Error, Result};
@@ -8,6 +8,7 @@ use tegula::{Error, Result};
 use super::model::{Compiled, read, refine, switch};
 use super::reference::{Record, records};
 use super::report::Report;
+use super::statistics::run_transient;
 use super::{Case, Cost};
 use tegula_io::plot::{LinePlot, Series, Style, lines};
 
@@ -137,7 +138,7 @@ fn run_model(model: &Model, n: u32, scheme: Scheme) -> Result<History> {
         statistics: Statistics::default(),
     };
     let mut recorder = Recorder { vectors, reference: &compiled.system.coordinates.reference, history };
-    let outcome = dynamics::run(&compiled.system, options, None, &mut recorder)?;
+    let outcome = run_transient(&compiled.system, options, &mut recorder)?;
     let mut history = recorder.history;
     history.statistics = outcome.statistics;
     Ok(history)

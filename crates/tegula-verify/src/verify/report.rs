@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use tegula::norm::larger;
 
+use super::statistics::{self, Counters};
+
 /// Standard by which a value is judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -141,6 +143,7 @@ pub struct Report {
     tables: Vec<Table>,
     pictures: Option<PathBuf>,
     element: String,
+    counters: Vec<(&'static str, Vec<Counters>)>,
 }
 
 impl Report {
@@ -151,6 +154,7 @@ impl Report {
             tables: Vec::new(),
             pictures: pictures.map(Path::to_path_buf),
             element: "ems".into(),
+            counters: Vec::new(),
         }
     }
 
@@ -247,6 +251,16 @@ impl Report {
     /// The rows as JSON.
     pub fn json(&self) -> serde_json::Value {
         serde_json::json!(self.rows)
+    }
+
+    /// Adds the run counters of a case.
+    pub fn count(&mut self, case: &'static str, counters: Vec<Counters>) {
+        self.counters.push((case, counters));
+    }
+
+    /// Run counters of all analyses, as `verification/statistics.txt` keeps them.
+    pub fn statistics(&self) -> String {
+        statistics::table(&self.counters)
     }
 
     /// A Markdown table with one line a case: values compared, missed, and how near the worst came to what is allowed.
