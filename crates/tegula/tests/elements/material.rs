@@ -1,8 +1,8 @@
 //! Contract of every material law, and each law against closed forms.
 
 use crate::common::{Random, rotation};
-use nalgebra::{Matrix3, Matrix6, Vector6};
-use tegula::material::linear::{Orthotropy, isotropic};
+use nalgebra::{Matrix2, Matrix3, Matrix6, Vector6};
+use tegula::material::linear::{Orthotropy, isotropic, isotropic_plane_stress};
 use tegula::material::{Hyperelastic, Law, NeoHookeanForm, PlaneStressPlasticity, Plasticity};
 use tegula::model::{Isotropic, Material, MooneyRivlin, NeoHookean, Orthotropic, Plastic};
 use tegula::norm::{larger, max_norm};
@@ -350,12 +350,31 @@ fn plastic_work_is_balanced() {
 #[test]
 fn impossible_strains_have_no_answer() {
     let crushed = Vector6::new(-0.5, 0.0, 0.0, 0.0, 0.0, 0.0);
+    // C = diag(−1, −1, 1): its determinant is positive, but no deformation has it.
+    let inverted = Vector6::new(-1.0, -1.0, 0.0, 0.0, 0.0, 0.0);
     for law in [
         Hyperelastic::Split { c10: 1.0, c01: 0.0, bulk: 2.0 },
         Hyperelastic::Coupled { mu: 1.0, lambda: 1.0 },
     ] {
-        assert!(Law::Hyperelastic(law).respond(&crushed, &[], &mut []).is_none());
+        for strain in [crushed, inverted] {
+            assert!(Law::Hyperelastic(law).respond(&strain, &[], &mut []).is_none());
+        }
     }
+}
+
+/// Static condensation of ε_zz in three dimensions, σ_zz = 0.
+#[test]
+fn plane_stress_and_transverse_shear_are_those_of_the_three_dimensional_stiffness() {
+    let ply = Orthotropy { young: [140.0, 12.0, 9.0], poisson: [0.3, 0.25, 0.4], shear: [5.0, 4.0, 3.0] };
+    let rubber = isotropic(7.0, 0.4);
+    let pairs = [(isotropic_plane_stress(7.0, 0.4), rubber), (ply.plane_stress(), ply.stiffness())];
+    for (plane, c) in pairs {
+        let condensed = Matrix3::from_fn(|i, j| c[(i, j)] - c[(i, 3)] * c[(3, j)] / c[(3, 3)]);
+        assert!(max_norm(&(plane - condensed)) < 1e-12 * max_norm(&condensed), "{plane} {condensed}");
+    }
+    let shear = ply.stiffness().fixed_view::<2, 2>(4, 4).into_owned();
+    assert_eq!(ply.transverse_shear(), shear);
+    assert_eq!(shear, Matrix2::new(4.0, 0.0, 0.0, 3.0));
 }
 
 #[test]
@@ -363,6 +382,7 @@ fn orthotropic_constants_that_contradict_each_other_are_seen() {
     let good = Orthotropy { young: [140.0, 10.0, 10.0], poisson: [0.3; 3], shear: [5.0; 3] };
     assert!(good.is_stable());
     assert!(!Orthotropy { poisson: [4.0, 0.3, 0.3], ..good }.is_stable());
+    assert!(!Orthotropy { shear: [5.0, -5.0, 5.0], ..good }.is_stable());
     let c = good.stiffness();
     let strain = c.try_inverse().unwrap() * Vector6::new(7.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     assert!((strain[0] - 0.05).abs() < 1e-12 && (strain[1] + 0.015).abs() < 1e-12);
