@@ -236,10 +236,12 @@ mod tests {
     #[test]
     fn the_same_file_is_listed_once() {
         let folder = tempfile::tempdir().unwrap();
-        let mut series = PvdSeries::create(&folder.path().join("a.pvd")).unwrap();
+        let path = folder.path().join("a.pvd");
+        let mut series = PvdSeries::create(&path).unwrap();
         series.add(1.0, "a.vtu").unwrap();
         series.add(2.0, "a.vtu").unwrap();
         assert_eq!(series.entries(), [(2.0, "a.vtu".to_owned())]);
+        assert_eq!(PvdSeries::open(&path).unwrap().entries(), series.entries());
         assert!(series.add(f64::NAN, "b.vtu").is_err());
     }
 

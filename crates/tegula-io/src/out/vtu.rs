@@ -317,6 +317,21 @@ mod tests {
     }
 
     #[test]
+    fn files_of_other_programs_are_not_own() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.vtu");
+        let (points, quads, ..) = strip(2);
+        assert!(!is_own(&path), "there is no file");
+        let grid =
+            VtuGrid { points: &points, quads: &quads, point_data: vec![], cell_data: vec![], time: 0.0 };
+        write(&path, &grid).unwrap();
+        assert!(is_own(&path));
+        let text = std::fs::read_to_string(&path).unwrap().replace(MARK, "");
+        std::fs::write(&path, text).unwrap();
+        assert!(!is_own(&path), "the mark is missing");
+    }
+
+    #[test]
     fn an_empty_grid_is_a_file_too() {
         let folder = tempfile::tempdir().unwrap();
         let grid = VtuGrid { points: &[], quads: &[], point_data: vec![], cell_data: vec![], time: 0.0 };
