@@ -84,8 +84,8 @@ impl Equation for StaticEquation {
     }
 }
 
-/// Forces that hold the first state of a static step in equilibrium beside its loads and supports: those of supports that
-/// it has not any more, and inertia forces if the step before was a motion. `None` where the state is in equilibrium.
+/// Forces that hold the first state of a static step in equilibrium beside its loads and supports: the reactions of supports
+/// that it has not any more. `None` where the state is in equilibrium.
 pub fn released_reactions(system: &System) -> Option<Vec<Nodal>> {
     system.start.as_ref()?;
     let first = State { time: system.first_load_factor(), ..State::first(system) };

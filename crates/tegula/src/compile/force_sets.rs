@@ -39,8 +39,11 @@ pub(super) fn of_caller(name: &str, mesh: &Mesh) -> ForceSet {
 }
 
 /// Reactions of supports that a static step has not any more, as a load.
-pub(super) fn of_released_supports(mesh: &Mesh) -> ForceSet {
-    ForceSet { name: "released".into(), keys: Vec::new(), about: centre(mesh, "all") }
+pub(super) fn of_released_supports(mesh: &Mesh, others: &[ForceSet]) -> ForceSet {
+    let free = |name: &String| others.iter().all(|set| set.name != *name);
+    let numbered = (2..).map(|n| format!("released#{n}"));
+    let name = std::iter::once("released".to_owned()).chain(numbered).find(free).unwrap_or_default();
+    ForceSet { name, keys: Vec::new(), about: centre(mesh, "all") }
 }
 
 /// Mean of the nodes of a set.

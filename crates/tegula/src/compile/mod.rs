@@ -173,6 +173,20 @@ impl<'a> Compiler<'a> {
                 "name a step of the model",
             ));
         };
+        let (vectors, history) =
+            (self.vectors.coordinates.len(), self.offsets.last().map_or(0, |last| last.history.end));
+        let fits = |s: &StepStart| {
+            s.u.len() == vectors && (s.v.is_empty() || s.v.len() == vectors) && s.history.len() == history
+        };
+        if start.as_ref().is_some_and(|start| !fits(start)) {
+            return Err(Error::model(
+                "steps",
+                format!(
+                    "the start has not the {vectors} nodal vectors and {history} history variables of the model"
+                ),
+                "take the start from a state of this model, by `State::end_of_step`",
+            ));
+        }
         self.compile(step, start).map_err(|error| match error {
             Error::Model(issues) => named(Error::Model(step.located(issues)), self.mesh),
             other => other,
@@ -267,10 +281,21 @@ impl<'a> Compiler<'a> {
             issues.extend(lumping::lump(&mut system, &added, scheme.scale_director_inertia));
         }
         (system.dead_loads, system.load_of_dead) = dead_loads(step, mesh, &system, &names);
-        if issues.is_empty() && matches!(procedure, Procedure::Static | Procedure::IterativeStatic) {
+        let is_static = matches!(procedure, Procedure::Static | Procedure::IterativeStatic);
+        if issues.is_empty() && is_static && !self.keeps_supports(step, &system.supports) {
             release_supports(&mut system, mesh);
         }
         if issues.is_empty() { Ok(system) } else { Err(Error::Model(issues)) }
+    }
+
+    /// Whether a step has all supports of the step before: then its first state needs no other forces than its own.
+    fn keeps_supports(&self, step: &StepModel, supports_now: &[Support]) -> bool {
+        let Some(before) = step.starts_from.and_then(|index| self.steps.get(index)) else { return false };
+        let (_, names) = time_functions(&before.model, &mut Vec::new());
+        let place = |s: &Support| (s.vector, [s.direction.x, s.direction.y, s.direction.z].map(f64::to_bits));
+        let now: BTreeSet<_> = supports_now.iter().map(place).collect();
+        let before = supports(&before.model, self.mesh, &self.vectors, &names, &mut Vec::new());
+        before.iter().all(|s| now.contains(&place(s)))
     }
 
     fn prescribed_fields(&self, step: &StepModel, names: &BTreeMap<String, usize>) -> Vec<PrescribedField> {
@@ -321,7 +346,7 @@ fn release_supports(system: &mut System, mesh: &Mesh) {
     if let Some(force) = statics::released_reactions(system) {
         let factor = LoadFactor { start: 1.0, released: true, ..LoadFactor::new(None) };
         system.load_of_dead.push(system.load_sets.len());
-        system.load_sets.push(force_sets::of_released_supports(mesh));
+        system.load_sets.push(force_sets::of_released_supports(mesh, &system.load_sets));
         system.dead_loads.push(DeadLoad { force, factor, gravity: false });
     }
 }

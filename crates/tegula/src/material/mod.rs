@@ -89,6 +89,14 @@ impl MaterialLaw for OwnLaw {
     fn respond(&self, strain: &Strain, committed: &[f64], updated: &mut [f64]) -> Option<Response> {
         self.0.respond(strain, committed, updated)
     }
+
+    fn plastic_strain(&self, history: &[f64]) -> Option<f64> {
+        self.0.plastic_strain(history)
+    }
+
+    fn is_hyperelastic(&self) -> bool {
+        self.0.is_hyperelastic()
+    }
 }
 
 /// Material of the model file: its keys, the check of their values, and its laws.

@@ -23,14 +23,14 @@ fn residual_vanishes_at_equilibria_and_in_motion() {
     for element in [ElementKind::Ems, ElementKind::Mitc4, ElementKind::SolidShell] {
         let (_, system, outcome) = solve(&loaded(element));
         let at_rest = State { time: 1.0, ..State::at_rest(&system) };
-        let loads = max_norm(&residual(&system, &at_rest));
-        let left = max_norm(&residual(&system, &outcome.state));
+        let loads = max_norm(residual(&system, &at_rest));
+        let left = max_norm(residual(&system, &outcome.state));
         assert!(loads > 0.1 && left < 1e-7 * loads, "{element:?}: {left:e} of {loads:e}");
         let newmark = Scheme::Newmark(NewmarkScheme { beta: 0.25, gamma: 0.5 });
         let options =
             TransientAnalysis { scheme: newmark, time_step: Some(1e-3), ..TransientAnalysis::new(0.02) };
         let (system, moved) = move_in_time(&loaded(element), &options, &mut Notes::default());
-        let left = max_norm(&residual(&system, &moved.state));
+        let left = max_norm(residual(&system, &moved.state));
         assert!(left < 1e-4 * loads, "{element:?} in motion: {left:e} of {loads:e}");
     }
 }

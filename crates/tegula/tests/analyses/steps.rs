@@ -412,6 +412,18 @@ fn supports_that_a_static_step_releases_let_go_with_the_load_factor() {
     }
 }
 
+#[test]
+fn steps_that_keep_their_supports_release_nothing() {
+    let load = Load::Edge(vector_load("u_max", [0.0, 0.0, -20.0]));
+    let push = AnalysisStep { loads: vec![load.clone()], ..steps_of("push", 2) };
+    let again = AnalysisStep { loads: vec![load], ..steps_of("again", 2) };
+    let model = cantilever(vec![push, steps_of("unload", 2), again]);
+    run(&model, |_, system, _| assert!(system.load_sets.iter().all(|set| set.name != "released"))).unwrap();
+    let mesh = generate(&model.mesh).unwrap();
+    let compiler = Compiler::new(&model, &mesh).unwrap();
+    assert!(compiler.system(1, Some(tegula::system::StepStart::default())).is_err());
+}
+
 fn steps_of(name: &str, load_steps: u32) -> AnalysisStep {
     AnalysisStep::new(name, Analysis::Static(StaticAnalysis { load_steps, ..StaticAnalysis::default() }))
 }
