@@ -361,3 +361,20 @@ fn prescribed_motion_under_follower_pressure_converges_quadratically() {
     // Without that stiffness each step but the first two takes one more.
     assert!(iterations.of_steps.iter().sum::<u32>() <= 25, "{:?}", iterations.of_steps);
 }
+
+/// Loads without amplitude grow from zero, so that the work of conservative follower loads is the strain energy: a moment that
+/// bends a strip, and a pressure on a sheet whose edges are held.
+#[test]
+fn work_of_conservative_follower_loads_is_the_strain_energy() {
+    let mut bent = strip([20, 1], 0.0, 20);
+    bent.loads = vec![Load::EdgeMoment(vector_load("u_max", [0.0, -10.0, 0.0]))];
+    let mut blown = model(plate([1.0, 1.0], [6, 6], 0.0), 1e6, 0.02);
+    blown.conditions = ["u_min", "u_max", "v_min", "v_max"].map(|set| Condition::Clamp(on(set))).into();
+    blown.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: -100.0, amplitude: None })];
+    blown.analysis = Analysis::Static(StaticAnalysis { load_steps: 40, ..Default::default() });
+    for (name, m) in [("bent", bent), ("blown", blown)] {
+        let (_, _, outcome, _) = run(&m);
+        let ratio = outcome.balance.work / outcome.balance.strain;
+        assert!((ratio - 1.0).abs() < 1e-2, "{name}: {ratio} {:?}", outcome.balance);
+    }
+}
