@@ -12,9 +12,8 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use tegula::analysis::{Silent, dynamics};
 use tegula::element::TangentWeights;
 use tegula::model::{Analysis, ElementKind, Model, TransientAnalysis};
-use tegula::system::Assembly;
-use tegula::system::EvaluationPoint;
 use tegula::system::assembly::TangentCoefficients;
+use tegula::system::{Assembly, EvaluationPoint};
 use tegula_sparse::{Factor, SparseLdlt};
 
 fn iteration(c: &mut Criterion) {

@@ -22,9 +22,8 @@ use std::time::Instant;
 use common::loaded_quarter_cylinder;
 use tegula::element::TangentWeights;
 use tegula::model::ElementKind;
-use tegula::system::Assembly;
-use tegula::system::EvaluationPoint;
 use tegula::system::assembly::TangentCoefficients;
+use tegula::system::{Assembly, EvaluationPoint};
 use tegula_sparse::{Factor, SparseLdlt};
 
 fn main() {

@@ -21,13 +21,11 @@ use common::{compile, model, plate};
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
 use faer::sparse::{SparseColMat, Triplet};
-use tegula::analysis::statics;
-use tegula::analysis::{Observer, Step};
+use tegula::analysis::{Observer, Step, statics};
 use tegula::element::TangentWeights;
 use tegula::model::*;
-use tegula::system::EvaluationPoint;
 use tegula::system::assembly::{TangentCoefficients, add_follower_loads};
-use tegula::system::{Assembly, CirculatoryStiffness};
+use tegula::system::{Assembly, CirculatoryStiffness, EvaluationPoint};
 use tegula_sparse::{Factor, SparseLdlt};
 
 const PRESSURE: f64 = 5.0;

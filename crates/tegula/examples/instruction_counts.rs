@@ -16,9 +16,8 @@ use std::hint::black_box;
 use common::loaded_quarter_cylinder;
 use tegula::element::TangentWeights;
 use tegula::model::ElementKind;
-use tegula::system::EvaluationPoint;
 use tegula::system::assembly::TangentCoefficients;
-use tegula::system::{Assembly, System};
+use tegula::system::{Assembly, EvaluationPoint, System};
 
 fn main() {
     let mut arguments = std::env::args().skip(1);

@@ -20,9 +20,8 @@ use growth::refuse;
 use tegula::System;
 use tegula::bddc::{Convergence, Options, StoppingCriterion};
 use tegula::element::TangentWeights;
-use tegula::system::Assembly;
-use tegula::system::EvaluationPoint;
 use tegula::system::assembly::TangentCoefficients;
+use tegula::system::{Assembly, EvaluationPoint};
 use tegula_sparse::{Factor as _, SparseLdlt};
 
 const WANTED: StoppingCriterion =

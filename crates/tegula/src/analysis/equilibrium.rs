@@ -22,21 +22,9 @@ pub fn frames(system: &System, state: &State) -> LocalFrames {
 /// damping forces \[force\]. It vanishes at equilibria. Rates that the state lacks are zero.
 pub fn residual(system: &System, state: &State) -> Vec<f64> {
     let mut assembly = Assembly::for_forces(system);
-    let k = state.point_with_rates(system);
-    assembly.follow(system, &k);
-    let mut internal = vec![[0.0; 3]; system.vectors()];
-    assembly.forces(system, &k, &mut internal);
-    let mut out = external(system, &k);
-    for (out, internal) in out.as_flattened_mut().iter_mut().zip(internal.as_flattened()) {
-        *out -= internal;
-    }
-    for (factor, rate) in [(-1.0, &state.a), (-system.mass_damping, &state.v)] {
-        if !rate.is_empty() {
-            system.pattern.add_mass_product(factor, rate, &mut out);
-        }
-    }
     let mut free = vec![0.0; system.unknowns()];
-    assembly.frames.reduce(&out, &mut free);
+    let unbalanced = unbalanced(system, &mut assembly, state);
+    assembly.frames.reduce(&unbalanced, &mut free);
     free
 }
 
@@ -49,12 +37,7 @@ pub fn residual(system: &System, state: &State) -> Vec<f64> {
 pub fn tangent(system: &System, state: &State) -> Result<(SymmetricPattern, Vec<f64>)> {
     system.require(&[Procedure::Static, Procedure::Modal, Procedure::Transient])?;
     let mut assembly = Assembly::new(system);
-    let k = state.point(system);
-    assembly.follow(system, &k);
-    let parts = TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time: state.time };
-    let mut internal = vec![[0.0; 3]; system.vectors()];
-    assembly.forces_and_tangent(system, &k, &parts, false, None, &mut internal);
-    assembly.add_curvature(system, &k, &parts.weights, &external(system, &k));
+    assemble_tangent(system, &mut assembly, state, &external(system, &state.point(system)));
     Ok((system.tangent_pattern(), assembly.values))
 }
 
@@ -69,8 +52,38 @@ pub fn mass(system: &System, state: &State) -> Result<Vec<f64>> {
     Ok(values)
 }
 
+/// Tangent stiffness at a state under the external forces `loads`, which act on inextensible directors: values of the
+/// assembly, whose local frames follow the state.
+pub(super) fn assemble_tangent(system: &System, assembly: &mut Assembly, state: &State, loads: &[Nodal]) {
+    let k = state.point(system);
+    assembly.follow(system, &k);
+    let parts = TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time: state.time };
+    let mut internal = vec![[0.0; 3]; system.vectors()];
+    assembly.forces_and_tangent(system, &k, &parts, false, None, &mut internal);
+    assembly.add_curvature(system, &k, &parts.weights, loads);
+}
+
+/// Unbalanced forces `F − f_int(u, v) − M (a + α v)` of a state on all nodal vectors. The assembly's local frames follow the
+/// state.
+pub(super) fn unbalanced(system: &System, assembly: &mut Assembly, state: &State) -> Vec<Nodal> {
+    let k = state.point_with_rates(system);
+    assembly.follow(system, &k);
+    let mut internal = vec![[0.0; 3]; system.vectors()];
+    assembly.forces(system, &k, &mut internal);
+    let mut out = external(system, &k);
+    for (factor, rate) in [(-1.0, &state.a), (-system.mass_damping, &state.v)] {
+        if !rate.is_empty() {
+            system.pattern.add_mass_product(factor, rate, &mut out);
+        }
+    }
+    for (out, internal) in out.as_flattened_mut().iter_mut().zip(internal.as_flattened()) {
+        *out -= internal;
+    }
+    out
+}
+
 /// External forces at an evaluation point.
-fn external(system: &System, k: &EvaluationPoint) -> Vec<Nodal> {
+pub(super) fn external(system: &System, k: &EvaluationPoint) -> Vec<Nodal> {
     let mut out = vec![[0.0; 3]; system.vectors()];
     system.add_dead_loads(k.time, 1.0, &mut out);
     add_follower_loads(system, &k.motion, k.time, 1.0, &mut out);

@@ -7,12 +7,11 @@ mod load_steps;
 
 use super::newton::{Equation, Newton};
 use super::solver::Iterative;
-use super::{Balance, Observer, State, Statistics, Stepper, stepper};
+use super::{Balance, Observer, State, Statistics, Stepper, equilibrium, stepper};
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::model::{LinearSolver, StaticAnalysis};
-use crate::system::EvaluationPoint;
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
-use crate::system::{Assembly, Procedure, System, dot};
+use crate::system::{Assembly, EvaluationPoint, Procedure, System, dot};
 use crate::{Error, Result};
 
 use tegula_sparse::norm::{larger, max_norm};
@@ -90,7 +89,7 @@ pub fn released_reactions(system: &System) -> Option<Vec<Nodal>> {
     system.start.as_ref()?;
     let first = State { time: system.first_load_factor(), ..State::first(system) };
     let mut assembly = Assembly::for_forces(system);
-    let (mut out, size) = unbalanced(system, &mut assembly, &first);
+    let (mut out, size) = unbalanced(system, &mut assembly, &first.point(system));
     let mut supported = vec![[0.0; 3]; out.len()];
     assembly.frames.constrained_part(&out, &mut supported);
     for (out, supported) in out.as_flattened_mut().iter_mut().zip(supported.as_flattened()) {
@@ -101,14 +100,11 @@ pub fn released_reactions(system: &System) -> Option<Vec<Nodal>> {
 }
 
 /// Internal forces of a state less its loads, and the largest of both.
-fn unbalanced(system: &System, assembly: &mut Assembly, state: &State) -> (Vec<Nodal>, f64) {
-    let n = system.vectors();
-    let (mut internal, mut external) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
-    let k = state.point(system);
-    assembly.follow(system, &k);
-    assembly.forces(system, &k, &mut internal);
-    system.add_dead_loads(state.time, 1.0, &mut external);
-    add_follower_loads(system, &k.motion, state.time, 1.0, &mut external);
+fn unbalanced(system: &System, assembly: &mut Assembly, k: &EvaluationPoint) -> (Vec<Nodal>, f64) {
+    let mut internal = vec![[0.0; 3]; system.vectors()];
+    assembly.follow(system, k);
+    assembly.forces(system, k, &mut internal);
+    let external = equilibrium::external(system, k);
     let size = larger(max_norm(internal.as_flattened()), max_norm(external.as_flattened()));
     for (f, e) in internal.as_flattened_mut().iter_mut().zip(external.as_flattened()) {
         *f -= e;
@@ -243,7 +239,12 @@ fn follower_work(
 
 /// Reactions of the supports: forces that they exert on the constrained degrees of freedom.
 pub fn reactions(system: &System, assembly: &mut Assembly, state: &State) -> Vec<Nodal> {
-    let (internal, _) = unbalanced(system, assembly, state);
+    reactions_at(system, assembly, &state.point(system))
+}
+
+/// Reactions of the supports at an evaluation point.
+fn reactions_at(system: &System, assembly: &mut Assembly, k: &EvaluationPoint) -> Vec<Nodal> {
+    let (internal, _) = unbalanced(system, assembly, k);
     let mut out = vec![[0.0; 3]; internal.len()];
     assembly.frames.constrained_part(&internal, &mut out);
     out

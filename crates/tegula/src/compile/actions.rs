@@ -11,9 +11,8 @@ use crate::model::loads::{Action, LoadedMesh};
 use crate::model::supports::{Constraints, Direction, SupportedNode};
 use crate::model::{AddedMass, Condition, Model};
 use crate::section::SectionInertia;
-use crate::system::VectorKind;
 use crate::system::supports::{Conflict, Support};
-use crate::system::{DeadLoad, System};
+use crate::system::{DeadLoad, System, VectorKind};
 use crate::{Issue, Vec3};
 
 pub(super) fn supports(

@@ -28,8 +28,10 @@ use crate::model::{
 };
 use crate::system::pattern::PatternBuilder;
 use crate::system::supports::Support;
-use crate::system::{DeadLoad, GroupOffsets, LocalFrames};
-use crate::system::{Pattern, PrescribedField, Procedure, Shell, ShellSection, StepStart, System, lumping};
+use crate::system::{
+    DeadLoad, GroupOffsets, LocalFrames, Pattern, PrescribedField, Procedure, Shell, ShellSection, StepStart,
+    System, lumping,
+};
 use crate::{Error, Issue, Result};
 use actions::{
     added_masses, contradictions, dead_loads, drilling_components, follower_loads, initial_velocity, supports,

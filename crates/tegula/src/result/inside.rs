@@ -13,8 +13,7 @@ use crate::material::Response;
 use crate::model::PrescribedStrain;
 use crate::section::CompiledSection;
 use crate::section::compiled::Layer;
-use crate::system::EvaluationPoint;
-use crate::system::{Shell, System};
+use crate::system::{EvaluationPoint, Shell, System};
 
 /// Snapshot for the recovery of stresses: state of a model, or a small motion about that state.
 ///

@@ -18,9 +18,8 @@ use crate::analysis::State;
 use crate::analysis::dynamics::schemes::Instant;
 use crate::element::{Motion, Nodal};
 use crate::model::Scheme;
-use crate::system::EvaluationPoint;
 use crate::system::supports::Support;
-use crate::system::{Assembly, System, VectorKind};
+use crate::system::{Assembly, EvaluationPoint, System, VectorKind};
 use tegula_sparse::norm::larger;
 
 /// Force and moment about a point.

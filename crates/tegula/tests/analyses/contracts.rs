@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::common::{Notes, compile, displacement, distance, model, move_in_time, on, plate, static_options};
-use tegula::analysis::statics;
-use tegula::analysis::{Observer, State, Step};
+use tegula::analysis::{Observer, State, Step, statics};
 use tegula::load::FollowerLoad;
 use tegula::mesh::generators::generate;
 use tegula::model::loads::LoadedPart;

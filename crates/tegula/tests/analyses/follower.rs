@@ -12,9 +12,8 @@ use tegula::compile::build;
 use tegula::element::{Nodal, TangentWeights};
 use tegula::mesh::generators::generate;
 use tegula::model::*;
-use tegula::system::EvaluationPoint;
 use tegula::system::assembly::{TangentCoefficients, add_follower_stiffness};
-use tegula::system::{Assembly, CirculatoryStiffness, VectorKind};
+use tegula::system::{Assembly, CirculatoryStiffness, EvaluationPoint, VectorKind};
 use tegula::{Mesh, Result, System, Vec3};
 
 /// Counts the iterations of every step.

@@ -5,9 +5,8 @@ use tegula::analysis::dynamics::{self, TransientOutcome};
 use tegula::element::{Nodal, TangentWeights};
 use tegula::model::*;
 use tegula::norm::max_norm;
-use tegula::system::EvaluationPoint;
 use tegula::system::assembly::TangentCoefficients;
-use tegula::system::{Assembly, CorotationalUpdate, VectorKind};
+use tegula::system::{Assembly, CorotationalUpdate, EvaluationPoint, VectorKind};
 use tegula::{System, Vec3};
 
 const NEWMARK: Scheme = Scheme::Newmark(NewmarkScheme { beta: 0.25, gamma: 0.5 });

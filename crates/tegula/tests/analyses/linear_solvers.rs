@@ -9,9 +9,8 @@ use tegula::compile::build;
 use tegula::element::TangentWeights;
 use tegula::model::*;
 use tegula::norm::max_norm;
-use tegula::system::Assembly;
-use tegula::system::EvaluationPoint;
 use tegula::system::assembly::TangentCoefficients;
+use tegula::system::{Assembly, EvaluationPoint};
 use tegula_sparse::{Factor as _, SparseLdlt, SymmetricPattern};
 
 const TIGHT: StoppingCriterion =

@@ -4,8 +4,7 @@ use crate::common;
 use std::collections::BTreeMap;
 
 use crate::common::{compile, model, on, plate, static_options, vector_load};
-use tegula::analysis::statics;
-use tegula::analysis::{Observer, State, Step};
+use tegula::analysis::{Observer, State, Step, statics};
 use tegula::model::*;
 use tegula::norm::max_norm;
 use tegula::{Result, System};

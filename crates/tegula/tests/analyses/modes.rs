@@ -11,8 +11,7 @@ use tegula::model::*;
 use tegula::norm::max_norm;
 use tegula::result::inside::Snapshot;
 use tegula::result::{ShellResult, recovery};
-use tegula::system::EvaluationPoint;
-use tegula::system::{Assembly, dot};
+use tegula::system::{Assembly, EvaluationPoint, dot};
 use tegula::{Error, Result, System, Vec3};
 
 const E: f64 = 2.1e11;

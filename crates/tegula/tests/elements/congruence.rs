@@ -7,9 +7,8 @@ use tegula::element::{Nodal, TangentWeights};
 use tegula::mesh::generators::generate;
 use tegula::model::*;
 use tegula::norm::max_norm;
-use tegula::system::Assembly;
-use tegula::system::EvaluationPoint;
 use tegula::system::assembly::TangentCoefficients;
+use tegula::system::{Assembly, EvaluationPoint};
 use tegula::{Error, Mesh, System, Vec3};
 
 const THICKNESS: f64 = 0.02;

@@ -4,8 +4,7 @@ use crate::common::{Random, compile, model, on, plate, quarter_cylinder, resulta
 use tegula::analysis::State;
 use tegula::analysis::statics::reactions;
 use tegula::compile::build;
-use tegula::element::Motion;
-use tegula::element::Nodal;
+use tegula::element::{Motion, Nodal};
 use tegula::model::*;
 use tegula::norm::larger;
 use tegula::system::Assembly;

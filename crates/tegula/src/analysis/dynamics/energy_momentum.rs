@@ -20,9 +20,8 @@ use crate::analysis::State;
 use crate::analysis::newton::{Equation, Tolerances};
 use crate::analysis::statics::{add, prescribed_increment};
 use crate::element::{Motion, Nodal, TangentWeights};
-use crate::system::EvaluationPoint;
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
-use crate::system::{Assembly, System};
+use crate::system::{Assembly, EvaluationPoint, System};
 
 /// Energy–momentum scheme: conserves energy and momenta.
 pub struct EnergyMomentum {

@@ -21,10 +21,9 @@ use super::work;
 use crate::Result;
 use crate::analysis::State;
 use crate::element::{Motion, Nodal};
-use crate::system::EvaluationPoint;
 use crate::system::assembly::add_follower_loads;
 use crate::system::dof_map::CONSTRAINED;
-use crate::system::{Assembly, LocalFrames, Procedure, System, dot3};
+use crate::system::{Assembly, EvaluationPoint, LocalFrames, Procedure, System, dot3};
 
 /// Smallest number of nodal vectors that one task moves.
 const GRAIN: usize = 4096;

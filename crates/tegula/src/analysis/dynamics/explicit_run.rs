@@ -5,11 +5,11 @@ use super::critical_step::CriticalStep;
 use super::explicit::Explicit;
 use super::fibre_watch::FibreWatch;
 use super::step_end::StepEnds;
-use super::{SMALLEST_STEP, Span, initial_motion, unbalanced_forces};
+use super::{SMALLEST_STEP, Span, initial_motion};
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::statics::undefined;
 use crate::analysis::stepper::Reached;
-use crate::analysis::{Balance, Observer, State, Statistics, Stepper};
+use crate::analysis::{Balance, Observer, State, Statistics, Stepper, equilibrium};
 use crate::model::TransientAnalysis;
 use crate::system::{System, inverted_element};
 use crate::{Error, Result};
@@ -123,7 +123,7 @@ impl<'a> ExplicitSteps<'a> {
         }
         // A resumed run needs this, too: later energies are compared with the energy at time 0.
         let mut first = initial_motion(system);
-        let rest = unbalanced_forces(system, &mut scheme.assembly, &first);
+        let rest = equilibrium::unbalanced(system, &mut scheme.assembly, &first);
         scheme.accelerate(&rest, &mut first.a);
         super::commit_jump(system, &mut scheme.assembly, &mut first);
         first.energy_scale = system.kinetic_energy(&first.v);

@@ -12,8 +12,7 @@ use crate::analysis::State;
 use crate::analysis::newton::Newton;
 use crate::element::{Motion, Nodal};
 use crate::error::{Error, Result};
-use crate::system::EvaluationPoint;
-use crate::system::System;
+use crate::system::{EvaluationPoint, System};
 use tegula_sparse::Factor;
 
 /// Updates velocities, and with them accelerations, from those before a kink of a prescribed motion to those behind it.

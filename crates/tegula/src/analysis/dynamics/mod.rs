@@ -15,10 +15,9 @@ mod step_end;
 mod time_steps;
 
 use super::newton::{Equation, Newton, Tolerances};
-use super::{Balance, Observer, State, Statistics, Stepper, statics, stepper};
+use super::{Balance, Observer, State, Statistics, Stepper, equilibrium, statics, stepper};
 use crate::element::{Motion, Nodal};
 use crate::model::TransientAnalysis;
-use crate::system::assembly::add_follower_loads;
 use crate::system::dof_map::CONSTRAINED;
 use crate::system::{Assembly, Procedure, System, VectorKind, dot, dot3};
 use crate::{Result, Vec3};
@@ -109,7 +108,7 @@ fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
     newton.assembly.follow(system, &state.point_with_rates(system));
     impact::factor_mass(system, newton)?;
     impact::share_jump(system, newton, &given_velocities(system), &mut state);
-    let rest = unbalanced_forces(system, &mut newton.assembly, &state);
+    let rest = equilibrium::unbalanced(system, &mut newton.assembly, &state);
     impact::add_free_response(system, newton, &rest, &mut state.a);
     state.energy_scale = system.kinetic_energy(&state.v);
     if system.start.is_some() {
@@ -155,26 +154,6 @@ fn initial_motion(system: &System) -> State {
     system.prescribe_acceleration(0.0, &mut state.a);
     project_rates(system, &state.u, &mut state.v, &mut state.a);
     state
-}
-
-/// Unbalanced forces at time 0 for the accelerations of a state: `F − f_int − C v − M a`. The assembly's local frames
-/// follow the state.
-fn unbalanced_forces(system: &System, assembly: &mut Assembly, state: &State) -> Vec<Nodal> {
-    let n = system.vectors();
-    let k = state.point_with_rates(system);
-    assembly.follow(system, &k);
-    let (mut internal, mut rest) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
-    assembly.forces(system, &k, &mut internal);
-    system.add_dead_loads(0.0, 1.0, &mut rest);
-    add_follower_loads(system, &k.motion, 0.0, 1.0, &mut rest);
-    system.pattern.add_mass_product(-1.0, &state.a, &mut rest);
-    system.pattern.add_mass_product(-system.mass_damping, &state.v, &mut rest);
-    for (r, f) in rest.iter_mut().zip(&internal) {
-        for i in 0..3 {
-            r[i] -= f[i];
-        }
-    }
-    rest
 }
 
 /// Energies and momenta of a state.

@@ -20,9 +20,8 @@ use crate::analysis::State;
 use crate::analysis::newton::{Equation, Tolerances};
 use crate::analysis::statics::{add, prescribed_increment};
 use crate::element::{Motion, Nodal, TangentWeights};
-use crate::system::EvaluationPoint;
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
-use crate::system::{Assembly, System};
+use crate::system::{Assembly, EvaluationPoint, System};
 
 /// Bound of |e|/|p| over (|δ|/|p|)², with e the error of the iteration, p = ½ Δt² ā the part of the prediction that the
 /// acceleration makes, and δ the first increment. The increment is ½ Δt³ j with the rate j of the acceleration, six

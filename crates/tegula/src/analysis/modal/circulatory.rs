@@ -13,8 +13,7 @@
 use super::Mode;
 use super::problem::Problem;
 use crate::analysis::State;
-use crate::element::Motion;
-use crate::element::TangentWeights;
+use crate::element::{Motion, TangentWeights};
 use crate::system::assembly::TangentCoefficients;
 use crate::system::{CirculatoryStiffness, System};
 use crate::{Error, Result};

@@ -7,13 +7,10 @@
 
 use super::rigid::{Parts, RigidModes};
 use crate::analysis::newton::Newton;
-use crate::analysis::{Observer, State};
-use crate::element::Motion;
-use crate::element::{Nodal, TangentWeights};
+use crate::analysis::{Observer, State, equilibrium};
+use crate::element::{Motion, Nodal};
 use crate::model::NewtonMethod;
-use crate::system::EvaluationPoint;
-use crate::system::System;
-use crate::system::assembly::{TangentCoefficients, add_follower_loads};
+use crate::system::{EvaluationPoint, System};
 use crate::{Error, Result};
 use tegula_sparse::lanczos::SymmetricOperator;
 use tegula_sparse::{Factor as _, SymmetricPattern};
@@ -240,19 +237,13 @@ impl<'a> Problem<'a> {
 }
 
 /// Tangent at a state, in the free degrees of freedom; the loads on inextensible directors enter at an equilibrium.
-fn stiffness(system: &System, newton: &mut Newton, state: &State, equilibrium: bool) -> Vec<f64> {
-    let time = state.time;
-    let parts = TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time };
-    let mut internal = vec![[0.0; 3]; system.vectors()];
-    let k = state.point(system);
-    newton.assembly.follow(system, &k);
-    newton.assembly.forces_and_tangent(system, &k, &parts, false, None, &mut internal);
-    if equilibrium {
-        let mut loads = vec![[0.0; 3]; system.vectors()];
-        system.add_dead_loads(time, 1.0, &mut loads);
-        add_follower_loads(system, &k.motion, time, 1.0, &mut loads);
-        newton.assembly.add_curvature(system, &k, &parts.weights, &loads);
-    }
+fn stiffness(system: &System, newton: &mut Newton, state: &State, loaded: bool) -> Vec<f64> {
+    let loads = if loaded {
+        equilibrium::external(system, &state.point(system))
+    } else {
+        vec![[0.0; 3]; system.vectors()]
+    };
+    equilibrium::assemble_tangent(system, &mut newton.assembly, state, &loads);
     newton.assembly.values.clone()
 }
 

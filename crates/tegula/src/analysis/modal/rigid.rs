@@ -10,8 +10,7 @@ use nalgebra::{DMatrix, SMatrix, SymmetricEigen};
 
 use crate::Vec3;
 use crate::element::Nodal;
-use crate::system::LocalFrames;
-use crate::system::{System, VectorKind, dot3};
+use crate::system::{LocalFrames, System, VectorKind, dot3};
 
 /// Number of rigid motions of a part: t + ω × x of positions, ω × d of directors.
 const MOTIONS: usize = 6;

@@ -33,8 +33,7 @@
 use super::StaticEquation;
 use crate::analysis::newton::Equation;
 use crate::element::Nodal;
-use crate::system::EvaluationPoint;
-use crate::system::{Assembly, System, dot};
+use crate::system::{Assembly, EvaluationPoint, System, dot};
 
 /// Ratio of the displacement of a step to that of the faster of its two ends above which the step is refused. Large
 /// steps on smooth paths reach 1.27 (quarter cylinder of Sect. 5.2 in one step), snaps of roofs begin at 2.1.

@@ -2,17 +2,16 @@
 
 use super::connection::{SOFTER, Speeds, released_energy};
 use super::failure::{CriticalPoint, Failure, Kind};
-use super::{StaticEquation, energies, follower_work, reactions, undefined};
+use super::{StaticEquation, energies, follower_work, reactions, reactions_at, undefined};
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::newton::{Cause, Converged, Newton, Tolerances};
 use crate::analysis::solver::TangentSolver;
 use crate::analysis::stepper::Reached;
 use crate::analysis::stops::Stops;
 use crate::analysis::{Balance, Observer, Stability, State, Statistics, Stepper};
-use crate::element::Motion;
-use crate::element::Nodal;
+use crate::element::{Motion, Nodal};
 use crate::model::{NewtonMethod, StaticAnalysis};
-use crate::system::{System, inverted_element};
+use crate::system::{EvaluationPoint, System, inverted_element};
 use crate::{Error, Result};
 
 /// Displacement of a step over the size of the model that is round-off of directors, as where loads have not begun yet.
@@ -290,9 +289,8 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         state.work += follower_work(system, (&state.u, state.time), (&equation.u, target), external);
         if !self.reactions.is_empty() {
             // Before the history is committed: the stress at the end of the step must be that of the step.
-            let history = state.history.clone();
-            let end = State { time: target, u: equation.u.clone(), history, ..State::default() };
-            let after = reactions(system, &mut newton.assembly, &end);
+            let end = EvaluationPoint::at_rest(system, &equation.u, target, &state.history);
+            let after = reactions_at(system, &mut newton.assembly, &end);
             for forces in [&self.reactions, &after] {
                 state.work += 0.5 * system.work_of_prescribed(forces, &state.u, &equation.u);
             }
