@@ -61,6 +61,7 @@ pub mod analysis;
 pub mod bddc;
 mod checker;
 pub mod compile;
+pub mod constraint;
 pub mod element;
 pub mod error;
 mod lists;

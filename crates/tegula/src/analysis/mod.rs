@@ -1,6 +1,7 @@
 //! Analyses: statics, natural frequencies, transient dynamics.
 
 mod circulatory;
+mod constraints;
 mod drilling;
 pub mod dynamics;
 pub mod equilibrium;
@@ -16,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Result;
 use crate::element::{Motion, Nodal};
-use crate::system::{EvaluationPoint, StepStart, System};
+use crate::system::{EvaluationPoint, Internal, StepStart, System};
 use lagged_tangent::LaggedTangent;
 pub use newton::Stability;
 pub use stepper::Stepper;
@@ -39,6 +40,9 @@ pub struct State {
     pub mean_a: Vec<Nodal>,
     /// Enhanced parameters and internal variables of the materials.
     pub history: Vec<f64>,
+    /// Lagrange multipliers of the constraints of joints, in the order of the joints.
+    #[serde(default)]
+    pub multipliers: Vec<f64>,
     /// Length of the next time step (load step).
     pub next_step: f64,
     /// Length of the last finished time step; 0 at the start.
@@ -73,7 +77,7 @@ impl State {
             None => Self::at_rest(system),
             Some(start) => {
                 let StepStart { u, v, history } = start.clone();
-                Self { u, v, history, ..Self::default() }
+                Self { u, v, history, multipliers: vec![0.0; system.constraints()], ..Self::default() }
             }
         }
     }
@@ -81,18 +85,28 @@ impl State {
     /// Reference configuration at rest.
     pub fn at_rest(system: &System) -> Self {
         let history = system.groups.iter().map(|g| g.len() * g.history_per_element()).sum();
-        Self { u: vec![[0.0; 3]; system.vectors()], history: vec![0.0; history], ..Self::default() }
+        Self {
+            u: vec![[0.0; 3]; system.vectors()],
+            history: vec![0.0; history],
+            multipliers: vec![0.0; system.constraints()],
+            ..Self::default()
+        }
+    }
+
+    /// History variables and multipliers.
+    pub fn internal(&self) -> Internal<'_> {
+        Internal { history: &self.history, multipliers: &self.multipliers }
     }
 
     /// Evaluation point of the displacements, without rates.
     pub fn point<'a>(&'a self, system: &System) -> EvaluationPoint<'a> {
-        EvaluationPoint::at_rest(system, &self.u, self.time, &self.history)
+        EvaluationPoint::at_rest(system, &self.u, self.time, self.internal())
     }
 
     /// Evaluation point of the displacements and velocities.
     pub fn point_with_rates<'a>(&'a self, system: &System) -> EvaluationPoint<'a> {
         let velocity = (!self.v.is_empty()).then_some(self.v.as_slice());
-        EvaluationPoint::new(system, Motion::State { u: &self.u, velocity }, self.time, &self.history)
+        EvaluationPoint::new(system, Motion::State { u: &self.u, velocity }, self.time, self.internal())
     }
 
     /// Displacements, velocities and history variables from which the next analysis step starts.

@@ -24,10 +24,13 @@ use crate::Result;
 use crate::element::{Motion, Nodal};
 use crate::model::NewtonMethod;
 use crate::system::assembly::TangentCoefficients;
-use crate::system::{Assembly, CorotationalUpdate, EvaluationPoint, LocalFrames, System, VectorKind, dot};
+use crate::system::{
+    Assembly, CorotationalUpdate, EvaluationPoint, Internal, LocalFrames, System, VectorKind, dot,
+};
 use tegula_sparse::SparseLdlt;
 
 use super::circulatory::CirculatoryLoads;
+use super::constraints::Constraints;
 use super::lagged_tangent::{Increments, LaggedTangent};
 use super::solver::{self, Linearization, TangentSolver};
 use super::{Observer, State};
@@ -42,6 +45,12 @@ pub trait Equation {
     fn external_minus_inertia(&self, system: &System, out: &mut [Nodal]);
     /// Adds an increment to all nodal vectors.
     fn apply(&mut self, system: &System, increment: &[Nodal]);
+    /// Lagrange multipliers of the constraints at the present iterate.
+    fn multipliers(&self) -> &[f64] {
+        &[]
+    }
+    /// Adds a change to the Lagrange multipliers.
+    fn change_multipliers(&mut self, _change: &[f64]) {}
     /// Increment that brings the constrained degrees of freedom to their prescribed values; false if there is none.
     fn prescribed(&self, system: &System, increment: &mut [Nodal]) -> bool;
     /// Step limiter: largest rotation (rad) of the first increment, if it is limited. The increment of all degrees of
@@ -108,6 +117,8 @@ pub enum Cause {
     OldTangent,
     /// The energy of the increments stagnates above round-off.
     Stagnation,
+    /// Constraints of joints contradict each other.
+    Constraints,
     /// The allowed iterations do not suffice.
     Iterations,
 }
@@ -149,6 +160,8 @@ pub struct Newton<S = SparseLdlt> {
     price: f64,
     /// Circulatory (skew) stiffness of follower loads, where there is some.
     circulatory: Option<CirculatoryLoads>,
+    /// Constraints of joints, where there are some.
+    pub(super) constraints: Option<Constraints>,
     /// Iterations of the present step.
     iterations: u32,
     /// Largest number of negative pivots of a tangent of the present step.
@@ -205,6 +218,7 @@ impl<S: TangentSolver> Newton<S> {
             corotational: None,
             price,
             circulatory: CirculatoryLoads::new(system),
+            constraints: Constraints::new(system),
             iterations: 0,
             most_negative_pivots: 0,
         }
@@ -216,7 +230,7 @@ impl<S: TangentSolver> Newton<S> {
     }
 
     /// Provides a factor for a time step of length `dt` from a state: the lagged tangent of an earlier step, or a new
-    /// one at the state. Linear models and prescribed motions, which need a tangent anyway, are skipped.
+    /// one at the state. Linear models and prescribed motions, which need a tangent anyway, and bodies and joints are skipped.
     ///
     /// A resumed run recomputes the lagged tangent from the checkpoint data in the state, so that it continues as if it
     /// had not been stopped.
@@ -227,7 +241,8 @@ impl<S: TangentSolver> Newton<S> {
         dt: f64,
         state: &mut State,
     ) {
-        if system.linear || !system.dofs().prescribed.is_empty() || state.tangent.pause > 0 {
+        let jointed = !system.coordinates.bodies.is_empty() || !system.joints.is_empty();
+        if system.linear || jointed || !system.dofs().prescribed.is_empty() || state.tangent.pause > 0 {
             state.tangent.valid = false;
             return;
         }
@@ -331,7 +346,8 @@ impl<S: TangentSolver> Newton<S> {
 
 /// Evaluation point of the present iterate of an equation.
 fn point<'a>(system: &System, equation: &'a dyn Equation, history: &'a [f64]) -> EvaluationPoint<'a> {
-    EvaluationPoint::new(system, equation.motion(), equation.parts().time, history)
+    let internal = Internal { history, multipliers: equation.multipliers() };
+    EvaluationPoint::new(system, equation.motion(), equation.parts().time, internal)
 }
 
 /// Expands the free degrees of freedom of an increment; with `keep` the prescribed ones retain their values.
@@ -349,6 +365,7 @@ fn expand_free(frames: &LocalFrames, free: &[f64], keep: bool, field: &mut [Noda
         }
         *value = frames.to_global(v, local);
     }
+    frames.expand_triads(free, field);
 }
 
 /// Place of the largest residual, as text.
@@ -362,12 +379,9 @@ pub fn largest(system: &System, frames: &LocalFrames, residual: &[Nodal]) -> Str
     let Some(v) = (0..residual.len()).max_by(|&a, &b| size(a).total_cmp(&size(b))) else {
         return "the model is empty".into();
     };
-    let node = system.coordinates.nodes[v];
-    let p = system.coordinates.reference[system.coordinates.position_of[node as usize] as usize];
-    let node = system.node_label(node);
     let what = match system.coordinates.kinds[v] {
         VectorKind::Position => "force",
         VectorKind::Director | VectorKind::Gradient => "moment",
     };
-    format!("the largest out-of-balance {what} is at node {node}, at ({:.4}, {:.4}, {:.4})", p[0], p[1], p[2])
+    format!("the largest out-of-balance {what} is at {}", system.place_name(v))
 }

@@ -49,7 +49,8 @@ fn keys_of(model: &Model, continues: bool) -> Vec<Issue> {
             "give an angle between 1 and 180 degrees, or leave it out for 20",
         );
     }
-    if model.sections.is_empty() {
+    super::bodies::keys(model, &mut c);
+    if model.sections.is_empty() && model.bodies.is_empty() {
         c.add(
             "sections",
             "no section: no part of the mesh has elements",

@@ -2,6 +2,7 @@
 
 mod actions;
 mod amplitudes;
+mod bodies;
 pub mod check;
 mod check_material;
 mod check_sections;
@@ -17,6 +18,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::analysis::statics;
+use crate::constraint::{Joint, JointGroup};
 use crate::element::{ElementGroup, Nodal, director_angle};
 use crate::load::{FollowerLoad, LoadFactor, NodalLoad, OwnLoad, TimeFunction};
 use crate::material::{MaterialLaw, OwnLaw};
@@ -24,12 +26,12 @@ use crate::mesh::directors::Directors;
 use crate::mesh::folds::Folds;
 use crate::mesh::{Mesh, quality};
 use crate::model::{
-    Analysis, ExplicitScheme, LinearSolver, Model, PrescribedStrain, Scheme, TransientAnalysis,
+    Analysis, ExplicitScheme, LinearSolver, MeshSource, Model, PrescribedStrain, Scheme, TransientAnalysis,
 };
 use crate::system::pattern::PatternBuilder;
 use crate::system::supports::Support;
 use crate::system::{
-    DeadLoad, GroupOffsets, LocalFrames, Pattern, PrescribedField, Procedure, Shell, ShellSection, StepStart,
+    DeadLoad, GroupOffsets, LocalFrames, Pattern, PrescribedField, Procedure, Reduction, Shell, ShellSection, StepStart,
     System, lumping,
 };
 use crate::{Error, Issue, Result};
@@ -58,6 +60,7 @@ pub struct Compiler<'a> {
     vectors: Vectors,
     groups: Arc<Vec<Box<dyn ElementGroup>>>,
     offsets: Arc<Vec<GroupOffsets>>,
+    joints: Arc<Vec<Joint>>,
     shells: Vec<Shell>,
     sections: Arc<Vec<ShellSection>>,
     /// Nodal vectors that keep their length.
@@ -98,14 +101,18 @@ impl<'a> Compiler<'a> {
     ) -> Result<Self> {
         let steps = steps::steps(model);
         let mut issues = check::keys(model);
-        issues.extend(quality::check(mesh));
+        let without_shells = model.mesh == MeshSource::None && mesh.quads.is_empty();
+        if !without_shells {
+            issues.extend(quality::check(mesh));
+        }
         issues.extend(check::sets(model, mesh));
         issues.extend(laws.keys().filter_map(|name| irreplaceable(model, name)));
         if !issues.is_empty() {
             return Err(Error::Model(issues));
         }
         let laws = laws.iter().map(|(name, law)| (name.clone(), OwnLaw(Arc::clone(law)))).collect();
-        let directors = Directors::of(mesh, model.mesh.fold_angle())?;
+        let directors =
+            if without_shells { Directors::default() } else { Directors::of(mesh, model.mesh.fold_angle())? };
         let mut vectors = Vectors::new(mesh, &directors, &Elements::gradients(model, mesh, &directors));
         let strains = steps::all_strains(model);
         let whole = Model { prescribed_strains: strains.clone(), ..model.clone() };
@@ -114,6 +121,8 @@ impl<'a> Compiler<'a> {
         let explicit = steps.iter().any(|step| procedure(&step.model.analysis) == Procedure::Explicit);
         let tie = if explicit { director_angle::EXPLICIT_STIFFNESS } else { director_angle::STIFFNESS };
         elements.ties(&directors, &vectors, tie);
+        let joints = vectors.add_bodies(model, mesh, &mut issues);
+        elements.groups.extend(JointGroup::groups(&joints));
         vectors.mark_inextensible(&elements.unit);
         let linear = |step: &StepModel| match &step.model.analysis {
             Analysis::Static(s) => s.linear,
@@ -128,6 +137,7 @@ impl<'a> Compiler<'a> {
             vectors,
             offsets: Arc::new(GroupOffsets::of(&elements.groups)),
             groups: Arc::new(elements.groups),
+            joints,
             shells: elements.list,
             sections: Arc::new(elements.sections),
             unit: elements.unit,
@@ -212,7 +222,7 @@ impl<'a> Compiler<'a> {
             }
             _ => vectors.coordinates.reference.clone(),
         };
-        match LocalFrames::new(&supports, &self.unit, &current) {
+        match LocalFrames::new(&supports, &self.unit, &vectors.coordinates.triads(), &current) {
             Ok(mut frames) => {
                 if let Some(start) = start {
                     frames.start_at(&current, &start.u);
@@ -248,12 +258,18 @@ impl<'a> Compiler<'a> {
         issues.extend(drilling_components(&followers, &load_of_follower, vectors, mesh));
         let added = added_masses(model, mesh, vectors);
         let procedure = procedure(&model.analysis);
-        let pattern = self.pattern(procedure, &frames, &followers, &added)?;
+        let reduction = |group: &Box<dyn ElementGroup>| Reduction::new(group.as_ref(), frames.dofs());
+        let reductions: Vec<_> = self.groups.iter().map(reduction).collect();
+        let pattern = self.pattern(procedure, &frames, (&followers, &reductions), &added)?;
+        let mut initial_velocity = initial_velocity(model, mesh, vectors);
+        bodies::add_velocities(model, &vectors.coordinates, &mut initial_velocity);
         let mut system = System {
             coordinates: Arc::clone(&vectors.coordinates),
             frames,
             groups: Arc::clone(&self.groups),
             offsets: Arc::clone(&self.offsets),
+            reductions,
+            joints: Arc::clone(&self.joints),
             shells: self.shells.clone(),
             sections: Arc::clone(&self.sections),
             prescribed_strains: self.prescribed_fields(step, &names),
@@ -268,10 +284,10 @@ impl<'a> Compiler<'a> {
             pattern,
             procedure,
             mass_damping: model.damping.mass,
-            length: mesh.extent(),
+            length: bodies::extent(model, mesh, &vectors.coordinates),
             linear: self.linear,
             start,
-            initial_velocity: initial_velocity(model, mesh, vectors),
+            initial_velocity,
             labels: mesh.labels.clone(),
             folds: Folds::of(mesh, &self.directors),
             amplitude_names: names.keys().cloned().collect(),
@@ -314,16 +330,25 @@ impl<'a> Compiler<'a> {
         &self,
         procedure: Procedure,
         frames: &LocalFrames,
-        followers: &[FollowerLoad],
+        (followers, reductions): (&[FollowerLoad], &[Option<Reduction>]),
         added: &[(u32, u32, f64)],
     ) -> Result<Pattern> {
         let mut builder = PatternBuilder::new(procedure.has_tangent_pattern());
         if procedure != Procedure::Explicit {
-            for group in self.groups.iter() {
+            for (group, reduction) in self.groups.iter().zip(reductions) {
                 for e in 0..group.len() {
-                    builder.element(group.vectors(e), group.mass(e));
+                    match reduction {
+                        None => builder.element(group.vectors(e), group.mass(e)),
+                        Some(reduction) => builder.element(reduction.vectors(e), &[]),
+                    }
                 }
                 builder.end_batch();
+            }
+            for body in &self.vectors.coordinates.bodies {
+                builder.mass(body.centre, body.centre, body.mass);
+                if let Some(directors) = body.directors {
+                    builder.body(directors, &body.euler);
+                }
             }
             for load in followers {
                 builder.element(load.vectors(), &[]);

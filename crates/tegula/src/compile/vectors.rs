@@ -3,7 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use crate::Vec3;
+use super::bodies;
+use crate::constraint::Joint;
+use crate::{Issue, Model, Vec3};
 use crate::element::VectorKind;
 use crate::element::geometry::tangents;
 use crate::mesh::Mesh;
@@ -48,6 +50,13 @@ impl Vectors {
             coordinates.director_of[node] = of_director[list[0] as usize];
         }
         Self { coordinates: Arc::new(coordinates), of_director, gradient_of }
+    }
+
+    /// Adds the nodal vectors of bodies, behind those of all nodes; returns the joints.
+    pub(super) fn add_bodies(&mut self, model: &Model, mesh: &Mesh, issues: &mut Vec<Issue>) -> Arc<Vec<Joint>> {
+        let coordinates = Arc::make_mut(&mut self.coordinates);
+        bodies::add_vectors(model, coordinates);
+        Arc::new(bodies::joints(model, mesh, coordinates, issues))
     }
 
     /// Marks the directors that keep their length.

@@ -38,11 +38,13 @@ pub struct TangentWeights {
     pub force: f64,
     /// Velocity change per displacement change, for Kelvin–Voigt damping.
     pub rate: f64,
+    /// Weight of the augmented Lagrangian `γ GᵀG` of constraints, per inertia [1/time²].
+    pub augmentation: f64,
 }
 
 impl TangentWeights {
     /// Weights of the static tangent: stress, current configuration and follower loads of one state, no rates.
-    pub const STATIC: Self = Self { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0 };
+    pub const STATIC: Self = Self { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0, augmentation: 0.0 };
 }
 
 /// Evaluation point of a group of elements: motion, history variables and factors of the prescribed strains.
@@ -58,6 +60,8 @@ pub struct GroupPoint<'a> {
     pub interior: InternalVariables<'a>,
     /// Flags of the inextensible directors among the nodal vectors; empty: none.
     pub inextensible: &'a [bool],
+    /// Lagrange multipliers of all constraints.
+    pub multipliers: &'a [f64],
 }
 
 /// History (internal) variables and factors of the prescribed strains: they determine the stress besides the

@@ -40,6 +40,7 @@ pub fn generate(source: &MeshSource) -> Result<Mesh> {
         MeshSource::Annulus(source) => meshed(annulus(source, &mut input), &source.grid, input),
         MeshSource::Sphere(source) => meshed(sphere(source, &mut input), &source.grid, input),
         MeshSource::Extrusion(source) => meshed(extrusion(source, &mut input), &source.grid, input),
+        MeshSource::None => Ok(Mesh::default()),
         _ => Err(Error::model(
             "mesh.file",
             format!(

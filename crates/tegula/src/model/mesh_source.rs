@@ -35,9 +35,12 @@ macro_rules! mesh_readers {
 macro_rules! mesh_source {
     ($($file:ident::$format:ident: $help:literal,)*) => {
         /// The mid-surface.
-        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+        #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
         #[serde(tag = "type", rename_all = "kebab-case")]
         pub enum MeshSource {
+            /// No shells: a model of bodies and joints alone.
+            #[default]
+            None,
             /// A rectangle; u along `u_axis`, v along `v_axis`.
             Plate(PlateMesh),
             /// A sector of a cylinder; u is the angle, v runs along the axis.

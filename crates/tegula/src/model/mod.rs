@@ -5,8 +5,10 @@
 //! the same types, and the documentation of a key is its doc comment.
 
 mod analysis;
+mod body;
 mod condition;
 mod element_kind;
+pub mod joint;
 pub mod loads;
 mod mesh_source;
 mod prescribed_strain;
@@ -24,9 +26,12 @@ pub use crate::material::{
     Isotropic, Material, MooneyRivlin, NeoHookean, NeoHookeanForm, Orthotropic, Plastic, Strengths,
 };
 pub use analysis::*;
+pub use body::*;
 pub use condition::*;
 pub use element_kind::ElementKind;
 pub(crate) use element_kind::element_types;
+pub(crate) use joint::joints;
+pub use joint::{AxisJoint, DistanceJoint, Joint, JointKeys, PointJoint, TwoAxesJoint};
 pub use loads::{Load, LoadStiffness, NodalLoad};
 pub use mesh_source::*;
 pub use prescribed_strain::*;
@@ -50,12 +55,21 @@ pub struct Model {
     /// Analyses that follow one another, each from the state at the end of the one before: preload, then modes, then motion.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub steps: Vec<AnalysisStep>,
-    /// The mid-surface: a generator or a mesh file.
+    /// The mid-surface: a generator or a mesh file; none in models of bodies alone.
+    #[serde(default)]
     pub mesh: MeshSource,
     /// Materials by name.
+    #[serde(default)]
     pub materials: BTreeMap<String, Material>,
     /// Which elements, material and thickness the parts of the mesh have.
+    #[serde(default)]
     pub sections: Vec<Section>,
+    /// Rigid bodies and point masses.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bodies: Vec<RigidBody>,
+    /// Joints between bodies, nodes and the ground.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub joints: Vec<Joint>,
     /// Supports and prescribed motions.
     #[serde(default)]
     pub conditions: Vec<Condition>,
@@ -92,6 +106,8 @@ impl Model {
             mesh,
             materials: BTreeMap::from([("m".to_string(), Material::Isotropic(material))]),
             sections: vec![Section::new("m", thickness)],
+            bodies: Vec::new(),
+            joints: Vec::new(),
             conditions: Vec::new(),
             loads: Vec::new(),
             masses: Vec::new(),

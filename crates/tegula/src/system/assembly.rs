@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::evaluation_point::{EvaluationPoint, current_vector};
 use super::pattern::BATCH;
-use super::{LocalFrames, System};
+use super::{LocalFrames, Reduction, System};
 use crate::Vec3;
 use crate::element::{ElementGroup, Motion, Nodal, TangentRequest, TangentWeights};
 use crate::lists::Lists;
@@ -41,6 +41,8 @@ pub struct Assembly {
     element_forces: Vec<f64>,
     /// Tangent blocks of a batch of elements or follower loads.
     blocks: Vec<f64>,
+    /// Blocks of a batch, reduced to the degrees of freedom of rigid bodies.
+    reduced: Vec<f64>,
     /// Extrapolated stress, conjugate to the sampled strains, all groups.
     pub stress: Vec<f64>,
     /// Values of the tangent's lower triangle.
@@ -77,6 +79,7 @@ impl Assembly {
         Self {
             element_forces: vec![0.0; forces],
             blocks: Vec::new(),
+            reduced: vec![0.0; 9 * largest_reduced_batch(system)],
             stress: vec![0.0; stresses],
             values: Vec::new(),
             energies: vec![0.0; elements],
@@ -94,9 +97,9 @@ impl Assembly {
         }
     }
 
-    /// Rotates the local frames of inextensible directors to the configuration on which the forces of a motion act.
+    /// Rotates the local frames of inextensible directors and rigid bodies to the configuration on which the forces of a motion act.
     pub fn follow(&mut self, system: &System, k: &EvaluationPoint) {
-        if !self.frames.dofs().unit.is_empty() && !k.linear {
+        if self.frames.rotate_with_motion() && !k.linear {
             self.frames.follow(|v| current_vector(system, &k.motion, v));
         }
     }
@@ -132,6 +135,7 @@ impl Assembly {
                 system.pattern.add(batch, blocks, parts.mass, frames, values);
                 batch += 1;
             });
+            system.pattern.add_rotary_inertia(parts.mass, &self.frames, &mut self.values);
             self.gather_forces(out);
         };
         rayon::join(work, || ());
@@ -220,7 +224,7 @@ impl Assembly {
         mut take: impl FnMut(Option<(&dyn ElementGroup, usize)>, &[f64], (&LocalFrames, &mut [f64])),
     ) {
         self.set_time(system, k.time);
-        let Self { frames, values, blocks, .. } = self;
+        let Self { frames, values, blocks, reduced, .. } = self;
         for (g, group, offsets) in system.numbered_groups() {
             let m = group.vectors_per_element();
             let k = k.of_group(system, g, &self.factors);
@@ -232,7 +236,14 @@ impl Assembly {
                 let request =
                     TangentRequest { weights: parts.weights, stress, prescribed, blocks: &mut *blocks };
                 group.evaluate(&k, first, forces, Some(request));
-                take(Some((group, first)), blocks, (frames, values));
+                let Some(reduction) = &system.reductions[g] else {
+                    take(Some((group, first)), blocks, (frames, values));
+                    continue;
+                };
+                let members = first..first + blocks.len() / (9 * pairs(m));
+                let reduced = &mut reduced[..9 * reduction.blocks(members)];
+                reduction.reduce(first, frames, blocks, reduced);
+                take(Some((group, first)), reduced, (frames, values));
             }
         }
         let w = &parts.weights;
@@ -329,7 +340,7 @@ impl Assembly {
     /// Commits the history variables at the end of a converged step, from `history` at its start: `history` becomes that
     /// at its end. Returns the energy dissipated in the step.
     pub fn commit(&mut self, system: &System, motion: Motion, time: f64, history: &mut Vec<f64>) -> f64 {
-        let dissipated = self.find_history(system, &EvaluationPoint::new(system, motion, time, history));
+        let dissipated = self.find_history(system, &EvaluationPoint::new(system, motion, time, history.as_slice()));
         std::mem::swap(history, &mut self.new_history);
         dissipated
     }
@@ -424,6 +435,16 @@ fn largest_batch(system: &System) -> usize {
     let groups = system.groups.iter().map(|g| g.len().min(BATCH) * pairs(g.vectors_per_element()));
     let loads = system.followers.chunks(BATCH);
     groups.chain(loads.map(|l| l.iter().map(|load| pairs(load.vectors().len())).sum())).max().unwrap_or(0)
+}
+
+/// Largest number of reduced blocks in a batch.
+fn largest_reduced_batch(system: &System) -> usize {
+    let batches = |(group, reduction): (&Box<dyn ElementGroup>, &Option<Reduction>)| {
+        let reduction = reduction.as_ref()?;
+        let starts = (0..group.len()).step_by(BATCH);
+        starts.map(|first| reduction.blocks(first..group.len().min(first + BATCH))).max()
+    };
+    system.groups.iter().zip(&system.reductions).filter_map(batches).max().unwrap_or(0)
 }
 
 /// Nodal vectors of the configuration on which the forces of a motion act.

@@ -1,6 +1,7 @@
 //! Coordinates of the model: nodal vectors with their kinds, nodes and reference values.
 
 use crate::element::Nodal;
+use crate::{Mat3, Vec3};
 pub use crate::element::VectorKind;
 
 /// Nodal vectors of a model, node by node: the position of a node, then its directors, each followed by its gradients
@@ -11,7 +12,7 @@ pub struct Coordinates {
     pub reference: Vec<Nodal>,
     /// Kind of each nodal vector.
     pub kinds: Vec<VectorKind>,
-    /// Node of each nodal vector.
+    /// Node of each nodal vector; `u32::MAX` for those of bodies.
     pub nodes: Vec<u32>,
     /// Nodal vector of the position of each node (`u32::MAX` for nodes without elements).
     pub position_of: Vec<u32>,
@@ -19,6 +20,26 @@ pub struct Coordinates {
     pub director_of: Vec<u32>,
     /// Flags of the inextensible directors among the nodal vectors; empty: none.
     pub inextensible: Vec<bool>,
+    /// Rigid bodies and point masses; their nodal vectors come after those of the nodes.
+    pub bodies: Vec<Body>,
+}
+
+/// Nodal vectors and inertia of a rigid body or a point mass.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// Name of the body in the model.
+    pub name: String,
+    /// Nodal vector of the mass centre.
+    pub centre: u32,
+    /// Nodal vectors of the directors: unit vectors fixed in the body, along its axes; `None` for point masses.
+    pub directors: Option<[u32; 3]>,
+    /// Mass.
+    pub mass: f64,
+    /// Euler tensor `∫ρ X Xᵀ dV = ½ tr(J) I − J` about the mass centre, along the axes of the body
+    /// \[mass · length²\].
+    pub euler: Mat3,
+    /// Radius of gyration √(tr E/m) (length), by which changes of directors count as displacements.
+    pub gyration: f64,
 }
 
 impl Coordinates {
@@ -40,8 +61,38 @@ impl Coordinates {
         self.reference.is_empty()
     }
 
-    /// Reference position of the node that a nodal vector belongs to.
+    /// Body of a nodal vector; `None` for those of nodes.
+    pub fn body_of(&self, vector: usize) -> Option<&Body> {
+        let after = self.bodies.partition_point(|body| body.centre as usize <= vector);
+        self.bodies[..after].last()
+    }
+
+    /// Reference position of the node or the body that a nodal vector belongs to.
     pub fn place(&self, vector: usize) -> Nodal {
-        self.reference[self.position_of[self.nodes[vector] as usize] as usize]
+        let position = match self.body_of(vector) {
+            Some(body) => body.centre,
+            None => self.position_of[self.nodes[vector] as usize],
+        };
+        self.reference[position as usize]
+    }
+
+    /// Adds a body with its directors along the axes; returns its index.
+    pub fn push_body(&mut self, name: &str, centre: Vec3, inertia: (f64, Option<(Mat3, Mat3)>)) -> usize {
+        let (mass, rotary) = inertia;
+        let place = self.push(centre.into(), VectorKind::Position, u32::MAX);
+        let (mut directors, mut euler) = (None, Mat3::zeros());
+        if let Some((axes, tensor)) = rotary {
+            let push = |i: usize| self.push(axes.column(i).into_owned().into(), VectorKind::Director, u32::MAX);
+            directors = Some([0, 1, 2].map(push));
+            euler = tensor;
+        }
+        let gyration = (euler.trace() / mass).sqrt();
+        self.bodies.push(Body { name: name.to_owned(), centre: place, directors, mass, euler, gyration });
+        self.bodies.len() - 1
+    }
+
+    /// Directors of the rigid bodies.
+    pub fn triads(&self) -> Vec<[u32; 3]> {
+        self.bodies.iter().filter_map(|body| body.directors).collect()
     }
 }

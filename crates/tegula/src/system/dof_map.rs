@@ -26,6 +26,9 @@ pub struct DofMap {
     pub unknowns: usize,
     /// Inextensible directors: their local frames rotate with them, the last axis along the vector.
     pub unit: Vec<UnitVector>,
+    /// Directors of rigid bodies, ascending: three orthonormal nodal vectors which share the degrees of freedom of a
+    /// rotation, `δd_i = δθ × d_i`. The map numbers these in place of those of the first director.
+    pub triads: Vec<[u32; 3]>,
 }
 
 /// Prescribed degree of freedom: its displacement follows a value times an amplitude, or stays where it is.
@@ -112,6 +115,13 @@ impl DofMap {
     /// Numbers of the three degrees of freedom of a vector.
     pub fn of(&self, vector: usize) -> [u32; 3] {
         [self.free[3 * vector], self.free[3 * vector + 1], self.free[3 * vector + 2]]
+    }
+
+    /// True if a vector is a director of a rigid body.
+    #[inline]
+    pub fn in_triad(&self, vector: usize) -> bool {
+        let after = self.triads.partition_point(|triad| triad[0] as usize <= vector);
+        after > 0 && self.triads[after - 1].contains(&(vector as u32))
     }
 
     /// True if a vector has at least one free degree of freedom.

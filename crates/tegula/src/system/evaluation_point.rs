@@ -6,6 +6,33 @@ use super::System;
 use crate::Vec3;
 use crate::element::{ElementGroup, GroupPoint, InternalVariables, Motion, Nodal};
 
+/// What determines forces besides the motion and the time: committed history variables, and Lagrange multipliers.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Internal<'a> {
+    /// Committed history variables (end of the last step) of all groups: enhanced parameters and internal variables.
+    pub history: &'a [f64],
+    /// Lagrange multipliers of all constraints. Where they are left out, the forces of joints are NaN.
+    pub multipliers: &'a [f64],
+}
+
+impl<'a> From<&'a [f64]> for Internal<'a> {
+    fn from(history: &'a [f64]) -> Self {
+        Self { history, multipliers: &[] }
+    }
+}
+
+impl<'a> From<&'a Vec<f64>> for Internal<'a> {
+    fn from(history: &'a Vec<f64>) -> Self {
+        Self::from(history.as_slice())
+    }
+}
+
+impl<'a, const N: usize> From<&'a [f64; N]> for Internal<'a> {
+    fn from(history: &'a [f64; N]) -> Self {
+        Self::from(history.as_slice())
+    }
+}
+
 /// Evaluation point of all elements of a model: a motion, its time and the history variables from which it starts.
 #[derive(Debug, Clone, Copy)]
 pub struct EvaluationPoint<'a> {
@@ -15,30 +42,31 @@ pub struct EvaluationPoint<'a> {
     pub linear: bool,
     /// Time (load factor) at which prescribed strains act.
     pub time: f64,
-    /// Committed history variables (end of the last step) of all groups: enhanced parameters and internal variables.
-    pub history: &'a [f64],
+    /// History variables and multipliers.
+    pub internal: Internal<'a>,
 }
 
 impl<'a> EvaluationPoint<'a> {
     /// Evaluation point of a motion of a system.
-    pub fn new(system: &System, motion: Motion<'a>, time: f64, history: &'a [f64]) -> Self {
-        Self { motion, linear: system.linear, time, history }
+    pub fn new(system: &System, motion: Motion<'a>, time: f64, internal: impl Into<Internal<'a>>) -> Self {
+        Self { motion, linear: system.linear, time, internal: internal.into() }
     }
 
     /// Evaluation point of displacements without rates.
-    pub fn at_rest(system: &System, u: &'a [Nodal], time: f64, history: &'a [f64]) -> Self {
-        Self::new(system, Motion::State { u, velocity: None }, time, history)
+    pub fn at_rest(system: &System, u: &'a [Nodal], time: f64, internal: impl Into<Internal<'a>>) -> Self {
+        Self::new(system, Motion::State { u, velocity: None }, time, internal)
     }
 
     /// Evaluation point of the elements of a group, with the factors of the prescribed strains.
     pub fn of_group(&self, system: &'a System, group: usize, factors: &'a [f64]) -> GroupPoint<'a> {
-        let history = &self.history[system.offsets[group].history.clone()];
+        let history = &self.internal.history[system.offsets[group].history.clone()];
         GroupPoint {
             reference: &system.coordinates.reference,
             motion: self.motion,
             linear: self.linear,
             interior: InternalVariables { history, factors },
             inextensible: &system.coordinates.inextensible,
+            multipliers: self.internal.multipliers,
         }
     }
 }

@@ -19,21 +19,25 @@ pub struct LocalFrames {
     dofs: Arc<DofMap>,
     /// Frames (axes as columns) of the vectors that have one; empty if none has.
     frames: Vec<Option<Mat3>>,
+    /// Directors of each rigid body, as columns: arms of its rotation.
+    triads: Vec<Mat3>,
 }
 
 impl LocalFrames {
     /// Degree-of-freedom map of the nodal vectors `reference` under the given supports, and their frames; the vectors of
-    /// `unit` are inextensible unless they are fully constrained.
+    /// `unit` are inextensible unless they are fully constrained, those of each triad are the directors of a rigid body.
     ///
     /// # Errors
     /// Supports that prescribe the same component differently.
     pub fn new(
         supports: &[Support],
         unit: &BTreeSet<u32>,
+        triads: &[[u32; 3]],
         reference: &[Nodal],
     ) -> Result<Self, Vec<Conflict>> {
-        let (dofs, frames) = constrain(supports, unit, reference)?;
-        Ok(Self { dofs: Arc::new(dofs), frames })
+        let (dofs, frames) = constrain(supports, unit, triads, reference)?;
+        let triads = triads.iter().map(|t| directors(t, |v| Vec3::from(reference[v]))).collect();
+        Ok(Self { dofs: Arc::new(dofs), frames, triads })
     }
 
     /// Degree-of-freedom map.
@@ -53,7 +57,7 @@ impl LocalFrames {
         let current = |v: usize| Vec3::from(current[v]);
         self.follow(current);
         let mut held: BTreeMap<u32, Prescribed> = BTreeMap::new();
-        for (v, value) in u.iter().enumerate() {
+        for (v, value) in u.iter().enumerate().filter(|(v, _)| !self.dofs.in_triad(*v)) {
             let (local, numbers) = (self.to_local(v, *value), self.of(v));
             for (c, start) in local.into_iter().enumerate().filter(|(_, x)| *x != 0.0) {
                 let dof = (3 * v + c) as u32;
@@ -74,11 +78,19 @@ impl LocalFrames {
         dofs.prescribed.extend(held.into_values());
     }
 
-    /// Rotates the local frames of inextensible directors to their present values.
+    /// Rotates the local frames of inextensible directors and of rigid bodies to their present values.
     pub fn follow(&mut self, value: impl Fn(usize) -> Vec3) {
         for unit in &self.dofs.unit {
             self.frames[unit.vector as usize] = Some(unit.axes(&value(unit.vector as usize)));
         }
+        for (arms, triad) in self.triads.iter_mut().zip(&self.dofs.triads) {
+            *arms = directors(triad, &value);
+        }
+    }
+
+    /// Whether frames follow the motion: those of inextensible directors and rigid bodies.
+    pub fn rotate_with_motion(&self) -> bool {
+        !(self.dofs.unit.is_empty() && self.dofs.triads.is_empty())
     }
 
     /// Copies the local frames of the vectors from another state.
@@ -86,6 +98,23 @@ impl LocalFrames {
         if !self.dofs.unit.is_empty() {
             self.frames.copy_from_slice(&other.frames);
         }
+        self.copy_triads(other);
+    }
+
+    /// Copies the directors of rigid bodies from another state. Degrees of freedom of a rotation count along the axes of
+    /// space, so that a factor in the frames of an earlier state takes moments about the present directors.
+    pub fn copy_triads(&mut self, other: &Self) {
+        self.triads.copy_from_slice(&other.triads);
+    }
+
+    /// Directors of a rigid body, as columns.
+    pub fn triad(&self, body: usize) -> &Mat3 {
+        &self.triads[body]
+    }
+
+    /// Directors of each rigid body, as columns, with the numbers of their nodal vectors.
+    pub fn triads(&self) -> impl Iterator<Item = (&[u32; 3], &Mat3)> {
+        self.dofs.triads.iter().zip(&self.triads)
     }
 
     /// Local frame (axes as columns) of a vector that has one.
@@ -136,7 +165,7 @@ impl LocalFrames {
         }
     }
 
-    /// Free degrees of freedom of a field.
+    /// Free degrees of freedom of a field of forces; of rigid bodies the moment of those on their directors.
     pub fn reduce(&self, field: &[Nodal], free: &mut [f64]) {
         for (v, value) in field.iter().enumerate() {
             let local = self.to_local(v, *value);
@@ -144,6 +173,13 @@ impl LocalFrames {
                 if number != CONSTRAINED {
                     free[number as usize] = x;
                 }
+            }
+        }
+        for (triad, arms) in self.triads() {
+            let moment: Vec3 =
+                (0..3).map(|i| arms.column(i).cross(&Vec3::from(field[triad[i] as usize]))).sum();
+            for (number, x) in self.of(triad[0] as usize).into_iter().zip(moment.iter()) {
+                free[number as usize] = *x;
             }
         }
     }
@@ -154,11 +190,39 @@ impl LocalFrames {
             let local = self.of(v).map(|n| if n == CONSTRAINED { 0.0 } else { free[n as usize] });
             *value = self.to_global(v, local);
         }
+        self.expand_triads(free, field);
+    }
+
+    /// Hands the free degrees of freedom of a force on one nodal vector to `take`, one after another.
+    pub fn reduce_one(&self, vector: usize, force: &Vec3, mut take: impl FnMut(u32, f64)) {
+        let director = self.triads().find_map(|(triad, arms)| {
+            let i = triad.iter().position(|v| *v as usize == vector)?;
+            Some((triad[0] as usize, arms.column(i).cross(force)))
+        });
+        let (numbered, local) = match director {
+            Some((first, moment)) => (first, moment.into()),
+            None => (vector, self.to_local(vector, (*force).into())),
+        };
+        for (number, x) in self.of(numbered).into_iter().zip(local) {
+            if number != CONSTRAINED {
+                take(number, x);
+            }
+        }
+    }
+
+    /// Changes `δd_i = δθ × d_i` of the directors of rigid bodies, of given free degrees of freedom.
+    pub fn expand_triads(&self, free: &[f64], field: &mut [Nodal]) {
+        for (triad, arms) in self.triads() {
+            let rotation = Vec3::from(self.of(triad[0] as usize).map(|n| free[n as usize]));
+            for (i, &v) in triad.iter().enumerate() {
+                field[v as usize] = rotation.cross(&arms.column(i)).into();
+            }
+        }
     }
 
     /// Part of a field along constrained degrees of freedom (reactions of a residual).
     pub fn constrained_part(&self, field: &[Nodal], out: &mut [Nodal]) {
-        for (v, (value, out)) in field.iter().zip(out).enumerate() {
+        for (v, (value, out)) in field.iter().zip(out.iter_mut()).enumerate() {
             let mut local = self.to_local(v, *value);
             for (number, x) in self.of(v).into_iter().zip(&mut local) {
                 if number != CONSTRAINED {
@@ -166,6 +230,9 @@ impl LocalFrames {
                 }
             }
             *out = self.to_global(v, local);
+        }
+        for v in self.dofs.triads.as_flattened() {
+            out[*v as usize] = [0.0; 3];
         }
     }
 
@@ -182,4 +249,9 @@ impl LocalFrames {
             field[v] = self.to_global(v, local);
         }
     }
+}
+
+/// Directors of a rigid body, as columns.
+fn directors(triad: &[u32; 3], value: impl Fn(usize) -> Vec3) -> Mat3 {
+    Mat3::from_columns(&triad.map(|v| value(v as usize)))
 }

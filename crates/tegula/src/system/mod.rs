@@ -12,12 +12,14 @@ mod local_frames;
 pub mod lumping;
 pub mod pattern;
 mod procedure;
+mod reduction;
 pub mod supports;
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use crate::Vec3;
+use crate::constraint::Joint;
 use crate::element::shell::ShellElement;
 use crate::element::{ElementGroup, Nodal, ShellGeometry};
 use crate::load::{FollowerLoad, LoadFactor, LoadParameter, Signal, TimeFunction};
@@ -31,11 +33,12 @@ pub use coordinates::{Coordinates, VectorKind};
 pub use corotational_update::CorotationalUpdate;
 pub use dof_map::DofMap;
 use dof_map::Prescribed;
-pub use evaluation_point::{EvaluationPoint, GroupOffsets};
+pub use evaluation_point::{EvaluationPoint, GroupOffsets, Internal};
 pub use inverted_element::inverted_element;
 pub use local_frames::LocalFrames;
 pub use pattern::Pattern;
 pub use procedure::Procedure;
+pub use reduction::Reduction;
 use supports::Support;
 use tegula_sparse::SymmetricPattern;
 
@@ -117,6 +120,10 @@ pub struct System {
     pub groups: Arc<Vec<Box<dyn ElementGroup>>>,
     /// Ranges of each group in the arrays that hold the data of all groups.
     pub offsets: Arc<Vec<GroupOffsets>>,
+    /// Reduction of each group to the degrees of freedom of rigid bodies, where it contains some.
+    pub reductions: Vec<Option<Reduction>>,
+    /// Joints; their constraint forces are those of the groups of joints.
+    pub joints: Arc<Vec<Joint>>,
     /// Shells, one per quad that has an element.
     pub shells: Vec<Shell>,
     /// Sections of the shells.
@@ -215,6 +222,21 @@ impl System {
     /// Number of a quad in messages: that of the mesh file, or the internal one, counted from 0.
     pub fn quad_label(&self, quad: u32) -> u64 {
         self.labels.as_ref().map_or(u64::from(quad), |labels| labels.quad(quad as usize))
+    }
+
+    /// Number of constraints, and of their Lagrange multipliers.
+    pub fn constraints(&self) -> usize {
+        self.joints.last().map_or(0, |last| last.multipliers().end)
+    }
+
+    /// Node or body of a nodal vector with its place in the reference configuration, for messages.
+    pub fn place_name(&self, vector: usize) -> String {
+        let p = self.coordinates.place(vector);
+        let owner = match self.coordinates.body_of(vector) {
+            Some(body) => format!("body \"{}\"", body.name),
+            None => format!("node {}", self.node_label(self.coordinates.nodes[vector])),
+        };
+        format!("{owner}, at ({:.4}, {:.4}, {:.4})", p[0], p[1], p[2])
     }
 
     /// Number of shell elements.
@@ -439,12 +461,19 @@ impl System {
         (sum / field.len().max(1) as f64).sqrt()
     }
 
-    /// Root mean square of the positions' part of a field over the model's length.
+    /// Root mean square of the positions' part of a field over the model's length; rotations of rigid bodies count by their
+    /// radius of gyration.
     pub fn position_rms(&self, field: impl Fn(usize) -> Nodal) -> f64 {
         let (mut sum, mut count) = (0.0, 0);
         for &p in self.coordinates.position_of.iter().filter(|&&p| p != u32::MAX) {
             let v = field(p as usize);
             sum += dot3(v, v);
+            count += 3;
+        }
+        for body in &self.coordinates.bodies {
+            let size = |v: u32, length: f64| length * length * dot3(field(v as usize), field(v as usize));
+            let turns = |d: [u32; 3]| d.map(|v| size(v, body.gyration)).iter().sum();
+            sum += size(body.centre, 1.0) + body.directors.map_or(0.0, turns);
             count += 3;
         }
         (sum / f64::from(count.max(1))).sqrt() / self.length

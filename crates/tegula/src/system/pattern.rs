@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 use super::LocalFrames;
 use super::dof_map::CONSTRAINED;
+use crate::Mat3;
 use crate::element::Nodal;
 pub use builder::PatternBuilder;
 use tegula_sparse::SymmetricPattern;
@@ -43,6 +44,8 @@ pub struct Pattern {
     batches: Vec<Batch>,
     /// Column pointers of the free degrees of freedom.
     pub column_pointers: Arc<Vec<usize>>,
+    /// Euler tensors of the rigid bodies, by rows, in the order of their triads: masses of pairs of directors.
+    euler: Vec<([u32; 3], [f64; 9])>,
 }
 
 /// Contributions of a batch of elements.
@@ -332,6 +335,29 @@ impl Pattern {
         }
     }
 
+    /// Adds `factor` times the rotary inertia of rigid bodies to the blocks of their rotations:
+    /// `Σ E_ij (d_i·d_j I − d_j d_iᵀ)`, from `δd_i = δθ × d_i`.
+    pub fn add_rotary_inertia(&self, factor: f64, frames: &LocalFrames, values: &mut [f64]) {
+        if factor == 0.0 {
+            return;
+        }
+        for ((triad, arms), (_, euler)) in frames.triads().zip(&self.euler) {
+            let mut k = Mat3::zeros();
+            for (entry, e) in euler.iter().enumerate() {
+                let (a, b) = (arms.column(entry / 3), arms.column(entry % 3));
+                k += (Mat3::identity() * a.dot(&b) - b * a.transpose()) * (factor * e);
+            }
+            self.add_to_block(triad[0] as usize, &k, frames, values);
+        }
+    }
+
+    /// Adds a symmetric matrix to the block of a nodal vector with itself.
+    pub fn add_to_block(&self, vector: usize, k: &Mat3, frames: &LocalFrames, values: &mut [f64]) {
+        let by_rows = std::array::from_fn(|i| k[(i / 3, i % 3)]);
+        let column = self.column(vector, frames, 0);
+        self.put(&column, Target::new(column.start, false, false), by_rows, frames, values);
+    }
+
     /// Adds a multiple of the unit matrix to the block of a nodal vector with itself.
     pub fn add_to_diagonal(&self, vector: usize, value: f64, frames: &LocalFrames, values: &mut [f64]) {
         for number in frames.of(vector).into_iter().filter(|&n| n != CONSTRAINED) {
@@ -348,6 +374,7 @@ impl Pattern {
                 self.put(&column, Target::new(block, true, false), k, frames, values);
             }
         }
+        self.add_rotary_inertia(1.0, frames, values);
     }
 
     /// `out += factor · M x` for all nodal vectors.
@@ -367,6 +394,12 @@ impl Pattern {
                 }
             }
         }
+        for (triad, euler) in &self.euler {
+            for (entry, e) in euler.iter().enumerate() {
+                let (i, j) = (triad[entry / 3] as usize, triad[entry % 3] as usize);
+                (0..3).for_each(|c| out[i][c] += factor * e * x[j][c]);
+            }
+        }
     }
 
     /// Calls `f(i, j, m)` for every pair `i ≥ j` of nodal vectors with mass.
@@ -376,6 +409,11 @@ impl Pattern {
                 if self.mass(block) != 0.0 {
                     f(self.row[block] as usize, j, self.mass(block));
                 }
+            }
+        }
+        for (triad, euler) in &self.euler {
+            for i in 0..3 {
+                (0..=i).for_each(|j| f(triad[i] as usize, triad[j] as usize, euler[3 * i + j]));
             }
         }
     }

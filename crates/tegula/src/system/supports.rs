@@ -34,13 +34,15 @@ pub struct Conflict {
 }
 
 /// Numbers the degrees of freedom of the nodal vectors `reference` under the given supports; those of `unit` are
-/// inextensible unless they are fully constrained. Returns the local frames of the vectors, none if no vector has one.
+/// inextensible unless they are fully constrained, and those of each triad are the directors of a rigid body. Returns the
+/// local frames of the vectors, none if no vector has one.
 ///
 /// # Errors
 /// Supports that prescribe the same component differently.
 pub(super) fn constrain(
     supports: &[Support],
     unit: &BTreeSet<u32>,
+    triads: &[[u32; 3]],
     reference: &[Nodal],
 ) -> Result<(DofMap, Vec<Option<Mat3>>), Vec<Conflict>> {
     let vectors = reference.len();
@@ -53,9 +55,16 @@ pub(super) fn constrain(
         prescribed: Vec::new(),
         unknowns: 0,
         unit: Vec::new(),
+        triads: triads.to_vec(),
     };
     let mut out = Builder { dofs, frames: vec![None; vectors], conflicts: Vec::new() };
     for (v, list) in by_vector.iter().enumerate() {
+        if out.dofs.in_triad(v) {
+            if triads.iter().any(|triad| triad[0] as usize == v) {
+                (0..3).for_each(|c| out.number(3 * v + c));
+            }
+            continue;
+        }
         let axes = out.independent(v, list);
         if unit.contains(&(v as u32)) && axes.len() < 3 {
             out.inextensible(v, &Vec3::from(reference[v]).normalize(), axes);

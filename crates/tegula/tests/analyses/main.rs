@@ -21,6 +21,7 @@ mod linear_solvers;
 mod load_paths;
 mod loads_in_time;
 mod modes;
+mod multibody;
 mod nonlinear_materials;
 mod reactions;
 mod sheet_to_membrane;

@@ -197,7 +197,7 @@ fn sturm_count_finds_modes_that_the_blocks_miss() {
 fn forces(system: &System, shape: &[Nodal]) -> Vec<Nodal> {
     let mut out = vec![[0.0; 3]; shape.len()];
     let motion = Motion::State { u: shape, velocity: None };
-    let k = EvaluationPoint { motion, linear: true, time: 0.0, history: &[] };
+    let k = EvaluationPoint { motion, linear: true, time: 0.0, internal: (&[]).into() };
     Assembly::new(system).forces(system, &k, &mut out);
     out
 }

@@ -21,7 +21,7 @@ use crate::analysis::newton::{Equation, Tolerances};
 use crate::analysis::statics::{add, prescribed_increment};
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
-use crate::system::{Assembly, EvaluationPoint, System};
+use crate::system::{Assembly, EvaluationPoint, Internal, System};
 
 /// Energy–momentum scheme: conserves energy and momenta.
 pub struct EnergyMomentum {
@@ -42,6 +42,8 @@ pub struct EnergyMomentum {
     /// Smallest scale of the increments.
     resolution: f64,
     mass_damping: f64,
+    /// Lagrange multipliers of joints: constraint forces of the step.
+    multipliers: Vec<f64>,
 }
 
 impl EnergyMomentum {
@@ -63,6 +65,7 @@ impl EnergyMomentum {
             energy_scale: 0.0,
             resolution: 0.0,
             mass_damping: system.mass_damping,
+            multipliers: vec![0.0; system.constraints()],
         }
     }
 
@@ -129,7 +132,13 @@ impl Equation for EnergyMomentum {
 
     fn parts(&self) -> TangentCoefficients {
         TangentCoefficients {
-            weights: TangentWeights { stress: 0.5, direction: 0.5, force: 1.0, rate: 1.0 / self.dt },
+            weights: TangentWeights {
+                stress: 0.5,
+                direction: 0.5,
+                force: 1.0,
+                rate: 1.0 / self.dt,
+                augmentation: 2.0 / (self.dt * self.dt),
+            },
             mass: 2.0 / (self.dt * self.dt) + self.mass_damping / self.dt,
             time: self.time - 0.5 * self.dt,
         }
@@ -148,6 +157,14 @@ impl Equation for EnergyMomentum {
     fn apply(&mut self, system: &System, increment: &[Nodal]) {
         add(&mut self.u, increment);
         self.change_rates(system, increment);
+    }
+
+    fn multipliers(&self) -> &[f64] {
+        &self.multipliers
+    }
+
+    fn change_multipliers(&mut self, change: &[f64]) {
+        self.multipliers.iter_mut().zip(change).for_each(|(x, change)| *x += change);
     }
 
     fn prescribed(&self, system: &System, increment: &mut [Nodal]) -> bool {
@@ -169,6 +186,7 @@ impl Integrator for EnergyMomentum {
         self.u_old.copy_from_slice(&state.u);
         self.v_old.copy_from_slice(&state.v);
         self.a_old.copy_from_slice(&state.a);
+        self.multipliers.copy_from_slice(&state.multipliers);
         self.energy_scale = state.energy_scale;
         self.resolution = RESOLUTION * system.norm(&state.u);
         predict(state, span.dt, &mut self.u);
@@ -189,6 +207,7 @@ impl Integrator for EnergyMomentum {
         state.a.copy_from_slice(&self.a);
         state.u.copy_from_slice(&self.u);
         state.v.copy_from_slice(&self.v);
+        state.multipliers.copy_from_slice(&self.multipliers);
     }
 
     /// Error of the midpoint rule, Δt³/12 times the rate of the acceleration, from the mean accelerations of two steps.
@@ -209,7 +228,7 @@ impl Integrator for EnergyMomentum {
         for (n, mean) in buffer.iter_mut().enumerate() {
             *mean = std::array::from_fn(|i| (self.u[n][i] - self.u_old[n][i]) / self.dt);
         }
-        let k = EvaluationPoint::new(system, self.motion(), self.parts().time, &state.history);
+        let k = EvaluationPoint::new(system, self.motion(), self.parts().time, Internal { history: &state.history, multipliers: &self.multipliers });
         let power = assembly.dissipated_power(system, &k)
             + 2.0 * system.mass_damping * system.kinetic_energy(&buffer);
         if !system.dofs().prescribed.is_empty() {

@@ -7,7 +7,7 @@
 //!
 //! Strain-rate damping changes its forces with the velocities at once, and accelerations follow: `M_ff Δa_f = −Δf`.
 
-use super::project_rates;
+use super::{constrained_start, project_rates};
 use crate::analysis::State;
 use crate::analysis::newton::Newton;
 use crate::element::{Motion, Nodal};
@@ -27,7 +27,7 @@ pub(super) fn pass_kink(system: &System, newton: &mut Newton, mean: bool, state:
     system.prescribe_velocity(state.time, &mut state.v);
     newton.forget(state);
     newton.assembly.follow(system, &state.point_with_rates(system));
-    factor_mass(system, newton)?;
+    factor_mass(system, newton, state)?;
     share_jump(system, newton, &old, state);
     if !mean && system.has_rate_damping() {
         change_accelerations(system, newton, &old, state);
@@ -62,20 +62,28 @@ pub(super) fn add_free_response(system: &System, newton: &mut Newton, forces: &[
     }
 }
 
-/// Factors the mass matrix in the local frames that the assembly follows.
+/// Factors the mass matrix of a state in the local frames that the assembly follows; with the augmented Lagrangian of
+/// constraints.
 ///
 /// # Errors
 /// The mass matrix is singular.
-pub(super) fn factor_mass(system: &System, newton: &mut Newton) -> Result<()> {
-    let mut mass = vec![0.0; system.pattern.values()];
-    newton.assembly.mass_values(system, &mut mass);
-    let inertia = newton.solver.factor(&mass);
+pub(super) fn factor_mass(system: &System, newton: &mut Newton, state: &State) -> Result<()> {
+    let inertia = if newton.constraints.is_none() {
+        let mut mass = vec![0.0; system.pattern.values()];
+        newton.assembly.mass_values(system, &mut mass);
+        newton.solver.factor(&mass)
+    } else {
+        constrained_start::assemble_mass(system, newton, state);
+        newton.solver.factor(&newton.assembly.values)
+    };
     if inertia.is_ok_and(|i| i.negative == 0) {
         return Ok(());
     }
     Err(Error::Singular {
         what: "The mass matrix is singular: some degrees of freedom have no mass.".into(),
-        help: "Give every material a density, or the section a `total_mass`.".into(),
+        help: "Give every material a density, or the section a `total_mass`; a rod that no joint keeps from turning about \
+               its axis needs a shape with inertia about it."
+            .into(),
     })
 }
 

@@ -1,6 +1,7 @@
 //! Transient dynamics: consistent start, step control, energy balance; one file per integrator.
 
 mod amplitude_check;
+mod constrained_start;
 pub mod critical_step;
 pub mod energy_momentum;
 mod explicit;
@@ -13,6 +14,7 @@ pub mod schemes;
 pub mod step_control;
 mod step_end;
 mod time_steps;
+mod triads;
 
 use super::newton::{Equation, Newton, Tolerances};
 use super::{Balance, Observer, State, Statistics, Stepper, equilibrium, statics, stepper};
@@ -102,14 +104,19 @@ pub fn steps<'a>(
 }
 
 /// First state of the step with its initial velocities, prescribed values at time 0, and accelerations that satisfy the
-/// equations of motion there: `M a = F − f_int − C v`.
-fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
+/// equations of motion there: `M a = F − f_int − C v`. Returns also what is worth a message.
+fn initial_state(system: &System, newton: &mut Newton) -> Result<(State, Vec<String>)> {
     let mut state = initial_motion(system);
     newton.assembly.follow(system, &state.point_with_rates(system));
-    impact::factor_mass(system, newton)?;
+    impact::factor_mass(system, newton, &state)?;
     impact::share_jump(system, newton, &given_velocities(system), &mut state);
+    let messages = constrained_start::project_velocities(system, newton, &mut state)?;
     let rest = equilibrium::unbalanced(system, &mut newton.assembly, &state);
-    impact::add_free_response(system, newton, &rest, &mut state.a);
+    if newton.constraints.is_none() {
+        impact::add_free_response(system, newton, &rest, &mut state.a);
+    } else {
+        constrained_start::add_response(system, newton, &rest, &mut state);
+    }
     state.energy_scale = system.kinetic_energy(&state.v);
     if system.start.is_some() {
         // A preloaded model may not move at all: round-off is that of its strain energy.
@@ -117,7 +124,7 @@ fn initial_state(system: &System, newton: &mut Newton) -> Result<State> {
         state.energy_scale = state.energy_scale.max(strain);
     }
     commit_jump(system, &mut newton.assembly, &mut state);
-    Ok(state)
+    Ok((state, messages))
 }
 
 /// Commits the history variables of the first state: prescribed strains and motions that jump at time 0 may let
@@ -197,8 +204,8 @@ pub(super) fn step_size(system: &System, from: &[Nodal], to: &[Nodal]) -> f64 {
 /// Copies the constrained degrees of freedom of a field: a prediction must not move them.
 pub(super) fn copy_supported(system: &System, from: &[Nodal], to: &mut [Nodal]) {
     for (v, to) in to.iter_mut().enumerate() {
-        if !system.linear && system.coordinates.inextensible.get(v) == Some(&true) && system.dofs().is_free(v)
-        {
+        let inextensible = system.coordinates.inextensible.get(v) == Some(&true) && system.dofs().is_free(v);
+        if (inextensible && !system.linear) || system.dofs().in_triad(v) {
             continue;
         }
         let old = system.frames.to_local(v, from[v]);
@@ -226,6 +233,7 @@ pub(super) fn hold_supported(system: &System, from: &[Nodal], to: &mut [Nodal], 
     if system.linear {
         return;
     }
+    triads::keep_stretch(system, to, moved);
     for unit in system.dofs().unit.iter().filter(|unit| unit.fixed.is_none()) {
         let v = unit.vector as usize;
         let d = Vec3::from(system.coordinates.reference[v]) + Vec3::from(to[v]);
@@ -233,11 +241,12 @@ pub(super) fn hold_supported(system: &System, from: &[Nodal], to: &mut [Nodal], 
     }
 }
 
-/// Projects inextensible directors onto their length.
+/// Projects inextensible directors onto their length, and those of rigid bodies onto rotations.
 pub(super) fn project_unit_vectors(system: &System, u: &mut [Nodal]) {
     if system.linear {
         return;
     }
+    triads::project_directors(system, u);
     for unit in &system.dofs().unit {
         let v = unit.vector as usize;
         let reference = Vec3::from(system.coordinates.reference[v]);
@@ -245,9 +254,10 @@ pub(super) fn project_unit_vectors(system: &System, u: &mut [Nodal]) {
     }
 }
 
-/// Projection of rates onto the constraint manifold of inextensible directors d: velocities satisfy v·d = 0, and
+/// Projection of rates onto the constraint manifold of rigid bodies, and of inextensible directors d: velocities satisfy v·d = 0, and
 /// accelerations a·d = −v·v. The drift that the integration of the free vectors leaves would grow from step to step.
 pub(super) fn project_rates(system: &System, u: &[Nodal], v: &mut [Nodal], a: &mut [Nodal]) {
+    triads::project_rates(system, u, v, a);
     for unit in &system.dofs().unit {
         let i = unit.vector as usize;
         let mut d = Vec3::from(system.coordinates.reference[i]);

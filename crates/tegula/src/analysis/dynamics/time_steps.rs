@@ -37,6 +37,8 @@ pub(super) struct TimeSteps<'a> {
     own_tangents: bool,
     /// Whether the analysis begins at its first state.
     fresh: bool,
+    /// Messages about the first state.
+    messages: Vec<String>,
 }
 
 impl<'a> TimeSteps<'a> {
@@ -52,13 +54,16 @@ impl<'a> TimeSteps<'a> {
     ) -> Result<Self> {
         let mut newton = Newton::new(system, None)?;
         let fresh = start.is_none();
+        let mut messages = Vec::new();
         let mut state = match start {
             Some(state) => state,
             None => {
                 if let Some(reason) = system.undefined_amplitude(0.0) {
                     return Err(undefined("time", (0.0, 0.0), reason));
                 }
-                initial_state(system, &mut newton)?
+                let (state, found) = initial_state(system, &mut newton)?;
+                messages = found;
+                state
             }
         };
         newton.restore(system, &state, true);
@@ -77,6 +82,7 @@ impl<'a> TimeSteps<'a> {
             old_velocities: vec![[0.0; 3]; system.vectors()],
             own_tangents: false,
             fresh,
+            messages,
             system,
             options,
             scheme,
@@ -240,7 +246,8 @@ impl Stepper for TimeSteps<'_> {
         (self.state, self.balance, self.statistics)
     }
 
-    fn begin(&mut self, _: &mut dyn Observer) -> Result<bool> {
+    fn begin(&mut self, observer: &mut dyn Observer) -> Result<bool> {
+        self.messages.drain(..).for_each(|message| observer.on_event(&message));
         Ok(std::mem::take(&mut self.fresh))
     }
 

@@ -226,7 +226,7 @@ impl<'a> Problem<'a> {
     /// Energy of a small motion from the state, summed from its strains without cancellation.
     pub fn small_strain_energy(&mut self, shape: &[Nodal]) -> f64 {
         let motion = Motion::State { u: shape, velocity: None };
-        let k = EvaluationPoint { motion, linear: true, time: 0.0, history: &self.history };
+        let k = EvaluationPoint { motion, linear: true, time: 0.0, internal: (&self.history).into() };
         self.newton.assembly.strain_energy(self.system, &k)
     }
 

@@ -3,7 +3,7 @@
 use super::{
     Cause, Converged, Equation, FactoredTangent, Newton, ROUND_OFF, Tolerances, expand_free, largest, point,
 };
-use crate::Vec3;
+use crate::{Mat3, Vec3};
 use crate::analysis::Observer;
 use crate::analysis::circulatory::Purpose;
 use crate::analysis::lagged_tangent::{self, Increment};
@@ -88,6 +88,7 @@ impl<S: TangentSolver> Newton<S> {
             if !setting.reuse {
                 progress.tangents += 1;
                 progress.negative_pivots = prepared.map_err(|reason| (Cause::Tangent, reason))?;
+                self.take_constraints(system, equation, history)?;
                 self.most_negative_pivots = self.most_negative_pivots.max(progress.negative_pivots);
                 self.factored = if system.linear {
                     FactoredTangent::Linear(setting.coefficients)
@@ -95,7 +96,7 @@ impl<S: TangentSolver> Newton<S> {
                     FactoredTangent::Iterate
                 };
             }
-            let energy = self.find_increment(system, &setting)?;
+            let energy = self.find_increment(system, equation, &setting)?;
             if self.misleads(system, equation, &setting, tolerances, energy)? {
                 self.factored = FactoredTangent::Nothing;
                 continue;
@@ -212,6 +213,19 @@ impl<S: TangentSolver> Newton<S> {
         }
     }
 
+    /// Schur complement of the constraints of joints, with the factored tangent of the iterate.
+    fn take_constraints(
+        &mut self,
+        system: &System,
+        equation: &dyn Equation,
+        history: &[f64],
+    ) -> Result<(), Failed> {
+        let Self { solver, assembly, constraints, .. } = self;
+        let Some(constraints) = constraints else { return Ok(()) };
+        let at = (&point(system, equation, history), equation.parts().weights.augmentation);
+        constraints.take(system, at, &assembly.frames, solver).map_err(|reason| (Cause::Tangent, reason))
+    }
+
     /// Right side in the free degrees of freedom, in the local frames of the factored tangent.
     fn reduce_residual(&mut self, system: &System, setting: &Setting) -> Result<(), Failed> {
         let reuse = setting.reuse;
@@ -219,6 +233,7 @@ impl<S: TangentSolver> Newton<S> {
             // The constraint force of an inextensible director must not act as a force in the local frame of
             // another state.
             self.assembly.frames.free_part(&mut self.residual);
+            self.frames.copy_triads(&self.assembly.frames);
         } else {
             self.frames.copy_from(&self.assembly.frames);
         }
@@ -247,7 +262,12 @@ impl<S: TangentSolver> Newton<S> {
     }
 
     /// Solves for the increment; returns the energy `|δ·R|`.
-    fn find_increment(&mut self, system: &System, setting: &Setting) -> Result<f64, Failed> {
+    fn find_increment(
+        &mut self,
+        system: &System,
+        equation: &dyn Equation,
+        setting: &Setting,
+    ) -> Result<f64, Failed> {
         let tangent_failed = |reason: String| (Cause::Tangent, reason);
         self.solution.copy_from_slice(&self.right_side);
         self.solver.solve_tangent(&mut self.solution).map_err(tangent_failed)?;
@@ -257,6 +277,9 @@ impl<S: TangentSolver> Newton<S> {
             loads
                 .correct(&mut self.solver, &self.frames, &mut self.solution, purpose)
                 .map_err(tangent_failed)?;
+        }
+        if let Some(constraints) = &mut self.constraints {
+            constraints.correct(system, &equation.motion(), equation.multipliers(), &mut self.solution);
         }
         let energy = self.solution.iter().zip(&self.right_side).map(|(a, b)| a * b).sum::<f64>().abs();
         expand_free(&self.frames, &self.solution, setting.prescribed, &mut self.increment);
@@ -317,6 +340,9 @@ impl<S: TangentSolver> Newton<S> {
             retract(system, &self.assembly.frames, &equation.motion(), &mut self.increment);
         }
         equation.apply(system, &self.increment);
+        if let Some(constraints) = &self.constraints {
+            equation.change_multipliers(constraints.change());
+        }
         let norm = system.norm(&self.increment);
         // Linear models have no size that a displacement must not exceed.
         if norm > FLIGHT && !system.linear {
@@ -376,10 +402,22 @@ impl<S: TangentSolver> Newton<S> {
             floor: false,
         };
         if converged || (energy == 0.0 && norm == 0.0) {
+            self.check_constraints(system, equation)?;
             return Ok(Some(done));
         }
         let floor = self.at_round_off(system, relative, (norm, scale))?;
+        if floor {
+            self.check_constraints(system, equation)?;
+        }
         Ok(floor.then_some(Converged { floor: true, ..done }))
+    }
+
+    /// Refuses a converged iterate that leaves a joint open: its constraints contradict others.
+    fn check_constraints(&mut self, system: &System, equation: &dyn Equation) -> Result<(), Failed> {
+        let Some(constraints) = &mut self.constraints else { return Ok(()) };
+        constraints.violation(system, &equation.motion()).map_or(Ok(()), |open| {
+            Err((Cause::Constraints, format!("{open}: its constraints contradict those of other joints")))
+        })
     }
 
     /// Whether the increments stagnate at round-off, which is accepted. `relative` is the energy of the increment over that
@@ -424,9 +462,10 @@ fn limit_rotation(system: &System, turn: f64, increment: &mut [Nodal]) {
 }
 
 /// Retraction of the increments of inextensible directors onto the unit sphere, along the great circle (exponential
-/// map).
+/// map), and of the directors of rigid bodies onto rotations.
 fn retract(system: &System, frames: &LocalFrames, motion: &Motion, increment: &mut [Nodal]) {
     let (Motion::State { u, .. } | Motion::Step { new: u, .. }) = motion;
+    retract_bodies(system, frames, u, increment);
     for unit in &frames.dofs().unit {
         let v = unit.vector as usize;
         let reference = Vec3::from(system.coordinates.reference[v]);
@@ -444,5 +483,28 @@ fn retract(system: &System, frames: &LocalFrames, motion: &Motion, increment: &m
         // motion.
         let back = unit.project(target, &reference) - target;
         increment[v] = (change + target * target.dot(&back)).into();
+    }
+}
+
+/// Retraction of the increments of the directors of rigid bodies: from the rotation δθ that they stand for, by the
+/// exponential map, to directors that are orthonormal.
+fn retract_bodies(system: &System, frames: &LocalFrames, u: &[Nodal], increment: &mut [Nodal]) {
+    for (triad, arms) in frames.triads() {
+        // Increments are δθ × d, with the directors d of the local frame.
+        let change = Mat3::from_columns(&triad.map(|v| Vec3::from(increment[v as usize])));
+        let skew = change * arms.try_inverse().unwrap_or_else(Mat3::zeros);
+        let rotation =
+            0.5 * Vec3::new(skew.m32 - skew.m23, skew.m13 - skew.m31, skew.m21 - skew.m12);
+        let angle = rotation.norm();
+        let (first, second) = if angle > 1e-4 {
+            (angle.sin() / angle, 2.0 * ((0.5 * angle).sin() / angle).powi(2))
+        } else {
+            (1.0 - angle * angle / 6.0, 0.5 - angle * angle / 24.0)
+        };
+        for &v in triad {
+            let d = Vec3::from(system.coordinates.reference[v as usize]) + Vec3::from(u[v as usize]);
+            let across = rotation.cross(&d);
+            increment[v as usize] = (across * first + rotation.cross(&across) * second).into();
+        }
     }
 }

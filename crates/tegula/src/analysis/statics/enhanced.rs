@@ -26,6 +26,7 @@ pub(super) fn share(system: &System, u: &[Nodal], mode: &[Nodal]) -> Option<f64>
         linear: system.linear,
         interior: InternalVariables { history: &[], factors: &[] },
         inextensible: &system.coordinates.inextensible,
+        multipliers: &[],
     };
     let (mut with, mut without, mut any) = (0.0, 0.0, false);
     for (number, section) in system.sections.iter().enumerate() {

@@ -264,6 +264,5 @@ fn place(system: &System, field: &[Nodal]) -> Option<(f64, String)> {
     let size = |v: usize| dot(&[field[v]], &[field[v]]).sqrt();
     let positions = (0..field.len()).filter(|&v| system.coordinates.kinds[v] == VectorKind::Position);
     let v = positions.max_by(|&a, &b| size(a).total_cmp(&size(b)))?;
-    let (node, p) = (system.node_label(system.coordinates.nodes[v]), system.coordinates.reference[v]);
-    (size(v) > 0.0).then(|| (size(v), format!("at node {node}, at ({:.4}, {:.4}, {:.4})", p[0], p[1], p[2])))
+    (size(v) > 0.0).then(|| (size(v), format!("at {}", system.place_name(v))))
 }

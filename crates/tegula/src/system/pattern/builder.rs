@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::{BATCH, Batch, Pattern, Source, Target, Task, rows_below};
 use crate::system::LocalFrames;
 use crate::system::dof_map::CONSTRAINED;
-use crate::{Error, Result};
+use crate::{Error, Mat3, Result};
 
 /// Smallest number of blocks of a task: it ends with the block column in which it reaches as many.
 const GRAIN: usize = 512;
@@ -26,6 +26,8 @@ pub struct PatternBuilder {
     blocks: u32,
     /// Whether the tangent is wanted, not only the mass.
     tangent: bool,
+    /// Euler tensors of rigid bodies, by rows.
+    euler: Vec<([u32; 3], [f64; 9])>,
 }
 
 fn key(a: u32, b: u32) -> u64 {
@@ -86,6 +88,11 @@ impl PatternBuilder {
         if mass != 0.0 {
             self.masses.push((key(a, b), mass));
         }
+    }
+
+    /// Adds a rigid body with these directors and Euler tensor.
+    pub fn body(&mut self, directors: [u32; 3], euler: &Mat3) {
+        self.euler.push((directors, std::array::from_fn(|i| euler[(i / 3, i % 3)])));
     }
 
     /// Builds the pattern of the free degrees of freedom.
@@ -170,6 +177,7 @@ impl PatternBuilder {
             alone,
             batches,
             column_pointers: column_pointers.into(),
+            euler: self.euler,
         })
     }
 }

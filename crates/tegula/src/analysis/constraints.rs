@@ -1,0 +1,319 @@
+//! Constraints of joints in Newton's method: Lagrange multipliers from the Schur complement of the tangent.
+//!
+//! With the tangent K, constraint forces `Gᵀλ` that act in the configuration of the motion (gradients G), and constraints
+//! `g = 0` at its end (gradients G₁), an increment δ and new multipliers satisfy
+//!
+//! ```text
+//! [ K   Gᵀ ] [ δ  ]   [ R  ]
+//! [ G₁  0  ] [ Δλ ] = [ −g ],      S Δλ = G₁ K⁻¹ R + g,   S = G₁ K⁻¹ Gᵀ.
+//! ```
+//!
+//! K contains `Gᵀ γ G` (augmented Lagrangian), so that parts without mass of their own, like a rod that turns about its
+//! axis, have a tangent. It does not change the solution: the multipliers of the augmented equations differ by `γ G δ`,
+//! which is added.
+//!
+//! **Rank.** Constraints may be redundant, always or in a singular position, where their rank falls. The rank of S, scaled
+//! to a unit diagonal, is decided by Gaussian elimination with complete pivoting; where it falls, the multipliers are those
+//! of minimum norm (G. Golub, C. Van Loan, *Matrix computations*, Sect. 5.5), found anew in every iteration, not from those
+//! of the step before: these lead off the branch. Constraints that contradict each other cannot be satisfied, which
+//! [`violation`](Constraints::violation) finds.
+
+use nalgebra::linalg::FullPivLU;
+use nalgebra::{DMatrix, DVector, Dyn};
+
+use super::solver::TangentSolver;
+use crate::Vec3;
+use crate::constraint::Joint;
+use crate::element::{Motion, Nodal};
+use crate::system::dof_map::CONSTRAINED;
+use crate::system::evaluation_point::current_vector;
+use crate::system::{EvaluationPoint, LocalFrames, System};
+
+/// Pivot of the scaled Schur complement over the largest one, below which constraints count as dependent.
+const DEPENDENT: f64 = 1e-4;
+/// Value of a constraint over its size that is accepted at the end of a step.
+const SATISFIED: f64 = 1e-9;
+
+/// Gradient of a constraint with respect to the free degrees of freedom: numbers and values, some numbers more than once.
+type Gradient = Vec<(u32, f64)>;
+
+/// Constraints of the joints of a system, with the Schur complement of the last tangent.
+pub(super) struct Constraints {
+    /// Gradients in the configuration of the motion, where the constraint forces act.
+    forces: Vec<Gradient>,
+    /// Gradients at the end of the motion.
+    ends: Vec<Gradient>,
+    /// Weights γ of the augmented Lagrangian.
+    weights: Vec<f64>,
+    /// `K⁻¹ Gᵀ`, column by column.
+    responses: Vec<f64>,
+    schur: Schur,
+    /// Change of the multipliers in the last increment.
+    change: Vec<f64>,
+    /// Nodal vectors and gradients of a joint.
+    vectors: Vec<Vec3>,
+    row: Vec<Vec3>,
+}
+
+impl Constraints {
+    /// Constraints of a system; `None` if it has no joints.
+    pub fn new(system: &System) -> Option<Self> {
+        let m = system.constraints();
+        let n = system.unknowns();
+        (m > 0).then(|| Self {
+            forces: vec![Vec::new(); m],
+            ends: vec![Vec::new(); m],
+            weights: vec![0.0; m],
+            responses: vec![0.0; n * m],
+            schur: Schur::new(m),
+            change: vec![0.0; m],
+            vectors: Vec::new(),
+            row: Vec::new(),
+        })
+    }
+
+    /// Takes the tangent that `solver` has factored, at an evaluation point whose local frames are `frames`.
+    ///
+    /// # Errors
+    /// The linear solver failed.
+    pub fn take<S: TangentSolver>(
+        &mut self,
+        system: &System,
+        (k, augmentation): (&EvaluationPoint, f64),
+        frames: &LocalFrames,
+        solver: &mut S,
+    ) -> Result<(), String> {
+        let n = system.unknowns();
+        self.gradients(system, frames, |v| current_vector(system, &k.motion, v), |this| &mut this.forces);
+        self.end_gradients(system, frames, &k.motion);
+        for joint in system.joints.iter() {
+            for (i, row) in joint.multipliers().zip(&joint.rows) {
+                self.weights[i] = augmentation * row.inertia;
+            }
+        }
+        self.responses.fill(0.0);
+        for (gradient, response) in self.forces.iter().zip(self.responses.chunks_mut(n)) {
+            for &(number, value) in gradient {
+                response[number as usize] += value;
+            }
+            solver.solve_tangent(response)?;
+        }
+        let m = self.forces.len();
+        for (i, gradient) in self.ends.iter().enumerate() {
+            for (j, response) in self.responses.chunks(n).enumerate() {
+                self.schur.matrix[(i, j)] = product(gradient, response);
+            }
+        }
+        debug_assert_eq!(self.schur.matrix.nrows(), m);
+        self.schur.factor();
+        Ok(())
+    }
+
+    /// Changes the increment `x = K⁻¹ R` to that of the constrained motion; the change of the multipliers is kept.
+    /// `multipliers` are those of the iterate.
+    pub fn correct(&mut self, system: &System, motion: &Motion, multipliers: &[f64], x: &mut [f64]) {
+        let end = end_of(system, motion);
+        let mut right = DVector::zeros(self.ends.len());
+        for joint in system.joints.iter() {
+            self.vectors.clear();
+            self.vectors.extend(joint.vectors.iter().map(|&v| end(v as usize)));
+            for (i, row) in joint.multipliers().zip(&joint.rows) {
+                right[i] = row.value(&self.vectors) + product(&self.ends[i], x);
+            }
+        }
+        self.schur.solve(&right, multipliers, &mut self.change);
+        self.subtract_responses(x);
+        for (i, change) in self.change.iter_mut().enumerate() {
+            *change += self.weights[i] * product(&self.forces[i], x);
+        }
+    }
+
+    /// Rates of the constraints at the state of a motion: `ġ` of the nodal velocities `v`, and with accelerations `a` the
+    /// second rates `g̈`.
+    pub fn rates(&mut self, system: &System, motion: &Motion, v: &[Nodal], a: Option<&[Nodal]>) -> Vec<f64> {
+        let end = end_of(system, motion);
+        let mut out = Vec::with_capacity(self.ends.len());
+        for joint in system.joints.iter() {
+            let of = |field: &[Nodal]| -> Vec<Vec3> {
+                joint.vectors.iter().map(|&n| Vec3::from(field[n as usize])).collect()
+            };
+            let (q, rate) = (joint.vectors.iter().map(|&n| end(n as usize)).collect::<Vec<_>>(), of(v));
+            for row in &joint.rows {
+                let mut gradient = vec![Vec3::zeros(); q.len()];
+                row.add_gradient(1.0, &q, &mut gradient);
+                let along = |field: &[Vec3]| gradient.iter().zip(field).map(|(g, x)| g.dot(x)).sum::<f64>();
+                out.push(match a {
+                    None => along(&rate),
+                    Some(a) => along(&of(a)) + row.velocity_term(&rate),
+                });
+            }
+        }
+        out
+    }
+
+    /// Names of the joints with redundant constraints at the last tangent, and how many each has.
+    pub fn redundant(&self, system: &System) -> Vec<(String, usize)> {
+        let dependent = self.schur.dependent();
+        let count = |joint: &Joint| dependent.iter().filter(|row| joint.multipliers().contains(*row)).count();
+        let named = system.joints.iter().map(|joint| (joint.name.clone(), count(joint)));
+        named.filter(|(_, count)| *count > 0).collect()
+    }
+
+    /// Changes rates `x` of the free degrees of freedom so that the constraints' rates, which are `rest` without x, vanish:
+    /// `G₁ x = −rest`, with the least change in the norm of the tangent that was [taken](Self::take). Returns the
+    /// multipliers of the change.
+    pub fn project(&mut self, rest: &[f64], x: &mut [f64]) -> &[f64] {
+        let right = DVector::from_fn(self.ends.len(), |i, _| rest[i] + product(&self.ends[i], x));
+        self.schur.solve(&right, &[], &mut self.change);
+        self.subtract_responses(x);
+        for (i, change) in self.change.iter_mut().enumerate() {
+            *change += self.weights[i] * product(&self.forces[i], x);
+        }
+        &self.change
+    }
+
+    fn subtract_responses(&self, x: &mut [f64]) {
+        for (change, response) in self.change.iter().zip(self.responses.chunks(x.len())) {
+            x.iter_mut().zip(response).for_each(|(x, z)| *x -= change * z);
+        }
+    }
+
+    /// Change of the multipliers in the last increment.
+    pub fn change(&self) -> &[f64] {
+        &self.change
+    }
+
+    /// Gradients at the end of a motion, with respect to rotations of the bodies there.
+    fn end_gradients(&mut self, system: &System, frames: &LocalFrames, motion: &Motion) {
+        let end = end_of(system, motion);
+        let mut at_end = frames.clone();
+        at_end.follow(&end);
+        // Degrees of freedom of nodes count in the frames of the factor.
+        let mut mixed = frames.clone();
+        mixed.copy_triads(&at_end);
+        self.gradients(system, &mixed, end, |this| &mut this.ends);
+    }
+
+    fn gradients(
+        &mut self,
+        system: &System,
+        frames: &LocalFrames,
+        value: impl Fn(usize) -> Vec3,
+        out: impl Fn(&mut Self) -> &mut Vec<Gradient>,
+    ) {
+        for joint in system.joints.iter() {
+            self.vectors.clear();
+            self.vectors.extend(joint.vectors.iter().map(|&v| value(v as usize)));
+            for (i, row) in joint.multipliers().zip(&joint.rows) {
+                self.row.clear();
+                self.row.resize(joint.vectors.len(), Vec3::zeros());
+                row.add_gradient(1.0, &self.vectors, &mut self.row);
+                let mut gradient = std::mem::take(&mut out(self)[i]);
+                gradient.clear();
+                for (&v, g) in joint.vectors.iter().zip(&self.row) {
+                    frames.reduce_one(v as usize, g, |number, x| gradient.push((number, x)));
+                }
+                out(self)[i] = gradient;
+            }
+        }
+    }
+
+    /// First joint with a constraint that the end of a motion violates, with the violation over its size, as text.
+    pub fn violation(&mut self, system: &System, motion: &Motion) -> Option<String> {
+        let end = end_of(system, motion);
+        for joint in system.joints.iter() {
+            self.vectors.clear();
+            self.vectors.extend(joint.vectors.iter().map(|&v| end(v as usize)));
+            let worst = joint.rows.iter().map(|row| row.value(&self.vectors).abs() / row.size);
+            let worst = worst.reduce(crate::norm::larger)?;
+            if !(worst <= SATISFIED) {
+                return Some(format!("joint \"{}\" is open by {worst:.1e} of the model's size", joint.name));
+            }
+        }
+        None
+    }
+}
+
+/// Nodal vectors at the end of a motion.
+fn end_of<'a>(system: &'a System, motion: &'a Motion) -> impl Fn(usize) -> Vec3 + 'a {
+    let (Motion::State { u, .. } | Motion::Step { new: u, .. }) = motion;
+    move |v| Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v])
+}
+
+fn product(gradient: &Gradient, x: &[f64]) -> f64 {
+    gradient.iter().filter(|(n, _)| *n != CONSTRAINED).map(|&(n, g)| g * x[n as usize]).sum()
+}
+
+/// Schur complement S with its factor.
+struct Schur {
+    matrix: DMatrix<f64>,
+    /// Square roots of the diagonal: rows and columns are scaled by their inverse.
+    scale: DVector<f64>,
+    factor: Option<FullPivLU<f64, Dyn, Dyn>>,
+    /// Rank of the constraints.
+    rank: usize,
+}
+
+impl Schur {
+    fn new(m: usize) -> Self {
+        Self { matrix: DMatrix::zeros(m, m), scale: DVector::zeros(m), factor: None, rank: m }
+    }
+
+    fn factor(&mut self) {
+        let m = self.matrix.nrows();
+        for i in 0..m {
+            let diagonal = self.matrix[(i, i)].abs().sqrt();
+            self.scale[i] = if diagonal > 0.0 { diagonal } else { 1.0 };
+        }
+        for i in 0..m {
+            for j in 0..m {
+                self.matrix[(i, j)] /= self.scale[i] * self.scale[j];
+            }
+        }
+        let factor = self.matrix.clone().full_piv_lu();
+        let u = factor.lu_internal();
+        self.rank = (0..m).filter(|&i| u[(i, i)].abs() > DEPENDENT * u[(0, 0)].abs()).count();
+        self.factor = Some(factor);
+    }
+
+    /// Numbers of constraints that depend on the others.
+    fn dependent(&self) -> Vec<usize> {
+        let m = self.matrix.nrows();
+        let mut order = DVector::from_fn(m, |i, _| i);
+        if let Some(factor) = &self.factor {
+            factor.p().permute_rows(&mut order);
+        }
+        order.iter().skip(self.rank).copied().collect()
+    }
+
+    /// Solves `S x = b`. Where the rank falls, `x + old` has minimum norm.
+    fn solve(&self, b: &DVector<f64>, old: &[f64], x: &mut [f64]) {
+        let mut scaled = b.component_div(&self.scale);
+        let solved = if self.rank == b.len() {
+            self.factor.as_ref().is_some_and(|factor| factor.solve_mut(&mut scaled))
+        } else {
+            let old = DVector::from_fn(b.len(), |i, _| old.get(i).map_or(0.0, |x| x * self.scale[i]));
+            scaled = self.minimum_norm(&(scaled + &self.matrix * &old)) - old;
+            true
+        };
+        if !solved {
+            scaled.fill(f64::NAN);
+        }
+        scaled.component_div_assign(&self.scale);
+        x.copy_from_slice(scaled.as_slice());
+    }
+
+    /// Least-squares solution of minimum norm, with as many singular values as the rank.
+    fn minimum_norm(&self, b: &DVector<f64>) -> DVector<f64> {
+        let svd = self.matrix.clone().svd(true, true);
+        let mut x = DVector::zeros(b.len());
+        let (Some(u), Some(v)) = (&svd.u, &svd.v_t) else { return x };
+        let mut order: Vec<usize> = (0..b.len()).collect();
+        order.sort_by(|&i, &j| svd.singular_values[j].total_cmp(&svd.singular_values[i]));
+        for &i in &order[..self.rank] {
+            let part = u.column(i).dot(b) / svd.singular_values[i];
+            x += v.row(i).transpose() * part;
+        }
+        x
+    }
+}

@@ -1,0 +1,97 @@
+//! Consistent start of a motion with joints: velocities that keep them closed, then accelerations and multipliers from the
+//! equations of index 1,
+//!
+//! ```text
+//! [ M  Gᵀ ] [ a ]   [ F − f_int ]
+//! [ G  0  ] [ λ ] = [ −Ġ v      ].
+//! ```
+
+use super::project_rates;
+use crate::analysis::State;
+use crate::analysis::newton::Newton;
+use crate::element::{Motion, Nodal, TangentWeights};
+use crate::error::{Error, Result};
+use crate::system::System;
+use crate::system::assembly::TangentCoefficients;
+
+/// Change of the velocities, over the largest one, that is worth a message.
+const NOTEWORTHY: f64 = 1e-6;
+
+/// Weights of the mass matrix with the augmented Lagrangian of the constraints, `M + Gᵀ γ G`.
+const MASS: TangentWeights =
+    TangentWeights { stress: 0.0, direction: 0.0, force: 0.0, rate: 0.0, augmentation: 1.0 };
+
+/// Assembles the mass matrix with the augmented Lagrangian of the constraints at a state.
+pub(super) fn assemble_mass(system: &System, newton: &mut Newton, state: &State) {
+    let parts = TangentCoefficients { weights: MASS, mass: 1.0, time: state.time };
+    let mut forces = vec![[0.0; 3]; system.vectors()];
+    newton.assembly.forces_and_tangent(system, &state.point(system), &parts, false, None, &mut forces);
+}
+
+/// Projects the velocities of the first state onto those that keep the joints closed, in the norm of the mass matrix, which is
+/// factored. Returns messages about what was changed, and about redundant joints.
+///
+/// # Errors
+/// The mass matrix has no factor, or a joint is open.
+pub(super) fn project_velocities(
+    system: &System,
+    newton: &mut Newton,
+    state: &mut State,
+) -> Result<Vec<String>> {
+    let Some(mut constraints) = newton.constraints.take() else { return Ok(Vec::new()) };
+    let motion = Motion::State { u: &state.u, velocity: None };
+    if let Some(open) = constraints.violation(system, &motion) {
+        return Err(Error::model(
+            "joints",
+            format!("{open} at the start"),
+            "let the joint connect points that coincide in the reference configuration",
+        ));
+    }
+    let k = state.point(system);
+    let failed = |reason: String| Error::Singular {
+        what: format!("The first state of the joints was not found: {reason}."),
+        help: "Check masses, inertia and joints.".into(),
+    };
+    constraints.take(system, (&k, 1.0), &newton.assembly.frames, &mut newton.solver).map_err(failed)?;
+    let rates = constraints.rates(system, &motion, &state.v, None);
+    let mut free = vec![0.0; system.unknowns()];
+    constraints.project(&rates, &mut free);
+    let mut change = vec![[0.0; 3]; system.vectors()];
+    newton.assembly.frames.expand(&free, &mut change);
+    let (changed, size) = (system.norm(&change), system.norm(&state.v));
+    super::statics::add(&mut state.v, &change);
+    let State { u, v, a, .. } = state;
+    project_rates(system, u, v, a);
+    let mut messages = Vec::new();
+    if changed > NOTEWORTHY * size {
+        messages.push(format!(
+            "the velocities at the start did not keep the joints closed: they were changed by {:.2} % (norm)",
+            100.0 * changed / size
+        ));
+    }
+    for (joint, count) in constraints.redundant(system) {
+        messages.push(format!(
+            "joint \"{joint}\": {count} of its constraints follow(s) from those of other joints; its reactions are not \
+             unique, and those of minimum norm are computed"
+        ));
+    }
+    newton.constraints = Some(constraints);
+    Ok(messages)
+}
+
+/// Adds the response of the constrained masses to forces on all nodal vectors to the accelerations of the first state, and
+/// finds the multipliers.
+pub(super) fn add_response(system: &System, newton: &mut Newton, forces: &[Nodal], state: &mut State) {
+    let Some(mut constraints) = newton.constraints.take() else { return };
+    let mut free = vec![0.0; system.unknowns()];
+    newton.assembly.frames.reduce(forces, &mut free);
+    tegula_sparse::Factor::solve(&mut newton.solver, &mut free);
+    let motion = Motion::State { u: &state.u, velocity: None };
+    let rates = constraints.rates(system, &motion, &state.v, Some(&state.a));
+    let multipliers = constraints.project(&rates, &mut free);
+    state.multipliers.copy_from_slice(multipliers);
+    let mut response = vec![[0.0; 3]; system.vectors()];
+    newton.assembly.frames.expand(&free, &mut response);
+    super::statics::add(&mut state.a, &response);
+    newton.constraints = Some(constraints);
+}

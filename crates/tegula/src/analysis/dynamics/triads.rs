@@ -1,0 +1,74 @@
+//! Directors of rigid bodies in time integration: predictions and rates that integrate all nine components freely are
+//! projected onto rotations.
+
+use crate::element::Nodal;
+use crate::system::System;
+use crate::{Mat3, Vec3};
+
+/// Iterations for the polar decomposition: quadratic convergence from the prediction of a step.
+const POLAR_ITERATIONS: usize = 30;
+
+/// Directors of a body at displacements `u`, as columns.
+fn directors(system: &System, u: &[Nodal], triad: &[u32; 3]) -> Mat3 {
+    Mat3::from_columns(&triad.map(|v| {
+        let v = v as usize;
+        Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v])
+    }))
+}
+
+/// Rotation nearest to a matrix: orthogonal factor of its polar decomposition, by Newton's iteration
+/// `R ← ½ (R + R⁻ᵀ)` (N. Higham, *Functions of matrices*, Sect. 8.3); the matrix itself where it is singular.
+fn nearest_rotation(matrix: &Mat3) -> Mat3 {
+    let mut r = *matrix;
+    for _ in 0..POLAR_ITERATIONS {
+        let Some(inverse) = r.try_inverse() else { return *matrix };
+        let next = (r + inverse.transpose()) * 0.5;
+        let change = (next - r).norm();
+        r = next;
+        if !(change > 1e-15) {
+            break;
+        }
+    }
+    r
+}
+
+/// Projects the directors of rigid bodies of a prediction onto rotations.
+pub(super) fn project_directors(system: &System, u: &mut [Nodal]) {
+    for triad in &system.dofs().triads {
+        let r = nearest_rotation(&directors(system, u, triad));
+        for (i, &v) in triad.iter().enumerate() {
+            let reference = Vec3::from(system.coordinates.reference[v as usize]);
+            u[v as usize] = (r.column(i) - reference).into();
+        }
+    }
+}
+
+/// Keeps of the changes that [`project_directors`] has made to directors only the symmetric part `R S`: round-off that
+/// rotates a body, divided by the square of a short step, would be an acceleration.
+pub(super) fn keep_stretch(system: &System, u: &[Nodal], moved: &mut [Nodal]) {
+    for triad in &system.dofs().triads {
+        let r = directors(system, u, triad);
+        let change = Mat3::from_columns(&triad.map(|v| Vec3::from(moved[v as usize])));
+        let local = r.transpose() * change;
+        let stretch = r * ((local + local.transpose()) * 0.5);
+        for (i, &v) in triad.iter().enumerate() {
+            moved[v as usize] = stretch.column(i).into_owned().into();
+        }
+    }
+}
+
+/// Projects rates of directors d onto those of a rotation: velocities `ω × d`, accelerations `α × d + ω × (ω × d)`.
+pub(super) fn project_rates(system: &System, u: &[Nodal], v: &mut [Nodal], a: &mut [Nodal]) {
+    for triad in &system.dofs().triads {
+        let d = directors(system, u, triad);
+        let axial = |field: &[Nodal]| -> Vec3 {
+            (0..3).map(|i| d.column(i).cross(&Vec3::from(field[triad[i] as usize]))).sum::<Vec3>() * 0.5
+        };
+        let (omega, alpha) = (axial(v), axial(a));
+        for (i, &n) in triad.iter().enumerate() {
+            let turned = omega.cross(&d.column(i));
+            v[n as usize] = turned.into();
+            a[n as usize] = (alpha.cross(&d.column(i)) + omega.cross(&turned)).into();
+        }
+    }
+}

@@ -1,0 +1,342 @@
+//! Rigid bodies, point masses and joints: from the model to nodal vectors and constraints.
+
+use crate::checker::Checker;
+use crate::constraint::joints::{End, joint};
+use crate::constraint::Joint;
+use crate::element::Nodal;
+use crate::mesh::Mesh;
+use crate::model::joint::GROUND;
+use crate::model::{Analysis, Model, RigidBody, Scheme, TransientAnalysis};
+use crate::system::Coordinates;
+use crate::{Issue, Mat3, Vec3};
+
+/// Longest name of a body or a joint (characters): it becomes part of file names.
+const LONGEST_NAME: usize = 60;
+/// Relative distance of points, and cosine of the angle between directions, that are the same but for round-off.
+const SAME: f64 = 1e-9;
+
+/// Mistakes in the values of bodies and joints.
+pub(super) fn keys(model: &Model, c: &mut Checker) {
+    if model.bodies.is_empty() && model.joints.is_empty() {
+        return;
+    }
+    let transient = matches!(
+        &model.analysis,
+        Analysis::Transient(TransientAnalysis { scheme: Scheme::EnergyMomentum(_), linear: false, .. })
+    );
+    if !transient {
+        c.add(
+            "analysis",
+            "bodies and joints move in nonlinear transient analyses with the scheme \"energy-momentum\" only",
+            "give `type = \"transient\"` and `scheme = { type = \"energy-momentum\" }`",
+        );
+    }
+    names(model.bodies.iter().map(|body| &body.name), "bodies", c);
+    names(model.joints.iter().map(|joint| joint.common().name().to_owned()).collect::<Vec<_>>().iter(), "joints", c);
+    for (i, body) in model.bodies.iter().enumerate() {
+        body_values(body, &format!("bodies[{i}]"), c);
+    }
+    for (i, joint) in model.joints.iter().enumerate() {
+        let keys = joint.common();
+        for (key, point) in keys.points() {
+            c.finite(&format!("joints[{i}].{key}"), "the point", &point);
+        }
+        for (key, axis) in keys.directions() {
+            direction(&format!("joints[{i}].{key}"), axis, c);
+        }
+        if let crate::model::Joint::Universal(keys) = joint
+            && cosine(keys.axes).abs() > SAME
+        {
+            c.add(
+                format!("joints[{i}].axes"),
+                format!("the axes of the universal joint \"{}\" are not perpendicular to each other", keys.name),
+                "give two perpendicular axes",
+            );
+        }
+    }
+}
+
+/// Names that serve as file names and are given once.
+fn names<'a>(list: impl Iterator<Item = &'a String> + Clone, key: &str, c: &mut Checker) {
+    for (i, name) in list.clone().enumerate() {
+        let place = format!("{key}[{i}].name");
+        if name.is_empty()
+            || name.chars().count() > LONGEST_NAME
+            || !name.chars().all(|ch| ch.is_alphanumeric() || "_-. ".contains(ch))
+        {
+            c.add(
+                place,
+                format!("{:?} cannot be a name", name.chars().take(LONGEST_NAME).collect::<String>()),
+                format!("use up to {LONGEST_NAME} letters, digits, blanks, '_', '-' and '.'"),
+            );
+        } else if name == GROUND && key == "bodies" {
+            c.add(place, "the name \"ground\" stands for the ground in joints", "give the body another name");
+        } else if list.clone().take(i).any(|other| other == name) {
+            c.add(place, format!("the name \"{name}\" is given twice"), "give each one its own name");
+        }
+    }
+}
+
+fn cosine([a, b]: [[f64; 3]; 2]) -> f64 {
+    Vec3::from(a).normalize().dot(&Vec3::from(b).normalize())
+}
+
+fn direction(key: &str, value: [f64; 3], c: &mut Checker) {
+    c.finite(key, "the direction", &value);
+    if value.iter().all(|x| x.is_finite()) && !(Vec3::from(value).norm() > 0.0) {
+        c.add(key, "the direction is zero", "give a vector that is not zero");
+    }
+}
+
+fn body_values(body: &RigidBody, key: &str, c: &mut Checker) {
+    c.finite(&format!("{key}.at"), "the position", &body.at);
+    c.finite(&format!("{key}.velocity"), "the velocity", &body.velocity);
+    c.finite(&format!("{key}.angular_velocity"), "the angular velocity", &body.angular_velocity);
+    for (i, axis) in body.axes.iter().enumerate() {
+        direction(&format!("{key}.axes[{i}]"), *axis, c);
+    }
+    if cosine(body.axes).abs() > 1.0 - SAME {
+        c.add(format!("{key}.axes"), "the two directions are parallel", "give two directions that span a plane");
+    }
+    if let Some(mass) = body.mass {
+        c.positive(&format!("{key}.mass"), "the mass", mass);
+    }
+    if let Some(density) = body.density {
+        c.positive(&format!("{key}.density"), "the density", density);
+    }
+    for size in body.shape.iter().flat_map(|shape| shape.sizes()) {
+        c.positive(&format!("{key}.shape"), "a size of the shape", size);
+    }
+    let name = &body.name;
+    let wrong = match (body.shape, body.inertia, body.mass, body.density) {
+        (Some(_), Some(_), ..) => Some(("inertia", "has a shape and an inertia", "give one of them")),
+        (None, _, _, Some(_)) => Some(("density", "has a density but no shape", "give `mass`, or a shape")),
+        (Some(_), _, Some(_), Some(_)) => Some(("density", "has a mass and a density", "give one of them")),
+        (Some(shape), _, None, Some(_)) if shape.volume() == 0.0 => {
+            Some(("density", "is a rod, which has no volume", "give `mass`"))
+        }
+        (_, _, None, None) => Some(("mass", "has no mass", "give `mass`")),
+        _ => None,
+    };
+    if let Some((which, message, help)) = wrong {
+        c.add(format!("{key}.{which}"), format!("body \"{name}\" {message}"), help);
+        return;
+    }
+    c.finite(&format!("{key}.products_of_inertia"), "a product of inertia", &body.products_of_inertia);
+    if body.inertia.is_none() && (body.products_of_inertia != [0.0; 3]) {
+        c.add(
+            format!("{key}.products_of_inertia"),
+            format!("body \"{name}\" has products of inertia, but no `inertia`"),
+            "give the moments of inertia, too",
+        );
+    }
+    if body.inertia.is_none() && body.shape.is_none() && body.angular_velocity != [0.0; 3] {
+        c.add(
+            format!("{key}.angular_velocity"),
+            format!("body \"{name}\" is a point mass, which does not rotate"),
+            "give `inertia` or a shape, or leave the angular velocity out",
+        );
+    }
+    if let Some(inertia) = body.inertia {
+        c.finite(&format!("{key}.inertia"), "a moment of inertia", &inertia);
+        let euler = euler_tensor(body);
+        let smallest = euler.symmetric_eigenvalues().min();
+        if !(smallest >= -SAME * euler.norm()) || !(euler.trace() > 0.0) {
+            c.add(
+                format!("{key}.inertia"),
+                format!("no body has the moments of inertia of \"{name}\": the largest one exceeds the sum of the others, or all vanish"),
+                "check the moments and products of inertia, and that they are about the mass centre",
+            );
+        }
+    }
+}
+
+/// Mass of a body.
+fn mass(body: &RigidBody) -> f64 {
+    let volume = body.shape.map_or(0.0, |shape| shape.volume());
+    body.mass.unwrap_or_else(|| body.density.unwrap_or(0.0) * volume)
+}
+
+/// Euler tensor ∫ρ X Xᵀ dV about the mass centre along the axes of the body.
+fn euler_tensor(body: &RigidBody) -> Mat3 {
+    match (body.shape, body.inertia) {
+        (Some(shape), _) => Mat3::from_diagonal(&(Vec3::from(shape.second_moments()) * mass(body))),
+        (None, Some([a, b, d])) => {
+            let [ab, ad, bd] = body.products_of_inertia;
+            let j = Mat3::new(a, ab, ad, ab, b, bd, ad, bd, d);
+            Mat3::identity() * (0.5 * j.trace()) - j
+        }
+        (None, None) => Mat3::zeros(),
+    }
+}
+
+/// Axes of a body at the reference, as columns.
+fn axes(body: &RigidBody) -> Mat3 {
+    let first = Vec3::from(body.axes[0]).normalize();
+    let second = Vec3::from(body.axes[1]);
+    let third = first.cross(&second).normalize();
+    Mat3::from_columns(&[first, third.cross(&first), third])
+}
+
+/// Adds the nodal vectors of all bodies.
+pub(super) fn add_vectors(model: &Model, coordinates: &mut Coordinates) {
+    for body in &model.bodies {
+        let rotary = body.inertia.is_some() || body.shape.is_some();
+        let rotary = rotary.then(|| (axes(body), euler_tensor(body)));
+        coordinates.push_body(&body.name, body.at.into(), (mass(body), rotary));
+    }
+}
+
+/// Adds the velocities of bodies at the start to those of nodes; empty while all are zero.
+pub(super) fn add_velocities(model: &Model, coordinates: &Coordinates, out: &mut Vec<Nodal>) {
+    for (data, body) in model.bodies.iter().zip(&coordinates.bodies) {
+        if data.velocity == [0.0; 3] && data.angular_velocity == [0.0; 3] {
+            continue;
+        }
+        out.resize(coordinates.len(), [0.0; 3]);
+        out[body.centre as usize] = data.velocity;
+        let omega = Vec3::from(data.angular_velocity);
+        for d in body.directors.iter().flatten() {
+            out[*d as usize] = omega.cross(&Vec3::from(coordinates.reference[*d as usize])).into();
+        }
+    }
+}
+
+/// Size of a model with bodies (length): largest side of the box about nodes, mass centres and joints, or for a single
+/// body its radius of gyration.
+pub(super) fn extent(model: &Model, mesh: &Mesh, coordinates: &Coordinates) -> f64 {
+    if model.bodies.is_empty() && model.joints.is_empty() {
+        return mesh.extent();
+    }
+    let joints = model.joints.iter().flat_map(|joint| joint.common().points()).map(|(_, x)| Vec3::from(x));
+    let bodies = model.bodies.iter().map(|body| Vec3::from(body.at));
+    let points = mesh.positions.iter().copied().chain(joints).chain(bodies);
+    let [low, high] = points.fold([Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)], |[a, b], x| {
+        [a.inf(&x), b.sup(&x)]
+    });
+    let largest = coordinates.bodies.iter().map(|body| body.gyration).fold((high - low).max(), f64::max);
+    if largest > 0.0 { largest } else { 1.0 }
+}
+
+/// Joints of the model, or what is wrong with their ends.
+pub(super) fn joints(
+    model: &Model,
+    mesh: &Mesh,
+    coordinates: &Coordinates,
+    issues: &mut Vec<Issue>,
+) -> Vec<Joint> {
+    let mut c = Checker::default();
+    let length = extent(model, mesh, coordinates);
+    let mut out: Vec<Joint> = Vec::new();
+    for (i, data) in model.joints.iter().enumerate() {
+        let keys = data.common();
+        let key = format!("joints[{i}]");
+        let [a, b] = keys.between();
+        if a == b {
+            c.add(
+                format!("{key}.between"),
+                format!("joint \"{}\" connects \"{a}\" with itself", keys.name()),
+                "name two different bodies, nodes, or the ground",
+            );
+            continue;
+        }
+        let ends = [0, 1].map(|side| end(model, mesh, coordinates, (&key, side), &keys.between()[side], &mut c));
+        let [Some(first), Some(second)] = ends else { continue };
+        let points = keys.points();
+        for (side, end) in [&first, &second].into_iter().enumerate() {
+            let (point, at) = points[side.min(points.len() - 1)];
+            misplaced(end, coordinates, (&format!("{key}.{point}"), at), (&keys.between()[side], length), &mut c);
+        }
+        let number = out.last().map_or(0, |last| last.multipliers().end);
+        match joint(data, [first, second], length, number) {
+            Some(made) if made.vectors.is_empty() => {}
+            Some(made) => out.push(made),
+            None => c.add(
+                format!("{key}.between"),
+                format!(
+                    "joint \"{}\" needs an axis on both sides, but a point mass or a node has none",
+                    keys.name()
+                ),
+                "connect rigid bodies and the ground, or take type = \"spherical\" or \"distance\"",
+            ),
+        }
+    }
+    issues.append(&mut c.issues);
+    out
+}
+
+/// A joint at another place than the node or the point mass that it connects.
+fn misplaced(
+    end: &End,
+    coordinates: &Coordinates,
+    (key, at): (&str, [f64; 3]),
+    (name, length): (&str, f64),
+    c: &mut Checker,
+) {
+    if let End::Point { vector, .. } = end {
+        let place = Vec3::from(coordinates.reference[*vector as usize]);
+        if (place - Vec3::from(at)).norm() > SAME * length {
+            c.add(
+                key,
+                format!("the point lies beside \"{name}\", which is at ({}, {}, {})", place.x, place.y, place.z),
+                "give the position of the node or the point mass",
+            );
+        }
+    }
+}
+
+/// What a name in `between` means.
+fn end(
+    model: &Model,
+    mesh: &Mesh,
+    coordinates: &Coordinates,
+    (key, side): (&str, usize),
+    name: &str,
+    c: &mut Checker,
+) -> Option<End> {
+    if name == GROUND {
+        return Some(End::Ground);
+    }
+    let key = format!("{key}.between[{side}]");
+    let body = coordinates.bodies.iter().find(|body| body.name == name);
+    match (body, mesh.nodes_on(name)) {
+        (Some(_), Some(_)) => {
+            c.add(
+                key,
+                format!("\"{name}\" is the name of a body and of a set of the mesh"),
+                "give the body another name",
+            );
+            None
+        }
+        (Some(body), None) => Some(match body.directors {
+            None => End::Point { vector: body.centre, mass: body.mass },
+            Some(directors) => {
+                let vector = |v: u32| Vec3::from(coordinates.reference[v as usize]);
+                End::Body {
+                    vectors: (body.centre, directors),
+                    reference: (vector(body.centre), Mat3::from_columns(&directors.map(vector))),
+                    inertia: [body.mass, body.euler.trace()],
+                }
+            }
+        }),
+        (None, Some(nodes)) => match nodes[..] {
+            [node] if coordinates.position_of.get(node as usize).is_some_and(|&v| v != u32::MAX) => {
+                Some(End::Point { vector: coordinates.position_of[node as usize], mass: 0.0 })
+            }
+            _ => {
+                c.add(
+                    key,
+                    format!("set \"{name}\" holds {} nodes, and a joint connects one that belongs to an element", nodes.len()),
+                    "name a set of one node",
+                );
+                None
+            }
+        },
+        (None, None) => {
+            let known: Vec<String> =
+                model.bodies.iter().map(|body| body.name.clone()).chain([GROUND.to_owned()]).collect();
+            c.missing(key, "body or set of one node", name, known.iter());
+            None
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! Kinds of joints: the constraints that each of them imposes.
+//!
+//! A joint is one file of this folder and one line in the registry in `crates/tegula/src/model/joint.rs`. Its constraints
+//! are sums of a few basic ones: coincident points, perpendicular axes, a point in a plane, a distance. The table of these
+//! is in J. García de Jalón, E. Bayo, *Kinematic and dynamic simulation of multibody systems* (1994), Ch. 4.
+
+use super::{Attachment, Joint, Row};
+use crate::Vec3;
+use crate::model::{self, joints};
+
+/// One of the two sides of a joint: a body, a node or the ground.
+#[derive(Debug, Clone, PartialEq)]
+pub enum End {
+    /// The ground.
+    Ground,
+    /// A rigid body with its mass centre at the reference, mass and radius of gyration.
+    Body {
+        /// Nodal vectors of the mass centre and the directors.
+        vectors: (u32, [u32; 3]),
+        /// Mass centre and directors (columns) at the reference.
+        reference: (Vec3, crate::Mat3),
+        /// Mass and tr E.
+        inertia: [f64; 2],
+    },
+    /// A point mass, or the position of a node: it has no axes.
+    Point {
+        /// Nodal vector of the position.
+        vector: u32,
+        /// Mass; 0 for nodes.
+        mass: f64,
+    },
+}
+
+impl End {
+    /// Point of the end at a place of the reference configuration.
+    fn point(&self, at: &Vec3) -> Attachment {
+        match self {
+            Self::Ground => Attachment::ground(*at),
+            Self::Body { vectors: (centre, directors), reference: (place, axes), .. } => {
+                Attachment::point(*centre, *directors, &(axes.transpose() * (at - place)))
+            }
+            Self::Point { vector, .. } => Attachment::vector(*vector),
+        }
+    }
+
+    /// Axis of the end along a direction of the reference configuration; `None` for points.
+    fn axis(&self, along: &Vec3) -> Option<Attachment> {
+        match self {
+            Self::Ground => Some(Attachment::ground(*along)),
+            Self::Body { vectors: (_, directors), reference: (_, axes), .. } => {
+                Some(Attachment::axis(*directors, &(axes.transpose() * along)))
+            }
+            Self::Point { .. } => None,
+        }
+    }
+
+    /// Mass, and inertia of rotation.
+    fn inertia(&self) -> [f64; 2] {
+        match self {
+            Self::Ground => [0.0; 2],
+            Self::Body { inertia, .. } => *inertia,
+            Self::Point { mass, .. } => [*mass, 0.0],
+        }
+    }
+}
+
+/// Constraints of a joint in the making.
+pub struct Constraints {
+    ends: [End; 2],
+    vectors: Vec<u32>,
+    rows: Vec<Row>,
+    /// Size of the model (length).
+    length: f64,
+    /// Whether an axis was wanted of an end that has none.
+    lacks_axis: bool,
+}
+
+impl Constraints {
+    /// Mass, and inertia of rotation, that the constraints act on.
+    fn inertia(&self, of_rotation: bool) -> f64 {
+        self.ends.iter().map(|end| end.inertia()[usize::from(of_rotation)]).fold(0.0, f64::max)
+    }
+
+    fn push(&mut self, mut row: Row, size: f64, inertia: f64) {
+        (row.size, row.inertia) = (size, inertia);
+        self.rows.push(row);
+    }
+
+    /// The points of both ends at a place of the reference configuration coincide: three constraints.
+    pub(super) fn coincident(&mut self, at: [f64; 3]) {
+        let [a, b] = [0, 1].map(|i| self.ends[i].point(&at.into()));
+        for e in [Vec3::x(), Vec3::y(), Vec3::z()] {
+            let row = Row::coincident(&mut self.vectors, &a, &b, &e);
+            self.push(row, self.length, self.inertia(false));
+        }
+    }
+
+    /// The product of an axis of the first end and an axis of the second one keeps its value at the reference.
+    pub(super) fn constant_product(&mut self, a: &Vec3, b: &Vec3) {
+        let axes = (self.ends[0].axis(a), self.ends[1].axis(b));
+        let (Some(first), Some(second)) = axes else {
+            self.lacks_axis = true;
+            return;
+        };
+        let mut row = Row::default();
+        row.add_product(&mut self.vectors, 1.0, &first, &second);
+        row.add_constant(-a.dot(b));
+        self.push(row, 1.0, self.inertia(true));
+    }
+
+    /// The point of the second end at a place of the reference configuration stays in a plane of the first end.
+    pub(super) fn in_plane(&mut self, normal: &Vec3, at: [f64; 3]) {
+        let [a, b] = [0, 1].map(|i| self.ends[i].point(&at.into()));
+        let Some(n) = self.ends[0].axis(normal) else {
+            self.lacks_axis = true;
+            return;
+        };
+        let mut row = Row::default();
+        row.add_product(&mut self.vectors, 1.0, &n, &b);
+        row.add_product(&mut self.vectors, -1.0, &n, &a);
+        self.push(row, self.length, self.inertia(false));
+    }
+
+    /// The distance of a point of each end is constant: `½ (|x_A − x_B|² − L²) = 0`.
+    pub(super) fn distance(&mut self, points: [[f64; 3]; 2]) {
+        let [a, b] = [0, 1].map(|i| self.ends[i].point(&points[i].into()));
+        let length = (Vec3::from(points[0]) - Vec3::from(points[1])).norm();
+        let mut row = Row::default();
+        for (factor, x, y) in [(0.5, &a, &a), (0.5, &b, &b), (-1.0, &a, &b)] {
+            row.add_product(&mut self.vectors, factor, x, y);
+        }
+        row.add_constant(-0.5 * length * length);
+        self.push(row, length * self.length, self.inertia(false) / (length * length));
+    }
+
+    /// The axis of both ends stays parallel: two constraints.
+    pub(super) fn parallel(&mut self, axis: &Vec3) {
+        let [e1, e2] = crate::element::geometry::tangents(&axis.normalize());
+        self.constant_product(&axis.normalize(), &e1);
+        self.constant_product(&axis.normalize(), &e2);
+    }
+
+    /// The point of the second end moves along a line of the first end: two constraints.
+    pub(super) fn on_line(&mut self, axis: &Vec3, at: [f64; 3]) {
+        for normal in crate::element::geometry::tangents(&axis.normalize()) {
+            self.in_plane(&normal, at);
+        }
+    }
+}
+
+/// Kind of joint.
+pub trait JointKind {
+    /// Keys in the model file.
+    type Keys;
+    /// Adds its constraints.
+    fn constrain(keys: &Self::Keys, out: &mut Constraints);
+}
+
+macro_rules! kinds {
+    ($($file:ident::$kind:ident($keys:ident): $help:literal,)*) => {
+        $(mod $file;)*
+
+        fn constrain(joint: &model::Joint, out: &mut Constraints) {
+            match joint {
+                $(model::Joint::$kind(keys) => $file::$kind::constrain(keys, out),)*
+            }
+        }
+    };
+}
+joints!(kinds);
+
+/// Constraints of a joint between two ends in a model of this size, numbered from `first` on; `None` where it needs an axis
+/// of a node or a point mass.
+pub fn joint(joint: &model::Joint, ends: [End; 2], length: f64, first: usize) -> Option<Joint> {
+    let mut out =
+        Constraints { ends, vectors: Vec::new(), rows: Vec::new(), length, lacks_axis: false };
+    constrain(joint, &mut out);
+    let Constraints { vectors, rows, .. } = out;
+    let name = joint.common().name().to_owned();
+    (!out.lacks_axis).then_some(Joint { name, vectors, rows, first })
+}

@@ -1,0 +1,17 @@
+//! Holonomic constraints: joints between rigid bodies, nodes and the ground.
+//!
+//! The points and axes that a joint connects are fixed in bodies, in the ground, or at nodes. They are linear combinations
+//! of nodal vectors ([`Attachment`]), because a rigid body moves as `x(X) = r + X_i d_i`; so every constraint of the usual
+//! joints is a quadratic form of nodal vectors ([`Row`]), and its gradient is exact. J. García de Jalón, E. Bayo, *Kinematic
+//! and dynamic simulation of multibody systems* (1994); P. Betsch, S. Leyendecker, *The discrete null space method for the
+//! energy consistent integration of constrained mechanical systems. Part II: multibody dynamics*, Int. J. Numer. Meth. Engng
+//! 67 (2006) 499–552.
+
+mod attachment;
+mod joint;
+pub mod joints;
+mod row;
+
+pub use attachment::Attachment;
+pub use joint::{Joint, JointGroup};
+pub use row::Row;

@@ -1,0 +1,134 @@
+//! Rigid bodies and point masses.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A rigid body, or without `inertia` and `shape` a point mass.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RigidBody {
+    /// Name of the body in joints and results.
+    pub name: String,
+    /// Mass centre in the reference configuration (length).
+    pub at: [f64; 3],
+    /// Mass; of a body with a shape this or `density`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub mass: Option<f64>,
+    /// Moments of inertia J11, J22, J33 about the mass centre, along the axes of the body [mass·length²].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inertia: Option<[f64; 3]>,
+    /// Components J12, J13, J23 of the inertia tensor, `J12 = −∫ρ X1 X2 dV` [mass·length²]; 0 unless given.
+    #[serde(default)]
+    pub products_of_inertia: [f64; 3],
+    /// Shape, from which the inertia is computed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shape: Option<BodyShape>,
+    /// Density of a body with a shape [mass/length³].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub density: Option<f64>,
+    /// Direction of the first axis of the body, and a second direction in the plane of the first two axes; the axes of space
+    /// unless given.
+    #[serde(default = "axes_of_space")]
+    pub axes: [[f64; 3]; 2],
+    /// Velocity of the mass centre at the start [length/time].
+    #[serde(default)]
+    pub velocity: [f64; 3],
+    /// Angular velocity at the start, along the axes of space [rad/time].
+    #[serde(default)]
+    pub angular_velocity: [f64; 3],
+}
+
+/// Homogeneous body of simple shape, by its axes 1, 2, 3.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "kebab-case")]
+pub enum BodyShape {
+    /// Box with sides along the axes.
+    Box(BoxShape),
+    /// Cylinder or, with `inner_radius`, tube about axis 1.
+    Cylinder(CylinderShape),
+    /// Ball.
+    Sphere(SphereShape),
+    /// Rod along axis 1 without inertia about it.
+    Rod(RodShape),
+}
+
+/// Box with sides along the axes of the body.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BoxShape {
+    /// Sides along the axes 1, 2, 3 (length).
+    pub size: [f64; 3],
+}
+
+/// Cylinder or tube about axis 1 of the body.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CylinderShape {
+    /// Outer radius (length).
+    pub radius: f64,
+    /// Inner radius (length); 0 unless given.
+    #[serde(default)]
+    pub inner_radius: f64,
+    /// Length along axis 1.
+    pub length: f64,
+}
+
+/// Ball.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SphereShape {
+    /// Radius (length).
+    pub radius: f64,
+}
+
+/// Thin rod along axis 1 of the body.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RodShape {
+    /// Length along axis 1.
+    pub length: f64,
+}
+
+impl BodyShape {
+    /// Volume (length³); 0 for rods.
+    pub fn volume(&self) -> f64 {
+        match self {
+            Self::Box(BoxShape { size: [a, b, c] }) => a * b * c,
+            Self::Cylinder(c) => {
+                std::f64::consts::PI * (c.radius * c.radius - c.inner_radius * c.inner_radius) * c.length
+            }
+            Self::Sphere(SphereShape { radius }) => 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3),
+            Self::Rod(_) => 0.0,
+        }
+    }
+
+    /// Second moments ∫X_i² dm of unit mass about the mass centre, for the axes 1, 2, 3 (length²).
+    pub fn second_moments(&self) -> [f64; 3] {
+        match self {
+            Self::Box(BoxShape { size }) => size.map(|a| a * a / 12.0),
+            Self::Cylinder(CylinderShape { radius, inner_radius, length }) => {
+                let across = 0.25 * (radius * radius + inner_radius * inner_radius);
+                [length * length / 12.0, across, across]
+            }
+            Self::Sphere(SphereShape { radius }) => [radius * radius / 5.0; 3],
+            Self::Rod(RodShape { length }) => [length * length / 12.0, 0.0, 0.0],
+        }
+    }
+
+    /// Sizes of the shape, all above 0.
+    pub(crate) fn sizes(&self) -> Vec<f64> {
+        match self {
+            Self::Box(BoxShape { size }) => size.to_vec(),
+            Self::Cylinder(c) => vec![c.radius, c.length, c.radius - c.inner_radius],
+            Self::Sphere(SphereShape { radius }) => vec![*radius],
+            Self::Rod(RodShape { length }) => vec![*length],
+        }
+    }
+}
+
+/// First two axes of space.
+fn axes_of_space() -> [[f64; 3]; 2] {
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
+}

@@ -1,0 +1,173 @@
+//! Joints between bodies, nodes and the ground, with the registry of their kinds.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The registry: one line for each joint. Calls the macro `$made` with all entries. An entry is
+///
+/// ```text
+/// file::Kind(Keys): "help of the schema",
+/// ```
+///
+/// - `crates/tegula/src/constraint/joints/file.rs` defines the type `Kind`, which implements `JointKind`;
+/// - `Kind` becomes the variant of [`Joint`] that holds the `Keys`, and its name in kebab case the word of the model file.
+///
+/// [`Joint`] is made from it below, the modules and the constraints in `crates/tegula/src/constraint/joints/mod.rs`.
+macro_rules! joints {
+    ($made:ident) => {
+        $made! {
+            fixed::Fixed(PointJoint): "No relative motion.",
+            spherical::Spherical(PointJoint): "Ball joint: the points coincide.",
+            revolute::Revolute(AxisJoint): "Hinge: rotation about the axis.",
+            universal::Universal(TwoAxesJoint): "Cardan joint: the points coincide, the two axes stay perpendicular.",
+            cylindrical::Cylindrical(AxisJoint): "Rotation about the axis and sliding along it.",
+            prismatic::Prismatic(AxisJoint): "Sliding along the axis without rotation.",
+            planar::Planar(AxisJoint): "Motion in the plane across the axis, and rotation about it.",
+            distance::Distance(DistanceJoint): "Rod without mass: the distance of two points is constant.",
+        }
+    };
+}
+pub(crate) use joints;
+
+macro_rules! joint {
+    ($($file:ident::$kind:ident($keys:ident): $help:literal,)*) => {
+        /// A joint between two bodies, nodes or the ground.
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+        #[serde(tag = "type", rename_all = "kebab-case")]
+        pub enum Joint {
+            $(#[doc = $help] $kind($keys),)*
+        }
+
+        impl Joint {
+            /// Keys that all joints have.
+            pub fn common(&self) -> &dyn JointKeys {
+                match self {
+                    $(Self::$kind(keys) => keys,)*
+                }
+            }
+
+            /// Word of the model file.
+            pub fn word(&self) -> &'static str {
+                match self {
+                    $(Self::$kind(_) => stringify!($file),)*
+                }
+            }
+        }
+    };
+}
+joints!(joint);
+
+/// Keys that all joints have.
+pub trait JointKeys {
+    /// Name of the joint in messages and results.
+    fn name(&self) -> &str;
+    /// What it connects: names of bodies or of sets with one node, or `ground`.
+    fn between(&self) -> &[String; 2];
+    /// Point of the reference configuration at which its reactions are given.
+    fn at(&self) -> [f64; 3];
+    /// Directions that it needs, each with its key.
+    fn directions(&self) -> Vec<(&'static str, [f64; 3])> {
+        Vec::new()
+    }
+    /// Points in the reference configuration, each with its key.
+    fn points(&self) -> Vec<(&'static str, [f64; 3])>;
+}
+
+/// Name for the ground in `between`.
+pub const GROUND: &str = "ground";
+
+/// A joint at a point.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PointJoint {
+    /// Name of the joint in messages and results.
+    pub name: String,
+    /// What it connects: names of bodies or of sets with one node, or `ground`.
+    pub between: [String; 2],
+    /// Point of the joint in the reference configuration (length).
+    pub at: [f64; 3],
+}
+
+/// A joint with an axis through a point.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AxisJoint {
+    /// Name of the joint in messages and results.
+    pub name: String,
+    /// What it connects: names of bodies or of sets with one node, or `ground`.
+    pub between: [String; 2],
+    /// Point of the joint in the reference configuration (length).
+    pub at: [f64; 3],
+    /// Direction of the axis in the reference configuration.
+    pub axis: [f64; 3],
+}
+
+/// A joint with one axis in each of the two bodies.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TwoAxesJoint {
+    /// Name of the joint in messages and results.
+    pub name: String,
+    /// What it connects: names of bodies or of sets with one node, or `ground`.
+    pub between: [String; 2],
+    /// Point of the joint in the reference configuration (length).
+    pub at: [f64; 3],
+    /// Axis fixed in the first body and axis fixed in the second one, perpendicular to each other, in the reference
+    /// configuration.
+    pub axes: [[f64; 3]; 2],
+}
+
+/// A constant distance of two points.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DistanceJoint {
+    /// Name of the joint in messages and results.
+    pub name: String,
+    /// What it connects: names of bodies or of sets with one node, or `ground`.
+    pub between: [String; 2],
+    /// Point of the first and point of the second one, in the reference configuration (length).
+    pub points: [[f64; 3]; 2],
+}
+
+/// Implements [`JointKeys`] for keys with `name`, `between` and these points and directions.
+macro_rules! joint_keys {
+    ($keys:ident, $self:ident, $at:expr, [$($point:expr),*], [$($direction:expr),*]) => {
+        impl JointKeys for $keys {
+            fn name(&self) -> &str {
+                &self.name
+            }
+
+            fn between(&self) -> &[String; 2] {
+                &self.between
+            }
+
+            fn at(&$self) -> [f64; 3] {
+                $at
+            }
+
+            fn directions(&$self) -> Vec<(&'static str, [f64; 3])> {
+                vec![$($direction),*]
+            }
+
+            fn points(&$self) -> Vec<(&'static str, [f64; 3])> {
+                vec![$($point),*]
+            }
+        }
+    };
+}
+joint_keys!(PointJoint, self, self.at, [("at", self.at)], []);
+joint_keys!(AxisJoint, self, self.at, [("at", self.at)], [("axis", self.axis)]);
+joint_keys!(
+    TwoAxesJoint,
+    self,
+    self.at,
+    [("at", self.at)],
+    [("axes[0]", self.axes[0]), ("axes[1]", self.axes[1])]
+);
+joint_keys!(
+    DistanceJoint,
+    self,
+    self.points[1],
+    [("points[0]", self.points[0]), ("points[1]", self.points[1])],
+    []
+);
