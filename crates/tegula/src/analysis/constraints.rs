@@ -16,7 +16,8 @@
 //! to a unit diagonal, is decided by Gaussian elimination with complete pivoting; where it falls, the multipliers are those
 //! of minimum norm (G. Golub, C. Van Loan, *Matrix computations*, Sect. 5.5), found anew in every iteration, not from those
 //! of the step before: these lead off the branch. Constraints that contradict each other cannot be satisfied, which
-//! [`violation`](Constraints::violation) finds.
+//! [`violation`](Constraints::violation) finds. A constraint that was left out and stays open is taken back for the rest of
+//! the step.
 
 use nalgebra::linalg::FullPivLU;
 use nalgebra::{DMatrix, DVector, Dyn};
@@ -29,10 +30,10 @@ use crate::system::dof_map::CONSTRAINED;
 use crate::system::evaluation_point::current_vector;
 use crate::system::{EvaluationPoint, LocalFrames, System};
 
-/// Pivot of the scaled Schur complement over the largest one, below which constraints count as dependent.
+/// Pivot of the scaled Schur complement over the largest one, below which constraints count as dependent; and its decrease
+/// where one of these constraints stays open.
 const DEPENDENT: f64 = 1e-4;
-/// Value of a constraint over its size that is accepted at the end of a step.
-const SATISFIED: f64 = 1e-9;
+const READMITTED: f64 = 1e-3;
 
 /// Gradient of a constraint with respect to the free degrees of freedom: numbers and values, some numbers more than once.
 type Gradient = Vec<(u32, f64)>;
@@ -70,6 +71,17 @@ impl Constraints {
             vectors: Vec::new(),
             row: Vec::new(),
         })
+    }
+
+    /// Begins a step: the rank is decided anew.
+    pub fn begin_step(&mut self) {
+        self.schur.cut = DEPENDENT;
+    }
+
+    /// Takes constraints back that were left out as dependent, but stay open.
+    pub fn readmit(&mut self) {
+        self.schur.cut *= READMITTED;
+        self.schur.decide_rank();
     }
 
     /// Takes the tangent that `solver` has factored, at an evaluation point whose local frames are `frames`.
@@ -218,15 +230,15 @@ impl Constraints {
         }
     }
 
-    /// First joint with a constraint that the end of a motion violates, with the violation over its size, as text.
-    pub fn violation(&mut self, system: &System, motion: &Motion) -> Option<String> {
+    /// First joint with a constraint whose value at the end of a motion over its size is above a limit, as text.
+    pub fn violation(&mut self, system: &System, motion: &Motion, limit: f64) -> Option<String> {
         let end = end_of(system, motion);
         for joint in system.joints.iter() {
             self.vectors.clear();
             self.vectors.extend(joint.vectors.iter().map(|&v| end(v as usize)));
             let worst = joint.rows.iter().map(|row| row.value(&self.vectors).abs() / row.size);
             let worst = worst.reduce(crate::norm::larger)?;
-            if !(worst <= SATISFIED) {
+            if !(worst <= limit) {
                 return Some(format!("joint \"{}\" is open by {worst:.1e} of the model's size", joint.name));
             }
         }
@@ -252,11 +264,13 @@ struct Schur {
     factor: Option<FullPivLU<f64, Dyn, Dyn>>,
     /// Rank of the constraints.
     rank: usize,
+    /// Pivot over the largest one, below which constraints count as dependent.
+    cut: f64,
 }
 
 impl Schur {
     fn new(m: usize) -> Self {
-        Self { matrix: DMatrix::zeros(m, m), scale: DVector::zeros(m), factor: None, rank: m }
+        Self { matrix: DMatrix::zeros(m, m), scale: DVector::zeros(m), factor: None, rank: m, cut: DEPENDENT }
     }
 
     fn factor(&mut self) {
@@ -270,10 +284,15 @@ impl Schur {
                 self.matrix[(i, j)] /= self.scale[i] * self.scale[j];
             }
         }
-        let factor = self.matrix.clone().full_piv_lu();
+        self.factor = Some(self.matrix.clone().full_piv_lu());
+        self.decide_rank();
+    }
+
+    fn decide_rank(&mut self) {
+        let Some(factor) = &self.factor else { return };
         let u = factor.lu_internal();
-        self.rank = (0..m).filter(|&i| u[(i, i)].abs() > DEPENDENT * u[(0, 0)].abs()).count();
-        self.factor = Some(factor);
+        let independent = |i: &usize| u[(*i, *i)].abs() > self.cut * u[(0, 0)].abs();
+        self.rank = (0..self.matrix.nrows()).filter(independent).count();
     }
 
     /// Numbers of constraints that depend on the others.

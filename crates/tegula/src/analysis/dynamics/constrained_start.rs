@@ -17,6 +17,9 @@ use crate::system::assembly::TangentCoefficients;
 /// Change of the velocities, over the largest one, that is worth a message.
 const NOTEWORTHY: f64 = 1e-6;
 
+/// Value of a constraint over its size above which a joint counts as open.
+const CLOSED: f64 = 1e-9;
+
 /// Weights of the mass matrix with the augmented Lagrangian of the constraints, `M + Gᵀ γ G`.
 const MASS: TangentWeights =
     TangentWeights { stress: 0.0, direction: 0.0, force: 0.0, rate: 0.0, augmentation: 1.0 };
@@ -40,7 +43,7 @@ pub(super) fn project_velocities(
 ) -> Result<Vec<String>> {
     let Some(mut constraints) = newton.constraints.take() else { return Ok(Vec::new()) };
     let motion = Motion::State { u: &state.u, velocity: None };
-    if let Some(open) = constraints.violation(system, &motion) {
+    if let Some(open) = constraints.violation(system, &motion, CLOSED) {
         return Err(Error::model(
             "joints",
             format!("{open} at the start"),
