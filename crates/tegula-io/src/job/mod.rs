@@ -16,6 +16,7 @@
 //! The summary has the status `running` until the run has ended, so incomplete results are recognised.
 //! Nothing is printed: a [`JobObserver`] receives all events.
 
+mod bodies;
 mod fields;
 mod folder;
 mod forces;

@@ -11,7 +11,7 @@ use tegula::{Error, Result, System};
 use super::resume::{CheckpointData, RunCounters};
 use super::summary::{PointResult, Status, Summary};
 use super::{
-    JobObserver, Prepared, Progress, ResultFolder, Start, fields, forces, frames, history, process, snapshots,
+    JobObserver, Prepared, Progress, ResultFolder, Start, bodies, fields, forces, frames, history, process, snapshots,
 };
 use crate::deck::Diagnostic;
 use crate::out::{HistoryWriter, OutputError, PvdSeries};
@@ -67,6 +67,7 @@ impl<'a> Recorder<'a> {
             None => {
                 let mut names = history::names(&prepared.probes);
                 names.extend(forces::names(&prepared.system));
+                names.extend(bodies::names(&prepared.system));
                 (HistoryWriter::create(&csv, &names)?, PvdSeries::create(&pvd)?)
             }
             Some(memory) => {
@@ -261,6 +262,7 @@ impl<'a> Recorder<'a> {
             step_size,
         );
         row.extend(forces::row(&forces));
+        row.extend(bodies::row(&self.prepared.system, step.state));
         self.forces = Some(forces);
         self.history.append(&row)?;
         let now = frames::Instant { step: step.state.step, time: step.state.time, end: step.end };

@@ -12,7 +12,8 @@ use crate::model::supports::{Constraints, Direction, SupportedNode};
 use crate::model::{AddedMass, Condition, Model};
 use crate::section::SectionInertia;
 use crate::system::supports::{Conflict, Support};
-use crate::system::{DeadLoad, System, VectorKind};
+use crate::system::coordinates::Body;
+use crate::system::{Coordinates, DeadLoad, System, VectorKind};
 use crate::{Issue, Vec3};
 
 pub(super) fn supports(
@@ -113,17 +114,17 @@ pub(super) fn follower_loads(
     vectors: &Vectors,
     amplitudes: &BTreeMap<String, usize>,
 ) -> (Vec<FollowerLoad>, Vec<usize>) {
-    let loaded = Loaded {
-        mesh,
-        position_of: &vectors.coordinates.position_of,
-        director_of: &vectors.coordinates.director_of,
-    };
+    let loaded = Loaded { mesh, coordinates: &vectors.coordinates };
     let (mut out, mut load_of) = (Vec::new(), Vec::new());
     for (number, (load, continued)) in step.model.loads.iter().zip(&step.loads).enumerate() {
         let amplitude = load.amplitude().as_ref().and_then(|a| amplitudes.get(a).copied());
         let factor = continued.factor(amplitude);
         for action in load.actions(&loaded) {
             match action {
+                Action::Moment { node, moment } if loaded.body(node).is_some() => {
+                    let directors = loaded.body(node).and_then(|body| body.directors);
+                    out.extend(directors.map(|directors| FollowerLoad::BodyMoment { directors, moment, factor }));
+                }
                 Action::Moment { node, moment } => {
                     let vector = vectors.coordinates.director_of[node as usize];
                     out.push(FollowerLoad::Moment { vector, moment, factor });
@@ -191,7 +192,10 @@ pub(super) fn drilling_components(
             (along > 1e-3 * moment.norm())
                 .then(|| (vectors.coordinates.nodes[*vector as usize], along, moment.norm(), *number))
         }
-        FollowerLoad::Pressure { .. } | FollowerLoad::EdgeMoment { .. } | FollowerLoad::Own { .. } => None,
+        FollowerLoad::Pressure { .. }
+        | FollowerLoad::EdgeMoment { .. }
+        | FollowerLoad::BodyMoment { .. }
+        | FollowerLoad::Own { .. } => None,
     };
     let all: Vec<_> = loads.iter().zip(numbers).filter_map(lost).collect();
     let Some((node, along, whole, number)) = all.first() else { return Vec::new() };
@@ -214,11 +218,7 @@ pub(super) fn dead_loads(
     amplitudes: &BTreeMap<String, usize>,
 ) -> (Vec<DeadLoad>, Vec<usize>) {
     let n = system.vectors();
-    let loaded = Loaded {
-        mesh,
-        position_of: &system.coordinates.position_of,
-        director_of: &system.coordinates.director_of,
-    };
+    let loaded = Loaded { mesh, coordinates: &system.coordinates };
     let (mut out, mut load_of) = (Vec::new(), Vec::new());
     for (number, (load, continued)) in step.model.loads.iter().zip(&step.loads).enumerate() {
         let mut force = vec![[0.0; 3]; n];
@@ -227,7 +227,7 @@ pub(super) fn dead_loads(
             match action {
                 Action::Force { node, force: f } => {
                     acts = true;
-                    let v = system.coordinates.position_of[node as usize] as usize;
+                    let v = loaded.vectors(node)[0] as usize;
                     for i in 0..3 {
                         force[v][i] += f[i];
                     }
@@ -330,13 +330,23 @@ pub(super) fn initial_velocity(model: &Model, mesh: &Mesh, vectors: &Vectors) ->
 /// Mesh as its loads see it.
 struct Loaded<'a> {
     mesh: &'a Mesh,
-    position_of: &'a [u32],
-    director_of: &'a [u32],
+    coordinates: &'a Coordinates,
+}
+
+impl Loaded<'_> {
+    /// Body that a number behind those of the nodes stands for.
+    fn body(&self, node: u32) -> Option<&Body> {
+        self.coordinates.bodies.get((node as usize).checked_sub(self.mesh.positions.len())?)
+    }
 }
 
 impl LoadedMesh for Loaded<'_> {
     fn nodes(&self, set: &str) -> Vec<u32> {
-        self.mesh.nodes_on(set).unwrap_or_default()
+        let body = self.coordinates.bodies.iter().position(|body| body.name == set);
+        match body {
+            Some(body) => vec![(self.mesh.positions.len() + body) as u32],
+            None => self.mesh.nodes_on(set).unwrap_or_default(),
+        }
     }
 
     fn quads(&self, set: &str) -> Vec<[u32; 4]> {
@@ -366,6 +376,11 @@ impl LoadedMesh for Loaded<'_> {
     }
 
     fn vectors(&self, node: u32) -> [u32; 2] {
-        [self.position_of, self.director_of].map(|of| of[node as usize])
+        match self.body(node) {
+            Some(body) => [body.centre, body.directors.map_or(u32::MAX, |directors| directors[0])],
+            None => {
+                [&self.coordinates.position_of, &self.coordinates.director_of].map(|of| of[node as usize])
+            }
+        }
     }
 }

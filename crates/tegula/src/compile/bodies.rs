@@ -2,11 +2,11 @@
 
 use crate::checker::Checker;
 use crate::constraint::joints::{End, joint};
-use crate::constraint::Joint;
+use crate::constraint::{Joint, Spring};
 use crate::element::Nodal;
 use crate::mesh::Mesh;
 use crate::model::joint::GROUND;
-use crate::model::{Analysis, Model, RigidBody, Scheme, TransientAnalysis};
+use crate::model::{Analysis, Load, Model, RigidBody, Scheme, TransientAnalysis};
 use crate::system::Coordinates;
 use crate::{Issue, Mat3, Vec3};
 
@@ -17,7 +17,7 @@ const SAME: f64 = 1e-9;
 
 /// Mistakes in the values of bodies and joints.
 pub(super) fn keys(model: &Model, c: &mut Checker) {
-    if model.bodies.is_empty() && model.joints.is_empty() {
+    if model.bodies.is_empty() && model.joints.is_empty() && model.springs.is_empty() {
         return;
     }
     let transient = matches!(
@@ -27,12 +27,20 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
     if !transient {
         c.add(
             "analysis",
-            "bodies and joints move in nonlinear transient analyses with the scheme \"energy-momentum\" only",
+            "bodies, joints and springs move in nonlinear transient analyses with the scheme \"energy-momentum\" only",
             "give `type = \"transient\"` and `scheme = { type = \"energy-momentum\" }`",
         );
     }
     names(model.bodies.iter().map(|body| &body.name), "bodies", c);
     names(model.joints.iter().map(|joint| joint.common().name().to_owned()).collect::<Vec<_>>().iter(), "joints", c);
+    names(model.springs.iter().map(|spring| &spring.name), "springs", c);
+    for (i, spring) in model.springs.iter().enumerate() {
+        let key = format!("springs[{i}]");
+        c.not_negative(&format!("{key}.stiffness"), "the stiffness", spring.stiffness);
+        c.not_negative(&format!("{key}.damping"), "the damping", spring.damping);
+        c.not_negative(&format!("{key}.length"), "the length", spring.length.unwrap_or(0.0));
+        spring.points.iter().for_each(|point| c.finite(&format!("{key}.points"), "the point", point));
+    }
     for (i, body) in model.bodies.iter().enumerate() {
         body_values(body, &format!("bodies[{i}]"), c);
     }
@@ -265,6 +273,41 @@ pub(super) fn joints(
     out
 }
 
+/// Springs of the model, or what is wrong with their ends.
+pub(super) fn springs(
+    model: &Model,
+    mesh: &Mesh,
+    coordinates: &Coordinates,
+    issues: &mut Vec<Issue>,
+) -> Vec<Spring> {
+    let mut c = Checker::default();
+    let size = extent(model, mesh, coordinates);
+    let mut out = Vec::new();
+    for (i, data) in model.springs.iter().enumerate() {
+        let key = format!("springs[{i}]");
+        let ends = [0, 1].map(|side| end(model, mesh, coordinates, (&key, side), &data.between[side], &mut c));
+        let [Some(first), Some(second)] = ends else { continue };
+        for (side, end) in [&first, &second].into_iter().enumerate() {
+            let place = format!("{key}.points[{side}]");
+            misplaced(end, coordinates, (&place, data.points[side]), (&data.between[side], size), &mut c);
+        }
+        let points = data.points.map(Vec3::from);
+        let distance = (points[0] - points[1]).norm();
+        let length = data.length.unwrap_or(distance);
+        if distance == 0.0 && length > 0.0 {
+            c.add(
+                format!("{key}.points"),
+                format!("the spring \"{}\" has no direction: its points coincide", data.name),
+                "move one of its points, or give `length = 0`",
+            );
+        }
+        let [a, b] = [first.point(&points[0]), second.point(&points[1])];
+        out.push(Spring::new([&a, &b], [data.stiffness, data.damping], length));
+    }
+    issues.append(&mut c.issues);
+    out
+}
+
 /// A joint at another place than the node or the point mass that it connects.
 fn misplaced(
     end: &End,
@@ -338,5 +381,25 @@ fn end(
             c.missing(key, "body or set of one node", name, known.iter());
             None
         }
+    }
+}
+
+/// A load on a body, which must not have the name of a set, nor turn a point mass.
+pub(super) fn load_on_body(model: &Model, load: &Load, key: &str, mesh: &Mesh, c: &mut Checker) {
+    let name = load.on();
+    if mesh.nodes_on(name).is_some() {
+        c.add(
+            key,
+            format!("\"{name}\" is the name of a body and of a set of the mesh"),
+            "give the body another name",
+        );
+    }
+    let turns = |body: &RigidBody| body.inertia.is_some() || body.shape.is_some();
+    if load.kind() == "moment" && model.bodies.iter().any(|body| body.name == name && !turns(body)) {
+        c.add(
+            key,
+            format!("body \"{name}\" is a point mass, on which a moment cannot act"),
+            "give the body an inertia or a shape, or load another body",
+        );
     }
 }

@@ -18,7 +18,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::analysis::statics;
-use crate::constraint::{Joint, JointGroup};
+use crate::constraint::{Joint, JointGroup, SpringGroup};
 use crate::element::{ElementGroup, Nodal, director_angle};
 use crate::load::{FollowerLoad, LoadFactor, NodalLoad, OwnLoad, TimeFunction};
 use crate::material::{MaterialLaw, OwnLaw};
@@ -121,8 +121,10 @@ impl<'a> Compiler<'a> {
         let explicit = steps.iter().any(|step| procedure(&step.model.analysis) == Procedure::Explicit);
         let tie = if explicit { director_angle::EXPLICIT_STIFFNESS } else { director_angle::STIFFNESS };
         elements.ties(&directors, &vectors, tie);
-        let joints = vectors.add_bodies(model, mesh, &mut issues);
+        let (joints, springs) = vectors.add_bodies(model, mesh, &mut issues);
+        let joints = Arc::new(joints);
         elements.groups.extend(JointGroup::groups(&joints));
+        elements.groups.extend(SpringGroup::groups(&springs));
         vectors.mark_inextensible(&elements.unit);
         let linear = |step: &StepModel| match &step.model.analysis {
             Analysis::Static(s) => s.linear,

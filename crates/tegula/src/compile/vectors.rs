@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::bodies;
-use crate::constraint::Joint;
+use crate::constraint::{Joint, Spring};
 use crate::{Issue, Model, Vec3};
 use crate::element::VectorKind;
 use crate::element::geometry::tangents;
@@ -52,11 +52,11 @@ impl Vectors {
         Self { coordinates: Arc::new(coordinates), of_director, gradient_of }
     }
 
-    /// Adds the nodal vectors of bodies, behind those of all nodes; returns the joints.
-    pub(super) fn add_bodies(&mut self, model: &Model, mesh: &Mesh, issues: &mut Vec<Issue>) -> Arc<Vec<Joint>> {
+    /// Adds the nodal vectors of bodies, behind those of all nodes; returns the joints and the springs.
+    pub(super) fn add_bodies(&mut self, model: &Model, mesh: &Mesh, issues: &mut Vec<Issue>) -> (Vec<Joint>, Vec<Spring>) {
         let coordinates = Arc::make_mut(&mut self.coordinates);
         bodies::add_vectors(model, coordinates);
-        Arc::new(bodies::joints(model, mesh, coordinates, issues))
+        (bodies::joints(model, mesh, coordinates, issues), bodies::springs(model, mesh, coordinates, issues))
     }
 
     /// Marks the directors that keep their length.

@@ -3,9 +3,9 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::Row;
+use super::{Attachment, Row};
 use crate::Vec3;
-use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest, TangentWeights};
+use crate::element::{ElementGroup, GroupPoint, Motion, TangentRequest};
 
 /// A joint: constraints of one pair of bodies, nodes or the ground.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,6 +14,10 @@ pub struct Joint {
     pub name: String,
     /// Nodal vectors that the constraints contain.
     pub vectors: Vec<u32>,
+    /// Whether each of the vectors belongs to the first end of the joint.
+    pub of_first: Vec<bool>,
+    /// Point of the joint, fixed in its second end, or in the first one where the second is the ground.
+    pub point: Attachment,
     /// Constraints.
     pub rows: Vec<Row>,
     /// Number of the first constraint among those of all joints.
@@ -21,6 +25,12 @@ pub struct Joint {
 }
 
 impl Joint {
+    /// Present place of the joint, for given nodal vectors.
+    pub fn place(&self, value: impl Fn(u32) -> Vec3) -> Vec3 {
+        let point = &self.point;
+        point.terms.iter().fold(point.constant, |x, &(v, weight)| x + value(v) * weight)
+    }
+
     /// Numbers of the joint's constraints among those of all joints.
     pub fn multipliers(&self) -> Range<usize> {
         self.first..self.first + self.rows.len()
@@ -125,45 +135,5 @@ impl ElementGroup for JointGroup {
                 Self::augment(joint, &gradients, request.weights.augmentation, blocks);
             }
         }
-    }
-
-    fn stresses_per_element(&self) -> usize {
-        0
-    }
-
-    fn mass(&self, _: usize) -> &[f64] {
-        &[]
-    }
-
-    fn retardation_time(&self) -> f64 {
-        0.0
-    }
-
-    fn stresses(&self, _: &GroupPoint, _: &mut [f64]) {}
-
-    fn extrapolate(&self, _: &GroupPoint, _: &[Nodal], _: &TangentWeights, _: &mut [f64]) {}
-
-    fn energies(&self, _: &GroupPoint, energies: &mut [f64]) {
-        energies.fill(0.0);
-    }
-
-    fn sampled_strains(&self, _: usize, _: &GroupPoint) -> Vec<f64> {
-        Vec::new()
-    }
-
-    fn strain_rates(&self, _: usize, _: &GroupPoint) -> Vec<f64> {
-        Vec::new()
-    }
-
-    fn history_per_element(&self) -> usize {
-        0
-    }
-
-    fn update_history(&self, _: &GroupPoint, _: &mut [f64]) -> f64 {
-        0.0
-    }
-
-    fn dissipation(&self, _: &GroupPoint, power: &mut [f64]) {
-        power.fill(0.0);
     }
 }

@@ -1,4 +1,4 @@
-//! Holonomic constraints: joints between rigid bodies, nodes and the ground.
+//! Holonomic constraints and force elements: joints and springs between rigid bodies, nodes and the ground.
 //!
 //! The points and axes that a joint connects are fixed in bodies, in the ground, or at nodes. They are linear combinations
 //! of nodal vectors ([`Attachment`]), because a rigid body moves as `x(X) = r + X_i d_i`; so every constraint of the usual
@@ -11,7 +11,9 @@ mod attachment;
 mod joint;
 pub mod joints;
 mod row;
+mod spring;
 
 pub use attachment::Attachment;
 pub use joint::{Joint, JointGroup};
 pub use row::Row;
+pub use spring::{Spring, SpringGroup};

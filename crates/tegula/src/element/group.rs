@@ -78,7 +78,9 @@ pub struct InternalVariables<'a> {
 /// Batch alignment: the first element of a batch is a multiple of this.
 pub const ALIGNMENT: usize = super::lanes::BATCH;
 
-/// Group of elements of one type, evaluated together.
+/// Contributions of one kind to forces, tangent, mass and energy, evaluated together: the elements of one type and section,
+/// director-angle constraints, joints, springs. What a kind does not have (strains, mass, history variables) it leaves to
+/// the default.
 pub trait ElementGroup: Send + Sync {
     /// Name of the element type.
     fn name(&self) -> &'static str;
@@ -93,11 +95,18 @@ pub trait ElementGroup: Send + Sync {
     /// Number of nodal vectors per element.
     fn vectors_per_element(&self) -> usize;
     /// Number of generalised stresses per element, work-conjugate to its strains.
-    fn stresses_per_element(&self) -> usize;
+    fn stresses_per_element(&self) -> usize {
+        0
+    }
     /// Mass matrix of an element: one scalar per pair of nodal vectors, lower triangle by rows.
-    fn mass(&self, element: usize) -> &[f64];
+    fn mass(&self, element: usize) -> &[f64] {
+        let _ = element;
+        &[]
+    }
     /// Retardation time τ of Kelvin–Voigt damping.
-    fn retardation_time(&self) -> f64;
+    fn retardation_time(&self) -> f64 {
+        0.0
+    }
     /// Internal forces of a batch of elements: from `first` on (a multiple of [`ALIGNMENT`]) as many as `forces` has
     /// room for, one block of `3 · vectors_per_element` each. With `tangent` also the lower-triangle blocks of the
     /// tangent, whose geometric part takes [`TangentRequest::stress`] (the stress of the motion where `None`); an
@@ -105,7 +114,9 @@ pub trait ElementGroup: Send + Sync {
     fn evaluate(&self, k: &GroupPoint, first: usize, forces: &mut [f64], tangent: Option<TangentRequest>);
     /// Generalised stresses, work-conjugate to the strains in which the group works (sampled strains or quadratic
     /// forms).
-    fn stresses(&self, k: &GroupPoint, stresses: &mut [f64]);
+    fn stresses(&self, k: &GroupPoint, stresses: &mut [f64]) {
+        let _ = (k, stresses);
+    }
     /// Generalised stresses extrapolated along an increment: `n ← n(motion) + weight · H B δ`.
     fn extrapolate(
         &self,
@@ -113,19 +124,38 @@ pub trait ElementGroup: Send + Sync {
         increment: &[Nodal],
         weights: &TangentWeights,
         stresses: &mut [f64],
-    );
+    ) {
+        let _ = (k, increment, weights, stresses);
+    }
     /// Stored energy of each element (at the end of a step); `½ sᵀHs` for linear materials.
-    fn energies(&self, k: &GroupPoint, energies: &mut [f64]);
+    fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {
+        let _ = k;
+        energies.fill(0.0);
+    }
     /// Sampled strains of one element (at the end of a step).
-    fn sampled_strains(&self, element: usize, k: &GroupPoint) -> Vec<f64>;
+    fn sampled_strains(&self, element: usize, k: &GroupPoint) -> Vec<f64> {
+        let _ = (element, k);
+        Vec::new()
+    }
     /// Rates `B(q) v` of the sampled strains of one element, at a state `q` with the velocity `v`.
-    fn strain_rates(&self, element: usize, k: &GroupPoint) -> Vec<f64>;
+    fn strain_rates(&self, element: usize, k: &GroupPoint) -> Vec<f64> {
+        let _ = (element, k);
+        Vec::new()
+    }
     /// Number of history variables per element: enhanced parameters and internal variables.
-    fn history_per_element(&self) -> usize;
+    fn history_per_element(&self) -> usize {
+        0
+    }
     /// Computes the history variables at the end of a step; returns the energy that the materials dissipate in it.
-    fn update_history(&self, k: &GroupPoint, history: &mut [f64]) -> f64;
+    fn update_history(&self, k: &GroupPoint, history: &mut [f64]) -> f64 {
+        let _ = (k, history);
+        0.0
+    }
     /// Power τ ṡᵀHṡ that Kelvin–Voigt damping dissipates in each element.
-    fn dissipation(&self, k: &GroupPoint, power: &mut [f64]);
+    fn dissipation(&self, k: &GroupPoint, power: &mut [f64]) {
+        let _ = k;
+        power.fill(0.0);
+    }
 }
 
 /// Request for the tangent: weights, stress of the geometric part, output buffer.

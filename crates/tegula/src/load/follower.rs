@@ -52,6 +52,15 @@ pub enum FollowerLoad {
         /// Factor over the analysis step.
         factor: LoadFactor,
     },
+    /// Spatially constant moment on a rigid body: `f_i = ½ m × d_i` on its directors, whose moment Σ d_i × f_i is m.
+    BodyMoment {
+        /// Nodal vectors of the directors.
+        directors: [u32; 3],
+        /// Moment at factor 1 [force·length].
+        moment: Vec3,
+        /// Factor over the analysis step.
+        factor: LoadFactor,
+    },
     /// Load that is neither of these, also of a caller.
     Own {
         /// Forces and their derivatives.
@@ -68,6 +77,7 @@ impl FollowerLoad {
             Self::Pressure { vectors, .. } => vectors,
             Self::Moment { vector, .. } => std::slice::from_ref(vector),
             Self::EdgeMoment { vectors, .. } => vectors,
+            Self::BodyMoment { directors, .. } => directors,
             Self::Own { load, .. } => load.0.vectors(),
         }
     }
@@ -78,6 +88,7 @@ impl FollowerLoad {
             Self::Pressure { factor, .. }
             | Self::Moment { factor, .. }
             | Self::EdgeMoment { factor, .. }
+            | Self::BodyMoment { factor, .. }
             | Self::Own { factor, .. } => factor,
         }
     }
@@ -102,6 +113,11 @@ impl FollowerLoad {
                 out[0] = (-couple).into();
                 out[1] = couple.into();
                 out[2] = director.into();
+            }
+            Self::BodyMoment { moment, .. } => {
+                for (f, d) in out.iter_mut().zip(x) {
+                    *f = (moment.cross(d) * 0.5).into();
+                }
             }
             Self::Own { load, .. } => load.0.forces(x, out),
         }
@@ -135,6 +151,8 @@ impl FollowerLoad {
                 (k[1][0], k[1][1], k[1][2]) = (couple_t, -couple_t, -couple_d);
                 (k[2][0], k[2][1], k[2][2]) = (director_t, -director_t, -director_d);
             }
+            // The directors of a rigid body are no degrees of freedom, and its rotation does not change the moment.
+            Self::BodyMoment { .. } => {}
             Self::Own { load, .. } => k = load.0.stiffness(x),
         }
         k

@@ -14,6 +14,7 @@ mod mesh_source;
 mod prescribed_strain;
 mod scheme;
 pub mod section;
+mod spring;
 pub mod supports;
 mod units;
 
@@ -37,6 +38,7 @@ pub use mesh_source::*;
 pub use prescribed_strain::*;
 pub(crate) use scheme::schemes;
 pub use scheme::*;
+pub use spring::SpringDamper;
 pub use section::{Layup, LayupPly, Section, StackedPly};
 pub use supports::Condition;
 pub use units::Units;
@@ -70,6 +72,9 @@ pub struct Model {
     /// Joints between bodies, nodes and the ground.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub joints: Vec<Joint>,
+    /// Springs with dampers.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub springs: Vec<SpringDamper>,
     /// Supports and prescribed motions.
     #[serde(default)]
     pub conditions: Vec<Condition>,
@@ -108,6 +113,7 @@ impl Model {
             sections: vec![Section::new("m", thickness)],
             bodies: Vec::new(),
             joints: Vec::new(),
+            springs: Vec::new(),
             conditions: Vec::new(),
             loads: Vec::new(),
             masses: Vec::new(),

@@ -1,11 +1,13 @@
-//! Recovery of engineering quantities from a state: resultants and stresses of shells, motion of points.
+//! Recovery of engineering quantities from a state: resultants and stresses of shells, motion of points and bodies, reactions.
 
+pub mod bodies;
 pub mod inside;
 pub mod plies;
 pub mod probe;
 pub mod reactions;
 pub mod recovery;
 
+pub use bodies::{BodyMotion, joint_reaction};
 pub use plies::{PlyFailure, PlyResult, PlyStress, plastic_strains, recover_plies};
 pub use probe::Probe;
 pub use reactions::{Equilibrium, ReactionFinder, Resultant};

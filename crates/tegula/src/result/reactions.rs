@@ -4,7 +4,8 @@
 //! nodal vectors are g = f + I − F. Along free degrees of freedom the equation of motion makes them vanish; along
 //! constrained ones they are the reactions R. The forces on positions sum up to the resultant; a generalised force on a
 //! director is a moment: a nodal vector x (arm of a position, director or gradient) under the force f contributes x ×
-//! f. Internal forces have neither resultant nor moment, so F + R − I must vanish, which the [balance](Equilibrium)
+//! f. Internal forces have neither resultant nor moment but those that
+//! joints and springs transfer to the ground, so F + R − I less these must vanish, which the [balance](Equilibrium)
 //! measures.
 //!
 //! The forces are those of the equation of the step: at its end for statics, Newmark and explicit steps; for HHT
@@ -19,7 +20,7 @@ use crate::analysis::dynamics::schemes::Instant;
 use crate::element::{Motion, Nodal};
 use crate::model::Scheme;
 use crate::system::supports::Support;
-use crate::system::{Assembly, EvaluationPoint, System, VectorKind};
+use crate::system::{Assembly, EvaluationPoint, Internal, System, VectorKind};
 use tegula_sparse::norm::larger;
 
 /// Force and moment about a point.
@@ -142,7 +143,8 @@ impl ReactionFinder {
         let dt = new.time - old.time;
         let middle = old.time + 0.5 * dt;
         let motion = Motion::Step { old: &old.u, new: &new.u, dt };
-        let k = EvaluationPoint::new(system, motion, middle, &old.history);
+        let internal = Internal { history: &old.history, multipliers: &new.multipliers };
+        let k = EvaluationPoint::new(system, motion, middle, internal);
         let mut internal = vec![[0.0; 3]; new.u.len()];
         self.assembly.forces(system, &k, &mut internal);
         let (mean, rate) = ([0.5, 0.5], [-1.0 / dt, 1.0 / dt]);
@@ -190,6 +192,10 @@ impl ReactionFinder {
         balance.add(system, u, &all_loads, 1.0);
         balance.add(system, u, &forces.inertia, -1.0);
         balance.add(system, u, &out.reactions, 1.0);
+        if system.acts_on_ground() {
+            // Joints and springs transfer forces to the ground, with which the internal forces have a resultant.
+            balance.add(system, u, &forces.internal, -1.0);
+        }
         (out.force_error, out.moment_error) = balance.errors(FORCE_FREE * earlier, system.length);
         out
     }

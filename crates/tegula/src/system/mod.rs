@@ -224,6 +224,11 @@ impl System {
         self.labels.as_ref().map_or(u64::from(quad), |labels| labels.quad(quad as usize))
     }
 
+    /// Whether joints or springs may transfer forces to the ground.
+    pub fn acts_on_ground(&self) -> bool {
+        self.groups.iter().any(|group| matches!(group.name(), "joint" | "spring"))
+    }
+
     /// Number of constraints, and of their Lagrange multipliers.
     pub fn constraints(&self) -> usize {
         self.joints.last().map_or(0, |last| last.multipliers().end)

@@ -128,6 +128,7 @@ impl Element {
             linear: false,
             interior: InternalVariables { history: &history, factors: &self.factors },
             inextensible: &[],
+            multipliers: &[],
         })
     }
 

@@ -163,7 +163,7 @@ fn both_kernels_agree() {
                 for (motion, linear) in motions.into_iter().flat_map(|m| [(m, false), (m, true)]) {
                     let inextensible: &[bool] = if element == ElementKind::Mitc4 { &unit } else { &[] };
                     let interior = InternalVariables { history: &[], factors: &FACTORS };
-                    let k = GroupPoint { reference: &e.reference, motion, linear, interior, inextensible };
+                    let k = GroupPoint { reference: &e.reference, motion, linear, interior, inextensible, multipliers: &[] };
                     let pairs = everything(e.fast.as_ref(), &k, &w).into_iter().zip(everything(
                         e.general.as_ref(),
                         &k,
@@ -192,7 +192,7 @@ fn parts_are_evaluated_alike() {
     let u = field(e.reference.len(), 0.05, &mut random);
     let motion = Motion::State { u: &u, velocity: None };
     let interior = InternalVariables { history: &[], factors: &FACTORS };
-    let k = GroupPoint { reference: &e.reference, motion, linear: false, interior, inextensible: &[] };
+    let k = GroupPoint { reference: &e.reference, motion, linear: false, interior, inextensible: &[], multipliers: &[] };
     let mut whole = vec![0.0; 30 * 24];
     e.fast.evaluate(&k, 0, &mut whole, None);
     for (first, count) in [(0, 8), (8, 16), (16, 3), (24, 6)] {

@@ -33,7 +33,7 @@ pub enum End {
 
 impl End {
     /// Point of the end at a place of the reference configuration.
-    fn point(&self, at: &Vec3) -> Attachment {
+    pub fn point(&self, at: &Vec3) -> Attachment {
         match self {
             Self::Ground => Attachment::ground(*at),
             Self::Body { vectors: (centre, directors), reference: (place, axes), .. } => {
@@ -51,6 +51,15 @@ impl End {
                 Some(Attachment::axis(*directors, &(axes.transpose() * along)))
             }
             Self::Point { .. } => None,
+        }
+    }
+
+    /// Nodal vectors.
+    fn vectors(&self) -> Vec<u32> {
+        match self {
+            Self::Ground => Vec::new(),
+            Self::Body { vectors: (centre, directors), .. } => [&[*centre][..], directors].concat(),
+            Self::Point { vector, .. } => vec![*vector],
         }
     }
 
@@ -172,10 +181,14 @@ joints!(kinds);
 /// Constraints of a joint between two ends in a model of this size, numbered from `first` on; `None` where it needs an axis
 /// of a node or a point mass.
 pub fn joint(joint: &model::Joint, ends: [End; 2], length: f64, first: usize) -> Option<Joint> {
+    let at = Vec3::from(joint.common().at());
+    let point = ends[usize::from(ends[1] != End::Ground)].point(&at);
+    let own = ends[0].vectors();
     let mut out =
         Constraints { ends, vectors: Vec::new(), rows: Vec::new(), length, lacks_axis: false };
     constrain(joint, &mut out);
-    let Constraints { vectors, rows, .. } = out;
+    let Constraints { vectors, rows, lacks_axis, .. } = out;
     let name = joint.common().name().to_owned();
-    (!out.lacks_axis).then_some(Joint { name, vectors, rows, first })
+    let of_first = vectors.iter().map(|v| own.contains(v)).collect();
+    (!lacks_axis).then_some(Joint { name, vectors, of_first, point, rows, first })
 }

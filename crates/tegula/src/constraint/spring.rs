@@ -1,0 +1,169 @@
+//! Springs with dampers between two points.
+//!
+//! The energy of a spring is a function of the squared distance of its ends, V(L²). The energy–momentum scheme takes its
+//! discrete gradient (O. Gonzalez, *Time integration and discrete Hamiltonian systems*, J. Nonlinear Sci. 6 (1996) 449–467):
+//! with the lengths L₀ and L₁ at the ends of a step and the vector x between the points in its middle the force
+//!
+//! ```text
+//! F = [k (L₀ + L₁ − 2 l) + 2 d (L₁ − L₀)/Δt] / (L₀ + L₁) · x
+//! ```
+//!
+//! does the work V₁ − V₀ + d (L₁ − L₀)²/Δt exactly.
+
+use super::Attachment;
+use crate::Vec3;
+use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest, TangentWeights};
+
+/// Spring with a damper between two points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spring {
+    /// Nodal vectors of both points.
+    vectors: Vec<u32>,
+    /// Vector between the points: weights of the nodal vectors, and its constant part.
+    weights: Vec<f64>,
+    constant: Vec3,
+    /// Stiffness k [force/length].
+    stiffness: f64,
+    /// Damping d [force·time/length].
+    damping: f64,
+    /// Length l without force.
+    length: f64,
+}
+
+impl Spring {
+    /// Spring between two points of bodies, nodes or the ground, with this length at zero force.
+    pub fn new([a, b]: [&Attachment; 2], [stiffness, damping]: [f64; 2], length: f64) -> Self {
+        let (mut vectors, mut weights): (Vec<u32>, Vec<f64>) = (Vec::new(), Vec::new());
+        for (terms, sign) in [(&a.terms, 1.0), (&b.terms, -1.0)] {
+            for &(v, w) in terms {
+                match vectors.iter().position(|&x| x == v) {
+                    Some(i) => weights[i] += sign * w,
+                    None => {
+                        vectors.push(v);
+                        weights.push(sign * w);
+                    }
+                }
+            }
+        }
+        Self { vectors, weights, constant: a.constant - b.constant, stiffness, damping, length }
+    }
+
+    /// Vector between the points for given nodal vectors.
+    fn between(&self, value: impl Fn(usize) -> Vec3) -> Vec3 {
+        self.vectors.iter().zip(&self.weights).fold(self.constant, |x, (&v, w)| x + value(v as usize) * *w)
+    }
+
+    /// Lengths at both ends of the motion, rate of the length, and vector between the points on which the force acts.
+    fn motion(&self, k: &GroupPoint) -> ([f64; 2], f64, Vec3) {
+        let at = |u: &[Nodal]| self.between(|v| Vec3::from(k.reference[v]) + Vec3::from(u[v]));
+        match k.motion {
+            Motion::State { u, velocity } => {
+                let x = at(u);
+                let length = x.norm();
+                let rate = velocity.map_or(0.0, |v| {
+                    let speed = self.between(|n| Vec3::from(v[n])) - self.constant;
+                    if length > 0.0 { speed.dot(&x) / length } else { 0.0 }
+                });
+                ([length; 2], rate, x)
+            }
+            Motion::Step { old, new, dt } => {
+                let (before, after) = (at(old), at(new));
+                let lengths = [before.norm(), after.norm()];
+                (lengths, (lengths[1] - lengths[0]) / dt, (before + after) * 0.5)
+            }
+        }
+    }
+
+    /// Force per vector between the points.
+    fn intensity(&self, [before, after]: [f64; 2], rate: f64) -> f64 {
+        let sum = before + after;
+        if sum > 0.0 {
+            (self.stiffness * (sum - 2.0 * self.length) + 2.0 * self.damping * rate) / sum
+        } else if self.length == 0.0 {
+            self.stiffness
+        } else {
+            f64::NAN
+        }
+    }
+}
+
+/// Springs of as many nodal vectors each.
+pub struct SpringGroup {
+    members: Vec<Spring>,
+    vectors: usize,
+}
+
+impl SpringGroup {
+    /// Groups of all springs, one for each number of nodal vectors.
+    pub fn groups(springs: &[Spring]) -> Vec<Box<dyn ElementGroup>> {
+        let mut sizes: Vec<usize> = springs.iter().map(|spring| spring.vectors.len()).collect();
+        sizes.sort_unstable();
+        sizes.dedup();
+        let of_size = |size: usize| -> Box<dyn ElementGroup> {
+            let members = springs.iter().filter(|spring| spring.vectors.len() == size).cloned().collect();
+            Box::new(Self { members, vectors: size })
+        };
+        sizes.into_iter().filter(|size| *size > 0).map(of_size).collect()
+    }
+}
+
+impl ElementGroup for SpringGroup {
+    fn name(&self) -> &'static str {
+        "spring"
+    }
+
+    fn len(&self) -> usize {
+        self.members.len()
+    }
+
+    fn vectors(&self, element: usize) -> &[u32] {
+        &self.members[element].vectors
+    }
+
+    fn vectors_per_element(&self) -> usize {
+        self.vectors
+    }
+
+    fn evaluate(&self, k: &GroupPoint, first: usize, forces: &mut [f64], mut tangent: Option<TangentRequest>) {
+        let n = self.vectors;
+        for (e, out) in forces.chunks_mut(3 * n).enumerate() {
+            let spring = &self.members[first + e];
+            let (lengths, rate, x) = spring.motion(k);
+            let intensity = spring.intensity(lengths, rate);
+            for (out, w) in out.chunks_mut(3).zip(&spring.weights) {
+                out.copy_from_slice((x * (intensity * w)).as_slice());
+            }
+            let Some(request) = &mut tangent else { continue };
+            let TangentWeights { stress, direction, force, rate, .. } = request.weights;
+            let axis = x.try_normalize(0.0).unwrap_or_else(Vec3::zeros);
+            let along = axis * axis.transpose();
+            let across = crate::Mat3::identity() - along;
+            let stiffness = along * (stress * spring.stiffness + rate * spring.damping)
+                + across * (direction * intensity);
+            let size = 9 * n * (n + 1) / 2;
+            let mut blocks = request.blocks[e * size..(e + 1) * size].chunks_mut(9);
+            for a in 0..n {
+                for b in 0..=a {
+                    let block = stiffness * (force * spring.weights[a] * spring.weights[b]);
+                    if let Some(out) = blocks.next() {
+                        out.iter_mut().enumerate().for_each(|(i, out)| *out = block[(i / 3, i % 3)]);
+                    }
+                }
+            }
+        }
+    }
+
+    fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {
+        for (spring, energy) in self.members.iter().zip(energies) {
+            let ([_, length], ..) = spring.motion(k);
+            *energy = 0.5 * spring.stiffness * (length - spring.length).powi(2);
+        }
+    }
+
+    fn dissipation(&self, k: &GroupPoint, power: &mut [f64]) {
+        for (spring, power) in self.members.iter().zip(power) {
+            let (_, rate, _) = spring.motion(k);
+            *power = spring.damping * rate * rate;
+        }
+    }
+}

@@ -1,0 +1,28 @@
+//! Springs with dampers between two points.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A spring with a damper between two points.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SpringDamper {
+    /// Name of the spring in messages.
+    pub name: String,
+    /// What it connects: names of bodies or of sets with one node, or `ground`.
+    pub between: [String; 2],
+    /// Point of the first and point of the second one, in the reference configuration (length).
+    pub points: [[f64; 3]; 2],
+    /// Stiffness [force/length].
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub stiffness: f64,
+    /// Damping: force per rate of the length [force·time/length].
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub damping: f64,
+    /// Length at which the spring has no force; the distance of the points unless given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0))]
+    pub length: Option<f64>,
+}

@@ -1,0 +1,89 @@
+//! Motion of rigid bodies, and reactions of joints.
+
+use nalgebra::{Rotation3, UnitQuaternion};
+
+use crate::analysis::State;
+use crate::constraint::Joint;
+use crate::element::Nodal;
+use crate::system::coordinates::Body;
+use crate::system::{System, VectorKind};
+use crate::{Mat3, Vec3};
+
+/// Motion of a rigid body or a point mass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyMotion {
+    /// Position of the mass centre (length).
+    pub position: Vec3,
+    /// Directors as columns: rotation matrix from the axes of the body to those of space; the unit matrix for point masses.
+    pub axes: Mat3,
+    /// Velocity of the mass centre [length/time].
+    pub velocity: Vec3,
+    /// Angular velocity along the axes of space [rad/time].
+    pub angular_velocity: Vec3,
+}
+
+impl BodyMotion {
+    /// Motion of a body in a state.
+    pub fn new(system: &System, state: &State, body: &Body) -> Self {
+        let rate = |v: u32| state.v.get(v as usize).copied().map_or_else(Vec3::zeros, Vec3::from);
+        let at = |v: u32| current(system, &state.u, v);
+        let axes = body.directors.map_or_else(Mat3::identity, |d| Mat3::from_columns(&d.map(at)));
+        let turning = |d: [u32; 3]| d.map(|v| at(v).cross(&rate(v))).iter().sum::<Vec3>() * 0.5;
+        Self {
+            position: at(body.centre),
+            axes,
+            velocity: rate(body.centre),
+            angular_velocity: body.directors.map_or_else(Vec3::zeros, turning),
+        }
+    }
+
+    /// Angular velocity along the axes of the body [rad/time].
+    pub fn spin(&self) -> Vec3 {
+        self.axes.transpose() * self.angular_velocity
+    }
+
+    /// Unit quaternion (scalar first) of the rotation from the reference axes of the body to the present ones, with a scalar
+    /// part that is not negative.
+    pub fn quaternion(&self, reference: &Mat3) -> [f64; 4] {
+        let rotation = Rotation3::from_matrix_unchecked(self.axes * reference.transpose());
+        let q = UnitQuaternion::from_rotation_matrix(&rotation);
+        let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
+        [q.w, q.i, q.j, q.k].map(|x| sign * x)
+    }
+}
+
+/// Axes of a body in the reference configuration, as columns; the unit matrix for point masses.
+pub fn reference_axes(system: &System, body: &Body) -> Mat3 {
+    let at = |v: u32| Vec3::from(system.coordinates.reference[v as usize]);
+    body.directors.map_or_else(Mat3::identity, |d| Mat3::from_columns(&d.map(at)))
+}
+
+/// Force and moment of the first end of a joint on the second one, at the point of the joint, along the axes of space; for the
+/// energy–momentum scheme the means over the last step.
+pub fn joint_reaction(system: &System, state: &State, joint: &Joint) -> (Vec3, Vec3) {
+    let v: Vec<Vec3> = joint.vectors.iter().map(|&v| current(system, &state.u, v)).collect();
+    let mut forces = vec![Vec3::zeros(); v.len()];
+    for (row, number) in joint.rows.iter().zip(joint.multipliers()) {
+        row.add_gradient(state.multipliers.get(number).copied().unwrap_or(f64::NAN), &v, &mut forces);
+    }
+    let point = joint.place(|n| current(system, &state.u, n));
+    // The joint acts with −Gᵀλ; what acts on the first end acts with opposite sign on the second one.
+    let from_first = joint.of_first.contains(&true);
+    let sign = if from_first { 1.0 } else { -1.0 };
+    let (mut force, mut moment) = (Vec3::zeros(), Vec3::zeros());
+    for (i, f) in forces.iter().enumerate().filter(|(i, _)| joint.of_first[*i] == from_first) {
+        let arm = match system.coordinates.kinds[joint.vectors[i] as usize] {
+            VectorKind::Position => {
+                force += f * sign;
+                v[i] - point
+            }
+            VectorKind::Director | VectorKind::Gradient => v[i],
+        };
+        moment += arm.cross(f) * sign;
+    }
+    (force, moment)
+}
+
+fn current(system: &System, u: &[Nodal], v: u32) -> Vec3 {
+    Vec3::from(system.coordinates.reference[v as usize]) + Vec3::from(u[v as usize])
+}
