@@ -262,6 +262,8 @@ struct Schur {
     /// Square roots of the diagonal: rows and columns are scaled by their inverse.
     scale: DVector<f64>,
     factor: Option<FullPivLU<f64, Dyn, Dyn>>,
+    /// Pseudoinverse, where constraints depend on others.
+    pseudoinverse: Option<DMatrix<f64>>,
     /// Rank of the constraints.
     rank: usize,
     /// Pivot over the largest one, below which constraints count as dependent.
@@ -270,7 +272,7 @@ struct Schur {
 
 impl Schur {
     fn new(m: usize) -> Self {
-        Self { matrix: DMatrix::zeros(m, m), scale: DVector::zeros(m), factor: None, rank: m, cut: DEPENDENT }
+        Self { matrix: DMatrix::zeros(m, m), scale: DVector::zeros(m), factor: None, pseudoinverse: None, rank: m, cut: DEPENDENT }
     }
 
     fn factor(&mut self) {
@@ -293,6 +295,8 @@ impl Schur {
         let u = factor.lu_internal();
         let independent = |i: &usize| u[(*i, *i)].abs() > self.cut * u[(0, 0)].abs();
         self.rank = (0..self.matrix.nrows()).filter(independent).count();
+        let deficient = self.rank < self.matrix.nrows();
+        self.pseudoinverse = deficient.then(|| pseudoinverse(factor, self.rank)).flatten();
     }
 
     /// Numbers of constraints that depend on the others.
@@ -308,12 +312,14 @@ impl Schur {
     /// Solves `S x = b`. Where the rank falls, `x + old` has minimum norm.
     fn solve(&self, b: &DVector<f64>, old: &[f64], x: &mut [f64]) {
         let mut scaled = b.component_div(&self.scale);
-        let solved = if self.rank == b.len() {
-            self.factor.as_ref().is_some_and(|factor| factor.solve_mut(&mut scaled))
-        } else {
-            let old = DVector::from_fn(b.len(), |i, _| old.get(i).map_or(0.0, |x| x * self.scale[i]));
-            scaled = self.minimum_norm(&(scaled + &self.matrix * &old)) - old;
-            true
+        let solved = match (&self.factor, &self.pseudoinverse) {
+            (Some(factor), None) => factor.solve_mut(&mut scaled),
+            (_, Some(inverse)) => {
+                let old = DVector::from_fn(b.len(), |i, _| old.get(i).map_or(0.0, |x| x * self.scale[i]));
+                scaled = inverse * (scaled + &self.matrix * &old) - old;
+                true
+            }
+            (None, None) => false,
         };
         if !solved {
             scaled.fill(f64::NAN);
@@ -321,18 +327,15 @@ impl Schur {
         scaled.component_div_assign(&self.scale);
         x.copy_from_slice(scaled.as_slice());
     }
+}
 
-    /// Least-squares solution of minimum norm, with as many singular values as the rank.
-    fn minimum_norm(&self, b: &DVector<f64>) -> DVector<f64> {
-        let svd = self.matrix.clone().svd(true, true);
-        let mut x = DVector::zeros(b.len());
-        let (Some(u), Some(v)) = (&svd.u, &svd.v_t) else { return x };
-        let mut order: Vec<usize> = (0..b.len()).collect();
-        order.sort_by(|&i, &j| svd.singular_values[j].total_cmp(&svd.singular_values[i]));
-        for &i in &order[..self.rank] {
-            let part = u.column(i).dot(b) / svd.singular_values[i];
-            x += v.row(i).transpose() * part;
-        }
-        x
-    }
+/// Pseudoinverse of a matrix of this rank from its factors `P A Q = L U`, of which the columns and rows behind the rank are
+/// left out: `A ≈ F G` with `F = Pᵀ L` and `G = U Qᵀ`, and `A⁺ = Gᵀ (G Gᵀ)⁻¹ (Fᵀ F)⁻¹ Fᵀ`. `None` where it is not finite.
+fn pseudoinverse(factor: &FullPivLU<f64, Dyn, Dyn>, rank: usize) -> Option<DMatrix<f64>> {
+    let mut left = factor.l().columns(0, rank).into_owned();
+    factor.p().inv_permute_rows(&mut left);
+    let mut right = factor.u().rows(0, rank).into_owned();
+    factor.q().inv_permute_columns(&mut right);
+    let inner = (left.tr_mul(&left)).cholesky()?.solve(&left.transpose());
+    Some(right.tr_mul(&(&right * right.transpose()).cholesky()?.solve(&inner)))
 }
