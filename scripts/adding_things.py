@@ -25,7 +25,7 @@ ROOT = Path(__file__).resolve().parent.parent
 COPY = ROOT / "target" / "toys"
 # Examples that the contract tests must have gone through.
 EXPECTED = [
-    "material stiffening", "section sandwich", "load attraction", "support guide", "element plain", "scheme damped", "reader obj",
+    "material stiffening", "joint slot", "section sandwich", "load attraction", "support guide", "element plain", "scheme damped", "reader obj",
     "case stretched-strip",
 ]
 # Contract tests. The whole workspace is named, because other sets of packages would compile dependencies with other features.

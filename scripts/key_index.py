@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 BOOK = Path(__file__).resolve().parent.parent / "book" / "src"
-PAGES = ["model-file.md", "composites.md"]
+PAGES = ["model-file.md", "composites.md", "bodies-and-joints.md"]
 # Keys that the pages explain in sentences.
 EXTRA = {
     "angle": ("Keys of a layup", "composites.md#keys-of-a-layup"),

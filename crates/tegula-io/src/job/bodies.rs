@@ -6,9 +6,8 @@ use tegula::result::bodies::{BodyMotion, joint_reaction, reference_axes};
 
 /// Columns of a body: position, quaternion from the reference (scalar first), velocity, angular velocity along the axes of
 /// space and along those of the body.
-const OF_BODY: [&str; 16] = [
-    "x", "y", "z", "q0", "q1", "q2", "q3", "vx", "vy", "vz", "wx", "wy", "wz", "w1", "w2", "w3",
-];
+const OF_BODY: [&str; 16] =
+    ["x", "y", "z", "q0", "q1", "q2", "q3", "vx", "vy", "vz", "wx", "wy", "wz", "w1", "w2", "w3"];
 /// Columns of a point mass.
 const OF_POINT: [&str; 6] = ["x", "y", "z", "vx", "vy", "vz"];
 /// Columns of a joint: force and moment of the first end on the second one.

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use tegula::System;
+use tegula::element::Nodal;
 use tegula::result::{Equilibrium, Resultant};
 use tegula::system::ForceSet;
+use tegula::{System, Vec3};
 
 use super::summary::{number, vector};
 
@@ -53,6 +54,27 @@ pub(super) fn row(forces: &Equilibrium) -> Vec<f64> {
     let sets = forces.supports.iter().chain(&forces.loads);
     let values = sets.flat_map(|r| [<[f64; 3]>::from(r.force), r.moment.into()].concat());
     values.chain([forces.force_error, forces.moment_error]).collect()
+}
+
+/// Forces of the last step, from the values of the columns and the reactions that a checkpoint keeps; `None` if there are none.
+pub(super) fn restored(system: &System, row: &[f64], reactions: &[Nodal]) -> Option<Equilibrium> {
+    let (sets, errors) = row.split_at_checked(row.len().checked_sub(2)?)?;
+    let resultant =
+        |r: &[f64]| Resultant { force: Vec3::new(r[0], r[1], r[2]), moment: Vec3::new(r[3], r[4], r[5]) };
+    let all: Vec<Resultant> = sets.chunks_exact(6).map(resultant).collect();
+    if all.len() != system.support_sets.len() + system.load_sets.len() || reactions.len() != system.vectors()
+    {
+        return None;
+    }
+    let (supports, loads) = all.split_at(system.support_sets.len());
+    Some(Equilibrium {
+        supports: supports.to_vec(),
+        loads: loads.to_vec(),
+        force_error: errors[0],
+        moment_error: errors[1],
+        reactions: reactions.to_vec(),
+        ..Equilibrium::default()
+    })
 }
 
 /// Entries of the summary: supports, loads, balance.

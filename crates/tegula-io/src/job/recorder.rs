@@ -11,7 +11,8 @@ use tegula::{Error, Result, System};
 use super::resume::{CheckpointData, RunCounters};
 use super::summary::{PointResult, Status, Summary};
 use super::{
-    JobObserver, Prepared, Progress, ResultFolder, Start, bodies, fields, forces, frames, history, process, snapshots,
+    JobObserver, Prepared, Progress, ResultFolder, Start, bodies, fields, forces, frames, history, process,
+    snapshots,
 };
 use crate::deck::Diagnostic;
 use crate::out::{HistoryWriter, OutputError, PvdSeries};
@@ -80,6 +81,9 @@ impl<'a> Recorder<'a> {
                 (HistoryWriter::resume(&csv, memory.notes.rows)?, series)
             }
         };
+        // A run that is resumed at its end takes no step.
+        let kept = memory.as_ref().map(|memory| &memory.forces);
+        let forces = kept.and_then(|(row, reactions)| forces::restored(&prepared.system, row, reactions));
         let mut recorder = Self {
             model,
             prepared,
@@ -90,7 +94,7 @@ impl<'a> Recorder<'a> {
             history,
             series,
             finder: ReactionFinder::new(&prepared.system, scheme(model)),
-            forces: None,
+            forces,
             statistics: Statistics::default(),
             started: Instant::now(),
             cpu_at_start: process::cpu_seconds(),
@@ -160,7 +164,6 @@ impl<'a> Recorder<'a> {
         }
         if any {
             self.keep_last();
-            // A run that is resumed at its end takes no step.
             if self.forces.is_none() {
                 self.forces = Some(self.finder.find(&self.prepared.system, None, &self.memory.state));
             }
@@ -356,10 +359,14 @@ impl<'a> Recorder<'a> {
             cutbacks: totals.cutbacks,
             linear_iterations: totals.linear_iterations,
             energy_error: totals.energy_error,
+            critical_step: totals.critical_step,
             wall_s: before.wall_s + self.started.elapsed().as_secs_f64(),
             cpu_s: self.cpu(),
             ..before
         };
+        if let Some(forces) = &self.forces {
+            self.memory.forces = (forces::row(forces), forces.reactions.clone());
+        }
         let saved = self.memory.save(&self.folder.file("checkpoint.bin"), self.prepared.fingerprint);
         self.memory.notes = before;
         self.last_checkpoint = Instant::now();

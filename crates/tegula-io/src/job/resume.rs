@@ -22,6 +22,9 @@ pub(super) struct CheckpointData {
     pub state: State,
     /// Its energies and momenta.
     pub balance: Balance,
+    /// Resultants of supports and loads and their balance in the last step, as in the history, and the reactions on the nodal
+    /// vectors; empty before the first one. They belong to the step, not to the state at its end alone.
+    pub forces: (Vec<f64>, Vec<Nodal>),
     /// Pictures kept so far.
     pub kept: Vec<StoredSnapshot>,
     /// Counts and places.
@@ -43,6 +46,9 @@ pub(super) struct RunCounters {
     pub cutbacks: u64,
     /// Iterations of the linear solver so far.
     pub linear_iterations: u64,
+    /// Latest critical time step of an explicit scheme; 0 for others.
+    #[serde(default)]
+    pub critical_step: f64,
     /// Largest error of the energy balance of an explicit scheme so far.
     #[serde(default)]
     pub energy_error: f64,
@@ -62,7 +68,7 @@ impl RunCounters {
             iterations: self.iterations + part.iterations,
             factorizations: self.factorizations + part.factorizations,
             cutbacks: self.cutbacks + part.cutbacks,
-            critical_step: part.critical_step,
+            critical_step: if part.critical_step > 0.0 { part.critical_step } else { self.critical_step },
             energy_error: self.energy_error.max(part.energy_error),
             linear_iterations: self.linear_iterations + part.linear_iterations,
         }
@@ -86,6 +92,8 @@ impl CheckpointData {
             ("history", &s.history),
             ("multipliers", &s.multipliers),
             ("scalars", &scalars),
+            ("forces", &self.forces.0),
+            ("reactions", self.forces.1.as_flattened()),
             ("load path", &path_so_far),
             ("energies", &energies),
             ("momenta", momenta.as_flattened()),
@@ -192,7 +200,8 @@ impl CheckpointData {
         }
         let notes = serde_json::from_value(checkpoint.notes.clone())
             .map_err(|e| OutputError::damaged(path, format!("its notes cannot be read: {e}"), REMEDY))?;
-        Ok(Self { state, balance, kept, notes })
+        let forces = (array("forces", None)?, all_or_none("reactions")?);
+        Ok(Self { state, balance, forces, kept, notes })
     }
 }
 

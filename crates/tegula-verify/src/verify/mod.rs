@@ -57,6 +57,7 @@ cases! {
     quarter_cylinder,
     frequencies,
     pendulum,
+    machines,
     paper,
     patch,
     benchmarks,

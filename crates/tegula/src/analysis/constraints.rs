@@ -272,7 +272,14 @@ struct Schur {
 
 impl Schur {
     fn new(m: usize) -> Self {
-        Self { matrix: DMatrix::zeros(m, m), scale: DVector::zeros(m), factor: None, pseudoinverse: None, rank: m, cut: DEPENDENT }
+        Self {
+            matrix: DMatrix::zeros(m, m),
+            scale: DVector::zeros(m),
+            factor: None,
+            pseudoinverse: None,
+            rank: m,
+            cut: DEPENDENT,
+        }
     }
 
     fn factor(&mut self) {

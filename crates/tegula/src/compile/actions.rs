@@ -11,8 +11,8 @@ use crate::model::loads::{Action, LoadedMesh};
 use crate::model::supports::{Constraints, Direction, SupportedNode};
 use crate::model::{AddedMass, Condition, Model};
 use crate::section::SectionInertia;
-use crate::system::supports::{Conflict, Support};
 use crate::system::coordinates::Body;
+use crate::system::supports::{Conflict, Support};
 use crate::system::{Coordinates, DeadLoad, System, VectorKind};
 use crate::{Issue, Vec3};
 
@@ -123,7 +123,11 @@ pub(super) fn follower_loads(
             match action {
                 Action::Moment { node, moment } if loaded.body(node).is_some() => {
                     let directors = loaded.body(node).and_then(|body| body.directors);
-                    out.extend(directors.map(|directors| FollowerLoad::BodyMoment { directors, moment, factor }));
+                    out.extend(directors.map(|directors| FollowerLoad::BodyMoment {
+                        directors,
+                        moment,
+                        factor,
+                    }));
                 }
                 Action::Moment { node, moment } => {
                     let vector = vectors.coordinates.director_of[node as usize];

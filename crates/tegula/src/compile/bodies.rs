@@ -32,7 +32,11 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         );
     }
     names(model.bodies.iter().map(|body| &body.name), "bodies", c);
-    names(model.joints.iter().map(|joint| joint.common().name().to_owned()).collect::<Vec<_>>().iter(), "joints", c);
+    names(
+        model.joints.iter().map(|joint| joint.common().name().to_owned()).collect::<Vec<_>>().iter(),
+        "joints",
+        c,
+    );
     names(model.springs.iter().map(|spring| &spring.name), "springs", c);
     for (i, spring) in model.springs.iter().enumerate() {
         let key = format!("springs[{i}]");
@@ -57,7 +61,10 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         {
             c.add(
                 format!("joints[{i}].axes"),
-                format!("the axes of the universal joint \"{}\" are not perpendicular to each other", keys.name),
+                format!(
+                    "the axes of the universal joint \"{}\" are not perpendicular to each other",
+                    keys.name
+                ),
                 "give two perpendicular axes",
             );
         }
@@ -104,7 +111,11 @@ fn body_values(body: &RigidBody, key: &str, c: &mut Checker) {
         direction(&format!("{key}.axes[{i}]"), *axis, c);
     }
     if cosine(body.axes).abs() > 1.0 - SAME {
-        c.add(format!("{key}.axes"), "the two directions are parallel", "give two directions that span a plane");
+        c.add(
+            format!("{key}.axes"),
+            "the two directions are parallel",
+            "give two directions that span a plane",
+        );
     }
     if let Some(mass) = body.mass {
         c.positive(&format!("{key}.mass"), "the mass", mass);
@@ -219,9 +230,10 @@ pub(super) fn extent(model: &Model, mesh: &Mesh, coordinates: &Coordinates) -> f
     let joints = model.joints.iter().flat_map(|joint| joint.common().points()).map(|(_, x)| Vec3::from(x));
     let bodies = model.bodies.iter().map(|body| Vec3::from(body.at));
     let points = mesh.positions.iter().copied().chain(joints).chain(bodies);
-    let [low, high] = points.fold([Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)], |[a, b], x| {
-        [a.inf(&x), b.sup(&x)]
-    });
+    let [low, high] = points
+        .fold([Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)], |[a, b], x| {
+            [a.inf(&x), b.sup(&x)]
+        });
     let largest = coordinates.bodies.iter().map(|body| body.gyration).fold((high - low).max(), f64::max);
     if largest > 0.0 { largest } else { 1.0 }
 }
@@ -248,12 +260,19 @@ pub(super) fn joints(
             );
             continue;
         }
-        let ends = [0, 1].map(|side| end(model, mesh, coordinates, (&key, side), &keys.between()[side], &mut c));
+        let ends =
+            [0, 1].map(|side| end(model, mesh, coordinates, (&key, side), &keys.between()[side], &mut c));
         let [Some(first), Some(second)] = ends else { continue };
         let points = keys.points();
         for (side, end) in [&first, &second].into_iter().enumerate() {
             let (point, at) = points[side.min(points.len() - 1)];
-            misplaced(end, coordinates, (&format!("{key}.{point}"), at), (&keys.between()[side], length), &mut c);
+            misplaced(
+                end,
+                coordinates,
+                (&format!("{key}.{point}"), at),
+                (&keys.between()[side], length),
+                &mut c,
+            );
         }
         let number = out.last().map_or(0, |last| last.multipliers().end);
         match joint(data, [first, second], length, number) {
@@ -285,7 +304,8 @@ pub(super) fn springs(
     let mut out = Vec::new();
     for (i, data) in model.springs.iter().enumerate() {
         let key = format!("springs[{i}]");
-        let ends = [0, 1].map(|side| end(model, mesh, coordinates, (&key, side), &data.between[side], &mut c));
+        let ends =
+            [0, 1].map(|side| end(model, mesh, coordinates, (&key, side), &data.between[side], &mut c));
         let [Some(first), Some(second)] = ends else { continue };
         for (side, end) in [&first, &second].into_iter().enumerate() {
             let place = format!("{key}.points[{side}]");
@@ -321,7 +341,10 @@ fn misplaced(
         if (place - Vec3::from(at)).norm() > SAME * length {
             c.add(
                 key,
-                format!("the point lies beside \"{name}\", which is at ({}, {}, {})", place.x, place.y, place.z),
+                format!(
+                    "the point lies beside \"{name}\", which is at ({}, {}, {})",
+                    place.x, place.y, place.z
+                ),
                 "give the position of the node or the point mass",
             );
         }
@@ -362,19 +385,21 @@ fn end(
                 }
             }
         }),
-        (None, Some(nodes)) => match nodes[..] {
-            [node] if coordinates.position_of.get(node as usize).is_some_and(|&v| v != u32::MAX) => {
-                Some(End::Point { vector: coordinates.position_of[node as usize], mass: 0.0 })
-            }
-            _ => {
-                c.add(
+        (None, Some(nodes)) => {
+            match nodes[..] {
+                [node] if coordinates.position_of.get(node as usize).is_some_and(|&v| v != u32::MAX) => {
+                    Some(End::Point { vector: coordinates.position_of[node as usize], mass: 0.0 })
+                }
+                _ => {
+                    c.add(
                     key,
                     format!("set \"{name}\" holds {} nodes, and a joint connects one that belongs to an element", nodes.len()),
                     "name a set of one node",
                 );
-                None
+                    None
+                }
             }
-        },
+        }
         (None, None) => {
             let known: Vec<String> =
                 model.bodies.iter().map(|body| body.name.clone()).chain([GROUND.to_owned()]).collect();

@@ -28,7 +28,8 @@ pub(super) fn of_loads(model: &Model, mesh: &Mesh) -> Vec<ForceSet> {
         let before = out.iter().filter(|set| same(set)).count();
         let name = if before == 0 { name } else { format!("{name}#{}", before + 1) };
         let body = model.bodies.iter().find(|body| body.name == on);
-        let about = body.map_or_else(|| centre(mesh, if on.is_empty() { "all" } else { on }), |body| body.at.into());
+        let about =
+            body.map_or_else(|| centre(mesh, if on.is_empty() { "all" } else { on }), |body| body.at.into());
         out.push(ForceSet { name, keys: vec![format!("loads[{number}]")], about });
     }
     out

@@ -31,8 +31,8 @@ use crate::model::{
 use crate::system::pattern::PatternBuilder;
 use crate::system::supports::Support;
 use crate::system::{
-    DeadLoad, GroupOffsets, LocalFrames, Pattern, PrescribedField, Procedure, Reduction, Shell, ShellSection, StepStart,
-    System, lumping,
+    DeadLoad, GroupOffsets, LocalFrames, Pattern, PrescribedField, Procedure, Reduction, Shell, ShellSection,
+    StepStart, System, lumping,
 };
 use crate::{Error, Issue, Result};
 use actions::{

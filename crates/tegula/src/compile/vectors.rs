@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use super::bodies;
 use crate::constraint::{Joint, Spring};
-use crate::{Issue, Model, Vec3};
 use crate::element::VectorKind;
 use crate::element::geometry::tangents;
 use crate::mesh::Mesh;
 use crate::mesh::directors::Directors;
 use crate::system::Coordinates;
+use crate::{Issue, Model, Vec3};
 
 /// Nodal vectors of a mesh: position of each node, then its directors, node by node.
 pub(super) struct Vectors {
@@ -53,7 +53,12 @@ impl Vectors {
     }
 
     /// Adds the nodal vectors of bodies, behind those of all nodes; returns the joints and the springs.
-    pub(super) fn add_bodies(&mut self, model: &Model, mesh: &Mesh, issues: &mut Vec<Issue>) -> (Vec<Joint>, Vec<Spring>) {
+    pub(super) fn add_bodies(
+        &mut self,
+        model: &Model,
+        mesh: &Mesh,
+        issues: &mut Vec<Issue>,
+    ) -> (Vec<Joint>, Vec<Spring>) {
         let coordinates = Arc::make_mut(&mut self.coordinates);
         bodies::add_vectors(model, coordinates);
         (bodies::joints(model, mesh, coordinates, issues), bodies::springs(model, mesh, coordinates, issues))

@@ -124,7 +124,13 @@ impl ElementGroup for SpringGroup {
         self.vectors
     }
 
-    fn evaluate(&self, k: &GroupPoint, first: usize, forces: &mut [f64], mut tangent: Option<TangentRequest>) {
+    fn evaluate(
+        &self,
+        k: &GroupPoint,
+        first: usize,
+        forces: &mut [f64],
+        mut tangent: Option<TangentRequest>,
+    ) {
         let n = self.vectors;
         for (e, out) in forces.chunks_mut(3 * n).enumerate() {
             let spring = &self.members[first + e];

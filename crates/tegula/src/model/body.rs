@@ -40,6 +40,24 @@ pub struct RigidBody {
     pub angular_velocity: [f64; 3],
 }
 
+impl RigidBody {
+    /// A body at rest with its axes along those of space; a point mass without moments of inertia.
+    pub fn new(name: &str, at: [f64; 3], mass: f64, inertia: Option<[f64; 3]>) -> Self {
+        Self {
+            name: name.into(),
+            at,
+            mass: Some(mass),
+            inertia,
+            products_of_inertia: [0.0; 3],
+            shape: None,
+            density: None,
+            axes: axes_of_space(),
+            velocity: [0.0; 3],
+            angular_velocity: [0.0; 3],
+        }
+    }
+}
+
 /// Homogeneous body of simple shape, by its axes 1, 2, 3.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "kebab-case")]

@@ -171,3 +171,35 @@ joint_keys!(
     [("points[0]", self.points[0]), ("points[1]", self.points[1])],
     []
 );
+
+/// Sides, point and axis of the joints of the contract tests.
+const EXAMPLE: ([&str; 2], [f64; 3], [f64; 3]) = (["a", "b"], [0.6, 0.1, -0.2], [1.0, 2.0, 2.0]);
+
+impl PointJoint {
+    pub(crate) fn example() -> Self {
+        let (between, at, _) = EXAMPLE;
+        Self { name: "joint".into(), between: between.map(str::to_owned), at }
+    }
+}
+
+impl AxisJoint {
+    pub(crate) fn example() -> Self {
+        let (between, at, axis) = EXAMPLE;
+        Self { name: "joint".into(), between: between.map(str::to_owned), at, axis }
+    }
+}
+
+impl TwoAxesJoint {
+    pub(crate) fn example() -> Self {
+        let (between, at, axis) = EXAMPLE;
+        let axes = [axis, [2.0, 1.0, -2.0]];
+        Self { name: "joint".into(), between: between.map(str::to_owned), at, axes }
+    }
+}
+
+impl DistanceJoint {
+    pub(crate) fn example() -> Self {
+        let (between, at, _) = EXAMPLE;
+        Self { name: "joint".into(), between: between.map(str::to_owned), points: [at, [1.0, 0.4, 0.0]] }
+    }
+}

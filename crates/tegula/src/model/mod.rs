@@ -38,8 +38,8 @@ pub use mesh_source::*;
 pub use prescribed_strain::*;
 pub(crate) use scheme::schemes;
 pub use scheme::*;
-pub use spring::SpringDamper;
 pub use section::{Layup, LayupPly, Section, StackedPly};
+pub use spring::SpringDamper;
 pub use supports::Condition;
 pub use units::Units;
 
@@ -123,6 +123,15 @@ impl Model {
             amplitudes: BTreeMap::new(),
             output: Output::default(),
         }
+    }
+}
+
+impl Model {
+    /// A model of bodies and joints alone.
+    pub fn of_bodies(analysis: Analysis, bodies: Vec<RigidBody>, joints: Vec<Joint>) -> Self {
+        let unused = Isotropic::new(1.0, 0.0, 1.0);
+        let model = Self::new(MeshSource::None, analysis, unused, 1.0);
+        Self { materials: BTreeMap::new(), sections: Vec::new(), bodies, joints, ..model }
     }
 }
 

@@ -340,7 +340,8 @@ impl Assembly {
     /// Commits the history variables at the end of a converged step, from `history` at its start: `history` becomes that
     /// at its end. Returns the energy dissipated in the step.
     pub fn commit(&mut self, system: &System, motion: Motion, time: f64, history: &mut Vec<f64>) -> f64 {
-        let dissipated = self.find_history(system, &EvaluationPoint::new(system, motion, time, history.as_slice()));
+        let dissipated =
+            self.find_history(system, &EvaluationPoint::new(system, motion, time, history.as_slice()));
         std::mem::swap(history, &mut self.new_history);
         dissipated
     }

@@ -64,7 +64,8 @@ impl CirculatoryStiffness {
     /// Lists the nodal vectors concerned; no stiffness is computed yet.
     pub fn new(system: &System) -> Self {
         let edges = boundary(&system.followers);
-        let is_moment = |l: &FollowerLoad| !matches!(l, FollowerLoad::Pressure { .. } | FollowerLoad::BodyMoment { .. });
+        let is_moment =
+            |l: &FollowerLoad| !matches!(l, FollowerLoad::Pressure { .. } | FollowerLoad::BodyMoment { .. });
         let moments: Vec<u32> =
             (0u32..).zip(&system.followers).filter(|(_, l)| is_moment(l)).map(|(n, _)| n).collect();
         let of_moment = |&n: &u32| system.followers[n as usize].vectors().iter().copied();

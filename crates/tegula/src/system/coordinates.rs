@@ -1,8 +1,8 @@
 //! Coordinates of the model: nodal vectors with their kinds, nodes and reference values.
 
 use crate::element::Nodal;
-use crate::{Mat3, Vec3};
 pub use crate::element::VectorKind;
+use crate::{Mat3, Vec3};
 
 /// Nodal vectors of a model, node by node: the position of a node, then its directors, each followed by its gradients
 /// where an element has them. They do not change while the model is analysed.
@@ -82,7 +82,8 @@ impl Coordinates {
         let place = self.push(centre.into(), VectorKind::Position, u32::MAX);
         let (mut directors, mut euler) = (None, Mat3::zeros());
         if let Some((axes, tensor)) = rotary {
-            let push = |i: usize| self.push(axes.column(i).into_owned().into(), VectorKind::Director, u32::MAX);
+            let push =
+                |i: usize| self.push(axes.column(i).into_owned().into(), VectorKind::Director, u32::MAX);
             directors = Some([0, 1, 2].map(push));
             euler = tensor;
         }

@@ -1,14 +1,14 @@
-//! Contracts of every registered load, support and scheme of time integration, on the examples that each brings along.
+//! Contracts of every registered load, support, joint and scheme of time integration, on the examples that each brings along.
 
 use std::collections::BTreeMap;
 
 use crate::common::{Notes, compile, displacement, distance, model, move_in_time, on, plate, static_options};
-use tegula::analysis::{Observer, State, Step, statics};
+use tegula::analysis::{Observer, State, Step, dynamics, statics};
 use tegula::load::FollowerLoad;
 use tegula::mesh::generators::generate;
 use tegula::model::loads::LoadedPart;
 use tegula::model::*;
-use tegula::norm::max_norm;
+use tegula::norm::{larger, max_norm};
 use tegula::result::{Equilibrium, ReactionFinder};
 use tegula::{Mat3, System, Vec3};
 
@@ -213,5 +213,46 @@ fn every_implicit_scheme_converges_with_the_step() {
         let [coarse, fine] = [distance(&states[0], &states[1]), distance(&states[1], &states[2])];
         let size = max_norm(states[2].as_flattened());
         assert!(coarse < 0.1 * size && fine < 0.6 * coarse, "{scheme:?}: {coarse:e} {fine:e} of {size:e}");
+    }
+}
+
+/// Two bodies that a joint connects fly freely: energy and both momenta stay, and the joint stays closed.
+#[test]
+fn every_joint_keeps_energy_and_momenta_of_two_free_bodies() {
+    for joint in Joint::examples() {
+        assert_eq!(word(&joint), joint.word());
+        println!("contract: joint {}", joint.word());
+        let solid = |name: &str, at, inertia, angular_velocity| RigidBody {
+            velocity: [0.3, -0.1, 0.2],
+            angular_velocity,
+            ..RigidBody::new(name, at, 2.0, Some(inertia))
+        };
+        let bodies = vec![
+            solid("a", [0.0; 3], [0.4, 0.5, 0.3], [1.0, -2.0, 0.5]),
+            solid("b", [1.2, 0.3, 0.1], [0.2, 0.25, 0.3], [-0.5, 1.0, 3.0]),
+        ];
+        let scheme = Scheme::EnergyMomentum(EnergyMomentumScheme {});
+        let options = options(scheme, 1.0, Some(0.01));
+        let model = Model::of_bodies(Analysis::Transient(options.clone()), bodies, vec![joint.clone()]);
+        let system = tegula::compile::build(&model, &generate(&model.mesh).unwrap()).unwrap();
+        let mut notes = Notes::default();
+        let outcome = dynamics::run(&system, &options, None, &mut notes).unwrap();
+        let name = joint.word();
+        assert!(notes.kinetic > 0.1 && notes.drift() <= 1e-10 * notes.kinetic, "{name}: {}", notes.drift());
+        let (linear, angular) = notes.momenta[0];
+        for (p, l) in &notes.momenta {
+            assert!((p - linear).norm() <= 1e-9 * linear.norm(), "{name}: {p} {linear}");
+            assert!((l - angular).norm() <= 1e-9 * angular.norm(), "{name}: {l} {angular}");
+        }
+        let moved = outcome.state.u.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+        assert!(moved > 0.1, "{name} does not move");
+        for joint in system.joints.iter() {
+            let at = |v: u32| {
+                Vec3::from(system.coordinates.reference[v as usize]) + Vec3::from(outcome.state.u[v as usize])
+            };
+            let v: Vec<Vec3> = joint.vectors.iter().map(|&v| at(v)).collect();
+            let open = joint.rows.iter().map(|row| row.value(&v).abs()).fold(0.0, larger);
+            assert!(open <= 1e-11, "{name} is open by {open}");
+        }
     }
 }

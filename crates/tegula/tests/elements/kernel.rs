@@ -16,7 +16,8 @@ const VECTORS: usize = 8;
 /// Unlike, so that no side stands for the other.
 const SIDES: [f64; 2] = [1.3, 0.8];
 const FACTORS: [f64; 2] = [0.8, -0.4];
-const WEIGHTS: TangentWeights = TangentWeights { stress: 0.7, direction: 0.9, force: 1.3, rate: 2.5, augmentation: 0.0 };
+const WEIGHTS: TangentWeights =
+    TangentWeights { stress: 0.7, direction: 0.9, force: 1.3, rate: 2.5, augmentation: 0.0 };
 
 /// Elements that do not share nodes.
 struct Elements {
@@ -163,7 +164,14 @@ fn both_kernels_agree() {
                 for (motion, linear) in motions.into_iter().flat_map(|m| [(m, false), (m, true)]) {
                     let inextensible: &[bool] = if element == ElementKind::Mitc4 { &unit } else { &[] };
                     let interior = InternalVariables { history: &[], factors: &FACTORS };
-                    let k = GroupPoint { reference: &e.reference, motion, linear, interior, inextensible, multipliers: &[] };
+                    let k = GroupPoint {
+                        reference: &e.reference,
+                        motion,
+                        linear,
+                        interior,
+                        inextensible,
+                        multipliers: &[],
+                    };
                     let pairs = everything(e.fast.as_ref(), &k, &w).into_iter().zip(everything(
                         e.general.as_ref(),
                         &k,
@@ -192,7 +200,14 @@ fn parts_are_evaluated_alike() {
     let u = field(e.reference.len(), 0.05, &mut random);
     let motion = Motion::State { u: &u, velocity: None };
     let interior = InternalVariables { history: &[], factors: &FACTORS };
-    let k = GroupPoint { reference: &e.reference, motion, linear: false, interior, inextensible: &[], multipliers: &[] };
+    let k = GroupPoint {
+        reference: &e.reference,
+        motion,
+        linear: false,
+        interior,
+        inextensible: &[],
+        multipliers: &[],
+    };
     let mut whole = vec![0.0; 30 * 24];
     e.fast.evaluate(&k, 0, &mut whole, None);
     for (first, count) in [(0, 8), (8, 16), (16, 3), (24, 6)] {

@@ -228,7 +228,12 @@ impl Integrator for EnergyMomentum {
         for (n, mean) in buffer.iter_mut().enumerate() {
             *mean = std::array::from_fn(|i| (self.u[n][i] - self.u_old[n][i]) / self.dt);
         }
-        let k = EvaluationPoint::new(system, self.motion(), self.parts().time, Internal { history: &state.history, multipliers: &self.multipliers });
+        let k = EvaluationPoint::new(
+            system,
+            self.motion(),
+            self.parts().time,
+            Internal { history: &state.history, multipliers: &self.multipliers },
+        );
         let power = assembly.dissipated_power(system, &k)
             + 2.0 * system.mass_damping * system.kinetic_energy(&buffer);
         if !system.dofs().prescribed.is_empty() {

@@ -3,7 +3,6 @@
 use super::{
     Cause, Converged, Equation, FactoredTangent, Newton, ROUND_OFF, Tolerances, expand_free, largest, point,
 };
-use crate::{Mat3, Vec3};
 use crate::analysis::Observer;
 use crate::analysis::circulatory::Purpose;
 use crate::analysis::lagged_tangent::{self, Increment};
@@ -12,6 +11,7 @@ use crate::element::{Motion, Nodal};
 use crate::model::NewtonMethod;
 use crate::system::assembly::{TangentCoefficients, add_follower_stiffness};
 use crate::system::{EvaluationPoint, LocalFrames, System, VectorKind, dot};
+use crate::{Mat3, Vec3};
 
 /// Largest increment over the size of the model; beyond it the iteration diverges.
 const FLIGHT: f64 = 1e4;
@@ -513,8 +513,7 @@ fn retract_bodies(system: &System, frames: &LocalFrames, u: &[Nodal], increment:
         // Increments are δθ × d, with the directors d of the local frame.
         let change = Mat3::from_columns(&triad.map(|v| Vec3::from(increment[v as usize])));
         let skew = change * arms.try_inverse().unwrap_or_else(Mat3::zeros);
-        let rotation =
-            0.5 * Vec3::new(skew.m32 - skew.m23, skew.m13 - skew.m31, skew.m21 - skew.m12);
+        let rotation = 0.5 * Vec3::new(skew.m32 - skew.m23, skew.m13 - skew.m31, skew.m21 - skew.m12);
         let angle = rotation.norm();
         let (first, second) = if angle > 1e-4 {
             (angle.sin() / angle, 2.0 * ((0.5 * angle).sin() / angle).powi(2))

@@ -13,4 +13,8 @@ impl JointKind for Cylindrical {
         out.parallel(&keys.axis.into());
         out.on_line(&keys.axis.into(), keys.at);
     }
+
+    fn example() -> AxisJoint {
+        AxisJoint::example()
+    }
 }

@@ -12,4 +12,8 @@ impl JointKind for Distance {
     fn constrain(keys: &DistanceJoint, out: &mut Constraints) {
         out.distance(keys.points);
     }
+
+    fn example() -> DistanceJoint {
+        DistanceJoint::example()
+    }
 }

@@ -17,4 +17,8 @@ impl JointKind for Fixed {
             out.constant_product(&a, &b);
         }
     }
+
+    fn example() -> PointJoint {
+        PointJoint::example()
+    }
 }

@@ -163,6 +163,8 @@ pub trait JointKind {
     type Keys;
     /// Adds its constraints.
     fn constrain(keys: &Self::Keys, out: &mut Constraints);
+    /// Keys of a joint between the bodies `a` and `b`, on which the contract of all joints is tested.
+    fn example() -> Self::Keys;
 }
 
 macro_rules! kinds {
@@ -172,6 +174,14 @@ macro_rules! kinds {
         fn constrain(joint: &model::Joint, out: &mut Constraints) {
             match joint {
                 $(model::Joint::$kind(keys) => $file::$kind::constrain(keys, out),)*
+            }
+        }
+
+        impl model::Joint {
+            /// One joint of each kind between the bodies `a` and `b`, in the order of the registry: the contract of all joints
+            /// is tested on them.
+            pub fn examples() -> Vec<Self> {
+                vec![$(Self::$kind($file::$kind::example())),*]
             }
         }
     };
@@ -184,8 +194,7 @@ pub fn joint(joint: &model::Joint, ends: [End; 2], length: f64, first: usize) ->
     let at = Vec3::from(joint.common().at());
     let point = ends[usize::from(ends[1] != End::Ground)].point(&at);
     let own = ends[0].vectors();
-    let mut out =
-        Constraints { ends, vectors: Vec::new(), rows: Vec::new(), length, lacks_axis: false };
+    let mut out = Constraints { ends, vectors: Vec::new(), rows: Vec::new(), length, lacks_axis: false };
     constrain(joint, &mut out);
     let Constraints { vectors, rows, lacks_axis, .. } = out;
     let name = joint.common().name().to_owned();

@@ -15,4 +15,8 @@ impl JointKind for Planar {
         out.parallel(&keys.axis.into());
         out.in_plane(&Vec3::from(keys.axis).normalize(), keys.at);
     }
+
+    fn example() -> AxisJoint {
+        AxisJoint::example()
+    }
 }

@@ -18,4 +18,8 @@ impl JointKind for Prismatic {
         let [n1, n2] = tangents(&axis.normalize());
         out.constant_product(&n1, &n2);
     }
+
+    fn example() -> AxisJoint {
+        AxisJoint::example()
+    }
 }

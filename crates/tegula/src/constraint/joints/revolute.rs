@@ -13,4 +13,8 @@ impl JointKind for Revolute {
         out.coincident(keys.at);
         out.parallel(&keys.axis.into());
     }
+
+    fn example() -> AxisJoint {
+        AxisJoint::example()
+    }
 }

@@ -12,4 +12,8 @@ impl JointKind for Spherical {
     fn constrain(keys: &PointJoint, out: &mut Constraints) {
         out.coincident(keys.at);
     }
+
+    fn example() -> PointJoint {
+        PointJoint::example()
+    }
 }

@@ -16,4 +16,8 @@ impl JointKind for Universal {
         let [a, b] = keys.axes.map(|axis| Vec3::from(axis).normalize());
         out.constant_product(&a, &b);
     }
+
+    fn example() -> TwoAxesJoint {
+        TwoAxesJoint::example()
+    }
 }
