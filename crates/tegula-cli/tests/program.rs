@@ -541,3 +541,23 @@ fn the_preloaded_plate_vibrates_at_the_frequency_of_its_mode() {
     assert_eq!(whole["analyses"].as_array().unwrap().len(), 4);
     assert_eq!(whole["points"], summary(&out.join("4-vibration"))["points"]);
 }
+
+#[test]
+fn the_slider_crank_moves_as_in_the_benchmark_library() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let output = tegula(&["run", text(&example("slider_crank.toml")), "--out", text(&out), "--quiet"]);
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", errors(&output));
+    let history = fs::read_to_string(out.join("history.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = history.lines().map(|line| line.split(',').map(str::trim).collect()).collect();
+    let last = |name: &str| -> f64 {
+        let column = rows[0].iter().position(|n| *n == name).unwrap();
+        rows[rows.len() - 1][column].parse().unwrap()
+    };
+    assert_eq!(last("time"), 5.0);
+    // Within the 4.4e-5 m by which the library's reference differs from an independent precise solution (0.24071957), and the
+    // error of the step.
+    assert!((last("body.slider.x") - 0.240761815).abs() < 1e-4, "{}", last("body.slider.x"));
+    assert!((last("body.slider.x") - 0.24071957).abs() < 5e-5, "{}", last("body.slider.x"));
+    assert!(last("total").abs() < 1.0 && last("kinetic") > 0.0);
+}

@@ -351,7 +351,7 @@ fn misplaced(
     }
 }
 
-/// What a name in `between` means.
+/// Body, node or ground that a name in `between` stands for.
 fn end(
     model: &Model,
     mesh: &Mesh,

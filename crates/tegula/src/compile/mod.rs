@@ -260,8 +260,8 @@ impl<'a> Compiler<'a> {
         issues.extend(drilling_components(&followers, &load_of_follower, vectors, mesh));
         let added = added_masses(model, mesh, vectors);
         let procedure = procedure(&model.analysis);
-        let reduction = |group: &Box<dyn ElementGroup>| Reduction::new(group.as_ref(), frames.dofs());
-        let reductions: Vec<_> = self.groups.iter().map(reduction).collect();
+        let reductions: Vec<_> =
+            self.groups.iter().map(|group| Reduction::new(group.as_ref(), frames.dofs())).collect();
         let pattern = self.pattern(procedure, &frames, (&followers, &reductions), &added)?;
         let mut initial_velocity = initial_velocity(model, mesh, vectors);
         bodies::add_velocities(model, &vectors.coordinates, &mut initial_velocity);

@@ -61,7 +61,7 @@ joints!(joint);
 pub trait JointKeys {
     /// Name of the joint in messages and results.
     fn name(&self) -> &str;
-    /// What it connects: names of bodies or of sets with one node, or `ground`.
+    /// Both sides: names of bodies or of sets with one node, or `ground`.
     fn between(&self) -> &[String; 2];
     /// Point of the reference configuration at which its reactions are given.
     fn at(&self) -> [f64; 3];
@@ -82,7 +82,7 @@ pub const GROUND: &str = "ground";
 pub struct PointJoint {
     /// Name of the joint in messages and results.
     pub name: String,
-    /// What it connects: names of bodies or of sets with one node, or `ground`.
+    /// Both sides: names of bodies or of sets with one node, or `ground`.
     pub between: [String; 2],
     /// Point of the joint in the reference configuration (length).
     pub at: [f64; 3],
@@ -94,7 +94,7 @@ pub struct PointJoint {
 pub struct AxisJoint {
     /// Name of the joint in messages and results.
     pub name: String,
-    /// What it connects: names of bodies or of sets with one node, or `ground`.
+    /// Both sides: names of bodies or of sets with one node, or `ground`.
     pub between: [String; 2],
     /// Point of the joint in the reference configuration (length).
     pub at: [f64; 3],
@@ -108,7 +108,7 @@ pub struct AxisJoint {
 pub struct TwoAxesJoint {
     /// Name of the joint in messages and results.
     pub name: String,
-    /// What it connects: names of bodies or of sets with one node, or `ground`.
+    /// Both sides: names of bodies or of sets with one node, or `ground`.
     pub between: [String; 2],
     /// Point of the joint in the reference configuration (length).
     pub at: [f64; 3],
@@ -123,7 +123,7 @@ pub struct TwoAxesJoint {
 pub struct DistanceJoint {
     /// Name of the joint in messages and results.
     pub name: String,
-    /// What it connects: names of bodies or of sets with one node, or `ground`.
+    /// Both sides: names of bodies or of sets with one node, or `ground`.
     pub between: [String; 2],
     /// Point of the first and point of the second one, in the reference configuration (length).
     pub points: [[f64; 3]; 2],

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub struct SpringDamper {
     /// Name of the spring in messages.
     pub name: String,
-    /// What it connects: names of bodies or of sets with one node, or `ground`.
+    /// Both sides: names of bodies or of sets with one node, or `ground`.
     pub between: [String; 2],
     /// Point of the first and point of the second one, in the reference configuration (length).
     pub points: [[f64; 3]; 2],

@@ -440,12 +440,12 @@ fn largest_batch(system: &System) -> usize {
 
 /// Largest number of reduced blocks in a batch.
 fn largest_reduced_batch(system: &System) -> usize {
-    let batches = |(group, reduction): (&Box<dyn ElementGroup>, &Option<Reduction>)| {
-        let reduction = reduction.as_ref()?;
+    let batches = |(g, reduction): (usize, &Option<Reduction>)| {
+        let (group, reduction) = (&system.groups[g], reduction.as_ref()?);
         let starts = (0..group.len()).step_by(BATCH);
         starts.map(|first| reduction.blocks(first..group.len().min(first + BATCH))).max()
     };
-    system.groups.iter().zip(&system.reductions).filter_map(batches).max().unwrap_or(0)
+    system.reductions.iter().enumerate().filter_map(batches).max().unwrap_or(0)
 }
 
 /// Nodal vectors of the configuration on which the forces of a motion act.

@@ -6,7 +6,7 @@ use super::System;
 use crate::Vec3;
 use crate::element::{ElementGroup, GroupPoint, InternalVariables, Motion, Nodal};
 
-/// What determines forces besides the motion and the time: committed history variables, and Lagrange multipliers.
+/// Quantities that determine forces besides the motion and the time: committed history variables, and Lagrange multipliers.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Internal<'a> {
     /// Committed history variables (end of the last step) of all groups: enhanced parameters and internal variables.

@@ -244,7 +244,7 @@ fn every_joint_keeps_energy_and_momenta_of_two_free_bodies() {
             assert!((p - linear).norm() <= 1e-9 * linear.norm(), "{name}: {p} {linear}");
             assert!((l - angular).norm() <= 1e-9 * angular.norm(), "{name}: {l} {angular}");
         }
-        let moved = outcome.state.u.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let moved = max_norm(outcome.state.u.as_flattened());
         assert!(moved > 0.1, "{name} does not move");
         for joint in system.joints.iter() {
             let at = |v: u32| {

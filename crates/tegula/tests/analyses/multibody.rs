@@ -81,7 +81,6 @@ fn a_pendulum_swings_as_elliptic_functions_say() {
     let bodies = vec![body("mass", [-1.0, 0.0, 0.0], 1.0, None)];
     let model = Model { loads: gravity([0.0, -9.81, 0.0]), ..machine(10.0, 1e-3, bodies, vec![rod]) };
     let mut notes = Notes::default();
-    let started = std::time::Instant::now();
     let (system, state) = run(&model, &mut notes);
     let (x, _) = pose(&system, &state, 0);
     assert!(notes.drift() <= 1e-10 * notes.kinetic, "{}", notes.drift());
@@ -166,7 +165,6 @@ fn a_spatial_slider_crank_moves_as_its_ordinary_differential_equation_says() {
     let error = |step: f64| {
         let model = machine(2.5, step, bodies.clone(), joints.clone());
         let mut notes = Notes::default();
-        let started = std::time::Instant::now();
         let (system, state) = run(&Model { loads: gravity([0.0, 0.0, -9.81]), ..model }, &mut notes);
         assert!(notes.drift() <= 1e-10 * notes.kinetic, "{}", notes.drift());
         pose(&system, &state, 2).0.x - 0.25655287
