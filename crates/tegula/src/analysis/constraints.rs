@@ -51,6 +51,8 @@ pub(super) struct Constraints {
     schur: Schur,
     /// Change of the multipliers in the last increment.
     change: Vec<f64>,
+    /// Right side of their equations.
+    right: DVector<f64>,
     /// Nodal vectors and gradients of a joint.
     vectors: Vec<Vec3>,
     row: Vec<Vec3>,
@@ -68,6 +70,7 @@ impl Constraints {
             responses: vec![0.0; n * m],
             schur: Schur::new(m),
             change: vec![0.0; m],
+            right: DVector::zeros(m),
             vectors: Vec::new(),
             row: Vec::new(),
         })
@@ -75,7 +78,10 @@ impl Constraints {
 
     /// Begins a step: the rank is decided anew.
     pub fn begin_step(&mut self) {
-        self.schur.cut = DEPENDENT;
+        if self.schur.cut < DEPENDENT {
+            self.schur.cut = DEPENDENT;
+            self.schur.decide_rank();
+        }
     }
 
     /// Takes constraints back that were left out as dependent, but stay open.
@@ -125,15 +131,14 @@ impl Constraints {
     /// `multipliers` are those of the iterate.
     pub fn correct(&mut self, system: &System, motion: &Motion, multipliers: &[f64], x: &mut [f64]) {
         let end = end_of(system, motion);
-        let mut right = DVector::zeros(self.ends.len());
         for joint in system.joints.iter() {
             self.vectors.clear();
             self.vectors.extend(joint.vectors.iter().map(|&v| end(v as usize)));
             for (i, row) in joint.multipliers().zip(&joint.rows) {
-                right[i] = row.value(&self.vectors) + product(&self.ends[i], x);
+                self.right[i] = row.value(&self.vectors) + product(&self.ends[i], x);
             }
         }
-        self.schur.solve(&right, multipliers, &mut self.change);
+        self.schur.solve(&mut self.right, multipliers, &mut self.change);
         self.subtract_responses(x);
         for (i, change) in self.change.iter_mut().enumerate() {
             *change += self.weights[i] * product(&self.forces[i], x);
@@ -175,8 +180,10 @@ impl Constraints {
     /// `G₁ x = −rest`, with the least change in the norm of the tangent that was [taken](Self::take). Returns the
     /// multipliers of the change.
     pub fn project(&mut self, rest: &[f64], x: &mut [f64]) -> &[f64] {
-        let right = DVector::from_fn(self.ends.len(), |i, _| rest[i] + product(&self.ends[i], x));
-        self.schur.solve(&right, &[], &mut self.change);
+        for (i, gradient) in self.ends.iter().enumerate() {
+            self.right[i] = rest[i] + product(gradient, x);
+        }
+        self.schur.solve(&mut self.right, &[], &mut self.change);
         self.subtract_responses(x);
         for (i, change) in self.change.iter_mut().enumerate() {
             *change += self.weights[i] * product(&self.forces[i], x);
@@ -316,23 +323,24 @@ impl Schur {
         order.iter().skip(self.rank).copied().collect()
     }
 
-    /// Solves `S x = b`. Where the rank falls, `x + old` has minimum norm.
-    fn solve(&self, b: &DVector<f64>, old: &[f64], x: &mut [f64]) {
-        let mut scaled = b.component_div(&self.scale);
+    /// Solves `S x = b`, where b becomes scratch space. Where the rank falls, `x + old` has minimum norm.
+    fn solve(&self, b: &mut DVector<f64>, old: &[f64], x: &mut [f64]) {
+        b.component_div_assign(&self.scale);
         let solved = match (&self.factor, &self.pseudoinverse) {
-            (Some(factor), None) => factor.solve_mut(&mut scaled),
+            (Some(factor), None) => factor.solve_mut(b),
             (_, Some(inverse)) => {
                 let old = DVector::from_fn(b.len(), |i, _| old.get(i).map_or(0.0, |x| x * self.scale[i]));
-                scaled = inverse * (scaled + &self.matrix * &old) - old;
+                b.gemv(1.0, &self.matrix, &old, 1.0);
+                *b = inverse * &*b - old;
                 true
             }
             (None, None) => false,
         };
         if !solved {
-            scaled.fill(f64::NAN);
+            b.fill(f64::NAN);
         }
-        scaled.component_div_assign(&self.scale);
-        x.copy_from_slice(scaled.as_slice());
+        b.component_div_assign(&self.scale);
+        x.copy_from_slice(b.as_slice());
     }
 }
 

@@ -6,7 +6,8 @@ use crate::constraint::{Joint, Spring};
 use crate::element::Nodal;
 use crate::mesh::Mesh;
 use crate::model::joint::GROUND;
-use crate::model::{Analysis, Load, Model, RigidBody, Scheme, TransientAnalysis};
+use crate::model::body::axes_of_space;
+use crate::model::{Analysis, BodyShape, Load, Model, RigidBody, Scheme, TransientAnalysis};
 use crate::system::Coordinates;
 use crate::{Issue, Mat3, Vec3};
 
@@ -37,11 +38,34 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         "joints",
         c,
     );
+    for (i, joint) in model.joints.iter().enumerate() {
+        if let crate::model::Joint::Distance(keys) = joint
+            && keys.points[0] == keys.points[1]
+        {
+            c.add(
+                format!("joints[{i}].points"),
+                format!("the points of the joint \"{}\" coincide: their distance has no direction", keys.name),
+                "give two different points, or take type = \"spherical\"",
+            );
+        }
+    }
     names(model.springs.iter().map(|spring| &spring.name), "springs", c);
     for (i, spring) in model.springs.iter().enumerate() {
         let key = format!("springs[{i}]");
         c.not_negative(&format!("{key}.stiffness"), "the stiffness", spring.stiffness);
         c.not_negative(&format!("{key}.damping"), "the damping", spring.damping);
+        if spring.stiffness == 0.0 && spring.damping == 0.0 {
+            let name = &spring.name;
+            c.add(key.as_str(), format!("the spring \"{name}\" does nothing"), "give `stiffness`, `damping` or both");
+        }
+        if spring.between[0] == spring.between[1] {
+            let name = &spring.between[0];
+            c.add(
+                format!("{key}.between"),
+                format!("the spring \"{}\" connects \"{name}\" with itself", spring.name),
+                "name two different bodies, nodes, or the ground",
+            );
+        }
         c.not_negative(&format!("{key}.length"), "the length", spring.length.unwrap_or(0.0));
         spring.points.iter().for_each(|point| c.finite(&format!("{key}.points"), "the point", point));
     }
@@ -126,7 +150,17 @@ fn body_values(body: &RigidBody, key: &str, c: &mut Checker) {
     for size in body.shape.iter().flat_map(|shape| shape.sizes()) {
         c.positive(&format!("{key}.shape"), "a size of the shape", size);
     }
+    if let Some(BodyShape::Cylinder(shape)) = body.shape {
+        c.not_negative(&format!("{key}.shape.inner_radius"), "the inner radius", shape.inner_radius);
+    }
     let name = &body.name;
+    if body.inertia.is_none() && body.shape.is_none() && body.axes != axes_of_space() {
+        c.add(
+            format!("{key}.axes"),
+            format!("body \"{name}\" is a point mass, which has no axes"),
+            "give `inertia` or a shape, or leave the axes out",
+        );
+    }
     let wrong = match (body.shape, body.inertia, body.mass, body.density) {
         (Some(_), Some(_), ..) => Some(("inertia", "has a shape and an inertia", "give one of them")),
         (None, _, _, Some(_)) => Some(("density", "has a density but no shape", "give `mass`, or a shape")),

@@ -198,6 +198,9 @@ fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
             LoadedPart::Nodes if model.bodies.iter().any(|body| body.name == load.on()) => {
                 super::bodies::load_on_body(model, load, &format!("loads[{i}].on"), mesh, &mut c);
             }
+            LoadedPart::Nodes if mesh.quads.is_empty() && !model.bodies.is_empty() => {
+                c.missing(key, "body", load.on(), model.bodies.iter().map(|body| &body.name));
+            }
             LoadedPart::Nodes => drop(c.set(mesh, key, load.on(), "nodes", Mesh::nodes_on)),
             LoadedPart::Edges => drop(c.set(mesh, key, load.on(), "edges", Mesh::edges_on)),
             LoadedPart::Quads => drop(c.set(mesh, key, load.on(), "quads", Mesh::quads_on)),

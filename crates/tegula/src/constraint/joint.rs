@@ -7,6 +7,9 @@ use super::{Attachment, Row};
 use crate::Vec3;
 use crate::element::{ElementGroup, GroupPoint, Motion, TangentRequest};
 
+/// Most nodal vectors of a joint: two rigid bodies have eight.
+pub const MOST_VECTORS: usize = 8;
+
 /// A joint: constraints of one pair of bodies, nodes or the ground.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
@@ -58,36 +61,29 @@ impl JointGroup {
         };
         sizes.into_iter().map(of_size).collect()
     }
+}
 
-    /// Adds the blocks of `weight · Σ γ GᵀG` of a joint with these gradients: `3 · vectors` numbers for each constraint.
-    fn augment(joint: &Joint, gradients: &[Vec3], weight: f64, blocks: &mut [f64]) {
-        let n = joint.vectors.len();
-        for (row, g) in joint.rows.iter().zip(gradients.chunks(n)) {
-            let mut pair = 0;
-            for a in 0..n {
-                for b in 0..=a {
-                    let k = g[a] * g[b].transpose() * (weight * row.inertia);
-                    for i in 0..9 {
-                        blocks[9 * pair + i] += k[(i / 3, i % 3)];
-                    }
-                    pair += 1;
-                }
+/// Adds `weight · g gᵀ` to the lower blocks of a joint, for the gradient g of a constraint.
+fn augment(gradient: &[Vec3], weight: f64, blocks: &mut [f64]) {
+    let mut blocks = blocks.chunks_exact_mut(9);
+    for (a, g) in gradient.iter().enumerate() {
+        for h in &gradient[..=a] {
+            let Some(block) = blocks.next() else { return };
+            for (i, x) in block.iter_mut().enumerate() {
+                *x += weight * g[i / 3] * h[i % 3];
             }
         }
     }
 }
 
-/// Nodal vectors in the configuration in which the forces of a motion act.
-fn configuration(k: &GroupPoint, vectors: &[u32], out: &mut Vec<Vec3>) {
-    out.clear();
-    out.extend(vectors.iter().map(|&v| {
-        let v = v as usize;
-        let x = Vec3::from(k.reference[v]);
-        match k.motion {
-            Motion::State { u, .. } => x + Vec3::from(u[v]),
-            Motion::Step { old, new, .. } => x + (Vec3::from(old[v]) + Vec3::from(new[v])) * 0.5,
-        }
-    }));
+/// Nodal vector in the configuration in which the forces of a motion act.
+fn current(k: &GroupPoint, vector: u32) -> Vec3 {
+    let v = vector as usize;
+    let x = Vec3::from(k.reference[v]);
+    match k.motion {
+        Motion::State { u, .. } => x + Vec3::from(u[v]),
+        Motion::Step { old, new, .. } => x + (Vec3::from(old[v]) + Vec3::from(new[v])) * 0.5,
+    }
 }
 
 impl ElementGroup for JointGroup {
@@ -107,32 +103,30 @@ impl ElementGroup for JointGroup {
         self.vectors
     }
 
-    fn evaluate(&self, k: &GroupPoint, first: usize, forces: &mut [f64], tangent: Option<TangentRequest>) {
+    fn evaluate(&self, k: &GroupPoint, first: usize, forces: &mut [f64], mut tangent: Option<TangentRequest>) {
         let n = self.vectors;
-        let mut tangent = tangent;
-        let (mut v, mut gradients, mut force) = (Vec::with_capacity(n), Vec::new(), vec![Vec3::zeros(); n]);
+        let (mut vectors, mut gradients) = ([Vec3::zeros(); MOST_VECTORS], [Vec3::zeros(); MOST_VECTORS]);
+        let (v, gradient) = (&mut vectors[..n], &mut gradients[..n]);
         for (e, out) in forces.chunks_mut(3 * n).enumerate() {
             let joint = &self.joints[self.members[first + e]];
-            configuration(k, &joint.vectors, &mut v);
-            gradients.clear();
-            gradients.resize(n * joint.rows.len(), Vec3::zeros());
-            for (row, g) in joint.rows.iter().zip(gradients.chunks_mut(n)) {
-                row.add_gradient(1.0, &v, g);
-            }
-            force.fill(Vec3::zeros());
-            for (i, g) in gradients.chunks(n).enumerate() {
-                // Forces of unknown multipliers must not look like none.
-                let multiplier = k.multipliers.get(joint.first + i).copied().unwrap_or(f64::NAN);
-                force.iter_mut().zip(g).for_each(|(f, g)| *f += g * multiplier);
-            }
-            for (out, f) in out.chunks_mut(3).zip(&force) {
-                out.copy_from_slice(f.as_slice());
-            }
-            if let Some(request) = &mut tangent {
-                let size = 9 * n * (n + 1) / 2;
-                let blocks = &mut request.blocks[e * size..(e + 1) * size];
+            v.iter_mut().zip(&joint.vectors).for_each(|(v, &vector)| *v = current(k, vector));
+            let size = 9 * n * (n + 1) / 2;
+            let mut blocks = tangent.as_mut().map(|t| (t.weights.augmentation, &mut t.blocks[e * size..][..size]));
+            if let Some((_, blocks)) = &mut blocks {
                 blocks.fill(0.0);
-                Self::augment(joint, &gradients, request.weights.augmentation, blocks);
+            }
+            out.fill(0.0);
+            for (number, row) in joint.multipliers().zip(&joint.rows) {
+                gradient.fill(Vec3::zeros());
+                row.add_gradient(1.0, v, gradient);
+                // Forces of unknown multipliers must not look like none.
+                let multiplier = k.multipliers.get(number).copied().unwrap_or(f64::NAN);
+                for (out, g) in out.chunks_exact_mut(3).zip(gradient.iter()) {
+                    (0..3).for_each(|i| out[i] += multiplier * g[i]);
+                }
+                if let Some((weight, blocks)) = &mut blocks {
+                    augment(gradient, *weight * row.inertia, blocks);
+                }
             }
         }
     }

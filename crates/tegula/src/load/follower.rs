@@ -52,7 +52,9 @@ pub enum FollowerLoad {
         /// Factor over the analysis step.
         factor: LoadFactor,
     },
-    /// Spatially constant moment on a rigid body: `f_i = ½ m × d_i` on its directors, whose moment Σ d_i × f_i is m.
+    /// Spatially constant moment m on a rigid body: `f_i = w × d_i` on its directors, whose moment `Σ d_i × f_i` is m with
+    /// `(tr(D Dᵀ) I − D Dᵀ) w = m`, also for the directors D in the middle of a step, which are no rotation; `w = ½ m` for
+    /// orthonormal ones.
     BodyMoment {
         /// Nodal vectors of the directors.
         directors: [u32; 3],
@@ -115,8 +117,11 @@ impl FollowerLoad {
                 out[2] = director.into();
             }
             Self::BodyMoment { moment, .. } => {
+                let product: Mat3 = x.iter().map(|d| d * d.transpose()).sum();
+                let arms = Mat3::identity() * product.trace() - product;
+                let w = arms.try_inverse().map_or_else(|| moment * 0.5, |inverse| inverse * moment);
                 for (f, d) in out.iter_mut().zip(x) {
-                    *f = (moment.cross(d) * 0.5).into();
+                    *f = w.cross(d).into();
                 }
             }
             Self::Own { load, .. } => load.0.forces(x, out),

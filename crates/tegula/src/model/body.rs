@@ -147,6 +147,6 @@ impl BodyShape {
 }
 
 /// First two axes of space.
-fn axes_of_space() -> [[f64; 3]; 2] {
+pub(crate) fn axes_of_space() -> [[f64; 3]; 2] {
     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
 }

@@ -63,13 +63,12 @@ pub trait JointKeys {
     fn name(&self) -> &str;
     /// Both sides: names of bodies or of sets with one node, or `ground`.
     fn between(&self) -> &[String; 2];
-    /// Point of the reference configuration at which its reactions are given.
-    fn at(&self) -> [f64; 3];
     /// Directions that it needs, each with its key.
     fn directions(&self) -> Vec<(&'static str, [f64; 3])> {
         Vec::new()
     }
-    /// Points in the reference configuration, each with its key.
+    /// Point of the first and point of the second side in the reference configuration, each with its key; one where they
+    /// coincide. Reactions are given there.
     fn points(&self) -> Vec<(&'static str, [f64; 3])>;
 }
 
@@ -131,7 +130,7 @@ pub struct DistanceJoint {
 
 /// Implements [`JointKeys`] for keys with `name`, `between` and these points and directions.
 macro_rules! joint_keys {
-    ($keys:ident, $self:ident, $at:expr, [$($point:expr),*], [$($direction:expr),*]) => {
+    ($keys:ident, $self:ident, [$($point:expr),*], [$($direction:expr),*]) => {
         impl JointKeys for $keys {
             fn name(&self) -> &str {
                 &self.name
@@ -139,10 +138,6 @@ macro_rules! joint_keys {
 
             fn between(&self) -> &[String; 2] {
                 &self.between
-            }
-
-            fn at(&$self) -> [f64; 3] {
-                $at
             }
 
             fn directions(&$self) -> Vec<(&'static str, [f64; 3])> {
@@ -155,19 +150,17 @@ macro_rules! joint_keys {
         }
     };
 }
-joint_keys!(PointJoint, self, self.at, [("at", self.at)], []);
-joint_keys!(AxisJoint, self, self.at, [("at", self.at)], [("axis", self.axis)]);
+joint_keys!(PointJoint, self, [("at", self.at)], []);
+joint_keys!(AxisJoint, self, [("at", self.at)], [("axis", self.axis)]);
 joint_keys!(
     TwoAxesJoint,
     self,
-    self.at,
     [("at", self.at)],
     [("axes[0]", self.axes[0]), ("axes[1]", self.axes[1])]
 );
 joint_keys!(
     DistanceJoint,
     self,
-    self.points[1],
     [("points[0]", self.points[0]), ("points[1]", self.points[1])],
     []
 );

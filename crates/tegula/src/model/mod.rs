@@ -5,7 +5,7 @@
 //! the same types, and the documentation of a key is its doc comment.
 
 mod analysis;
-mod body;
+pub(crate) mod body;
 mod condition;
 mod element_kind;
 pub mod joint;

@@ -38,7 +38,7 @@ pub struct Body {
     /// Euler tensor `∫ρ X Xᵀ dV = ½ tr(J) I − J` about the mass centre, along the axes of the body
     /// \[mass · length²\].
     pub euler: Mat3,
-    /// Radius of gyration √(tr E/m) (length), by which changes of directors count as displacements.
+    /// Radius of gyration √(tr E/m) (length).
     pub gyration: f64,
 }
 

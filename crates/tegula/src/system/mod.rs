@@ -29,6 +29,7 @@ use crate::model::PrescribedStrain;
 use crate::section::CompiledSection;
 pub use assembly::Assembly;
 pub use circulatory::CirculatoryStiffness;
+use coordinates::Body;
 pub use coordinates::{Coordinates, VectorKind};
 pub use corotational_update::CorotationalUpdate;
 pub use dof_map::DofMap;
@@ -41,6 +42,7 @@ pub use procedure::Procedure;
 pub use reduction::Reduction;
 use supports::Support;
 use tegula_sparse::SymmetricPattern;
+use tegula_sparse::norm::larger;
 
 /// Dead load: a force on nodal vectors that does not depend on the motion.
 #[derive(Debug, Clone)]
@@ -466,8 +468,8 @@ impl System {
         (sum / field.len().max(1) as f64).sqrt()
     }
 
-    /// Root mean square of the positions' part of a field over the model's length; rotations of rigid bodies count by their
-    /// radius of gyration.
+    /// Root mean square of the positions' part of a field over the model's length; where it is larger, that of a rigid body alone:
+    /// its position over the model's length and its rotation (rad).
     pub fn position_rms(&self, field: impl Fn(usize) -> Nodal) -> f64 {
         let (mut sum, mut count) = (0.0, 0);
         for &p in self.coordinates.position_of.iter().filter(|&&p| p != u32::MAX) {
@@ -475,13 +477,13 @@ impl System {
             sum += dot3(v, v);
             count += 3;
         }
-        for body in &self.coordinates.bodies {
-            let size = |v: u32, length: f64| length * length * dot3(field(v as usize), field(v as usize));
-            let turns = |d: [u32; 3]| d.map(|v| size(v, body.gyration)).iter().sum();
-            sum += size(body.centre, 1.0) + body.directors.map_or(0.0, turns);
-            count += 3;
-        }
-        (sum / f64::from(count.max(1))).sqrt() / self.length
+        let nodes = (sum / f64::from(count.max(1))).sqrt() / self.length;
+        let of_body = |body: &Body| {
+            let square = |v: u32| dot3(field(v as usize), field(v as usize));
+            let turn = body.directors.map_or(0.0, |d| 0.5 * d.map(square).iter().sum::<f64>());
+            (square(body.centre) / (self.length * self.length) + turn).sqrt()
+        };
+        self.coordinates.bodies.iter().map(of_body).fold(nodes, larger)
     }
 }
 

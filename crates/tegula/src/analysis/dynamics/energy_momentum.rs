@@ -23,6 +23,9 @@ use crate::element::{Motion, Nodal, TangentWeights};
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::system::{Assembly, EvaluationPoint, Internal, System};
 
+/// Displacement over the model's length, and energy over that of the loads along it, below which a mechanism is at rest.
+const AT_REST: f64 = 1e-8;
+
 /// Energy–momentum scheme: conserves energy and momenta.
 pub struct EnergyMomentum {
     dt: f64,
@@ -118,6 +121,19 @@ impl EnergyMomentum {
         total + system.product_of_prescribed(&self.reaction, buffer)
     }
 
+    /// Scales of a mechanism that does not move: the loads times the model's length, and a displacement whose increments are
+    /// round-off of the model's length.
+    fn rest_scales(&mut self, system: &System) {
+        let mut loads = std::mem::take(&mut self.buffer);
+        loads.fill([0.0; 3]);
+        system.add_dead_loads(self.time, 1.0, &mut loads);
+        let size = |f: &Nodal| f.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let weight = loads.iter().map(size).sum::<f64>() * system.length;
+        self.buffer = loads;
+        self.energy_scale = self.energy_scale.max(AT_REST * weight);
+        self.resolution = self.resolution.max(AT_REST);
+    }
+
     fn loads(&self, system: &System, out: &mut [Nodal]) {
         let middle = self.time - 0.5 * self.dt;
         system.add_dead_loads(middle, 1.0, out);
@@ -189,6 +205,9 @@ impl Integrator for EnergyMomentum {
         self.multipliers.copy_from_slice(&state.multipliers);
         self.energy_scale = state.energy_scale;
         self.resolution = RESOLUTION * system.norm(&state.u);
+        if !system.joints.is_empty() {
+            self.rest_scales(system);
+        }
         predict(state, span.dt, &mut self.u);
         for (n, a) in self.a.iter_mut().enumerate() {
             *a = mean_acceleration(state, n);

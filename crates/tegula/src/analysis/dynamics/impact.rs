@@ -79,11 +79,19 @@ pub(super) fn factor_mass(system: &System, newton: &mut Newton, state: &State) -
     if inertia.is_ok_and(|i| i.negative == 0) {
         return Ok(());
     }
-    Err(Error::Singular {
-        what: "The mass matrix is singular: some degrees of freedom have no mass.".into(),
-        help: "Give every material a density, or the section a `total_mass`; a rod that no joint keeps from turning about \
-               its axis needs a shape with inertia about it."
-            .into(),
+    let rod = system.coordinates.bodies.iter().find(|body| {
+        let moments = body.euler.symmetric_eigenvalues();
+        body.directors.is_some() && moments.iter().filter(|e| **e > 1e-12 * body.euler.norm()).count() < 2
+    });
+    Err(match rod {
+        Some(body) => Error::Singular {
+            what: format!("Body \"{}\" has no inertia about its axis, and no joint keeps it from turning about it.", body.name),
+            help: "Give the body a shape or an inertia with a moment about this axis, or a joint that holds it.".into(),
+        },
+        None => Error::Singular {
+            what: "The mass matrix is singular: some degrees of freedom have no mass.".into(),
+            help: "Give every material a density, or the section a `total_mass`.".into(),
+        },
     })
 }
 

@@ -4,7 +4,7 @@ use super::amplitude_check::AmplitudeCheck;
 use super::schemes::Instant;
 use super::step_control::StepControl;
 use super::step_end::{Span, StepEnds};
-use super::{Integrator, SMALLEST_STEP, balance, impact, initial_state, predictor};
+use super::{Integrator, SMALLEST_STEP, balance, impact, initial_state, predictor, triads};
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::newton::{Cause, Converged, Diverged, Newton, Tolerances};
 use crate::analysis::statics::undefined;
@@ -15,6 +15,7 @@ use crate::model::TransientAnalysis;
 use crate::system::{System, inverted_element};
 use crate::{Error, Result};
 use tegula_sparse::Factor as _;
+use tegula_sparse::norm::larger;
 
 /// A transient analysis between two time steps.
 pub(super) struct TimeSteps<'a> {
@@ -158,6 +159,11 @@ impl<'a> TimeSteps<'a> {
             self.state.next_step = 0.5 * span.dt;
             return Ok(Attempt::TooLong(Trouble::Inverted, inverted));
         }
+        if let Some(body) = triads::turned_too_far(self.system, &self.state.u, self.scheme.displacements()) {
+            self.state.next_step = 0.5 * span.dt;
+            let reason = format!("body \"{body}\" turns by more than {} rad in the step", triads::MOST_ROTATION);
+            return Ok(Attempt::TooLong(Trouble::Inaccurate, reason));
+        }
         let error = self.scheme.local_error(self.system, &self.state);
         if self.control.accepts(error) {
             self.accept(span, error, &converged)?;
@@ -198,7 +204,11 @@ impl<'a> TimeSteps<'a> {
         let motion = Motion::State { u: &state.u, velocity: None };
         state.dissipated += newton.assembly.commit(system, motion, state.time, &mut state.history);
         newton.assembly.reset_stress(system, &state.point(system));
-        self.balance = balance(system, &mut newton.assembly, state);
+        let before = std::mem::replace(&mut self.balance, balance(system, &mut newton.assembly, state));
+        if !system.joints.is_empty() {
+            let scale = scheme.energy_scale(system, &mut newton.assembly, &state.history);
+            keeps_energy(span, &before, &self.balance, larger(scale, state.energy_scale))?;
+        }
         state.energy_scale = state.energy_scale.max(self.balance.kinetic).max(self.balance.strain);
         statistics.steps = state.step;
         Ok(())
@@ -261,6 +271,29 @@ impl Stepper for TimeSteps<'_> {
             }
         }
     }
+}
+
+/// Change of the total energy in a step, over the largest energy so far, above which the step has lost its way.
+const LOST: f64 = 1e-3;
+
+/// Refuses a step of a mechanism that does not keep the energy: near a singular position of its joints the motion has left its
+/// branch.
+fn keeps_energy(span: Span, before: &Balance, after: &Balance, scale: f64) -> Result<()> {
+    let (change, scale) = ((after.total - before.total).abs(), larger(scale, after.kinetic));
+    if change <= LOST * scale {
+        return Ok(());
+    }
+    Err(Error::NotConverged {
+        at: format!("time {:.6e}", span.end),
+        reason: format!(
+            "the total energy changed by {change:.2e} in a step, {:.1e} of the largest energy: the joints are near a singular \
+             position, in which parts of the mechanism may move although they seem to be held",
+            change / scale
+        ),
+        help: "Results up to the step before are complete. Change the position of joints that lie in one line or plane, or take a \
+               smaller step."
+            .into(),
+    })
 }
 
 /// Outcome of an attempt at a time step.

@@ -72,3 +72,19 @@ pub(super) fn project_rates(system: &System, u: &[Nodal], v: &mut [Nodal], a: &m
         }
     }
 }
+
+/// Largest rotation of a body in a step (rad). The directors in the middle of a step of half a turn vanish: beyond it the equations
+/// of the step have other solutions.
+pub(super) const MOST_ROTATION: f64 = 2.0;
+
+/// Name of a body that turns too far in a step from the displacements `old` to `new`.
+pub(super) fn turned_too_far<'a>(system: &'a System, old: &[Nodal], new: &[Nodal]) -> Option<&'a str> {
+    let least = 1.0 + 2.0 * MOST_ROTATION.cos();
+    let far = |triad: &[u32; 3]| {
+        // The trace of a rotation by an angle is 1 + 2 cos of it.
+        let trace = (directors(system, old, triad).transpose() * directors(system, new, triad)).trace();
+        !(trace >= least)
+    };
+    let body = system.coordinates.bodies.iter().find(|body| body.directors.as_ref().is_some_and(far))?;
+    Some(&body.name)
+}
