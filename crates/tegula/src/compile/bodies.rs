@@ -5,8 +5,8 @@ use crate::constraint::joints::{End, joint};
 use crate::constraint::{Joint, Spring};
 use crate::element::Nodal;
 use crate::mesh::Mesh;
-use crate::model::joint::GROUND;
 use crate::model::body::axes_of_space;
+use crate::model::joint::GROUND;
 use crate::model::{Analysis, BodyShape, Load, Model, RigidBody, Scheme, TransientAnalysis};
 use crate::system::Coordinates;
 use crate::{Issue, Mat3, Vec3};
@@ -44,7 +44,10 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         {
             c.add(
                 format!("joints[{i}].points"),
-                format!("the points of the joint \"{}\" coincide: their distance has no direction", keys.name),
+                format!(
+                    "the points of the joint \"{}\" coincide: their distance has no direction",
+                    keys.name
+                ),
                 "give two different points, or take type = \"spherical\"",
             );
         }
@@ -56,7 +59,11 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         c.not_negative(&format!("{key}.damping"), "the damping", spring.damping);
         if spring.stiffness == 0.0 && spring.damping == 0.0 {
             let name = &spring.name;
-            c.add(key.as_str(), format!("the spring \"{name}\" does nothing"), "give `stiffness`, `damping` or both");
+            c.add(
+                key.as_str(),
+                format!("the spring \"{name}\" does nothing"),
+                "give `stiffness`, `damping` or both",
+            );
         }
         if spring.between[0] == spring.between[1] {
             let name = &spring.between[0];

@@ -103,7 +103,13 @@ impl ElementGroup for JointGroup {
         self.vectors
     }
 
-    fn evaluate(&self, k: &GroupPoint, first: usize, forces: &mut [f64], mut tangent: Option<TangentRequest>) {
+    fn evaluate(
+        &self,
+        k: &GroupPoint,
+        first: usize,
+        forces: &mut [f64],
+        mut tangent: Option<TangentRequest>,
+    ) {
         let n = self.vectors;
         let (mut vectors, mut gradients) = ([Vec3::zeros(); MOST_VECTORS], [Vec3::zeros(); MOST_VECTORS]);
         let (v, gradient) = (&mut vectors[..n], &mut gradients[..n]);
@@ -111,7 +117,8 @@ impl ElementGroup for JointGroup {
             let joint = &self.joints[self.members[first + e]];
             v.iter_mut().zip(&joint.vectors).for_each(|(v, &vector)| *v = current(k, vector));
             let size = 9 * n * (n + 1) / 2;
-            let mut blocks = tangent.as_mut().map(|t| (t.weights.augmentation, &mut t.blocks[e * size..][..size]));
+            let mut blocks =
+                tangent.as_mut().map(|t| (t.weights.augmentation, &mut t.blocks[e * size..][..size]));
             if let Some((_, blocks)) = &mut blocks {
                 blocks.fill(0.0);
             }

@@ -41,6 +41,7 @@
 
 use nalgebra::{DMatrix, Matrix2, SMatrix, Vector2};
 
+use super::curved_strain::ReferenceMetric;
 use super::geometry::{
     GAUSS, GAUSS_POINTS, ShellGeometry, area_measure, covariant_base, cross_section_frame,
     in_plane_transformation, shape, shape_eta, shape_xi, shell_mass, strain_transformation, stretch_gradient,
@@ -161,6 +162,16 @@ impl EmsShell {
             }
         }
         t
+    }
+
+    /// Sampled products of the reference, of which the sampled strains are the changes.
+    fn products<const S: usize>(&self, g: &ShellGeometry) -> Vec<f64> {
+        let t = self.strains::<S>();
+        let centre = g.centre();
+        let vectors = std::array::from_fn(|a| {
+            if a < 4 { (g.positions[a] - centre).into() } else { g.directors[a - 4].into() }
+        });
+        t.strains(&[[0.0; 3]; DIRECTIONS], &t.directions(&vectors), true).to_vec()
     }
 
     /// Strain operator at a Gauss point, from sampled strains and enhanced parameters.
@@ -319,6 +330,18 @@ impl ShellElement for EmsShell {
     fn stretch_gradient(&self, g: &ShellGeometry, point: usize) -> Option<DMatrix<f64>> {
         let gradient = self.point_strains(g, point).ok()?.stretch_gradient;
         self.ans_thickness.then(|| DMatrix::from_fn(2, self.samples(), |i, j| gradient[(i, j)]))
+    }
+
+    fn reference_metric(&self, g: &ShellGeometry, point: usize) -> Result<Option<ReferenceMetric>, String> {
+        let products = if self.ans_shear {
+            self.products::<SAMPLES>(g)
+        } else {
+            self.products::<SAMPLES_WITHOUT_ANS_SHEAR>(g)
+        };
+        let (middle, above) = (self.operator(g, point, 0.0)?, self.operator(g, point, 1.0)?);
+        let parts = (KXX, products.len() - self.zz());
+        let operators = [&middle.samples, &above.samples];
+        Ok(Some(ReferenceMetric::new(operators, &products, parts, middle.measure.sqrt())))
     }
 
     fn mass(&self, g: &ShellGeometry, inertia: &SectionInertia) -> Vec<f64> {

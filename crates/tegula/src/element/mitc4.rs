@@ -9,6 +9,7 @@
 
 use nalgebra::DMatrix;
 
+use super::curved_strain::ReferenceMetric;
 use super::ems::EmsShell;
 use super::geometry::{ShellGeometry, shell_mass};
 use super::membrane::Membrane;
@@ -77,6 +78,10 @@ impl ShellElement for Mitc4 {
         let samples: DMatrix<f64> = operator.samples.columns(0, self.samples()).into_owned();
         operator.samples = samples;
         Ok(operator)
+    }
+
+    fn reference_metric(&self, g: &ShellGeometry, point: usize) -> Result<Option<ReferenceMetric>, String> {
+        self.extensible().reference_metric(g, point)
     }
 
     fn mass(&self, g: &ShellGeometry, inertia: &SectionInertia) -> Vec<f64> {

@@ -2,6 +2,7 @@
 
 pub mod bilinear;
 mod bilinear_kernel;
+pub mod curved_strain;
 pub mod director_angle;
 pub mod forms;
 pub mod generalized_law;

@@ -1,10 +1,12 @@
 //! Integration points of an element with a section: the terms of its energy, from the strain operators of the element
 //! type and the layers or the stiffness of the section.
 
-use nalgebra::{DMatrix, DVector, Matrix2, Matrix6, Vector2};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix6, SMatrix, Vector2, Vector3};
 
+use super::curved_strain::CurvedStrain;
 use super::geometry::ShellGeometry;
 use super::shell::{IntegrationPoint, PointResponse, ShellElement, StrainOperator};
+use crate::Mat3;
 use crate::model::PrescribedStrain;
 use crate::section::CompiledSection;
 use crate::section::compiled::{Layer, plane_stress_3d, resultants};
@@ -75,13 +77,15 @@ impl CompiledSection {
         out: &mut Vec<IntegrationPoint>,
     ) -> Result<(), String> {
         let (mut points, mut heights) = (Vec::new(), Vec::new());
+        let none = vec![CurvedStrain::none(); prescribed.len()];
         for layer in &self.layers {
             for &(z, weight) in &layer.points {
                 let operator = element.operator(g, point, z)?;
                 let turn = self.turn(&operator.frame)? + layer.angle;
                 let stiffness = self.stiffness_3d(layer, turn);
                 let place = (turn, z, operator.measure * weight);
-                points.push(self.layer_point(layer, operator, place, &stiffness, prescribed, 6)?);
+                let fields = (prescribed, &none[..], 6);
+                points.push(self.layer_point(layer, operator, place, &stiffness, fields)?);
                 heights.push(z);
             }
         }
@@ -148,20 +152,10 @@ impl CompiledSection {
             samples.rows_mut(9, 2).copy_from(&gradient);
             response.view_mut((9, 9), (2, 2)).copy_from(&shear_moment);
         }
-        let fields = prescribed
-            .iter()
-            .map(|p| match p {
-                None => Ok(DVector::zeros(rows)),
-                Some(p) => {
-                    let mut strain = self.resultant_strain(p, &middle.frame, turn, &stiffness, linear)?;
-                    if element.unit_directors() {
-                        // Inextensible directors take no part in the thickness stretch.
-                        strain[3] = 0.0;
-                    }
-                    Ok(strain.resize_vertically(rows, 0.0))
-                }
-            })
-            .collect::<Result<_, String>>()?;
+        let curved = self.curved_strains(element, g, (point, &middle.frame), prescribed)?;
+        let at = (&middle.frame, turn, &stiffness);
+        let fields = self.prescribed_resultants(at, &curved, element.unit_directors(), prescribed)?;
+        let fields = fields.into_iter().map(|strain| strain.resize_vertically(rows, 0.0)).collect();
         out.push(IntegrationPoint {
             samples,
             enhanced,
@@ -187,30 +181,57 @@ impl CompiledSection {
                     operator.enhanced.row_mut(row).fill(0.0);
                 }
                 let place = (turn, z, operator.measure * weight);
-                out.push(self.layer_point(layer, operator, place, &stiffness, prescribed, 3)?);
+                let fields = (prescribed, &curved[..], 3);
+                out.push(self.layer_point(layer, operator, place, &stiffness, fields)?);
             }
         }
         Ok(())
     }
 
-    /// Integration point of a layer at the height `z`; prescribed strains act on its first `components` strains.
+    /// Prescribed section strains by fields at a point of the mid-surface with its frame, angle and stiffness. `curved` is
+    /// what the curvature of the shell adds.
+    fn prescribed_resultants(
+        &self,
+        (frame, turn, stiffness): (&Mat3, f64, &SMatrix<f64, 9, 9>),
+        curved: &[CurvedStrain],
+        unit_directors: bool,
+        prescribed: &[Option<&PrescribedStrain>],
+    ) -> Result<Vec<DVector<f64>>, String> {
+        let field = |(p, curved): (&Option<&PrescribedStrain>, &CurvedStrain)| {
+            let Some(p) = p else { return Ok(DVector::zeros(9)) };
+            let mut strain = self.resultant_strain(p, frame, turn, stiffness, self.is_linear())?;
+            let mut in_surface = strain.rows_mut(0, 6);
+            in_surface += curved.added_to_section();
+            let mut bending = strain.rows_mut(6, 3);
+            bending += curved.curvature;
+            if unit_directors {
+                // Inextensible directors take no part in the thickness stretch.
+                strain[3] = 0.0;
+            }
+            Ok(strain)
+        };
+        prescribed.iter().zip(curved).map(field).collect()
+    }
+
+    /// Integration point of a layer at the height `z`; prescribed strains, to which the curvature of the shell adds, act on its
+    /// first `components` strains.
     fn layer_point(
         &self,
         layer: &Layer,
         operator: StrainOperator,
         (turn, z, weight): (f64, f64, f64),
         stiffness: &Matrix6<f64>,
-        prescribed: &[Option<&PrescribedStrain>],
-        components: usize,
+        (prescribed, curved, components): (&[Option<&PrescribedStrain>], &[CurvedStrain], usize),
     ) -> Result<IntegrationPoint, String> {
-        let field = |p: &Option<&PrescribedStrain>| {
+        let field = |(p, curved): (&Option<&PrescribedStrain>, &CurvedStrain)| {
             let Some(p) = p else { return Ok(DVector::zeros(6)) };
             let mut strain = self.strain_3d(p, layer, &operator.frame, turn, z, stiffness)?;
+            strain += curved.added(Vector3::new(strain[0], strain[1], strain[2]), z);
             strain.rows_mut(components, 6 - components).fill(0.0);
             Ok::<_, String>(strain)
         };
         Ok(IntegrationPoint {
-            prescribed: prescribed.iter().map(field).collect::<Result<_, _>>()?,
+            prescribed: prescribed.iter().zip(curved).map(field).collect::<Result<_, _>>()?,
             samples: operator.samples,
             enhanced: operator.enhanced,
             response: match layer.law {

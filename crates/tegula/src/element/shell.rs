@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::VectorKind;
 use super::bilinear::{BilinearGroup, BilinearMembers};
+use super::curved_strain::ReferenceMetric;
 use super::forms::Forms;
 use super::generalized_law::LinearLaw;
 use super::geometry::ShellGeometry;
@@ -75,6 +76,15 @@ pub trait ShellElement: Debug + Send + Sync {
     /// elements that work with stress resultants. `z ∇ε_zz` is the part of the transverse shear that is linear in z.
     fn stretch_gradient(&self, _g: &ShellGeometry, _point: usize) -> Option<DMatrix<f64>> {
         None
+    }
+    /// Metric and curvature of the reference over a point of the mid-surface, for elements that work with stress resultants and
+    /// whose bending strain changes where a curved surface stretches. Prescribed strains of the others have no part due to
+    /// curvature.
+    ///
+    /// # Errors
+    /// The geometry is invalid there; the text says how.
+    fn reference_metric(&self, _g: &ShellGeometry, _point: usize) -> Result<Option<ReferenceMetric>, String> {
+        Ok(None)
     }
     /// Stabilisation stiffness of the last enhanced parameters, per ∫E dz over the thickness; empty if they have none.
     fn parameter_stiffness(&self, _g: &ShellGeometry) -> Vec<f64> {

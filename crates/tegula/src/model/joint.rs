@@ -152,18 +152,8 @@ macro_rules! joint_keys {
 }
 joint_keys!(PointJoint, self, [("at", self.at)], []);
 joint_keys!(AxisJoint, self, [("at", self.at)], [("axis", self.axis)]);
-joint_keys!(
-    TwoAxesJoint,
-    self,
-    [("at", self.at)],
-    [("axes[0]", self.axes[0]), ("axes[1]", self.axes[1])]
-);
-joint_keys!(
-    DistanceJoint,
-    self,
-    [("points[0]", self.points[0]), ("points[1]", self.points[1])],
-    []
-);
+joint_keys!(TwoAxesJoint, self, [("at", self.at)], [("axes[0]", self.axes[0]), ("axes[1]", self.axes[1])]);
+joint_keys!(DistanceJoint, self, [("points[0]", self.points[0]), ("points[1]", self.points[1])], []);
 
 /// Sides, point and axis of the joints of the contract tests.
 const EXAMPLE: ([&str; 2], [f64; 3], [f64; 3]) = (["a", "b"], [0.6, 0.1, -0.2], [1.0, 2.0, 2.0]);

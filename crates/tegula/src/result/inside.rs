@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector, Matrix6, Vector6};
+use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
 
 use crate::Mat3;
 use crate::analysis::State;
+use crate::element::curved_strain::CurvedStrain;
 use crate::element::geometry::cross_section_frame;
 use crate::element::shell::{Condensed, IntegrationPoint, PointResponse, condense};
 use crate::element::{GroupPoint, Motion, Nodal, ShellGeometry};
@@ -94,6 +95,8 @@ pub struct Shape {
     /// Recovery of the enhanced parameters from the sampled strains, where all materials are linear (static
     /// condensation).
     recovery: Option<Condensed>,
+    /// Part of each prescribed strain that is due to curvature, over each point of the mid-surface.
+    curved: Vec<Vec<CurvedStrain>>,
 }
 
 impl Shape {
@@ -116,6 +119,11 @@ impl Shape {
         let centre = cross_section_frame(&geometry.base(0.0, 0.0, 0.0))?;
         let frame = |point| Some(centre.tr_mul(&element.operator(geometry, point, 0.0).ok()?.frame));
         let frames = (0..element.surface_points()).map(frame).collect::<Option<_>>()?;
+        let curved = |point| {
+            let frame = element.operator(geometry, point, 0.0).ok()?.frame;
+            section.curved_strains(element, geometry, (point, &frame), prescribed).ok()
+        };
+        let curved = (0..element.surface_points()).map(curved).collect::<Option<_>>()?;
         Some(Self {
             section: shell.section,
             number: shell.shape,
@@ -123,6 +131,7 @@ impl Shape {
             points,
             frames,
             recovery,
+            curved,
         })
     }
 }
@@ -375,9 +384,15 @@ impl<'a> Inside<'a> {
         let o = self.element.operator(&self.geometry, point, z).ok()?;
         let six = |g: &Generalised| Vector6::from_column_slice(g.strain(&o.samples, &o.enhanced).as_slice());
         let mut strain = six(&self.state);
-        for (factor, field) in self.factors.iter().zip(&self.prescribed) {
+        for ((factor, field), curved) in
+            self.factors.iter().zip(&self.prescribed).zip(&self.shape.curved[point])
+        {
             if let Some(p) = field {
-                let e0 = self.section.prescribed_strain(p, layer, &o.frame, z).ok()?;
+                let mut e0 = self.section.prescribed_strain(p, layer, &o.frame, z).ok()?;
+                e0 += curved.added(Vector3::new(e0[0], e0[1], e0[2]), z);
+                if self.element.unit_directors() {
+                    e0[3] = 0.0;
+                }
                 strain -= e0 * *factor;
             }
         }

@@ -8,6 +8,7 @@ mod common;
 
 mod congruence;
 mod convergence;
+mod curved_heat;
 mod element_contract;
 mod family_materials;
 mod folds;

@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 use crate::system::System;
 use crate::system::assembly::TangentCoefficients;
 
-/// Change of the velocities, over the largest one, that is worth a message.
+/// Change of the velocities over their size, in the norm of the kinetic energy, that is worth a message.
 const NOTEWORTHY: f64 = 1e-6;
 
 /// Value of a constraint over its size above which a joint counts as open.
@@ -61,14 +61,15 @@ pub(super) fn project_velocities(
     constraints.project(&rates, &mut free);
     let mut change = vec![[0.0; 3]; system.vectors()];
     newton.assembly.frames.expand(&free, &mut change);
-    let (changed, size) = (system.norm(&change), system.norm(&state.v));
+    let [changed, size] = [&change, &state.v].map(|v| system.kinetic_energy(v).max(0.0).sqrt());
     super::statics::add(&mut state.v, &change);
     let State { u, v, a, .. } = state;
     project_rates(system, u, v, a);
     let mut messages = Vec::new();
     if changed > NOTEWORTHY * size {
         messages.push(format!(
-            "the velocities at the start did not keep the joints closed: they were changed by {:.2} % (norm)",
+            "the velocities at the start did not keep the joints closed: they were changed by {:.2} % (in the norm \
+             of the kinetic energy)",
             100.0 * changed / size
         ));
     }

@@ -85,8 +85,13 @@ pub(super) fn factor_mass(system: &System, newton: &mut Newton, state: &State) -
     });
     Err(match rod {
         Some(body) => Error::Singular {
-            what: format!("Body \"{}\" has no inertia about its axis, and no joint keeps it from turning about it.", body.name),
-            help: "Give the body a shape or an inertia with a moment about this axis, or a joint that holds it.".into(),
+            what: format!(
+                "Body \"{}\" has no inertia about its axis, and no joint keeps it from turning about it.",
+                body.name
+            ),
+            help:
+                "Give the body a shape or an inertia with a moment about this axis, or a joint that holds it."
+                    .into(),
         },
         None => Error::Singular {
             what: "The mass matrix is singular: some degrees of freedom have no mass.".into(),

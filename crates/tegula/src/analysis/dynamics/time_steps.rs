@@ -159,9 +159,12 @@ impl<'a> TimeSteps<'a> {
             self.state.next_step = 0.5 * span.dt;
             return Ok(Attempt::TooLong(Trouble::Inverted, inverted));
         }
-        if let Some(body) = triads::turned_too_far(self.system, &self.state.u, self.scheme.displacements()) {
+        if let Some(body) =
+            triads::turned_too_far(self.system, (&self.state, span.dt), self.scheme.displacements())
+        {
             self.state.next_step = 0.5 * span.dt;
-            let reason = format!("body \"{body}\" turns by more than {} rad in the step", triads::MOST_ROTATION);
+            let reason =
+                format!("body \"{body}\" turns by more than {} rad in the step", triads::MOST_ROTATION);
             return Ok(Attempt::TooLong(Trouble::Inaccurate, reason));
         }
         let error = self.scheme.local_error(self.system, &self.state);

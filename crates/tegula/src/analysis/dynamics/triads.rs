@@ -1,6 +1,7 @@
 //! Directors of rigid bodies in time integration: predictions and rates that integrate all nine components freely are
 //! projected onto rotations.
 
+use crate::analysis::State;
 use crate::element::Nodal;
 use crate::system::System;
 use crate::{Mat3, Vec3};
@@ -77,13 +78,21 @@ pub(super) fn project_rates(system: &System, u: &[Nodal], v: &mut [Nodal], a: &m
 /// of the step have other solutions.
 pub(super) const MOST_ROTATION: f64 = 2.0;
 
-/// Name of a body that turns too far in a step from the displacements `old` to `new`.
-pub(super) fn turned_too_far<'a>(system: &'a System, old: &[Nodal], new: &[Nodal]) -> Option<&'a str> {
+/// Name of a body that turns too far in a step of length `dt` from a state to the displacements `new`: by its angular velocity at
+/// the start, or by its displacements.
+pub(super) fn turned_too_far<'a>(
+    system: &'a System,
+    (state, dt): (&State, f64),
+    new: &[Nodal],
+) -> Option<&'a str> {
     let least = 1.0 + 2.0 * MOST_ROTATION.cos();
     let far = |triad: &[u32; 3]| {
+        let before = directors(system, &state.u, triad);
+        let rate = |i: usize| before.column(i).cross(&Vec3::from(state.v[triad[i] as usize]));
+        let angle = (0..3).map(rate).sum::<Vec3>().norm() * 0.5 * dt;
         // The trace of a rotation by an angle is 1 + 2 cos of it.
-        let trace = (directors(system, old, triad).transpose() * directors(system, new, triad)).trace();
-        !(trace >= least)
+        let trace = (before.transpose() * directors(system, new, triad)).trace();
+        !(trace >= least && angle <= MOST_ROTATION)
     };
     let body = system.coordinates.bodies.iter().find(|body| body.directors.as_ref().is_some_and(far))?;
     Some(&body.name)

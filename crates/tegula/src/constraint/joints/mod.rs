@@ -193,7 +193,9 @@ joints!(kinds);
 pub fn joint(joint: &model::Joint, ends: [End; 2], length: f64, first: usize) -> Option<Joint> {
     let points = joint.common().points();
     let side = usize::from(ends[1] != End::Ground);
-    let at = points.get(side.min(points.len().saturating_sub(1))).map_or_else(Vec3::zeros, |(_, x)| Vec3::from(*x));
+    let at = points
+        .get(side.min(points.len().saturating_sub(1)))
+        .map_or_else(Vec3::zeros, |(_, x)| Vec3::from(*x));
     let point = ends[side].point(&at);
     let own = ends[0].vectors();
     let mut out = Constraints { ends, vectors: Vec::new(), rows: Vec::new(), length, lacks_axis: false };
