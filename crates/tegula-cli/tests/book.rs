@@ -58,7 +58,7 @@ fn the_book_names_every_key_and_word_of_the_model_file() {
     let mut all = BTreeSet::new();
     words(&serde_json::from_slice(&schema.stdout).unwrap(), &mut all);
     assert!(all.len() > 150 && all.contains("thickness") && all.contains("solid-shell"), "{all:?}");
-    let pages: String = ["model-file.md", "composites.md"]
+    let pages: String = ["model-file.md", "composites.md", "bodies-and-joints.md"]
         .map(|page| {
             fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../book/src").join(page))
                 .unwrap()

@@ -22,7 +22,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "machines",
-        about: "rigid mechanisms: squeezer, Bricard, governor, slider-crank, heavy top, free body",
+        about: "rigid mechanisms: pendulum, four-bar, squeezer, Bricard, governor, slider-crank, tops",
         cost: Cost::Normal,
         run: normal,
     },
@@ -44,6 +44,7 @@ fn fast(report: &mut Report) -> Result<()> {
 }
 
 fn normal(report: &mut Report) -> Result<()> {
+    fast(report)?;
     let models = [
         model!("squeezer"),
         model!("bricard"),

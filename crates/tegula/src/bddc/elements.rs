@@ -47,11 +47,15 @@ impl System {
         for (group, shells) in self.groups.iter().zip(&shell_of) {
             for (e, &shell) in shells.iter().enumerate() {
                 let vectors = group.vectors(e);
-                terms.push(vectors, if shell == u32::MAX { home(vectors) } else { shell });
+                if shell == u32::MAX {
+                    terms.push_tie(vectors, home(vectors));
+                } else {
+                    terms.push(vectors, shell);
+                }
             }
         }
         for load in &self.followers {
-            terms.push(load.vectors(), home(load.vectors()));
+            terms.push_tie(load.vectors(), home(load.vectors()));
         }
         let quads = Quads { nodes: &quads, positions: &positions };
         Bddc::new(quads, &terms, &coordinates.nodes, &self.frames, options)

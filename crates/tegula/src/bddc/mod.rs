@@ -34,6 +34,7 @@ mod schur_complement;
 mod subdomain;
 mod tridiagonal;
 
+use std::collections::BTreeSet;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
@@ -90,9 +91,39 @@ pub(crate) struct Terms {
     start: Vec<u32>,
     vectors: Vec<u32>,
     quads: Vec<u32>,
+    /// Terms that are no elements: director-angle constraints and follower loads.
+    ties: Vec<u32>,
 }
 
 impl Terms {
+    /// Adds a term of a quadrilateral that couples these nodal vectors, and is no element.
+    pub fn push_tie(&mut self, vectors: &[u32], quad: u32) {
+        self.ties.push(self.len() as u32);
+        self.push(vectors, quad);
+    }
+
+    /// Nodal vectors that only ties, and no elements, connect with a subdomain: it holds them along one direction or not at
+    /// all.
+    fn dangling(&self, subdomain_of_term: impl Fn(usize) -> u32) -> BTreeSet<u32> {
+        let mut found: BTreeSet<(u32, u32)> = BTreeSet::new();
+        for &t in &self.ties {
+            let subdomain = subdomain_of_term(t as usize);
+            found.extend(self.vectors(t as usize).iter().map(|&v| (v, subdomain)));
+        }
+        if !found.is_empty() {
+            let mut ties = self.ties.iter().peekable();
+            for t in 0..self.len() {
+                if ties.next_if(|tie| **tie == t as u32).is_none() {
+                    let subdomain = subdomain_of_term(t);
+                    for &v in self.vectors(t) {
+                        found.remove(&(v, subdomain));
+                    }
+                }
+            }
+        }
+        found.into_iter().map(|(v, _)| v).collect()
+    }
+
     /// Adds a term of a quadrilateral that couples these nodal vectors.
     pub fn push(&mut self, vectors: &[u32], quad: u32) {
         if self.start.is_empty() {
@@ -277,7 +308,7 @@ impl Bddc {
         let of_term = |t: usize| piece_of[terms.quads[t] as usize];
         let sharing = Sharing::new(terms, of_term, node_of.len());
         let PrimalNodes { primal, edges } =
-            select_primal_nodes(&quads, &sharing, node_of, frames, options.reach);
+            select_primal_nodes(&quads, (&sharing, &terms.dangling(of_term)), node_of, frames, options.reach);
         let shared = |v: u32| sharing.shared.contains_key(&v);
         let primal = |v: u32| primal.contains(&node_of[v as usize]);
         let roles = Roles { frames, node_of, shared: &shared, primal: &primal };

@@ -58,10 +58,11 @@ pub(super) struct PrimalNodes {
     pub edges: HashMap<u32, u32>,
 }
 
-/// Selects the primal nodes; no node is farther than `reach` elements from one along its interface edge.
+/// Selects the primal nodes; no node is farther than `reach` elements from one along its interface edge. Nodes of `dangling`
+/// vectors, of which a subdomain holds no elements but a director-angle constraint, are primal.
 pub(super) fn select_primal_nodes(
     quads: &Quads<'_>,
-    sharing: &Sharing,
+    (sharing, dangling): (&Sharing, &BTreeSet<u32>),
     node_of: &[u32],
     frames: &LocalFrames,
     reach: usize,
@@ -75,6 +76,7 @@ pub(super) fn select_primal_nodes(
     let is_end = |n: u32| around(n).filter(|&m| same(n, m)).count() < 2;
     // Fully constrained nodes act as primal nodes, too.
     let mut primal: BTreeSet<u32> = sets.keys().copied().filter(|n| !free.contains(n)).collect();
+    primal.extend(dangling.iter().map(|&v| node_of[v as usize]));
     for many in [true, false] {
         for (number, members) in parts.iter().enumerate() {
             if (sets[&members[0]].len() > 2) != many {

@@ -202,3 +202,21 @@ fn systems_compiled_without_a_pattern_say_so() {
     let error = statics::run(&system, &StaticAnalysis::default(), None, &mut Notes::default()).unwrap_err();
     assert!(error.to_string().contains("iterative"), "{error}");
 }
+
+/// Folded sheets on meshes whose folds lie between subdomains in many ways: a subdomain may hold a director of its neighbour by a
+/// director-angle constraint alone.
+#[test]
+fn folded_sheets_are_solved_wherever_the_subdomains_meet() {
+    for elements in [[60, 24], [48, 16], [52, 20], [36, 32]] {
+        let mesh = MeshSource::Extrusion(ExtrusionMesh {
+            vertices: vec![[0.0; 3], [0.5, 0.0, 0.0], [0.5, 0.0, 0.5], [0.8, 0.0, 0.9]],
+            sweep: [0.0, 0.6, 0.0],
+            grid: Grid::uniform(elements[0], elements[1]),
+        });
+        let rubber = Isotropic::new(1e9, 0.3, 1e3);
+        let mut sheet = Model::new(mesh, Analysis::Static(StaticAnalysis::default()), rubber, 0.01);
+        sheet.conditions = vec![Condition::Clamp(OnSet::new("u_min"))];
+        sheet.loads = vec![Load::Edge(VectorLoad::new("u_max", [0.0, 0.0, 1e-3]))];
+        same(&linear(sheet));
+    }
+}

@@ -68,7 +68,7 @@ fn unknown_keys_come_with_the_one_that_was_meant() {
     "#);
     insta::assert_snapshot!(with("[output]", "[output]\nname = 3"), @r#"
     m.toml:26:1: output.name: unknown key "name"
-      help: "name" is a key of "steps"; here there are "points", "fields", "interval", "every", "at", "deformed", "units", "pictures"
+      help: the keys here are "points", "fields", "interval", "every", "at", "deformed", "units", "pictures"
     "#);
 }
 
