@@ -20,6 +20,9 @@ const FLIGHT: f64 = 1e4;
 const CLOSED: f64 = 1e-12;
 const OPEN: f64 = 1e-9;
 
+/// Rotation of a body in an increment (rad), beyond which the iteration diverges.
+const SPUN: f64 = 3.0;
+
 /// Failure of a step: its cause, and the message with its place.
 type Failed = (Cause, String);
 
@@ -291,6 +294,12 @@ impl<S: TangentSolver> Newton<S> {
         if let Some(constraints) = &mut self.constraints {
             constraints.correct(system, &equation.motion(), equation.multipliers(), &mut self.solution);
         }
+        if let Some(body) = spun_body(system, &self.solution) {
+            return Err((
+                Cause::Flight,
+                format!("divergence: an increment turns body \"{body}\" by more than {SPUN} rad"),
+            ));
+        }
         let energy = self.solution.iter().zip(&self.right_side).map(|(a, b)| a * b).sum::<f64>().abs();
         expand_free(&self.frames, &self.solution, setting.prescribed, &mut self.increment);
         if let Some(rotations) = self.corotational.as_ref().filter(|_| self.turns(setting.reuse)) {
@@ -456,7 +465,9 @@ impl<S: TangentSolver> Newton<S> {
         // Increments whose energy is round-off beside that of self-equilibrated stresses suffice, too: there
         // the displacement itself vanishes.
         let rounding = norm <= 1e-10 * scale || relative <= ROUND_OFF;
-        if rounding || (relative <= 1e-9 && norm <= 1e-5 * scale) {
+        // Bodies converge linearly, in long steps slowly: increments that decrease little are no round-off there.
+        let exact = self.constraints.is_none() && system.dofs().triads.is_empty();
+        if rounding || (exact && relative <= 1e-9 && norm <= 1e-5 * scale) {
             return Ok(true);
         }
         if floor {
@@ -504,6 +515,16 @@ fn retract(system: &System, frames: &LocalFrames, motion: &Motion, increment: &m
         let back = unit.project(target, &reference) - target;
         increment[v] = (change + target * target.dot(&back)).into();
     }
+}
+
+/// Body that an increment of the degrees of freedom turns by more than [`SPUN`]: whole turns would look like none.
+fn spun_body<'a>(system: &'a System, increment: &[f64]) -> Option<&'a str> {
+    let turns = |d: &[u32; 3]| {
+        let rotation = Vec3::from(system.dofs().of(d[0] as usize).map(|number| increment[number as usize]));
+        !(rotation.norm() <= SPUN)
+    };
+    let body = system.coordinates.bodies.iter().find(|body| body.directors.as_ref().is_some_and(turns))?;
+    Some(&body.name)
 }
 
 /// Retraction of the increments of the directors of rigid bodies: from the rotation δθ that they stand for, by the
