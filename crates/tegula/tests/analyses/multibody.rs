@@ -529,3 +529,39 @@ fn a_step_of_many_turns_is_cut_back() {
         assert!(state.step >= 50, "{} steps of at most 2 rad", state.step);
     }
 }
+
+/// The velocity of a support jumps at the kinks of its table: the joints stay closed, and the energy balance holds through the
+/// impacts.
+#[test]
+fn a_body_on_a_driven_strip_passes_kinks_of_the_motion() {
+    let drive = PrescribeComponent {
+        on: "u_min".into(),
+        of: NodalVector::default(),
+        component: Axis::Z,
+        value: 0.02,
+        amplitude: Some("steps".into()),
+    };
+    let table = TableAmplitude { times: vec![0.0, 0.1, 0.25], values: vec![0.0, 1.0, 0.0] };
+    let tip = [1.0, 0.4, 0.0];
+    let box_shape = BodyShape::Box(BoxShape { size: [0.2, 0.1, 0.05] });
+    let hung = RigidBody { shape: Some(box_shape), ..body("box", [1.1, 0.4, -0.05], 2.0, None) };
+    let fix = FixComponents {
+        on: "u_min".into(),
+        position: vec![Axis::X, Axis::Y],
+        director: vec![Axis::X, Axis::Y, Axis::Z],
+    };
+    let model = Model {
+        conditions: vec![Condition::Fix(fix), Condition::Prescribe(drive)],
+        amplitudes: [("steps".to_string(), Amplitude::Table(table))].into(),
+        bodies: vec![hung],
+        joints: vec![spherical("box", "u_max_v_max", tip)],
+        ..strip(0.4, 2e-3)
+    };
+    let mut notes = Notes::default();
+    let (system, state) = run(&model, &mut notes);
+    assert!(notes.drift() <= 1e-9 * notes.kinetic, "{} of {}", notes.drift(), notes.kinetic);
+    let joint = &system.joints[0];
+    let node = joint.vectors[joint.vectors.len() - 1] as usize;
+    let place = Vec3::from(tip) + Vec3::from(state.u[node]);
+    assert!((point(&system, &state, 0, tip) - place).norm() < 1e-10, "{place}");
+}

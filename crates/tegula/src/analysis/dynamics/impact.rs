@@ -29,6 +29,7 @@ pub(super) fn pass_kink(system: &System, newton: &mut Newton, mean: bool, state:
     newton.assembly.follow(system, &state.point_with_rates(system));
     factor_mass(system, newton, state)?;
     share_jump(system, newton, &old, state);
+    constrained_start::project_velocities(system, newton, state)?;
     if !mean && system.has_rate_damping() {
         change_accelerations(system, newton, &old, state);
     }
