@@ -65,6 +65,20 @@ impl Checker {
         }
     }
 
+    /// Refuses a name that cannot be a part of file names; true if it can.
+    pub(crate) fn file_name(&mut self, key: &str, name: &str, longest: usize) -> bool {
+        let known = |ch: char| ch.is_alphanumeric() || "_-. ".contains(ch);
+        let fits = !name.is_empty() && name.chars().count() <= longest && name.chars().all(known);
+        if !fits {
+            self.add(
+                key,
+                format!("{:?} cannot be a name", name.chars().take(longest).collect::<String>()),
+                format!("use up to {longest} letters, digits, blanks, '_', '-' and '.'"),
+            );
+        }
+        fits
+    }
+
     /// Reports a name that the model does not define, with those that it does.
     pub(crate) fn missing<'a>(
         &mut self,

@@ -53,6 +53,8 @@ pub(super) struct Constraints {
     change: Vec<f64>,
     /// Right side of their equations.
     right: DVector<f64>,
+    /// Local frames of the factor, with the directors of bodies at the end of the motion.
+    end_frames: LocalFrames,
     /// Nodal vectors and gradients of a joint.
     vectors: Vec<Vec3>,
     row: Vec<Vec3>,
@@ -71,6 +73,7 @@ impl Constraints {
             schur: Schur::new(m),
             change: vec![0.0; m],
             right: DVector::zeros(m),
+            end_frames: system.frames.clone(),
             vectors: Vec::new(),
             row: Vec::new(),
         })
@@ -116,13 +119,11 @@ impl Constraints {
             }
             solver.solve_tangent(response)?;
         }
-        let m = self.forces.len();
         for (i, gradient) in self.ends.iter().enumerate() {
             for (j, response) in self.responses.chunks(n).enumerate() {
                 self.schur.matrix[(i, j)] = product(gradient, response);
             }
         }
-        debug_assert_eq!(self.schur.matrix.nrows(), m);
         self.schur.factor();
         Ok(())
     }
@@ -147,7 +148,7 @@ impl Constraints {
 
     /// Rates of the constraints at the state of a motion: `ġ` of the nodal velocities `v`, and with accelerations `a` the
     /// second rates `g̈`.
-    pub fn rates(&mut self, system: &System, motion: &Motion, v: &[Nodal], a: Option<&[Nodal]>) -> Vec<f64> {
+    pub fn rates(&self, system: &System, motion: &Motion, v: &[Nodal], a: Option<&[Nodal]>) -> Vec<f64> {
         let end = end_of(system, motion);
         let mut out = Vec::with_capacity(self.ends.len());
         for joint in system.joints.iter() {
@@ -205,12 +206,12 @@ impl Constraints {
     /// Gradients at the end of a motion, with respect to rotations of the bodies there.
     fn end_gradients(&mut self, system: &System, frames: &LocalFrames, motion: &Motion) {
         let end = end_of(system, motion);
-        let mut at_end = frames.clone();
-        at_end.follow(&end);
+        let mut end_frames = std::mem::take(&mut self.end_frames);
         // Degrees of freedom of nodes count in the frames of the factor.
-        let mut mixed = frames.clone();
-        mixed.copy_triads(&at_end);
-        self.gradients(system, &mixed, end, |this| &mut this.ends);
+        end_frames.copy_from(frames);
+        end_frames.follow_bodies(&end);
+        self.gradients(system, &end_frames, end, |this| &mut this.ends);
+        self.end_frames = end_frames;
     }
 
     fn gradients(

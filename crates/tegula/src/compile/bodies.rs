@@ -7,7 +7,8 @@ use crate::element::Nodal;
 use crate::mesh::Mesh;
 use crate::model::body::axes_of_space;
 use crate::model::joint::GROUND;
-use crate::model::{Analysis, BodyShape, Load, Model, RigidBody, Scheme, TransientAnalysis};
+use crate::model::{Analysis, BodyShape, Load, Model, RigidBody, Scheme, SpringDamper, TransientAnalysis};
+use crate::norm::larger;
 use crate::system::Coordinates;
 use crate::{Issue, Mat3, Vec3};
 
@@ -32,73 +33,57 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
             "give `type = \"transient\"` and `scheme = { type = \"energy-momentum\" }`",
         );
     }
+    let joint_names: Vec<String> =
+        model.joints.iter().map(|joint| joint.common().name().to_owned()).collect();
     names(model.bodies.iter().map(|body| &body.name), "bodies", c);
-    names(
-        model.joints.iter().map(|joint| joint.common().name().to_owned()).collect::<Vec<_>>().iter(),
-        "joints",
-        c,
-    );
-    for (i, joint) in model.joints.iter().enumerate() {
-        if let crate::model::Joint::Distance(keys) = joint
-            && keys.points[0] == keys.points[1]
-        {
-            c.add(
-                format!("joints[{i}].points"),
-                format!(
-                    "the points of the joint \"{}\" coincide: their distance has no direction",
-                    keys.name
-                ),
-                "give two different points, or take type = \"spherical\"",
-            );
-        }
-    }
+    names(joint_names.iter(), "joints", c);
     names(model.springs.iter().map(|spring| &spring.name), "springs", c);
-    for (i, spring) in model.springs.iter().enumerate() {
-        let key = format!("springs[{i}]");
-        c.not_negative(&format!("{key}.stiffness"), "the stiffness", spring.stiffness);
-        c.not_negative(&format!("{key}.damping"), "the damping", spring.damping);
-        if spring.stiffness == 0.0 && spring.damping == 0.0 {
-            let name = &spring.name;
-            c.add(
-                key.as_str(),
-                format!("the spring \"{name}\" does nothing"),
-                "give `stiffness`, `damping` or both",
-            );
-        }
-        if spring.between[0] == spring.between[1] {
-            let name = &spring.between[0];
-            c.add(
-                format!("{key}.between"),
-                format!("the spring \"{}\" connects \"{name}\" with itself", spring.name),
-                "name two different bodies, nodes, or the ground",
-            );
-        }
-        c.not_negative(&format!("{key}.length"), "the length", spring.length.unwrap_or(0.0));
-        spring.points.iter().for_each(|point| c.finite(&format!("{key}.points"), "the point", point));
-    }
     for (i, body) in model.bodies.iter().enumerate() {
         body_values(body, &format!("bodies[{i}]"), c);
     }
     for (i, joint) in model.joints.iter().enumerate() {
-        let keys = joint.common();
+        let (keys, place) = (joint.common(), format!("joints[{i}]"));
         for (key, point) in keys.points() {
-            c.finite(&format!("joints[{i}].{key}"), "the point", &point);
+            c.finite(&format!("{place}.{key}"), "the point", &point);
         }
         for (key, axis) in keys.directions() {
-            direction(&format!("joints[{i}].{key}"), axis, c);
+            direction(&format!("{place}.{key}"), axis, c);
         }
-        if let crate::model::Joint::Universal(keys) = joint
-            && cosine(keys.axes).abs() > SAME
-        {
-            c.add(
-                format!("joints[{i}].axes"),
-                format!(
-                    "the axes of the universal joint \"{}\" are not perpendicular to each other",
-                    keys.name
-                ),
-                "give two perpendicular axes",
-            );
-        }
+        not_with_itself((&format!("joint \"{}\"", keys.name()), keys.between()), &place, c);
+        joint.check(&place, c);
+    }
+    for (i, spring) in model.springs.iter().enumerate() {
+        spring_values(spring, &format!("springs[{i}]"), c);
+    }
+}
+
+fn spring_values(spring: &SpringDamper, key: &str, c: &mut Checker) {
+    c.not_negative(&format!("{key}.stiffness"), "the stiffness", spring.stiffness);
+    c.not_negative(&format!("{key}.damping"), "the damping", spring.damping);
+    c.not_negative(&format!("{key}.length"), "the length", spring.length.unwrap_or(0.0));
+    spring.points.iter().for_each(|point| c.finite(&format!("{key}.points"), "the point", point));
+    not_with_itself((&format!("the spring \"{}\"", spring.name), &spring.between), key, c);
+    if spring.stiffness == 0.0 && spring.damping == 0.0 {
+        let message = format!("the spring \"{}\" does nothing", spring.name);
+        c.add(key, message, "give `stiffness`, `damping` or both");
+    }
+    if spring.points[0] == spring.points[1] && spring.length.is_some_and(|length| length > 0.0) {
+        c.add(
+            format!("{key}.points"),
+            format!("the spring \"{}\" has no direction: its points coincide", spring.name),
+            "move one of its points, or give `length = 0`",
+        );
+    }
+}
+
+/// A joint or spring that connects a body with itself.
+fn not_with_itself((what, between): (&str, &[String; 2]), key: &str, c: &mut Checker) {
+    if between[0] == between[1] {
+        c.add(
+            format!("{key}.between"),
+            format!("{what} connects \"{}\" with itself", between[0]),
+            "name two different bodies, nodes, or the ground",
+        );
     }
 }
 
@@ -106,16 +91,10 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
 fn names<'a>(list: impl Iterator<Item = &'a String> + Clone, key: &str, c: &mut Checker) {
     for (i, name) in list.clone().enumerate() {
         let place = format!("{key}[{i}].name");
-        if name.is_empty()
-            || name.chars().count() > LONGEST_NAME
-            || !name.chars().all(|ch| ch.is_alphanumeric() || "_-. ".contains(ch))
-        {
-            c.add(
-                place,
-                format!("{:?} cannot be a name", name.chars().take(LONGEST_NAME).collect::<String>()),
-                format!("use up to {LONGEST_NAME} letters, digits, blanks, '_', '-' and '.'"),
-            );
-        } else if name == GROUND && key == "bodies" {
+        if !c.file_name(&place, name, LONGEST_NAME) {
+            continue;
+        }
+        if name == GROUND && key == "bodies" {
             c.add(place, "the name \"ground\" stands for the ground in joints", "give the body another name");
         } else if list.clone().take(i).any(|other| other == name) {
             c.add(place, format!("the name \"{name}\" is given twice"), "give each one its own name");
@@ -275,7 +254,7 @@ pub(super) fn extent(model: &Model, mesh: &Mesh, coordinates: &Coordinates) -> f
         .fold([Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)], |[a, b], x| {
             [a.inf(&x), b.sup(&x)]
         });
-    let largest = coordinates.bodies.iter().map(|body| body.gyration).fold((high - low).max(), f64::max);
+    let largest = coordinates.bodies.iter().map(|body| body.gyration).fold((high - low).max(), larger);
     if largest > 0.0 { largest } else { 1.0 }
 }
 
@@ -292,29 +271,14 @@ pub(super) fn joints(
     for (i, data) in model.joints.iter().enumerate() {
         let keys = data.common();
         let key = format!("joints[{i}]");
-        let [a, b] = keys.between();
-        if a == b {
-            c.add(
-                format!("{key}.between"),
-                format!("joint \"{}\" connects \"{a}\" with itself", keys.name()),
-                "name two different bodies, nodes, or the ground",
-            );
-            continue;
-        }
-        let ends =
-            [0, 1].map(|side| end(model, mesh, coordinates, (&key, side), &keys.between()[side], &mut c));
-        let [Some(first), Some(second)] = ends else { continue };
-        let points = keys.points();
-        for (side, end) in [&first, &second].into_iter().enumerate() {
+        let at = |side: usize| {
+            let points = keys.points();
             let (point, at) = points[side.min(points.len() - 1)];
-            misplaced(
-                end,
-                coordinates,
-                (&format!("{key}.{point}"), at),
-                (&keys.between()[side], length),
-                &mut c,
-            );
-        }
+            (format!("{key}.{point}"), at)
+        };
+        let found =
+            ends(&Place { model, mesh, coordinates, length }, (&key, keys.between()), [at(0), at(1)], &mut c);
+        let Some([first, second]) = found else { continue };
         let number = out.last().map_or(0, |last| last.multipliers().end);
         match joint(data, [first, second], length, number) {
             Some(made) if made.vectors.is_empty() => {}
@@ -345,23 +309,14 @@ pub(super) fn springs(
     let mut out = Vec::new();
     for (i, data) in model.springs.iter().enumerate() {
         let key = format!("springs[{i}]");
-        let ends =
-            [0, 1].map(|side| end(model, mesh, coordinates, (&key, side), &data.between[side], &mut c));
-        let [Some(first), Some(second)] = ends else { continue };
-        for (side, end) in [&first, &second].into_iter().enumerate() {
-            let place = format!("{key}.points[{side}]");
-            misplaced(end, coordinates, (&place, data.points[side]), (&data.between[side], size), &mut c);
-        }
+        let at = |side: usize| (format!("{key}.points[{side}]"), data.points[side]);
+        let place = Place { model, mesh, coordinates, length: size };
+        let Some([first, second]) = ends(&place, (&key, &data.between), [at(0), at(1)], &mut c) else {
+            continue;
+        };
         let points = data.points.map(Vec3::from);
         let distance = (points[0] - points[1]).norm();
         let length = data.length.unwrap_or(distance);
-        if distance == 0.0 && length > 0.0 {
-            c.add(
-                format!("{key}.points"),
-                format!("the spring \"{}\" has no direction: its points coincide", data.name),
-                "move one of its points, or give `length = 0`",
-            );
-        }
         let [a, b] = [first.point(&points[0]), second.point(&points[1])];
         out.push(Spring::new([&a, &b], [data.stiffness, data.damping], length));
     }
@@ -369,27 +324,38 @@ pub(super) fn springs(
     out
 }
 
-/// A joint at another place than the node or the point mass that it connects.
-fn misplaced(
-    end: &End,
-    coordinates: &Coordinates,
-    (key, at): (&str, [f64; 3]),
-    (name, length): (&str, f64),
+/// Model in which the sides of joints and springs are found.
+struct Place<'a> {
+    model: &'a Model,
+    mesh: &'a Mesh,
+    coordinates: &'a Coordinates,
+    /// Size of the model (length).
+    length: f64,
+}
+
+/// Both sides of a joint or spring, which must not lie beside the node or the point mass that they name; `None` where one does not
+/// exist.
+fn ends(
+    place: &Place,
+    (key, between): (&str, &[String; 2]),
+    points: [(String, [f64; 3]); 2],
     c: &mut Checker,
-) {
-    if let End::Point { vector, .. } = end {
-        let place = Vec3::from(coordinates.reference[*vector as usize]);
-        if (place - Vec3::from(at)).norm() > SAME * length {
+) -> Option<[End; 2]> {
+    let Place { model, mesh, coordinates, length } = *place;
+    let [first, second] = [0, 1].map(|side| end(model, mesh, coordinates, (key, side), &between[side], c));
+    let ends = [first?, second?];
+    for ((end, name), (point, at)) in ends.iter().zip(between).zip(points) {
+        let End::Point { vector, .. } = end else { continue };
+        let x = Vec3::from(coordinates.reference[*vector as usize]);
+        if (x - Vec3::from(at)).norm() > SAME * length {
             c.add(
-                key,
-                format!(
-                    "the point lies beside \"{name}\", which is at ({}, {}, {})",
-                    place.x, place.y, place.z
-                ),
+                point,
+                format!("the point lies beside \"{name}\", which is at ({}, {}, {})", x.x, x.y, x.z),
                 "give the position of the node or the point mass",
             );
         }
     }
+    Some(ends)
 }
 
 /// Body, node or ground that a name in `between` stands for.

@@ -270,14 +270,8 @@ pub(super) fn issues(model: &Model) -> Vec<Issue> {
     let mut moving = false;
     for (i, step) in model.steps.iter().enumerate() {
         let key = format!("steps[{i}]");
-        if step.name.chars().count() > LONGEST_NAME
-            || !step.name.chars().all(|ch| ch.is_alphanumeric() || "_-. ".contains(ch))
-        {
-            c.add(
-                format!("{key}.name"),
-                format!("{:?} cannot name a step", step.name.chars().take(LONGEST_NAME).collect::<String>()),
-                format!("use up to {LONGEST_NAME} letters, digits, blanks, '_', '-' and '.'"),
-            );
+        if !step.name.is_empty() {
+            c.file_name(&format!("{key}.name"), &step.name, LONGEST_NAME);
         }
         if linear(&step.analysis).is_some_and(|l| Some(l) != first) {
             c.add(

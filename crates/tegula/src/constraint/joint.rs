@@ -99,6 +99,10 @@ impl ElementGroup for JointGroup {
         &self.joints[self.members[element]].vectors
     }
 
+    fn acts_on_ground(&self) -> bool {
+        true
+    }
+
     fn vectors_per_element(&self) -> usize {
         self.vectors
     }

@@ -120,6 +120,10 @@ impl ElementGroup for SpringGroup {
         &self.members[element].vectors
     }
 
+    fn acts_on_ground(&self) -> bool {
+        true
+    }
+
     fn vectors_per_element(&self) -> usize {
         self.vectors
     }

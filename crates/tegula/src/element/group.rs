@@ -92,6 +92,10 @@ pub trait ElementGroup: Send + Sync {
     }
     /// Connectivity: nodal vectors of an element.
     fn vectors(&self, element: usize) -> &[u32];
+    /// Whether forces may have a resultant, which the ground takes.
+    fn acts_on_ground(&self) -> bool {
+        false
+    }
     /// Number of nodal vectors per element.
     fn vectors_per_element(&self) -> usize;
     /// Number of generalised stresses per element, work-conjugate to its strains.

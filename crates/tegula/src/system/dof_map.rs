@@ -16,7 +16,7 @@ pub const CONSTRAINED: u32 = u32::MAX;
 ///
 /// Each nodal vector has three degrees of freedom along the axes of its frame ([`LocalFrames`](super::LocalFrames)).
 /// Constrained degrees of freedom are eliminated; the free ones are numbered consecutively.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct DofMap {
     /// Number of the free degree of freedom `3 v + c`, or [`CONSTRAINED`].
     pub(super) free: Vec<u32>,

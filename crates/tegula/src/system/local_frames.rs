@@ -13,7 +13,7 @@ use crate::{Mat3, Vec3};
 /// The degrees of freedom of a nodal vector are its components along the axes of its frame: the global axes, axes along
 /// and across an inclined support, or, for an inextensible director, tangents of the sphere on which it moves. These last
 /// ones [follow](Self::follow) the director, so that each solver owns the frames of the state at which it linearises.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct LocalFrames {
     /// Degree-of-freedom map.
     dofs: Arc<DofMap>,
@@ -83,6 +83,11 @@ impl LocalFrames {
         for unit in &self.dofs.unit {
             self.frames[unit.vector as usize] = Some(unit.axes(&value(unit.vector as usize)));
         }
+        self.follow_bodies(value);
+    }
+
+    /// Rotates the local frames of rigid bodies to the present values of their directors.
+    pub fn follow_bodies(&mut self, value: impl Fn(usize) -> Vec3) {
         for (arms, triad) in self.triads.iter_mut().zip(&self.dofs.triads) {
             *arms = directors(triad, &value);
         }

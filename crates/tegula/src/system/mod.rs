@@ -228,7 +228,7 @@ impl System {
 
     /// Whether joints or springs may transfer forces to the ground.
     pub fn acts_on_ground(&self) -> bool {
-        self.groups.iter().any(|group| matches!(group.name(), "joint" | "spring"))
+        self.groups.iter().any(|group| group.acts_on_ground())
     }
 
     /// Number of constraints, and of their Lagrange multipliers.

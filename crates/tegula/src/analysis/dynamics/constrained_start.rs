@@ -31,40 +31,55 @@ pub(super) fn assemble_mass(system: &System, newton: &mut Newton, state: &State)
     newton.assembly.forces_and_tangent(system, &state.point(system), &parts, false, None, &mut forces);
 }
 
-/// Projects the velocities of the first state onto those that keep the joints closed, in the norm of the mass matrix, which is
-/// factored. Returns messages about what was changed, and about redundant joints.
+/// Projects the velocities of a state onto those that keep the joints closed, in the norm of the mass matrix, which is
+/// factored. Returns the size of the change and that of the velocities before, in the norm of the kinetic energy.
 ///
 /// # Errors
-/// The mass matrix has no factor, or a joint is open.
+/// The linear solver failed.
 pub(super) fn project_velocities(
     system: &System,
     newton: &mut Newton,
     state: &mut State,
-) -> Result<Vec<String>> {
-    let Some(mut constraints) = newton.constraints.take() else { return Ok(Vec::new()) };
+) -> Result<Option<[f64; 2]>> {
+    let Newton { assembly, solver, constraints, .. } = newton;
+    let Some(constraints) = constraints else { return Ok(None) };
     let motion = Motion::State { u: &state.u, velocity: None };
-    if let Some(open) = constraints.violation(system, &motion, CLOSED) {
+    let taken = constraints.take(system, (&state.point(system), 1.0), &assembly.frames, solver);
+    taken.map_err(|reason| Error::Singular {
+        what: format!("The velocities of the joints were not found: {reason}."),
+        help: "Check masses, inertia and joints.".into(),
+    })?;
+    let rates = constraints.rates(system, &motion, &state.v, None);
+    let mut free = vec![0.0; system.unknowns()];
+    constraints.project(&rates, &mut free);
+    let mut change = vec![[0.0; 3]; system.vectors()];
+    assembly.frames.expand(&free, &mut change);
+    let sizes = [&change, &state.v].map(|v| system.kinetic_energy(v).max(0.0).sqrt());
+    super::statics::add(&mut state.v, &change);
+    let State { u, v, a, .. } = state;
+    project_rates(system, u, v, a);
+    Ok(Some(sizes))
+}
+
+/// Projects the velocities of the first state. Returns messages about what was changed, and about redundant joints.
+///
+/// # Errors
+/// The linear solver failed, or a joint is open.
+pub(super) fn consistent_velocities(
+    system: &System,
+    newton: &mut Newton,
+    state: &mut State,
+) -> Result<Vec<String>> {
+    let motion = Motion::State { u: &state.u, velocity: None };
+    let open = newton.constraints.as_mut().and_then(|c| c.violation(system, &motion, CLOSED));
+    if let Some(open) = open {
         return Err(Error::model(
             "joints",
             format!("{open} at the start"),
             "let the joint connect points that coincide in the reference configuration",
         ));
     }
-    let k = state.point(system);
-    let failed = |reason: String| Error::Singular {
-        what: format!("The first state of the joints was not found: {reason}."),
-        help: "Check masses, inertia and joints.".into(),
-    };
-    constraints.take(system, (&k, 1.0), &newton.assembly.frames, &mut newton.solver).map_err(failed)?;
-    let rates = constraints.rates(system, &motion, &state.v, None);
-    let mut free = vec![0.0; system.unknowns()];
-    constraints.project(&rates, &mut free);
-    let mut change = vec![[0.0; 3]; system.vectors()];
-    newton.assembly.frames.expand(&free, &mut change);
-    let [changed, size] = [&change, &state.v].map(|v| system.kinetic_energy(v).max(0.0).sqrt());
-    super::statics::add(&mut state.v, &change);
-    let State { u, v, a, .. } = state;
-    project_rates(system, u, v, a);
+    let Some([changed, size]) = project_velocities(system, newton, state)? else { return Ok(Vec::new()) };
     let mut messages = Vec::new();
     if changed > NOTEWORTHY * size {
         messages.push(format!(
@@ -73,29 +88,28 @@ pub(super) fn project_velocities(
             100.0 * changed / size
         ));
     }
-    for (joint, count) in constraints.redundant(system) {
+    for (joint, count) in newton.constraints.iter().flat_map(|constraints| constraints.redundant(system)) {
         messages.push(format!(
             "joint \"{joint}\": {count} of its constraints follow(s) from those of other joints; its reactions are not \
              unique, and those of minimum norm are computed"
         ));
     }
-    newton.constraints = Some(constraints);
     Ok(messages)
 }
 
 /// Adds the response of the constrained masses to forces on all nodal vectors to the accelerations of the first state, and
 /// finds the multipliers.
 pub(super) fn add_response(system: &System, newton: &mut Newton, forces: &[Nodal], state: &mut State) {
-    let Some(mut constraints) = newton.constraints.take() else { return };
+    let Newton { assembly, solver, constraints, .. } = newton;
+    let Some(constraints) = constraints else { return };
     let mut free = vec![0.0; system.unknowns()];
-    newton.assembly.frames.reduce(forces, &mut free);
-    tegula_sparse::Factor::solve(&mut newton.solver, &mut free);
+    assembly.frames.reduce(forces, &mut free);
+    tegula_sparse::Factor::solve(solver, &mut free);
     let motion = Motion::State { u: &state.u, velocity: None };
     let rates = constraints.rates(system, &motion, &state.v, Some(&state.a));
     let multipliers = constraints.project(&rates, &mut free);
     state.multipliers.copy_from_slice(multipliers);
     let mut response = vec![[0.0; 3]; system.vectors()];
-    newton.assembly.frames.expand(&free, &mut response);
+    assembly.frames.expand(&free, &mut response);
     super::statics::add(&mut state.a, &response);
-    newton.constraints = Some(constraints);
 }

@@ -110,7 +110,7 @@ fn initial_state(system: &System, newton: &mut Newton) -> Result<(State, Vec<Str
     newton.assembly.follow(system, &state.point_with_rates(system));
     impact::factor_mass(system, newton, &state)?;
     impact::share_jump(system, newton, &given_velocities(system), &mut state);
-    let messages = constrained_start::project_velocities(system, newton, &mut state)?;
+    let messages = constrained_start::consistent_velocities(system, newton, &mut state)?;
     let rest = equilibrium::unbalanced(system, &mut newton.assembly, &state);
     if newton.constraints.is_none() {
         impact::add_free_response(system, newton, &rest, &mut state.a);

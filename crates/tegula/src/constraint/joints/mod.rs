@@ -6,7 +6,9 @@
 
 use super::{Attachment, Joint, Row};
 use crate::Vec3;
+use crate::checker::Checker;
 use crate::model::{self, joints};
+use crate::norm::larger;
 
 /// One of the two sides of a joint: a body, a node or the ground.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,7 +89,7 @@ pub struct Constraints {
 impl Constraints {
     /// Mass, and inertia of rotation, that the constraints act on.
     fn inertia(&self, of_rotation: bool) -> f64 {
-        self.ends.iter().map(|end| end.inertia()[usize::from(of_rotation)]).fold(0.0, f64::max)
+        self.ends.iter().map(|end| end.inertia()[usize::from(of_rotation)]).fold(0.0, larger)
     }
 
     fn push(&mut self, mut row: Row, size: f64, inertia: f64) {
@@ -158,9 +160,11 @@ impl Constraints {
 }
 
 /// Kind of joint.
-pub trait JointKind {
+pub(crate) trait JointKind {
     /// Keys in the model file.
     type Keys;
+    /// Adds the mistakes in the values that only this joint can have; `key` is the path of the joint in the model file.
+    fn check(_keys: &Self::Keys, _key: &str, _checker: &mut Checker) {}
     /// Adds its constraints.
     fn constrain(keys: &Self::Keys, out: &mut Constraints);
     /// Keys of a joint between the bodies `a` and `b`, on which the contract of all joints is tested.
@@ -178,6 +182,13 @@ macro_rules! kinds {
         }
 
         impl model::Joint {
+            /// Adds the mistakes in the values that only this joint can have.
+            pub(crate) fn check(&self, key: &str, checker: &mut Checker) {
+                match self {
+                    $(Self::$kind(keys) => $file::$kind::check(keys, key, checker),)*
+                }
+            }
+
             /// One joint of each kind between the bodies `a` and `b`, in the order of the registry: the contract of all joints
             /// is tested on them.
             pub fn examples() -> Vec<Self> {

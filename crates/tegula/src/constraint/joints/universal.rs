@@ -2,7 +2,11 @@
 
 use super::{Constraints, JointKind};
 use crate::Vec3;
+use crate::checker::Checker;
 use crate::model::TwoAxesJoint;
+
+/// Cosine of the angle between two directions that are perpendicular but for round-off.
+const PERPENDICULAR: f64 = 1e-9;
 
 /// Universal joint (Cardan joint): the points coincide, and an axis of the first end stays perpendicular to one of the
 /// second end.
@@ -10,6 +14,20 @@ pub struct Universal;
 
 impl JointKind for Universal {
     type Keys = TwoAxesJoint;
+
+    fn check(keys: &TwoAxesJoint, key: &str, c: &mut Checker) {
+        let [a, b] = keys.axes.map(|axis| Vec3::from(axis).normalize());
+        if a.dot(&b).abs() > PERPENDICULAR {
+            c.add(
+                format!("{key}.axes"),
+                format!(
+                    "the axes of the universal joint \"{}\" are not perpendicular to each other",
+                    keys.name
+                ),
+                "give two perpendicular axes",
+            );
+        }
+    }
 
     fn constrain(keys: &TwoAxesJoint, out: &mut Constraints) {
         out.coincident(keys.at);
