@@ -118,10 +118,13 @@ struct FreeStrain {
 /// Part of a prescribed strain that is due to curvature, at a point of the mid-surface; zero where the shell is flat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvedStrain {
+    /// Deviation of the reference metric from that of an orthonormal base, twice as strains are counted.
     deviation: Matrix3<f64>,
     /// Free strain ε_xx, ε_yy, 2ε_xy of the section.
     section: Vector3<f64>,
+    /// Strain across the thickness: free stretch of the director, or of the section where directors keep their length.
     across: f64,
+    /// Strains that the director would take on if it were extensible.
     lost: Vector6<f64>,
     /// Added strains ε_xx, ε_yy, 2ε_xy at every height.
     membrane: Vector3<f64>,
@@ -130,7 +133,7 @@ pub struct CurvedStrain {
 }
 
 impl CurvedStrain {
-    /// Of a flat shell.
+    /// Part of a flat shell: zero.
     pub fn none() -> Self {
         let (deviation, zero, lost) = (Matrix3::zeros(), Vector3::zeros(), Vector6::zeros());
         Self { deviation, section: zero, across: 0.0, lost, membrane: zero, curvature: zero }

@@ -88,15 +88,8 @@ fn stress_and_energy(system: &System, outcome: &StaticOutcome, a: f64) -> [f64; 
 /// Sections of every membrane part, without each assumed strain, and of two plies.
 fn sections(element: ElementKind) -> Vec<Section> {
     let plain = Section { element, ..Section::new("metal", THICKNESS) };
-    let parts = [
-        Membrane::Eas,
-        Membrane::StableEas,
-        Membrane::Mitc4Plus,
-        Membrane::AssumedShear,
-        Membrane::Displacement,
-    ];
     let mut out: Vec<Section> =
-        parts.map(|part| Section { membrane: Some(part), ..plain.clone() }).into_iter().collect();
+        Membrane::ALL.map(|part| Section { membrane: Some(part), ..plain.clone() }).into_iter().collect();
     out.push(Section { ans_shear: false, ..plain.clone() });
     out.push(layup(element, &[("metal", 0.0), ("metal", 0.0)]));
     if element == ElementKind::Ems {

@@ -375,15 +375,8 @@ fn membrane_parts_have_the_same_energy_in_affine_motion() {
     for (x, d) in flat.positions.iter_mut().zip(&mut flat.directors) {
         (x.z, *d) = (0.0, Vec3::z());
     }
-    let parts = [
-        Membrane::Eas,
-        Membrane::StableEas,
-        Membrane::Mitc4Plus,
-        Membrane::AssumedShear,
-        Membrane::Displacement,
-    ];
     for kind in [ElementKind::Ems, ElementKind::Cm, ElementKind::Mitc4, ElementKind::SolidShell] {
-        let energies = parts.map(|membrane| {
+        let energies = Membrane::ALL.map(|membrane| {
             let section = Section { element: kind, membrane: Some(membrane), ..Section::new("m", H) };
             let e = Element::new(&section, &materials(), &ShellGeometry::new(flat.positions, flat.directors));
             let stretch = nalgebra::Matrix3::new(0.4, 0.3, 0.0, -0.2, -0.3, 0.0, 0.1, 0.5, 0.0);
