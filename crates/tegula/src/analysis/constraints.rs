@@ -105,8 +105,9 @@ impl Constraints {
         solver: &mut S,
     ) -> Result<(), String> {
         let n = system.unknowns();
-        self.gradients(system, frames, |v| current_vector(system, &k.motion, v), |this| &mut this.forces);
-        self.end_gradients(system, frames, &k.motion);
+        let acting = |v: usize| current_vector(system, &k.motion, v);
+        self.gradients(system, (frames, k.time), acting, |this| &mut this.forces);
+        self.end_gradients(system, frames, &k.motion, end_time(&k.motion, k.time));
         for joint in system.joints.iter() {
             for (i, row) in joint.multipliers().zip(&joint.rows) {
                 self.weights[i] = augmentation * row.inertia;
@@ -129,14 +130,21 @@ impl Constraints {
     }
 
     /// Changes the increment `x = K⁻¹ R` to that of the constrained motion; the change of the multipliers is kept.
-    /// `multipliers` are those of the iterate.
-    pub fn correct(&mut self, system: &System, motion: &Motion, multipliers: &[f64], x: &mut [f64]) {
-        let end = end_of(system, motion);
+    /// `multipliers` are those of the iterate, `time` the one at which the forces of the motion act.
+    pub fn correct(
+        &mut self,
+        system: &System,
+        (motion, time): (&Motion, f64),
+        multipliers: &[f64],
+        x: &mut [f64],
+    ) {
+        let (end, time) = (end_of(system, motion), end_time(motion, time));
         for joint in system.joints.iter() {
             self.vectors.clear();
             self.vectors.extend(joint.vectors.iter().map(|&v| end(v as usize)));
+            let drive = system.drive(joint, time).value;
             for (i, row) in joint.multipliers().zip(&joint.rows) {
-                self.right[i] = row.value(&self.vectors) + product(&self.ends[i], x);
+                self.right[i] = row.value(&self.vectors, drive) + product(&self.ends[i], x);
             }
         }
         self.schur.solve(&mut self.right, multipliers, &mut self.change);
@@ -148,21 +156,28 @@ impl Constraints {
 
     /// Rates of the constraints at the state of a motion: `ġ` of the nodal velocities `v`, and with accelerations `a` the
     /// second rates `g̈`.
-    pub fn rates(&self, system: &System, motion: &Motion, v: &[Nodal], a: Option<&[Nodal]>) -> Vec<f64> {
-        let end = end_of(system, motion);
+    pub fn rates(
+        &self,
+        system: &System,
+        (motion, time): (&Motion, f64),
+        v: &[Nodal],
+        a: Option<&[Nodal]>,
+    ) -> Vec<f64> {
+        let (end, time) = (end_of(system, motion), end_time(motion, time));
         let mut out = Vec::with_capacity(self.ends.len());
         for joint in system.joints.iter() {
             let of = |field: &[Nodal]| -> Vec<Vec3> {
                 joint.vectors.iter().map(|&n| Vec3::from(field[n as usize])).collect()
             };
             let (q, rate) = (joint.vectors.iter().map(|&n| end(n as usize)).collect::<Vec<_>>(), of(v));
+            let drive = system.drive(joint, time);
             for row in &joint.rows {
                 let mut gradient = vec![Vec3::zeros(); q.len()];
-                row.add_gradient(1.0, &q, &mut gradient);
+                row.add_gradient(1.0, &q, drive.value, &mut gradient);
                 let along = |field: &[Vec3]| gradient.iter().zip(field).map(|(g, x)| g.dot(x)).sum::<f64>();
                 out.push(match a {
-                    None => along(&rate),
-                    Some(a) => along(&of(a)) + row.velocity_term(&rate),
+                    None => along(&rate) + row.driven_rate(&q, drive),
+                    Some(a) => along(&of(a)) + row.velocity_term(&q, &rate, drive),
                 });
             }
         }
@@ -204,30 +219,31 @@ impl Constraints {
     }
 
     /// Gradients at the end of a motion, with respect to rotations of the bodies there.
-    fn end_gradients(&mut self, system: &System, frames: &LocalFrames, motion: &Motion) {
+    fn end_gradients(&mut self, system: &System, frames: &LocalFrames, motion: &Motion, time: f64) {
         let end = end_of(system, motion);
         let mut end_frames = std::mem::take(&mut self.end_frames);
         // Degrees of freedom of nodes count in the frames of the factor.
         end_frames.copy_from(frames);
         end_frames.follow_bodies(&end);
-        self.gradients(system, &end_frames, end, |this| &mut this.ends);
+        self.gradients(system, (&end_frames, time), end, |this| &mut this.ends);
         self.end_frames = end_frames;
     }
 
     fn gradients(
         &mut self,
         system: &System,
-        frames: &LocalFrames,
+        (frames, time): (&LocalFrames, f64),
         value: impl Fn(usize) -> Vec3,
         out: impl Fn(&mut Self) -> &mut Vec<Gradient>,
     ) {
         for joint in system.joints.iter() {
             self.vectors.clear();
             self.vectors.extend(joint.vectors.iter().map(|&v| value(v as usize)));
+            let drive = system.drive(joint, time).value;
             for (i, row) in joint.multipliers().zip(&joint.rows) {
                 self.row.clear();
                 self.row.resize(joint.vectors.len(), Vec3::zeros());
-                row.add_gradient(1.0, &self.vectors, &mut self.row);
+                row.add_gradient(1.0, &self.vectors, drive, &mut self.row);
                 let mut gradient = std::mem::take(&mut out(self)[i]);
                 gradient.clear();
                 for (&v, g) in joint.vectors.iter().zip(&self.row) {
@@ -239,12 +255,21 @@ impl Constraints {
     }
 
     /// First joint with a constraint whose value at the end of a motion over its size is above a limit, as text.
-    pub fn violation(&mut self, system: &System, motion: &Motion, limit: f64) -> Option<String> {
-        let end = end_of(system, motion);
+    pub fn violation(
+        &mut self,
+        system: &System,
+        (motion, time): (&Motion, f64),
+        limit: f64,
+    ) -> Option<String> {
+        let (end, time) = (end_of(system, motion), end_time(motion, time));
         for joint in system.joints.iter() {
             self.vectors.clear();
             self.vectors.extend(joint.vectors.iter().map(|&v| end(v as usize)));
-            let worst = joint.rows.iter().map(|row| row.value(&self.vectors).abs() / row.size);
+            let drive = system.drive(joint, time).value;
+            if !joint.rows.iter().all(|row| row.is_on_branch(&self.vectors, drive)) {
+                return Some(format!("joint \"{}\" is half a turn away from its angle", joint.name));
+            }
+            let worst = joint.rows.iter().map(|row| row.value(&self.vectors, drive).abs() / row.size);
             let worst = worst.reduce(crate::norm::larger)?;
             if !(worst <= limit) {
                 return Some(format!("joint \"{}\" is open by {worst:.1e} of the model's size", joint.name));
@@ -258,6 +283,14 @@ impl Constraints {
 fn end_of<'a>(system: &'a System, motion: &'a Motion) -> impl Fn(usize) -> Vec3 + 'a {
     let (Motion::State { u, .. } | Motion::Step { new: u, .. }) = motion;
     move |v| Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v])
+}
+
+/// Time of the end of a motion whose forces act at `time`: in the middle of a step.
+fn end_time(motion: &Motion, time: f64) -> f64 {
+    match motion {
+        Motion::State { .. } => time,
+        Motion::Step { dt, .. } => time + 0.5 * dt,
+    }
 }
 
 fn product(gradient: &Gradient, x: &[f64]) -> f64 {

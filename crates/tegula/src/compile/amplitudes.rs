@@ -44,7 +44,7 @@ pub(super) fn key(name: &str, amplitude: &Amplitude) -> String {
 fn jump(model: &Model, name: &str, amplitude: &Amplitude) -> Option<(String, String)> {
     let (Analysis::Transient(t), Amplitude::Table(table)) = (&model.analysis, amplitude) else { return None };
     let drives = |c: &Condition| c.motion().is_some_and(|m| m.amplitude.as_deref() == Some(name));
-    if !model.conditions.iter().any(drives) {
+    if !model.conditions.iter().any(drives) && !drives_joint(model, name) {
         return None;
     }
     let pieces = table.times.windows(2).zip(table.values.windows(2));
@@ -59,6 +59,11 @@ fn jump(model: &Model, name: &str, amplitude: &Amplitude) -> Option<(String, Str
     ))
 }
 
+/// Whether a driven joint follows an amplitude.
+fn drives_joint(model: &Model, name: &str) -> bool {
+    model.joints.iter().any(|joint| joint.common().drive().is_some_and(|drive| drive.amplitude == name))
+}
+
 /// The first time at which a function that is in use has no finite value, or no velocity where a motion follows it.
 fn undefined_interval(model: &Model, name: &str, function: &TimeFunction) -> Option<(String, String)> {
     let (end, moves) = match &model.analysis {
@@ -67,7 +72,8 @@ fn undefined_interval(model: &Model, name: &str, function: &TimeFunction) -> Opt
         Analysis::Transient(t) => (t.end_time, true),
     };
     let is = |amplitude: &Option<String>| amplitude.as_deref() == Some(name);
-    let drives = model.conditions.iter().any(|c| c.motion().is_some_and(|m| is(m.amplitude)));
+    let drives = model.conditions.iter().any(|c| c.motion().is_some_and(|m| is(m.amplitude)))
+        || drives_joint(model, name);
     let loads = model.loads.iter().any(|load| is(load.amplitude()));
     let strains = model.prescribed_strains.iter().any(|p| p.amplitude().is_some_and(|a| a == name));
     if !(drives || loads || strains) || !end.is_finite() {

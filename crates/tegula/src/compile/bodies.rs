@@ -2,7 +2,7 @@
 
 use crate::checker::Checker;
 use crate::constraint::joints::{End, joint};
-use crate::constraint::{Joint, Spring};
+use crate::constraint::{Drive, Joint, Spring};
 use crate::element::Nodal;
 use crate::mesh::Mesh;
 use crate::model::body::axes_of_space;
@@ -51,6 +51,17 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         }
         not_with_itself((&format!("joint \"{}\"", keys.name()), keys.between()), &place, c);
         joint.check(&place, c);
+        if let Some(drive) = keys.drive() {
+            c.finite(&format!("{place}.{}", drive.key), "the motion at amplitude 1", &[drive.given]);
+            if !model.amplitudes.contains_key(drive.amplitude) {
+                c.missing(
+                    format!("{place}.amplitude"),
+                    "amplitude",
+                    drive.amplitude,
+                    model.amplitudes.keys(),
+                );
+            }
+        }
     }
     for (i, spring) in model.springs.iter().enumerate() {
         spring_values(spring, &format!("springs[{i}]"), c);
@@ -273,14 +284,17 @@ pub(super) fn joints(
         let key = format!("joints[{i}]");
         let at = |side: usize| {
             let points = keys.points();
-            let (point, at) = points[side.min(points.len() - 1)];
-            (format!("{key}.{point}"), at)
+            let (point, at) = points.get(side).or_else(|| points.first())?;
+            Some((format!("{key}.{point}"), *at))
         };
         let found =
             ends(&Place { model, mesh, coordinates, length }, (&key, keys.between()), [at(0), at(1)], &mut c);
         let Some([first, second]) = found else { continue };
-        let number = out.last().map_or(0, |last| last.multipliers().end);
-        match joint(data, [first, second], length, number) {
+        let drive = keys.drive().and_then(|drive| {
+            let amplitude = model.amplitudes.keys().position(|name| name == drive.amplitude)?;
+            Some(Drive { amplitude, value: drive.value })
+        });
+        match joint(data, [first, second], length, (&out, drive)) {
             Some(made) if made.vectors.is_empty() => {}
             Some(made) => out.push(made),
             None => c.add(
@@ -309,7 +323,7 @@ pub(super) fn springs(
     let mut out = Vec::new();
     for (i, data) in model.springs.iter().enumerate() {
         let key = format!("springs[{i}]");
-        let at = |side: usize| (format!("{key}.points[{side}]"), data.points[side]);
+        let at = |side: usize| Some((format!("{key}.points[{side}]"), data.points[side]));
         let place = Place { model, mesh, coordinates, length: size };
         let Some([first, second]) = ends(&place, (&key, &data.between), [at(0), at(1)], &mut c) else {
             continue;
@@ -338,14 +352,14 @@ struct Place<'a> {
 fn ends(
     place: &Place,
     (key, between): (&str, &[String; 2]),
-    points: [(String, [f64; 3]); 2],
+    points: [Option<(String, [f64; 3])>; 2],
     c: &mut Checker,
 ) -> Option<[End; 2]> {
     let Place { model, mesh, coordinates, length } = *place;
     let [first, second] = [0, 1].map(|side| end(model, mesh, coordinates, (key, side), &between[side], c));
     let ends = [first?, second?];
-    for ((end, name), (point, at)) in ends.iter().zip(between).zip(points) {
-        let End::Point { vector, .. } = end else { continue };
+    for ((end, name), point) in ends.iter().zip(between).zip(points) {
+        let (End::Point { vector, .. }, Some((point, at))) = (end, point) else { continue };
         let x = Vec3::from(coordinates.reference[*vector as usize]);
         if (x - Vec3::from(at)).norm() > SAME * length {
             c.add(

@@ -3,9 +3,10 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::{Attachment, Row};
+use super::{Attachment, DriveValue, Row};
 use crate::Vec3;
 use crate::element::{ElementGroup, GroupPoint, Motion, TangentRequest};
+use crate::load::TimeFunction;
 
 /// Most nodal vectors of a joint: two rigid bodies have eight.
 pub const MOST_VECTORS: usize = 8;
@@ -25,6 +26,34 @@ pub struct Joint {
     pub rows: Vec<Row>,
     /// Number of the first constraint among those of all joints.
     pub first: usize,
+    /// Number of the joint.
+    pub number: usize,
+    /// Drive of the joint, if it has one.
+    pub drive: Option<Drive>,
+}
+
+/// Prescribed motion of a joint: angle (rad) or length as a multiple of an amplitude.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drive {
+    /// Index of the amplitude.
+    pub amplitude: usize,
+    /// Angle or length at amplitude 1.
+    pub value: f64,
+}
+
+impl Drive {
+    /// Value at a time with its rates.
+    pub fn at(&self, amplitudes: &[TimeFunction], time: f64) -> DriveValue {
+        let Some(amplitude) = amplitudes.get(self.amplitude) else {
+            let value = f64::NAN;
+            return DriveValue { value, rate: value, acceleration: value };
+        };
+        DriveValue {
+            value: self.value * amplitude.value(time),
+            rate: self.value * amplitude.rate(time),
+            acceleration: self.value * amplitude.acceleration(time),
+        }
+    }
 }
 
 impl Joint {
@@ -32,6 +61,12 @@ impl Joint {
     pub fn place(&self, value: impl Fn(u32) -> Vec3) -> Vec3 {
         let point = &self.point;
         point.terms.iter().fold(point.constant, |x, &(v, weight)| x + value(v) * weight)
+    }
+
+    /// Value of the joint's drive, of those of all joints; 0 for a joint without one.
+    pub fn drive_value(&self, drives: &[f64]) -> f64 {
+        // A drive whose value is not known must not look like one at rest.
+        if self.drive.is_none() { 0.0 } else { drives.get(self.number).copied().unwrap_or(f64::NAN) }
     }
 
     /// Numbers of the joint's constraints among those of all joints.
@@ -127,9 +162,10 @@ impl ElementGroup for JointGroup {
                 blocks.fill(0.0);
             }
             out.fill(0.0);
+            let drive = joint.drive_value(k.drives);
             for (number, row) in joint.multipliers().zip(&joint.rows) {
                 gradient.fill(Vec3::zeros());
-                row.add_gradient(1.0, v, gradient);
+                row.add_gradient(1.0, v, drive, gradient);
                 // Forces of unknown multipliers must not look like none.
                 let multiplier = k.multipliers.get(number).copied().unwrap_or(f64::NAN);
                 for (out, g) in out.chunks_exact_mut(3).zip(gradient.iter()) {

@@ -8,12 +8,12 @@
 //! 67 (2006) 499–552.
 
 mod attachment;
-mod joint;
+pub mod joint;
 pub mod joints;
 mod row;
 mod spring;
 
 pub use attachment::Attachment;
-pub use joint::{Joint, JointGroup};
-pub use row::Row;
+pub use joint::{Drive, Joint, JointGroup};
+pub use row::{DriveValue, Row};
 pub use spring::{Spring, SpringGroup};

@@ -5,11 +5,16 @@ use crate::Vec3;
 
 /// Scalar constraint `g(v) = Σ C_ab v_a·v_b + Σ c_a·v_a + c₀ = 0` of the nodal vectors v of a joint, which it names by their
 /// places in the joint's list.
+///
+/// The constraint of a driven joint depends on the value s of its drive, too: `g(v) − s` where s is a length, and
+/// `g(v) cos s − h(v) sin s` where it is an angle, with a second form h.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Row {
     products: Vec<(usize, usize, f64)>,
     linear: Vec<(usize, Vec3)>,
     constant: f64,
+    /// How the constraint depends on the drive of the joint.
+    driven: Driven,
     /// Size of the values of the constraint: the length of the model for distances, 1 for products of unit vectors.
     pub size: f64,
     /// Inertia that the constraint acts on \[mass for distances, mass · length² for products of unit vectors\]: weight of
@@ -17,7 +22,40 @@ pub struct Row {
     pub inertia: f64,
 }
 
+/// How a constraint depends on the value s of the drive of its joint.
+#[derive(Debug, Clone, PartialEq, Default)]
+enum Driven {
+    /// Not at all.
+    #[default]
+    Not,
+    /// The form is equal to s.
+    Length,
+    /// The form times cos s is equal to this form times sin s.
+    Angle(Box<Row>),
+}
+
+/// Value of a drive with its first and second rate.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct DriveValue {
+    /// Angle (rad) or length.
+    pub value: f64,
+    /// Rate per time.
+    pub rate: f64,
+    /// Second rate per time².
+    pub acceleration: f64,
+}
+
 impl Row {
+    /// Makes the form equal to the drive's value.
+    pub fn drive_length(&mut self) {
+        self.driven = Driven::Length;
+    }
+
+    /// Makes `g cos s − h sin s = 0`, with this form g and the drive's value s.
+    pub fn drive_angle(&mut self, h: Row) {
+        self.driven = Driven::Angle(Box::new(h));
+    }
+
     /// Constraint `(a − b)·e = 0` of two points along a fixed direction of space.
     pub fn coincident(vectors: &mut Vec<u32>, a: &Attachment, b: &Attachment, e: &Vec3) -> Self {
         let mut row = Self { constant: (a.constant - b.constant).dot(e), ..Self::default() };
@@ -49,14 +87,42 @@ impl Row {
         self.constant += value;
     }
 
-    /// Value g of the constraint.
-    pub fn value(&self, v: &[Vec3]) -> f64 {
+    /// Value of the constraint, where its drive has the value `s`.
+    pub fn value(&self, v: &[Vec3], s: f64) -> f64 {
+        let form = self.form(v);
+        match &self.driven {
+            Driven::Not => form,
+            Driven::Length => form - s,
+            Driven::Angle(other) => form * s.cos() - other.form(v) * s.sin(),
+        }
+    }
+
+    /// Whether an angle is that of the drive, and not half a turn away from it, where the constraint vanishes, too.
+    pub fn is_on_branch(&self, v: &[Vec3], s: f64) -> bool {
+        match &self.driven {
+            Driven::Angle(other) => self.form(v) * s.sin() + other.form(v) * s.cos() > 0.0,
+            Driven::Not | Driven::Length => true,
+        }
+    }
+
+    /// Value of the quadratic form.
+    fn form(&self, v: &[Vec3]) -> f64 {
         let products: f64 = self.products.iter().map(|&(a, b, c)| c * v[a].dot(&v[b])).sum();
         products + self.linear.iter().map(|(a, c)| c.dot(&v[*a])).sum::<f64>() + self.constant
     }
 
-    /// Adds `factor · ∂g/∂v` to the gradient of each nodal vector.
-    pub fn add_gradient(&self, factor: f64, v: &[Vec3], out: &mut [Vec3]) {
+    /// Adds `factor · ∂g/∂v` to the gradient of each nodal vector, where the drive has the value `s`.
+    pub fn add_gradient(&self, factor: f64, v: &[Vec3], s: f64, out: &mut [Vec3]) {
+        match &self.driven {
+            Driven::Not | Driven::Length => self.add_form_gradient(factor, v, out),
+            Driven::Angle(other) => {
+                self.add_form_gradient(factor * s.cos(), v, out);
+                other.add_form_gradient(-factor * s.sin(), v, out);
+            }
+        }
+    }
+
+    fn add_form_gradient(&self, factor: f64, v: &[Vec3], out: &mut [Vec3]) {
         for &(a, b, c) in &self.products {
             out[a] += v[b] * (factor * c);
             out[b] += v[a] * (factor * c);
@@ -66,8 +132,42 @@ impl Row {
         }
     }
 
-    /// Part `2 Σ C_ab v̇_a·v̇_b` of the second time derivative that follows from the velocities alone.
-    pub fn velocity_term(&self, rates: &[Vec3]) -> f64 {
+    /// Part `∂g/∂t` of the rate of the constraint that its drive makes.
+    pub fn driven_rate(&self, v: &[Vec3], s: DriveValue) -> f64 {
+        match &self.driven {
+            Driven::Not => 0.0,
+            Driven::Length => -s.rate,
+            Driven::Angle(other) => -s.rate * (self.form(v) * s.value.sin() + other.form(v) * s.value.cos()),
+        }
+    }
+
+    /// Part of the second rate of the constraint that follows from the velocities and the drive alone.
+    pub fn velocity_term(&self, v: &[Vec3], rates: &[Vec3], s: DriveValue) -> f64 {
+        match &self.driven {
+            Driven::Not => self.form_velocity_term(rates),
+            Driven::Length => self.form_velocity_term(rates) - s.acceleration,
+            Driven::Angle(other) => {
+                let (sine, cosine) = s.value.sin_cos();
+                let [g, h] = [self.form(v), other.form(v)];
+                let [g_rate, h_rate] = [self.form_rate(v, rates), other.form_rate(v, rates)];
+                self.form_velocity_term(rates) * cosine
+                    - other.form_velocity_term(rates) * sine
+                    - 2.0 * s.rate * (g_rate * sine + h_rate * cosine)
+                    - s.acceleration * (g * sine + h * cosine)
+                    - s.rate * s.rate * (g * cosine - h * sine)
+            }
+        }
+    }
+
+    /// Rate of the quadratic form.
+    fn form_rate(&self, v: &[Vec3], rates: &[Vec3]) -> f64 {
+        let product = |&(a, b, c): &(usize, usize, f64)| c * (v[a].dot(&rates[b]) + rates[a].dot(&v[b]));
+        self.products.iter().map(product).sum::<f64>()
+            + self.linear.iter().map(|(a, c)| c.dot(&rates[*a])).sum::<f64>()
+    }
+
+    /// Part `2 Σ C_ab v̇_a·v̇_b` of the second rate of the quadratic form.
+    fn form_velocity_term(&self, rates: &[Vec3]) -> f64 {
         self.products.iter().map(|&(a, b, c)| 2.0 * c * rates[a].dot(&rates[b])).sum()
     }
 }

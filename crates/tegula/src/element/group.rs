@@ -62,6 +62,8 @@ pub struct GroupPoint<'a> {
     pub inextensible: &'a [bool],
     /// Lagrange multipliers of all constraints.
     pub multipliers: &'a [f64],
+    /// Value of the drive of each joint at the time at which forces act; 0 for joints without one.
+    pub drives: &'a [f64],
 }
 
 /// History (internal) variables and factors of the prescribed strains: they determine the stress besides the

@@ -23,6 +23,8 @@ macro_rules! joints {
             cylindrical::Cylindrical(AxisJoint): "Rotation about the axis and sliding along it.",
             prismatic::Prismatic(AxisJoint): "Sliding along the axis without rotation.",
             planar::Planar(AxisJoint): "Motion in the plane across the axis, and rotation about it.",
+            driven_angle::DrivenAngle(DrivenAngleJoint): "Prescribed rotation about an axis, beside a revolute or cylindrical joint.",
+            driven_length::DrivenLength(DrivenLengthJoint): "Prescribed displacement along an axis, beside a prismatic or cylindrical joint.",
             distance::Distance(DistanceJoint): "Rod without mass: the distance of two points is constant.",
         }
     };
@@ -47,9 +49,9 @@ macro_rules! joint {
             }
 
             /// Word of the model file.
-            pub fn word(&self) -> &'static str {
+            pub fn word(&self) -> String {
                 match self {
-                    $(Self::$kind(_) => stringify!($file),)*
+                    $(Self::$kind(_) => stringify!($file).replace('_', "-"),)*
                 }
             }
         }
@@ -70,6 +72,23 @@ pub trait JointKeys {
     /// Point of the first and point of the second side in the reference configuration, each with its key; one where they
     /// coincide. Reactions are given there.
     fn points(&self) -> Vec<(&'static str, [f64; 3])>;
+    /// Prescribed motion of a driven joint.
+    fn drive(&self) -> Option<JointDrive<'_>> {
+        None
+    }
+}
+
+/// Prescribed motion of a driven joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointDrive<'a> {
+    /// Key of the value.
+    pub key: &'static str,
+    /// Angle (degrees) or length at amplitude 1.
+    pub given: f64,
+    /// Angle (rad) or length at amplitude 1.
+    pub value: f64,
+    /// Name of the amplitude.
+    pub amplitude: &'a str,
 }
 
 /// Name for the ground in `between`.
@@ -116,6 +135,41 @@ pub struct TwoAxesJoint {
     pub axes: [[f64; 3]; 2],
 }
 
+/// A prescribed rotation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DrivenAngleJoint {
+    /// Name of the joint in messages and results.
+    pub name: String,
+    /// Both sides: names of bodies, or `ground`.
+    pub between: [String; 2],
+    /// Direction of the axis in the reference configuration, about which another joint lets the two sides turn.
+    pub axis: [f64; 3],
+    /// Rotation of the second side relative to the first one at amplitude 1, right-handed about the axis, zero in the reference
+    /// configuration (degrees).
+    pub angle: f64,
+    /// Name of the amplitude; its value at time 0 must be 0.
+    pub amplitude: String,
+}
+
+/// A prescribed displacement along an axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DrivenLengthJoint {
+    /// Name of the joint in messages and results.
+    pub name: String,
+    /// Both sides: names of bodies or of sets with one node, or `ground`.
+    pub between: [String; 2],
+    /// Point of both sides in the reference configuration (length).
+    pub at: [f64; 3],
+    /// Direction of the axis in the reference configuration; it is fixed in the first side.
+    pub axis: [f64; 3],
+    /// Displacement of the second side relative to the first one along the axis at amplitude 1 (length).
+    pub length: f64,
+    /// Name of the amplitude; its value at time 0 must be 0.
+    pub amplitude: String,
+}
+
 /// A constant distance of two points.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -130,7 +184,7 @@ pub struct DistanceJoint {
 
 /// Implements [`JointKeys`] for keys with `name`, `between` and these points and directions.
 macro_rules! joint_keys {
-    ($keys:ident, $self:ident, [$($point:expr),*], [$($direction:expr),*]) => {
+    ($keys:ident, $self:ident, [$($point:expr),*], [$($direction:expr),*] $(, $drive:expr)?) => {
         impl JointKeys for $keys {
             fn name(&self) -> &str {
                 &self.name
@@ -147,13 +201,39 @@ macro_rules! joint_keys {
             fn points(&$self) -> Vec<(&'static str, [f64; 3])> {
                 vec![$($point),*]
             }
+
+            $(fn drive(&$self) -> Option<JointDrive<'_>> {
+                Some($drive)
+            })?
         }
     };
 }
 joint_keys!(PointJoint, self, [("at", self.at)], []);
 joint_keys!(AxisJoint, self, [("at", self.at)], [("axis", self.axis)]);
 joint_keys!(TwoAxesJoint, self, [("at", self.at)], [("axes[0]", self.axes[0]), ("axes[1]", self.axes[1])]);
+joint_keys!(
+    DrivenAngleJoint,
+    self,
+    [],
+    [("axis", self.axis)],
+    JointDrive {
+        key: "angle",
+        given: self.angle,
+        value: self.angle.to_radians(),
+        amplitude: &self.amplitude
+    }
+);
+joint_keys!(
+    DrivenLengthJoint,
+    self,
+    [("at", self.at)],
+    [("axis", self.axis)],
+    JointDrive { key: "length", given: self.length, value: self.length, amplitude: &self.amplitude }
+);
 joint_keys!(DistanceJoint, self, [("points[0]", self.points[0]), ("points[1]", self.points[1])], []);
+
+/// Amplitude of the driven joints of the contract tests.
+pub const DRIVE: &str = "drive";
 
 /// Sides, point and axis of the joints of the contract tests.
 const EXAMPLE: ([&str; 2], [f64; 3], [f64; 3]) = (["a", "b"], [0.6, 0.1, -0.2], [1.0, 2.0, 2.0]);
@@ -177,6 +257,22 @@ impl TwoAxesJoint {
         let (between, at, axis) = EXAMPLE;
         let axes = [axis, [2.0, 1.0, -2.0]];
         Self { name: "joint".into(), between: between.map(str::to_owned), at, axes }
+    }
+}
+
+impl DrivenAngleJoint {
+    pub(crate) fn example() -> Self {
+        let (between, _, axis) = EXAMPLE;
+        let amplitude = DRIVE.into();
+        Self { name: "joint".into(), between: between.map(str::to_owned), axis, angle: 90.0, amplitude }
+    }
+}
+
+impl DrivenLengthJoint {
+    pub(crate) fn example() -> Self {
+        let (between, at, axis) = EXAMPLE;
+        let amplitude = DRIVE.into();
+        Self { name: "joint".into(), between: between.map(str::to_owned), at, axis, length: 0.5, amplitude }
     }
 }
 

@@ -32,7 +32,10 @@ pub use condition::*;
 pub use element_kind::ElementKind;
 pub(crate) use element_kind::element_types;
 pub(crate) use joint::joints;
-pub use joint::{AxisJoint, DistanceJoint, Joint, JointKeys, PointJoint, TwoAxesJoint};
+pub use joint::{
+    AxisJoint, DRIVE, DistanceJoint, DrivenAngleJoint, DrivenLengthJoint, Joint, JointDrive, JointKeys,
+    PointJoint, TwoAxesJoint,
+};
 pub use loads::{Load, LoadStiffness, NodalLoad};
 pub use mesh_source::*;
 pub use prescribed_strain::*;

@@ -63,8 +63,10 @@ pub fn reference_axes(system: &System, body: &Body) -> Mat3 {
 pub fn joint_reaction(system: &System, state: &State, joint: &Joint) -> (Vec3, Vec3) {
     let v: Vec<Vec3> = joint.vectors.iter().map(|&v| current(system, &state.u, v)).collect();
     let mut forces = vec![Vec3::zeros(); v.len()];
+    let drive = system.drive(joint, state.time).value;
     for (row, number) in joint.rows.iter().zip(joint.multipliers()) {
-        row.add_gradient(state.multipliers.get(number).copied().unwrap_or(f64::NAN), &v, &mut forces);
+        let multiplier = state.multipliers.get(number).copied().unwrap_or(f64::NAN);
+        row.add_gradient(multiplier, &v, drive, &mut forces);
     }
     let point = joint.place(|n| current(system, &state.u, n));
     // The joint acts with −Gᵀλ; what acts on the first end acts with opposite sign on the second one.

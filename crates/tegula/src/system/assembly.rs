@@ -84,17 +84,15 @@ impl Assembly {
             values: Vec::new(),
             energies: vec![0.0; elements],
             new_history: vec![0.0; history],
-            factors: vec![0.0; system.prescribed_strains.len()],
+            factors: vec![0.0; system.prescribed_strains.len() + system.joints.len()],
             frames: system.frames.clone(),
             force_sources: Lists::by_key(system.vectors(), sources),
         }
     }
 
-    /// Sets the factors of the prescribed strains.
+    /// Sets the factors of the prescribed strains and the values of the drives.
     fn set_time(&mut self, system: &System, time: f64) {
-        for (factor, field) in self.factors.iter_mut().zip(&system.prescribed_strains) {
-            *factor = system.factor(&field.factor, time);
-        }
+        self.factors.iter_mut().zip(system.factors(time)).for_each(|(x, factor)| *x = factor);
     }
 
     /// Rotates the local frames of inextensible directors and rigid bodies to the configuration on which the forces of a motion act.

@@ -57,9 +57,11 @@ impl<'a> EvaluationPoint<'a> {
         Self::new(system, Motion::State { u, velocity: None }, time, internal)
     }
 
-    /// Evaluation point of the elements of a group, with the factors of the prescribed strains.
+    /// Evaluation point of the elements of a group, with the factors of the prescribed strains and the values of the drives
+    /// behind them ([`System::factors`]).
     pub fn of_group(&self, system: &'a System, group: usize, factors: &'a [f64]) -> GroupPoint<'a> {
         let history = &self.internal.history[system.offsets[group].history.clone()];
+        let (factors, drives) = factors.split_at(system.prescribed_strains.len().min(factors.len()));
         GroupPoint {
             reference: &system.coordinates.reference,
             motion: self.motion,
@@ -67,6 +69,7 @@ impl<'a> EvaluationPoint<'a> {
             interior: InternalVariables { history, factors },
             inextensible: &system.coordinates.inextensible,
             multipliers: self.internal.multipliers,
+            drives,
         }
     }
 }

@@ -5,6 +5,7 @@ pub mod circulatory;
 pub mod coordinates;
 pub mod corotational_update;
 pub mod dof_map;
+mod drives;
 pub mod element_frequency;
 pub mod evaluation_point;
 mod inverted_element;
@@ -19,7 +20,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::Vec3;
-use crate::constraint::Joint;
+use crate::constraint::{DriveValue, Joint};
 use crate::element::shell::ShellElement;
 use crate::element::{ElementGroup, Nodal, ShellGeometry};
 use crate::load::{FollowerLoad, LoadFactor, LoadParameter, Signal, TimeFunction};
@@ -231,6 +232,17 @@ impl System {
         self.groups.iter().any(|group| group.acts_on_ground())
     }
 
+    /// Factors of the prescribed strains at a time, and behind them the values of the drives of all joints.
+    pub fn factors(&self, time: f64) -> impl Iterator<Item = f64> + '_ {
+        let strains = self.prescribed_strains.iter().map(move |field| self.factor(&field.factor, time));
+        strains.chain(self.joints.iter().map(move |joint| self.drive(joint, time).value))
+    }
+
+    /// Value of the drive of a joint at a time with its rates; zero for a joint without one.
+    pub fn drive(&self, joint: &Joint, time: f64) -> DriveValue {
+        joint.drive.map_or_else(DriveValue::default, |drive| drive.at(&self.amplitudes, time))
+    }
+
     /// Number of constraints, and of their Lagrange multipliers.
     pub fn constraints(&self) -> usize {
         self.joints.last().map_or(0, |last| last.multipliers().end)
@@ -303,7 +315,8 @@ impl System {
     pub fn amplitudes_in_use(&self) -> impl Iterator<Item = (usize, bool)> + '_ {
         let loads = self.load_factors().map(|factor| (factor.used_amplitude(), false));
         let motions = self.dofs().prescribed.iter().map(|p| (p.amplitude, true));
-        loads.chain(motions).filter_map(|(amplitude, motion)| Some((amplitude?, motion)))
+        let drives = self.joints.iter().map(|joint| (joint.drive.map(|drive| drive.amplitude), true));
+        loads.chain(motions).chain(drives).filter_map(|(amplitude, motion)| Some((amplitude?, motion)))
     }
 
     /// Name of an amplitude.
@@ -375,7 +388,8 @@ impl System {
         let kink =
             |a: &TimeFunction| matches!(a, TimeFunction::Table(_)) && a.rate(time) != a.rate_before(time);
         let motions = self.dofs().prescribed.iter().filter_map(|p| p.amplitude);
-        motions.filter_map(|a| self.amplitudes.get(a)).any(kink)
+        let drives = self.joints.iter().filter_map(|joint| joint.drive.map(|drive| drive.amplitude));
+        motions.chain(drives).filter_map(|a| self.amplitudes.get(a)).any(kink)
     }
 
     /// Writes prescribed accelerations at a time.

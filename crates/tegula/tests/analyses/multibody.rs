@@ -565,3 +565,127 @@ fn a_body_on_a_driven_strip_passes_kinks_of_the_motion() {
     let place = Vec3::from(tip) + Vec3::from(state.u[node]);
     assert!((point(&system, &state, 0, tip) - place).norm() < 1e-10, "{place}");
 }
+
+/// A hinge of the ground about an axis through the origin, and a drive of its angle by a formula (degrees).
+fn driven_hinge(body: &str, at: [f64; 3], axis: [f64; 3]) -> Vec<Joint> {
+    vec![
+        Joint::Revolute(AxisJoint { name: "hinge".into(), between: between("ground", body), at, axis }),
+        Joint::DrivenAngle(DrivenAngleJoint {
+            name: "drive".into(),
+            between: between("ground", body),
+            axis,
+            angle: 1.0,
+            amplitude: "angle".into(),
+        }),
+    ]
+}
+
+fn formula(text: &str) -> Amplitude {
+    Amplitude::Expression(ExpressionAmplitude { expression: text.into() })
+}
+
+/// Cardan joint between shafts at 40° whose driven fork is across their plane at the start: tan φ₂ = cos β tan φ₁ after ten turns,
+/// in steps of up to a fifth of a turn.
+#[test]
+fn a_cardan_joint_transmits_the_angle_of_a_driven_shaft() {
+    let beta = 40f64.to_radians();
+    let axis = [beta.cos(), beta.sin(), 0.0];
+    let shaft = |name: &str, at| body(name, at, 1.0, Some([0.02, 0.03, 0.04]));
+    let output = RigidBody { axes: [axis, [-beta.sin(), beta.cos(), 0.0]], ..shaft("output", axis) };
+    let mut joints = driven_hinge("input", [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    joints.push(Joint::Cylindrical(AxisJoint {
+        name: "bearing".into(),
+        between: between("ground", "output"),
+        at: axis,
+        axis,
+    }));
+    joints.push(Joint::Universal(TwoAxesJoint {
+        name: "cardan".into(),
+        between: between("input", "output"),
+        at: [0.0; 3],
+        axes: [[0.0, 0.0, 1.0], [-beta.sin(), beta.cos(), 0.0]],
+    }));
+    let mut model = machine(1.0, 0.01, vec![shaft("input", [-1.0, 0.0, 0.0]), output], joints);
+    model.amplitudes.insert("angle".into(), formula("3650*t^2"));
+    let mut notes = Notes::default();
+    let (system, state) = run(&model, &mut notes);
+    assert!(notes.drift() <= 1e-10 * notes.kinetic, "{}", notes.drift());
+    let (_, r) = pose(&system, &state, 1);
+    let second = (beta.cos() * 50f64.to_radians().tan()).atan();
+    let fork = Vec3::new(-beta.sin(), beta.cos(), 0.0) * second.cos() + Vec3::z() * second.sin();
+    assert!((r.column(1) - fork).norm() < 1e-8, "{r} {fork}");
+}
+
+/// A pendulum whose hinge is driven by θ = θ₀ (1 − cos ωt): moment of the drive J θ̈ + m g l sin θ, its work the energy gained.
+#[test]
+fn a_driven_pendulum_takes_the_moment_of_its_equation_of_motion() {
+    let arm = body("arm", [0.0, -0.7, 0.0], 2.0, Some([0.1, 0.02, 0.1]));
+    let joints = driven_hinge("arm", [0.0; 3], [0.0, 0.0, 1.0]);
+    let moment = |step: f64| {
+        let mut model = machine(0.8, step, vec![arm.clone()], joints.clone());
+        model.amplitudes.insert("angle".into(), formula("60*(1 - cos(4*t))"));
+        model.loads = gravity([0.0, -9.81, 0.0]);
+        let mut notes = Notes::default();
+        let (system, state) = run(&model, &mut notes);
+        assert!(notes.drift() <= 1e-10 * notes.kinetic, "{}", notes.drift());
+        let angle = |t: f64| 60f64.to_radians() * (1.0 - (4.0 * t).cos());
+        let (x, _) = pose(&system, &state, 0);
+        let expected = Vec3::new(angle(0.8).sin(), -angle(0.8).cos(), 0.0) * 0.7;
+        assert!((x - expected).norm() < 1e-11, "{x}");
+        let t: f64 = 0.8 - 0.5 * step;
+        let exact = (0.1 + 2.0 * 0.49) * 60f64.to_radians() * 16.0 * (4.0 * t).cos()
+            + 2.0 * 9.81 * 0.7 * angle(t).sin();
+        let (_, m) = joint_reaction(&system, &state, &system.joints[1]);
+        (m.z - exact).abs() / exact.abs()
+    };
+    let errors = [moment(8e-3), moment(4e-3), moment(2e-3)];
+    assert!(errors[2] < 1e-3, "{errors:?}");
+    assert!((3.6..4.4).contains(&(errors[1] / errors[2])), "{errors:?}");
+}
+
+/// A mass on a slide that is driven along a length: force m s̈ + m g, and no other motion.
+#[test]
+fn a_driven_slide_carries_weight_and_inertia() {
+    let keys = |name: &str| (name.to_owned(), between("ground", "mass"));
+    let (name, sides) = keys("slide");
+    let (drive, _) = keys("drive");
+    let axis = [0.0, 0.0, 2.0];
+    let at = [0.3, 0.0, 0.0];
+    let joints = vec![
+        Joint::Prismatic(AxisJoint { name, between: sides.clone(), at, axis }),
+        Joint::DrivenLength(DrivenLengthJoint {
+            name: drive,
+            between: sides,
+            at,
+            axis,
+            length: 0.5,
+            amplitude: "lift".into(),
+        }),
+    ];
+    let mass = body("mass", [0.0; 3], 3.0, Some([0.1; 3]));
+    let mut model = machine(1.0, 1e-2, vec![mass], joints);
+    model.amplitudes.insert("lift".into(), formula("t^2"));
+    model.loads = gravity([0.0, 0.0, -9.81]);
+    let (system, state) = run(&model, &mut Notes::default());
+    let (x, r) = pose(&system, &state, 0);
+    assert!((x - Vec3::new(0.0, 0.0, 0.5)).norm() < 1e-12 && (r - Mat3::identity()).norm() < 1e-12, "{x}");
+    let (force, _) = joint_reaction(&system, &state, &system.joints[1]);
+    assert!((force - Vec3::new(0.0, 0.0, 3.0 * (9.81 + 1.0))).norm() < 1e-9, "{force}");
+}
+
+/// Two drives of one hinge that disagree contradict each other; the one that is named is a drive.
+#[test]
+fn drives_that_contradict_each_other_are_refused_by_name() {
+    let arm = body("arm", [0.0, -0.7, 0.0], 2.0, Some([0.1, 0.02, 0.1]));
+    let mut joints = driven_hinge("arm", [0.0; 3], [0.0, 0.0, 1.0]);
+    let Joint::DrivenAngle(mut second) = joints[1].clone() else { panic!() };
+    (second.name, second.angle) = ("second".into(), 2.0);
+    joints.push(Joint::DrivenAngle(second));
+    let mut model = machine(0.8, 0.01, vec![arm], joints);
+    model.amplitudes.insert("angle".into(), formula("60*(1 - cos(4*t))"));
+    let mesh = mesh::generators::generate(&model.mesh).unwrap();
+    let system = compile::build(&model, &mesh).unwrap();
+    let Analysis::Transient(options) = &model.analysis else { panic!() };
+    let error = dynamics::run(&system, options, None, &mut Notes::default()).unwrap_err().to_string();
+    assert!(error.contains("the drives \"drive\", \"second\" contradict each other"), "{error}");
+}

@@ -171,6 +171,7 @@ fn both_kernels_agree() {
                         interior,
                         inextensible,
                         multipliers: &[],
+                        drives: &[],
                     };
                     let pairs = everything(e.fast.as_ref(), &k, &w).into_iter().zip(everything(
                         e.general.as_ref(),
@@ -207,6 +208,7 @@ fn parts_are_evaluated_alike() {
         interior,
         inextensible: &[],
         multipliers: &[],
+        drives: &[],
     };
     let mut whole = vec![0.0; 30 * 24];
     e.fast.evaluate(&k, 0, &mut whole, None);

@@ -9,8 +9,10 @@
 use super::project_rates;
 use crate::analysis::State;
 use crate::analysis::newton::Newton;
+use crate::constraint::Joint;
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::error::{Error, Result};
+use crate::norm::larger;
 use crate::system::System;
 use crate::system::assembly::TangentCoefficients;
 
@@ -19,6 +21,9 @@ const NOTEWORTHY: f64 = 1e-6;
 
 /// Value of a constraint over its size above which a joint counts as open.
 const CLOSED: f64 = 1e-9;
+
+/// Rate of a constraint that no motion makes vanish, over the largest rate of a drive, above which drives contradict each other.
+const DISAGREED: f64 = 1e-6;
 
 /// Weights of the mass matrix with the augmented Lagrangian of the constraints, `M + Gᵀ γ G`.
 const MASS: TangentWeights =
@@ -49,7 +54,7 @@ pub(super) fn project_velocities(
         what: format!("The velocities of the joints were not found: {reason}."),
         help: "Check masses, inertia and joints.".into(),
     })?;
-    let rates = constraints.rates(system, &motion, &state.v, None);
+    let rates = constraints.rates(system, (&motion, state.time), &state.v, None);
     let mut free = vec![0.0; system.unknowns()];
     constraints.project(&rates, &mut free);
     let mut change = vec![[0.0; 3]; system.vectors()];
@@ -71,17 +76,21 @@ pub(super) fn consistent_velocities(
     state: &mut State,
 ) -> Result<Vec<String>> {
     let motion = Motion::State { u: &state.u, velocity: None };
-    let open = newton.constraints.as_mut().and_then(|c| c.violation(system, &motion, CLOSED));
+    let open = newton.constraints.as_mut().and_then(|c| c.violation(system, (&motion, state.time), CLOSED));
     if let Some(open) = open {
         return Err(Error::model(
             "joints",
             format!("{open} at the start"),
-            "let the joint connect points that coincide in the reference configuration",
+            "let the joint connect points that coincide in the reference configuration, and a driven joint begin where it is: \
+             its amplitude is 0 at time 0",
         ));
     }
     let Some([changed, size]) = project_velocities(system, newton, state)? else { return Ok(Vec::new()) };
+    agreed(system, newton, state, Rate::First)?;
     let mut messages = Vec::new();
-    if changed > NOTEWORTHY * size {
+    if changed > 0.0 && !(size > NOTEWORTHY * changed) {
+        messages.push("the velocities of drives at the start set the model in motion at once".into());
+    } else if changed > NOTEWORTHY * size {
         messages.push(format!(
             "the velocities at the start did not keep the joints closed: they were changed by {:.2} % (in the norm \
              of the kinetic energy)",
@@ -97,19 +106,65 @@ pub(super) fn consistent_velocities(
     Ok(messages)
 }
 
+/// Order of the rates of constraints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Rate {
+    First,
+    Second,
+}
+
+/// Refuses drives that contradict each other or other joints: rates of constraints that do not vanish, however the model
+/// moves.
+fn agreed(system: &System, newton: &Newton, state: &State, order: Rate) -> Result<()> {
+    let drives = || {
+        system.joints.iter().filter(|joint| joint.drive.is_some()).map(|joint| {
+            let drive = system.drive(joint, state.time);
+            (joint, if order == Rate::First { drive.rate } else { drive.acceleration }.abs())
+        })
+    };
+    let largest = drives().map(|(_, rate)| rate).fold(0.0, larger);
+    let Some(constraints) = newton.constraints.as_ref().filter(|_| largest > 0.0) else { return Ok(()) };
+    let motion = Motion::State { u: &state.u, velocity: None };
+    let accelerations = (order == Rate::Second).then_some(&state.a[..]);
+    let rates = constraints.rates(system, (&motion, state.time), &state.v, accelerations);
+    let open = |joint: &&Joint| rates[joint.multipliers()].iter().any(|r| !(r.abs() <= DISAGREED * largest));
+    if !system.joints.iter().any(|joint| open(&joint)) {
+        return Ok(());
+    }
+    let names: Vec<_> =
+        drives().filter(|(_, rate)| *rate > 0.0).map(|(joint, _)| format!("\"{}\"", joint.name)).collect();
+    Err(Error::model(
+        "joints",
+        format!(
+            "the drives {} contradict each other, or other joints hold what they drive",
+            names.join(", ")
+        ),
+        "leave out drives of the same motion, or joints that prevent it",
+    ))
+}
+
 /// Adds the response of the constrained masses to forces on all nodal vectors to the accelerations of the first state, and
 /// finds the multipliers.
-pub(super) fn add_response(system: &System, newton: &mut Newton, forces: &[Nodal], state: &mut State) {
+///
+/// # Errors
+/// Drives contradict each other.
+pub(super) fn add_response(
+    system: &System,
+    newton: &mut Newton,
+    forces: &[Nodal],
+    state: &mut State,
+) -> Result<()> {
     let Newton { assembly, solver, constraints, .. } = newton;
-    let Some(constraints) = constraints else { return };
+    let Some(constraints) = constraints else { return Ok(()) };
     let mut free = vec![0.0; system.unknowns()];
     assembly.frames.reduce(forces, &mut free);
     tegula_sparse::Factor::solve(solver, &mut free);
     let motion = Motion::State { u: &state.u, velocity: None };
-    let rates = constraints.rates(system, &motion, &state.v, Some(&state.a));
+    let rates = constraints.rates(system, (&motion, state.time), &state.v, Some(&state.a));
     let multipliers = constraints.project(&rates, &mut free);
     state.multipliers.copy_from_slice(multipliers);
     let mut response = vec![[0.0; 3]; system.vectors()];
     assembly.frames.expand(&free, &mut response);
     super::statics::add(&mut state.a, &response);
+    agreed(system, newton, state, Rate::Second)
 }

@@ -292,7 +292,8 @@ impl<S: TangentSolver> Newton<S> {
                 .map_err(tangent_failed)?;
         }
         if let Some(constraints) = &mut self.constraints {
-            constraints.correct(system, &equation.motion(), equation.multipliers(), &mut self.solution);
+            let at = (&equation.motion(), equation.parts().time);
+            constraints.correct(system, at, equation.multipliers(), &mut self.solution);
         }
         if let Some(body) = spun_body(system, &self.solution) {
             return Err((
@@ -445,7 +446,11 @@ impl<S: TangentSolver> Newton<S> {
 
     /// Joint that an iterate leaves open, as text.
     fn open_joint(&mut self, system: &System, equation: &dyn Equation, limit: f64) -> Option<String> {
-        let open = self.constraints.as_mut()?.violation(system, &equation.motion(), limit)?;
+        let open = self.constraints.as_mut()?.violation(
+            system,
+            (&equation.motion(), equation.parts().time),
+            limit,
+        )?;
         Some(format!("{open}: its constraints contradict those of other joints"))
     }
 

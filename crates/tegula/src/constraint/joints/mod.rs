@@ -4,7 +4,7 @@
 //! are sums of a few basic ones: coincident points, perpendicular axes, a point in a plane, a distance. The table of these
 //! is in J. García de Jalón, E. Bayo, *Kinematic and dynamic simulation of multibody systems* (1994), Ch. 4.
 
-use super::{Attachment, Joint, Row};
+use super::{Attachment, Drive, Joint, Row};
 use crate::Vec3;
 use crate::checker::Checker;
 use crate::model::{self, joints};
@@ -144,6 +144,35 @@ impl Constraints {
         self.push(row, length * self.length, self.inertia(false) / (length * length));
     }
 
+    /// The second end has turned by the drive's angle relative to the first one about a common axis.
+    pub(super) fn driven_angle(&mut self, axis: &Vec3) {
+        let [e1, e2] = crate::element::geometry::tangents(&axis.normalize());
+        let axes = (self.ends[0].axis(&e1), self.ends[0].axis(&e2), self.ends[1].axis(&e1));
+        let (Some(first), Some(second), Some(turned)) = axes else {
+            self.lacks_axis = true;
+            return;
+        };
+        let (mut row, mut other) = (Row::default(), Row::default());
+        row.add_product(&mut self.vectors, 1.0, &second, &turned);
+        other.add_product(&mut self.vectors, 1.0, &first, &turned);
+        row.drive_angle(other);
+        self.push(row, 1.0, self.inertia(true));
+    }
+
+    /// The point of the second end has moved by the drive's length along an axis of the first one.
+    pub(super) fn driven_length(&mut self, axis: &Vec3, at: [f64; 3]) {
+        let [a, b] = [0, 1].map(|i| self.ends[i].point(&at.into()));
+        let Some(n) = self.ends[0].axis(&axis.normalize()) else {
+            self.lacks_axis = true;
+            return;
+        };
+        let mut row = Row::default();
+        row.add_product(&mut self.vectors, 1.0, &n, &b);
+        row.add_product(&mut self.vectors, -1.0, &n, &a);
+        row.drive_length();
+        self.push(row, self.length, self.inertia(false));
+    }
+
     /// The axis of both ends stays parallel: two constraints.
     pub(super) fn parallel(&mut self, axis: &Vec3) {
         let [e1, e2] = crate::element::geometry::tangents(&axis.normalize());
@@ -199,9 +228,14 @@ macro_rules! kinds {
 }
 joints!(kinds);
 
-/// Constraints of a joint between two ends in a model of this size, numbered from `first` on; `None` where it needs an axis
-/// of a node or a point mass.
-pub fn joint(joint: &model::Joint, ends: [End; 2], length: f64, first: usize) -> Option<Joint> {
+/// Constraints of a joint between two ends in a model of this size, which comes after the `others`; `None` where it needs an
+/// axis of a node or a point mass.
+pub fn joint(
+    joint: &model::Joint,
+    ends: [End; 2],
+    length: f64,
+    (others, drive): (&[Joint], Option<Drive>),
+) -> Option<Joint> {
     let points = joint.common().points();
     let side = usize::from(ends[1] != End::Ground);
     let at = points
@@ -214,5 +248,6 @@ pub fn joint(joint: &model::Joint, ends: [End; 2], length: f64, first: usize) ->
     let Constraints { vectors, rows, lacks_axis, .. } = out;
     let name = joint.common().name().to_owned();
     let of_first = vectors.iter().map(|v| own.contains(v)).collect();
-    (!lacks_axis).then_some(Joint { name, vectors, of_first, point, rows, first })
+    let (number, first) = (others.len(), others.last().map_or(0, |last| last.multipliers().end));
+    (!lacks_axis).then_some(Joint { name, vectors, of_first, point, rows, first, number, drive })
 }
