@@ -5,6 +5,7 @@ use crate::analysis::State;
 use crate::element::Nodal;
 use crate::system::System;
 use crate::{Mat3, Vec3};
+use nalgebra::Rotation3;
 
 /// Iterations for the polar decomposition: quadratic convergence from the prediction of a step.
 const POLAR_ITERATIONS: usize = 30;
@@ -78,21 +79,28 @@ pub(super) fn project_rates(system: &System, u: &[Nodal], v: &mut [Nodal], a: &m
 /// of the step have other solutions.
 pub(super) const MOST_ROTATION: f64 = 2.0;
 
+/// Largest rotation (rad) between the end of a step and where the angular velocity at its start would lead: joints such as the
+/// universal one are closed after half a turn, too, and a long step may end there.
+const MOST_DEVIATION: f64 = 1.0;
+
 /// Name of a body that turns too far in a step of length `dt` from a state to the displacements `new`: by its angular velocity at
-/// the start, or by its displacements.
+/// the start, by its displacements, or by what one differs from the other.
 pub(super) fn turned_too_far<'a>(
     system: &'a System,
     (state, dt): (&State, f64),
     new: &[Nodal],
 ) -> Option<&'a str> {
-    let least = 1.0 + 2.0 * MOST_ROTATION.cos();
+    let [least, least_deviation] = [MOST_ROTATION, MOST_DEVIATION].map(|angle| 1.0 + 2.0 * angle.cos());
     let far = |triad: &[u32; 3]| {
         let before = directors(system, &state.u, triad);
         let rate = |i: usize| before.column(i).cross(&Vec3::from(state.v[triad[i] as usize]));
-        let angle = (0..3).map(rate).sum::<Vec3>().norm() * 0.5 * dt;
+        let rotation = (0..3).map(rate).sum::<Vec3>() * (0.5 * dt);
+        let after = directors(system, new, triad);
         // The trace of a rotation by an angle is 1 + 2 cos of it.
-        let trace = (before.transpose() * directors(system, new, triad)).trace();
-        !(trace >= least && angle <= MOST_ROTATION)
+        let trace = (before.transpose() * after).trace();
+        let predicted = Rotation3::new(rotation).into_inner() * before;
+        let deviation = (predicted.transpose() * after).trace();
+        !(trace >= least && rotation.norm() <= MOST_ROTATION && deviation >= least_deviation)
     };
     let body = system.coordinates.bodies.iter().find(|body| body.directors.as_ref().is_some_and(far))?;
     Some(&body.name)
