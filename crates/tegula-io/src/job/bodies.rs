@@ -1,8 +1,11 @@
-//! Motion of rigid bodies and reactions of joints: columns of the history.
+//! Motion of rigid bodies, reactions of joints and resultants of beams: columns of the history.
 
 use tegula::System;
 use tegula::analysis::State;
+use tegula::result::beams::beam_resultants;
 use tegula::result::bodies::{BodyMotion, joint_reaction, reference_axes};
+use tegula::system::BeamLine;
+use tegula::system::coordinates::Body;
 
 /// Columns of a body: position, quaternion from the reference (scalar first), velocity, angular velocity along the axes of
 /// space and along those of the body.
@@ -13,15 +16,39 @@ const OF_POINT: [&str; 6] = ["x", "y", "z", "vx", "vy", "vz"];
 /// Columns of a joint: force and moment of the first end on the second one.
 const OF_JOINT: [&str; 6] = ["fx", "fy", "fz", "mx", "my", "mz"];
 
+/// Columns of a node of a beam: shear forces along the axes 1 and 2 of the cross-section, axial force, bending moments about the
+/// axes 1 and 2, torsional moment.
+const OF_BEAM: [&str; 6] = ["v1", "v2", "n", "m1", "m2", "t"];
+
+/// Bodies with columns: nodes of beams have them where the model asks for them.
+fn shown(system: &System) -> impl Iterator<Item = &Body> {
+    let wanted = |(i, _): &(usize, &Body)| match system.beams.iter().find(|beam| beam.bodies.contains(i)) {
+        Some(beam) => beam.history.contains(&((i - beam.bodies.start) as u32)),
+        None => true,
+    };
+    system.coordinates.bodies.iter().enumerate().filter(wanted).map(|(_, body)| body)
+}
+
+/// Nodes of a beam with columns.
+fn nodes(beam: &BeamLine) -> impl Iterator<Item = usize> {
+    (0..beam.bodies.len()).filter(|node| beam.history.contains(&(*node as u32)))
+}
+
 /// Names of the columns behind all others.
 pub(super) fn names(system: &System) -> Vec<String> {
     let mut out = Vec::new();
-    for body in &system.coordinates.bodies {
+    for body in shown(system) {
         let columns = if body.directors.is_some() { &OF_BODY[..] } else { &OF_POINT[..] };
         out.extend(columns.iter().map(|column| format!("body.{}.{column}", body.name)));
     }
     for joint in system.joints.iter() {
         out.extend(OF_JOINT.map(|column| format!("joint.{}.{column}", joint.name)));
+    }
+    for beam in system.beams.iter() {
+        for node in nodes(beam) {
+            let name = &system.coordinates.bodies[beam.bodies.start + node].name;
+            out.extend(OF_BEAM.map(|column| format!("beam.{name}.{column}")));
+        }
     }
     out
 }
@@ -29,7 +56,7 @@ pub(super) fn names(system: &System) -> Vec<String> {
 /// Values of the columns.
 pub(super) fn row(system: &System, state: &State) -> Vec<f64> {
     let mut out = Vec::new();
-    for body in &system.coordinates.bodies {
+    for body in shown(system) {
         let motion = BodyMotion::new(system, state, body);
         out.extend(motion.position.iter());
         if body.directors.is_none() {
@@ -43,6 +70,11 @@ pub(super) fn row(system: &System, state: &State) -> Vec<f64> {
     for joint in system.joints.iter() {
         let (force, moment) = joint_reaction(system, state, joint);
         out.extend(force.iter().chain(moment.iter()));
+    }
+    for beam in system.beams.iter() {
+        let resultants = beam_resultants(system, state, beam);
+        // At a node that of the element which begins there; at the last one that of the element which ends there.
+        nodes(beam).for_each(|node| out.extend(resultants[node.min(resultants.len() - 1)]));
     }
     out
 }

@@ -19,7 +19,11 @@ const SAME: f64 = 1e-9;
 
 /// Mistakes in the values of bodies and joints.
 pub(super) fn keys(model: &Model, c: &mut Checker) {
-    if model.bodies.is_empty() && model.joints.is_empty() && model.springs.is_empty() {
+    if model.bodies.is_empty()
+        && model.beams.is_empty()
+        && model.joints.is_empty()
+        && model.springs.is_empty()
+    {
         return;
     }
     let transient = matches!(
@@ -29,15 +33,16 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
     if !transient {
         c.add(
             "analysis",
-            "bodies, joints and springs move in nonlinear transient analyses with the scheme \"energy-momentum\" only",
+            "bodies, beams, joints and springs move in nonlinear transient analyses with the scheme \"energy-momentum\" only",
             "give `type = \"transient\"` and `scheme = { type = \"energy-momentum\" }`",
         );
     }
     let joint_names: Vec<String> =
         model.joints.iter().map(|joint| joint.common().name().to_owned()).collect();
-    names(model.bodies.iter().map(|body| &body.name), "bodies", c);
-    names(joint_names.iter(), "joints", c);
-    names(model.springs.iter().map(|spring| &spring.name), "springs", c);
+    let beams: Vec<&String> = model.beams.iter().map(|beam| &beam.name).collect();
+    names(model.bodies.iter().map(|body| &body.name), "bodies", &beams, c);
+    names(joint_names.iter(), "joints", &[], c);
+    names(model.springs.iter().map(|spring| &spring.name), "springs", &[], c);
     for (i, body) in model.bodies.iter().enumerate() {
         body_values(body, &format!("bodies[{i}]"), c);
     }
@@ -99,18 +104,27 @@ fn not_with_itself((what, between): (&str, &[String; 2]), key: &str, c: &mut Che
 }
 
 /// Names that serve as file names and are given once.
-fn names<'a>(list: impl Iterator<Item = &'a String> + Clone, key: &str, c: &mut Checker) {
+fn names<'a>(list: impl Iterator<Item = &'a String> + Clone, key: &str, beams: &[&String], c: &mut Checker) {
     for (i, name) in list.clone().enumerate() {
         let place = format!("{key}[{i}].name");
         if !c.file_name(&place, name, LONGEST_NAME) {
             continue;
         }
-        if name == GROUND && key == "bodies" {
+        if let Some(beam) = beams.iter().find(|beam| is_node_of(name, beam)) {
+            let message = format!("\"{name}\" is the name of a node of the beam \"{beam}\"");
+            c.add(place, message, "give the body another name");
+        } else if name == GROUND && key == "bodies" {
             c.add(place, "the name \"ground\" stands for the ground in joints", "give the body another name");
         } else if list.clone().take(i).any(|other| other == name) {
             c.add(place, format!("the name \"{name}\" is given twice"), "give each one its own name");
         }
     }
+}
+
+/// Whether a body has the name of a node of a beam: that of the beam, a point, and `start`, `end` or a number.
+fn is_node_of(name: &str, beam: &str) -> bool {
+    let node = name.strip_prefix(beam).and_then(|rest| rest.strip_prefix('.'));
+    node.is_some_and(|node| node == "start" || node == "end" || node.parse::<u32>().is_ok())
 }
 
 fn cosine([a, b]: [[f64; 3]; 2]) -> f64 {

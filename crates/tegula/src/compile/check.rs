@@ -50,7 +50,8 @@ fn keys_of(model: &Model, continues: bool) -> Vec<Issue> {
         );
     }
     super::bodies::keys(model, &mut c);
-    if model.sections.is_empty() && model.bodies.is_empty() {
+    super::beams::keys(model, &mut c);
+    if model.sections.is_empty() && model.bodies.is_empty() && model.beams.is_empty() {
         c.add(
             "sections",
             "no section: no part of the mesh has elements",
@@ -138,6 +139,7 @@ fn keys_of(model: &Model, continues: bool) -> Vec<Issue> {
 
 /// Names of sets that the mesh does not have, loads and sections on nothing.
 pub fn sets(model: &Model, mesh: &Mesh) -> Vec<Issue> {
+    let model = &super::beams::with_nodes(model);
     let mut found: Vec<Issue> = Vec::new();
     for step in steps::steps(model) {
         let of_step = step.located(sets_of(&step.model, mesh));

@@ -2,6 +2,7 @@
 
 mod actions;
 mod amplitudes;
+mod beams;
 mod bodies;
 pub mod check;
 mod check_material;
@@ -31,8 +32,8 @@ use crate::model::{
 use crate::system::pattern::PatternBuilder;
 use crate::system::supports::Support;
 use crate::system::{
-    DeadLoad, GroupOffsets, LocalFrames, Pattern, PrescribedField, Procedure, Reduction, Shell, ShellSection,
-    StepStart, System, lumping,
+    BeamLine, DeadLoad, GroupOffsets, LocalFrames, Pattern, PrescribedField, Procedure, Reduction, Shell,
+    ShellSection, StepStart, System, lumping,
 };
 use crate::{Error, Issue, Result};
 use actions::{
@@ -61,6 +62,7 @@ pub struct Compiler<'a> {
     groups: Arc<Vec<Box<dyn ElementGroup>>>,
     offsets: Arc<Vec<GroupOffsets>>,
     joints: Arc<Vec<Joint>>,
+    beams: Arc<Vec<BeamLine>>,
     shells: Vec<Shell>,
     sections: Arc<Vec<ShellSection>>,
     /// Nodal vectors that keep their length.
@@ -99,13 +101,17 @@ impl<'a> Compiler<'a> {
         mesh: &'a Mesh,
         laws: &BTreeMap<String, Arc<dyn MaterialLaw>>,
     ) -> Result<Self> {
-        let steps = steps::steps(model);
         let mut issues = check::keys(model);
+        if !issues.is_empty() && !model.beams.is_empty() {
+            return Err(Error::Model(issues));
+        }
         let without_shells = model.mesh == MeshSource::None && mesh.quads.is_empty();
         if !without_shells {
             issues.extend(quality::check(mesh));
         }
         issues.extend(check::sets(model, mesh));
+        let model = &beams::with_nodes(model);
+        let steps = steps::steps(model);
         issues.extend(laws.keys().filter_map(|name| irreplaceable(model, name)));
         if !issues.is_empty() {
             return Err(Error::Model(issues));
@@ -123,6 +129,9 @@ impl<'a> Compiler<'a> {
         elements.ties(&directors, &vectors, tie);
         let (joints, springs) = vectors.add_bodies(model, mesh, &mut issues);
         let joints = Arc::new(joints);
+        let (of_beams, mut beams) = beams::elements(model, &vectors.coordinates);
+        beams.iter_mut().for_each(|beam| beam.group += elements.groups.len());
+        elements.groups.extend(of_beams);
         elements.groups.extend(JointGroup::groups(&joints));
         elements.groups.extend(SpringGroup::groups(&springs));
         vectors.mark_inextensible(&elements.unit);
@@ -140,6 +149,7 @@ impl<'a> Compiler<'a> {
             offsets: Arc::new(GroupOffsets::of(&elements.groups)),
             groups: Arc::new(elements.groups),
             joints,
+            beams: Arc::new(beams),
             shells: elements.list,
             sections: Arc::new(elements.sections),
             unit: elements.unit,
@@ -272,6 +282,7 @@ impl<'a> Compiler<'a> {
             offsets: Arc::clone(&self.offsets),
             reductions,
             joints: Arc::clone(&self.joints),
+            beams: Arc::clone(&self.beams),
             shells: self.shells.clone(),
             sections: Arc::clone(&self.sections),
             prescribed_strains: self.prescribed_fields(step, &names),

@@ -1,5 +1,6 @@
 //! Elements: sampled strains that are quadratic forms of nodal vectors.
 
+pub mod beam;
 pub mod bilinear;
 mod bilinear_kernel;
 pub mod curved_strain;

@@ -5,6 +5,7 @@
 //! the same types, and the documentation of a key is its doc comment.
 
 mod analysis;
+mod beam;
 pub(crate) mod body;
 mod condition;
 mod element_kind;
@@ -27,6 +28,7 @@ pub use crate::material::{
     Isotropic, Material, MooneyRivlin, NeoHookean, NeoHookeanForm, Orthotropic, Plastic, Strengths,
 };
 pub use analysis::*;
+pub use beam::{Beam, BeamSection, CircularSection, RectangularSection, SectionConstants};
 pub use body::*;
 pub use condition::*;
 pub use element_kind::ElementKind;
@@ -72,6 +74,9 @@ pub struct Model {
     /// Rigid bodies and point masses.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bodies: Vec<RigidBody>,
+    /// Beams.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub beams: Vec<Beam>,
     /// Joints between bodies, nodes and the ground.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub joints: Vec<Joint>,
@@ -115,6 +120,7 @@ impl Model {
             materials: BTreeMap::from([("m".to_string(), Material::Isotropic(material))]),
             sections: vec![Section::new("m", thickness)],
             bodies: Vec::new(),
+            beams: Vec::new(),
             joints: Vec::new(),
             springs: Vec::new(),
             conditions: Vec::new(),

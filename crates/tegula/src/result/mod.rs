@@ -1,5 +1,6 @@
 //! Recovery of engineering quantities from a state: resultants and stresses of shells, motion of points and bodies, reactions.
 
+pub mod beams;
 pub mod bodies;
 pub mod inside;
 pub mod plies;

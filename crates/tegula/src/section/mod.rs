@@ -1,5 +1,6 @@
 //! Shell sections: stiffness of the stress resultants and inertia per area, integrated through the thickness.
 
+pub mod beam;
 pub mod compiled;
 pub mod failure;
 pub mod laminate;

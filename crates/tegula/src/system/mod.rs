@@ -56,6 +56,19 @@ pub struct DeadLoad {
     pub gravity: bool,
 }
 
+/// A beam: its nodes among the rigid bodies, and its elements.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BeamLine {
+    /// Name of the beam.
+    pub name: String,
+    /// Its nodes among the bodies, from the start to the end.
+    pub bodies: Range<usize>,
+    /// Group of its elements.
+    pub group: usize,
+    /// Nodes whose motion appears in the history.
+    pub history: Vec<u32>,
+}
+
 /// A set of the mesh on which supports or a load act, for the recovery of resultants.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceSet {
@@ -127,6 +140,8 @@ pub struct System {
     pub reductions: Vec<Option<Reduction>>,
     /// Joints; their constraint forces are those of the groups of joints.
     pub joints: Arc<Vec<Joint>>,
+    /// Beams.
+    pub beams: Arc<Vec<BeamLine>>,
     /// Shells, one per quad that has an element.
     pub shells: Vec<Shell>,
     /// Sections of the shells.

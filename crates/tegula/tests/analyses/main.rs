@@ -6,6 +6,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod beams;
 mod contracts;
 mod critical_points;
 mod dynamics;

@@ -1,0 +1,288 @@
+//! Beams: their nodes are rigid cross-sections, which take part in a model as rigid bodies.
+
+use crate::Vec3;
+use crate::checker::Checker;
+use crate::element::ElementGroup;
+use crate::element::beam;
+use crate::element::generalized_law::LinearLaw;
+use crate::element::quadratic::{Members, QuadraticGroup};
+use crate::model::{Beam, BeamSection, Isotropic, Material, Model, RigidBody, SectionConstants};
+use crate::section::beam::constants;
+use crate::system::{BeamLine, Coordinates};
+
+/// Longest name of a beam (characters).
+const LONGEST_NAME: usize = 50;
+/// Largest angle (degrees) between pieces of a beam, and of its twist in one element: beyond it the chords of the axis do not
+/// follow the beam.
+const LARGEST_ANGLE: f64 = 30.0;
+/// Sine of the angle between the direction of axis 1 and the beam, below which they are parallel.
+const PARALLEL: f64 = 1e-6;
+
+/// Mistakes in the values of beams.
+pub(super) fn keys(model: &Model, c: &mut Checker) {
+    for (i, data) in model.beams.iter().enumerate() {
+        let key = format!("beams[{i}]");
+        let mistakes = c.issues.len();
+        c.file_name(&format!("{key}.name"), &data.name, LONGEST_NAME);
+        if model.beams[..i].iter().any(|other| other.name == data.name) {
+            let message = format!("the name \"{}\" is given twice", data.name);
+            c.add(format!("{key}.name"), message, "give each beam its own name");
+        }
+        data.points.iter().for_each(|x| c.finite(&format!("{key}.points"), "the point", x));
+        c.finite(&format!("{key}.direction"), "the direction", &data.direction);
+        c.finite(&format!("{key}.twist"), "the twist", &[data.twist]);
+        c.finite(&format!("{key}.velocity"), "the velocity", &data.velocity);
+        c.finite(&format!("{key}.angular_velocity"), "the angular velocity", &data.angular_velocity);
+        c.not_negative(&format!("{key}.retardation_time"), "the retardation time", data.retardation_time);
+        section_values(data, model, &key, c);
+        if c.issues.len() == mistakes {
+            axis_values(data, &key, c);
+        }
+    }
+}
+
+fn section_values(data: &Beam, model: &Model, key: &str, c: &mut Checker) {
+    let place = format!("{key}.section");
+    match &data.section {
+        BeamSection::Rectangle(section) => {
+            section.size.iter().for_each(|x| c.positive(&place, "a side of the section", *x));
+        }
+        BeamSection::Circle(section) => {
+            c.positive(&place, "the radius of the section", section.radius);
+            c.not_negative(&place, "the inner radius of the section", section.inner_radius);
+            if !(section.inner_radius < section.radius) {
+                c.add(
+                    place.as_str(),
+                    "the inner radius is not below the radius",
+                    "give a smaller `inner_radius`",
+                );
+            }
+        }
+        BeamSection::Constants(s) => {
+            let values = [s.axial, s.shear[0], s.shear[1], s.bending[0], s.bending[1], s.torsion, s.mass];
+            values.iter().chain(&s.inertia).for_each(|x| c.positive(&place, "a section constant", *x));
+            return;
+        }
+    }
+    let Some(name) = &data.material else {
+        let message = format!("beam \"{}\" has a section of a shape, but no material", data.name);
+        c.add(format!("{key}.material"), message, "name an isotropic material");
+        return;
+    };
+    match model.materials.get(name) {
+        None => c.missing(format!("{key}.material"), "material", name, model.materials.keys()),
+        Some(Material::Isotropic(material)) if material.density > 0.0 => {}
+        Some(Material::Isotropic(_)) => {
+            let message = format!("the density is 0, but beam \"{}\" needs its mass", data.name);
+            c.add(format!("materials.{name}.density"), message, "give the density");
+        }
+        Some(_) => c.add(
+            format!("{key}.material"),
+            format!("the material \"{name}\" is not isotropic and linear"),
+            "name one with `type = \"isotropic\"`, or give section constants",
+        ),
+    }
+}
+
+fn axis_values(data: &Beam, key: &str, c: &mut Checker) {
+    let name = &data.name;
+    let (count, points) = (data.points.len(), format!("{key}.points"));
+    match (count, data.elements) {
+        (0 | 1, _) => {
+            return c.add(
+                points,
+                format!("beam \"{name}\" has {count} point(s)"),
+                "give both ends, or all nodes",
+            );
+        }
+        (2, None | Some(0)) => {
+            let message = format!("beam \"{name}\" has no elements");
+            return c.add(format!("{key}.elements"), message, "give the number of its elements");
+        }
+        (3.., Some(_)) => {
+            let message = format!("the {count} points of beam \"{name}\" are its nodes");
+            return c.add(format!("{key}.elements"), message, "leave `elements` out, or give both ends only");
+        }
+        _ => {}
+    }
+    let axis = Axis::of(data);
+    let chords: Vec<Vec3> = axis.points.windows(2).map(|x| x[1] - x[0]).collect();
+    if chords.iter().any(|chord| !(chord.norm() > 0.0)) {
+        return c.add(points, format!("two points of beam \"{name}\" coincide"), "leave one of them out");
+    }
+    let sharp = |pair: &[Vec3]| pair[0].angle(&pair[1]).to_degrees() > LARGEST_ANGLE;
+    if chords.windows(2).any(sharp) {
+        c.add(
+            points,
+            format!("the axis of beam \"{name}\" turns by more than {LARGEST_ANGLE} degrees from one element to the next"),
+            "give more points, or two beams with a fixed joint where they meet at an angle",
+        );
+    }
+    let elements = chords.len();
+    if data.twist.abs() > LARGEST_ANGLE * elements as f64 {
+        c.add(
+            format!("{key}.twist"),
+            format!("beam \"{name}\" is twisted by more than {LARGEST_ANGLE} degrees in each element"),
+            "give more elements",
+        );
+    }
+    let direction = Vec3::from(data.direction);
+    if axis.tangents().iter().any(|t| !(t.cross(&direction).norm() > PARALLEL * direction.norm())) {
+        c.add(
+            format!("{key}.direction"),
+            format!("the direction of axis 1 of beam \"{name}\" is zero or along the beam"),
+            "give a direction across the beam",
+        );
+    }
+    for node in data.history.iter().flatten().filter(|node| **node as usize > elements) {
+        c.add(
+            format!("{key}.history"),
+            format!("beam \"{name}\" has no node {node}: its nodes are 0 to {elements}"),
+            "give numbers of nodes",
+        );
+    }
+}
+
+/// Nodes of a beam along its axis.
+struct Axis {
+    points: Vec<Vec3>,
+}
+
+impl Axis {
+    fn of(data: &Beam) -> Self {
+        let given: Vec<Vec3> = data.points.iter().map(|x| Vec3::from(*x)).collect();
+        match (&given[..], data.elements) {
+            ([a, b], Some(n)) => {
+                let at = |i: u32| a + (b - a) * (f64::from(i) / f64::from(n));
+                Self { points: (0..=n).map(at).collect() }
+            }
+            _ => Self { points: given },
+        }
+    }
+
+    /// Unit tangents at the nodes: the mean of both chords, at the ends that of a circle through the first (last) nodes.
+    fn tangents(&self) -> Vec<Vec3> {
+        let chords: Vec<Vec3> = self.points.windows(2).map(|x| (x[1] - x[0]).normalize()).collect();
+        let n = chords.len();
+        let inner = |i: usize| (chords[i - 1] + chords[i]).normalize();
+        let mirrored = |chord: Vec3, next: Vec3| chord * (2.0 * chord.dot(&next)) - next;
+        (0..=n)
+            .map(|i| match i {
+                _ if n == 1 => chords[0],
+                0 => mirrored(chords[0], inner(1)),
+                i if i == n => mirrored(chords[n - 1], inner(n - 1)),
+                i => inner(i),
+            })
+            .collect()
+    }
+
+    /// Axes 1, 2 and 3 of the cross-section at each node.
+    fn bases(&self, data: &Beam) -> Vec<[Vec3; 3]> {
+        let lengths = self.points.windows(2).map(|x| (x[1] - x[0]).norm());
+        let ends: Vec<f64> = std::iter::once(0.0)
+            .chain(lengths.scan(0.0, |sum, length| {
+                *sum += length;
+                Some(*sum)
+            }))
+            .collect();
+        let total = ends[ends.len() - 1];
+        let base = |(t, s): (Vec3, f64)| {
+            let direction = Vec3::from(data.direction);
+            let first = (direction - t * t.dot(&direction)).normalize();
+            let (sine, cosine) = (data.twist.to_radians() * s / total).sin_cos();
+            let first = first * cosine + t.cross(&first) * sine;
+            [first, t.cross(&first), t]
+        };
+        self.tangents().into_iter().zip(ends).map(base).collect()
+    }
+}
+
+/// Name of a node of a beam of `elements`.
+fn node_name(beam: &str, node: usize, elements: usize) -> String {
+    match node {
+        0 => format!("{beam}.start"),
+        n if n == elements => format!("{beam}.end"),
+        n => format!("{beam}.{n}"),
+    }
+}
+
+/// The model with the nodes of all beams as rigid bodies, behind its own bodies.
+pub(super) fn with_nodes(model: &Model) -> Model {
+    let mut out = model.clone();
+    for data in &model.beams {
+        let Some(section) = section(data, model) else { continue };
+        let axis = Axis::of(data);
+        let elements = axis.points.len().saturating_sub(1);
+        if elements == 0 {
+            continue;
+        }
+        let half = |i: usize| 0.5 * (axis.points[i + 1] - axis.points[i]).norm();
+        for (i, (x, [first, second, _])) in axis.points.iter().zip(axis.bases(data)).enumerate() {
+            let before = if i > 0 { half(i - 1) } else { 0.0 };
+            let share = before + if i < elements { half(i) } else { 0.0 };
+            let [j1, j2] = section.inertia;
+            let omega = Vec3::from(data.angular_velocity);
+            let velocity = Vec3::from(data.velocity) + omega.cross(&(x - axis.points[0]));
+            let inertia = [j1, j2, j1 + j2].map(|j| j * share);
+            let name = node_name(&data.name, i, elements);
+            out.bodies.push(RigidBody {
+                axes: [first.into(), second.into()],
+                velocity: velocity.into(),
+                angular_velocity: data.angular_velocity,
+                ..RigidBody::new(&name, (*x).into(), section.mass * share, Some(inertia))
+            });
+        }
+    }
+    out
+}
+
+fn section(data: &Beam, model: &Model) -> Option<SectionConstants> {
+    let material: Option<&Isotropic> =
+        data.material.as_ref().and_then(|name| model.materials.get(name)).and_then(
+            |material| match material {
+                Material::Isotropic(isotropic) => Some(isotropic),
+                _ => None,
+            },
+        );
+    constants(&data.section, material)
+}
+
+/// Elements of the beams of a model whose nodes are bodies: groups of one retardation time each, and the beams with their nodes
+/// and elements.
+pub(super) fn elements(
+    model: &Model,
+    coordinates: &Coordinates,
+) -> (Vec<Box<dyn ElementGroup>>, Vec<BeamLine>) {
+    let (mut groups, mut lines): (Vec<Box<dyn ElementGroup>>, _) = (Vec::new(), Vec::new());
+    for data in &model.beams {
+        let start = node_name(&data.name, 0, usize::MAX);
+        let first = coordinates.bodies.iter().position(|body| body.name == start);
+        let (Some(section), Some(first)) = (section(data, model), first) else { continue };
+        let axis = Axis::of(data);
+        let elements = axis.points.len() - 1;
+        let bodies = first..first + elements + 1;
+        let mut members = Members::<{ beam::VECTORS }>::default();
+        let mut law = LinearLaw::<{ beam::STRAINS }>::default();
+        for (pair, x) in coordinates.bodies[bodies.clone()].windows(2).zip(axis.points.windows(2)) {
+            let node = |i: usize| {
+                let [d1, d2, d3] = pair[i].directors.unwrap_or_default();
+                [pair[i].centre, d1, d2, d3]
+            };
+            let ([r0, a1, a2, a3], [r1, b1, b2, b3]) = (node(0), node(1));
+            members.vectors.push([r0, a1, a2, a3, r1, b1, b2, b3]);
+            members.mass.extend([0.0; beam::VECTORS * (beam::VECTORS + 1) / 2]);
+            law.h.extend(beam::stiffness(&section, (x[1] - x[0]).norm()));
+        }
+        let history = data.history.clone().unwrap_or_else(|| vec![0, elements as u32]);
+        lines.push(BeamLine { name: data.name.clone(), bodies, group: groups.len(), history });
+        let group = QuadraticGroup::<
+            { beam::VECTORS },
+            { 3 * beam::VECTORS },
+            { beam::STRAINS },
+            { beam::BASE },
+            _,
+        >::new("beam", beam::strains(), members, law, data.retardation_time);
+        groups.push(Box::new(group));
+    }
+    (groups, lines)
+}
