@@ -28,7 +28,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "flexible-machines",
-        about: "beams: soft pendulum, spin-up, slider-crank, skewed four-bar, lateral buckling by a crank",
+        about: "beams: soft pendulum, spin-up, slider-crank, four-bar, lateral buckling, shaft with a disc",
         cost: Cost::Normal,
         run: flexible,
     },
@@ -69,6 +69,7 @@ fn flexible(report: &mut Report) -> Result<()> {
         model!("flexible_slider_crank"),
         model!("skewed_four_bar"),
         model!("lateral_buckling"),
+        model!("shaft"),
     ];
     models.into_iter().try_for_each(|model| compare(report, model))
 }

@@ -34,6 +34,7 @@ pub(super) fn key(name: &str, amplitude: &Amplitude) -> String {
         Amplitude::Constant(_) => "value",
         Amplitude::Ramp(_) => "end",
         Amplitude::Table(_) => "times",
+        Amplitude::Spline(_) => "times",
         Amplitude::Expression(_) => "expression",
     };
     format!("amplitudes.{name}.{last}")

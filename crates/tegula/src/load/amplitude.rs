@@ -1,7 +1,7 @@
 //! Amplitudes: functions of time and their derivatives.
 
 use super::formula;
-use super::{Formula, Signal};
+use super::{Formula, Signal, Spline};
 use crate::model::Amplitude;
 
 /// Amplitude: the function of time of a load or a prescribed motion.
@@ -11,6 +11,8 @@ pub enum TimeFunction {
     Constant(f64),
     /// Linear interpolation between points, constant before and after.
     Table(Vec<(f64, f64)>),
+    /// Cubic spline through points.
+    Spline(Spline),
     /// A formula with its first and second derivative.
     Formula(Formula),
     /// A value that the caller sets between steps.
@@ -31,30 +33,22 @@ impl TimeFunction {
                 format!("the ramp ends at {} before it starts at {}", r.end, r.start),
                 "let `end` be later than `start`".into(),
             )),
-            Amplitude::Table(t) => {
-                if t.times.len() != t.values.len() || t.times.is_empty() {
-                    return Err((
-                        format!("the table has {} times and {} values", t.times.len(), t.values.len()),
-                        "give one value per time, at least one".into(),
-                    ));
-                }
-                if t.times.windows(2).any(|w| w[0] >= w[1])
-                    || !t.times.iter().chain(&t.values).all(|x| x.is_finite())
-                {
-                    return Err((
-                        "the times of the table do not ascend, or are not numbers".into(),
-                        "sort the times and make each one once".into(),
-                    ));
-                }
-                Ok(Self::Table(t.times.iter().copied().zip(t.values.iter().copied()).collect()))
+            Amplitude::Table(t) => Ok(Self::Table(points(&t.times, &t.values)?)),
+            Amplitude::Spline(s) => {
+                let points = points(&s.times, &s.values)?;
+                let spline = s.rates.iter().all(|x| x.is_finite()).then(|| Spline::new(&points, s.rates));
+                spline.flatten().map(Self::Spline).ok_or_else(|| {
+                    let message = "the spline has less than two points, or its rates are not numbers";
+                    (message.into(), "give two or more points".into())
+                })
             }
             Amplitude::Expression(e) => formula::read(&e.expression),
         }
     }
 
-    /// True for a formula: its values at two times do not determine the values between them.
+    /// True for a formula or a spline: its values at two times do not determine the values between them.
     pub fn is_formula(&self) -> bool {
-        matches!(self, Self::Formula(_))
+        matches!(self, Self::Formula(_) | Self::Spline(_))
     }
 
     /// Value at a time.
@@ -63,6 +57,7 @@ impl TimeFunction {
             Self::Constant(c) => *c,
             Self::Signal(signal) => signal.value(),
             Self::Table(points) => table(points, t).0,
+            Self::Spline(spline) => spline.at(t)[0],
             Self::Formula(f) => f.value(t),
         }
     }
@@ -81,6 +76,7 @@ impl TimeFunction {
         match self {
             Self::Constant(_) | Self::Signal(_) => 0.0,
             Self::Table(points) => table(points, t).1,
+            Self::Spline(spline) => spline.at(t)[1],
             Self::Formula(f) => f.rate(t),
         }
     }
@@ -95,7 +91,7 @@ impl TimeFunction {
                     _ => 0.0,
                 }
             }
-            Self::Constant(_) | Self::Formula(_) | Self::Signal(_) => self.rate(t),
+            Self::Constant(_) | Self::Spline(_) | Self::Formula(_) | Self::Signal(_) => self.rate(t),
         }
     }
 
@@ -103,9 +99,27 @@ impl TimeFunction {
     pub fn acceleration(&self, t: f64) -> f64 {
         match self {
             Self::Constant(_) | Self::Table(_) | Self::Signal(_) => 0.0,
+            Self::Spline(spline) => spline.at(t)[2],
             Self::Formula(f) => f.acceleration(t),
         }
     }
+}
+
+/// Points of a table, or what is wrong with them.
+fn points(times: &[f64], values: &[f64]) -> Result<Vec<(f64, f64)>, (String, String)> {
+    if times.len() != values.len() || times.is_empty() {
+        return Err((
+            format!("the table has {} times and {} values", times.len(), values.len()),
+            "give one value per time, at least one".into(),
+        ));
+    }
+    if times.windows(2).any(|w| w[0] >= w[1]) || !times.iter().chain(values).all(|x| x.is_finite()) {
+        return Err((
+            "the times of the table do not ascend, or are not numbers".into(),
+            "sort the times and make each one once".into(),
+        ));
+    }
+    Ok(times.iter().copied().zip(values.iter().copied()).collect())
 }
 
 /// Value and slope of a table; at a point the right-sided slope.

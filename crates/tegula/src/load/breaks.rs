@@ -18,13 +18,15 @@ impl TimeFunction {
     pub fn kinks(&self) -> Vec<f64> {
         match self {
             Self::Table(points) => corners(points),
-            Self::Constant(_) | Self::Formula(_) | Self::Signal(_) => Vec::new(),
+            Self::Constant(_) | Self::Spline(_) | Self::Formula(_) | Self::Signal(_) => Vec::new(),
         }
     }
 
     /// Times of the local extrema of a formula between `from` and `to`; empty for tables, whose extrema are kinks.
     pub fn turning_points(&self, from: f64, to: f64) -> Vec<f64> {
-        let Self::Formula(_) = self else { return Vec::new() };
+        if !self.is_formula() {
+            return Vec::new();
+        }
         let at = |i: u32| from + (to - from) * f64::from(i) / f64::from(INTERVALS);
         let mut found = Vec::new();
         // Last time at which the rate was not zero, and the rate there.
@@ -58,7 +60,9 @@ impl TimeFunction {
     /// Times between two of which the function departs from a straight line by at most a share of its range: interval
     /// after interval is halved.
     pub fn nearly_straight(&self, from: f64, to: f64, share: f64) -> Vec<f64> {
-        let Self::Formula(_) = self else { return Vec::new() };
+        if !self.is_formula() {
+            return Vec::new();
+        }
         let at = |i: u32| from + (to - from) * f64::from(i) / f64::from(INTERVALS);
         let values = (0..=INTERVALS).map(|i| self.value(at(i))).filter(|v| v.is_finite());
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));

@@ -7,6 +7,7 @@ pub mod follower;
 mod formula;
 mod own;
 mod signal;
+mod spline;
 
 pub use crate::model::NodalLoad;
 pub use amplitude::TimeFunction;
@@ -15,3 +16,4 @@ pub use follower::FollowerLoad;
 pub use formula::Formula;
 pub use own::OwnLoad;
 pub use signal::Signal;
+pub use spline::Spline;

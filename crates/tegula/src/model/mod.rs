@@ -214,6 +214,8 @@ pub enum Amplitude {
     Ramp(RampAmplitude),
     /// Straight lines between given points, constant before and after.
     Table(TableAmplitude),
+    /// Smooth curve (cubic spline) through given points.
+    Spline(SplineAmplitude),
     /// A formula in `t`.
     Expression(ExpressionAmplitude),
 }
@@ -245,6 +247,19 @@ pub struct TableAmplitude {
     pub times: Vec<f64>,
     /// Values at those times.
     pub values: Vec<f64>,
+}
+
+/// Cubic spline: a curve through given points whose second derivative is continuous.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SplineAmplitude {
+    /// Times, ascending.
+    pub times: Vec<f64>,
+    /// Values at those times.
+    pub values: Vec<f64>,
+    /// Rates at the first and the last time, with which the curve continues straight before and after.
+    #[serde(default)]
+    pub rates: [f64; 2],
 }
 
 /// A formula in `t`.

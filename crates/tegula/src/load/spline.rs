@@ -1,0 +1,74 @@
+//! Clamped cubic spline: a smooth function through points.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Cubic spline with continuous second derivative through points, and given rates at both ends. Before the first and behind the
+/// last point it continues straight.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spline {
+    /// Times, ascending; values; rates.
+    points: Vec<(f64, f64, f64)>,
+}
+
+impl Spline {
+    /// Spline through two or more points with ascending times, with these rates at its ends.
+    pub fn new(points: &[(f64, f64)], ends: [f64; 2]) -> Option<Self> {
+        let n = points.len();
+        if n < 2 {
+            return None;
+        }
+        // Continuity of the second derivative at the inner points, for the rates (C. de Boor, A practical guide to splines, Ch. 4).
+        let (mut matrix, mut right) = (DMatrix::<f64>::identity(n, n), DVector::zeros(n));
+        (right[0], right[n - 1]) = (ends[0], ends[1]);
+        for i in 1..n - 1 {
+            let step = |j: usize| points[j + 1].0 - points[j].0;
+            let slope = |j: usize| (points[j + 1].1 - points[j].1) / step(j);
+            let (before, after) = (step(i - 1), step(i));
+            (matrix[(i, i - 1)], matrix[(i, i)], matrix[(i, i + 1)]) =
+                (after, 2.0 * (before + after), before);
+            right[i] = 3.0 * (after * slope(i - 1) + before * slope(i));
+        }
+        let rates = matrix.lu().solve(&right)?;
+        let points = points.iter().zip(rates.iter()).map(|(&(t, y), &rate)| (t, y, rate)).collect();
+        Some(Self { points })
+    }
+
+    /// Value at a time with its first and second derivative.
+    pub fn at(&self, t: f64) -> [f64; 3] {
+        let (first, last) = (self.points[0], self.points[self.points.len() - 1]);
+        for (end, outside) in [(first, t < first.0), (last, t >= last.0)] {
+            if outside {
+                return [end.1 + end.2 * (t - end.0), end.2, 0.0];
+            }
+        }
+        let after = self.points.partition_point(|p| p.0 <= t);
+        let ((t0, y0, r0), (t1, y1, r1)) = (self.points[after - 1], self.points[after]);
+        // Hermite's form: y₀ + r₀ s + c s² + d s³.
+        let (h, s) = (t1 - t0, t - t0);
+        let slope = (y1 - y0) / h;
+        let c = (3.0 * slope - 2.0 * r0 - r1) / h;
+        let d = (r0 + r1 - 2.0 * slope) / (h * h);
+        [y0 + s * (r0 + s * (c + s * d)), r0 + s * (2.0 * c + 3.0 * s * d), 2.0 * c + 6.0 * s * d]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    #[test]
+    fn a_spline_through_points_of_a_cubic_is_the_cubic() {
+        let cubic =
+            |t: f64| [1.0 + t - 2.0 * t * t + 0.5 * t * t * t, 1.0 - 4.0 * t + 1.5 * t * t, -4.0 + 3.0 * t];
+        let points: Vec<_> = [0.0, 0.3, 1.0, 1.2, 2.0].iter().map(|&t| (t, cubic(t)[0])).collect();
+        let spline = Spline::new(&points, [cubic(0.0)[1], cubic(2.0)[1]]).unwrap();
+        for i in 0..20 {
+            let t = 0.1 * f64::from(i);
+            assert!(spline.at(t).iter().zip(cubic(t)).all(|(a, b)| (a - b).abs() < 1e-12), "{t}");
+        }
+        assert_eq!(spline.at(3.0)[2], 0.0);
+        assert!((spline.at(3.0)[0] - (cubic(2.0)[0] + cubic(2.0)[1])).abs() < 1e-12);
+    }
+}
