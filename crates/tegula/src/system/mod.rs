@@ -13,6 +13,7 @@ pub mod lumping;
 pub mod pattern;
 mod procedure;
 mod reduction;
+pub mod rigid_patch;
 pub mod supports;
 
 use std::ops::Range;
@@ -40,6 +41,7 @@ pub use local_frames::LocalFrames;
 pub use pattern::Pattern;
 pub use procedure::Procedure;
 pub use reduction::Reduction;
+pub use rigid_patch::Attached;
 use supports::Support;
 use tegula_sparse::SymmetricPattern;
 use tegula_sparse::norm::larger;
