@@ -4,10 +4,11 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::body_curvature::BodyCurvature;
 use super::evaluation_point::{EvaluationPoint, current_vector};
 use super::pattern::BATCH;
 use super::{LocalFrames, Reduction, System};
-use crate::{Mat3, Vec3};
+use crate::Vec3;
 use crate::element::{ElementGroup, Motion, Nodal, TangentRequest, TangentWeights};
 use crate::lists::Lists;
 
@@ -44,6 +45,8 @@ pub struct Assembly {
     /// Tangent blocks of a batch of elements or follower loads, behind them those that are reduced to the degrees of freedom of
     /// rigid bodies.
     blocks: Vec<f64>,
+    /// Curvature of the rotations of rigid bodies.
+    curvature: BodyCurvature,
     /// Extrapolated stress, conjugate to the sampled strains, all groups.
     pub stress: Vec<f64>,
     /// Values of the tangent's lower triangle.
@@ -80,6 +83,7 @@ impl Assembly {
         Self {
             element_forces: vec![0.0; forces],
             blocks: Vec::new(),
+            curvature: BodyCurvature::new(system),
             stress: vec![0.0; stresses],
             values: Vec::new(),
             energies: vec![0.0; elements],
@@ -285,29 +289,29 @@ impl Assembly {
         }
     }
 
-    /// Adds the curvature of rotations of rigid bodies: an arm a that follows the rotation, `δa = δθ × a`, turns with it, so
-    /// that the moment of unbalanced forces R on directors and attached vectors changes by `Σ (δθ × a) × R`; with `N = Σ a Rᵀ`
-    /// the tangent gains `tr(N) I − N`. Its skew part, half the unbalanced moment, is left out. `rest` are all forces but the
-    /// `internal` ones.
+    /// Adds the curvature of the rotations of rigid bodies that shells are attached to, under the forces `rest` from outside
+    /// and those of the shells, with the extrapolated stress where the tangent has it.
     pub fn add_body_curvature(
         &mut self,
         system: &System,
+        k: &EvaluationPoint,
         weights: &TangentWeights,
-        [rest, internal]: [&[Nodal]; 2],
+        (extrapolated, rest): (bool, &[Nodal]),
     ) {
-        let Self { frames, values, .. } = self;
-        let force = |v: u32| Vec3::from(rest[v as usize]) - Vec3::from(internal[v as usize]) * weights.force;
-        for (body, (triad, arms)) in frames.triads().enumerate() {
-            let mut n = Mat3::zeros();
-            for (i, &v) in triad.iter().enumerate() {
-                n += arms.column(i) * force(v).transpose();
-            }
-            for (attached, arm) in frames.attached().filter(|(attached, _)| attached.triad as usize == body) {
-                n += arm * force(attached.vector).transpose();
-            }
-            let k = (Mat3::identity() * n.trace() - (n + n.transpose()) * 0.5) * weights.direction;
-            system.pattern.add_to_block(triad[0] as usize, &k, frames, values);
+        if k.linear || system.dofs().attached.is_empty() {
+            return;
         }
+        let Self { curvature, frames, values, stress, factors, .. } = self;
+        curvature.begin(frames, weights, rest);
+        for (g, group, offsets) in system.numbered_groups() {
+            if let Some(reduction) = &system.reductions[g] {
+                let stress = extrapolated.then_some(&stress[offsets.stresses.clone()]);
+                let current = |v: u32| current_vector(system, &k.motion, v as usize);
+                let k = k.of_group(system, g, factors);
+                curvature.subtract((group, reduction), (&k, weights, stress), frames, current);
+            }
+        }
+        curvature.add(system, frames, values);
     }
 
     fn gather_forces(&self, out: &mut [Nodal]) {

@@ -1,6 +1,7 @@
 //! The compiled model: coordinates, degrees of freedom, pattern, element groups, loads. Immutable during an analysis.
 
 pub mod assembly;
+mod body_curvature;
 pub mod circulatory;
 pub mod coordinates;
 pub mod corotational_update;

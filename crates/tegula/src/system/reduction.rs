@@ -61,6 +61,11 @@ impl Reduction {
         (!members.is_empty()).then_some(Self { members })
     }
 
+    /// Numbers of the reduced contributions, ascending.
+    pub fn numbers(&self) -> impl Iterator<Item = usize> {
+        self.members.iter().map(|member| member.number)
+    }
+
     /// Whether a contribution is reduced.
     pub fn contains(&self, number: usize) -> bool {
         self.members.binary_search_by_key(&number, |member| member.number).is_ok()

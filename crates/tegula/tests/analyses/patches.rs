@@ -76,7 +76,7 @@ fn a_moment_on_a_patch_bends_a_cantilever_into_a_circle() {
             let turned = if linear { axis.z } else { axis.z.atan2(axis.x) };
             assert!((turned - angle).abs() < tolerance * angle, "{element:?} {linear}: {turned}");
             let iterations = outcome.statistics.iterations;
-            println!("{element:?} {linear}: {turned} in {iterations} iterations");
+            assert!(iterations <= 12, "{element:?}: {iterations} iterations");
             if !linear {
                 let exact = Vec3::new(angle.sin() / angle - 1.0, 0.0, (1.0 - angle.cos()) / angle) * LENGTH;
                 assert!((u(tip.centre) - exact).norm() < tolerance * LENGTH, "{element:?}: {}", u(tip.centre));
@@ -108,14 +108,15 @@ fn a_patch_on_a_fixed_body_is_a_clamp() {
 /// A body without inertia moments of its own at the middle of an edge that stays straight is an added mass of the edge.
 #[test]
 fn a_mass_on_a_patch_is_an_added_mass_where_the_edge_does_not_rotate() {
-    let mut m = strip(ElementKind::Ems, [8, 1], 0.0);
+    // Inextensible directors: inertia would stretch the others, of which those of the patch are fixed in the body.
+    let mut m = strip(ElementKind::Mitc4, [8, 1], 0.0);
     m.conditions = vec![clamped("u_min")];
-    m.loads = vec![gravity([0.0, 0.0, -9.81])];
+    m.loads = vec![gravity([0.0, 0.0, -1.0])];
     let added = Model {
-        masses: vec![AddedMass::Edge(MassOn { on: "u_max".into(), value: 5.0 / WIDTH })],
+        masses: vec![AddedMass::Edge(MassOn { on: "u_max".into(), value: 0.5 / WIDTH })],
         ..m.clone()
     };
-    let tip = RigidBody { mass: Some(5.0), ..hub("tip", [LENGTH, 0.5 * WIDTH, 0.0], &["u_max"]) };
+    let tip = RigidBody { mass: Some(0.5), ..hub("tip", [LENGTH, 0.5 * WIDTH, 0.0], &["u_max"]) };
     let body = Model { bodies: vec![tip], ..m.clone() };
     let options = steps(1.0, 0.02);
     let end = |m: &Model| move_in_time(m, &options, &mut Notes::default()).1.state.u;
