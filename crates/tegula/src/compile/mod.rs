@@ -269,7 +269,12 @@ impl<'a> Compiler<'a> {
         let pattern = self.pattern(procedure, &frames, (&followers, &reductions), &added)?;
         let mut initial_velocity = initial_velocity(model, mesh, vectors);
         bodies::add_velocities(model, &vectors.coordinates, &mut initial_velocity);
-        issues.extend(patches::carry_velocities(&vectors.coordinates, frames.dofs(), mesh, &mut initial_velocity));
+        issues.extend(patches::carry_velocities(
+            &vectors.coordinates,
+            frames.dofs(),
+            mesh,
+            &mut initial_velocity,
+        ));
         let mut system = System {
             coordinates: Arc::clone(&vectors.coordinates),
             frames,

@@ -92,7 +92,8 @@ pub(super) fn add_inertia(coordinates: &mut Coordinates, groups: &[Box<dyn Eleme
     for group in groups {
         for e in 0..group.len() {
             let vectors = group.vectors(e);
-            let pairs = vectors.iter().enumerate().flat_map(|(a, v)| vectors[..=a].iter().map(move |w| (*v, *w)));
+            let pairs =
+                vectors.iter().enumerate().flat_map(|(a, v)| vectors[..=a].iter().map(move |w| (*v, *w)));
             for ((v, w), &mass) in pairs.zip(group.mass(e)) {
                 let (Some(a), Some(b)) = (find(v), find(w)) else { continue };
                 if a.triad != b.triad {

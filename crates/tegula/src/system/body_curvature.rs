@@ -24,7 +24,8 @@ impl BodyCurvature {
     /// Buffers for a system.
     pub fn new(system: &System) -> Self {
         let dofs = system.dofs();
-        let reduced = system.groups.iter().zip(&system.reductions).filter(|(_, reduction)| reduction.is_some());
+        let reduced =
+            system.groups.iter().zip(&system.reductions).filter(|(_, reduction)| reduction.is_some());
         let most = reduced.map(|(group, _)| group.vectors_per_element()).max();
         let most = most.filter(|_| !dofs.attached.is_empty()).unwrap_or(0);
         Self {

@@ -1,8 +1,8 @@
 //! Degree-of-freedom map: supports of the nodal vectors, and the numbers of their free degrees of freedom.
 
+use super::Attached;
 #[cfg(doc)]
 use crate::load::LoadFactor;
-use super::Attached;
 use crate::load::{LoadParameter, TimeFunction};
 use crate::{Mat3, Vec3};
 

@@ -201,20 +201,19 @@ impl LocalFrames {
             }
         }
         for (attached, arm) in self.attached() {
-            self.reduce_attached(attached, &arm, &Vec3::from(field[attached.vector as usize]), |number, x| {
-                free[number as usize] += x;
-            });
+            self.reduce_attached(
+                attached,
+                &arm,
+                &Vec3::from(field[attached.vector as usize]),
+                |number, x| {
+                    free[number as usize] += x;
+                },
+            );
         }
     }
 
     /// Hands force and moment on the body of an attached vector on which a force acts to `take`.
-    fn reduce_attached(
-        &self,
-        attached: &Attached,
-        arm: &Vec3,
-        force: &Vec3,
-        mut take: impl FnMut(u32, f64),
-    ) {
+    fn reduce_attached(&self, attached: &Attached, arm: &Vec3, force: &Vec3, mut take: impl FnMut(u32, f64)) {
         let first = self.dofs.triads[attached.triad as usize][0];
         let parts = [(Some(first), arm.cross(force)), (attached.centre, *force)];
         for (v, value) in parts.into_iter().filter_map(|(v, value)| Some((v? as usize, value))) {

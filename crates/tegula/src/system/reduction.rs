@@ -93,8 +93,7 @@ impl Reduction {
         for member in self.among(range) {
             let own = 9 * pairs(member.parts.len());
             let at = own * (member.number - first);
-            let (target, others) =
-                std::mem::take(&mut out).split_at_mut(9 * pairs(member.vectors.len()));
+            let (target, others) = std::mem::take(&mut out).split_at_mut(9 * pairs(member.vectors.len()));
             member.reduce(frames, &blocks[at..at + own], target);
             out = others;
         }

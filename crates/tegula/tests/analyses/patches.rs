@@ -2,9 +2,10 @@
 //! bodies, and their conservation laws.
 
 use crate::common::*;
+use tegula::analysis::{State, equilibrium, statics};
 use tegula::element::Nodal;
 use tegula::model::*;
-use tegula::norm::max_norm;
+use tegula::norm::{larger, max_norm};
 use tegula::result::reactions::ReactionFinder;
 use tegula::system::{Assembly, EvaluationPoint};
 use tegula::{Error, System, Vec3, compile};
@@ -79,7 +80,11 @@ fn a_moment_on_a_patch_bends_a_cantilever_into_a_circle() {
             assert!(iterations <= 12, "{element:?}: {iterations} iterations");
             if !linear {
                 let exact = Vec3::new(angle.sin() / angle - 1.0, 0.0, (1.0 - angle.cos()) / angle) * LENGTH;
-                assert!((u(tip.centre) - exact).norm() < tolerance * LENGTH, "{element:?}: {}", u(tip.centre));
+                assert!(
+                    (u(tip.centre) - exact).norm() < tolerance * LENGTH,
+                    "{element:?}: {}",
+                    u(tip.centre)
+                );
             }
         }
     }
@@ -131,7 +136,9 @@ fn a_shell_between_two_bodies_keeps_energy_and_momenta() {
         let mut m = quarter_cylinder(5, 2.1e6);
         m.sections[0].element = element;
         m.sections[0].thickness = 0.05;
-        m.materials.values_mut().for_each(|material| *material = Material::Isotropic(Isotropic::new(2.1e6, 0.3, 500.0)));
+        m.materials
+            .values_mut()
+            .for_each(|material| *material = Material::Isotropic(Isotropic::new(2.1e6, 0.3, 500.0)));
         m.conditions = Vec::new();
         let solid = RigidBody {
             mass: Some(4.0),
@@ -145,7 +152,12 @@ fn a_shell_between_two_bodies_keeps_energy_and_momenta() {
         let mut notes = Notes::default();
         let (system, outcome) = move_in_time(&m, &steps(0.3, 5e-3), &mut notes);
         assert!(outcome.balance.strain > 1e-3 * notes.kinetic, "the shell deforms: {:?}", outcome.balance);
-        assert!(notes.drift() <= 1e-9 * notes.kinetic, "{element:?}: {:e} of {:e}", notes.drift(), notes.kinetic);
+        assert!(
+            notes.drift() <= 1e-9 * notes.kinetic,
+            "{element:?}: {:e} of {:e}",
+            notes.drift(),
+            notes.kinetic
+        );
         let (linear, angular) = notes.momenta[0];
         for (p, l) in &notes.momenta {
             assert!((p - linear).norm() <= 1e-9 * linear.norm(), "{element:?}: {p} {linear}");
@@ -163,7 +175,11 @@ fn a_shell_between_two_bodies_keeps_energy_and_momenta() {
             }
             assert!((x - of(attached.vector)).norm() < 1e-12, "{element:?}: {x} {}", of(attached.vector));
         }
-        println!("{element:?}: {} iterations, drift {:e}", outcome.statistics.iterations, notes.drift() / notes.kinetic);
+        println!(
+            "{element:?}: {} iterations, drift {:e}",
+            outcome.statistics.iterations,
+            notes.drift() / notes.kinetic
+        );
     }
 }
 
@@ -194,7 +210,9 @@ fn a_stiff_strip_hinged_about_its_normal_swings_as_a_rigid_pendulum() {
     let exact = axis(&system, &outcome.state.u);
     for element in ElementKind::ALL.iter().copied() {
         let mut m = strip(element, [8, 2], 0.2);
-        m.materials.values_mut().for_each(|material| *material = Material::Isotropic(Isotropic::new(2.1e11, 0.3, 700.0)));
+        m.materials
+            .values_mut()
+            .for_each(|material| *material = Material::Isotropic(Isotropic::new(2.1e11, 0.3, 700.0)));
         m.bodies = vec![hub("hub", [0.0; 3], &["u_min"])];
         m.joints = vec![hinge("hub")];
         m.loads = vec![gravity([0.0, -9.81, 0.0])];
@@ -256,10 +274,8 @@ fn forces_on_attached_nodes_act_on_the_body() {
         solve(&Model { analysis, loads, ..m.clone() }).2.state.u
     };
     let on_node = linear(vec![Load::Force(vector_load("u_max_v_max", force))]);
-    let on_body = linear(vec![
-        Load::Force(vector_load("tip", force)),
-        Load::Moment(vector_load("tip", moment.into())),
-    ]);
+    let on_body =
+        linear(vec![Load::Force(vector_load("tip", force)), Load::Moment(vector_load("tip", moment.into()))]);
     let d = difference(&on_node, &on_body);
     assert!(d < 1e-9, "{d}");
 }
@@ -278,7 +294,10 @@ fn reactions_balance_the_loads_on_a_patched_shell() {
         ];
         let (_, system, outcome) = solve(&m);
         let balance = ReactionFinder::new(&system, None).find(&system, None, &outcome.state);
-        println!("{element:?}: {} iterations, {:e} {:e}", outcome.statistics.iterations, balance.force_error, balance.moment_error);
+        println!(
+            "{element:?}: {} iterations, {:e} {:e}",
+            outcome.statistics.iterations, balance.force_error, balance.moment_error
+        );
         assert!(balance.force_error < 1e-8 && balance.moment_error < 1e-8, "{element:?}: {balance:?}");
     }
 }
@@ -336,9 +355,9 @@ fn contradictions_of_patches_are_refused_by_name() {
     let refused = |m: &Model, key: &str, words: &[&str]| {
         let mesh = tegula::mesh::generators::generate(&m.mesh).unwrap();
         let Err(Error::Model(issues)) = compile::build(m, &mesh) else { panic!("{key} is taken") };
-        let found = issues.iter().any(|issue| {
-            issue.place.key == key && words.iter().all(|word| issue.message.contains(word))
-        });
+        let found = issues
+            .iter()
+            .any(|issue| issue.place.key == key && words.iter().all(|word| issue.message.contains(word)));
         assert!(found, "{key} {words:?}: {issues:?}");
     };
     let mut m = strip(ElementKind::Ems, [4, 2], 0.0);
@@ -350,7 +369,11 @@ fn contradictions_of_patches_are_refused_by_name() {
         f(&mut changed);
         changed
     };
-    refused(&change(&|m| m.bodies[1].attached.push("v_min".into())), "bodies[1].attached[1]", &["left", "right"]);
+    refused(
+        &change(&|m| m.bodies[1].attached.push("v_min".into())),
+        "bodies[1].attached[1]",
+        &["left", "right"],
+    );
     refused(&change(&|m| m.bodies[0].attached[0] = "no".into()), "bodies[0].attached[0]", &["no"]);
     refused(&change(&|m| m.conditions = vec![clamped("v_min")]), "conditions[0].on", &["left"]);
     let velocity = InitialVelocity {
@@ -361,10 +384,29 @@ fn contradictions_of_patches_are_refused_by_name() {
     };
     refused(&change(&|m| m.initial_velocities = vec![velocity.clone()]), "initial_velocities", &["left"]);
     let at_rest = |m: &mut Model| m.analysis = Analysis::Static(StaticAnalysis::default());
-    refused(&change(&|m| { at_rest(m); m.bodies[0].attached.clear(); m.bodies[0].mass = Some(1.0) }), "analysis", &["attached"]);
-    refused(&change(&|m| { at_rest(m); m.joints = vec![fixed("left", [0.0; 3])] }), "analysis", &["static"]);
     refused(
-        &change(&|m| { at_rest(m); m.conditions = vec![clamped("u_max_v_min")]; m.bodies = vec![hub("dot", [0.0; 3], &["u_min_v_min"])] }),
+        &change(&|m| {
+            at_rest(m);
+            m.bodies[0].attached.clear();
+            m.bodies[0].mass = Some(1.0)
+        }),
+        "analysis",
+        &["attached"],
+    );
+    refused(
+        &change(&|m| {
+            at_rest(m);
+            m.joints = vec![fixed("left", [0.0; 3])]
+        }),
+        "analysis",
+        &["static"],
+    );
+    refused(
+        &change(&|m| {
+            at_rest(m);
+            m.conditions = vec![clamped("u_max_v_min")];
+            m.bodies = vec![hub("dot", [0.0; 3], &["u_min_v_min"])]
+        }),
         "bodies[0].attached",
         &["dot", "spin"],
     );
@@ -376,7 +418,8 @@ fn contradictions_of_patches_are_refused_by_name() {
 fn a_body_connects_two_sheets() {
     let sheet = |x: f64| {
         let MeshSource::Plate(p) = plate([0.5, WIDTH], [4, 2], 0.0) else { unreachable!() };
-        tegula::mesh::generators::generate(&MeshSource::Plate(PlateMesh { origin: [x, 0.0, 0.0], ..p })).unwrap()
+        tegula::mesh::generators::generate(&MeshSource::Plate(PlateMesh { origin: [x, 0.0, 0.0], ..p }))
+            .unwrap()
     };
     let mesh = side_by_side(&[sheet(0.0), sheet(0.6)]);
     let mut m = strip(ElementKind::Ems, [4, 2], 0.0);
@@ -384,10 +427,140 @@ fn a_body_connects_two_sheets() {
     m.bodies = vec![hub("bridge", [0.55, 0.1, 0.5], &["u_max0", "u_min1"])];
     m.loads = vec![Load::Edge(vector_load("u_max1", [0.0, 0.0, 0.2]))];
     let system = compile::build(&m, &mesh).unwrap();
-    let outcome = tegula::analysis::statics::run(&system, &static_options(&m), None, &mut Notes::default()).unwrap();
+    let outcome =
+        tegula::analysis::statics::run(&system, &static_options(&m), None, &mut Notes::default()).unwrap();
     let balance = ReactionFinder::new(&system, None).find(&system, None, &outcome.state);
     assert!(balance.force_error < 1e-8 && balance.moment_error < 1e-8, "{balance:?}");
     // The edges on both sides of the bridge turn together.
     let turned = |set: &str| director_of(&system, &outcome.state.u, mesh.nodes_on(set).unwrap()[0]);
     assert!((turned("u_max0") - turned("u_min1")).norm() < 1e-13 && turned("u_max0").x.abs() > 1e-3);
+}
+
+/// The tangent of an equilibrium is the derivative of the residual with respect to the degrees of freedom, also of rotations.
+#[test]
+fn the_tangent_of_a_patched_shell_is_the_derivative_of_its_residual() {
+    for element in ElementKind::ALL.iter().copied() {
+        let mut m = strip(element, [4, 2], 0.3);
+        m.conditions = vec![clamped("u_min")];
+        // Symmetric where no moment acts: its work depends on the path.
+        m.bodies = vec![hub("tip", [LENGTH, 0.1, 0.1], &["u_max", "u_max_v_max"])];
+        m.loads = vec![Load::Force(vector_load("u_max", [-0.05, 0.1, 0.15]))];
+        let (_, system, outcome) = solve(&m);
+        let state = outcome.state;
+        let (pattern, values) = equilibrium::tangent(&system, &state).unwrap();
+        let frames = equilibrium::frames(&system, &state);
+        let n = system.unknowns();
+        let mut largest = 0.0_f64;
+        let mut worst = 0.0_f64;
+        let column = |j: usize| {
+            let step = 1e-6;
+            let at = |sign: f64| {
+                let mut free = vec![0.0; n];
+                free[j] = sign * step;
+                let mut u = vec![[0.0; 3]; system.vectors()];
+                frames.expand(&free, &mut u);
+                for (u, old) in u.iter_mut().zip(&state.u) {
+                    (0..3).for_each(|i| u[i] += old[i]);
+                }
+                equilibrium::residual(&system, &State { u, ..state.clone() })
+            };
+            let pairs = at(-1.0).into_iter().zip(at(1.0));
+            pairs.map(|(a, b)| (a - b) / (2.0 * step)).collect::<Vec<_>>()
+        };
+        let columns: Vec<Vec<f64>> = (0..n).map(column).collect();
+        let (pointers, rows) = pattern.columns();
+        for j in 0..n {
+            for at in pointers[j]..pointers[j + 1] {
+                let i = rows[at] as usize;
+                let exact: f64 = 0.5 * (columns[j][i] + columns[i][j]);
+                largest = largest.max(exact.abs());
+                worst = larger(worst, (values[at] - exact).abs());
+            }
+        }
+        println!("{element:?}: {worst:e} of {largest:e}");
+        assert!(worst < 1e-7 * largest, "{element:?}: {worst:e} of {largest:e}");
+    }
+}
+
+/// A load of the first step stays in the second one, a transient: nothing moves. A support that the second static step has not
+/// any more leaves the equilibrium without it.
+#[test]
+fn steps_continue_from_the_end_of_a_patched_one() {
+    let mut m = strip(ElementKind::Ems, [8, 2], 0.2);
+    m.conditions = vec![clamped("u_min")];
+    m.bodies = vec![RigidBody { mass: Some(0.1), ..hub("tip", [LENGTH, 0.1, 0.1], &["u_max"]) }];
+    m.loads = vec![Load::Moment(vector_load("tip", [0.1, -0.25, 0.05])), gravity([0.0, 0.0, -1.0])];
+    let alone = solve(&m).2.state.u;
+    let at_rest = |name: &str| AnalysisStep::new(name, m.analysis.clone());
+    let held =
+        Condition::Fix(FixComponents { on: "v_max".into(), position: vec![Axis::Z], director: Vec::new() });
+    let mut mesh = tegula::mesh::generators::generate(&m.mesh).unwrap();
+    let middle = mesh.positions.iter().position(|x| (x.x - 0.5).abs() < 0.05 && x.y == 0.0).unwrap() as u32;
+    mesh.node_sets.insert("middle".into(), vec![middle]);
+    let Condition::Fix(held) = held else { unreachable!() };
+    let held = Condition::Fix(FixComponents { on: "middle".into(), ..held });
+    let options = steps(0.2, 0.01);
+    let moving = AnalysisStep::new("move", Analysis::Transient(options.clone()));
+    let all = vec![AnalysisStep { conditions: vec![held], ..at_rest("held") }, at_rest("free"), moving];
+    let m = Model { steps: all, ..m.clone() };
+    let compiler = compile::Compiler::new(&m, &mesh).unwrap();
+    let mut start = None;
+    for step in 0..2 {
+        let system = compiler.system(step, start).unwrap();
+        let outcome = statics::run(&system, &static_options(&m), None, &mut Notes::default()).unwrap();
+        start = Some(outcome.state.end_of_step());
+    }
+    let end = start.clone().unwrap().u;
+    let d = difference(&end, &alone);
+    assert!(d < 1e-8, "{d}");
+    let system = compiler.system(2, start).unwrap();
+    let outcome = tegula::analysis::dynamics::run(&system, &options, None, &mut Notes::default()).unwrap();
+    let d = difference(&outcome.state.u, &end);
+    assert!(d < 1e-6, "{d}");
+}
+
+/// A joint at an attached node is one at the same point of the body.
+#[test]
+fn a_joint_at_an_attached_node_is_a_joint_at_the_body() {
+    let mut m = strip(ElementKind::Ems, [4, 2], 0.2);
+    m.bodies = vec![RigidBody { mass: Some(0.5), ..hub("hub", [-0.1, 0.1, 0.05], &["u_min"]) }];
+    m.loads = vec![gravity([0.0, 0.3, -9.81])];
+    let options = steps(0.3, 0.01);
+    let end = |name: &str| {
+        let between = ["ground".into(), name.into()];
+        let joint = Joint::Spherical(PointJoint { name: "ball".into(), between, at: [0.0; 3] });
+        let mut notes = Notes::default();
+        let m = Model { joints: vec![joint], ..m.clone() };
+        let (_, outcome) = move_in_time(&m, &options, &mut notes);
+        assert!(notes.drift() < 1e-9 * notes.kinetic, "{}", notes.drift());
+        outcome.state.u
+    };
+    let d = difference(&end("u_min_v_min"), &end("hub"));
+    assert!(d < 1e-9, "{d}");
+}
+
+/// Nodes on a fold with two directors take part in a patch.
+#[test]
+fn a_patch_over_a_fold_keeps_energy_and_momenta() {
+    for element in ElementKind::ALL.iter().copied() {
+        let mesh = MeshSource::Extrusion(ExtrusionMesh {
+            vertices: vec![[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.5, 0.0, 0.4]],
+            sweep: [0.0, 0.3, 0.0],
+            grid: Grid::uniform(3, 3),
+        });
+        let analysis = Analysis::Static(StaticAnalysis::default());
+        let mut m = Model::new(mesh, analysis, Isotropic::new(YOUNG, 0.3, 700.0), THICKNESS);
+        m.sections[0].element = element;
+        let spun =
+            RigidBody { angular_velocity: [2.0, 4.0, 1.0], ..hub("hub", [0.4, -0.1, 0.1], &["v_min"]) };
+        m.bodies = vec![spun];
+        let mut notes = Notes::default();
+        let (_, outcome) = move_in_time(&m, &steps(0.2, 5e-3), &mut notes);
+        assert!(outcome.balance.strain > 1e-4 * notes.kinetic, "{:?}", outcome.balance);
+        assert!(notes.drift() <= 1e-9 * notes.kinetic, "{element:?}: {} {}", notes.drift(), notes.kinetic);
+        let (linear, angular) = notes.momenta[0];
+        let (p, l) = notes.momenta.last().unwrap();
+        assert!((p - linear).norm() <= 1e-9 * linear.norm(), "{element:?}: {p} {linear}");
+        assert!((l - angular).norm() <= 1e-9 * angular.norm(), "{element:?}: {l} {angular}");
+    }
 }

@@ -91,7 +91,8 @@ impl PatternBuilder {
         if self.elements == BATCH {
             self.end_batch();
         }
-        let pairs = vectors.iter().enumerate().flat_map(|(a, &va)| vectors[..=a].iter().map(move |&vb| (va, vb)));
+        let pairs =
+            vectors.iter().enumerate().flat_map(|(a, &va)| vectors[..=a].iter().map(move |&vb| (va, vb)));
         for ((a, b), &mass) in pairs.zip(mass) {
             self.mass(a, b, mass);
         }
