@@ -61,6 +61,7 @@ pub(super) fn assemble_tangent(system: &System, assembly: &mut Assembly, state: 
     let mut internal = vec![[0.0; 3]; system.vectors()];
     assembly.forces_and_tangent(system, &k, &parts, false, None, &mut internal);
     assembly.add_curvature(system, &k, &parts.weights, loads);
+    assembly.add_body_curvature(system, &k, &parts.weights, (false, loads));
 }
 
 /// Unbalanced forces `F − f_int(u, v) − M (a + α v)` of a state on all nodal vectors. The assembly's local frames follow the

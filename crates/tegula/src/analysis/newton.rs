@@ -365,7 +365,7 @@ fn expand_free(frames: &LocalFrames, free: &[f64], keep: bool, field: &mut [Noda
         }
         *value = frames.to_global(v, local);
     }
-    frames.expand_triads(free, field);
+    frames.expand_bodies(free, field);
 }
 
 /// Place of the largest residual, as text.
@@ -373,6 +373,10 @@ pub fn largest(system: &System, frames: &LocalFrames, residual: &[Nodal]) -> Str
     let mut free = vec![[0.0; 3]; residual.len()];
     frames.constrained_part(residual, &mut free);
     let size = |v: usize| {
+        // What acts on an attached vector is in balance with the other forces on its body.
+        if system.dofs().attachment(v).is_some() {
+            return 0.0;
+        }
         let r: Nodal = std::array::from_fn(|i| residual[v][i] - free[v][i]);
         dot(&[r], &[r])
     };

@@ -95,6 +95,7 @@ pub fn released_reactions(system: &System) -> Option<Vec<Nodal>> {
     for (out, supported) in out.as_flattened_mut().iter_mut().zip(supported.as_flattened()) {
         *out -= supported;
     }
+    system.dofs().clear_bodies(&mut out);
     // Equilibria are found up to round-off.
     (max_norm(out.as_flattened()) > IN_EQUILIBRIUM * size).then_some(out)
 }

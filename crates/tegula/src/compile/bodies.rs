@@ -10,6 +10,7 @@ use crate::model::joint::GROUND;
 use crate::model::{Analysis, BodyShape, Load, Model, RigidBody, Scheme, SpringDamper, TransientAnalysis};
 use crate::norm::larger;
 use crate::system::Coordinates;
+use crate::system::coordinates::Body;
 use crate::{Issue, Mat3, Vec3};
 
 /// Longest name of a body or a joint (characters): it becomes part of file names.
@@ -30,10 +31,11 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         &model.analysis,
         Analysis::Transient(TransientAnalysis { scheme: Scheme::EnergyMomentum(_), linear: false, .. })
     );
-    if !transient {
+    if !transient && !super::patches::are_static(model) {
         c.add(
             "analysis",
-            "bodies, beams, joints and springs move in nonlinear transient analyses with the scheme \"energy-momentum\" only",
+            "bodies, beams, joints and springs move in nonlinear transient analyses with the scheme \"energy-momentum\" only; static \
+             analyses with the direct solver take bodies with `attached` nodes, without joints and springs",
             "give `type = \"transient\"` and `scheme = { type = \"energy-momentum\" }`",
         );
     }
@@ -165,11 +167,11 @@ fn body_values(body: &RigidBody, key: &str, c: &mut Checker) {
         c.not_negative(&format!("{key}.shape.inner_radius"), "the inner radius", shape.inner_radius);
     }
     let name = &body.name;
-    if body.inertia.is_none() && body.shape.is_none() && body.axes != axes_of_space() {
+    if body.is_point_mass() && body.axes != axes_of_space() {
         c.add(
             format!("{key}.axes"),
             format!("body \"{name}\" is a point mass, which has no axes"),
-            "give `inertia` or a shape, or leave the axes out",
+            "give `inertia`, a shape or `attached`, or leave the axes out",
         );
     }
     let wrong = match (body.shape, body.inertia, body.mass, body.density) {
@@ -179,6 +181,7 @@ fn body_values(body: &RigidBody, key: &str, c: &mut Checker) {
         (Some(shape), _, None, Some(_)) if shape.volume() == 0.0 => {
             Some(("density", "is a rod, which has no volume", "give `mass`"))
         }
+        (None, None, None, None) if !body.attached.is_empty() => None,
         (_, _, None, None) => Some(("mass", "has no mass", "give `mass`")),
         _ => None,
     };
@@ -194,7 +197,7 @@ fn body_values(body: &RigidBody, key: &str, c: &mut Checker) {
             "give the moments of inertia, too",
         );
     }
-    if body.inertia.is_none() && body.shape.is_none() && body.angular_velocity != [0.0; 3] {
+    if body.is_point_mass() && body.angular_velocity != [0.0; 3] {
         c.add(
             format!("{key}.angular_velocity"),
             format!("body \"{name}\" is a point mass, which does not rotate"),
@@ -245,8 +248,7 @@ fn axes(body: &RigidBody) -> Mat3 {
 /// Adds the nodal vectors of all bodies.
 pub(super) fn add_vectors(model: &Model, coordinates: &mut Coordinates) {
     for body in &model.bodies {
-        let rotary = body.inertia.is_some() || body.shape.is_some();
-        let rotary = rotary.then(|| (axes(body), euler_tensor(body)));
+        let rotary = (!body.is_point_mass()).then(|| (axes(body), euler_tensor(body)));
         coordinates.push_body(&body.name, body.at.into(), (mass(body), rotary));
     }
 }
@@ -279,7 +281,7 @@ pub(super) fn extent(model: &Model, mesh: &Mesh, coordinates: &Coordinates) -> f
         .fold([Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)], |[a, b], x| {
             [a.inf(&x), b.sup(&x)]
         });
-    let largest = coordinates.bodies.iter().map(|body| body.gyration).fold((high - low).max(), larger);
+    let largest = coordinates.bodies.iter().map(Body::gyration).fold((high - low).max(), larger);
     if largest > 0.0 { largest } else { 1.0 }
 }
 
@@ -416,7 +418,7 @@ fn end(
                 End::Body {
                     vectors: (body.centre, directors),
                     reference: (vector(body.centre), Mat3::from_columns(&directors.map(vector))),
-                    inertia: [body.mass, body.euler.trace()],
+                    inertia: [body.inertia().0, body.inertia().1.trace()],
                 }
             }
         }),
@@ -454,8 +456,7 @@ pub(super) fn load_on_body(model: &Model, load: &Load, key: &str, mesh: &Mesh, c
             "give the body another name",
         );
     }
-    let turns = |body: &RigidBody| body.inertia.is_some() || body.shape.is_some();
-    if load.kind() == "moment" && model.bodies.iter().any(|body| body.name == name && !turns(body)) {
+    if load.kind() == "moment" && model.bodies.iter().any(|body| body.name == name && body.is_point_mass()) {
         c.add(
             key,
             format!("body \"{name}\" is a point mass, on which a moment cannot act"),

@@ -194,6 +194,11 @@ fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
             condition.check_nodes(&key, &positions, mesh.extent(), &mut c);
         }
     }
+    for (i, body) in model.bodies.iter().enumerate() {
+        for (k, set) in body.attached.iter().enumerate() {
+            c.set(mesh, format!("bodies[{i}].attached[{k}]"), set, "nodes", Mesh::nodes_on);
+        }
+    }
     for (i, load) in model.loads.iter().enumerate() {
         let key = format!("loads[{i}].on");
         match load.part() {

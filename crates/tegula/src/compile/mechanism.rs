@@ -1,5 +1,7 @@
 //! Rigid motions that the supports leave free.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use nalgebra::SMatrix;
 
 use crate::mesh::Mesh;
@@ -9,11 +11,11 @@ use crate::{Issue, Vec3};
 
 /// Rigid-body motions that the supports leave free, sheet by sheet.
 ///
-/// Each connected part of the mesh has six rigid motions. A support prevents a combination of them; a part with a motion
+/// Each connected part of the mesh, with the parts that rigid bodies connect with it, has six rigid motions. A support prevents a combination of them; a part with a motion
 /// that no support prevents is under-constrained (free mechanism).
 pub fn mechanisms(mesh: &Mesh, coordinates: &Coordinates, supports: &[Support]) -> Vec<Issue> {
     let Coordinates { reference, kinds, nodes, .. } = coordinates;
-    let part_of = mesh.parts();
+    let part_of = joined_parts(mesh, coordinates);
     let count = part_of.iter().filter(|&&p| p != u32::MAX).max().map_or(0, |&p| p as usize + 1);
     let mut normal = vec![SMatrix::<f64, 6, 6>::zeros(); count];
     let mut first = vec![usize::MAX; count];
@@ -77,6 +79,20 @@ pub fn mechanisms(mesh: &Mesh, coordinates: &Coordinates, supports: &[Support]) 
         ));
     }
     issues
+}
+
+/// Part of each node, `u32::MAX` for nodes without elements: parts with nodes that are attached to one body are one.
+fn joined_parts(mesh: &Mesh, coordinates: &Coordinates) -> Vec<u32> {
+    let mut part_of = mesh.parts();
+    for body in &coordinates.bodies {
+        let nodes = body.attached.iter().map(|attached| coordinates.nodes[attached.vector as usize]);
+        let joined: BTreeSet<u32> = nodes.map(|node| part_of[node as usize]).collect();
+        let Some(&first) = joined.first() else { continue };
+        part_of.iter_mut().filter(|part| joined.contains(part)).for_each(|part| *part = first);
+    }
+    let left: BTreeSet<u32> = part_of.iter().copied().filter(|&part| part != u32::MAX).collect();
+    let numbers: BTreeMap<u32, u32> = left.into_iter().zip(0..).collect();
+    part_of.iter().map(|part| numbers.get(part).copied().unwrap_or(u32::MAX)).collect()
 }
 
 /// Diagonals of the boxes about the parts of a mesh.

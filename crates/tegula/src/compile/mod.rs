@@ -10,6 +10,7 @@ mod check_sections;
 mod congruence;
 mod force_sets;
 mod mechanism;
+mod patches;
 mod sections;
 mod steps;
 mod vectors;
@@ -29,7 +30,7 @@ use crate::mesh::{Mesh, quality};
 use crate::model::{
     Analysis, ExplicitScheme, LinearSolver, MeshSource, Model, PrescribedStrain, Scheme, TransientAnalysis,
 };
-use crate::system::pattern::PatternBuilder;
+use crate::system::pattern::{BATCH, PatternBuilder};
 use crate::system::supports::Support;
 use crate::system::{
     BeamLine, DeadLoad, GroupOffsets, LocalFrames, Pattern, PrescribedField, Procedure, Reduction, Shell,
@@ -127,7 +128,7 @@ impl<'a> Compiler<'a> {
         let explicit = steps.iter().any(|step| procedure(&step.model.analysis) == Procedure::Explicit);
         let tie = if explicit { director_angle::EXPLICIT_STIFFNESS } else { director_angle::STIFFNESS };
         elements.ties(&directors, &vectors, tie);
-        let (joints, springs) = vectors.add_bodies(model, mesh, &mut issues);
+        let (joints, springs) = vectors.add_bodies((model, mesh), &mut elements, &mut issues);
         let joints = Arc::new(joints);
         let (of_beams, mut beams) = beams::elements(model, &vectors.coordinates);
         beams.iter_mut().for_each(|beam| beam.group += elements.groups.len());
@@ -227,6 +228,7 @@ impl<'a> Compiler<'a> {
     ) -> Option<(Vec<Support>, LocalFrames)> {
         let vectors = &self.vectors;
         let supports = supports(&step.model, self.mesh, vectors, names, issues);
+        issues.extend(patches::supported(&supports, &vectors.coordinates, self.mesh));
         let current: Vec<Nodal> = match start {
             Some(start) if !self.linear => {
                 let add = |(x, u): (&Nodal, &Nodal)| std::array::from_fn(|i| x[i] + u[i]);
@@ -234,7 +236,8 @@ impl<'a> Compiler<'a> {
             }
             _ => vectors.coordinates.reference.clone(),
         };
-        match LocalFrames::new(&supports, &self.unit, &vectors.coordinates.triads(), &current) {
+        let (triads, attached) = (vectors.coordinates.triads(), vectors.coordinates.attached());
+        match LocalFrames::new(&supports, &self.unit, (&triads, &attached), &current) {
             Ok(mut frames) => {
                 if let Some(start) = start {
                     frames.start_at(&current, &start.u);
@@ -259,6 +262,7 @@ impl<'a> Compiler<'a> {
         issues.extend(unmovable(&frames));
         if matches!(model.analysis, Analysis::Static(_)) {
             issues.extend(mechanism::mechanisms(mesh, &vectors.coordinates, &supports));
+            issues.extend(patches::spinning(&vectors.coordinates));
         }
         let (mut followers, mut load_of_follower) = follower_loads(step, mesh, vectors, &names);
         let mut load_sets = force_sets::of_loads(model, mesh);
@@ -275,6 +279,12 @@ impl<'a> Compiler<'a> {
         let pattern = self.pattern(procedure, &frames, (&followers, &reductions), &added)?;
         let mut initial_velocity = initial_velocity(model, mesh, vectors);
         bodies::add_velocities(model, &vectors.coordinates, &mut initial_velocity);
+        issues.extend(patches::carry_velocities(
+            &vectors.coordinates,
+            frames.dofs(),
+            mesh,
+            &mut initial_velocity,
+        ));
         let mut system = System {
             coordinates: Arc::clone(&vectors.coordinates),
             frames,
@@ -349,13 +359,20 @@ impl<'a> Compiler<'a> {
         let mut builder = PatternBuilder::new(procedure.has_tangent_pattern());
         if procedure != Procedure::Explicit {
             for (group, reduction) in self.groups.iter().zip(reductions) {
-                for e in 0..group.len() {
-                    match reduction {
-                        None => builder.element(group.vectors(e), group.mass(e)),
-                        Some(reduction) => builder.element(reduction.vectors(e), &[]),
+                for first in (0..group.len()).step_by(BATCH) {
+                    let batch = first..group.len().min(first + BATCH);
+                    for e in batch.clone() {
+                        if reduction.as_ref().is_some_and(|reduction| reduction.contains(e)) {
+                            builder.pass_over(group.vectors(e), group.mass(e));
+                        } else {
+                            builder.element(group.vectors(e), group.mass(e));
+                        }
                     }
+                    for vectors in reduction.iter().flat_map(|reduction| reduction.vectors(batch.clone())) {
+                        builder.reduced(vectors);
+                    }
+                    builder.end_batch();
                 }
-                builder.end_batch();
             }
             for body in &self.vectors.coordinates.bodies {
                 builder.mass(body.centre, body.centre, body.mass);

@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use super::bodies;
+use super::sections::Elements;
+use super::{bodies, patches};
 use crate::constraint::{Joint, Spring};
 use crate::element::VectorKind;
 use crate::element::geometry::tangents;
@@ -52,15 +53,21 @@ impl Vectors {
         Self { coordinates: Arc::new(coordinates), of_director, gradient_of }
     }
 
-    /// Adds the nodal vectors of bodies, behind those of all nodes; returns the joints and the springs.
+    /// Adds the nodal vectors of bodies, behind those of all nodes, and attaches nodes to them; returns the joints and the
+    /// springs.
     pub(super) fn add_bodies(
         &mut self,
-        model: &Model,
-        mesh: &Mesh,
+        (model, mesh): (&Model, &Mesh),
+        elements: &mut Elements,
         issues: &mut Vec<Issue>,
     ) -> (Vec<Joint>, Vec<Spring>) {
         let coordinates = Arc::make_mut(&mut self.coordinates);
         bodies::add_vectors(model, coordinates);
+        patches::attach(model, mesh, coordinates, issues);
+        patches::add_inertia(coordinates, &elements.groups);
+        for attached in coordinates.attached() {
+            elements.unit.remove(&attached.vector);
+        }
         (bodies::joints(model, mesh, coordinates, issues), bodies::springs(model, mesh, coordinates, issues))
     }
 

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A rigid body, or without `inertia` and `shape` a point mass.
+/// A rigid body, or without `inertia`, `shape` and `attached` a point mass.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RigidBody {
@@ -32,6 +32,10 @@ pub struct RigidBody {
     /// unless given.
     #[serde(default = "axes_of_space")]
     pub axes: [[f64; 3]; 2],
+    /// Node sets of the mesh whose nodes are fixed in the body, with their directors: a rigid patch of the shell. The body needs
+    /// no mass of its own then.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub attached: Vec<String>,
     /// Velocity of the mass centre at the start [length/time].
     #[serde(default)]
     pub velocity: [f64; 3],
@@ -52,9 +56,15 @@ impl RigidBody {
             shape: None,
             density: None,
             axes: axes_of_space(),
+            attached: Vec::new(),
             velocity: [0.0; 3],
             angular_velocity: [0.0; 3],
         }
+    }
+
+    /// Whether it is a point mass, which has no axes.
+    pub fn is_point_mass(&self) -> bool {
+        self.inertia.is_none() && self.shape.is_none() && self.attached.is_empty()
     }
 }
 

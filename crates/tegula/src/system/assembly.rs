@@ -1,7 +1,10 @@
 //! Buffers and routines that sum element contributions: internal forces, tangent, energies.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
+use super::body_curvature::BodyCurvature;
 use super::evaluation_point::{EvaluationPoint, current_vector};
 use super::pattern::BATCH;
 use super::{LocalFrames, Reduction, System};
@@ -39,10 +42,11 @@ const MANY_BATCHES: usize = 8;
 pub struct Assembly {
     /// Element forces, all groups one after another.
     element_forces: Vec<f64>,
-    /// Tangent blocks of a batch of elements or follower loads.
+    /// Tangent blocks of a batch of elements or follower loads, behind them those that are reduced to the degrees of freedom of
+    /// rigid bodies.
     blocks: Vec<f64>,
-    /// Blocks of a batch, reduced to the degrees of freedom of rigid bodies.
-    reduced: Vec<f64>,
+    /// Curvature of the rotations of rigid bodies.
+    curvature: BodyCurvature,
     /// Extrapolated stress, conjugate to the sampled strains, all groups.
     pub stress: Vec<f64>,
     /// Values of the tangent's lower triangle.
@@ -79,7 +83,7 @@ impl Assembly {
         Self {
             element_forces: vec![0.0; forces],
             blocks: Vec::new(),
-            reduced: vec![0.0; 9 * largest_reduced_batch(system)],
+            curvature: BodyCurvature::new(system),
             stress: vec![0.0; stresses],
             values: Vec::new(),
             energies: vec![0.0; elements],
@@ -133,7 +137,7 @@ impl Assembly {
                 system.pattern.add(batch, blocks, parts.mass, frames, values);
                 batch += 1;
             });
-            system.pattern.add_rotary_inertia(parts.mass, &self.frames, &mut self.values);
+            system.pattern.add_body_inertia(parts.mass, &self.frames, &mut self.values);
             self.gather_forces(out);
         };
         rayon::join(work, || ());
@@ -159,8 +163,9 @@ impl Assembly {
                 let mut first = 0;
                 self.batches(system, k, parts, (extrapolated, prescribed), |elements, blocks, _| {
                     match elements {
-                        Some((group, _)) => {
-                            blocks.chunks(9 * pairs(group.vectors_per_element())).for_each(&mut take)
+                        Some((group, members)) => {
+                            let size = 9 * pairs(group.vectors_per_element());
+                            blocks[..size * members.len()].chunks(size).for_each(&mut take)
                         }
                         None => {
                             let loads = system.followers[first..].iter().take(BATCH);
@@ -205,24 +210,26 @@ impl Assembly {
     ) {
         self.blocks.resize(9 * largest_batch(system), 0.0);
         self.batches(system, k, parts, (false, None), |elements, blocks, _| {
-            if let Some((group, first)) = elements {
-                f(ElementBlocks { group, first, blocks });
+            if let Some((group, members)) = elements {
+                let own = 9 * pairs(group.vectors_per_element()) * members.len();
+                f(ElementBlocks { group, first: members.start, blocks: &blocks[..own] });
             }
         });
     }
 
-    /// Evaluates the elements, then the follower loads, in the batches of the pattern, and hands group and first
-    /// element (`None`: loads), the blocks, and the local frames and values for their sum to `take`.
+    /// Evaluates the elements, then the follower loads, in the batches of the pattern, and hands group and elements of the
+    /// batch (`None`: loads), the blocks, behind them the reduced ones, and the local frames and values for their sum to
+    /// `take`.
     fn batches(
         &mut self,
         system: &System,
         k: &EvaluationPoint,
         parts: &TangentCoefficients,
         (extrapolated, prescribed): (bool, Option<&[Nodal]>),
-        mut take: impl FnMut(Option<(&dyn ElementGroup, usize)>, &[f64], (&LocalFrames, &mut [f64])),
+        mut take: impl FnMut(Option<(&dyn ElementGroup, Range<usize>)>, &[f64], (&LocalFrames, &mut [f64])),
     ) {
         self.set_time(system, k.time);
-        let Self { frames, values, blocks, reduced, .. } = self;
+        let Self { frames, values, blocks, .. } = self;
         for (g, group, offsets) in system.numbered_groups() {
             let m = group.vectors_per_element();
             let k = k.of_group(system, g, &self.factors);
@@ -230,18 +237,18 @@ impl Assembly {
             let forces = &mut self.element_forces[offsets.forces.clone()];
             for (batch, forces) in forces.chunks_mut(3 * m * BATCH).enumerate() {
                 let first = batch * BATCH;
-                let blocks = &mut blocks[..9 * pairs(m) * (forces.len() / (3 * m))];
+                let members = first..first + forces.len() / (3 * m);
+                let (own, reduced) = blocks.split_at_mut(9 * pairs(m) * members.len());
                 let request =
-                    TangentRequest { weights: parts.weights, stress, prescribed, blocks: &mut *blocks };
+                    TangentRequest { weights: parts.weights, stress, prescribed, blocks: &mut *own };
                 group.evaluate(&k, first, forces, Some(request));
-                let Some(reduction) = &system.reductions[g] else {
-                    take(Some((group, first)), blocks, (frames, values));
-                    continue;
-                };
-                let members = first..first + blocks.len() / (9 * pairs(m));
-                let reduced = &mut reduced[..9 * reduction.blocks(members)];
-                reduction.reduce(first, frames, blocks, reduced);
-                take(Some((group, first)), reduced, (frames, values));
+                let mut size = own.len();
+                if let Some(reduction) = &system.reductions[g] {
+                    let reduced = &mut reduced[..9 * reduction.blocks(members.clone())];
+                    reduction.reduce(members.clone(), frames, own, reduced);
+                    size += reduced.len();
+                }
+                take(Some((group, members)), &blocks[..size], (frames, values));
             }
         }
         let w = &parts.weights;
@@ -278,6 +285,31 @@ impl Assembly {
         for (v, shift) in curvature(system, frames, k, weights, rest) {
             system.pattern.add_to_diagonal(v, shift, frames, values);
         }
+    }
+
+    /// Adds the curvature of the rotations of rigid bodies that shells are attached to, under the forces `rest` from outside
+    /// and those of the shells, with the extrapolated stress where the tangent has it.
+    pub fn add_body_curvature(
+        &mut self,
+        system: &System,
+        k: &EvaluationPoint,
+        weights: &TangentWeights,
+        (extrapolated, rest): (bool, &[Nodal]),
+    ) {
+        if k.linear || system.dofs().attached.is_empty() {
+            return;
+        }
+        let Self { curvature, frames, values, stress, factors, .. } = self;
+        curvature.begin(frames, weights, rest);
+        for (g, group, offsets) in system.numbered_groups() {
+            if let Some(reduction) = &system.reductions[g] {
+                let stress = extrapolated.then_some(&stress[offsets.stresses.clone()]);
+                let current = |v: u32| current_vector(system, &k.motion, v as usize);
+                let k = k.of_group(system, g, factors);
+                curvature.subtract((group, reduction), (&k, weights, stress), frames, current);
+            }
+        }
+        curvature.add(system, frames, values);
     }
 
     fn gather_forces(&self, out: &mut [Nodal]) {
@@ -429,21 +461,18 @@ pub(super) fn pairs(vectors: usize) -> usize {
     vectors * (vectors + 1) / 2
 }
 
-/// Largest number of blocks in a batch of elements or follower loads.
+/// Largest number of blocks in a batch of elements, with the reduced ones, or of follower loads.
 fn largest_batch(system: &System) -> usize {
-    let groups = system.groups.iter().map(|g| g.len().min(BATCH) * pairs(g.vectors_per_element()));
+    let groups = system.groups.iter().zip(&system.reductions).map(|(g, reduction)| {
+        let own = g.len().min(BATCH) * pairs(g.vectors_per_element());
+        let reduced = |r: &Reduction| {
+            let starts = (0..g.len()).step_by(BATCH);
+            starts.map(|first| r.blocks(first..first + BATCH)).max().unwrap_or(0)
+        };
+        own + reduction.as_ref().map_or(0, reduced)
+    });
     let loads = system.followers.chunks(BATCH);
     groups.chain(loads.map(|l| l.iter().map(|load| pairs(load.vectors().len())).sum())).max().unwrap_or(0)
-}
-
-/// Largest number of reduced blocks in a batch.
-fn largest_reduced_batch(system: &System) -> usize {
-    let batches = |(g, reduction): (usize, &Option<Reduction>)| {
-        let (group, reduction) = (&system.groups[g], reduction.as_ref()?);
-        let starts = (0..group.len()).step_by(BATCH);
-        starts.map(|first| reduction.blocks(first..group.len().min(first + BATCH))).max()
-    };
-    system.reductions.iter().enumerate().filter_map(batches).max().unwrap_or(0)
 }
 
 /// Nodal vectors of the configuration on which the forces of a motion act.

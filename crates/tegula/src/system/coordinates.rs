@@ -1,5 +1,6 @@
 //! Coordinates of the model: nodal vectors with their kinds, nodes and reference values.
 
+use super::Attached;
 use crate::element::Nodal;
 pub use crate::element::VectorKind;
 use crate::{Mat3, Vec3};
@@ -38,8 +39,23 @@ pub struct Body {
     /// Euler tensor `∫ρ X Xᵀ dV = ½ tr(J) I − J` about the mass centre, along the axes of the body
     /// \[mass · length²\].
     pub euler: Mat3,
-    /// Radius of gyration √(tr E/m) (length).
-    pub gyration: f64,
+    /// Nodal vectors of the mesh that are fixed in the body, ascending.
+    pub attached: Vec<Attached>,
+    /// Mass of the attached part of the shell, and its Euler tensor about the mass centre of the body, along its axes.
+    pub patch: (f64, Mat3),
+}
+
+impl Body {
+    /// Mass and Euler tensor with those of the attached part of the shell.
+    pub fn inertia(&self) -> (f64, Mat3) {
+        (self.mass + self.patch.0, self.euler + self.patch.1)
+    }
+
+    /// Radius of gyration √(tr E/m) (length) of the body with its patch; 0 without mass.
+    pub fn gyration(&self) -> f64 {
+        let (mass, euler) = self.inertia();
+        if mass == 0.0 { 0.0 } else { (euler.trace() / mass).sqrt() }
+    }
 }
 
 impl Coordinates {
@@ -87,13 +103,21 @@ impl Coordinates {
             directors = Some([0, 1, 2].map(push));
             euler = tensor;
         }
-        let gyration = (euler.trace() / mass).sqrt();
-        self.bodies.push(Body { name: name.to_owned(), centre: place, directors, mass, euler, gyration });
+        let (attached, patch) = (Vec::new(), (0.0, Mat3::zeros()));
+        let name = name.to_owned();
+        self.bodies.push(Body { name, centre: place, directors, mass, euler, attached, patch });
         self.bodies.len() - 1
     }
 
     /// Directors of the rigid bodies.
     pub fn triads(&self) -> Vec<[u32; 3]> {
         self.bodies.iter().filter_map(|body| body.directors).collect()
+    }
+
+    /// Nodal vectors attached to rigid bodies, ascending.
+    pub fn attached(&self) -> Vec<Attached> {
+        let mut out: Vec<Attached> = self.bodies.iter().flat_map(|body| &body.attached).copied().collect();
+        out.sort_unstable_by_key(|attached| attached.vector);
+        out
     }
 }

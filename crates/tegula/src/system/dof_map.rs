@@ -1,5 +1,6 @@
 //! Degree-of-freedom map: supports of the nodal vectors, and the numbers of their free degrees of freedom.
 
+use super::Attached;
 #[cfg(doc)]
 use crate::load::LoadFactor;
 use crate::load::{LoadParameter, TimeFunction};
@@ -29,6 +30,8 @@ pub struct DofMap {
     /// Directors of rigid bodies, ascending: three orthonormal nodal vectors which share the degrees of freedom of a
     /// rotation, `δd_i = δθ × d_i`. The map numbers these in place of those of the first director.
     pub triads: Vec<[u32; 3]>,
+    /// Nodal vectors attached to rigid bodies, ascending: they have no degrees of freedom of their own.
+    pub attached: Vec<Attached>,
 }
 
 /// Prescribed degree of freedom: its displacement follows a value times an amplitude, or stays where it is.

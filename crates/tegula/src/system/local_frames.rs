@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use super::Attached;
 use super::dof_map::{CONSTRAINED, DofMap, Prescribed};
 use super::supports::{Conflict, Support, constrain};
 use crate::element::Nodal;
@@ -25,17 +26,18 @@ pub struct LocalFrames {
 
 impl LocalFrames {
     /// Degree-of-freedom map of the nodal vectors `reference` under the given supports, and their frames; the vectors of
-    /// `unit` are inextensible unless they are fully constrained, those of each triad are the directors of a rigid body.
+    /// `unit` are inextensible unless they are fully constrained, those of each triad are the directors of a rigid body, and
+    /// those that are `attached` follow one.
     ///
     /// # Errors
     /// Supports that prescribe the same component differently.
     pub fn new(
         supports: &[Support],
         unit: &BTreeSet<u32>,
-        triads: &[[u32; 3]],
+        (triads, attached): (&[[u32; 3]], &[Attached]),
         reference: &[Nodal],
     ) -> Result<Self, Vec<Conflict>> {
-        let (dofs, frames) = constrain(supports, unit, triads, reference)?;
+        let (dofs, frames) = constrain(supports, unit, (triads, attached), reference)?;
         let triads = triads.iter().map(|t| directors(t, |v| Vec3::from(reference[v]))).collect();
         Ok(Self { dofs: Arc::new(dofs), frames, triads })
     }
@@ -57,7 +59,7 @@ impl LocalFrames {
         let current = |v: usize| Vec3::from(current[v]);
         self.follow(current);
         let mut held: BTreeMap<u32, Prescribed> = BTreeMap::new();
-        for (v, value) in u.iter().enumerate().filter(|(v, _)| !self.dofs.in_triad(*v)) {
+        for (v, value) in u.iter().enumerate().filter(|(v, _)| !self.dofs.is_carried(*v)) {
             let (local, numbers) = (self.to_local(v, *value), self.of(v));
             for (c, start) in local.into_iter().enumerate().filter(|(_, x)| *x != 0.0) {
                 let dof = (3 * v + c) as u32;
@@ -122,6 +124,16 @@ impl LocalFrames {
         self.dofs.triads.iter().zip(&self.triads)
     }
 
+    /// Nodal vectors attached to rigid bodies, with their arms about the rotations.
+    pub fn attached(&self) -> impl Iterator<Item = (&Attached, Vec3)> {
+        self.dofs.attached.iter().map(|attached| (attached, self.arm(attached)))
+    }
+
+    /// Arm of an attached vector about the rotation of its body.
+    fn arm(&self, attached: &Attached) -> Vec3 {
+        self.triads[attached.triad as usize] * attached.coordinates
+    }
+
     /// Local frame (axes as columns) of a vector that has one.
     #[inline]
     pub fn frame(&self, vector: usize) -> Option<&Mat3> {
@@ -170,7 +182,8 @@ impl LocalFrames {
         }
     }
 
-    /// Free degrees of freedom of a field of forces; of rigid bodies the moment of those on their directors.
+    /// Free degrees of freedom of a field of forces; of rigid bodies the moment of those on their directors, and resultant
+    /// and moment of those on attached vectors.
     pub fn reduce(&self, field: &[Nodal], free: &mut [f64]) {
         for (v, value) in field.iter().enumerate() {
             let local = self.to_local(v, *value);
@@ -187,6 +200,29 @@ impl LocalFrames {
                 free[number as usize] = *x;
             }
         }
+        for (attached, arm) in self.attached() {
+            self.reduce_attached(
+                attached,
+                &arm,
+                &Vec3::from(field[attached.vector as usize]),
+                |number, x| {
+                    free[number as usize] += x;
+                },
+            );
+        }
+    }
+
+    /// Hands force and moment on the body of an attached vector on which a force acts to `take`.
+    fn reduce_attached(&self, attached: &Attached, arm: &Vec3, force: &Vec3, mut take: impl FnMut(u32, f64)) {
+        let first = self.dofs.triads[attached.triad as usize][0];
+        let parts = [(Some(first), arm.cross(force)), (attached.centre, *force)];
+        for (v, value) in parts.into_iter().filter_map(|(v, value)| Some((v? as usize, value))) {
+            for (number, x) in self.of(v).into_iter().zip(self.to_local(v, value.into())) {
+                if number != CONSTRAINED {
+                    take(number, x);
+                }
+            }
+        }
     }
 
     /// Field of given free degrees of freedom, zero where constrained.
@@ -195,11 +231,14 @@ impl LocalFrames {
             let local = self.of(v).map(|n| if n == CONSTRAINED { 0.0 } else { free[n as usize] });
             *value = self.to_global(v, local);
         }
-        self.expand_triads(free, field);
+        self.expand_bodies(free, field);
     }
 
     /// Hands the free degrees of freedom of a force on one nodal vector to `take`, one after another.
     pub fn reduce_one(&self, vector: usize, force: &Vec3, mut take: impl FnMut(u32, f64)) {
+        if let Some(attached) = self.dofs.attachment(vector) {
+            return self.reduce_attached(attached, &self.arm(attached), force, take);
+        }
         let director = self.triads().find_map(|(triad, arms)| {
             let i = triad.iter().position(|v| *v as usize == vector)?;
             Some((triad[0] as usize, arms.column(i).cross(force)))
@@ -215,14 +254,16 @@ impl LocalFrames {
         }
     }
 
-    /// Changes `δd_i = δθ × d_i` of the directors of rigid bodies, of given free degrees of freedom.
-    pub fn expand_triads(&self, free: &[f64], field: &mut [Nodal]) {
+    /// Changes `δd_i = δθ × d_i` of the directors of rigid bodies, of given free degrees of freedom, and those of the vectors
+    /// attached to the bodies.
+    pub fn expand_bodies(&self, free: &[f64], field: &mut [Nodal]) {
         for (triad, arms) in self.triads() {
             let rotation = Vec3::from(self.of(triad[0] as usize).map(|n| free[n as usize]));
             for (i, &v) in triad.iter().enumerate() {
                 field[v as usize] = rotation.cross(&arms.column(i)).into();
             }
         }
+        self.dofs.carry(field);
     }
 
     /// Part of a field along constrained degrees of freedom (reactions of a residual).
@@ -236,7 +277,8 @@ impl LocalFrames {
             }
             *out = self.to_global(v, local);
         }
-        for v in self.dofs.triads.as_flattened() {
+        let attached = self.dofs.attached.iter().map(|attached| &attached.vector);
+        for v in self.dofs.triads.as_flattened().iter().chain(attached) {
             out[*v as usize] = [0.0; 3];
         }
     }

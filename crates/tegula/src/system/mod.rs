@@ -1,6 +1,7 @@
 //! The compiled model: coordinates, degrees of freedom, pattern, element groups, loads. Immutable during an analysis.
 
 pub mod assembly;
+mod body_curvature;
 pub mod circulatory;
 pub mod coordinates;
 pub mod corotational_update;
@@ -14,6 +15,7 @@ pub mod lumping;
 pub mod pattern;
 mod procedure;
 mod reduction;
+pub mod rigid_patch;
 pub mod supports;
 
 use std::ops::Range;
@@ -41,6 +43,7 @@ pub use local_frames::LocalFrames;
 pub use pattern::Pattern;
 pub use procedure::Procedure;
 pub use reduction::Reduction;
+pub use rigid_patch::Attached;
 use supports::Support;
 use tegula_sparse::SymmetricPattern;
 use tegula_sparse::norm::larger;

@@ -4,6 +4,7 @@
 //! their blocks to a buffer that holds one batch, and every block of the matrix gathers its contributions from there in
 //! a fixed order. Nothing is locked, and the result does not depend on the number of threads.
 
+mod body_mass;
 mod builder;
 #[cfg(test)]
 mod tests;
@@ -16,6 +17,7 @@ use super::LocalFrames;
 use super::dof_map::CONSTRAINED;
 use crate::Mat3;
 use crate::element::Nodal;
+use body_mass::BodyMass;
 pub use builder::PatternBuilder;
 use tegula_sparse::SymmetricPattern;
 
@@ -44,8 +46,8 @@ pub struct Pattern {
     batches: Vec<Batch>,
     /// Column pointers of the free degrees of freedom.
     pub column_pointers: Arc<Vec<usize>>,
-    /// Euler tensors of the rigid bodies, by rows, in the order of their triads: masses of pairs of directors.
-    euler: Vec<([u32; 3], [f64; 9])>,
+    /// Masses of the directors of rigid bodies, with each other and with other nodal vectors.
+    of_bodies: Vec<BodyMass>,
 }
 
 /// Contributions of a batch of elements.
@@ -335,27 +337,23 @@ impl Pattern {
         }
     }
 
-    /// Adds `factor` times the rotary inertia of rigid bodies to the blocks of their rotations:
-    /// `Σ E_ij (d_i·d_j I − d_j d_iᵀ)`, from `δd_i = δθ × d_i`.
-    pub fn add_rotary_inertia(&self, factor: f64, frames: &LocalFrames, values: &mut [f64]) {
+    /// Adds `factor` times the inertia of rigid bodies to the blocks of their rotations: `Σ E_ij (d_i·d_j I − d_j d_iᵀ)`, from
+    /// `δd_i = δθ × d_i`, and the coupling of bodies with the shells that are attached to them.
+    pub fn add_body_inertia(&self, factor: f64, frames: &LocalFrames, values: &mut [f64]) {
         if factor == 0.0 {
             return;
         }
-        for ((triad, arms), (_, euler)) in frames.triads().zip(&self.euler) {
-            let mut k = Mat3::zeros();
-            for (entry, e) in euler.iter().enumerate() {
-                let (a, b) = (arms.column(entry / 3), arms.column(entry % 3));
-                k += (Mat3::identity() * a.dot(&b) - b * a.transpose()) * (factor * e);
-            }
-            self.add_to_block(triad[0] as usize, &k, frames, values);
+        for mass in &self.of_bodies {
+            let k = mass.tangent(factor, frames);
+            let column = self.column(mass.place()[1] as usize, frames, 0);
+            self.put(&column, Target::new(mass.block, false, false), by_rows(&k), frames, values);
         }
     }
 
     /// Adds a symmetric matrix to the block of a nodal vector with itself.
     pub fn add_to_block(&self, vector: usize, k: &Mat3, frames: &LocalFrames, values: &mut [f64]) {
-        let by_rows = std::array::from_fn(|i| k[(i / 3, i % 3)]);
         let column = self.column(vector, frames, 0);
-        self.put(&column, Target::new(column.start, false, false), by_rows, frames, values);
+        self.put(&column, Target::new(column.start, false, false), by_rows(k), frames, values);
     }
 
     /// Adds a multiple of the unit matrix to the block of a nodal vector with itself.
@@ -374,7 +372,7 @@ impl Pattern {
                 self.put(&column, Target::new(block, true, false), k, frames, values);
             }
         }
-        self.add_rotary_inertia(1.0, frames, values);
+        self.add_body_inertia(1.0, frames, values);
     }
 
     /// `out += factor · M x` for all nodal vectors.
@@ -394,11 +392,16 @@ impl Pattern {
                 }
             }
         }
-        for (triad, euler) in &self.euler {
-            for (entry, e) in euler.iter().enumerate() {
-                let (i, j) = (triad[entry / 3] as usize, triad[entry % 3] as usize);
-                (0..3).for_each(|c| out[i][c] += factor * e * x[j][c]);
-            }
+        for mass in &self.of_bodies {
+            mass.for_each(|i, j, m| {
+                let (i, j) = (i as usize, j as usize);
+                for c in 0..3 {
+                    out[i][c] += factor * m * x[j][c];
+                    if i != j {
+                        out[j][c] += factor * m * x[i][c];
+                    }
+                }
+            });
         }
     }
 
@@ -411,10 +414,8 @@ impl Pattern {
                 }
             }
         }
-        for (triad, euler) in &self.euler {
-            for i in 0..3 {
-                (0..=i).for_each(|j| f(triad[i] as usize, triad[j] as usize, euler[3 * i + j]));
-            }
+        for mass in &self.of_bodies {
+            mass.for_each(|i, j, m| f(i.max(j) as usize, i.min(j) as usize, m));
         }
     }
 
@@ -427,6 +428,11 @@ impl Pattern {
             }
         }
     }
+}
+
+/// Entries of a block by rows.
+fn by_rows(k: &Mat3) -> [f64; 9] {
+    std::array::from_fn(|i| k[(i / 3, i % 3)])
 }
 
 /// A block that is a multiple of the unit matrix.

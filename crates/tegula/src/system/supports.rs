@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use super::Attached;
 use super::dof_map::{CONSTRAINED, DofMap, Prescribed, UnitVector};
 use crate::element::Nodal;
 use crate::{Mat3, Vec3};
@@ -34,15 +35,15 @@ pub struct Conflict {
 }
 
 /// Numbers the degrees of freedom of the nodal vectors `reference` under the given supports; those of `unit` are
-/// inextensible unless they are fully constrained, and those of each triad are the directors of a rigid body. Returns the
-/// local frames of the vectors, none if no vector has one.
+/// inextensible unless they are fully constrained, those of each triad are the directors of a rigid body, and those that
+/// are `attached` follow one. Returns the local frames of the vectors, none if no vector has one.
 ///
 /// # Errors
 /// Supports that prescribe the same component differently.
 pub(super) fn constrain(
     supports: &[Support],
     unit: &BTreeSet<u32>,
-    triads: &[[u32; 3]],
+    (triads, attached): (&[[u32; 3]], &[Attached]),
     reference: &[Nodal],
 ) -> Result<(DofMap, Vec<Option<Mat3>>), Vec<Conflict>> {
     let vectors = reference.len();
@@ -56,6 +57,7 @@ pub(super) fn constrain(
         unknowns: 0,
         unit: Vec::new(),
         triads: triads.to_vec(),
+        attached: attached.to_vec(),
     };
     let mut out = Builder { dofs, frames: vec![None; vectors], conflicts: Vec::new() };
     for (v, list) in by_vector.iter().enumerate() {
@@ -63,6 +65,9 @@ pub(super) fn constrain(
             if triads.iter().any(|triad| triad[0] as usize == v) {
                 (0..3).for_each(|c| out.number(3 * v + c));
             }
+            continue;
+        }
+        if out.dofs.attachment(v).is_some() {
             continue;
         }
         let axes = out.independent(v, list);

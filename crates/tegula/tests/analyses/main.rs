@@ -24,6 +24,7 @@ mod loads_in_time;
 mod modes;
 mod multibody;
 mod nonlinear_materials;
+mod patches;
 mod reactions;
 mod sheet_to_membrane;
 mod statics;

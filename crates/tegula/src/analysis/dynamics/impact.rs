@@ -81,8 +81,9 @@ pub(super) fn factor_mass(system: &System, newton: &mut Newton, state: &State) -
         return Ok(());
     }
     let rod = system.coordinates.bodies.iter().find(|body| {
-        let moments = body.euler.symmetric_eigenvalues();
-        body.directors.is_some() && moments.iter().filter(|e| **e > 1e-12 * body.euler.norm()).count() < 2
+        let (_, euler) = body.inertia();
+        let moments = euler.symmetric_eigenvalues();
+        body.directors.is_some() && moments.iter().filter(|e| **e > 1e-12 * euler.norm()).count() < 2
     });
     Err(match rod {
         Some(body) => Error::Singular {

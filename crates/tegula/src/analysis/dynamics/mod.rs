@@ -205,7 +205,7 @@ pub(super) fn step_size(system: &System, from: &[Nodal], to: &[Nodal]) -> f64 {
 pub(super) fn copy_supported(system: &System, from: &[Nodal], to: &mut [Nodal]) {
     for (v, to) in to.iter_mut().enumerate() {
         let inextensible = system.coordinates.inextensible.get(v) == Some(&true) && system.dofs().is_free(v);
-        if (inextensible && !system.linear) || system.dofs().in_triad(v) {
+        if (inextensible && !system.linear) || system.dofs().is_carried(v) {
             continue;
         }
         let old = system.frames.to_local(v, from[v]);

@@ -34,7 +34,7 @@ fn nearest_rotation(matrix: &Mat3) -> Mat3 {
     r
 }
 
-/// Projects the directors of rigid bodies of a prediction onto rotations.
+/// Projects the directors of rigid bodies of a prediction onto rotations; attached vectors follow.
 pub(super) fn project_directors(system: &System, u: &mut [Nodal]) {
     for triad in &system.dofs().triads {
         let r = nearest_rotation(&directors(system, u, triad));
@@ -43,6 +43,7 @@ pub(super) fn project_directors(system: &System, u: &mut [Nodal]) {
             u[v as usize] = (r.column(i) - reference).into();
         }
     }
+    system.dofs().carry(u);
 }
 
 /// Keeps of the changes that [`project_directors`] has made to directors only the symmetric part `R S`: round-off that
@@ -57,9 +58,11 @@ pub(super) fn keep_stretch(system: &System, u: &[Nodal], moved: &mut [Nodal]) {
             moved[v as usize] = stretch.column(i).into_owned().into();
         }
     }
+    system.dofs().carry(moved);
 }
 
-/// Projects rates of directors d onto those of a rotation: velocities `ω × d`, accelerations `α × d + ω × (ω × d)`.
+/// Projects rates of directors d onto those of a rotation: velocities `ω × d`, accelerations `α × d + ω × (ω × d)`; attached
+/// vectors follow.
 pub(super) fn project_rates(system: &System, u: &[Nodal], v: &mut [Nodal], a: &mut [Nodal]) {
     for triad in &system.dofs().triads {
         let d = directors(system, u, triad);
@@ -73,6 +76,8 @@ pub(super) fn project_rates(system: &System, u: &[Nodal], v: &mut [Nodal], a: &m
             a[n as usize] = (alpha.cross(&d.column(i)) + omega.cross(&turned)).into();
         }
     }
+    system.dofs().carry(v);
+    system.dofs().carry(a);
 }
 
 /// Largest rotation of a body in a step (rad). The directors in the middle of a step of half a turn vanish: beyond it the equations

@@ -216,6 +216,10 @@ impl<S: TangentSolver> Newton<S> {
         loop {
             solver.assemble(assembly, &at, internal);
             solver.add_curvature(assembly, &at, &self.residual);
+            if parts.mass == 0.0 {
+                let rest = (setting.mixed, self.residual.as_slice());
+                assembly.add_body_curvature(system, k, &parts.weights, rest);
+            }
             // Non-finite forces are reported later, with a better message than that of a failed factorisation.
             if !internal.iter().flatten().all(|f| f.is_finite()) {
                 return Ok(0);
@@ -437,7 +441,7 @@ impl<S: TangentSolver> Newton<S> {
                 }
             }
         }
-        let floor = self.at_round_off(system, relative, (norm, scale))?;
+        let floor = self.at_round_off(system, relative, (norm, scale), !in_time)?;
         if floor && let Some(open) = self.open_joint(system, equation, OPEN) {
             return Err((Cause::Constraints, open));
         }
@@ -464,14 +468,15 @@ impl<S: TangentSolver> Newton<S> {
         system: &System,
         relative: f64,
         (norm, scale): (f64, f64),
+        is_static: bool,
     ) -> Result<bool, Failed> {
         let Some(floor) = self.increments.stagnation() else { return Ok(false) };
         // Near a rigid motion there is next to no energy to compare with: increments at round-off suffice then.
         // Increments whose energy is round-off beside that of self-equilibrated stresses suffice, too: there
         // the displacement itself vanishes.
         let rounding = norm <= 1e-10 * scale || relative <= ROUND_OFF;
-        // Bodies converge linearly, in long steps slowly: increments that decrease little are no round-off there.
-        let exact = self.constraints.is_none() && system.dofs().triads.is_empty();
+        // Bodies in motion converge linearly, in long steps slowly: increments that decrease little are no round-off there.
+        let exact = self.constraints.is_none() && (is_static || system.dofs().triads.is_empty());
         if rounding || (exact && relative <= 1e-9 && norm <= 1e-5 * scale) {
             return Ok(true);
         }
@@ -533,7 +538,7 @@ fn spun_body<'a>(system: &'a System, increment: &[f64]) -> Option<&'a str> {
 }
 
 /// Retraction of the increments of the directors of rigid bodies: from the rotation δθ that they stand for, by the
-/// exponential map, to directors that are orthonormal.
+/// exponential map, to directors that are orthonormal. Attached vectors follow.
 fn retract_bodies(system: &System, frames: &LocalFrames, u: &[Nodal], increment: &mut [Nodal]) {
     for (triad, arms) in frames.triads() {
         // Increments are δθ × d, with the directors d of the local frame.
@@ -552,4 +557,5 @@ fn retract_bodies(system: &System, frames: &LocalFrames, u: &[Nodal], increment:
             increment[v as usize] = (across * first + rotation.cross(&across) * second).into();
         }
     }
+    frames.dofs().carry(increment);
 }

@@ -2,8 +2,10 @@
 
 use rayon::prelude::*;
 
+use super::body_mass::condense;
 use super::{BATCH, Batch, Pattern, Source, Target, Task, rows_below};
 use crate::system::LocalFrames;
+use crate::system::assembly::pairs;
 use crate::system::dof_map::CONSTRAINED;
 use crate::{Error, Mat3, Result};
 
@@ -26,11 +28,10 @@ pub struct PatternBuilder {
     blocks: u32,
     /// Whether the tangent is wanted, not only the mass.
     tangent: bool,
-    /// Euler tensors of rigid bodies, by rows.
-    euler: Vec<([u32; 3], [f64; 9])>,
 }
 
-fn key(a: u32, b: u32) -> u64 {
+/// Key of the block of two nodal vectors, in the order of the blocks.
+pub(super) fn key(a: u32, b: u32) -> u64 {
     (u64::from(a.min(b)) << 32) | u64::from(a.max(b))
 }
 
@@ -61,24 +62,39 @@ impl PatternBuilder {
 
     /// Adds an element, whose lower blocks come next in the buffer.
     pub fn element(&mut self, vectors: &[u32], mass: &[f64]) {
-        if self.elements == BATCH {
-            self.end_batch();
-        }
-        let mut pair = 0;
+        self.count(vectors, mass);
+        self.reduced(vectors);
+    }
+
+    /// Passes over an element whose lower blocks come next in the buffer, but are [reduced](Self::reduced) to others; its
+    /// mass is added.
+    pub fn pass_over(&mut self, vectors: &[u32], mass: &[f64]) {
+        self.count(vectors, mass);
+        self.blocks += pairs(vectors.len()) as u32;
+    }
+
+    /// Adds the lower blocks of an element that come next in the buffer, behind those of all elements of the batch.
+    pub fn reduced(&mut self, vectors: &[u32]) {
         for (a, &va) in vectors.iter().enumerate() {
             for &vb in &vectors[..=a] {
                 if self.tangent {
                     let transposed = if va < vb { Source::TRANSPOSED } else { 0 };
                     self.entries.push((key(va, vb), self.blocks << 2 | transposed));
                 }
-                if let Some(&m) = mass.get(pair)
-                    && m != 0.0
-                {
-                    self.masses.push((key(va, vb), m));
-                }
                 self.blocks += 1;
-                pair += 1;
             }
+        }
+    }
+
+    /// Counts an element and adds its mass.
+    fn count(&mut self, vectors: &[u32], mass: &[f64]) {
+        if self.elements == BATCH {
+            self.end_batch();
+        }
+        let pairs =
+            vectors.iter().enumerate().flat_map(|(a, &va)| vectors[..=a].iter().map(move |&vb| (va, vb)));
+        for ((a, b), &mass) in pairs.zip(mass) {
+            self.mass(a, b, mass);
         }
         self.elements += 1;
     }
@@ -92,7 +108,9 @@ impl PatternBuilder {
 
     /// Adds a rigid body with these directors and Euler tensor.
     pub fn body(&mut self, directors: [u32; 3], euler: &Mat3) {
-        self.euler.push((directors, std::array::from_fn(|i| euler[(i / 3, i % 3)])));
+        for i in 0..3 {
+            (0..=i).for_each(|j| self.mass(directors[i], directors[j], euler[(i, j)]));
+        }
     }
 
     /// Builds the pattern of the free degrees of freedom.
@@ -102,12 +120,15 @@ impl PatternBuilder {
     pub fn build(mut self, vectors: usize, frames: &LocalFrames) -> Result<Pattern> {
         self.end_batch();
         self.entries = Vec::new();
+        let (masses, mut of_bodies) = condense(std::mem::take(&mut self.masses), frames.dofs());
+        self.masses = masses;
         self.masses.sort_by_key(|m| m.0);
         let mut keys: Vec<u64> = (0..vectors as u32).map(|v| key(v, v)).collect();
         for (_, of_batch) in &self.batches {
             keys.extend(of_batch);
         }
         keys.extend(self.masses.iter().map(|m| m.0));
+        keys.extend(of_bodies.iter().map(super::body_mass::BodyMass::key));
         keys.par_sort_unstable();
         keys.dedup();
         if keys.len() > if self.tangent { MOST_BLOCKS } else { u32::MAX as usize } {
@@ -130,6 +151,9 @@ impl PatternBuilder {
                 mass[block] += self.masses[m].1;
                 m += 1;
             }
+        }
+        for mass in &mut of_bodies {
+            mass.block = keys.partition_point(|&k| k < mass.key());
         }
         let mut tail = Vec::new();
         let mut tail_start = Vec::with_capacity(vectors + 1);
@@ -177,7 +201,7 @@ impl PatternBuilder {
             alone,
             batches,
             column_pointers: column_pointers.into(),
-            euler: self.euler,
+            of_bodies,
         })
     }
 }

@@ -32,7 +32,7 @@ fn frames(vectors: usize) -> LocalFrames {
         support(5, Vec3::y()),
         support(90, Vec3::new(0.6, 0.0, 0.8)),
     ];
-    LocalFrames::new(&supports, &Default::default(), &[], &vec![[0.0; 3]; vectors]).unwrap()
+    LocalFrames::new(&supports, &Default::default(), (&[], &[]), &vec![[0.0; 3]; vectors]).unwrap()
 }
 
 /// Sums elements in two batches, and compares with the dense matrix of the global degrees of freedom, rotated to the
@@ -134,7 +134,7 @@ fn without_mass_none_is_kept() {
 
 #[test]
 fn mass_may_be_given_where_there_was_none() {
-    let frames = LocalFrames::new(&[], &Default::default(), &[], &[[0.0; 3]; 2]).unwrap();
+    let frames = LocalFrames::new(&[], &Default::default(), (&[], &[]), &[[0.0; 3]; 2]).unwrap();
     let mut pattern = PatternBuilder::new(false).build(2, &frames).unwrap();
     let mut out = [[0.0; 3]; 2];
     pattern.add_mass_product(1.0, &[[1.0; 3]; 2], &mut out);

@@ -1,0 +1,204 @@
+//! Rigid patches: nodes of the mesh that are attached to rigid bodies.
+
+use std::collections::BTreeMap;
+
+use crate::element::{ElementGroup, Nodal};
+use crate::mesh::Mesh;
+use crate::model::{Analysis, LinearSolver, Model};
+use crate::norm::larger;
+use crate::system::coordinates::Body;
+use crate::system::supports::Support;
+use crate::system::{Attached, Coordinates, DofMap, VectorKind};
+use crate::{Issue, Mat3, Vec3};
+
+/// Relative size of round-off in velocities and moments of inertia.
+const SAME: f64 = 1e-9;
+
+/// Whether a model of bodies can be solved by statics: all of them are attached to shells, nothing else holds them.
+pub(super) fn are_static(model: &Model) -> bool {
+    matches!(&model.analysis, Analysis::Static(s) if s.linear_solver == LinearSolver::Direct)
+        && model.joints.is_empty()
+        && model.springs.is_empty()
+        && model.bodies.iter().all(|body| !body.attached.is_empty())
+}
+
+/// Attaches the nodes of the sets that bodies name to them.
+pub(super) fn attach(model: &Model, mesh: &Mesh, coordinates: &mut Coordinates, issues: &mut Vec<Issue>) {
+    let mut body_of: BTreeMap<u32, usize> = BTreeMap::new();
+    let mut triad = 0;
+    for (i, data) in model.bodies.iter().enumerate() {
+        let Some(directors) = coordinates.bodies[i].directors else { continue };
+        for (k, set) in data.attached.iter().enumerate() {
+            let key = format!("bodies[{i}].attached[{k}]");
+            let nodes = mesh.nodes_on(set).unwrap_or_default();
+            let nodes = nodes.into_iter().filter(|&n| coordinates.position_of[n as usize] != u32::MAX);
+            let mut found = false;
+            for node in nodes {
+                found = true;
+                let other = *body_of.entry(node).or_insert(i);
+                if other != i {
+                    issues.push(Issue::new(
+                        key.clone(),
+                        format!(
+                            "node {} is attached to the bodies \"{}\" and \"{}\"",
+                            mesh.node_label(node),
+                            model.bodies[other].name,
+                            data.name
+                        ),
+                        "take the node out of one of the sets, or connect the bodies by a joint",
+                    ));
+                    break;
+                }
+            }
+            if !found && mesh.nodes_on(set).is_some() {
+                let message = format!("no node of the set \"{set}\" belongs to an element");
+                issues.push(Issue::new(key, message, "name a set with nodes of the shell"));
+            }
+        }
+        let nodes = body_of.iter().filter(|(_, body)| **body == i).map(|(node, _)| *node);
+        let attached = nodes.flat_map(|node| of_node(node, (triad, i, &directors), coordinates)).collect();
+        coordinates.bodies[i].attached = attached;
+        triad += 1;
+    }
+}
+
+/// Nodal vectors of a node, which follow each other, attached to a body.
+fn of_node(
+    node: u32,
+    (triad, body, directors): (u32, usize, &[u32; 3]),
+    coordinates: &Coordinates,
+) -> Vec<Attached> {
+    let at = |v: u32| Vec3::from(coordinates.reference[v as usize]);
+    let axes = Mat3::from_columns(&directors.map(at));
+    let centre = coordinates.bodies[body].centre;
+    let first = coordinates.position_of[node as usize];
+    let vectors = (first..).take_while(|&v| coordinates.nodes.get(v as usize) == Some(&node));
+    let attached = |vector: u32| {
+        let position = coordinates.kinds[vector as usize] == VectorKind::Position;
+        let arm = if position { at(vector) - at(centre) } else { at(vector) };
+        Attached { vector, triad, centre: position.then_some(centre), coordinates: axes.tr_mul(&arm) }
+    };
+    vectors.map(attached).collect()
+}
+
+/// Adds mass and Euler tensor of the attached part of the shell to each body.
+pub(super) fn add_inertia(coordinates: &mut Coordinates, groups: &[Box<dyn ElementGroup>]) {
+    let attached = coordinates.attached();
+    if attached.is_empty() {
+        return;
+    }
+    let find = |v: u32| Some(&attached[attached.binary_search_by_key(&v, |a| a.vector).ok()?]);
+    let mut patches: BTreeMap<u32, (f64, Mat3)> = BTreeMap::new();
+    for group in groups {
+        for e in 0..group.len() {
+            let vectors = group.vectors(e);
+            let pairs =
+                vectors.iter().enumerate().flat_map(|(a, v)| vectors[..=a].iter().map(move |w| (*v, *w)));
+            for ((v, w), &mass) in pairs.zip(group.mass(e)) {
+                let (Some(a), Some(b)) = (find(v), find(w)) else { continue };
+                if a.triad != b.triad {
+                    continue;
+                }
+                let product = a.coordinates * b.coordinates.transpose() * mass;
+                let (total, euler) = patches.entry(a.triad).or_insert((0.0, Mat3::zeros()));
+                *euler += if v == w { product } else { product + product.transpose() };
+                if a.centre.is_some() && b.centre.is_some() {
+                    *total += if v == w { mass } else { 2.0 * mass };
+                }
+            }
+        }
+    }
+    let with_axes = coordinates.bodies.iter_mut().filter(|body| body.directors.is_some());
+    for (triad, body) in (0..).zip(with_axes) {
+        body.patch = patches.remove(&triad).unwrap_or((0.0, Mat3::zeros()));
+    }
+}
+
+/// Body that an attached vector belongs to.
+fn body<'a>(coordinates: &'a Coordinates, attached: &Attached) -> Option<&'a Body> {
+    coordinates.bodies.iter().filter(|body| body.directors.is_some()).nth(attached.triad as usize)
+}
+
+/// Supports and prescribed motions of attached nodes, which follow their bodies: the first one of each condition.
+pub(super) fn supported(supports: &[Support], coordinates: &Coordinates, mesh: &Mesh) -> Vec<Issue> {
+    let attached = coordinates.attached();
+    let mut found: BTreeMap<&str, Issue> = BTreeMap::new();
+    for support in supports {
+        let Ok(at) = attached.binary_search_by_key(&support.vector, |a| a.vector) else { continue };
+        let Some(body) = body(coordinates, &attached[at]) else { continue };
+        found.entry(&support.key).or_insert_with(|| {
+            let node = mesh.node_label(coordinates.nodes[support.vector as usize]);
+            Issue::new(
+                format!("{}.on", support.key),
+                format!("node {node} is attached to body \"{}\", with which it moves", body.name),
+                "take the node out of the set, and hold or drive the body by a joint",
+            )
+        });
+    }
+    found.into_values().collect()
+}
+
+/// Bodies whose attached nodes leave them free to spin about a director: those of a static analysis need another node.
+pub(super) fn spinning(coordinates: &Coordinates) -> Vec<Issue> {
+    let spins = |body: &Body| {
+        let first = body.attached.iter().find(|a| a.centre.is_some()).map(|a| a.coordinates)?;
+        let arms = body.attached.iter().map(|a| {
+            let arm = if a.centre.is_some() { a.coordinates - first } else { a.coordinates };
+            arm.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+        });
+        let product: Mat3 = arms.map(|arm| arm * arm.transpose()).sum();
+        let held = Mat3::identity() * product.trace() - product;
+        (!(held.symmetric_eigenvalues().min() > SAME * product.trace())).then(|| body.name.clone())
+    };
+    let issue = |(i, body): (usize, &Body)| {
+        let name = spins(body)?;
+        Some(Issue::new(
+            format!("bodies[{i}].attached"),
+            format!("body \"{name}\" can spin about the director of the one node that is attached to it"),
+            "attach another node of the shell to the body",
+        ))
+    };
+    coordinates.bodies.iter().enumerate().filter_map(issue).collect()
+}
+
+/// Sets the velocities of attached vectors at the start to those of their bodies, from which given ones must not differ.
+pub(super) fn carry_velocities(
+    coordinates: &Coordinates,
+    dofs: &DofMap,
+    mesh: &Mesh,
+    velocity: &mut [Nodal],
+) -> Option<Issue> {
+    if velocity.is_empty() || dofs.attached.is_empty() {
+        return None;
+    }
+    let given: Vec<Nodal> = dofs.attached.iter().map(|a| velocity[a.vector as usize]).collect();
+    dofs.carry(velocity);
+    let pairs = || {
+        let carried = dofs.attached.iter().map(|a| Vec3::from(velocity[a.vector as usize]));
+        dofs.attached.iter().zip(given.iter().map(|given| Vec3::from(*given))).zip(carried)
+    };
+    // Round-off is relative to the largest velocity, or rate of a director.
+    let size = |of_position: bool| {
+        let alike = pairs().filter(|((a, _), _)| a.centre.is_some() == of_position);
+        alike.map(|((_, given), found)| larger(given.norm(), found.norm())).fold(0.0, larger)
+    };
+    let sizes = [size(false), size(true)];
+    let mut differing = pairs().filter(|((attached, given), found)| {
+        let size = sizes[usize::from(attached.centre.is_some())];
+        *given != Vec3::zeros() && !((given - found).norm() <= SAME * size)
+    });
+    let ((attached, value), _) = differing.next()?;
+    let name = body(coordinates, attached).map_or("", |body| body.name.as_str());
+    Some(Issue::new(
+        "initial_velocities",
+        format!(
+            "node {} is attached to body \"{name}\", but its velocity or the rate of its director, ({}, {}, {}), is not that of \
+             the body",
+            mesh.node_label(coordinates.nodes[attached.vector as usize]),
+            value.x,
+            value.y,
+            value.z
+        ),
+        format!("give body \"{name}\" `velocity` and `angular_velocity` of the same motion"),
+    ))
+}

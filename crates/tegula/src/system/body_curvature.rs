@@ -1,0 +1,96 @@
+//! Curvature of the rotations of rigid bodies that shells are attached to.
+//!
+//! An arm a that is fixed in a body turns with it, `δa = δθ × a`. The moment `Σ a × R` of the unbalanced forces R on directors and
+//! attached vectors therefore changes by `Σ (δθ × a) × R` in a rotation, and with `N = Σ a Rᵀ` the tangent gains `tr(N) I − N`.
+//! Its skew part, half the unbalanced moment, is left out.
+//!
+//! The forces of the elements are those of the stress in the geometric stiffness `K = Σ 2 n_k A_k ⊗ I`, since forces of an iterate
+//! that is no equilibrium would mislead: strains are quadratic in the nodal vectors q, so that these forces are `K q`.
+
+use super::assembly::pairs;
+use super::{LocalFrames, Reduction, System};
+use crate::element::group::ALIGNMENT;
+use crate::element::{ElementGroup, GroupPoint, Nodal, TangentRequest, TangentWeights};
+use crate::{Mat3, Vec3};
+
+/// Sums `N = Σ a Rᵀ` of the bodies, with buffers for a few elements.
+pub(super) struct BodyCurvature {
+    sums: Vec<Mat3>,
+    forces: Vec<f64>,
+    blocks: Vec<f64>,
+}
+
+impl BodyCurvature {
+    /// Buffers for a system.
+    pub fn new(system: &System) -> Self {
+        let dofs = system.dofs();
+        let reduced =
+            system.groups.iter().zip(&system.reductions).filter(|(_, reduction)| reduction.is_some());
+        let most = reduced.map(|(group, _)| group.vectors_per_element()).max();
+        let most = most.filter(|_| !dofs.attached.is_empty()).unwrap_or(0);
+        Self {
+            sums: vec![Mat3::zeros(); dofs.triads.len()],
+            forces: vec![0.0; 3 * most * ALIGNMENT],
+            blocks: vec![0.0; 9 * pairs(most) * ALIGNMENT],
+        }
+    }
+
+    /// Begins the sums with the forces `rest` from outside.
+    pub fn begin(&mut self, frames: &LocalFrames, weights: &TangentWeights, rest: &[Nodal]) {
+        let force = |v: u32| Vec3::from(rest[v as usize]).transpose() * weights.direction;
+        for (sum, (triad, arms)) in self.sums.iter_mut().zip(frames.triads()) {
+            *sum = (0..3).map(|i| arms.column(i) * force(triad[i])).sum();
+        }
+        for (attached, arm) in frames.attached() {
+            self.sums[attached.triad as usize] += arm * force(attached.vector);
+        }
+    }
+
+    /// Subtracts the forces of the elements of a group on attached vectors, with the nodal vectors `current`.
+    pub fn subtract(
+        &mut self,
+        (group, reduction): (&dyn ElementGroup, &Reduction),
+        (k, weights, stress): (&GroupPoint, &TangentWeights, Option<&[f64]>),
+        frames: &LocalFrames,
+        current: impl Fn(u32) -> Vec3,
+    ) {
+        let m = group.vectors_per_element();
+        // The geometric part alone.
+        let weights = TangentWeights { stress: 0.0, rate: 0.0, augmentation: 0.0, ..*weights };
+        let size = 9 * pairs(m);
+        let mut evaluated = 0..0;
+        for number in reduction.numbers() {
+            if !evaluated.contains(&number) {
+                let first = number - number % ALIGNMENT;
+                evaluated = first..group.len().min(first + ALIGNMENT);
+                let blocks = &mut self.blocks[..size * evaluated.len()];
+                let request = TangentRequest { weights, stress, prescribed: None, blocks };
+                group.evaluate(k, first, &mut self.forces[..3 * m * evaluated.len()], Some(request));
+            }
+            let at = size * (number - evaluated.start);
+            let (blocks, vectors) = (&self.blocks[at..at + size], group.vectors(number));
+            for (a, &v) in vectors.iter().enumerate() {
+                let Some(attached) = frames.dofs().attachment(v as usize) else { continue };
+                let force: Vec3 =
+                    vectors.iter().enumerate().map(|(b, &w)| block(blocks, a, b) * current(w)).sum();
+                let arm = frames.triad(attached.triad as usize) * attached.coordinates;
+                self.sums[attached.triad as usize] -= arm * force.transpose();
+            }
+        }
+    }
+
+    /// Adds the curvature to the values of the tangent.
+    pub fn add(&self, system: &System, frames: &LocalFrames, values: &mut [f64]) {
+        for (n, (triad, _)) in self.sums.iter().zip(frames.triads()) {
+            let k = Mat3::identity() * n.trace() - (n + n.transpose()) * 0.5;
+            system.pattern.add_to_block(triad[0] as usize, &k, frames, values);
+        }
+    }
+}
+
+/// Block of two nodal vectors in the lower blocks of an element.
+fn block(blocks: &[f64], a: usize, b: usize) -> Mat3 {
+    let at = 9 * (pairs(a.max(b)) + a.min(b));
+    let k = Mat3::from_row_slice(&blocks[at..at + 9]);
+    if a < b { k.transpose() } else { k }
+}
