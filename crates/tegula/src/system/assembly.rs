@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::body_curvature::BodyCurvature;
+use super::body_curvature::{self, BodyCurvature};
 use super::evaluation_point::{EvaluationPoint, current_vector};
 use super::pattern::BATCH;
 use super::{LocalFrames, Reduction, System};
@@ -287,7 +287,7 @@ impl Assembly {
         }
     }
 
-    /// Adds the curvature of the rotations of rigid bodies that shells are attached to, under the forces `rest` from outside
+    /// Adds the curvature of the rotations of rigid bodies that shells are attached to and of nodes of beams, under the forces `rest` from outside
     /// and those of the shells, with the extrapolated stress where the tangent has it.
     pub fn add_body_curvature(
         &mut self,
@@ -296,18 +296,16 @@ impl Assembly {
         weights: &TangentWeights,
         (extrapolated, rest): (bool, &[Nodal]),
     ) {
-        if k.linear || system.dofs().attached.is_empty() {
+        if k.linear || body_curvature::elastic(system).next().is_none() {
             return;
         }
         let Self { curvature, frames, values, stress, factors, .. } = self;
         curvature.begin(frames, weights, rest);
-        for (g, group, offsets) in system.numbered_groups() {
-            if let Some(reduction) = &system.reductions[g] {
-                let stress = extrapolated.then_some(&stress[offsets.stresses.clone()]);
-                let current = |v: u32| current_vector(system, &k.motion, v as usize);
-                let k = k.of_group(system, g, factors);
-                curvature.subtract((group, reduction), (&k, weights, stress), frames, current);
-            }
+        for (g, group, reduction) in body_curvature::elastic(system) {
+            let stress = extrapolated.then_some(&stress[system.offsets[g].stresses.clone()]);
+            let current = |v: u32| current_vector(system, &k.motion, v as usize);
+            let k = k.of_group(system, g, factors);
+            curvature.subtract((group, reduction), (&k, weights, stress), frames, current);
         }
         curvature.add(system, frames, values);
     }

@@ -1,4 +1,4 @@
-//! Curvature of the rotations of rigid bodies that shells are attached to.
+//! Curvature of the rotations of rigid bodies that shells are attached to, and of the nodes of beams.
 //!
 //! An arm a that is fixed in a body turns with it, `δa = δθ × a`. The moment `Σ a × R` of the unbalanced forces R on directors and
 //! attached vectors therefore changes by `Σ (δθ × a) × R` in a rotation, and with `N = Σ a Rᵀ` the tangent gains `tr(N) I − N`.
@@ -23,13 +23,9 @@ pub(super) struct BodyCurvature {
 impl BodyCurvature {
     /// Buffers for a system.
     pub fn new(system: &System) -> Self {
-        let dofs = system.dofs();
-        let reduced =
-            system.groups.iter().zip(&system.reductions).filter(|(_, reduction)| reduction.is_some());
-        let most = reduced.map(|(group, _)| group.vectors_per_element()).max();
-        let most = most.filter(|_| !dofs.attached.is_empty()).unwrap_or(0);
+        let most = elastic(system).map(|(_, group, _)| group.vectors_per_element()).max().unwrap_or(0);
         Self {
-            sums: vec![Mat3::zeros(); dofs.triads.len()],
+            sums: vec![Mat3::zeros(); system.dofs().triads.len()],
             forces: vec![0.0; 3 * most * ALIGNMENT],
             blocks: vec![0.0; 9 * pairs(most) * ALIGNMENT],
         }
@@ -46,7 +42,7 @@ impl BodyCurvature {
         }
     }
 
-    /// Subtracts the forces of the elements of a group on attached vectors, with the nodal vectors `current`.
+    /// Subtracts the forces of the elements of a group on vectors that rigid bodies carry, with the nodal vectors `current`.
     pub fn subtract(
         &mut self,
         (group, reduction): (&dyn ElementGroup, &Reduction),
@@ -70,11 +66,10 @@ impl BodyCurvature {
             let at = size * (number - evaluated.start);
             let (blocks, vectors) = (&self.blocks[at..at + size], group.vectors(number));
             for (a, &v) in vectors.iter().enumerate() {
-                let Some(attached) = frames.dofs().attachment(v as usize) else { continue };
+                let Some((triad, arm)) = arm(v, frames) else { continue };
                 let force: Vec3 =
                     vectors.iter().enumerate().map(|(b, &w)| block(blocks, a, b) * current(w)).sum();
-                let arm = frames.triad(attached.triad as usize) * attached.coordinates;
-                self.sums[attached.triad as usize] -= arm * force.transpose();
+                self.sums[triad] -= arm * force.transpose();
             }
         }
     }
@@ -86,6 +81,28 @@ impl BodyCurvature {
             system.pattern.add_to_block(triad[0] as usize, &k, frames, values);
         }
     }
+}
+
+/// Rigid body that carries a nodal vector, by the number of its directors, and the arm of its rotation.
+fn arm(vector: u32, frames: &LocalFrames) -> Option<(usize, Vec3)> {
+    let dofs = frames.dofs();
+    if let Some(attached) = dofs.attachment(vector as usize) {
+        let triad = attached.triad as usize;
+        return Some((triad, frames.triad(triad) * attached.coordinates));
+    }
+    let triad = dofs.triad_of(vector as usize)?;
+    let i = dofs.triads[triad].iter().position(|d| *d == vector)?;
+    Some((triad, frames.triad(triad).column(i).into_owned()))
+}
+
+/// Groups of elastic elements that rigid bodies carry, with their numbers and reductions. The forces of joints are left out: their
+/// multipliers are not continuous where constraints are redundant.
+pub(super) fn elastic(system: &System) -> impl Iterator<Item = (usize, &dyn ElementGroup, &Reduction)> {
+    let reduced = system.groups.iter().zip(&system.reductions).enumerate();
+    reduced.filter_map(|(g, (group, reduction))| {
+        let reduction = reduction.as_ref().filter(|_| group.stresses_per_element() > 0)?;
+        Some((g, group.as_ref(), reduction))
+    })
 }
 
 /// Block of two nodal vectors in the lower blocks of an element.

@@ -123,8 +123,15 @@ impl DofMap {
     /// True if a vector is a director of a rigid body.
     #[inline]
     pub fn in_triad(&self, vector: usize) -> bool {
+        self.triad_of(vector).is_some()
+    }
+
+    /// Rigid body that a vector is a director of, by the number of its directors.
+    #[inline]
+    pub fn triad_of(&self, vector: usize) -> Option<usize> {
         let after = self.triads.partition_point(|triad| triad[0] as usize <= vector);
-        after > 0 && self.triads[after - 1].contains(&(vector as u32))
+        let triad = after.checked_sub(1)?;
+        self.triads[triad].contains(&(vector as u32)).then_some(triad)
     }
 
     /// True if a vector has at least one free degree of freedom.

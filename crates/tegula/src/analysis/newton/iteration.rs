@@ -216,10 +216,8 @@ impl<S: TangentSolver> Newton<S> {
         loop {
             solver.assemble(assembly, &at, internal);
             solver.add_curvature(assembly, &at, &self.residual);
-            if parts.mass == 0.0 {
-                let rest = (setting.mixed, self.residual.as_slice());
-                assembly.add_body_curvature(system, k, &parts.weights, rest);
-            }
+            let rest = (setting.mixed, self.residual.as_slice());
+            assembly.add_body_curvature(system, k, &parts.weights, rest);
             // Non-finite forces are reported later, with a better message than that of a failed factorisation.
             if !internal.iter().flatten().all(|f| f.is_finite()) {
                 return Ok(0);
