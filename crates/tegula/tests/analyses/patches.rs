@@ -473,7 +473,7 @@ fn the_tangent_of_a_patched_shell_is_the_derivative_of_its_residual() {
             for at in pointers[j]..pointers[j + 1] {
                 let i = rows[at] as usize;
                 let exact: f64 = 0.5 * (columns[j][i] + columns[i][j]);
-                largest = largest.max(exact.abs());
+                largest = larger(largest, exact.abs());
                 worst = larger(worst, (values[at] - exact).abs());
             }
         }
