@@ -542,6 +542,18 @@ fn the_preloaded_plate_vibrates_at_the_frequency_of_its_mode() {
     assert_eq!(whole["points"], summary(&out.join("4-vibration"))["points"]);
 }
 
+/// The period of the physical pendulum by the complete elliptic integral; the disc takes its moment through the patch.
+#[test]
+fn the_plate_on_a_hub_swings_as_a_physical_pendulum() {
+    let s = result_of("hub_pendulum.toml");
+    let tip = s["points"]["tip"]["position"].as_array().unwrap();
+    for (x, exact) in tip.iter().zip([-1.0, 0.0, 0.0]) {
+        assert!((x.as_f64().unwrap() - exact).abs() < 1e-4, "{tip:?}");
+    }
+    assert!(s["energy"]["total"].as_f64().unwrap().abs() < 1e-9, "{s}");
+    assert!(s["balance"]["moment"].as_f64().unwrap() < 1e-9, "{s}");
+}
+
 #[test]
 fn the_slider_crank_moves_as_in_the_benchmark_library() {
     let folder = tempfile::tempdir().unwrap();
