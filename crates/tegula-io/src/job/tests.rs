@@ -203,7 +203,7 @@ fn distinct(system: &System) -> CheckpointData {
     let history = State::at_rest(system).history.len();
     assert!(history > 0);
     let state = &mut memory.state;
-    for nodal in [&mut state.u, &mut state.v, &mut state.a, &mut state.mean_a] {
+    for nodal in [&mut state.u, &mut state.v, &mut state.a, &mut state.mean_a, &mut state.scheme_v] {
         *nodal = field(n);
     }
     state.history = field(history).into_flattened()[..history].to_vec();

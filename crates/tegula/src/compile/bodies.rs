@@ -7,7 +7,7 @@ use crate::element::Nodal;
 use crate::mesh::Mesh;
 use crate::model::body::axes_of_space;
 use crate::model::joint::GROUND;
-use crate::model::{Analysis, BodyShape, Load, Model, RigidBody, Scheme, SpringDamper, TransientAnalysis};
+use crate::model::{Analysis, BodyShape, Load, Model, RigidBody, SpringDamper};
 use crate::norm::larger;
 use crate::system::Coordinates;
 use crate::{Issue, Mat3, Vec3};
@@ -22,10 +22,7 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
     if model.bodies.is_empty() && model.joints.is_empty() && model.springs.is_empty() {
         return;
     }
-    let transient = matches!(
-        &model.analysis,
-        Analysis::Transient(TransientAnalysis { scheme: Scheme::EnergyMomentum(_), linear: false, .. })
-    );
+    let transient = matches!(&model.analysis, Analysis::Transient(t) if t.scheme.moves_bodies() && !t.linear);
     if !transient {
         c.add(
             "analysis",

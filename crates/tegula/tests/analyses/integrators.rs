@@ -11,7 +11,7 @@ use tegula::model::*;
 
 const NEWMARK: Scheme = Scheme::Newmark(NewmarkScheme { beta: 0.25, gamma: 0.5 });
 const HHT: Scheme = Scheme::Hht(HhtScheme { alpha: -0.1 });
-const ENERGY_MOMENTUM: Scheme = Scheme::EnergyMomentum(EnergyMomentumScheme {});
+const ENERGY_MOMENTUM: Scheme = Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 });
 const EXPLICIT: Scheme = Scheme::Explicit(ExplicitScheme { scale_director_inertia: true });
 
 fn options(scheme: Scheme, end_time: f64, time_step: Option<f64>) -> TransientAnalysis {

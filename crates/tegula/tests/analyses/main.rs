@@ -6,6 +6,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod composition;
 mod contracts;
 mod critical_points;
 mod dynamics;

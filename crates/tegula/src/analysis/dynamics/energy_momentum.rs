@@ -14,6 +14,7 @@
 //! The exact tangent `½ B(q_mid)ᵀ H B(q₁)` is slightly unsymmetric; `B(q_mid)` on both sides is
 //! symmetric, costs an iteration more and gives the same result.
 
+use super::composition::FOURTH_ORDER;
 use super::predictor::{mean_acceleration, predict};
 use super::{Integrator, RESOLUTION, Span, StepWork, hold_supported, step_size, work};
 use crate::analysis::State;
@@ -47,11 +48,13 @@ pub struct EnergyMomentum {
     mass_damping: f64,
     /// Lagrange multipliers of joints: constraint forces of the step.
     multipliers: Vec<f64>,
+    /// Whether its steps are sub-steps of composed ones.
+    composed: bool,
 }
 
 impl EnergyMomentum {
-    /// Scheme for a system.
-    pub fn new(system: &System) -> Self {
+    /// Scheme for a system; `composed` selects steps of fourth order, composed of several.
+    pub fn new(system: &System, composed: bool) -> Self {
         let zero = vec![[0.0; 3]; system.vectors()];
         Self {
             dt: 0.0,
@@ -69,6 +72,7 @@ impl EnergyMomentum {
             resolution: 0.0,
             mass_damping: system.mass_damping,
             multipliers: vec![0.0; system.constraints()],
+            composed,
         }
     }
 
@@ -261,6 +265,10 @@ impl Integrator for EnergyMomentum {
         let supports = self.work_of_supports(system, &mut internal, &mut buffer);
         (self.buffer, self.internal) = (buffer, internal);
         StepWork { work: loads - gravity + supports, dissipated: self.dt * power }
+    }
+
+    fn sub_steps(&self) -> &'static [f64] {
+        if self.composed { &FOURTH_ORDER } else { &[1.0] }
     }
 
     fn tolerances(&self, max_iterations: u32) -> Tolerances {

@@ -1,6 +1,7 @@
 //! Transient dynamics: consistent start, step control, energy balance; one file per integrator.
 
 mod amplitude_check;
+mod composition;
 mod constrained_start;
 pub mod critical_step;
 pub mod energy_momentum;
@@ -42,6 +43,10 @@ pub trait Integrator: Equation {
     fn local_error(&self, system: &System, state: &State) -> f64;
     /// External work (of loads other than constant gravity, and of prescribed motions) and dissipation of the step.
     fn step_work(&mut self, system: &System, assembly: &mut Assembly, state: &State) -> StepWork;
+    /// Lengths of the sub-steps of which a step is composed, over the length of the step.
+    fn sub_steps(&self) -> &'static [f64] {
+        &[1.0]
+    }
     /// Convergence criteria of its iteration.
     fn tolerances(&self, max_iterations: u32) -> Tolerances;
 }
@@ -165,7 +170,7 @@ fn initial_motion(system: &System) -> State {
 
 /// Energies and momenta of a state.
 pub fn balance(system: &System, assembly: &mut Assembly, state: &State) -> Balance {
-    let kinetic = system.kinetic_energy(&state.v);
+    let kinetic = system.kinetic_energy(state.velocities_of_scheme());
     let strain = assembly.strain_energy(system, &state.point(system));
     let potential = system.constant_gravity_potential(&state.u);
     let (momentum, angular_momentum) = system.momentum(&state.u, &state.v);
