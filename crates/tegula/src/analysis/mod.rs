@@ -42,6 +42,10 @@ pub struct State {
     /// constraints, which belong to the energy that the scheme conserves.
     #[serde(default)]
     pub scheme_v: Vec<Nodal>,
+    /// Difference between the auxiliary accelerations of the generalised-α method and the accelerations, over the time step; empty
+    /// before its first step and for other schemes.
+    #[serde(default)]
+    pub acceleration_lag: Vec<Nodal>,
     /// Enhanced parameters and internal variables of the materials.
     pub history: Vec<f64>,
     /// Lagrange multipliers of the constraints of joints, in the order of the joints.

@@ -26,8 +26,10 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
     if !transient {
         c.add(
             "analysis",
-            "bodies, joints and springs move in nonlinear transient analyses with the scheme \"energy-momentum\" only",
-            "give `type = \"transient\"` and `scheme = { type = \"energy-momentum\" }`",
+            "bodies, joints and springs move in nonlinear transient analyses with the schemes \"energy-momentum\" and \
+             \"generalized-alpha\" only",
+            "give `type = \"transient\"` and `scheme = { type = \"energy-momentum\" }`, or for numerical damping as of `hht` \
+             `scheme = { type = \"generalized-alpha\" }`",
         );
     }
     let joint_names: Vec<String> =

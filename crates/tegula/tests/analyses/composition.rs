@@ -21,7 +21,7 @@ fn composed(model: Model, end: f64, step: f64) -> Model {
 }
 
 /// Point mass on a rod without mass, released at the horizontal.
-fn pendulum() -> Model {
+pub fn pendulum() -> Model {
     let rod = Joint::Distance(DistanceJoint {
         name: "rod".into(),
         between: between("ground", "mass"),
@@ -83,7 +83,7 @@ fn shells_converge_with_the_fourth_power_of_the_step() {
 }
 
 /// A body with three unlike moments of inertia, hung by a ball joint on the corner of a shell and turning about no principal axis.
-fn hung() -> Model {
+pub fn hung() -> Model {
     let turned = RigidBody {
         angular_velocity: [1.0, 3.0, -2.0],
         velocity: [1.0, 0.0, 1.0],

@@ -15,6 +15,7 @@ mod explicit;
 mod explicit_models;
 mod family_dynamics;
 mod follower;
+mod generalized_alpha;
 mod integrators;
 mod iterative_statics;
 mod lagged_tangent;

@@ -3,7 +3,7 @@
 //! The error of a symmetric scheme has even powers of the step only. Sub-steps of the lengths γ₁Δt … γ₅Δt with `Σγ = 1` and `Σγ³ = 0`
 //! therefore leave an error of fourth order (M. Suzuki, *Fractal decomposition of exponential operators*, Phys. Lett. A 146 (1990)
 //! 319–323; E. Hairer, C. Lubich, G. Wanner, *Geometric numerical integration*, Sect. II.4). The middle one goes back in time.
-//! What every sub-step conserves, the step conserves.
+//! The step conserves everything that all sub-steps conserve.
 //!
 //! **Velocities.** With constraints, the velocities of the scheme have a part across them, `M⁻¹Gᵀμ` with `Gᵀ` the directions of
 //! constraint forces, that changes its sign from sub-step to sub-step and is of second order. It has no part in the motion, but in the
@@ -164,4 +164,15 @@ fn project_velocities(system: &System, newton: &mut Newton, state: &mut State) -
         *v = std::array::from_fn(|i| x[i] + s[i]);
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::FOURTH_ORDER;
+
+    #[test]
+    fn sub_steps_fill_the_step_and_their_cubes_cancel() {
+        let sum = |power: i32| FOURTH_ORDER.iter().map(|x| x.powi(power)).sum::<f64>();
+        assert!((sum(1) - 1.0).abs() < 1e-15 && sum(3).abs() < 1e-15, "{} {}", sum(1), sum(3));
+    }
 }

@@ -135,6 +135,10 @@ impl<'a> TimeSteps<'a> {
             Err(diverged) => diverged.iterations,
         });
         match result {
+            Ok(_) if scheme.improves_start(system, state) => {
+                newton.restore(system, state, true);
+                Ok(Attempt::Repeated)
+            }
             Ok(converged) => {
                 self.own_tangents = false;
                 self.judge(span, converged, observer)
@@ -171,7 +175,7 @@ impl<'a> TimeSteps<'a> {
             self.state.next_step = 0.5 * span.dt;
             return Ok(Attempt::TooLong(trouble, reason));
         }
-        let error = self.scheme.local_error(self.system, &self.state);
+        let error = self.scheme.local_error(self.system, &mut self.newton, &self.state);
         if self.control.accepts(error) {
             let Self { system, scheme, newton, state, old_velocities, .. } = self;
             finish(system, (scheme.as_mut(), newton), (old_velocities, state), span);
@@ -203,7 +207,8 @@ impl<'a> TimeSteps<'a> {
         let before = std::mem::replace(&mut self.balance, balance(system, &mut newton.assembly, state));
         if !system.joints.is_empty() {
             let scale = scheme.energy_scale(system, &mut newton.assembly, &state.history);
-            keeps_energy(span, &before, &self.balance, larger(scale, state.energy_scale))?;
+            let scale = larger(scale, state.energy_scale);
+            keeps_energy(span, [&before, &self.balance], scale, self.options.scheme.conserves_energy())?;
         }
         state.energy_scale = state.energy_scale.max(self.balance.kinetic).max(self.balance.strain);
         statistics.steps = state.step;
@@ -310,14 +315,17 @@ pub(super) fn commit(system: &System, newton: &mut Newton, state: &mut State) {
     newton.assembly.reset_stress(system, &state.point(system));
 }
 
-/// Change of the total energy in a step, over the largest energy so far, above which the step has lost its way.
+/// Change of the total energy in a step, over the largest energy so far, above which the step has lost its way; and the gain of a
+/// scheme that does not conserve it.
 const LOST: f64 = 1e-3;
+const GAINED: f64 = 1e-2;
 
 /// Refuses a step of a mechanism that does not keep the energy: near a singular position of its joints the motion has left its
 /// branch.
-fn keeps_energy(span: Span, before: &Balance, after: &Balance, scale: f64) -> Result<()> {
-    let (change, scale) = ((after.total - before.total).abs(), larger(scale, after.kinetic));
-    if change <= LOST * scale {
+fn keeps_energy(span: Span, [before, after]: [&Balance; 2], scale: f64, conserves: bool) -> Result<()> {
+    let (gain, scale) = (after.total - before.total, larger(scale, after.kinetic));
+    let (change, limit) = if conserves { (gain.abs(), LOST) } else { (gain, GAINED) };
+    if change <= limit * scale {
         return Ok(());
     }
     Err(Error::NotConverged {
@@ -374,7 +382,7 @@ fn advice(system: &System, options: &TransientAnalysis, trouble: Trouble) -> Str
     if !options.scheme.conserves_energy() {
         list.push("the scheme \"energy-momentum\"");
     }
-    if system.mass_damping == 0.0 && system.groups.iter().all(|g| g.retardation_time() == 0.0) {
+    if system.mass_damping == 0.0 && !system.has_rate_damping() {
         list.push("some damping");
     }
     if trouble != Trouble::Inaccurate && options.time_step.is_none() {
