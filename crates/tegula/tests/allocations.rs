@@ -37,7 +37,7 @@ fn a_step_allocates_nothing() {
         for scheme in [
             Scheme::default(),
             Scheme::Hht(HhtScheme { alpha: -0.1 }),
-            Scheme::EnergyMomentum(EnergyMomentumScheme {}),
+            Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 }),
             Scheme::Explicit(ExplicitScheme { scale_director_inertia: true }),
         ] {
             let explicit = matches!(scheme, Scheme::Explicit(_));

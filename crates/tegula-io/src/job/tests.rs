@@ -87,7 +87,7 @@ fn stop_after(steps: u64) -> StopAfter {
 
 #[test]
 fn a_resumed_run_repeats_the_straight_one_to_the_bit() {
-    for scheme in ["newmark", "energy-momentum", "hht", "explicit"] {
+    for scheme in ["newmark", "energy-momentum", "hht", "generalized-alpha", "explicit"] {
         let (deck, folder) = (deck(scheme), tempfile::tempdir().unwrap());
         let (straight, parts) = (folder.path().join("straight"), folder.path().join("parts"));
         let whole = run(&deck, &options(&straight, false), &mut Unwatched).unwrap();
@@ -203,7 +203,14 @@ fn distinct(system: &System) -> CheckpointData {
     let history = State::at_rest(system).history.len();
     assert!(history > 0);
     let state = &mut memory.state;
-    for nodal in [&mut state.u, &mut state.v, &mut state.a, &mut state.mean_a] {
+    for nodal in [
+        &mut state.u,
+        &mut state.v,
+        &mut state.a,
+        &mut state.mean_a,
+        &mut state.scheme_v,
+        &mut state.acceleration_lag,
+    ] {
         *nodal = field(n);
     }
     state.history = field(history).into_flattened()[..history].to_vec();

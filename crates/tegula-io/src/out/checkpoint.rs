@@ -21,7 +21,7 @@ use std::path::Path;
 use super::file::{OutputError, write_whole};
 
 const MAGIC: &[u8; 8] = b"TEGULACP";
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 /// Magic, version, reserved word, length of the body.
 const HEADER: usize = 24;
 

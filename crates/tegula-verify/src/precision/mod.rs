@@ -42,7 +42,7 @@ pub fn schemes() -> [Scheme; 4] {
     [
         Scheme::Newmark(NewmarkScheme::default()),
         Scheme::Hht(HhtScheme { alpha: -0.05 }),
-        Scheme::EnergyMomentum(EnergyMomentumScheme {}),
+        Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 }),
         Scheme::Explicit(ExplicitScheme::default()),
     ]
 }

@@ -58,6 +58,9 @@ fn normal(report: &mut Report) -> Result<()> {
         model!("slider_crank"),
         model!("heavy_top"),
         model!("free_body"),
+        model!("pendulum_fourth_order"),
+        model!("bricard_fourth_order"),
+        model!("slider_crank_fourth_order"),
     ];
     models.into_iter().try_for_each(|model| compare(report, model))
 }

@@ -207,6 +207,26 @@ impl Constraints {
         &self.change
     }
 
+    /// Changes a field of nodal vectors, like a difference of accelerations, so that it has no part across the constraints at the
+    /// end of a motion: `G₁ x = 0`, with the least change in the norm of the last tangent.
+    pub fn take_tangential_part(
+        &mut self,
+        system: &System,
+        (motion, time): (&Motion, f64),
+        field: &mut [Nodal],
+    ) {
+        let mut change = vec![[0.0; 3]; field.len()];
+        let without = self.rates(system, (motion, time), &change, None);
+        let mut rates = self.rates(system, (motion, time), field, None);
+        rates.iter_mut().zip(without).for_each(|(rate, own)| *rate -= own);
+        let mut free = vec![0.0; system.unknowns()];
+        self.project(&rates, &mut free);
+        self.end_frames.expand(&free, &mut change);
+        for (x, change) in field.as_flattened_mut().iter_mut().zip(change.as_flattened()) {
+            *x += change;
+        }
+    }
+
     fn subtract_responses(&self, x: &mut [f64]) {
         for (change, response) in self.change.iter().zip(self.responses.chunks(x.len())) {
             x.iter_mut().zip(response).for_each(|(x, z)| *x -= change * z);

@@ -38,6 +38,14 @@ pub struct State {
     /// Mean accelerations of the last finished time step of a nonlinear model, from which the next one is predicted;
     /// empty before the first step and for other analyses.
     pub mean_a: Vec<Nodal>,
+    /// Velocities from which the next time step starts, where they are not `v`: those of composed steps have parts across the
+    /// constraints, which belong to the energy that the scheme conserves.
+    #[serde(default)]
+    pub scheme_v: Vec<Nodal>,
+    /// Difference between the auxiliary accelerations of the generalised-α method and the accelerations, over the time step; empty
+    /// before its first step and for other schemes.
+    #[serde(default)]
+    pub acceleration_lag: Vec<Nodal>,
     /// Enhanced parameters and internal variables of the materials.
     pub history: Vec<f64>,
     /// Lagrange multipliers of the constraints of joints, in the order of the joints.
@@ -91,6 +99,11 @@ impl State {
             multipliers: vec![0.0; system.constraints()],
             ..Self::default()
         }
+    }
+
+    /// Velocities that the time integration scheme carries along, whose kinetic energy it accounts for.
+    pub fn velocities_of_scheme(&self) -> &[Nodal] {
+        if self.scheme_v.is_empty() { &self.v } else { &self.scheme_v }
     }
 
     /// History variables and multipliers.

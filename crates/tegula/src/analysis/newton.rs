@@ -85,7 +85,7 @@ pub struct Tolerances {
 }
 
 /// Outcome of a step that converged.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Converged {
     /// Number of iterations.
     pub iterations: u32,

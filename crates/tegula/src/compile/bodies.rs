@@ -7,7 +7,7 @@ use crate::element::Nodal;
 use crate::mesh::Mesh;
 use crate::model::body::axes_of_space;
 use crate::model::joint::GROUND;
-use crate::model::{Analysis, BodyShape, Load, Model, RigidBody, Scheme, SpringDamper, TransientAnalysis};
+use crate::model::{Analysis, BodyShape, Load, Model, RigidBody, SpringDamper};
 use crate::norm::larger;
 use crate::system::Coordinates;
 use crate::system::coordinates::Body;
@@ -27,16 +27,14 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
     {
         return;
     }
-    let transient = matches!(
-        &model.analysis,
-        Analysis::Transient(TransientAnalysis { scheme: Scheme::EnergyMomentum(_), linear: false, .. })
-    );
+    let transient = matches!(&model.analysis, Analysis::Transient(t) if t.scheme.moves_bodies() && !t.linear);
     if !transient && !super::patches::are_static(model) {
         c.add(
             "analysis",
-            "bodies, beams, joints and springs move in nonlinear transient analyses with the scheme \"energy-momentum\" only; static \
-             analyses with the direct solver take bodies with `attached` nodes, without joints and springs",
-            "give `type = \"transient\"` and `scheme = { type = \"energy-momentum\" }`",
+            "bodies, beams, joints and springs move in nonlinear transient analyses with the schemes \"energy-momentum\" and \
+             \"generalized-alpha\" only; nonlinear static analyses with the direct solver take them, too",
+            "give `type = \"transient\"` and `scheme = { type = \"energy-momentum\" }`, or for numerical damping as of `hht` \
+             `scheme = { type = \"generalized-alpha\" }`",
         );
     }
     let joint_names: Vec<String> =

@@ -483,6 +483,7 @@ impl Checker {
                     self.add("analysis.max_iterations", "`max_iterations` is 0", "give at least 1");
                 }
                 t.scheme.check("analysis.scheme", self);
+                t.scheme.check_model("analysis.scheme", model, t, self);
             }
         }
     }

@@ -124,6 +124,10 @@ impl ElementGroup for SpringGroup {
         true
     }
 
+    fn has_rate_damping(&self) -> bool {
+        self.members.iter().any(|spring| spring.damping != 0.0)
+    }
+
     fn vectors_per_element(&self) -> usize {
         self.vectors
     }

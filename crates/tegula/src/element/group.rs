@@ -113,6 +113,10 @@ pub trait ElementGroup: Send + Sync {
     fn retardation_time(&self) -> f64 {
         0.0
     }
+    /// Whether forces depend on velocities.
+    fn has_rate_damping(&self) -> bool {
+        self.retardation_time() != 0.0
+    }
     /// Internal forces of a batch of elements: from `first` on (a multiple of [`ALIGNMENT`]) as many as `forces` has
     /// room for, one block of `3 · vectors_per_element` each. With `tangent` also the lower-triangle blocks of the
     /// tangent, whose geometric part takes [`TangentRequest::stress`] (the stress of the motion where `None`); an

@@ -21,6 +21,7 @@ macro_rules! schemes {
             newmark::NewmarkScheme as Newmark: "Newmark-β; β = 1/4, γ = 1/2 (trapezoidal rule) unless given.",
             energy_momentum::EnergyMomentumScheme as EnergyMomentum: "Conserves energy and momenta exactly (Simo–Tarnow).",
             hht::HhtScheme as Hht: "Hilber–Hughes–Taylor α method: second order with numerical damping.",
+            generalized_alpha::GeneralizedAlphaScheme as GeneralizedAlpha: "Generalised-α method: second order with numerical damping, also with bodies and joints.",
             explicit::ExplicitScheme as Explicit: "Central differences with lumped mass: no equations are solved, steps are small.",
         }
     };

@@ -59,7 +59,7 @@ pub fn reference_axes(system: &System, body: &Body) -> Mat3 {
 }
 
 /// Force and moment of the first end of a joint on the second one, at the point of the joint, along the axes of space; for the
-/// energy–momentum scheme the means over the last step.
+/// energy–momentum scheme of second order the means over the last step.
 pub fn joint_reaction(system: &System, state: &State, joint: &Joint) -> (Vec3, Vec3) {
     let v: Vec<Vec3> = joint.vectors.iter().map(|&v| current(system, &state.u, v)).collect();
     let mut forces = vec![Vec3::zeros(); v.len()];

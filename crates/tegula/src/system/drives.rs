@@ -8,8 +8,13 @@ use crate::element::Nodal;
 impl System {
     /// Work that the drives of joints do on the model between the displacements `old` and `new`: that of the constraint forces
     /// `−Gᵀλ` with the gradients in the middle of the motion, where the drives have their values at `time`. Constraints that do
-    /// not depend on time do no work, and are left out.
-    pub fn work_of_drives(&self, [old, new]: [&[Nodal]; 2], time: f64, multipliers: &[f64]) -> f64 {
+    /// not depend on time do no work, and are left out. `multiplier` gives λ of a constraint by its number.
+    pub fn work_of_drives(
+        &self,
+        [old, new]: [&[Nodal]; 2],
+        time: f64,
+        multiplier: impl Fn(usize) -> f64,
+    ) -> f64 {
         let mut work = 0.0;
         for joint in self.joints.iter().filter(|joint| joint.drive.is_some()) {
             let n = joint.vectors.len();
@@ -22,8 +27,7 @@ impl System {
             }
             let drive = self.drive(joint, time).value;
             for (number, row) in joint.multipliers().zip(&joint.rows) {
-                let multiplier = multipliers.get(number).copied().unwrap_or(f64::NAN);
-                row.add_gradient(-multiplier, v, drive, gradient);
+                row.add_gradient(-multiplier(number), v, drive, gradient);
             }
             for (g, &number) in gradient.iter().zip(&joint.vectors) {
                 let at = number as usize;

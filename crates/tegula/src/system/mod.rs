@@ -396,9 +396,9 @@ impl System {
         self.write_prescribed(v, rate);
     }
 
-    /// Whether elements have strain-rate damping.
+    /// Whether elements have strain-rate damping, or springs dampers.
     pub fn has_rate_damping(&self) -> bool {
-        self.groups.iter().any(|g| g.retardation_time() != 0.0)
+        self.groups.iter().any(|g| g.has_rate_damping())
     }
 
     /// Whether the velocity of a prescribed motion jumps at a time.

@@ -12,7 +12,7 @@ use tegula::system::{Assembly, dot};
 
 const NEWMARK: Scheme = Scheme::Newmark(NewmarkScheme { beta: 0.25, gamma: 0.5 });
 const HHT: Scheme = Scheme::Hht(HhtScheme { alpha: -0.1 });
-const ENERGY_MOMENTUM: Scheme = Scheme::EnergyMomentum(EnergyMomentumScheme {});
+const ENERGY_MOMENTUM: Scheme = Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 });
 
 fn options(scheme: Scheme, end_time: f64, time_step: Option<f64>) -> TransientAnalysis {
     TransientAnalysis {

@@ -14,7 +14,7 @@ use tegula::{System, Vec3};
 
 const NEWMARK: Scheme = Scheme::Newmark(NewmarkScheme { beta: 0.25, gamma: 0.5 });
 const HHT: Scheme = Scheme::Hht(HhtScheme { alpha: -0.1 });
-const ENERGY_MOMENTUM: Scheme = Scheme::EnergyMomentum(EnergyMomentumScheme {});
+const ENERGY_MOMENTUM: Scheme = Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 });
 
 fn options(scheme: Scheme, end_time: f64, time_step: f64) -> TransientAnalysis {
     TransientAnalysis { scheme, time_step: Some(time_step), ..TransientAnalysis::new(end_time) }
@@ -41,7 +41,7 @@ fn uneven(m: &mut Model, thickness: f64) {
 }
 
 /// A free plate that flies, tumbles and vibrates.
-fn tumbling(element: ElementKind, laminated: bool) -> Model {
+pub fn tumbling(element: ElementKind, laminated: bool) -> Model {
     let mut m = model(plate([1.0, 0.6], [3, 2], 0.2), 1e6, 0.02);
     m.materials.insert("m".into(), Material::Isotropic(Isotropic::new(1e6, 0.3, 500.0)));
     m.sections[0].element = element;
@@ -87,7 +87,7 @@ fn every_element_conserves_energy_and_momenta_in_free_flight() {
 }
 
 /// A soft, thick plate on an incline whose motion a few milliseconds resolve.
-fn soft_plate(element: ElementKind) -> Model {
+pub fn soft_plate(element: ElementKind) -> Model {
     let mut source = plate([1.0, 1.0], [2, 2], 0.2);
     if let MeshSource::Plate(p) = &mut source {
         p.v_axis = [0.0, 0.6, 0.8];

@@ -334,7 +334,7 @@ fn time_steps_under_follower_loads_take_few_additional_solutions() {
         Load::Pressure(PressureLoad { on: "all".into(), value: 0.5, amplitude: None }),
         Load::EdgeMoment(vector_load("u_max", [0.0, 1.0, 0.0])),
     ];
-    for scheme in [Scheme::default(), Scheme::EnergyMomentum(EnergyMomentumScheme {})] {
+    for scheme in [Scheme::default(), Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 })] {
         let options = TransientAnalysis { scheme, time_step: Some(0.02), ..TransientAnalysis::new(0.6) };
         let (_, outcome) = common::move_in_time(&m, &options, &mut Notes::default());
         let s = outcome.statistics;

@@ -11,7 +11,7 @@ use tegula::{System, Vec3};
 
 const NEWMARK: Scheme = Scheme::Newmark(NewmarkScheme { beta: 0.25, gamma: 0.5 });
 const HHT: Scheme = Scheme::Hht(HhtScheme { alpha: -0.1 });
-const ENERGY_MOMENTUM: Scheme = Scheme::EnergyMomentum(EnergyMomentumScheme {});
+const ENERGY_MOMENTUM: Scheme = Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 });
 const STEPS: u32 = 150;
 
 fn options(scheme: Scheme) -> TransientAnalysis {

@@ -12,7 +12,7 @@ use tegula::system::Assembly;
 
 const NEWMARK: Scheme = Scheme::Newmark(NewmarkScheme { beta: 0.25, gamma: 0.5 });
 const HHT: Scheme = Scheme::Hht(HhtScheme { alpha: -0.1 });
-const ENERGY_MOMENTUM: Scheme = Scheme::EnergyMomentum(EnergyMomentumScheme {});
+const ENERGY_MOMENTUM: Scheme = Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 });
 const EXPLICIT: Scheme = Scheme::Explicit(ExplicitScheme { scale_director_inertia: true });
 const ALL: [Scheme; 4] = [NEWMARK, HHT, ENERGY_MOMENTUM, EXPLICIT];
 

@@ -7,6 +7,7 @@
 mod common;
 
 mod beams;
+mod composition;
 mod contracts;
 mod critical_points;
 mod dynamics;
@@ -15,6 +16,7 @@ mod explicit;
 mod explicit_models;
 mod family_dynamics;
 mod follower;
+mod generalized_alpha;
 mod integrators;
 mod iterative_statics;
 mod lagged_tangent;

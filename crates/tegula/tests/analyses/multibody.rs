@@ -9,26 +9,26 @@ use tegula::result::joint_reaction;
 use tegula::{Mat3, System, Vec3, compile, mesh};
 
 /// A model of bodies in a transient analysis with energy–momentum steps of constant length.
-fn machine(end: f64, step: f64, bodies: Vec<RigidBody>, joints: Vec<Joint>) -> Model {
-    let scheme = Scheme::EnergyMomentum(EnergyMomentumScheme {});
+pub fn machine(end: f64, step: f64, bodies: Vec<RigidBody>, joints: Vec<Joint>) -> Model {
+    let scheme = Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 });
     let analysis = TransientAnalysis { scheme, time_step: Some(step), ..TransientAnalysis::new(end) };
     Model::of_bodies(Analysis::Transient(analysis), bodies, joints)
 }
 
-fn body(name: &str, at: [f64; 3], mass: f64, inertia: Option<[f64; 3]>) -> RigidBody {
+pub fn body(name: &str, at: [f64; 3], mass: f64, inertia: Option<[f64; 3]>) -> RigidBody {
     RigidBody::new(name, at, mass, inertia)
 }
 
-fn between(a: &str, b: &str) -> [String; 2] {
+pub fn between(a: &str, b: &str) -> [String; 2] {
     [a.into(), b.into()]
 }
 
-fn gravity(value: [f64; 3]) -> Vec<Load> {
+pub fn gravity(value: [f64; 3]) -> Vec<Load> {
     vec![Load::Gravity(GravityLoad { value, amplitude: None })]
 }
 
 /// Integrates a machine; returns the system and the final state.
-fn run(model: &Model, observer: &mut dyn Observer) -> (System, State) {
+pub fn run(model: &Model, observer: &mut dyn Observer) -> (System, State) {
     let mesh = mesh::generators::generate(&model.mesh).unwrap();
     let system = compile::build(model, &mesh).unwrap();
     let Analysis::Transient(options) = &model.analysis else { panic!("no transient analysis") };
@@ -37,7 +37,7 @@ fn run(model: &Model, observer: &mut dyn Observer) -> (System, State) {
 }
 
 /// Place of a body's mass centre, and its directors as columns.
-fn pose(system: &System, state: &State, body: usize) -> (Vec3, Mat3) {
+pub fn pose(system: &System, state: &State, body: usize) -> (Vec3, Mat3) {
     let body = &system.coordinates.bodies[body];
     let at = |v: u32| Vec3::from(system.coordinates.reference[v as usize]) + Vec3::from(state.u[v as usize]);
     (at(body.centre), body.directors.map_or(Mat3::identity(), |d| Mat3::from_columns(&d.map(at))))
@@ -252,8 +252,8 @@ fn a_four_bar_passes_its_singular_position() {
 }
 
 /// A soft strip that swings under gravity, 4 × 2 elements, with the corner named `corner` at the origin.
-fn strip(end: f64, step: f64) -> Model {
-    let scheme = Scheme::EnergyMomentum(EnergyMomentumScheme {});
+pub fn strip(end: f64, step: f64) -> Model {
+    let scheme = Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 });
     let analysis = TransientAnalysis { scheme, time_step: Some(step), ..TransientAnalysis::new(end) };
     let mesh = MeshSource::Plate(PlateMesh::new([1.0, 0.4], [4, 2]));
     let rubber = Isotropic::new(1e6, 0.3, 1e3);
@@ -267,7 +267,7 @@ fn difference(of: &System, a: &State, b: &State) -> f64 {
     nodal.map(|v| (Vec3::from(a.u[v]) - Vec3::from(b.u[v])).norm()).fold(0.0, larger)
 }
 
-fn spherical(a: &str, b: &str, at: [f64; 3]) -> Joint {
+pub fn spherical(a: &str, b: &str, at: [f64; 3]) -> Joint {
     Joint::Spherical(PointJoint { name: format!("{a}-{b}"), between: between(a, b), at })
 }
 
@@ -466,7 +466,7 @@ fn a_body_on_two_fixed_joints_rests() {
 fn automatic_steps_resolve_the_rotation_of_a_small_body_in_a_large_model() {
     let top = RigidBody { angular_velocity: [0.0, 0.0, 1.0], ..body("top", [0.0; 3], 1e-3, Some([1e-6; 3])) };
     let far = body("far", [100.0, 0.0, 0.0], 1.0, None);
-    let scheme = Scheme::EnergyMomentum(EnergyMomentumScheme {});
+    let scheme = Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 });
     let options = TransientAnalysis { scheme, ..TransientAnalysis::new(10.0) };
     let model = Model::of_bodies(Analysis::Transient(options), vec![top, far], Vec::new());
     let (system, state) = run(&model, &mut Notes::default());

@@ -230,7 +230,7 @@ fn rubber_conserves_energy_and_momentum() {
     m.initial_velocities =
         vec![spin("all", [0.2, 0.0, 0.1], [1.0, 8.0, 2.0]), spin("u_max", [0.0, 0.0, 6.0], [0.0; 3])];
     let options = TransientAnalysis {
-        scheme: Scheme::EnergyMomentum(EnergyMomentumScheme {}),
+        scheme: Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 }),
         time_step: Some(2e-3),
         ..TransientAnalysis::new(0.1)
     };

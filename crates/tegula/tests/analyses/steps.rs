@@ -233,7 +233,7 @@ fn a_motion_in_two_steps_is_the_motion_in_one() {
     let gravity = Load::Gravity(GravityLoad { value: [0.0, 0.0, -9.81], amplitude: None });
     for scheme in [
         Scheme::default(),
-        Scheme::EnergyMomentum(EnergyMomentumScheme {}),
+        Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 }),
         Scheme::Explicit(ExplicitScheme::default()),
     ] {
         let (end, dt) = (0.02, if matches!(scheme, Scheme::Explicit(_)) { None } else { Some(2.5e-5) });
@@ -478,7 +478,7 @@ fn a_preloaded_structure_in_equilibrium_stays_at_rest() {
     for scheme in [
         Scheme::default(),
         Scheme::Hht(HhtScheme { alpha: -0.05 }),
-        Scheme::EnergyMomentum(EnergyMomentumScheme {}),
+        Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 }),
         Scheme::Explicit(ExplicitScheme::default()),
     ] {
         for damped in [false, true] {

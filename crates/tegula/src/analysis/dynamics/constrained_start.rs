@@ -8,13 +8,15 @@
 
 use super::project_rates;
 use crate::analysis::State;
+use crate::analysis::constraints::Constraints;
 use crate::analysis::newton::Newton;
 use crate::constraint::Joint;
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::error::{Error, Result};
 use crate::norm::larger;
-use crate::system::System;
 use crate::system::assembly::TangentCoefficients;
+use crate::system::{Assembly, System};
+use tegula_sparse::SparseLdlt;
 
 /// Change of the velocities over their size, in the norm of the kinetic energy, that is worth a message.
 const NOTEWORTHY: f64 = 1e-6;
@@ -49,11 +51,7 @@ pub(super) fn project_velocities(
     let Newton { assembly, solver, constraints, .. } = newton;
     let Some(constraints) = constraints else { return Ok(None) };
     let motion = Motion::State { u: &state.u, velocity: None };
-    let taken = constraints.take(system, (&state.point(system), 1.0), &assembly.frames, solver);
-    taken.map_err(|reason| Error::Singular {
-        what: format!("The velocities of the joints were not found: {reason}."),
-        help: "Check masses, inertia and joints.".into(),
-    })?;
+    take_mass(system, assembly, (solver, constraints), state)?;
     let rates = constraints.rates(system, (&motion, state.time), &state.v, None);
     let mut free = vec![0.0; system.unknowns()];
     constraints.project(&rates, &mut free);
@@ -64,6 +62,23 @@ pub(super) fn project_velocities(
     let State { u, v, a, .. } = state;
     project_rates(system, u, v, a);
     Ok(Some(sizes))
+}
+
+/// Takes the factored mass matrix of a state as the tangent of its constraints.
+///
+/// # Errors
+/// The linear solver failed.
+pub(super) fn take_mass(
+    system: &System,
+    assembly: &Assembly,
+    (solver, constraints): (&mut SparseLdlt, &mut Constraints),
+    state: &State,
+) -> Result<()> {
+    let taken = constraints.take(system, (&state.point(system), 1.0), &assembly.frames, solver);
+    taken.map_err(|reason| Error::Singular {
+        what: format!("The velocities of the joints were not found: {reason}."),
+        help: "Check masses, inertia and joints.".into(),
+    })
 }
 
 /// Projects the velocities of the first state. Returns messages about what was changed, and about redundant joints.

@@ -14,17 +14,17 @@
 //! The exact tangent `½ B(q_mid)ᵀ H B(q₁)` is slightly unsymmetric; `B(q_mid)` on both sides is
 //! symmetric, costs an iteration more and gives the same result.
 
+use super::composition::FOURTH_ORDER;
 use super::predictor::{mean_acceleration, predict};
-use super::{Integrator, RESOLUTION, Span, StepWork, hold_supported, step_size, work};
+use super::{
+    AT_REST, Integrator, RESOLUTION, Span, StepWork, energy_at_rest, hold_supported, step_size, work,
+};
 use crate::analysis::State;
-use crate::analysis::newton::{Equation, Tolerances};
+use crate::analysis::newton::{Equation, Newton, Tolerances};
 use crate::analysis::statics::{add, prescribed_increment};
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::system::{Assembly, EvaluationPoint, Internal, System};
-
-/// Displacement over the model's length, and energy over that of the loads along it, below which a mechanism is at rest.
-const AT_REST: f64 = 1e-8;
 
 /// Energy–momentum scheme: conserves energy and momenta.
 pub struct EnergyMomentum {
@@ -47,11 +47,13 @@ pub struct EnergyMomentum {
     mass_damping: f64,
     /// Lagrange multipliers of joints: constraint forces of the step.
     multipliers: Vec<f64>,
+    /// Whether its steps are sub-steps of composed ones.
+    composed: bool,
 }
 
 impl EnergyMomentum {
-    /// Scheme for a system.
-    pub fn new(system: &System) -> Self {
+    /// Scheme for a system; `composed` selects steps of fourth order, composed of several.
+    pub fn new(system: &System, composed: bool) -> Self {
         let zero = vec![[0.0; 3]; system.vectors()];
         Self {
             dt: 0.0,
@@ -69,6 +71,7 @@ impl EnergyMomentum {
             resolution: 0.0,
             mass_damping: system.mass_damping,
             multipliers: vec![0.0; system.constraints()],
+            composed,
         }
     }
 
@@ -119,19 +122,6 @@ impl EnergyMomentum {
             });
         }
         total + system.product_of_prescribed(&self.reaction, buffer)
-    }
-
-    /// Scales of a mechanism that does not move: the loads times the model's length, and a displacement whose increments are
-    /// round-off of the model's length.
-    fn rest_scales(&mut self, system: &System) {
-        let mut loads = std::mem::take(&mut self.buffer);
-        loads.fill([0.0; 3]);
-        system.add_dead_loads(self.time, 1.0, &mut loads);
-        let size = |f: &Nodal| f.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let weight = loads.iter().map(size).sum::<f64>() * system.length;
-        self.buffer = loads;
-        self.energy_scale = self.energy_scale.max(AT_REST * weight);
-        self.resolution = self.resolution.max(AT_REST);
     }
 
     fn loads(&self, system: &System, out: &mut [Nodal]) {
@@ -206,7 +196,9 @@ impl Integrator for EnergyMomentum {
         self.energy_scale = state.energy_scale;
         self.resolution = RESOLUTION * system.norm(&state.u);
         if !system.joints.is_empty() {
-            self.rest_scales(system);
+            let energy = energy_at_rest(system, self.time, &mut self.buffer);
+            self.energy_scale = self.energy_scale.max(energy);
+            self.resolution = self.resolution.max(AT_REST);
         }
         predict(state, span.dt, &mut self.u);
         for (n, a) in self.a.iter_mut().enumerate() {
@@ -231,7 +223,7 @@ impl Integrator for EnergyMomentum {
 
     /// Error of the midpoint rule, Δt³/12 times the rate of the acceleration, from the mean accelerations of two steps.
     /// In the first step the initial acceleration replaces that of the step before.
-    fn local_error(&self, system: &System, state: &State) -> f64 {
+    fn local_error(&mut self, system: &System, _newton: &mut Newton, state: &State) -> f64 {
         let factor = self.dt.powi(3) / 12.0 / (0.5 * (self.dt + state.last_step));
         system.position_rms(|n| std::array::from_fn(|i| factor * (self.a[n][i] - self.a_old[n][i])))
     }
@@ -258,10 +250,14 @@ impl Integrator for EnergyMomentum {
         if !system.dofs().prescribed.is_empty() {
             assembly.forces(system, &k, &mut internal);
         }
-        let drives = system.work_of_drives([&self.u_old, &self.u], self.parts().time, &self.multipliers);
+        let drives = system.work_of_drives([&self.u_old, &self.u], self.parts().time, |i| self.multipliers[i]);
         let supports = self.work_of_supports(system, &mut internal, &mut buffer) + drives;
         (self.buffer, self.internal) = (buffer, internal);
         StepWork { work: loads - gravity + supports, dissipated: self.dt * power }
+    }
+
+    fn sub_steps(&self) -> &'static [f64] {
+        if self.composed { &FOURTH_ORDER } else { &[1.0] }
     }
 
     fn tolerances(&self, max_iterations: u32) -> Tolerances {

@@ -22,7 +22,7 @@ use tegula_sparse::Factor;
 /// # Errors
 /// The mass matrix is singular.
 pub(super) fn pass_kink(system: &System, newton: &mut Newton, mean: bool, state: &mut State) -> Result<f64> {
-    let before = system.kinetic_energy(&state.v);
+    let before = system.kinetic_energy(state.velocities_of_scheme());
     let old = state.v.clone();
     system.prescribe_velocity(state.time, &mut state.v);
     newton.forget(state);
@@ -33,7 +33,10 @@ pub(super) fn pass_kink(system: &System, newton: &mut Newton, mean: bool, state:
     if !mean && system.has_rate_damping() {
         change_accelerations(system, newton, &old, state);
     }
-    Ok(system.kinetic_energy(&state.v) - before)
+    for (i, carried) in state.scheme_v.iter_mut().enumerate() {
+        (0..3).for_each(|c| carried[c] += state.v[i][c] - old[i][c]);
+    }
+    Ok(system.kinetic_energy(state.velocities_of_scheme()) - before)
 }
 
 /// Changes the accelerations by the response to the change of the internal forces that follows from the change of the

@@ -1,12 +1,14 @@
 //! Transient dynamics: consistent start, step control, energy balance; one file per integrator.
 
 mod amplitude_check;
+mod composition;
 mod constrained_start;
 pub mod critical_step;
 pub mod energy_momentum;
 mod explicit;
 mod explicit_run;
 mod fibre_watch;
+mod generalized_alpha;
 mod impact;
 pub mod newmark;
 mod predictor;
@@ -38,10 +40,18 @@ pub trait Integrator: Equation {
     fn displacements(&self) -> &[Nodal];
     /// Writes displacements, velocities and accelerations at the end of a converged step to the state.
     fn finish(&mut self, system: &System, state: &mut State);
-    /// Local error: root mean square error of position of the step over the model's length.
-    fn local_error(&self, system: &System, state: &State) -> f64;
+    /// Local error: root mean square error of position of the step over the model's length. `newton` has solved the step.
+    fn local_error(&mut self, system: &System, newton: &mut Newton, state: &State) -> f64;
     /// External work (of loads other than constant gravity, and of prescribed motions) and dissipation of the step.
     fn step_work(&mut self, system: &System, assembly: &mut Assembly, state: &State) -> StepWork;
+    /// Lengths of the sub-steps of which a step is composed, over the length of the step.
+    fn sub_steps(&self) -> &'static [f64] {
+        &[1.0]
+    }
+    /// Whether a converged step, the first of a motion, is repeated with better start values, which are written to the state.
+    fn improves_start(&mut self, _system: &System, _state: &mut State) -> bool {
+        false
+    }
     /// Convergence criteria of its iteration.
     fn tolerances(&self, max_iterations: u32) -> Tolerances;
 }
@@ -165,7 +175,7 @@ fn initial_motion(system: &System) -> State {
 
 /// Energies and momenta of a state.
 pub fn balance(system: &System, assembly: &mut Assembly, state: &State) -> Balance {
-    let kinetic = system.kinetic_energy(&state.v);
+    let kinetic = system.kinetic_energy(state.velocities_of_scheme());
     let strain = assembly.strain_energy(system, &state.point(system));
     let potential = system.constant_gravity_potential(&state.u);
     let (momentum, angular_momentum) = system.momentum(&state.u, &state.v);
@@ -189,6 +199,16 @@ pub(super) fn work(force: &[Nodal], from: &[Nodal], to: &[Nodal]) -> f64 {
 /// Smallest displacement of a step over that of its start to which increments are compared: what is below is round-off, as in
 /// a preloaded model at rest.
 pub(super) const RESOLUTION: f64 = 1e-10;
+
+/// Displacement over the model's length, and energy over that of the loads along it, below which a mechanism is at rest.
+pub(super) const AT_REST: f64 = 1e-8;
+
+/// Energy below which a mechanism is at rest: from that of the loads along the model's length.
+pub(super) fn energy_at_rest(system: &System, time: f64, loads: &mut [Nodal]) -> f64 {
+    loads.fill([0.0; 3]);
+    system.add_dead_loads(time, 1.0, loads);
+    AT_REST * system.length * loads.iter().map(|f| dot3(*f, *f).sqrt()).sum::<f64>()
+}
 
 /// Norm of the change of the nodal vectors in a step.
 pub(super) fn step_size(system: &System, from: &[Nodal], to: &[Nodal]) -> f64 {

@@ -15,13 +15,16 @@
 //! automatic steps or the energy–momentum scheme are needed.
 
 use super::predictor::{mean_acceleration, predict};
-use super::{Integrator, RESOLUTION, Span, StepWork, hold_supported, project_rates, step_size, work};
+use super::{
+    AT_REST, Integrator, RESOLUTION, Span, StepWork, energy_at_rest, hold_supported, project_rates,
+    step_size, work,
+};
 use crate::analysis::State;
-use crate::analysis::newton::{Equation, Tolerances};
+use crate::analysis::newton::{Equation, Newton, Tolerances};
 use crate::analysis::statics::{add, prescribed_increment};
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
-use crate::system::{Assembly, EvaluationPoint, System};
+use crate::system::{Assembly, EvaluationPoint, Internal, System};
 
 /// Bound of |e|/|p| over (|δ|/|p|)², with e the error of the iteration, p = ½ Δt² ā the part of the prediction that the
 /// acceleration makes, and δ the first increment. The increment is ½ Δt³ j with the rate j of the acceleration, six
@@ -34,17 +37,17 @@ const FIRST_STEP: f64 = 1e-7;
 
 /// Newmark and HHT integrator.
 pub struct Newmark {
-    beta: f64,
-    gamma: f64,
+    pub(super) beta: f64,
+    pub(super) gamma: f64,
     alpha_f: f64,
-    dt: f64,
-    time: f64,
-    u: Vec<Nodal>,
-    v: Vec<Nodal>,
-    a: Vec<Nodal>,
+    pub(super) dt: f64,
+    pub(super) time: f64,
+    pub(super) u: Vec<Nodal>,
+    pub(super) v: Vec<Nodal>,
+    pub(super) a: Vec<Nodal>,
     u_old: Vec<Nodal>,
     v_old: Vec<Nodal>,
-    a_old: Vec<Nodal>,
+    pub(super) a_old: Vec<Nodal>,
     /// External forces minus damping and internal forces at the start of the step; only for α_f ≠ 0.
     old_rest: Vec<Nodal>,
     loads_old: Vec<Nodal>,
@@ -60,6 +63,8 @@ pub struct Newmark {
     predicted: Option<f64>,
     damped: bool,
     mass_damping: f64,
+    /// Lagrange multipliers of joints.
+    pub(super) multipliers: Vec<f64>,
 }
 
 impl Newmark {
@@ -88,6 +93,7 @@ impl Newmark {
             predicted: None,
             damped: system.has_rate_damping(),
             mass_damping: system.mass_damping,
+            multipliers: vec![0.0; system.constraints()],
         }
     }
 
@@ -114,7 +120,7 @@ impl Newmark {
     }
 
     /// Updates velocities and accelerations for a change of displacements.
-    fn change_rates(&mut self, system: &System, change: &[Nodal]) {
+    pub(super) fn change_rates(&mut self, system: &System, change: &[Nodal]) {
         let second = 1.0 / (self.beta * self.dt * self.dt);
         let first = self.gamma / (self.beta * self.dt);
         for ((v, a), change) in self.v.iter_mut().zip(&mut self.a).zip(change) {
@@ -128,7 +134,48 @@ impl Newmark {
         system.prescribe_acceleration(self.time, &mut self.a);
     }
 
-    fn loads(&self, system: &System, time: f64, u: &[Nodal], out: &mut [Nodal]) {
+    /// Starts a step from a state and the accelerations `a_old`, which are set before, with a prediction of its end.
+    pub(super) fn start(&mut self, system: &System, state: &State, span: Span) {
+        (self.dt, self.time) = (span.dt, span.end);
+        self.u_old.copy_from_slice(&state.u);
+        self.v_old.copy_from_slice(&state.v);
+        self.multipliers.copy_from_slice(&state.multipliers);
+        self.energy_scale = state.energy_scale;
+        self.resolution = RESOLUTION * system.norm(&state.u);
+        if !system.joints.is_empty() {
+            let energy = energy_at_rest(system, self.time, &mut self.buffer);
+            self.energy_scale = self.energy_scale.max(energy);
+            self.resolution = self.resolution.max(AT_REST);
+        }
+        self.loads_old.fill([0.0; 3]);
+        let mut loads = std::mem::take(&mut self.loads_old);
+        self.loads(system, state.time, &state.u, &mut loads);
+        self.loads_old = loads;
+        self.predicted = (!state.mean_a.is_empty())
+            .then(|| span.dt * span.dt / (2.0 * self.beta) * system.kinetic_energy(&state.mean_a));
+        self.predict(system, state);
+    }
+
+    /// External minus inertia forces of these accelerations.
+    pub(super) fn external_minus_inertia_of(
+        &self,
+        system: &System,
+        accelerations: &[Nodal],
+        out: &mut [Nodal],
+    ) {
+        let share = 1.0 - self.alpha_f;
+        out.fill([0.0; 3]);
+        self.loads(system, self.time, &self.u, out);
+        for (o, old) in out.iter_mut().zip(&self.old_rest) {
+            for i in 0..3 {
+                o[i] = share * o[i] + self.alpha_f * old[i];
+            }
+        }
+        system.pattern.add_mass_product(-1.0, accelerations, out);
+        system.pattern.add_mass_product(-share * system.mass_damping, &self.v, out);
+    }
+
+    pub(super) fn loads(&self, system: &System, time: f64, u: &[Nodal], out: &mut [Nodal]) {
         system.add_dead_loads(time, 1.0, out);
         let motion = Motion::State { u, velocity: None };
         add_follower_loads(system, &motion, time, 1.0, out);
@@ -151,21 +198,20 @@ impl Equation for Newmark {
     }
 
     fn external_minus_inertia(&self, system: &System, out: &mut [Nodal]) {
-        let share = 1.0 - self.alpha_f;
-        out.fill([0.0; 3]);
-        self.loads(system, self.time, &self.u, out);
-        for (o, old) in out.iter_mut().zip(&self.old_rest) {
-            for i in 0..3 {
-                o[i] = share * o[i] + self.alpha_f * old[i];
-            }
-        }
-        system.pattern.add_mass_product(-1.0, &self.a, out);
-        system.pattern.add_mass_product(-share * system.mass_damping, &self.v, out);
+        self.external_minus_inertia_of(system, &self.a, out);
     }
 
     fn apply(&mut self, system: &System, increment: &[Nodal]) {
         add(&mut self.u, increment);
         self.change_rates(system, increment);
+    }
+
+    fn multipliers(&self) -> &[f64] {
+        &self.multipliers
+    }
+
+    fn change_multipliers(&mut self, change: &[f64]) {
+        self.multipliers.iter_mut().zip(change).for_each(|(x, change)| *x += change);
     }
 
     fn prescribed(&self, system: &System, increment: &mut [Nodal]) -> bool {
@@ -197,16 +243,8 @@ impl Equation for Newmark {
 
 impl Integrator for Newmark {
     fn begin(&mut self, system: &System, assembly: &mut Assembly, state: &State, span: Span) {
-        (self.dt, self.time) = (span.dt, span.end);
-        self.u_old.copy_from_slice(&state.u);
-        self.v_old.copy_from_slice(&state.v);
         self.a_old.copy_from_slice(&state.a);
-        self.energy_scale = state.energy_scale;
-        self.resolution = RESOLUTION * system.norm(&state.u);
-        self.loads_old.fill([0.0; 3]);
-        let mut loads = std::mem::take(&mut self.loads_old);
-        self.loads(system, state.time, &state.u, &mut loads);
-        self.loads_old = loads;
+        self.start(system, state, span);
         if self.alpha_f != 0.0 {
             let velocity = self.damped.then_some(state.v.as_slice());
             let motion = Motion::State { u: &state.u, velocity };
@@ -220,9 +258,6 @@ impl Integrator for Newmark {
             system.pattern.add_mass_product(-system.mass_damping, &state.v, &mut self.old_rest);
             self.add_old_constraint_forces(system, assembly, &k, &state.a);
         }
-        self.predicted = (!state.mean_a.is_empty())
-            .then(|| span.dt * span.dt / (2.0 * self.beta) * system.kinetic_energy(&state.mean_a));
-        self.predict(system, state);
     }
 
     fn displacements(&self) -> &[Nodal] {
@@ -234,10 +269,11 @@ impl Integrator for Newmark {
         state.u.copy_from_slice(&self.u);
         state.v.copy_from_slice(&self.v);
         state.a.copy_from_slice(&self.a);
+        state.multipliers.copy_from_slice(&self.multipliers);
     }
 
     /// `|(β − 1/6) Δt² (a₁ − a₀)|`, the leading term of the error of position.
-    fn local_error(&self, system: &System, _state: &State) -> f64 {
+    fn local_error(&mut self, system: &System, _newton: &mut Newton, _state: &State) -> f64 {
         let factor = (self.beta - 1.0 / 6.0) * self.dt * self.dt;
         system.position_rms(|v| std::array::from_fn(|i| factor * (self.a[v][i] - self.a_old[v][i])))
     }
@@ -256,12 +292,16 @@ impl Integrator for Newmark {
             *mean = std::array::from_fn(|i| (self.u[n][i] - self.u_old[n][i]) / self.dt);
         }
         let motion = Motion::Step { old: &self.u_old, new: &self.u, dt: self.dt };
-        let k = EvaluationPoint::new(system, motion, self.time, &state.history);
+        let internal = Internal { history: &state.history, multipliers: &self.multipliers };
+        let k = EvaluationPoint::new(system, motion, self.time, internal);
         let power =
             assembly.dissipated_power(system, &k) + 2.0 * system.mass_damping * system.kinetic_energy(&loads);
         self.buffer = loads;
         let prescribed = self.work_of_supports(system, assembly, state);
-        StepWork { work: trapezoid - gravity + prescribed, dissipated: self.dt * power }
+        let mean = |i: usize| 0.5 * (state.multipliers[i] + self.multipliers[i]);
+        let ends = [self.u_old.as_slice(), &self.u];
+        let drives = system.work_of_drives(ends, self.time - 0.5 * self.dt, mean);
+        StepWork { work: trapezoid - gravity + prescribed + drives, dissipated: self.dt * power }
     }
 
     fn tolerances(&self, max_iterations: u32) -> Tolerances {
@@ -304,12 +344,14 @@ impl Newmark {
         let mut total = 0.0;
         let (mut reaction, mut loads) =
             (std::mem::take(&mut self.reaction), std::mem::take(&mut self.buffer));
-        for (u, v, a, time) in
-            [(&state.u, &state.v, &state.a, state.time), (&self.u, &self.v, &self.a, self.time)]
+        let [old, new] = [&state.multipliers, &self.multipliers]
+            .map(|multipliers| Internal { history: &state.history, multipliers });
+        for (u, v, a, time, internal) in
+            [(&state.u, &state.v, &state.a, state.time, old), (&self.u, &self.v, &self.a, self.time, new)]
         {
             loads.fill([0.0; 3]);
             let motion = Motion::State { u, velocity: Some(v) };
-            let k = EvaluationPoint::new(system, motion, time, &state.history);
+            let k = EvaluationPoint::new(system, motion, time, internal);
             assembly.forces(system, &k, &mut reaction);
             self.loads(system, time, u, &mut loads);
             system.pattern.add_mass_product(1.0, a, &mut reaction);

@@ -19,21 +19,23 @@ use tegula_sparse::norm::larger;
 
 /// A transient analysis between two time steps.
 pub(super) struct TimeSteps<'a> {
-    system: &'a System,
-    options: &'a TransientAnalysis,
-    scheme: Box<dyn Integrator>,
-    newton: Newton,
-    tolerances: Tolerances,
+    pub system: &'a System,
+    pub options: &'a TransientAnalysis,
+    pub scheme: Box<dyn Integrator>,
+    pub newton: Newton,
+    pub tolerances: Tolerances,
     control: StepControl,
     ends: StepEnds,
     check: AmplitudeCheck,
     drilling: DrillingWatch,
     /// The last state reached.
-    state: State,
+    pub state: State,
+    /// State between two sub-steps of a composed step.
+    pub between: State,
     balance: Balance,
-    statistics: Statistics,
+    pub statistics: Statistics,
     /// Velocities at the start of the last step, for the predictor.
-    old_velocities: Vec<Nodal>,
+    pub old_velocities: Vec<Nodal>,
     /// Whether the present step is repeated with new tangents, since it failed with a lagged one.
     own_tangents: bool,
     /// Whether the analysis begins at its first state.
@@ -82,6 +84,7 @@ impl<'a> TimeSteps<'a> {
             statistics: Statistics { steps: state.step, ..Statistics::default() },
             old_velocities: vec![[0.0; 3]; system.vectors()],
             own_tangents: false,
+            between: State::default(),
             fresh,
             messages,
             system,
@@ -101,8 +104,12 @@ impl<'a> TimeSteps<'a> {
             observer.on_event(&found.event(system));
         }
         // Schemes evaluate loads inside the step, too.
-        let undefined_inside =
-            [0.5, 1.0].into_iter().find_map(|part| system.undefined_amplitude(state.time + part * span.dt));
+        let mut start = state.time;
+        let undefined_inside = self.scheme.sub_steps().iter().find_map(|part| {
+            let [middle, end] = [0.5, 1.0].map(|share| start + share * part * span.dt);
+            start = end;
+            [middle, end].into_iter().find_map(|time| system.undefined_amplitude(time))
+        });
         match undefined_inside {
             Some(reason) => Err(undefined("time", (state.time, span.end), reason)),
             None => Ok(span),
@@ -112,6 +119,9 @@ impl<'a> TimeSteps<'a> {
     /// Solves for the end of a step and accepts it, unless it has to be repeated. A step that failed with a lagged tangent
     /// is repeated with new tangents, any other one with a shorter length.
     fn attempt(&mut self, span: Span, observer: &mut dyn Observer) -> Result<Attempt> {
+        if self.scheme.sub_steps().len() > 1 {
+            return self.attempt_composed(span, observer);
+        }
         let Self { system, scheme, newton, state, statistics, .. } = self;
         scheme.begin(system, &mut newton.assembly, state, span);
         if !self.own_tangents {
@@ -125,6 +135,10 @@ impl<'a> TimeSteps<'a> {
             Err(diverged) => diverged.iterations,
         });
         match result {
+            Ok(_) if scheme.improves_start(system, state) => {
+                newton.restore(system, state, true);
+                Ok(Attempt::Repeated)
+            }
             Ok(converged) => {
                 self.own_tangents = false;
                 self.judge(span, converged, observer)
@@ -155,25 +169,17 @@ impl<'a> TimeSteps<'a> {
 
     /// Accepts a converged step whose local error is small enough and whose elements are not inverted.
     fn judge(&mut self, span: Span, converged: Converged, observer: &mut dyn Observer) -> Result<Attempt> {
-        if let Some(inverted) = inverted_element(self.system, self.scheme.displacements()) {
-            self.state.next_step = 0.5 * span.dt;
-            return Ok(Attempt::TooLong(Trouble::Inverted, inverted));
-        }
-        if let Some(body) =
-            triads::turned_too_far(self.system, (&self.state, span.dt), self.scheme.displacements())
+        if let Some((trouble, reason)) =
+            trouble(self.system, &self.state, span.dt, self.scheme.displacements())
         {
             self.state.next_step = 0.5 * span.dt;
-            let reason =
-                format!("body \"{body}\" turns by more than {} rad in the step", triads::MOST_ROTATION);
-            return Ok(Attempt::TooLong(Trouble::Inaccurate, reason));
+            return Ok(Attempt::TooLong(trouble, reason));
         }
-        let error = self.scheme.local_error(self.system, &self.state);
+        let error = self.scheme.local_error(self.system, &mut self.newton, &self.state);
         if self.control.accepts(error) {
-            self.accept(span, error, &converged)?;
-            let Self { system, state, drilling, .. } = self;
-            let at = (state.u.as_slice(), state.time);
-            drilling.look(system, at, observer, || format!("time {:.6e}", state.time));
-            return Ok(Attempt::Accepted(converged.iterations));
+            let Self { system, scheme, newton, state, old_velocities, .. } = self;
+            finish(system, (scheme.as_mut(), newton), (old_velocities, state), span);
+            return self.accept(span, error, &converged, observer);
         }
         let next = self.control.next(span.dt, span.dt, error, converged.tangents);
         self.state.next_step = next.min(0.5 * span.dt);
@@ -181,22 +187,15 @@ impl<'a> TimeSteps<'a> {
         Ok(Attempt::TooLong(Trouble::Inaccurate, reason))
     }
 
-    /// Makes the end of the step the state.
-    fn accept(&mut self, span: Span, error: f64, converged: &Converged) -> Result<()> {
-        let Self { system, scheme, newton, state, statistics, control, .. } = self;
-        let step_work = scheme.step_work(system, &mut newton.assembly, state);
-        let after = (scheme.displacements(), span.end);
-        let strains =
-            newton.assembly.prescribed_strain_work(system, &state.history, (&state.u, state.time), after);
-        state.work += step_work.work + strains;
-        state.dissipated += step_work.dissipated;
-        self.old_velocities.copy_from_slice(&state.v);
-        scheme.finish(system, state);
-        if !system.linear {
-            predictor::remember(&self.old_velocities, span.dt, state);
-        }
-        state.last_step = span.dt;
-        state.time = span.end;
+    /// Accepts the state at the end of a step.
+    pub(super) fn accept(
+        &mut self,
+        span: Span,
+        error: f64,
+        converged: &Converged,
+        observer: &mut dyn Observer,
+    ) -> Result<Attempt> {
+        let Self { system, scheme, newton, state, statistics, control, drilling, .. } = self;
         if system.has_kink(span.end) {
             let mean = self.options.scheme.instant() == Instant::Middle;
             state.work += impact::pass_kink(system, newton, mean, state)?;
@@ -204,17 +203,18 @@ impl<'a> TimeSteps<'a> {
         state.step += 1;
         state.next_step = control.next(span.dt, state.next_step, error, converged.tangents);
         state.tangent.record_use(converged.iterations, converged.tangents);
-        let motion = Motion::State { u: &state.u, velocity: None };
-        state.dissipated += newton.assembly.commit(system, motion, state.time, &mut state.history);
-        newton.assembly.reset_stress(system, &state.point(system));
+        commit(system, newton, state);
         let before = std::mem::replace(&mut self.balance, balance(system, &mut newton.assembly, state));
         if !system.joints.is_empty() {
             let scale = scheme.energy_scale(system, &mut newton.assembly, &state.history);
-            keeps_energy(span, &before, &self.balance, larger(scale, state.energy_scale))?;
+            let scale = larger(scale, state.energy_scale);
+            keeps_energy(span, [&before, &self.balance], scale, self.options.scheme.conserves_energy())?;
         }
         state.energy_scale = state.energy_scale.max(self.balance.kinetic).max(self.balance.strain);
         statistics.steps = state.step;
-        Ok(())
+        let at = (state.u.as_slice(), state.time);
+        drilling.look(system, at, observer, || format!("time {:.6e}", state.time));
+        Ok(Attempt::Accepted(converged.iterations))
     }
 
     /// Repeats a step with a shorter one, or gives up.
@@ -276,14 +276,56 @@ impl Stepper for TimeSteps<'_> {
     }
 }
 
-/// Change of the total energy in a step, over the largest energy so far, above which the step has lost its way.
+/// Reason why the end `new` of a step of length `dt` from a state cannot be accepted, whatever its error.
+pub(super) fn trouble(system: &System, state: &State, dt: f64, new: &[Nodal]) -> Option<(Trouble, String)> {
+    if let Some(inverted) = inverted_element(system, new) {
+        return Some((Trouble::Inverted, inverted));
+    }
+    let body = triads::turned_too_far(system, (state, dt), new)?;
+    let reason = format!("body \"{body}\" turns by more than {} rad in the step", triads::MOST_ROTATION);
+    Some((Trouble::Inaccurate, reason))
+}
+
+/// Makes the end of a solved step the state: motion, work, dissipation, and the prediction of the next step. History variables are
+/// [committed](commit) later.
+pub(super) fn finish(
+    system: &System,
+    (scheme, newton): (&mut dyn Integrator, &mut Newton),
+    (old_velocities, state): (&mut [Nodal], &mut State),
+    span: Span,
+) {
+    let step_work = scheme.step_work(system, &mut newton.assembly, state);
+    let after = (scheme.displacements(), span.end);
+    let strains =
+        newton.assembly.prescribed_strain_work(system, &state.history, (&state.u, state.time), after);
+    state.work += step_work.work + strains;
+    state.dissipated += step_work.dissipated;
+    old_velocities.copy_from_slice(&state.v);
+    scheme.finish(system, state);
+    if !system.linear {
+        predictor::remember(old_velocities, span.dt, state);
+    }
+    (state.last_step, state.time) = (span.dt, span.end);
+}
+
+/// Commits the history variables at the end of a step, and begins the next one with the stress there.
+pub(super) fn commit(system: &System, newton: &mut Newton, state: &mut State) {
+    let motion = Motion::State { u: &state.u, velocity: None };
+    state.dissipated += newton.assembly.commit(system, motion, state.time, &mut state.history);
+    newton.assembly.reset_stress(system, &state.point(system));
+}
+
+/// Change of the total energy in a step, over the largest energy so far, above which the step has lost its way; and the gain of a
+/// scheme that does not conserve it.
 const LOST: f64 = 1e-3;
+const GAINED: f64 = 1e-2;
 
 /// Refuses a step of a mechanism that does not keep the energy: near a singular position of its joints the motion has left its
 /// branch.
-fn keeps_energy(span: Span, before: &Balance, after: &Balance, scale: f64) -> Result<()> {
-    let (change, scale) = ((after.total - before.total).abs(), larger(scale, after.kinetic));
-    if change <= LOST * scale {
+fn keeps_energy(span: Span, [before, after]: [&Balance; 2], scale: f64, conserves: bool) -> Result<()> {
+    let (gain, scale) = (after.total - before.total, larger(scale, after.kinetic));
+    let (change, limit) = if conserves { (gain.abs(), LOST) } else { (gain, GAINED) };
+    if change <= limit * scale {
         return Ok(());
     }
     Err(Error::NotConverged {
@@ -300,7 +342,7 @@ fn keeps_energy(span: Span, before: &Balance, after: &Balance, scale: f64) -> Re
 }
 
 /// Outcome of an attempt at a time step.
-enum Attempt {
+pub(super) enum Attempt {
     /// The end of the step is the state; number of iterations.
     Accepted(u32),
     /// The step is repeated with new tangents.
@@ -311,7 +353,7 @@ enum Attempt {
 
 /// Reason why a time step is cut back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Trouble {
+pub(super) enum Trouble {
     /// Local error above the tolerance.
     Inaccurate,
     /// Inverted element.
@@ -340,7 +382,7 @@ fn advice(system: &System, options: &TransientAnalysis, trouble: Trouble) -> Str
     if !options.scheme.conserves_energy() {
         list.push("the scheme \"energy-momentum\"");
     }
-    if system.mass_damping == 0.0 && system.groups.iter().all(|g| g.retardation_time() == 0.0) {
+    if system.mass_damping == 0.0 && !system.has_rate_damping() {
         list.push("some damping");
     }
     if trouble != Trouble::Inaccurate && options.time_step.is_none() {

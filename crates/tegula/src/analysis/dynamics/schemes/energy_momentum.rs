@@ -6,25 +6,93 @@ use serde::{Deserialize, Serialize};
 use super::{Instant, SchemeKeys};
 use crate::analysis::dynamics::Integrator;
 use crate::analysis::dynamics::energy_momentum::EnergyMomentum;
+use crate::checker::Checker;
+use crate::model::{Model, TransientAnalysis};
 use crate::system::System;
 
-/// Energy–momentum scheme; it has no parameters.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// Energy–momentum scheme.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct EnergyMomentumScheme {}
+pub struct EnergyMomentumScheme {
+    /// Order of accuracy: 2, or 4 by steps that are composed of five of second order. Order 4 needs a constant `time_step`, and a
+    /// model without damping: one of the five goes back in time.
+    #[serde(default = "second")]
+    #[schemars(range(min = 2, max = 4))]
+    pub order: u32,
+}
+
+impl Default for EnergyMomentumScheme {
+    fn default() -> Self {
+        Self { order: second() }
+    }
+}
+
+impl EnergyMomentumScheme {
+    fn is_composed(self) -> bool {
+        self.order > 2
+    }
+}
 
 impl SchemeKeys for EnergyMomentumScheme {
     const WORD: &'static str = "energy-momentum";
 
+    fn check(&self, key: &str, c: &mut Checker) {
+        if ![2, 4].contains(&self.order) {
+            c.add(
+                format!("{key}.order"),
+                format!("the order is {}", self.order),
+                "give 2, or 4 for precise motions without damping",
+            );
+        }
+    }
+
+    fn check_model(&self, key: &str, model: &Model, options: &TransientAnalysis, c: &mut Checker) {
+        if !self.is_composed() {
+            return;
+        }
+        let mut refuse = |message: String, help: &str| c.add(format!("{key}.order"), message, help);
+        if options.time_step.is_none() {
+            refuse(
+                "steps of order 4 have a constant length".into(),
+                "give `analysis.time_step`, or use `order = 2`",
+            );
+        }
+        let damped = |what: &str| {
+            format!("steps of order 4 go back in time on the way, where {what} would supply energy")
+        };
+        let damping = &model.damping;
+        if damping.mass != 0.0 || damping.stiffness != 0.0 {
+            refuse(damped("`damping`"), "use `order = 2`, or drop the damping");
+        }
+        if let Some(i) = model.sections.iter().position(|s| s.retardation_time != 0.0) {
+            refuse(damped(&format!("the retardation time of sections[{i}]")), "use `order = 2`, or drop it");
+        }
+        if let Some(spring) = model.springs.iter().find(|spring| spring.damping != 0.0) {
+            refuse(
+                damped(&format!("the damper of \"{}\"", spring.name)),
+                "use `order = 2`, or drop its damping",
+            );
+        }
+    }
+
     fn integrator(&self, system: &System) -> Option<Box<dyn Integrator>> {
-        Some(Box::new(EnergyMomentum::new(system)))
+        Some(Box::new(EnergyMomentum::new(system, self.is_composed())))
     }
 
     fn instant(&self) -> Instant {
-        Instant::Middle
+        // Composed steps find accelerations and multipliers of their end.
+        if self.is_composed() { Instant::End } else { Instant::Middle }
     }
 
     fn conserves_energy(&self) -> bool {
         true
     }
+
+    fn moves_bodies(&self) -> bool {
+        true
+    }
+}
+
+fn second() -> u32 {
+    2
 }

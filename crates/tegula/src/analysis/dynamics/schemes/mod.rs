@@ -4,7 +4,7 @@
 
 use super::Integrator;
 use crate::checker::Checker;
-use crate::model::{Scheme, schemes};
+use crate::model::{Model, Scheme, TransientAnalysis, schemes};
 use crate::system::System;
 
 /// Instant at which the equation of motion of a step holds.
@@ -24,6 +24,8 @@ pub(crate) trait SchemeKeys: Copy + Default {
     const WORD: &'static str;
     /// Adds the mistakes in the values; `key` is the path of the scheme in the model file.
     fn check(&self, _key: &str, _checker: &mut Checker) {}
+    /// Adds the mistakes of a model and of the other options that do not go with the scheme; `key` as for [`check`](Self::check).
+    fn check_model(&self, _key: &str, _model: &Model, _options: &TransientAnalysis, _checker: &mut Checker) {}
     /// Integrator of the scheme; `None` for explicit ones, which have no equation to solve.
     fn integrator(&self, system: &System) -> Option<Box<dyn Integrator>>;
     /// True for explicit schemes: lumped mass, no tangent.
@@ -36,6 +38,10 @@ pub(crate) trait SchemeKeys: Copy + Default {
     }
     /// True if the scheme conserves energy, so that it cannot follow materials that dissipate it.
     fn conserves_energy(&self) -> bool {
+        false
+    }
+    /// True if the scheme moves rigid bodies and joints.
+    fn moves_bodies(&self) -> bool {
         false
     }
 }
@@ -60,6 +66,13 @@ macro_rules! dispatch {
                 }
             }
 
+            /// Adds the mistakes of a model and of the other options that do not go with the scheme.
+            pub(crate) fn check_model(self, key: &str, model: &Model, options: &TransientAnalysis, checker: &mut Checker) {
+                match self {
+                    $(Self::$kind(keys) => keys.check_model(key, model, options, checker),)*
+                }
+            }
+
             /// Integrator of the scheme; `None` for explicit ones, which have no equation to solve.
             pub fn integrator(self, system: &System) -> Option<Box<dyn Integrator>> {
                 match self {
@@ -78,6 +91,13 @@ macro_rules! dispatch {
             pub fn instant(self) -> Instant {
                 match self {
                     $(Self::$kind(keys) => keys.instant(),)*
+                }
+            }
+
+            /// True if the scheme moves rigid bodies and joints.
+            pub fn moves_bodies(self) -> bool {
+                match self {
+                    $(Self::$kind(keys) => keys.moves_bodies(),)*
                 }
             }
 

@@ -1,0 +1,224 @@
+//! Generalised-α method, also for motions with constraints (differential-algebraic equations of index 3).
+//!
+//! ```text
+//! u₁ = u₀ + Δt v₀ + Δt² ((½ − β) a₀ + β a₁)
+//! v₁ = v₀ + Δt ((1 − γ) a₀ + γ a₁)
+//! (1 − α_m) a₁ + α_m a₀ = (1 − α_f) q̈₁ + α_f q̈₀
+//! M q̈₁ + C v₁ + f₁ − F₁ + G₁ᵀλ₁ = 0,   g(u₁) = 0
+//! ```
+//!
+//! with the spectral radius ρ at high frequencies `α_m = (2ρ − 1)/(ρ + 1)`, `α_f = ρ/(ρ + 1)`, `γ = ½ + α_f − α_m`,
+//! `β = ¼ (1 + α_f − α_m)²`. The equations of motion hold at the end of the step; the auxiliary accelerations a are those of the time
+//! `t + (α_m − α_f) Δt`. J. Chung, G. M. Hulbert, *A time integration algorithm for structural dynamics with improved numerical
+//! dissipation*, J. Appl. Mech. 60 (1993) 371–375; M. Arnold, O. Brüls, *Convergence of the generalized-α scheme for constrained
+//! mechanical systems*, Multibody Syst. Dyn. 18 (2007) 185–202.
+//!
+//! **Start.** With `a₀ = q̈₀` at the start the multipliers would be of first order. The first step is therefore repeated with
+//! `a₀ = q̈₀ + (α_m − α_f)(q̈₁ − q̈₀)`, with the accelerations q̈₁ that it has given. A change of the step scales the difference
+//! of a and q̈.
+//!
+//! **Rates** of the directors of bodies and of inextensible directors are not projected onto the constraints: their parts across
+//! these are of second order, and damped. Only ρ = 1 does not damp them.
+
+use super::newmark::Newmark;
+use super::{Integrator, Span, StepWork, project_rates, triads};
+use crate::analysis::State;
+use crate::analysis::newton::{Equation, Newton, Tolerances};
+use crate::element::{Motion, Nodal};
+use crate::system::assembly::TangentCoefficients;
+use crate::system::{Assembly, System};
+
+/// Repetitions of the first step: each reduces the error of the auxiliary accelerations at the start to a sixteenth or less.
+const STARTS: u32 = 3;
+
+/// Generalised-α integrator.
+pub struct GeneralizedAlpha {
+    alpha_m: f64,
+    alpha_f: f64,
+    /// The step with the auxiliary accelerations.
+    newmark: Newmark,
+    /// Accelerations q̈ at the end and at the start of the step.
+    acceleration: Vec<Nodal>,
+    acceleration_old: Vec<Nodal>,
+    /// Local error of the nodal vectors, and scratch space.
+    error: Vec<Nodal>,
+    scratch: Vec<Nodal>,
+    /// Repetitions of the first step that are left.
+    starts: u32,
+    /// Whether convergence is judged as sharply as joints and bodies need it.
+    sharp: bool,
+}
+
+impl GeneralizedAlpha {
+    /// Integrator with the spectral radius ρ at high frequencies, from 0 to 1.
+    pub fn new(system: &System, rho: f64) -> Self {
+        let (alpha_m, alpha_f) = ((2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0));
+        let lead = alpha_f - alpha_m;
+        let zero = vec![[0.0; 3]; system.vectors()];
+        Self {
+            alpha_m,
+            alpha_f,
+            newmark: Newmark::new(system, 0.25 * (1.0 + lead) * (1.0 + lead), 0.5 + lead, 0.0),
+            acceleration: zero.clone(),
+            acceleration_old: zero.clone(),
+            error: zero.clone(),
+            scratch: zero,
+            starts: 0,
+            sharp: system.constraints() > 0 || !system.dofs().triads.is_empty(),
+        }
+    }
+
+    /// α_m − α_f: time of the auxiliary accelerations, from the end of the step, over the step.
+    fn lag(&self) -> f64 {
+        self.alpha_m - self.alpha_f
+    }
+
+    /// Accelerations that belong to the auxiliary ones.
+    fn accelerations(&mut self, system: &System) {
+        let (m, f) = (self.alpha_m, self.alpha_f);
+        let auxiliary = self.newmark.a.iter().zip(&self.newmark.a_old);
+        for ((new, old), (a, a_old)) in
+            self.acceleration.iter_mut().zip(&self.acceleration_old).zip(auxiliary)
+        {
+            *new = std::array::from_fn(|i| ((1.0 - m) * a[i] + m * a_old[i] - f * old[i]) / (1.0 - f));
+        }
+        system.prescribe_acceleration(self.newmark.time, &mut self.acceleration);
+    }
+}
+
+impl Equation for GeneralizedAlpha {
+    fn motion(&self) -> Motion<'_> {
+        self.newmark.motion()
+    }
+
+    fn parts(&self) -> TangentCoefficients {
+        let mut parts = self.newmark.parts();
+        let (dt, share) = (self.newmark.dt, (1.0 - self.alpha_m) / (1.0 - self.alpha_f));
+        let auxiliary = 1.0 / (self.newmark.beta * dt * dt);
+        parts.mass += (share - 1.0) * auxiliary;
+        parts.weights.augmentation = share * auxiliary;
+        parts
+    }
+
+    fn external_minus_inertia(&self, system: &System, out: &mut [Nodal]) {
+        self.newmark.external_minus_inertia_of(system, &self.acceleration, out);
+    }
+
+    fn apply(&mut self, system: &System, increment: &[Nodal]) {
+        self.newmark.apply(system, increment);
+        self.accelerations(system);
+    }
+
+    fn multipliers(&self) -> &[f64] {
+        self.newmark.multipliers()
+    }
+
+    fn change_multipliers(&mut self, change: &[f64]) {
+        self.newmark.change_multipliers(change);
+    }
+
+    fn prescribed(&self, system: &System, increment: &mut [Nodal]) -> bool {
+        self.newmark.prescribed(system, increment)
+    }
+
+    fn energy_scale(&self, system: &System, assembly: &mut Assembly, history: &[f64]) -> f64 {
+        self.newmark.energy_scale(system, assembly, history)
+    }
+
+    fn displacement_scale(&self, system: &System) -> f64 {
+        self.newmark.displacement_scale(system)
+    }
+
+    fn error_limit(&self, first: f64) -> f64 {
+        self.newmark.error_limit(first)
+    }
+}
+
+impl Integrator for GeneralizedAlpha {
+    fn begin(&mut self, system: &System, _assembly: &mut Assembly, state: &State, span: Span) {
+        self.acceleration_old.copy_from_slice(&state.a);
+        self.newmark.a_old.copy_from_slice(&state.a);
+        if state.acceleration_lag.is_empty() {
+            self.starts = STARTS;
+        }
+        for (a, lag) in self.newmark.a_old.iter_mut().zip(&state.acceleration_lag) {
+            (0..3).for_each(|i| a[i] += span.dt * lag[i]);
+        }
+        self.newmark.start(system, state, span);
+        self.accelerations(system);
+    }
+
+    fn improves_start(&mut self, system: &System, state: &mut State) -> bool {
+        if self.starts == 0 || self.lag() == 0.0 {
+            return false;
+        }
+        self.starts -= 1;
+        state.acceleration_lag.resize(system.vectors(), [0.0; 3]);
+        let change = self.lag() / self.newmark.dt;
+        for ((lag, new), old) in
+            state.acceleration_lag.iter_mut().zip(&self.acceleration).zip(&self.acceleration_old)
+        {
+            *lag = std::array::from_fn(|i| change * (new[i] - old[i]));
+        }
+        true
+    }
+
+    fn displacements(&self) -> &[Nodal] {
+        self.newmark.displacements()
+    }
+
+    fn finish(&mut self, system: &System, state: &mut State) {
+        if self.lag() == 0.0 {
+            project_rates(system, &self.newmark.u, &mut self.newmark.v, &mut self.acceleration);
+        } else {
+            let dt = self.newmark.dt;
+            state.acceleration_lag.resize(system.vectors(), [0.0; 3]);
+            for ((lag, a), acceleration) in
+                state.acceleration_lag.iter_mut().zip(&self.newmark.a).zip(&self.acceleration)
+            {
+                *lag = std::array::from_fn(|i| (a[i] - acceleration[i]) / dt);
+            }
+        }
+        state.u.copy_from_slice(&self.newmark.u);
+        state.v.copy_from_slice(&self.newmark.v);
+        state.a.copy_from_slice(&self.acceleration);
+        state.multipliers.copy_from_slice(&self.newmark.multipliers);
+    }
+
+    /// `|(β + ½ (α_m − α_f) − 1/6) Δt² (a₁ − a₀)|`, the leading term of the error of position. Its part across the constraints is
+    /// left out: positions satisfy them, and where the step changes the multipliers are of first order.
+    fn local_error(&mut self, system: &System, newton: &mut Newton, _state: &State) -> f64 {
+        let lag = self.lag();
+        let Self { newmark, error, scratch, .. } = self;
+        let Newmark { beta, dt, a, a_old, u, .. } = &*newmark;
+        let factor = (beta + 0.5 * lag - 1.0 / 6.0) * dt * dt;
+        for ((error, new), old) in error.iter_mut().zip(a).zip(a_old) {
+            *error = std::array::from_fn(|i| factor * (new[i] - old[i]));
+        }
+        if !system.linear {
+            scratch.fill([0.0; 3]);
+            triads::project_rates(system, u, error, scratch);
+        }
+        if let Some(constraints) = &mut newton.constraints {
+            let at = (&newmark.motion(), newmark.parts().time);
+            constraints.take_tangential_part(system, at, error);
+        }
+        system.position_rms(|v| error[v])
+    }
+
+    fn step_work(&mut self, system: &System, assembly: &mut Assembly, state: &State) -> StepWork {
+        // Prescribed motions take the inertia of the accelerations.
+        std::mem::swap(&mut self.newmark.a, &mut self.acceleration);
+        let work = self.newmark.step_work(system, assembly, state);
+        std::mem::swap(&mut self.newmark.a, &mut self.acceleration);
+        work
+    }
+
+    fn tolerances(&self, max_iterations: u32) -> Tolerances {
+        if self.sharp {
+            Tolerances { energy: 1e-20, increment: 1e-8, max_iterations }
+        } else {
+            self.newmark.tolerances(max_iterations)
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! The generalised-α method: second order in positions, velocities and multipliers with joints, its recurrence and damping on an
+//! oscillator, automatic steps, refusals.
+
+use crate::common::{Notes, distance};
+use crate::composition::{hung, pendulum};
+use crate::family_dynamics::soft_plate;
+use crate::multibody::{body, gravity, machine, pose, run, spherical};
+use tegula::Vec3;
+use tegula::model::*;
+use tegula::norm::{larger, max_norm};
+use tegula::result::joint_reaction;
+use tegula::{compile, mesh};
+
+fn scheme(spectral_radius: f64) -> Scheme {
+    Scheme::GeneralizedAlpha(GeneralizedAlphaScheme { spectral_radius })
+}
+
+/// The model with steps of this length, up to `end`.
+fn stepped(model: &Model, rho: f64, end: f64, step: f64) -> Model {
+    let options =
+        TransientAnalysis { scheme: scheme(rho), time_step: Some(step), ..TransientAnalysis::new(end) };
+    Model { analysis: Analysis::Transient(options), ..model.clone() }
+}
+
+/// Position, velocity and tension of the pendulum at 2 s: exact by elliptic functions (IFToMM benchmark A01); the tension is
+/// m (v²/L − g y/L).
+#[test]
+fn a_pendulum_converges_with_the_square_of_the_step_in_position_velocity_and_reaction() {
+    let (place, turning) = (Vec3::new(-0.7935661953, -0.6084839304, 0.0), -3.4552068991);
+    for rho in [0.0, 0.5, 0.8, 0.95] {
+        let errors = |step: f64| {
+            let (system, state) = run(&stepped(&pendulum(), rho, 2.0, step), &mut Notes::default());
+            let centre = system.coordinates.bodies[0].centre as usize;
+            let velocity = Vec3::z().cross(&place) * turning;
+            let pull = place * -(turning * turning - 9.81 * place.y);
+            [
+                (pose(&system, &state, 0).0 - place).norm(),
+                (Vec3::from(state.v[centre]) - velocity).norm(),
+                (joint_reaction(&system, &state, &system.joints[0]).0 - pull).norm(),
+            ]
+        };
+        let errors = [2e-3, 1e-3, 5e-4].map(errors);
+        for i in 0..3 {
+            let ratios = [errors[0][i] / errors[1][i], errors[1][i] / errors[2][i]];
+            println!("{rho} {i}: {ratios:?}");
+            assert!(ratios.iter().all(|r| (3.7..4.3).contains(r)), "{rho} {i}: {ratios:?} {errors:?}");
+        }
+    }
+}
+
+/// The multipliers are of second order from the first step on, not only after a while.
+#[test]
+fn reactions_are_of_second_order_at_the_start() {
+    let error = |step: f64| {
+        let mut notes = Notes::keeping();
+        let (system, _) = run(&stepped(&pendulum(), 0.8, 0.1, step), &mut notes);
+        let centre = system.coordinates.bodies[0].centre as usize;
+        notes.states[1..]
+            .iter()
+            .map(|state| {
+                // With the exact motion v² = −2 g y, up to the error of y.
+                let y = pose(&system, state, 0).0.y;
+                assert!(state.v[centre][1] < 0.0);
+                (joint_reaction(&system, state, &system.joints[0]).0.norm() + 3.0 * 9.81 * y).abs()
+            })
+            .fold(0.0, larger)
+    };
+    let errors = [4e-3, 2e-3, 1e-3].map(error);
+    println!("{errors:?}");
+    assert!(errors[0] / errors[1] > 3.6 && errors[1] / errors[2] > 3.6, "{errors:?}");
+}
+
+/// Positions, velocities and multipliers of successively halved steps: ratios of their differences.
+fn ratios(model: &Model, rho: f64, end: f64, steps: u32) -> [f64; 3] {
+    let states = [0, 1, 2]
+        .map(|k| run(&stepped(model, rho, end, end / f64::from(steps << k)), &mut Notes::default()).1);
+    let apart = |i: usize| {
+        let (a, b) = (&states[i], &states[i + 1]);
+        let force = max_norm(a.multipliers.iter().zip(&b.multipliers).map(|(x, y)| x - y));
+        [distance(&a.u, &b.u), distance(&a.v, &b.v), force]
+    };
+    let (coarse, fine) = (apart(0), apart(1));
+    std::array::from_fn(|i| coarse[i] / fine[i])
+}
+
+/// Geradin and Cardona's top on a ball joint.
+#[test]
+fn a_heavy_top_converges_with_the_square_of_the_step() {
+    let omega = [0.0, 150.0, -4.61538];
+    let top = RigidBody {
+        angular_velocity: omega,
+        velocity: Vec3::from(omega).cross(&Vec3::y()).into(),
+        ..body("top", [0.0, 1.0, 0.0], 15.0, Some([0.234375, 0.46875, 0.234375]))
+    };
+    let model = machine(0.1, 1e-4, vec![top], vec![spherical("ground", "top", [0.0; 3])]);
+    let model = Model { loads: gravity([0.0, 0.0, -9.81]), ..model };
+    let found = ratios(&model, 0.8, 0.04, 800);
+    println!("{found:?}");
+    assert!(found.iter().all(|r| (3.7..4.3).contains(r)), "{found:?}");
+}
+
+/// A body with three unlike moments of inertia on the corner of a shell, which has inextensible directors or not, and damping.
+#[test]
+fn a_body_on_a_shell_converges_with_the_square_of_the_step() {
+    for (element, stiffness) in [(ElementKind::Ems, 0.0), (ElementKind::Mitc4, 0.0), (ElementKind::Ems, 2e-3)]
+    {
+        let mut model = hung();
+        model.sections[0].element = element;
+        model.damping = Damping { mass: 0.0, stiffness };
+        let found = ratios(&model, 0.8, 0.256, 256);
+        println!("{element:?} {found:?}");
+        assert!(found.iter().all(|r| (3.7..4.3).contains(r)), "{element:?}: {found:?}");
+    }
+}
+
+/// Automatic steps go through the motion of a pendulum near the tolerance; what is lost of the energy is small.
+#[test]
+fn automatic_steps_resolve_a_pendulum() {
+    let options = TransientAnalysis { scheme: scheme(0.8), tolerance: 1e-7, ..TransientAnalysis::new(2.0) };
+    let model = Model { analysis: Analysis::Transient(options), ..pendulum() };
+    let mut notes = Notes::default();
+    let (system, state) = run(&model, &mut notes);
+    let place = Vec3::new(-0.7935661953, -0.6084839304, 0.0);
+    let error = (pose(&system, &state, 0).0 - place).norm();
+    println!("{error} {} {}", state.step, notes.drift());
+    assert!(error < 1e-3 && notes.drift() < 1e-3 * notes.kinetic, "{error} {}", notes.drift());
+    assert!(state.step < 1000 && notes.events.len() < 20, "{} {:?}", state.step, notes.events);
+}
+
+/// A point mass between a spring with a damper and the ground: x = e^(−ξωt) v₀ sin(ω_d t)/ω_d along its line.
+#[test]
+fn a_damped_spring_follows_its_closed_form() {
+    let (mass, omega, xi) = (2.0, 5.0_f64, 0.2);
+    let speed = RigidBody { velocity: [0.5, 0.0, 0.0], ..body("mass", [1.0, 0.0, 0.0], mass, None) };
+    let spring = SpringDamper {
+        name: "spring".into(),
+        between: ["ground".into(), "mass".into()],
+        points: [[0.0; 3], [1.0, 0.0, 0.0]],
+        stiffness: mass * omega * omega,
+        damping: 2.0 * xi * omega * mass,
+        length: None,
+    };
+    let model = Model { springs: vec![spring], ..machine(1.0, 1e-3, vec![speed], Vec::new()) };
+    let damped = omega * (1.0 - xi * xi).sqrt();
+    let exact = 0.5 * (-xi * omega).exp() * damped.sin() / damped;
+    let error = |step: f64| {
+        let mut notes = Notes::default();
+        let (system, state) = run(&stepped(&model, 0.8, 1.0, step), &mut notes);
+        assert!(notes.events.is_empty() && notes.drift() < 1e-2 * notes.kinetic, "{:?}", notes.events);
+        (pose(&system, &state, 0).0.x - 1.0 - exact).abs()
+    };
+    let errors = [1e-2, 5e-3].map(error);
+    let ratio = errors[0] / errors[1];
+    assert!(errors[0] < 1e-3 && (3.7..4.3).contains(&ratio), "{errors:?}");
+}
+
+#[test]
+fn other_damped_schemes_and_undamped_steps_are_refused_with_joints() {
+    let refused = |scheme: Scheme| {
+        let options = TransientAnalysis { scheme, ..TransientAnalysis::new(1.0) };
+        let model = Model { analysis: Analysis::Transient(options), ..pendulum() };
+        let mesh = mesh::generators::generate(&model.mesh).unwrap();
+        compile::build(&model, &mesh).err().expect("the model is wrong").to_string()
+    };
+    for other in [Scheme::Hht(HhtScheme::default()), Scheme::default()] {
+        assert!(refused(other).contains("generalized-alpha"));
+    }
+    assert!(refused(scheme(1.0)).contains("spectral_radius"));
+    assert!(refused(scheme(-0.1)).contains("0…1"));
+    let shell = stepped(&soft_plate(ElementKind::Mitc4), 1.0, 0.1, 1e-2);
+    let mut notes = Notes::default();
+    run(&shell, &mut notes);
+    assert_eq!(notes.totals.len(), 11);
+}
