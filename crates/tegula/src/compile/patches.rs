@@ -81,14 +81,14 @@ fn of_node(
     vectors.map(attached).collect()
 }
 
-/// Adds mass and Euler tensor of the attached part of the shell to each body.
+/// Adds mass, first moments and Euler tensor of the attached part of the shell to each body.
 pub(super) fn add_inertia(coordinates: &mut Coordinates, groups: &[Box<dyn ElementGroup>]) {
     let attached = coordinates.attached();
     if attached.is_empty() {
         return;
     }
     let find = |v: u32| Some(&attached[attached.binary_search_by_key(&v, |a| a.vector).ok()?]);
-    let mut patches: BTreeMap<u32, (f64, Mat3)> = BTreeMap::new();
+    let mut patches: BTreeMap<u32, (f64, Vec3, Mat3)> = BTreeMap::new();
     for group in groups {
         for e in 0..group.len() {
             let vectors = group.vectors(e);
@@ -100,17 +100,27 @@ pub(super) fn add_inertia(coordinates: &mut Coordinates, groups: &[Box<dyn Eleme
                     continue;
                 }
                 let product = a.coordinates * b.coordinates.transpose() * mass;
-                let (total, euler) = patches.entry(a.triad).or_insert((0.0, Mat3::zeros()));
+                let (total, first, euler) =
+                    patches.entry(a.triad).or_insert((0.0, Vec3::zeros(), Mat3::zeros()));
                 *euler += if v == w { product } else { product + product.transpose() };
+                let twice = if v == w { 1.0 } else { 2.0 };
                 if a.centre.is_some() && b.centre.is_some() {
-                    *total += if v == w { mass } else { 2.0 * mass };
+                    *total += twice * mass;
+                }
+                // Σ m_ab c_a Y_b over both orders of each pair, with c = 1 for positions.
+                for (one, other) in [(a, b), (b, a)] {
+                    if one.centre.is_some() {
+                        *first += other.coordinates * (0.5 * twice * mass);
+                    }
                 }
             }
         }
     }
     let with_axes = coordinates.bodies.iter_mut().filter(|body| body.directors.is_some());
     for (triad, body) in (0..).zip(with_axes) {
-        body.patch = patches.remove(&triad).unwrap_or((0.0, Mat3::zeros()));
+        if let Some(patch) = patches.remove(&triad) {
+            body.patch = patch;
+        }
     }
 }
 

@@ -41,14 +41,18 @@ pub struct Body {
     pub euler: Mat3,
     /// Nodal vectors of the mesh that are fixed in the body, ascending.
     pub attached: Vec<Attached>,
-    /// Mass of the attached part of the shell, and its Euler tensor about the mass centre of the body, along its axes.
-    pub patch: (f64, Mat3),
+    /// Mass of the attached part of the shell, its first moments and its Euler tensor about the mass centre of the body, along the
+    /// axes of the body.
+    pub patch: (f64, Vec3, Mat3),
 }
 
 impl Body {
-    /// Mass and Euler tensor with those of the attached part of the shell.
+    /// Mass and Euler tensor with those of the attached part of the shell, about the mass centre of both.
     pub fn inertia(&self) -> (f64, Mat3) {
-        (self.mass + self.patch.0, self.euler + self.patch.1)
+        let (mass, first, euler) = self.patch;
+        let total = self.mass + mass;
+        let shift = if total == 0.0 { Mat3::zeros() } else { first * first.transpose() / total };
+        (total, self.euler + euler - shift)
     }
 
     /// Radius of gyration √(tr E/m) (length) of the body with its patch; 0 without mass.
@@ -103,7 +107,7 @@ impl Coordinates {
             directors = Some([0, 1, 2].map(push));
             euler = tensor;
         }
-        let (attached, patch) = (Vec::new(), (0.0, Mat3::zeros()));
+        let (attached, patch) = (Vec::new(), (0.0, Vec3::zeros(), Mat3::zeros()));
         let name = name.to_owned();
         self.bodies.push(Body { name, centre: place, directors, mass, euler, attached, patch });
         self.bodies.len() - 1

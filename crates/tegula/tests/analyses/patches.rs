@@ -588,3 +588,17 @@ fn an_added_mass_on_attached_nodes_belongs_to_the_body() {
     let d = difference(&added[..nodes], &body[..nodes]);
     assert!(d < 1e-9, "{d}");
 }
+
+/// A massless body on one node could spin about the director without resistance.
+#[test]
+fn a_massless_body_on_one_node_is_refused_in_motion() {
+    let mut m = strip(ElementKind::Ems, [3, 2], 0.0);
+    m.bodies = vec![hub("dot", [0.1, 0.0, 0.2], &["u_min_v_min"])];
+    m.loads = vec![gravity([0.0, 0.0, -1.0])];
+    let options = steps(0.1, 0.01);
+    m.analysis = Analysis::Transient(options.clone());
+    let (_, system) = compile(&m);
+    let outcome = tegula::analysis::dynamics::run(&system, &options, None, &mut Notes::default());
+    let Err(Error::Singular { what, help }) = outcome else { panic!("it is taken") };
+    assert!(what.contains("dot") && help.contains("attach another node"), "{what} {help}");
+}

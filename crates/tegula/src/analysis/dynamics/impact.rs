@@ -95,7 +95,8 @@ pub(super) fn factor_mass(system: &System, newton: &mut Newton, state: &State) -
                 body.name
             ),
             help:
-                "Give the body a shape or an inertia with a moment about this axis, or a joint that holds it."
+                "Give the body a shape or an inertia with a moment about this axis, or a joint that holds it; of a body \
+                 with one attached node the axis is the director, attach another node."
                     .into(),
         },
         None => Error::Singular {
