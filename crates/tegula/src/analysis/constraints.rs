@@ -25,7 +25,7 @@ use nalgebra::{DMatrix, DVector, Dyn};
 use super::solver::TangentSolver;
 use crate::Vec3;
 use crate::constraint::Joint;
-use crate::element::{Motion, Nodal};
+use crate::element::{Motion, Nodal, TangentWeights};
 use crate::system::dof_map::CONSTRAINED;
 use crate::system::evaluation_point::current_vector;
 use crate::system::{EvaluationPoint, LocalFrames, System};
@@ -100,7 +100,7 @@ impl Constraints {
     pub fn take<S: TangentSolver>(
         &mut self,
         system: &System,
-        (k, augmentation): (&EvaluationPoint, f64),
+        (k, weights): (&EvaluationPoint, &TangentWeights),
         frames: &LocalFrames,
         solver: &mut S,
     ) -> Result<(), String> {
@@ -110,7 +110,7 @@ impl Constraints {
         self.end_gradients(system, frames, &k.motion, end_time(&k.motion, k.time));
         for joint in system.joints.iter() {
             for (i, row) in joint.multipliers().zip(&joint.rows) {
-                self.weights[i] = augmentation * row.inertia;
+                self.weights[i] = row.weight(weights);
             }
         }
         self.responses.fill(0.0);

@@ -43,6 +43,10 @@ pub struct StaticEquation {
     pub scales: [f64; 2],
     /// Repeated attempts at the present step: each reduces the step limiter.
     pub attempts: u32,
+    /// Lagrange multipliers of joints.
+    pub multipliers: Vec<f64>,
+    /// Weight of the augmented Lagrangian of joints [force/length].
+    pub penalty: f64,
 }
 
 impl Equation for StaticEquation {
@@ -51,7 +55,8 @@ impl Equation for StaticEquation {
     }
 
     fn parts(&self) -> TangentCoefficients {
-        TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time: self.time }
+        let weights = TangentWeights { penalty: self.penalty, ..TangentWeights::STATIC };
+        TangentCoefficients { weights, mass: 0.0, time: self.time }
     }
 
     fn external_minus_inertia(&self, system: &System, out: &mut [Nodal]) {
@@ -62,6 +67,14 @@ impl Equation for StaticEquation {
 
     fn apply(&mut self, _system: &System, increment: &[Nodal]) {
         add(&mut self.u, increment);
+    }
+
+    fn multipliers(&self) -> &[f64] {
+        &self.multipliers
+    }
+
+    fn change_multipliers(&mut self, change: &[f64]) {
+        self.multipliers.iter_mut().zip(change).for_each(|(x, change)| *x += change);
     }
 
     fn prescribed(&self, system: &System, increment: &mut [Nodal]) -> bool {

@@ -37,6 +37,9 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
              `scheme = { type = \"generalized-alpha\" }`",
         );
     }
+    if !transient {
+        held(model, c);
+    }
     let joint_names: Vec<String> =
         model.joints.iter().map(|joint| joint.common().name().to_owned()).collect();
     let beams: Vec<&String> = model.beams.iter().map(|beam| &beam.name).collect();
@@ -70,6 +73,17 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
     }
     for (i, spring) in model.springs.iter().enumerate() {
         spring_values(spring, &format!("springs[{i}]"), c);
+    }
+}
+
+/// Bodies of a static analysis that nothing holds.
+fn held(model: &Model, c: &mut Checker) {
+    let joints = model.joints.iter().flat_map(|joint| joint.common().between());
+    let sides: Vec<&String> = joints.chain(model.springs.iter().flat_map(|spring| &spring.between)).collect();
+    let loose = |body: &RigidBody| body.attached.is_empty() && !sides.contains(&&body.name);
+    for (i, body) in model.bodies.iter().enumerate().filter(|(_, body)| loose(body)) {
+        let message = format!("nothing holds body \"{}\" in a static analysis", body.name);
+        c.add(format!("bodies[{i}]"), message, "connect it by a joint or a spring, attach nodes to it, or leave it out");
     }
 }
 

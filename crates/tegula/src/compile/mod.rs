@@ -260,7 +260,8 @@ impl<'a> Compiler<'a> {
             return Err(Error::Model(issues));
         };
         issues.extend(unmovable(&frames));
-        if matches!(model.analysis, Analysis::Static(_)) {
+        let jointed = !self.joints.is_empty() || !model.springs.is_empty() || !model.beams.is_empty();
+        if matches!(model.analysis, Analysis::Static(_)) && !jointed {
             issues.extend(mechanism::mechanisms(mesh, &vectors.coordinates, &supports));
             issues.extend(patches::spinning(&vectors.coordinates));
         }

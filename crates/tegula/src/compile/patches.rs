@@ -14,12 +14,9 @@ use crate::{Issue, Mat3, Vec3};
 /// Relative size of round-off in velocities and moments of inertia.
 const SAME: f64 = 1e-9;
 
-/// Whether a model of bodies can be solved by statics: all of them are attached to shells, nothing else holds them.
+/// Whether a model of bodies can be solved by statics.
 pub(super) fn are_static(model: &Model) -> bool {
-    matches!(&model.analysis, Analysis::Static(s) if s.linear_solver == LinearSolver::Direct)
-        && model.joints.is_empty()
-        && model.springs.is_empty()
-        && model.bodies.iter().all(|body| !body.attached.is_empty())
+    matches!(&model.analysis, Analysis::Static(s) if s.linear_solver == LinearSolver::Direct && !s.linear)
 }
 
 /// Attaches the nodes of the sets that bodies name to them.

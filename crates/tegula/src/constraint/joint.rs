@@ -156,8 +156,7 @@ impl ElementGroup for JointGroup {
             let joint = &self.joints[self.members[first + e]];
             v.iter_mut().zip(&joint.vectors).for_each(|(v, &vector)| *v = current(k, vector));
             let size = 9 * n * (n + 1) / 2;
-            let mut blocks =
-                tangent.as_mut().map(|t| (t.weights.augmentation, &mut t.blocks[e * size..][..size]));
+            let mut blocks = tangent.as_mut().map(|t| (t.weights, &mut t.blocks[e * size..][..size]));
             if let Some((_, blocks)) = &mut blocks {
                 blocks.fill(0.0);
             }
@@ -171,8 +170,11 @@ impl ElementGroup for JointGroup {
                 for (out, g) in out.chunks_exact_mut(3).zip(gradient.iter()) {
                     (0..3).for_each(|i| out[i] += multiplier * g[i]);
                 }
-                if let Some((weight, blocks)) = &mut blocks {
-                    augment(gradient, *weight * row.inertia, blocks);
+                if let Some((weights, blocks)) = &mut blocks {
+                    augment(gradient, row.weight(weights), blocks);
+                    if weights.multiplier != 0.0 {
+                        row.add_second_derivative(weights.multiplier * multiplier, drive, blocks);
+                    }
                 }
             }
         }

@@ -2,6 +2,7 @@
 
 use super::Attachment;
 use crate::Vec3;
+use crate::element::TangentWeights;
 
 /// Scalar constraint `g(v) = Σ C_ab v_a·v_b + Σ c_a·v_a + c₀ = 0` of the nodal vectors v of a joint, which it names by their
 /// places in the joint's list.
@@ -20,6 +21,8 @@ pub struct Row {
     /// Inertia that the constraint acts on \[mass for distances, mass · length² for products of unit vectors\]: weight of
     /// the augmented Lagrangian.
     pub inertia: f64,
+    /// Square of the model's length over `size`: weight of the augmented Lagrangian in statics.
+    pub measure: f64,
 }
 
 /// How a constraint depends on the value s of the drive of its joint.
@@ -118,6 +121,35 @@ impl Row {
             Driven::Angle(other) => {
                 self.add_form_gradient(factor * s.cos(), v, out);
                 other.add_form_gradient(-factor * s.sin(), v, out);
+            }
+        }
+    }
+
+    /// Weight γ of the constraint in the augmented Lagrangian.
+    pub fn weight(&self, weights: &TangentWeights) -> f64 {
+        weights.augmentation * self.inertia + weights.penalty * self.measure
+    }
+
+    /// Adds `factor · ∂²g/∂v_a∂v_b` to the lower blocks of a joint, where the drive has the value `s`.
+    pub fn add_second_derivative(&self, factor: f64, s: f64, blocks: &mut [f64]) {
+        let cosine = match &self.driven {
+            Driven::Not | Driven::Length => 1.0,
+            Driven::Angle(other) => {
+                other.add_form_second_derivative(-factor * s.sin(), blocks);
+                s.cos()
+            }
+        };
+        self.add_form_second_derivative(factor * cosine, blocks);
+    }
+
+    fn add_form_second_derivative(&self, factor: f64, blocks: &mut [f64]) {
+        for &(a, b, c) in &self.products {
+            // A product of a vector with itself has the second derivative 2.
+            let value = factor * if a == b { 2.0 * c } else { c };
+            let (row, column) = (a.max(b), a.min(b));
+            let at = 9 * (row * (row + 1) / 2 + column);
+            for i in 0..3 {
+                blocks[at + 4 * i] += value;
             }
         }
     }

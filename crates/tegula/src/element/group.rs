@@ -40,11 +40,17 @@ pub struct TangentWeights {
     pub rate: f64,
     /// Weight of the augmented Lagrangian `γ GᵀG` of constraints, per inertia [1/time²].
     pub augmentation: f64,
+    /// Weight of the augmented Lagrangian in statics [force/length].
+    pub penalty: f64,
+    /// Weight of the geometric stiffness `Σ λ ∂²g/∂q²` of constraints. It decides about the stability of equilibria; in singular
+    /// positions, where the multipliers jump, it would lead astray.
+    pub multiplier: f64,
 }
 
 impl TangentWeights {
     /// Weights of the static tangent: stress, current configuration and follower loads of one state, no rates.
-    pub const STATIC: Self = Self { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0, augmentation: 0.0 };
+    pub const STATIC: Self =
+        Self { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0, augmentation: 0.0, penalty: 0.0, multiplier: 1.0 };
 }
 
 /// Evaluation point of a group of elements: motion, history variables and factors of the prescribed strains.

@@ -52,7 +52,7 @@ impl BodyCurvature {
     ) {
         let m = group.vectors_per_element();
         // The geometric part alone.
-        let weights = TangentWeights { stress: 0.0, rate: 0.0, augmentation: 0.0, ..*weights };
+        let weights = TangentWeights { stress: 0.0, rate: 0.0, augmentation: 0.0, penalty: 0.0, ..*weights };
         let size = 9 * pairs(m);
         let mut evaluated = 0..0;
         for number in reduction.numbers() {

@@ -2,7 +2,8 @@
 //! compare with other programs.
 
 use crate::common::Notes;
-use tegula::analysis::{Observer, State, dynamics};
+use crate::common::static_options;
+use tegula::analysis::{Observer, Silent, State, dynamics, statics};
 use tegula::model::*;
 use tegula::result::beams::beam_resultants;
 use tegula::result::joint_reaction;
@@ -121,4 +122,163 @@ fn a_clamped_beam_vibrates_about_the_deflection_of_timoshenko_with_the_period_of
     assert!((last.0 / (3.0 * period) - 1.0).abs() < 0.02, "{} {period}", last.0 / period);
     let (reaction, _) = joint_reaction(&system, &state, &system.joints[0]);
     assert!(reaction.norm().is_finite());
+}
+
+/// Static equilibrium of beams and joints under loads on their nodes.
+fn stand(
+    beams: Vec<Beam>,
+    joints: Vec<Joint>,
+    loads: Vec<Load>,
+    materials: &[(&str, Isotropic)],
+) -> (System, State) {
+    let mut model = Model { beams, loads, ..model(1.0, None, Vec::new(), joints) };
+    model.analysis = Analysis::Static(static_options());
+    for (name, material) in materials {
+        model.materials.insert((*name).into(), Material::Isotropic(material.clone()));
+    }
+    let mesh = mesh::generators::generate(&model.mesh).unwrap();
+    let system = compile::build(&model, &mesh).unwrap();
+    let Analysis::Static(options) = &model.analysis else { panic!() };
+    let outcome = statics::run(&system, options, None, &mut Silent).unwrap();
+    (system, outcome.state)
+}
+
+fn displacement(system: &System, state: &State, body: &str) -> Vec3 {
+    let body = system.coordinates.bodies.iter().find(|b| b.name == body).unwrap();
+    Vec3::from(state.u[body.centre as usize])
+}
+
+#[test]
+fn a_small_tip_force_bends_a_clamped_beam_of_one_element_as_timoshenkos_theory_says() {
+    let beam = Beam {
+        material: Some("steel".into()),
+        ..Beam::straight("beam", [[0.0; 3], [2.0, 0.0, 0.0]], 1, [0.0, 1.0, 0.0], rectangle([0.05, 0.1]))
+    };
+    let loads = vec![Load::Force(VectorLoad::new("beam.end", [0.0, 3.0, 5.0]))];
+    let (system, state) =
+        stand(vec![beam], vec![fixed("clamp", "ground", "beam.start", [0.0; 3])], loads, &[]);
+    let tip = displacement(&system, &state, "beam.end");
+    let shear = 5.0 / 6.0 * STEEL.young / 2.6 * 0.005;
+    for (found, force, sides) in [(tip.y, 3.0, (0.1, 0.05_f64)), (tip.z, 5.0, (0.05, 0.1_f64))] {
+        let bending = STEEL.young * sides.0 * sides.1.powi(3) / 12.0;
+        let expected = force * (8.0 / (3.0 * bending) + 2.0 / shear);
+        assert!((found - expected).abs() < 1e-6 * expected, "{found} {expected}");
+    }
+    let (force, moment) = joint_reaction(&system, &state, &system.joints[0]);
+    assert!((force + Vec3::new(0.0, 3.0, 5.0)).norm() < 1e-9, "{force}");
+    assert!((moment - Vec3::new(0.0, 10.0, -6.0)).norm() < 1e-6, "{moment}");
+}
+
+/// R. H. MacNeal, R. L. Harder, *A proposed standard set of problems to test finite element accuracy*, Finite Elem. Anal. Des. 1
+/// (1985) 3–20: tip displacements of the curved beam and of the twisted beam in the direction of a unit force.
+#[test]
+fn curved_and_twisted_beams_bend_as_macneal_and_harder_say() {
+    let arc = |elements: usize| {
+        let at = |i: usize| {
+            let angle = std::f64::consts::FRAC_PI_2 * i as f64 / elements as f64;
+            [4.22 * angle.sin(), 4.22 * (1.0 - angle.cos()), 0.0]
+        };
+        Beam {
+            points: (0..=elements).map(at).collect(),
+            elements: None,
+            material: Some("curved".into()),
+            ..Beam::straight("beam", [[0.0; 3]; 2], 1, [0.0, 0.0, 1.0], rectangle([0.1, 0.2]))
+        }
+    };
+    let twisted = |elements: u32| Beam {
+        twist: 90.0,
+        material: Some("twisted".into()),
+        ..Beam::straight(
+            "beam",
+            [[0.0; 3], [12.0, 0.0, 0.0]],
+            elements,
+            [0.0, 1.0, 0.0],
+            rectangle([1.1, 0.32]),
+        )
+    };
+    let materials =
+        [("curved", Isotropic::new(1e7, 0.25, 1.0)), ("twisted", Isotropic::new(29e6, 0.22, 1.0))];
+    // At its end the section of the twisted beam has turned: its width is along z there.
+    let cases = [
+        (arc(24), [0.0, 1.0, 0.0], 0.08734),
+        (arc(24), [0.0, 0.0, 1.0], 0.5022),
+        (twisted(24), [0.0, 0.0, 1.0], 0.005424),
+        (twisted(24), [0.0, 1.0, 0.0], 0.001754),
+    ];
+    for (beam, direction, expected) in cases {
+        let loads = vec![Load::Force(VectorLoad::new("beam.end", direction.map(|x| 1e-3 * x)))];
+        let clamp = fixed("clamp", "ground", "beam.start", [0.0; 3]);
+        let (system, state) = stand(vec![beam], vec![clamp], loads, &materials);
+        let found = 1e3 * displacement(&system, &state, "beam.end").dot(&Vec3::from(direction));
+        assert!((found / expected - 1.0).abs() < 0.01, "{direction:?}: {found} {expected}");
+    }
+}
+
+/// The moment 2π EI/L at the end bends a clamped beam to a circle.
+#[test]
+fn an_end_moment_rolls_a_beam_up_to_a_circle() {
+    let constants = SectionConstants {
+        axial: 1e6,
+        shear: [1e6; 2],
+        bending: [100.0; 2],
+        torsion: 100.0,
+        mass: 1.0,
+        inertia: [1e-4; 2],
+    };
+    let beam = Beam::straight(
+        "beam",
+        [[0.0; 3], [10.0, 0.0, 0.0]],
+        40,
+        [0.0, 0.0, 1.0],
+        BeamSection::Constants(constants),
+    );
+    let moment = 2.0 * std::f64::consts::PI * 100.0 / 10.0;
+    let loads = vec![Load::Moment(VectorLoad::new("beam.end", [0.0, 0.0, moment]))];
+    let clamp = fixed("clamp", "ground", "beam.start", [0.0; 3]);
+    let (system, state) = stand(vec![beam], vec![clamp], loads, &[]);
+    let tip = place(&system, &state, "beam.end");
+    // 40 chords: the angle of each is 2π/40 (1 + (2π/40)²/6 …).
+    assert!(tip.norm() < 0.1, "{tip}");
+    let line = &system.beams[0];
+    let largest =
+        beam_resultants(&system, &state, line).iter().map(|n| (n[3] - moment).abs()).fold(0.0, f64::max);
+    assert!(largest < 1e-6 * moment, "{largest}");
+}
+
+/// A simply supported beam under its weight: 5 w L⁴/(384 EI) + w L²/(8 kGA), reactions w L/2.
+#[test]
+fn a_beam_on_hinges_sags_under_its_weight() {
+    let ends = [[0.0; 3], [4.0, 0.0, 0.0]];
+    let beam = Beam {
+        material: Some("steel".into()),
+        ..Beam::straight("beam", ends, 16, [0.0, 1.0, 0.0], rectangle([0.05, 0.1]))
+    };
+    let axis = [0.0, 1.0, 0.0];
+    let hinge = Joint::Revolute(AxisJoint {
+        name: "hinge".into(),
+        between: ["ground".into(), "beam.start".into()],
+        at: ends[0],
+        axis,
+    });
+    let slide = Joint::Planar(AxisJoint {
+        name: "slide".into(),
+        between: ["ground".into(), "beam.end".into()],
+        at: ends[1],
+        axis,
+    });
+    let rest = Joint::Distance(DistanceJoint {
+        name: "rest".into(),
+        between: ["ground".into(), "beam.end".into()],
+        points: [[4.0, 0.0, -1e4], ends[1]],
+    });
+    let gravity = vec![Load::Gravity(GravityLoad { value: [0.0, 0.0, -9.81], amplitude: None })];
+    let (system, state) = stand(vec![beam], vec![hinge, slide, rest], gravity, &[]);
+    let weight = 9.81 * STEEL.density * 0.005;
+    let (bending, shear) = (STEEL.young * 0.05 * 0.001 / 12.0, 5.0 / 6.0 * STEEL.young / 2.6 * 0.005);
+    let expected = weight * (5.0 * 256.0 / (384.0 * bending) + 16.0 / (8.0 * shear));
+    let sag = -displacement(&system, &state, "beam.8").z;
+    assert!((sag / expected - 1.0).abs() < 0.01, "{sag} {expected}");
+    let (force, _) = joint_reaction(&system, &state, &system.joints[2]);
+    // Half of the weight of the last half element rests on the node itself: nothing is lost.
+    assert!((force.z - 2.0 * weight).abs() < 1e-3 * weight, "{force} {weight}");
 }

@@ -29,7 +29,7 @@ const DISAGREED: f64 = 1e-6;
 
 /// Weights of the mass matrix with the augmented Lagrangian of the constraints, `M + Gᵀ γ G`.
 const MASS: TangentWeights =
-    TangentWeights { stress: 0.0, direction: 0.0, force: 0.0, rate: 0.0, augmentation: 1.0 };
+    TangentWeights { stress: 0.0, direction: 0.0, force: 0.0, rate: 0.0, augmentation: 1.0, penalty: 0.0, multiplier: 0.0 };
 
 /// Assembles the mass matrix with the augmented Lagrangian of the constraints at a state.
 pub(super) fn assemble_mass(system: &System, newton: &mut Newton, state: &State) {
@@ -74,7 +74,7 @@ pub(super) fn take_mass(
     (solver, constraints): (&mut SparseLdlt, &mut Constraints),
     state: &State,
 ) -> Result<()> {
-    let taken = constraints.take(system, (&state.point(system), 1.0), &assembly.frames, solver);
+    let taken = constraints.take(system, (&state.point(system), &MASS), &assembly.frames, solver);
     taken.map_err(|reason| Error::Singular {
         what: format!("The velocities of the joints were not found: {reason}."),
         help: "Check masses, inertia and joints.".into(),

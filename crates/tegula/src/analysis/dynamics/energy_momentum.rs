@@ -144,6 +144,8 @@ impl Equation for EnergyMomentum {
                 force: 1.0,
                 rate: 1.0 / self.dt,
                 augmentation: 2.0 / (self.dt * self.dt),
+                penalty: 0.0,
+                multiplier: 0.0,
             },
             mass: 2.0 / (self.dt * self.dt) + self.mass_damping / self.dt,
             time: self.time - 0.5 * self.dt,

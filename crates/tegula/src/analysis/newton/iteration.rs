@@ -237,7 +237,7 @@ impl<S: TangentSolver> Newton<S> {
     ) -> Result<(), Failed> {
         let Self { solver, assembly, constraints, .. } = self;
         let Some(constraints) = constraints else { return Ok(()) };
-        let at = (&point(system, equation, history), equation.parts().weights.augmentation);
+        let at = (&point(system, equation, history), &equation.parts().weights);
         constraints.take(system, at, &assembly.frames, solver).map_err(|reason| (Cause::Tangent, reason))
     }
 

@@ -55,7 +55,8 @@ pub(super) fn released_energy(
     [first, last, change]: [&mut [Nodal]; 3],
 ) -> f64 {
     let elastic = system.without_history() && system.prescribed_strains.is_empty();
-    if !elastic || !system.followers.is_empty() || !system.dofs().prescribed.is_empty() {
+    let driven = system.joints.iter().any(|joint| joint.drive.is_some());
+    if !elastic || driven || !system.followers.is_empty() || !system.dofs().prescribed.is_empty() {
         return 0.0;
     }
     // Loads at the middle of the step: in proportion, they are the mean of those at its ends.

@@ -4,6 +4,7 @@ use super::connection::{SOFTER, Speeds, released_energy};
 use super::failure::{CriticalPoint, Failure, Kind};
 use super::{StaticEquation, energies, follower_work, reactions, reactions_at, undefined};
 use crate::analysis::drilling::DrillingWatch;
+use crate::analysis::equilibrium::assemble_tangent;
 use crate::analysis::newton::{Cause, Converged, Newton, Tolerances};
 use crate::analysis::solver::TangentSolver;
 use crate::analysis::stepper::Reached;
@@ -11,7 +12,8 @@ use crate::analysis::stops::Stops;
 use crate::analysis::{Balance, Observer, Stability, State, Statistics, Stepper};
 use crate::element::{Motion, Nodal};
 use crate::model::{NewtonMethod, StaticAnalysis};
-use crate::system::{EvaluationPoint, System, inverted_element};
+use crate::system::dof_map::CONSTRAINED;
+use crate::system::{EvaluationPoint, Internal, System, VectorKind, inverted_element};
 use crate::{Error, Result};
 
 /// Displacement of a step over the size of the model that is round-off of directors, as where loads have not begun yet.
@@ -92,7 +94,14 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             largest,
             stops: Stops::of(system, 1.0),
             smallest_part: 0.5_f64.powi(cutbacks.min(MOST_CUTBACKS)),
-            equation: StaticEquation { u: state.u.clone(), time: state.time, scales: [0.0; 2], attempts: 0 },
+            equation: StaticEquation {
+                u: state.u.clone(),
+                time: state.time,
+                scales: [0.0; 2],
+                attempts: 0,
+                multipliers: state.multipliers.clone(),
+                penalty: penalty(system, &mut newton, &state),
+            },
             balance: Balance::default(),
             statistics: Statistics { steps: state.step, ..Statistics::default() },
             external: vec![[0.0; 3]; system.vectors()],
@@ -168,6 +177,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
     ) -> Result<std::result::Result<Converged, Failure>> {
         let Self { newton, system, state, equation, .. } = self;
         equation.u.copy_from_slice(&state.u);
+        equation.multipliers.copy_from_slice(&state.multipliers);
         equation.time = target;
         equation.scales = [state.energy_scale, state.displacement_scale];
         match newton.solve(system, equation, &state.history, &self.tolerances, observer) {
@@ -254,7 +264,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
                 "the step releases energy, {released:.2} times the work of its load increment, where a stable path \
                  releases none"
             ))
-        } else if speeds.need_the_end() {
+        } else if system.joints.is_empty() && speeds.need_the_end() {
             let unloaded = StaticEquation { u: equation.u.clone(), ..before };
             let end = newton.response(system, (&unloaded, &*equation), &state.history).unwrap_or(0.0);
             speeds.doubt(end)
@@ -289,13 +299,18 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         state.work += follower_work(system, (&state.u, state.time), (&equation.u, target), external);
         if !self.reactions.is_empty() {
             // Before the history is committed: the stress at the end of the step must be that of the step.
-            let end = EvaluationPoint::at_rest(system, &equation.u, target, &state.history);
+            let internal = Internal { history: &state.history, multipliers: &equation.multipliers };
+            let end = EvaluationPoint::at_rest(system, &equation.u, target, internal);
             let after = reactions_at(system, &mut newton.assembly, &end);
             for forces in [&self.reactions, &after] {
                 state.work += 0.5 * system.work_of_prescribed(forces, &state.u, &equation.u);
             }
             self.reactions = after;
         }
+        let (middle, ends) = (0.5 * (state.time + target), [state.u.as_slice(), &equation.u]);
+        let mean = |i: usize| 0.5 * (state.multipliers[i] + equation.multipliers[i]);
+        state.work += system.work_of_drives(ends, middle, mean);
+        state.multipliers.copy_from_slice(&equation.multipliers);
         state.compliance = converged.first_increment / (target - state.time);
         // The length of a step that a stop has shortened is no measure for the next one.
         state.next_step = self.largest.min(state.next_step.max(2.0 * (target - state.time)));
@@ -435,6 +450,29 @@ impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
 /// configuration, which need not be an equilibrium.
 fn is_loaded(system: &System, state: &State) -> bool {
     state.step > 0 || system.start.is_some()
+}
+
+/// Weight of the augmented Lagrangian of joints: mean stiffness of the degrees of freedom at a state. It does not change the
+/// solution, but lets the tangent of parts that joints alone hold have a factor.
+fn penalty<S: TangentSolver>(system: &System, newton: &mut Newton<S>, state: &State) -> f64 {
+    if system.joints.is_empty() {
+        return 0.0;
+    }
+    let assembly = &mut newton.assembly;
+    let loads = vec![[0.0; 3]; system.vectors()];
+    assemble_tangent(system, assembly, state, &loads);
+    let (mut sum, mut count) = (0.0, 0);
+    for v in 0..system.vectors() {
+        if system.coordinates.kinds[v] != VectorKind::Position {
+            continue;
+        }
+        for number in system.dofs().of(v).into_iter().filter(|n| *n != CONSTRAINED) {
+            let first = system.pattern.column_pointers[number as usize];
+            sum += assembly.values[first].abs();
+            count += 1;
+        }
+    }
+    if sum > 0.0 { sum / f64::from(count) } else { 1.0 }
 }
 
 /// Name of a form of Newton's method in messages.

@@ -93,7 +93,7 @@ impl Constraints {
     }
 
     fn push(&mut self, mut row: Row, size: f64, inertia: f64) {
-        (row.size, row.inertia) = (size, inertia);
+        (row.size, row.inertia, row.measure) = (size, inertia, (self.length / size).powi(2));
         self.rows.push(row);
     }
 
