@@ -32,7 +32,7 @@ const MOST_SHORTENED: u32 = 2;
 const IN_EQUILIBRIUM: f64 = 1e-7;
 
 /// Equilibrium at a load factor: `F(λ) − f_int(u) = 0`.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct StaticEquation {
     /// Displacements.
     pub u: Vec<Nodal>,

@@ -83,7 +83,11 @@ fn held(model: &Model, c: &mut Checker) {
     let loose = |body: &RigidBody| body.attached.is_empty() && !sides.contains(&&body.name);
     for (i, body) in model.bodies.iter().enumerate().filter(|(_, body)| loose(body)) {
         let message = format!("nothing holds body \"{}\" in a static analysis", body.name);
-        c.add(format!("bodies[{i}]"), message, "connect it by a joint or a spring, attach nodes to it, or leave it out");
+        c.add(
+            format!("bodies[{i}]"),
+            message,
+            "connect it by a joint or a spring, attach nodes to it, or leave it out",
+        );
     }
 }
 

@@ -16,7 +16,9 @@ const SAME: f64 = 1e-9;
 
 /// Whether a model of bodies can be solved by statics.
 pub(super) fn are_static(model: &Model) -> bool {
-    matches!(&model.analysis, Analysis::Static(s) if s.linear_solver == LinearSolver::Direct && !s.linear)
+    let patches_alone = model.joints.is_empty() && model.springs.is_empty() && model.beams.is_empty();
+    matches!(&model.analysis,
+        Analysis::Static(s) if s.linear_solver == LinearSolver::Direct && (!s.linear || patches_alone))
 }
 
 /// Attaches the nodes of the sets that bodies name to them.

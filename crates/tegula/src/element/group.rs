@@ -49,8 +49,15 @@ pub struct TangentWeights {
 
 impl TangentWeights {
     /// Weights of the static tangent: stress, current configuration and follower loads of one state, no rates.
-    pub const STATIC: Self =
-        Self { stress: 1.0, direction: 1.0, force: 1.0, rate: 0.0, augmentation: 0.0, penalty: 0.0, multiplier: 1.0 };
+    pub const STATIC: Self = Self {
+        stress: 1.0,
+        direction: 1.0,
+        force: 1.0,
+        rate: 0.0,
+        augmentation: 0.0,
+        penalty: 0.0,
+        multiplier: 1.0,
+    };
 }
 
 /// Evaluation point of a group of elements: motion, history variables and factors of the prescribed strains.

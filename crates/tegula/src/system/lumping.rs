@@ -115,7 +115,15 @@ fn at_rest(system: &System, mut take: impl FnMut(ElementBlocks)) {
     let rest = vec![[0.0; 3]; system.vectors()];
     let factors: Vec<f64> = system.prescribed_strains.iter().map(|f| system.factor(&f.factor, 0.0)).collect();
     // Material stiffness only: prescribed strains would add their stress.
-    let weights = TangentWeights { stress: 1.0, direction: 0.0, force: 1.0, rate: 0.0, augmentation: 0.0, penalty: 0.0, multiplier: 0.0 };
+    let weights = TangentWeights {
+        stress: 1.0,
+        direction: 0.0,
+        force: 1.0,
+        rate: 0.0,
+        augmentation: 0.0,
+        penalty: 0.0,
+        multiplier: 0.0,
+    };
     let history = vec![0.0; system.offsets.last().map_or(0, |last| last.history.end)];
     let k = EvaluationPoint::at_rest(system, &rest, 0.0, &history);
     for (g, group) in system.groups.iter().map(AsRef::as_ref).enumerate() {

@@ -286,8 +286,15 @@ fn circulatory_stiffness_is_the_skew_part_of_all_follower_loads() {
         let u = field(0.1);
         let (x, y) = (field(1.0), field(1.0));
         let k = EvaluationPoint::at_rest(&system, &u, 0.9, &[]);
-        let weights =
-            TangentWeights { stress: 1.0, direction: 0.5, force: 0.8, rate: 0.0, augmentation: 0.0, penalty: 0.0, multiplier: 0.0 };
+        let weights = TangentWeights {
+            stress: 1.0,
+            direction: 0.5,
+            force: 0.8,
+            rate: 0.0,
+            augmentation: 0.0,
+            penalty: 0.0,
+            multiplier: 0.0,
+        };
         let parts = TangentCoefficients { weights, mass: 0.0, time: 0.9 };
         let mut frames = system.frames.clone();
         frames.follow(|v| Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v]));

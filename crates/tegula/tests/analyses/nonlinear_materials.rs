@@ -174,7 +174,7 @@ fn plastic_tangents_are_consistent() {
         let mut newton = Newton::with_solver(&system, None, solver);
         let tolerances = Tolerances { energy: 1e-18, increment: 1e-6, max_iterations: 20 };
         let mut equation =
-            StaticEquation { u: vec![[0.0; 3]; system.vectors()], time: 0.0, scales: [0.0; 2], attempts: 0 };
+            StaticEquation { u: vec![[0.0; 3]; system.vectors()], ..StaticEquation::default() };
         let mut pairs = 0;
         let mut history = tegula::analysis::State::at_rest(&system).history;
         for step in 1..=5 {

@@ -16,8 +16,15 @@ const VECTORS: usize = 8;
 /// Unlike, so that no side stands for the other.
 const SIDES: [f64; 2] = [1.3, 0.8];
 const FACTORS: [f64; 2] = [0.8, -0.4];
-const WEIGHTS: TangentWeights =
-    TangentWeights { stress: 0.7, direction: 0.9, force: 1.3, rate: 2.5, augmentation: 0.0, penalty: 0.0, multiplier: 0.0 };
+const WEIGHTS: TangentWeights = TangentWeights {
+    stress: 0.7,
+    direction: 0.9,
+    force: 1.3,
+    rate: 2.5,
+    augmentation: 0.0,
+    penalty: 0.0,
+    multiplier: 0.0,
+};
 
 /// Elements that do not share nodes.
 struct Elements {

@@ -28,8 +28,15 @@ const CLOSED: f64 = 1e-9;
 const DISAGREED: f64 = 1e-6;
 
 /// Weights of the mass matrix with the augmented Lagrangian of the constraints, `M + Gᵀ γ G`.
-const MASS: TangentWeights =
-    TangentWeights { stress: 0.0, direction: 0.0, force: 0.0, rate: 0.0, augmentation: 1.0, penalty: 0.0, multiplier: 0.0 };
+const MASS: TangentWeights = TangentWeights {
+    stress: 0.0,
+    direction: 0.0,
+    force: 0.0,
+    rate: 0.0,
+    augmentation: 1.0,
+    penalty: 0.0,
+    multiplier: 0.0,
+};
 
 /// Assembles the mass matrix with the augmented Lagrangian of the constraints at a state.
 pub(super) fn assemble_mass(system: &System, newton: &mut Newton, state: &State) {

@@ -252,7 +252,8 @@ impl Integrator for EnergyMomentum {
         if !system.dofs().prescribed.is_empty() {
             assembly.forces(system, &k, &mut internal);
         }
-        let drives = system.work_of_drives([&self.u_old, &self.u], self.parts().time, |i| self.multipliers[i]);
+        let drives =
+            system.work_of_drives([&self.u_old, &self.u], self.parts().time, |i| self.multipliers[i]);
         let supports = self.work_of_supports(system, &mut internal, &mut buffer) + drives;
         (self.buffer, self.internal) = (buffer, internal);
         StepWork { work: loads - gravity + supports, dissipated: self.dt * power }

@@ -191,7 +191,15 @@ impl Equation for Newmark {
         let rate = self.gamma / (self.beta * self.dt);
         let share = 1.0 - self.alpha_f;
         TangentCoefficients {
-            weights: TangentWeights { stress: 1.0, direction: 1.0, force: share, rate, augmentation: 0.0, penalty: 0.0, multiplier: 0.0 },
+            weights: TangentWeights {
+                stress: 1.0,
+                direction: 1.0,
+                force: share,
+                rate,
+                augmentation: 0.0,
+                penalty: 0.0,
+                multiplier: 0.0,
+            },
             mass: 1.0 / (self.beta * self.dt * self.dt) + share * self.mass_damping * rate,
             time: self.time,
         }
