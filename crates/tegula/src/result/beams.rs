@@ -1,5 +1,6 @@
 //! Stress resultants of beams.
 
+use crate::Vec3;
 use crate::analysis::State;
 use crate::system::{BeamLine, System};
 
@@ -12,5 +13,15 @@ pub fn beam_resultants(system: &System, state: &State, beam: &BeamLine) -> Vec<[
     let mut stresses = vec![0.0; group.len() * group.stresses_per_element()];
     let point = state.point(system);
     group.stresses(&point.of_group(system, beam.group, &factors), &mut stresses);
-    stresses.chunks_exact(6).map(|n| std::array::from_fn(|i| n[i])).collect()
+    let place = |body: usize| {
+        let centre = system.coordinates.bodies[body].centre as usize;
+        Vec3::from(system.coordinates.reference[centre])
+    };
+    let elements = beam.bodies.clone().zip(stresses.chunks_exact(6));
+    let resultants = elements.map(|(body, n)| {
+        // The stress of the stretch is the axial force over the length.
+        let length = (place(body + 1) - place(body)).norm();
+        std::array::from_fn(|i| if i == 2 { n[i] * length } else { n[i] })
+    });
+    resultants.collect()
 }

@@ -175,7 +175,8 @@ impl Failure {
         if cause == Cause::Tangent {
             return match options.linear_solver {
                 LinearSolver::Direct => {
-                    "The model may have a mechanism: check the supports, and sheets that share only one node."
+                    "The model may have a mechanism: check the supports and joints, bodies and beams that they leave free to move, and \
+                     sheets that share only one node."
                         .into()
                 }
                 LinearSolver::Iterative => {
