@@ -61,8 +61,7 @@ fn a_curved_twisted_beam_that_translates_and_turns_slowly_has_no_resultants() {
     let beam = Beam { velocity: [3.0, -1.0, 2.0], ..curved(6) };
     let (system, state) = run(&model(1.0, Some(0.1), vec![beam], Vec::new()), &mut Notes::default());
     let line = &system.beams[0];
-    let largest =
-        beam_resultants(&system, &state, line).concat().into_iter().map(f64::abs).fold(0.0, f64::max);
+    let largest = tegula::norm::max_norm(beam_resultants(&system, &state, line).concat());
     // EA = 2.1e8.
     assert!(largest < 1e-6, "{largest}");
     let moved = place(&system, &state, "arc.end") - Vec3::new(0.0, 1.0, 0.0);
