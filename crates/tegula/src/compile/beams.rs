@@ -12,6 +12,8 @@ use crate::system::{BeamLine, Coordinates};
 
 /// Longest name of a beam (characters).
 const LONGEST_NAME: usize = 50;
+/// Largest number of elements of a beam.
+const MOST_ELEMENTS: u32 = 100_000;
 /// Largest angle (degrees) between pieces of a beam, and of its twist in one element: beyond it the chords of the axis do not
 /// follow the beam.
 const LARGEST_ANGLE: f64 = 30.0;
@@ -59,6 +61,14 @@ fn section_values(data: &Beam, model: &Model, key: &str, c: &mut Checker) {
             }
         }
         BeamSection::Constants(s) => {
+            if data.material.is_some() {
+                let message = format!("beam \"{}\" has section constants and a material", data.name);
+                c.add(
+                    format!("{key}.material"),
+                    message,
+                    "leave the material out, or give a shape of the section",
+                );
+            }
             let values = [s.axial, s.shear[0], s.shear[1], s.bending[0], s.bending[1], s.torsion, s.mass];
             values.iter().chain(&s.inertia).for_each(|x| c.positive(&place, "a section constant", *x));
             return;
@@ -98,6 +108,10 @@ fn axis_values(data: &Beam, key: &str, c: &mut Checker) {
         (2, None | Some(0)) => {
             let message = format!("beam \"{name}\" has no elements");
             return c.add(format!("{key}.elements"), message, "give the number of its elements");
+        }
+        (2, Some(n)) if n > MOST_ELEMENTS => {
+            let message = format!("beam \"{name}\" has {n} elements; at most {MOST_ELEMENTS} are taken");
+            return c.add(format!("{key}.elements"), message, "give fewer elements");
         }
         (3.., Some(_)) => {
             let message = format!("the {count} points of beam \"{name}\" are its nodes");

@@ -324,7 +324,7 @@ pub(super) fn joints(
         let Some([first, second]) = found else { continue };
         let drive = keys.drive().and_then(|drive| {
             let amplitude = model.amplitudes.keys().position(|name| name == drive.amplitude)?;
-            Some(Drive { amplitude, value: drive.value })
+            Some(Drive { amplitude, value: drive.value, offset: 0.0 })
         });
         match joint(data, [first, second], length, (&out, drive)) {
             Some(made) if made.vectors.is_empty() => {}

@@ -436,6 +436,7 @@ impl Checker {
                     && model.loads.is_empty()
                     && model.prescribed_strains.is_empty()
                     && !model.conditions.iter().any(|c| c.motion().is_some())
+                    && !model.joints.iter().any(|joint| joint.common().drive().is_some())
                 {
                     self.add(
                         "loads",

@@ -36,7 +36,7 @@ use crate::system::{
     BeamLine, DeadLoad, GroupOffsets, LocalFrames, Pattern, PrescribedField, Procedure, Reduction, Shell,
     ShellSection, StepStart, System, lumping,
 };
-use crate::{Error, Issue, Result};
+use crate::{Error, Issue, Result, Vec3};
 use actions::{
     added_masses, contradictions, dead_loads, drilling_components, follower_loads, initial_velocity, supports,
 };
@@ -292,7 +292,7 @@ impl<'a> Compiler<'a> {
             groups: Arc::clone(&self.groups),
             offsets: Arc::clone(&self.offsets),
             reductions,
-            joints: Arc::clone(&self.joints),
+            joints: self.joints_at(start.as_ref(), &amplitudes),
             beams: Arc::clone(&self.beams),
             shells: self.shells.clone(),
             sections: Arc::clone(&self.sections),
@@ -328,6 +328,21 @@ impl<'a> Compiler<'a> {
             release_supports(&mut system, mesh);
         }
         if issues.is_empty() { Ok(system) } else { Err(Error::Model(issues)) }
+    }
+
+    /// Joints whose drives begin where a step starts.
+    fn joints_at(&self, start: Option<&StepStart>, amplitudes: &[TimeFunction]) -> Arc<Vec<Joint>> {
+        if self.joints.iter().all(|joint| joint.drive.is_none()) {
+            return Arc::clone(&self.joints);
+        }
+        let current = |v: u32| {
+            let moved =
+                start.and_then(|start| start.u.get(v as usize)).map_or_else(Vec3::zeros, |u| Vec3::from(*u));
+            Vec3::from(self.vectors.coordinates.reference[v as usize]) + moved
+        };
+        let mut joints = (*self.joints).clone();
+        joints.iter_mut().for_each(|joint| joint.start_drive(amplitudes, current));
+        Arc::new(joints)
     }
 
     /// Whether a step has all supports of the step before: then its first state needs no other forces than its own.

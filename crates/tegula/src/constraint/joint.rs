@@ -32,13 +32,15 @@ pub struct Joint {
     pub drive: Option<Drive>,
 }
 
-/// Prescribed motion of a joint: angle (rad) or length as a multiple of an amplitude.
+/// Prescribed motion of a joint: angle (rad) or length that changes by a multiple of the change of an amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive {
     /// Index of the amplitude.
     pub amplitude: usize,
     /// Angle or length at amplitude 1.
     pub value: f64,
+    /// Angle or length where the analysis step starts, less that of the amplitude there.
+    pub offset: f64,
 }
 
 impl Drive {
@@ -49,7 +51,7 @@ impl Drive {
             return DriveValue { value, rate: value, acceleration: value };
         };
         DriveValue {
-            value: self.value * amplitude.value(time),
+            value: self.offset + self.value * amplitude.value(time),
             rate: self.value * amplitude.rate(time),
             acceleration: self.value * amplitude.acceleration(time),
         }
@@ -67,6 +69,16 @@ impl Joint {
     pub fn drive_value(&self, drives: &[f64]) -> f64 {
         // A drive whose value is not known must not look like one at rest.
         if self.drive.is_none() { 0.0 } else { drives.get(self.number).copied().unwrap_or(f64::NAN) }
+    }
+
+    /// Lets the drive begin where the joint stands at the start of an analysis step, with the nodal vectors `current`.
+    pub fn start_drive(&mut self, amplitudes: &[TimeFunction], current: impl Fn(u32) -> Vec3) {
+        let v: Vec<Vec3> = self.vectors.iter().map(|&v| current(v)).collect();
+        let stands = self.rows.first().map_or(0.0, |row| row.driven_value(&v));
+        if let Some(drive) = &mut self.drive {
+            let amplitude = amplitudes.get(drive.amplitude).map_or(f64::NAN, |a| a.value(0.0));
+            drive.offset = stands - drive.value * amplitude;
+        }
     }
 
     /// Numbers of the joint's constraints among those of all joints.

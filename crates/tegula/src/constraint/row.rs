@@ -100,6 +100,15 @@ impl Row {
         }
     }
 
+    /// Value that a drive has where the joint stands: the angle between −π and π, or the length.
+    pub fn driven_value(&self, v: &[Vec3]) -> f64 {
+        match &self.driven {
+            Driven::Not => 0.0,
+            Driven::Length => self.form(v),
+            Driven::Angle(other) => self.form(v).atan2(other.form(v)),
+        }
+    }
+
     /// Whether an angle is that of the drive, and not half a turn away from it, where the constraint vanishes, too.
     pub fn is_on_branch(&self, v: &[Vec3], s: f64) -> bool {
         match &self.driven {

@@ -145,10 +145,10 @@ pub struct DrivenAngleJoint {
     pub between: [String; 2],
     /// Direction of the axis in the reference configuration, about which another joint lets the two sides turn.
     pub axis: [f64; 3],
-    /// Rotation of the second side relative to the first one at amplitude 1, right-handed about the axis, zero in the reference
-    /// configuration (degrees).
+    /// Rotation of the second side relative to the first one per unit of the amplitude, right-handed about the axis (degrees). It begins
+    /// where the joint stands at the start of the analysis step.
     pub angle: f64,
-    /// Name of the amplitude; its value at time 0 must be 0.
+    /// Name of the amplitude, of whose change the motion is a multiple.
     pub amplitude: String,
 }
 
@@ -164,9 +164,10 @@ pub struct DrivenLengthJoint {
     pub at: [f64; 3],
     /// Direction of the axis in the reference configuration; it is fixed in the first side.
     pub axis: [f64; 3],
-    /// Displacement of the second side relative to the first one along the axis at amplitude 1 (length).
+    /// Displacement of the second side relative to the first one along the axis per unit of the amplitude (length). It begins where the
+    /// joint stands at the start of the analysis step.
     pub length: f64,
-    /// Name of the amplitude; its value at time 0 must be 0.
+    /// Name of the amplitude, of whose change the motion is a multiple.
     pub amplitude: String,
 }
 

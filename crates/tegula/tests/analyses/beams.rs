@@ -332,3 +332,51 @@ fn a_beam_on_hinges_sags_under_its_weight() {
     // Half of the weight of the last half element rests on the node itself: nothing is lost.
     assert!((force.z - 2.0 * weight).abs() < 1e-3 * weight, "{force} {weight}");
 }
+
+/// A static step bends a clamped strip by a driven hinge at its end, a transient one holds the hinge where it stands: nothing moves.
+#[test]
+fn a_drive_of_a_later_step_begins_where_the_joint_stands() {
+    let beam = Beam {
+        material: Some("steel".into()),
+        ..Beam::straight("beam", [[0.0; 3], [2.0, 0.0, 0.0]], 8, [0.0, 1.0, 0.0], rectangle([0.05, 0.01]))
+    };
+    let drive = Joint::DrivenAngle(DrivenAngleJoint {
+        name: "drive".into(),
+        between: ["ground".into(), "beam.end".into()],
+        axis: [0.0, 1.0, 0.0],
+        angle: 60.0,
+        amplitude: "grow".into(),
+    });
+    let joints = vec![fixed("clamp", "ground", "beam.start", [0.0; 3]), drive];
+    let scheme = Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 });
+    let motion = TransientAnalysis { scheme, time_step: Some(1e-3), ..TransientAnalysis::new(0.01) };
+    let mut model = Model { beams: vec![beam], ..model(1.0, None, Vec::new(), joints) };
+    // In the second step the amplitude goes on from 0 to 0.01: the hinge turns on by 0.6°.
+    let formula = ExpressionAmplitude { expression: "t".into() };
+    model.amplitudes.insert("grow".into(), Amplitude::Expression(formula));
+    model.steps = vec![
+        AnalysisStep::new(
+            "bend",
+            Analysis::Static(StaticAnalysis { load_steps: 4, ..StaticAnalysis::default() }),
+        ),
+        AnalysisStep::new("on", Analysis::Transient(motion.clone())),
+    ];
+    let mesh = mesh::generators::generate(&model.mesh).unwrap();
+    let compiler = compile::Compiler::new(&model, &mesh).unwrap();
+    let system = compiler.system(0, None).unwrap();
+    let angle = |system: &System, state: &State| {
+        let d = system.coordinates.bodies[8].directors.unwrap()[2] as usize;
+        let normal = Vec3::from(system.coordinates.reference[d]) + Vec3::from(state.u[d]);
+        (-normal.z).atan2(normal.x).to_degrees()
+    };
+    let Analysis::Static(options) = &model.steps[0].analysis else { panic!() };
+    let bent = statics::run(&system, options, None, &mut Silent).unwrap();
+    assert!((angle(&system, &bent.state) - 60.0).abs() < 1e-9, "{}", angle(&system, &bent.state));
+    // Pure bending: the drive carries M = EI θ/L, with n elements EI n sin(2θ/n)/(2L).
+    let (_, moment) = joint_reaction(&system, &bent.state, &system.joints[1]);
+    let expected = STEEL.young * 0.05 * 1e-6 / 12.0 * 8.0 * 15f64.to_radians().sin() / 4.0;
+    assert!((moment.y / expected - 1.0).abs() < 1e-6, "{moment} {expected}");
+    let next = compiler.system(1, Some(bent.state.end_of_step())).unwrap();
+    let moved = dynamics::run(&next, &motion, None, &mut Silent).unwrap();
+    assert!((angle(&next, &moved.state) - 60.6).abs() < 1e-9, "{}", angle(&next, &moved.state));
+}

@@ -7,6 +7,7 @@
 //! ```
 
 use super::project_rates;
+use crate::Vec3;
 use crate::analysis::State;
 use crate::analysis::constraints::Constraints;
 use crate::analysis::newton::Newton;
@@ -103,8 +104,7 @@ pub(super) fn consistent_velocities(
         return Err(Error::model(
             "joints",
             format!("{open} at the start"),
-            "let the joint connect points that coincide in the reference configuration, and a driven joint begin where it is: \
-             its amplitude is 0 at time 0",
+            "let the joint connect points that coincide in the reference configuration",
         ));
     }
     let Some([changed, size]) = project_velocities(system, newton, state)? else { return Ok(Vec::new()) };
@@ -163,6 +163,36 @@ fn agreed(system: &System, newton: &Newton, state: &State, order: Rate) -> Resul
         ),
         "leave out drives of the same motion, or joints that prevent it",
     ))
+}
+
+/// Part of the rate of a drive by which the velocities of a step may miss it before a message says so.
+const MISSED: f64 = 0.1;
+
+/// Message about a driven joint whose velocities miss the rate of its drive, unless there was one before (`told`).
+pub(super) fn alternating_drive(system: &System, state: &State, told: bool) -> Option<String> {
+    if told {
+        return None;
+    }
+    system.joints.iter().find_map(|joint| {
+        joint.drive?;
+        let drive = system.drive(joint, state.time);
+        let at = |v: u32| Vec3::from(system.coordinates.reference[v as usize]) + Vec3::from(state.u[v as usize]);
+        let v: Vec<Vec3> = joint.vectors.iter().map(|&v| at(v)).collect();
+        let mut gradient = vec![Vec3::zeros(); v.len()];
+        let row = joint.rows.first()?;
+        row.add_gradient(1.0, &v, drive.value, &mut gradient);
+        let own = gradient.iter().zip(&joint.vectors).map(|(g, &n)| g.dot(&Vec3::from(state.v[n as usize])));
+        let missed = (own.sum::<f64>() + row.driven_rate(&v, drive)).abs();
+        let scale = drive.rate.abs() + drive.acceleration.abs() * state.last_step;
+        (missed > MISSED * scale && scale > 0.0).then(|| {
+            format!(
+                "the velocities miss the rate of the drive \"{}\" by {:.0} %: the steps are long for the motion, and velocities and \
+                 reactions alternate about their mean; take shorter steps, or the scheme \"generalized-alpha\"",
+                joint.name,
+                100.0 * missed / scale
+            )
+        })
+    })
 }
 
 /// Adds the response of the constrained masses to forces on all nodal vectors to the accelerations of the first state, and

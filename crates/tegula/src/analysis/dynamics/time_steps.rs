@@ -42,6 +42,8 @@ pub(super) struct TimeSteps<'a> {
     fresh: bool,
     /// Messages about the first state.
     messages: Vec<String>,
+    /// Whether a message has said that the velocities of a drive alternate.
+    told: bool,
 }
 
 impl<'a> TimeSteps<'a> {
@@ -80,6 +82,7 @@ impl<'a> TimeSteps<'a> {
             ends: StepEnds::new(system, options),
             check: AmplitudeCheck::new(system, options),
             drilling: DrillingWatch::new(),
+            told: false,
             balance: balance(system, &mut newton.assembly, &state),
             statistics: Statistics { steps: state.step, ..Statistics::default() },
             old_velocities: vec![[0.0; 3]; system.vectors()],
@@ -208,7 +211,16 @@ impl<'a> TimeSteps<'a> {
         if !system.joints.is_empty() {
             let scale = scheme.energy_scale(system, &mut newton.assembly, &state.history);
             let scale = larger(scale, state.energy_scale);
-            keeps_energy(span, [&before, &self.balance], scale, self.options.scheme.conserves_energy())?;
+            keeps_energy(
+                system,
+                span,
+                [&before, &self.balance],
+                (scale, self.options.scheme.conserves_energy()),
+            )?;
+            if let Some(drive) = super::constrained_start::alternating_drive(system, state, self.told) {
+                self.told = true;
+                observer.on_event(&format!("time {:.6e}: {drive}", state.time));
+            }
         }
         state.energy_scale = state.energy_scale.max(self.balance.kinetic).max(self.balance.strain);
         statistics.steps = state.step;
@@ -322,17 +334,33 @@ const GAINED: f64 = 1e-2;
 
 /// Refuses a step of a mechanism that does not keep the energy: near a singular position of its joints the motion has left its
 /// branch.
-fn keeps_energy(span: Span, [before, after]: [&Balance; 2], scale: f64, conserves: bool) -> Result<()> {
+fn keeps_energy(
+    system: &System,
+    span: Span,
+    [before, after]: [&Balance; 2],
+    (scale, conserves): (f64, bool),
+) -> Result<()> {
+    let drives: Vec<_> = system.joints.iter().filter(|joint| joint.drive.is_some()).collect();
+    // The work of drives is exact in schemes that conserve energy only.
+    if !conserves && !drives.is_empty() {
+        return Ok(());
+    }
     let (gain, scale) = (after.total - before.total, larger(scale, after.kinetic));
     let (change, limit) = if conserves { (gain.abs(), LOST) } else { (gain, GAINED) };
     if change <= limit * scale {
         return Ok(());
     }
+    let names: Vec<_> = drives.iter().map(|joint| format!("\"{}\"", joint.name)).collect();
+    let contradiction = if names.is_empty() {
+        String::new()
+    } else {
+        format!(", or the drives ({}) contradict each other or other joints", names.join(", "))
+    };
     Err(Error::NotConverged {
         at: format!("time {:.6e}", span.end),
         reason: format!(
             "the total energy changed by {change:.2e} in a step, {:.1e} of the largest energy: the joints are near a singular \
-             position, in which parts of the mechanism may move although they seem to be held",
+             position, in which parts of the mechanism may move although they seem to be held{contradiction}",
             change / scale
         ),
         help: "Results up to the step before are complete. Change the position of joints that lie in one line or plane, or take a \

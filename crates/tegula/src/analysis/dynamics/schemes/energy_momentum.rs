@@ -7,7 +7,7 @@ use super::{Instant, SchemeKeys};
 use crate::analysis::dynamics::Integrator;
 use crate::analysis::dynamics::energy_momentum::EnergyMomentum;
 use crate::checker::Checker;
-use crate::model::{Model, TransientAnalysis};
+use crate::model::{Amplitude, Condition, Model, TransientAnalysis};
 use crate::system::System;
 
 /// Energy–momentum scheme.
@@ -67,6 +67,16 @@ impl SchemeKeys for EnergyMomentumScheme {
         if let Some(i) = model.sections.iter().position(|s| s.retardation_time != 0.0) {
             refuse(damped(&format!("the retardation time of sections[{i}]")), "use `order = 2`, or drop it");
         }
+        if let Some(beam) = model.beams.iter().find(|beam| beam.retardation_time != 0.0) {
+            let what = format!("the retardation time of beam \"{}\"", beam.name);
+            refuse(damped(&what), "use `order = 2`, or drop it");
+        }
+        if let Some(name) = model.amplitudes.keys().find(|name| moves_with_kinks(model, name)) {
+            let message = format!(
+                "a motion follows the amplitude \"{name}\", whose kinks steps of order 4 do not pass"
+            );
+            refuse(message, "give the motion a formula or a spline, or use `order = 2`");
+        }
         if let Some(spring) = model.springs.iter().find(|spring| spring.damping != 0.0) {
             refuse(
                 damped(&format!("the damper of \"{}\"", spring.name)),
@@ -91,6 +101,16 @@ impl SchemeKeys for EnergyMomentumScheme {
     fn moves_bodies(&self) -> bool {
         true
     }
+}
+
+/// Whether a prescribed motion or a drive follows an amplitude with kinks.
+fn moves_with_kinks(model: &Model, name: &str) -> bool {
+    let driven = model.joints.iter().any(|joint| joint.common().drive().is_some_and(|d| d.amplitude == name));
+    let follows = |condition: &Condition| {
+        condition.motion().is_some_and(|motion| motion.amplitude.as_deref() == Some(name))
+    };
+    matches!(model.amplitudes.get(name), Some(Amplitude::Table(_) | Amplitude::Ramp(_)))
+        && (driven || model.conditions.iter().any(follows))
 }
 
 fn second() -> u32 {
