@@ -288,6 +288,9 @@ fn an_end_moment_rolls_a_beam_up_to_a_circle() {
         let loads = vec![Load::Moment(VectorLoad::new("beam.end", [0.0, 0.0, moment]))];
         let clamp = fixed("clamp", "ground", "beam.start", [0.0; 3]);
         let (system, state) = stand(vec![beam], vec![clamp], loads, &[]);
+        for n in beam_resultants(&system, &state, &system.beams[0]) {
+            assert!((n[3] - moment).abs() < 1e-6 * moment && n[4].abs() < 1e-6 * moment, "{n:?} {moment}");
+        }
         place(&system, &state, "beam.end").norm()
     };
     let gaps = [gap(40), gap(80)];
