@@ -354,7 +354,7 @@ fn a_drive_of_a_later_step_begins_where_the_joint_stands() {
     let scheme = Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 });
     let motion = TransientAnalysis { scheme, time_step: Some(1e-3), ..TransientAnalysis::new(0.01) };
     let mut model = Model { beams: vec![beam], ..model(1.0, None, Vec::new(), joints) };
-    // In the second step the amplitude goes on from 0 to 0.01: the hinge turns on by 0.6°.
+    // The amplitude grows from 0 to 0.01 in the second step: the hinge turns by another 0.6°.
     let formula = ExpressionAmplitude { expression: "t".into() };
     model.amplitudes.insert("grow".into(), Amplitude::Expression(formula));
     model.steps = vec![
