@@ -13,30 +13,43 @@
 //! which is added.
 //!
 //! **Rank.** Constraints may be redundant, always or in a singular position, where their rank falls. The rank of S, scaled
-//! to a unit diagonal, is decided by Gaussian elimination with complete pivoting; where it falls, the multipliers are those
-//! of minimum norm (G. Golub, C. Van Loan, *Matrix computations*, Sect. 5.5), found anew in every iteration, not from those
-//! of the step before: these lead off the branch. Constraints that contradict each other cannot be satisfied, which
-//! [`violation`](Constraints::violation) finds. A constraint that was left out and stays open is taken back for the rest of
-//! the step.
+//! to a unit diagonal, is decided by [Gaussian elimination with complete pivoting](complete_pivoting); where it falls, the
+//! multipliers are those of minimum norm, found anew in every iteration, not from those of the step before: these lead off the
+//! branch. Constraints that contradict each other cannot be satisfied, which [`violation`](Constraints::violation) finds. A
+//! constraint that was left out and stays open is taken back for the rest of the step.
 
-use nalgebra::linalg::FullPivLU;
-use nalgebra::{DMatrix, DVector, Dyn};
+mod complete_pivoting;
 
 use super::solver::TangentSolver;
 use crate::Vec3;
 use crate::constraint::Joint;
+use crate::constraint::joint::MOST_VECTORS;
 use crate::element::{Motion, Nodal, TangentWeights};
-use crate::system::dof_map::CONSTRAINED;
 use crate::system::evaluation_point::current_vector;
 use crate::system::{EvaluationPoint, LocalFrames, System};
+use complete_pivoting::CompletePivoting;
 
 /// Pivot of the scaled Schur complement over the largest one, below which constraints count as dependent; and its decrease
 /// where one of these constraints stays open.
 const DEPENDENT: f64 = 1e-4;
 const READMITTED: f64 = 1e-3;
 
-/// Gradient of a constraint with respect to the free degrees of freedom: numbers and values, some numbers more than once.
+/// Eigenvalue of the scaled Schur complement over the largest one that is round-off of a dependent constraint.
+const ROUNDING: f64 = 1e-10;
+
+/// Gradient of a constraint with respect to the free degrees of freedom: numbers and values.
 type Gradient = Vec<(u32, f64)>;
+
+/// Rates of constraints.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Rates<'a> {
+    /// First rates `ġ` of the nodal velocities.
+    First(&'a [Nodal]),
+    /// Second rates `g̈` of the nodal velocities and accelerations.
+    Second(&'a [Nodal], &'a [Nodal]),
+    /// Product `G x` of the gradients with a field.
+    Along(&'a [Nodal]),
+}
 
 /// Constraints of the joints of a system, with the Schur complement of the last tangent.
 pub(super) struct Constraints {
@@ -52,12 +65,12 @@ pub(super) struct Constraints {
     /// Change of the multipliers in the last increment.
     change: Vec<f64>,
     /// Right side of their equations.
-    right: DVector<f64>,
+    right: Vec<f64>,
+    /// Components and field of a projection.
+    free: Vec<f64>,
+    field: Vec<Nodal>,
     /// Local frames of the factor, with the directors of bodies at the end of the motion.
     end_frames: LocalFrames,
-    /// Nodal vectors and gradients of a joint.
-    vectors: Vec<Vec3>,
-    row: Vec<Vec3>,
 }
 
 impl Constraints {
@@ -72,25 +85,23 @@ impl Constraints {
             responses: vec![0.0; n * m],
             schur: Schur::new(m),
             change: vec![0.0; m],
-            right: DVector::zeros(m),
+            right: vec![0.0; m],
+            free: vec![0.0; n],
+            field: vec![[0.0; 3]; system.vectors()],
             end_frames: system.frames.clone(),
-            vectors: Vec::new(),
-            row: Vec::new(),
         })
     }
 
     /// Begins a step: the rank is decided anew.
     pub fn begin_step(&mut self) {
         if self.schur.cut < DEPENDENT {
-            self.schur.cut = DEPENDENT;
-            self.schur.decide_rank();
+            self.schur.set_cut(DEPENDENT);
         }
     }
 
     /// Takes constraints back that were left out as dependent, but stay open.
     pub fn readmit(&mut self) {
-        self.schur.cut *= READMITTED;
-        self.schur.decide_rank();
+        self.schur.set_cut(READMITTED * self.schur.cut);
     }
 
     /// Takes the tangent that `solver` has factored, at an evaluation point whose local frames are `frames`.
@@ -116,13 +127,13 @@ impl Constraints {
         self.responses.fill(0.0);
         for (gradient, response) in self.forces.iter().zip(self.responses.chunks_mut(n)) {
             for &(number, value) in gradient {
-                response[number as usize] += value;
+                response[number as usize] = value;
             }
-            solver.solve_tangent(response)?;
         }
-        for (i, gradient) in self.ends.iter().enumerate() {
-            for (j, response) in self.responses.chunks(n).enumerate() {
-                self.schur.matrix[(i, j)] = product(gradient, response);
+        solver.solve_tangents(&mut self.responses, self.forces.len())?;
+        for (row, gradient) in self.schur.matrix.chunks_mut(self.forces.len()).zip(&self.ends) {
+            for (entry, response) in row.iter_mut().zip(self.responses.chunks(n)) {
+                *entry = product(gradient, response);
             }
         }
         self.schur.factor();
@@ -140,53 +151,53 @@ impl Constraints {
     ) {
         let (end, time) = (end_of(system, motion), end_time(motion, time));
         for joint in system.joints.iter() {
-            self.vectors.clear();
-            self.vectors.extend(joint.vectors.iter().map(|&v| end(v as usize)));
             let drive = system.drive(joint, time).value;
+            let v = &of_joint(joint, &end)[..joint.vectors.len()];
             for (i, row) in joint.multipliers().zip(&joint.rows) {
-                self.right[i] = row.value(&self.vectors, drive) + product(&self.ends[i], x);
+                self.right[i] = row.value(v, drive) + product(&self.ends[i], x);
             }
         }
+        self.change_by_multipliers(multipliers, x);
+    }
+
+    /// Solves for the change of the multipliers and adds their response to the increment x.
+    fn change_by_multipliers(&mut self, multipliers: &[f64], x: &mut [f64]) {
         self.schur.solve(&mut self.right, multipliers, &mut self.change);
-        self.subtract_responses(x);
+        for (change, response) in self.change.iter().zip(self.responses.chunks(x.len())) {
+            x.iter_mut().zip(response).for_each(|(x, z)| *x -= change * z);
+        }
         for (i, change) in self.change.iter_mut().enumerate() {
             *change += self.weights[i] * product(&self.forces[i], x);
         }
     }
 
-    /// Rates of the constraints at the state of a motion: `ġ` of the nodal velocities `v`, and with accelerations `a` the
-    /// second rates `g̈`.
-    pub fn rates(
-        &self,
-        system: &System,
-        (motion, time): (&Motion, f64),
-        v: &[Nodal],
-        a: Option<&[Nodal]>,
-    ) -> Vec<f64> {
+    /// Rates of the constraints at the end of a motion.
+    pub fn rates(&mut self, system: &System, (motion, time): (&Motion, f64), rates: Rates) -> &[f64] {
         let (end, time) = (end_of(system, motion), end_time(motion, time));
-        let mut out = Vec::with_capacity(self.ends.len());
         for joint in system.joints.iter() {
-            let of = |field: &[Nodal]| -> Vec<Vec3> {
-                joint.vectors.iter().map(|&n| Vec3::from(field[n as usize])).collect()
-            };
-            let (q, rate) = (joint.vectors.iter().map(|&n| end(n as usize)).collect::<Vec<_>>(), of(v));
+            let n = joint.vectors.len();
             let drive = system.drive(joint, time);
-            for row in &joint.rows {
-                let mut gradient = vec![Vec3::zeros(); q.len()];
-                row.add_gradient(1.0, &q, drive.value, &mut gradient);
-                let along = |field: &[Vec3]| gradient.iter().zip(field).map(|(g, x)| g.dot(x)).sum::<f64>();
-                out.push(match a {
-                    None => along(&rate) + row.driven_rate(&q, drive),
-                    Some(a) => along(&of(a)) + row.velocity_term(&q, &rate, drive),
-                });
+            let q = of_joint(joint, &end);
+            let of = |field: &[Nodal]| of_joint(joint, |v| Vec3::from(field[v]));
+            for (i, row) in joint.multipliers().zip(&joint.rows) {
+                let along = |field: &[Nodal]| {
+                    let mut gradient = [Vec3::zeros(); MOST_VECTORS];
+                    row.add_gradient(1.0, &q[..n], drive.value, &mut gradient[..n]);
+                    gradient[..n].iter().zip(&of(field)).map(|(g, x)| g.dot(x)).sum::<f64>()
+                };
+                self.right[i] = match rates {
+                    Rates::First(v) => along(v) + row.driven_rate(&q[..n], drive),
+                    Rates::Second(v, a) => along(a) + row.velocity_term(&q[..n], &of(v)[..n], drive),
+                    Rates::Along(field) => along(field),
+                };
             }
         }
-        out
+        &self.right
     }
 
     /// Names of the joints with redundant constraints at the last tangent, and how many each has.
     pub fn redundant(&self, system: &System) -> Vec<(String, usize)> {
-        let dependent = self.schur.dependent();
+        let dependent = self.schur.factor.dependent();
         let count = |joint: &Joint| dependent.iter().filter(|row| joint.multipliers().contains(*row)).count();
         let named = system.joints.iter().map(|joint| (joint.name.clone(), count(joint)));
         named.filter(|(_, count)| *count > 0).collect()
@@ -195,42 +206,54 @@ impl Constraints {
     /// Changes rates `x` of the free degrees of freedom so that the constraints' rates, which are `rest` without x, vanish:
     /// `G₁ x = −rest`, with the least change in the norm of the tangent that was [taken](Self::take). Returns the
     /// multipliers of the change.
-    pub fn project(&mut self, rest: &[f64], x: &mut [f64]) -> &[f64] {
-        for (i, gradient) in self.ends.iter().enumerate() {
-            self.right[i] = rest[i] + product(gradient, x);
+    pub fn project(&mut self, system: &System, at: (&Motion, f64), rest: Rates, x: &mut [f64]) -> &[f64] {
+        self.rates(system, at, rest);
+        self.project_onto(x)
+    }
+
+    /// Changes an increment `x` of the free degrees of freedom to one that keeps the constraints, `G₁ x = 0`, with the least change
+    /// in the norm of the last tangent.
+    pub fn constrain(&mut self, x: &mut [f64]) {
+        self.right.fill(0.0);
+        self.project_onto(x);
+    }
+
+    /// Changes x so that `G₁ x` vanishes together with the right side.
+    fn project_onto(&mut self, x: &mut [f64]) -> &[f64] {
+        for (right, gradient) in self.right.iter_mut().zip(&self.ends) {
+            *right += product(gradient, x);
         }
-        self.schur.solve(&mut self.right, &[], &mut self.change);
-        self.subtract_responses(x);
-        for (i, change) in self.change.iter_mut().enumerate() {
-            *change += self.weights[i] * product(&self.forces[i], x);
-        }
+        self.change_by_multipliers(&[], x);
         &self.change
+    }
+
+    /// Number of independent constraints at the last tangent.
+    pub fn rank(&self) -> usize {
+        self.change.len() - self.schur.factor.dependent().len()
+    }
+
+    /// Number of negative eigenvalues of the Schur complement. The tangent of the constrained motion, on the null space of G, has
+    /// as many fewer of them than the whole tangent (inertia of the bordered matrix; E. Haynsworth, Linear Algebra Appl. 1 (1968)
+    /// 73–81).
+    pub fn negative_eigenvalues(&self) -> usize {
+        let m = self.change.len();
+        let entry = |i: usize, j: usize| 0.5 * (self.schur.matrix[i * m + j] + self.schur.matrix[j * m + i]);
+        let values = nalgebra::DMatrix::from_fn(m, m, entry).symmetric_eigenvalues();
+        let size = values.iter().map(|x| x.abs()).fold(0.0, crate::norm::larger);
+        values.iter().filter(|x| **x < -ROUNDING * size).count()
     }
 
     /// Changes a field of nodal vectors, like a difference of accelerations, so that it has no part across the constraints at the
     /// end of a motion: `G₁ x = 0`, with the least change in the norm of the last tangent.
-    pub fn take_tangential_part(
-        &mut self,
-        system: &System,
-        (motion, time): (&Motion, f64),
-        field: &mut [Nodal],
-    ) {
-        let mut change = vec![[0.0; 3]; field.len()];
-        let without = self.rates(system, (motion, time), &change, None);
-        let mut rates = self.rates(system, (motion, time), field, None);
-        rates.iter_mut().zip(without).for_each(|(rate, own)| *rate -= own);
-        let mut free = vec![0.0; system.unknowns()];
-        self.project(&rates, &mut free);
+    pub fn take_tangential_part(&mut self, system: &System, at: (&Motion, f64), field: &mut [Nodal]) {
+        let (mut free, mut change) = (std::mem::take(&mut self.free), std::mem::take(&mut self.field));
+        free.fill(0.0);
+        self.project(system, at, Rates::Along(field), &mut free);
         self.end_frames.expand(&free, &mut change);
         for (x, change) in field.as_flattened_mut().iter_mut().zip(change.as_flattened()) {
             *x += change;
         }
-    }
-
-    fn subtract_responses(&self, x: &mut [f64]) {
-        for (change, response) in self.change.iter().zip(self.responses.chunks(x.len())) {
-            x.iter_mut().zip(response).for_each(|(x, z)| *x -= change * z);
-        }
+        (self.free, self.field) = (free, change);
     }
 
     /// Change of the multipliers in the last increment.
@@ -257,39 +280,31 @@ impl Constraints {
         out: impl Fn(&mut Self) -> &mut Vec<Gradient>,
     ) {
         for joint in system.joints.iter() {
-            self.vectors.clear();
-            self.vectors.extend(joint.vectors.iter().map(|&v| value(v as usize)));
+            let n = joint.vectors.len();
+            let v = of_joint(joint, &value);
             let drive = system.drive(joint, time).value;
             for (i, row) in joint.multipliers().zip(&joint.rows) {
-                self.row.clear();
-                self.row.resize(joint.vectors.len(), Vec3::zeros());
-                row.add_gradient(1.0, &self.vectors, drive, &mut self.row);
-                let mut gradient = std::mem::take(&mut out(self)[i]);
+                let mut forces = [Vec3::zeros(); MOST_VECTORS];
+                row.add_gradient(1.0, &v[..n], drive, &mut forces[..n]);
+                let gradient = &mut out(self)[i];
                 gradient.clear();
-                for (&v, g) in joint.vectors.iter().zip(&self.row) {
-                    frames.reduce_one(v as usize, g, |number, x| gradient.push((number, x)));
+                for (&v, g) in joint.vectors.iter().zip(&forces).filter(|(_, g)| **g != Vec3::zeros()) {
+                    frames.reduce_one(v as usize, g, |number, x| add_entry(gradient, number, x));
                 }
-                out(self)[i] = gradient;
             }
         }
     }
 
     /// First joint with a constraint whose value at the end of a motion over its size is above a limit, as text.
-    pub fn violation(
-        &mut self,
-        system: &System,
-        (motion, time): (&Motion, f64),
-        limit: f64,
-    ) -> Option<String> {
+    pub fn violation(&self, system: &System, (motion, time): (&Motion, f64), limit: f64) -> Option<String> {
         let (end, time) = (end_of(system, motion), end_time(motion, time));
         for joint in system.joints.iter() {
-            self.vectors.clear();
-            self.vectors.extend(joint.vectors.iter().map(|&v| end(v as usize)));
+            let v = &of_joint(joint, &end)[..joint.vectors.len()];
             let drive = system.drive(joint, time).value;
-            if !joint.rows.iter().all(|row| row.is_on_branch(&self.vectors, drive)) {
+            if !joint.rows.iter().all(|row| row.is_on_branch(v, drive)) {
                 return Some(format!("joint \"{}\" is half a turn away from its angle", joint.name));
             }
-            let worst = joint.rows.iter().map(|row| row.value(&self.vectors, drive).abs() / row.size);
+            let worst = joint.rows.iter().map(|row| row.value(v, drive).abs() / row.size);
             let worst = worst.reduce(crate::norm::larger)?;
             if !(worst <= limit) {
                 return Some(format!("joint \"{}\" is open by {worst:.1e} of the model's size", joint.name));
@@ -313,20 +328,32 @@ fn end_time(motion: &Motion, time: f64) -> f64 {
     }
 }
 
+/// Values of the nodal vectors of a joint, in the order of its list.
+fn of_joint(joint: &Joint, value: impl Fn(usize) -> Vec3) -> [Vec3; MOST_VECTORS] {
+    let mut out = [Vec3::zeros(); MOST_VECTORS];
+    out.iter_mut().zip(&joint.vectors).for_each(|(x, &v)| *x = value(v as usize));
+    out
+}
+
+/// Adds to the entry of a number.
+fn add_entry(gradient: &mut Gradient, number: u32, x: f64) {
+    match gradient.iter_mut().find(|(n, _)| *n == number) {
+        Some((_, sum)) => *sum += x,
+        None => gradient.push((number, x)),
+    }
+}
+
 fn product(gradient: &Gradient, x: &[f64]) -> f64 {
-    gradient.iter().filter(|(n, _)| *n != CONSTRAINED).map(|&(n, g)| g * x[n as usize]).sum()
+    gradient.iter().map(|&(n, g)| g * x[n as usize]).sum()
 }
 
 /// Schur complement S with its factor.
 struct Schur {
-    matrix: DMatrix<f64>,
+    /// S by rows, scaled where it is factored.
+    matrix: Vec<f64>,
     /// Square roots of the diagonal: rows and columns are scaled by their inverse.
-    scale: DVector<f64>,
-    factor: Option<FullPivLU<f64, Dyn, Dyn>>,
-    /// Pseudoinverse, where constraints depend on others.
-    pseudoinverse: Option<DMatrix<f64>>,
-    /// Rank of the constraints.
-    rank: usize,
+    scale: Vec<f64>,
+    factor: CompletePivoting,
     /// Pivot over the largest one, below which constraints count as dependent.
     cut: f64,
 }
@@ -334,77 +361,38 @@ struct Schur {
 impl Schur {
     fn new(m: usize) -> Self {
         Self {
-            matrix: DMatrix::zeros(m, m),
-            scale: DVector::zeros(m),
-            factor: None,
-            pseudoinverse: None,
-            rank: m,
+            matrix: vec![0.0; m * m],
+            scale: vec![1.0; m],
+            factor: CompletePivoting::new(m),
             cut: DEPENDENT,
         }
     }
 
     fn factor(&mut self) {
-        let m = self.matrix.nrows();
-        for i in 0..m {
-            let diagonal = self.matrix[(i, i)].abs().sqrt();
-            self.scale[i] = if diagonal > 0.0 { diagonal } else { 1.0 };
+        let m = self.scale.len();
+        for (i, scale) in self.scale.iter_mut().enumerate() {
+            let diagonal = self.matrix[i * m + i].abs().sqrt();
+            *scale = if diagonal > 0.0 { diagonal } else { 1.0 };
         }
-        for i in 0..m {
-            for j in 0..m {
-                self.matrix[(i, j)] /= self.scale[i] * self.scale[j];
-            }
+        for (row, a) in self.matrix.chunks_mut(m).zip(&self.scale) {
+            row.iter_mut().zip(&self.scale).for_each(|(x, b)| *x /= a * b);
         }
-        self.factor = Some(self.matrix.clone().full_piv_lu());
-        self.decide_rank();
+        self.factor.factor(&self.matrix);
+        self.factor.decide_rank(self.cut);
     }
 
-    fn decide_rank(&mut self) {
-        let Some(factor) = &self.factor else { return };
-        let u = factor.lu_internal();
-        let independent = |i: &usize| u[(*i, *i)].abs() > self.cut * u[(0, 0)].abs();
-        self.rank = (0..self.matrix.nrows()).filter(independent).count();
-        let deficient = self.rank < self.matrix.nrows();
-        self.pseudoinverse = deficient.then(|| pseudoinverse(factor, self.rank)).flatten();
-    }
-
-    /// Numbers of constraints that depend on the others.
-    fn dependent(&self) -> Vec<usize> {
-        let m = self.matrix.nrows();
-        let mut order = DVector::from_fn(m, |i, _| i);
-        if let Some(factor) = &self.factor {
-            factor.p().permute_rows(&mut order);
-        }
-        order.iter().skip(self.rank).copied().collect()
+    fn set_cut(&mut self, cut: f64) {
+        self.cut = cut;
+        self.factor.decide_rank(cut);
     }
 
     /// Solves `S x = b`, where b becomes scratch space. Where the rank falls, `x + old` has minimum norm.
-    fn solve(&self, b: &mut DVector<f64>, old: &[f64], x: &mut [f64]) {
-        b.component_div_assign(&self.scale);
-        let solved = match (&self.factor, &self.pseudoinverse) {
-            (Some(factor), None) => factor.solve_mut(b),
-            (_, Some(inverse)) => {
-                let old = DVector::from_fn(b.len(), |i, _| old.get(i).map_or(0.0, |x| x * self.scale[i]));
-                b.gemv(1.0, &self.matrix, &old, 1.0);
-                *b = inverse * &*b - old;
-                true
-            }
-            (None, None) => false,
-        };
-        if !solved {
-            b.fill(f64::NAN);
+    fn solve(&mut self, b: &mut [f64], old: &[f64], x: &mut [f64]) {
+        let scale = &self.scale;
+        b.iter_mut().zip(scale).for_each(|(b, s)| *b /= s);
+        self.factor.solve(b, |i| old.get(i).map_or(0.0, |x| x * scale[i]));
+        for ((x, b), s) in x.iter_mut().zip(&*b).zip(scale) {
+            *x = b / s;
         }
-        b.component_div_assign(&self.scale);
-        x.copy_from_slice(b.as_slice());
     }
-}
-
-/// Pseudoinverse of a matrix of this rank from its factors `P A Q = L U`, of which the columns and rows behind the rank are
-/// left out: `A ≈ F G` with `F = Pᵀ L` and `G = U Qᵀ`, and `A⁺ = Gᵀ (G Gᵀ)⁻¹ (Fᵀ F)⁻¹ Fᵀ`. `None` where it is not finite.
-fn pseudoinverse(factor: &FullPivLU<f64, Dyn, Dyn>, rank: usize) -> Option<DMatrix<f64>> {
-    let mut left = factor.l().columns(0, rank).into_owned();
-    factor.p().inv_permute_rows(&mut left);
-    let mut right = factor.u().rows(0, rank).into_owned();
-    factor.q().inv_permute_columns(&mut right);
-    let inner = (left.tr_mul(&left)).cholesky()?.solve(&left.transpose());
-    Some(right.tr_mul(&(&right * right.transpose()).cholesky()?.solve(&inner)))
 }

@@ -8,7 +8,8 @@ use super::State;
 use crate::Result;
 use crate::element::{Nodal, TangentWeights};
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
-use crate::system::{Assembly, EvaluationPoint, LocalFrames, Procedure, System};
+use crate::system::dof_map::CONSTRAINED;
+use crate::system::{Assembly, EvaluationPoint, LocalFrames, Procedure, System, VectorKind};
 use tegula_sparse::SymmetricPattern;
 
 /// Local frames of a state: they transform fields of nodal vectors to free degrees of freedom and back.
@@ -37,7 +38,7 @@ pub fn residual(system: &System, state: &State) -> Vec<f64> {
 pub fn tangent(system: &System, state: &State) -> Result<(SymmetricPattern, Vec<f64>)> {
     system.require(&[Procedure::Static, Procedure::Modal, Procedure::Transient])?;
     let mut assembly = Assembly::new(system);
-    assemble_tangent(system, &mut assembly, state, &external(system, &state.point(system)));
+    assemble_tangent(system, &mut assembly, (state, 0.0), &external_and_joints(system, state));
     Ok((system.tangent_pattern(), assembly.values))
 }
 
@@ -52,16 +53,44 @@ pub fn mass(system: &System, state: &State) -> Result<Vec<f64>> {
     Ok(values)
 }
 
-/// Tangent stiffness at a state under the external forces `loads`, which act on inextensible directors: values of the
-/// assembly, whose local frames follow the state.
-pub(super) fn assemble_tangent(system: &System, assembly: &mut Assembly, state: &State, loads: &[Nodal]) {
+/// Tangent stiffness at a state under the forces `loads` from outside and of joints, which act on inextensible directors and on
+/// bodies: values of the
+/// assembly, whose local frames follow the state. `penalty` is the weight of the augmented Lagrangian of joints.
+pub(super) fn assemble_tangent(
+    system: &System,
+    assembly: &mut Assembly,
+    (state, penalty): (&State, f64),
+    loads: &[Nodal],
+) {
     let k = state.point(system);
     assembly.follow(system, &k);
-    let parts = TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time: state.time };
+    let weights = TangentWeights { penalty, ..TangentWeights::STATIC };
+    let parts = TangentCoefficients { weights, mass: 0.0, time: state.time };
     let mut internal = vec![[0.0; 3]; system.vectors()];
     assembly.forces_and_tangent(system, &k, &parts, false, None, &mut internal);
     assembly.add_curvature(system, &k, &parts.weights, loads);
     assembly.add_body_curvature(system, &k, &parts.weights, (false, loads));
+}
+
+/// Weight of the augmented Lagrangian of joints: mean stiffness of the degrees of freedom at a state. It does not change the
+/// solution, but lets the tangent of parts that joints alone hold have a factor.
+pub(super) fn penalty(system: &System, assembly: &mut Assembly, state: &State) -> f64 {
+    if system.joints.is_empty() {
+        return 0.0;
+    }
+    assemble_tangent(system, assembly, (state, 0.0), &vec![[0.0; 3]; system.vectors()]);
+    let (mut sum, mut count) = (0.0, 0);
+    for v in 0..system.vectors() {
+        if system.coordinates.kinds[v] != VectorKind::Position {
+            continue;
+        }
+        for number in system.dofs().of(v).into_iter().filter(|n| *n != CONSTRAINED) {
+            let first = system.pattern.column_pointers[number as usize];
+            sum += assembly.values[first].abs();
+            count += 1;
+        }
+    }
+    if sum > 0.0 { sum / f64::from(count) } else { 1.0 }
 }
 
 /// Unbalanced forces `F − f_int(u, v) − M (a + α v)` of a state on all nodal vectors. The assembly's local frames follow the
@@ -80,6 +109,13 @@ pub(super) fn unbalanced(system: &System, assembly: &mut Assembly, state: &State
     for (out, internal) in out.as_flattened_mut().iter_mut().zip(internal.as_flattened()) {
         *out -= internal;
     }
+    out
+}
+
+/// External forces and those of joints at a state.
+pub(super) fn external_and_joints(system: &System, state: &State) -> Vec<Nodal> {
+    let mut out = external(system, &state.point(system));
+    system.add_joint_forces(&state.u, state.time, &state.multipliers, &mut out);
     out
 }
 

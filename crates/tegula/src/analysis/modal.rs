@@ -4,6 +4,10 @@
 //! by block Lanczos with shift-and-invert. The shift is below zero, so that the matrix to factor is positive definite
 //! also for free bodies; where nearly all modes of a small model are requested, a dense solver finds all at once. A
 //! Sturm sequence count (negative pivots of `K − sM` with `s` in a gap between modes) proves that none was missed.
+//!
+//! **Joints.** Modes satisfy `K φ + Gᵀ μ = ω² M φ` and `G φ = 0` with the gradients G of the constraints and the geometric
+//! stiffness of their multipliers in K. With `A = K − σM` the inverse is `A⁻¹ − A⁻¹Gᵀ (G A⁻¹ Gᵀ)⁻¹ G A⁻¹`. Mechanisms are found
+//! among the modes: they have the frequency 0 within round-off.
 
 mod circulatory;
 mod dense;
@@ -40,7 +44,7 @@ pub struct Mode {
     pub frequency_hz: f64,
     /// Circular frequency ω [rad/time]; 0 for rigid modes, negative: −√−λ of an unstable equilibrium.
     pub omega: f64,
-    /// Whether the mode is a rigid motion of a part of the model.
+    /// Whether the mode is a motion without strain: of a part of the model as a whole, or of a mechanism.
     pub rigid: bool,
     /// Shape in all nodal vectors, of modal mass 1.
     pub shape: Vec<Nodal>,
@@ -74,12 +78,16 @@ pub fn run(
     observer: &mut dyn Observer,
 ) -> Result<ModalOutcome> {
     let mut problem = Problem::new(system, equilibrium)?;
-    let wanted = wanted.min(system.unknowns());
-    let skew = equilibrium.and_then(|state| circulatory::stiffness(system, state));
-    // Modes just above the wanted ones couple with them most.
-    let found = if skew.is_some() { (wanted + COUPLED).min(system.unknowns()) } else { wanted };
-    let elastic = found.saturating_sub(problem.rigid.len());
     problem.first_shift(&*observer)?;
+    let all = system.unknowns() - problem.independent_constraints();
+    let wanted = wanted.min(all);
+    let skew = equilibrium.and_then(|state| circulatory::stiffness(system, state));
+    if skew.is_some() && !system.joints.is_empty() {
+        return Err(circulatory::with_joints());
+    }
+    // Modes just above the wanted ones couple with them most.
+    let found = if skew.is_some() { (wanted + COUPLED).min(all) } else { wanted };
+    let elastic = found.saturating_sub(problem.rigid.len());
     let mut searches: Vec<Search> =
         (0..problem.groups.len()).map(|group| Search::new(&problem, group, elastic)).collect();
     for search in &mut searches {
@@ -225,12 +233,17 @@ fn rigid_modes(problem: &mut Problem, wanted: usize) -> Vec<Mode> {
 ///
 /// # Errors
 /// The assembled stiffness does not resolve the mode.
-fn mode(problem: &mut Problem, lambda: f64, pair: RitzPair) -> Result<Mode> {
+fn mode(problem: &mut Problem, lambda: f64, mut pair: RitzPair) -> Result<Mode> {
     let system = problem.system;
+    problem.constrain(&mut pair.vector);
     let mut shape = vec![[0.0; 3]; system.vectors()];
     problem.newton.assembly.frames.expand(&pair.vector, &mut shape);
     let mut exact = lambda;
-    if problem.stress_free {
+    // Joints let parts move against each other without strain.
+    let free = !system.joints.is_empty() && lambda.abs() <= problem.round_off(&pair.vector);
+    if free {
+        exact = 0.0;
+    } else if problem.stress_free {
         // The strain energy gives the Rayleigh quotient without cancellation.
         exact = problem.small_strain_energy(&shape) / system.kinetic_energy(&shape);
         if !((exact - lambda).abs() <= HIDDEN * exact.abs()) {
@@ -239,11 +252,11 @@ fn mode(problem: &mut Problem, lambda: f64, pair: RitzPair) -> Result<Mode> {
             )));
         }
     }
-    let omega = exact.signum() * exact.abs().sqrt();
+    let omega = if free { 0.0 } else { exact.signum() * exact.abs().sqrt() };
     Ok(Mode {
         frequency_hz: omega / std::f64::consts::TAU,
         omega,
-        rigid: false,
+        rigid: free,
         shape,
         residual: pair.residual,
     })

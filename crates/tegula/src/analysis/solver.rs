@@ -52,6 +52,13 @@ pub trait TangentSolver {
     /// # Errors
     /// No solution of the required accuracy was found; the text gives the reason.
     fn solve_tangent(&mut self, x: &mut [f64]) -> std::result::Result<(), String>;
+    /// Solves in place with many right sides, columns one after another.
+    ///
+    /// # Errors
+    /// No solution of the required accuracy was found; the text gives the reason.
+    fn solve_tangents(&mut self, x: &mut [f64], count: usize) -> std::result::Result<(), String> {
+        x.chunks_mut((x.len() / count.max(1)).max(1)).try_for_each(|x| self.solve_tangent(x))
+    }
     /// Releases the memory of the factor: no more solves follow.
     fn release(&mut self) {}
     /// Cost of preparing a tangent, in iterations with a lagged tangent; 0: no tangent is ever reused.
@@ -102,6 +109,11 @@ impl TangentSolver for SparseLdlt {
 
     fn solve_tangent(&mut self, x: &mut [f64]) -> std::result::Result<(), String> {
         self.solve(x);
+        Ok(())
+    }
+
+    fn solve_tangents(&mut self, x: &mut [f64], count: usize) -> std::result::Result<(), String> {
+        self.solve_many(x, count);
         Ok(())
     }
 

@@ -295,7 +295,9 @@ pub(super) fn elements(
             { beam::STRAINS },
             { beam::BASE },
             _,
-        >::new("beam", beam::strains(), members, law, data.retardation_time);
+        >::new(
+            "beam", beam::strains(), members, law, data.retardation_time + model.damping.stiffness
+        );
         groups.push(Box::new(group));
     }
     (groups, lines)

@@ -32,7 +32,7 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         c.add(
             "analysis",
             "bodies, beams, joints and springs move in nonlinear transient analyses with the schemes \"energy-momentum\" and \
-             \"generalized-alpha\" only; nonlinear static analyses with the direct solver take them, too",
+             \"generalized-alpha\" only; nonlinear static analyses with the direct solver and modal analyses take them, too",
             "give `type = \"transient\"` and `scheme = { type = \"energy-momentum\" }`, or for numerical damping as of `hht` \
              `scheme = { type = \"generalized-alpha\" }`",
         );
@@ -82,7 +82,7 @@ fn held(model: &Model, c: &mut Checker) {
     let sides: Vec<&String> = joints.chain(model.springs.iter().flat_map(|spring| &spring.between)).collect();
     let loose = |body: &RigidBody| body.attached.is_empty() && !sides.contains(&&body.name);
     for (i, body) in model.bodies.iter().enumerate().filter(|(_, body)| loose(body)) {
-        let message = format!("nothing holds body \"{}\" in a static analysis", body.name);
+        let message = format!("nothing holds body \"{}\" in a static or modal analysis", body.name);
         c.add(
             format!("bodies[{i}]"),
             message,

@@ -261,6 +261,20 @@ fn prescribed(model: &Model, p: &PrescribedStrain, key: &str, c: &mut Checker) {
             "give a material its `expansion`",
         );
     }
+    let heated = |name: &Option<String>| {
+        let material = name.as_ref().and_then(|name| model.materials.get(name));
+        material.is_some_and(|material| material.expansion() != [0.0; 3])
+    };
+    if let PrescribedStrain::Thermal(thermal) = p
+        && thermal.on == "all"
+        && let Some(beam) = model.beams.iter().find(|beam| heated(&beam.material))
+    {
+        c.add(
+            format!("{key}.on"),
+            format!("prescribed strains act on shells only: \"all\" does not heat beam \"{}\", whose material expands", beam.name),
+            "let `on` name a set of shells, or give the beam a material without `expansion`",
+        );
+    }
     if matches!(p, PrescribedStrain::Prestress(_))
         && model.sections.iter().any(|s| {
             let solid = registry::shell(s, s.whole_thickness().max(f64::MIN_POSITIVE)).is_solid();

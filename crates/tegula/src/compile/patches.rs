@@ -14,11 +14,14 @@ use crate::{Issue, Mat3, Vec3};
 /// Relative size of round-off in velocities and moments of inertia.
 const SAME: f64 = 1e-9;
 
-/// Whether a model of bodies can be solved by statics.
+/// Whether a model of bodies can be solved by statics, or by a modal analysis.
 pub(super) fn are_static(model: &Model) -> bool {
     let patches_alone = model.joints.is_empty() && model.springs.is_empty() && model.beams.is_empty();
-    matches!(&model.analysis,
-        Analysis::Static(s) if s.linear_solver == LinearSolver::Direct && (!s.linear || patches_alone))
+    match &model.analysis {
+        Analysis::Static(s) => s.linear_solver == LinearSolver::Direct && (!s.linear || patches_alone),
+        Analysis::Modal(_) => true,
+        Analysis::Transient(_) => false,
+    }
 }
 
 /// Attaches the nodes of the sets that bodies name to them.

@@ -49,6 +49,11 @@ pub struct DriveValue {
 }
 
 impl Row {
+    /// Whether the constraint drives an angle.
+    pub fn is_driven_angle(&self) -> bool {
+        matches!(self.driven, Driven::Angle(_))
+    }
+
     /// Makes the form equal to the drive's value.
     pub fn drive_length(&mut self) {
         self.driven = Driven::Length;

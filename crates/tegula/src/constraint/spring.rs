@@ -94,6 +94,9 @@ pub struct SpringGroup {
 }
 
 impl SpringGroup {
+    /// Name of the groups.
+    pub const NAME: &str = "spring";
+
     /// Groups of all springs, one for each number of nodal vectors.
     pub fn groups(springs: &[Spring]) -> Vec<Box<dyn ElementGroup>> {
         let mut sizes: Vec<usize> = springs.iter().map(|spring| spring.vectors.len()).collect();
@@ -109,7 +112,7 @@ impl SpringGroup {
 
 impl ElementGroup for SpringGroup {
     fn name(&self) -> &'static str {
-        "spring"
+        Self::NAME
     }
 
     fn len(&self) -> usize {

@@ -296,7 +296,7 @@ impl Assembly {
         weights: &TangentWeights,
         (extrapolated, rest): (bool, &[Nodal]),
     ) {
-        if k.linear || body_curvature::elastic(system).next().is_none() {
+        if k.linear || system.dofs().triads.is_empty() {
             return;
         }
         let Self { curvature, frames, values, stress, factors, .. } = self;

@@ -66,10 +66,10 @@ impl BodyCurvature {
             let at = size * (number - evaluated.start);
             let (blocks, vectors) = (&self.blocks[at..at + size], group.vectors(number));
             for (a, &v) in vectors.iter().enumerate() {
-                let Some((triad, arm)) = arm(v, frames) else { continue };
+                let Some(attached) = frames.dofs().carried(v as usize) else { continue };
                 let force: Vec3 =
                     vectors.iter().enumerate().map(|(b, &w)| block(blocks, a, b) * current(w)).sum();
-                self.sums[triad] -= arm * force.transpose();
+                self.sums[attached.triad as usize] -= frames.arm(&attached) * force.transpose();
             }
         }
     }
@@ -83,16 +83,11 @@ impl BodyCurvature {
     }
 }
 
-/// Rigid body that carries a nodal vector, by the number of its directors, and the arm of its rotation.
-fn arm(vector: u32, frames: &LocalFrames) -> Option<(usize, Vec3)> {
-    let dofs = frames.dofs();
-    if let Some(attached) = dofs.attachment(vector as usize) {
-        let triad = attached.triad as usize;
-        return Some((triad, frames.triad(triad) * attached.coordinates));
+impl System {
+    /// Whether rigid bodies carry nodes of elastic elements.
+    pub fn carries_elements(&self) -> bool {
+        elastic(self).next().is_some()
     }
-    let triad = dofs.triad_of(vector as usize)?;
-    let i = dofs.triads[triad].iter().position(|d| *d == vector)?;
-    Some((triad, frames.triad(triad).column(i).into_owned()))
 }
 
 /// Groups of elastic elements that rigid bodies carry, with their numbers and reductions. The forces of joints are left out: their

@@ -1,9 +1,16 @@
-//! Work of driven joints.
+//! Forces of joints, work and rates of their drives.
 
 use super::System;
 use crate::Vec3;
 use crate::constraint::joint::MOST_VECTORS;
+use crate::constraint::{Joint, Row};
 use crate::element::Nodal;
+use crate::norm::larger;
+
+/// Largest rotation of a drive in a step.
+const QUARTER_TURN: f64 = std::f64::consts::FRAC_PI_2 * (1.0 + 1e-9);
+/// Number of times in a step at which drives are looked at.
+const LOOKS: u32 = 8;
 
 impl System {
     /// Work that the drives of joints do on the model between the displacements `old` and `new`: that of the constraint forces
@@ -18,22 +25,87 @@ impl System {
         let mut work = 0.0;
         for joint in self.joints.iter().filter(|joint| joint.drive.is_some()) {
             let n = joint.vectors.len();
-            let (mut vectors, mut gradients) = ([Vec3::zeros(); MOST_VECTORS], [Vec3::zeros(); MOST_VECTORS]);
-            let (v, gradient) = (&mut vectors[..n], &mut gradients[..n]);
-            for (v, &number) in v.iter_mut().zip(&joint.vectors) {
-                let at = number as usize;
-                *v = Vec3::from(self.coordinates.reference[at])
-                    + (Vec3::from(old[at]) + Vec3::from(new[at])) * 0.5;
-            }
             let drive = self.drive(joint, time).value;
+            let middle = self.vectors_of(joint, |v| (Vec3::from(old[v]) + Vec3::from(new[v])) * 0.5);
+            let mut gradient = [Vec3::zeros(); MOST_VECTORS];
             for (number, row) in joint.multipliers().zip(&joint.rows) {
-                row.add_gradient(-multiplier(number), v, drive, gradient);
+                row.add_gradient(-multiplier(number), &middle[..n], drive, &mut gradient[..n]);
             }
-            for (g, &number) in gradient.iter().zip(&joint.vectors) {
-                let at = number as usize;
-                work += g.dot(&(Vec3::from(new[at]) - Vec3::from(old[at])));
-            }
+            work += along(joint, &gradient, |v| Vec3::from(new[v]) - Vec3::from(old[v]));
         }
         work
     }
+
+    /// Adds the forces `−Gᵀλ` of all joints on the model, at the displacements `u`.
+    pub fn add_joint_forces(&self, u: &[Nodal], time: f64, multipliers: &[f64], out: &mut [Nodal]) {
+        for joint in self.joints.iter() {
+            let n = joint.vectors.len();
+            let drive = self.drive(joint, time).value;
+            let current = self.vectors_of(joint, |v| Vec3::from(u[v]));
+            let mut forces = [Vec3::zeros(); MOST_VECTORS];
+            for (number, row) in joint.multipliers().zip(&joint.rows) {
+                row.add_gradient(-multipliers[number], &current[..n], drive, &mut forces[..n]);
+            }
+            for (force, &v) in forces.iter().zip(&joint.vectors) {
+                out[v as usize].iter_mut().zip(force.iter()).for_each(|(out, f)| *out += f);
+            }
+        }
+    }
+
+    /// First drive of an angle that is further away from its value at `from` than a quarter turn at a time up to `to`, as text:
+    /// positions at the ends of such a step do not tell which way and how often it has turned.
+    pub fn drive_turns_too_far(&self, from: f64, to: f64) -> Option<String> {
+        let driven = self.joints.iter().filter(|joint| joint.rows.first().is_some_and(Row::is_driven_angle));
+        let turns = |joint: &&Joint| {
+            let start = self.drive(joint, from).value;
+            let at = |part: u32| from + (to - from) * f64::from(part) / f64::from(LOOKS);
+            (1..=LOOKS).any(|part| !((self.drive(joint, at(part)).value - start).abs() <= QUARTER_TURN))
+        };
+        let found = driven.into_iter().find(turns)?;
+        Some(format!("the drive \"{}\" turns by more than a quarter turn", found.name))
+    }
+
+    /// Leading term of the local error that the drives of joints bring into a step of a second-order scheme, in which the joints hold
+    /// driven positions exactly, but not their rates: `(Δt² |Δs̈| + |Δs|³)/12` for an angle s, and `Δt² |Δs̈|/12` over the model's
+    /// length for a length.
+    pub fn error_of_drives(&self, from: f64, to: f64) -> f64 {
+        let of_joint = |joint: &Joint| {
+            let (start, end) = (self.drive(joint, from), self.drive(joint, to));
+            let curvature = (to - from).powi(2) * (end.acceleration - start.acceleration).abs();
+            if joint.rows.first().is_some_and(Row::is_driven_angle) {
+                (curvature + (end.value - start.value).abs().powi(3)) / 12.0
+            } else {
+                curvature / (12.0 * self.length)
+            }
+        };
+        self.joints.iter().filter(|joint| joint.drive.is_some()).map(of_joint).fold(0.0, larger)
+    }
+
+    /// Part of the rate of a joint's drive by which velocities `v` at the displacements `u` miss it. The rate is counted with what
+    /// it changes by in a time `dt`. `None` for a joint without a drive, and for a drive at rest.
+    pub fn missed_rate(&self, joint: &Joint, [u, v]: [&[Nodal]; 2], (time, dt): (f64, f64)) -> Option<f64> {
+        joint.drive?;
+        let drive = self.drive(joint, time);
+        let scale = drive.rate.abs() + drive.acceleration.abs() * dt;
+        let (row, n) = (joint.rows.first()?, joint.vectors.len());
+        let current = self.vectors_of(joint, |v| Vec3::from(u[v]));
+        let mut gradient = [Vec3::zeros(); MOST_VECTORS];
+        row.add_gradient(1.0, &current[..n], drive.value, &mut gradient[..n]);
+        let own = along(joint, &gradient, |number| Vec3::from(v[number]));
+        (scale > 0.0).then(|| (own + row.driven_rate(&current[..n], drive)).abs() / scale)
+    }
+
+    /// Nodal vectors of a joint with given displacements, in the order of its list.
+    fn vectors_of(&self, joint: &Joint, displacement: impl Fn(usize) -> Vec3) -> [Vec3; MOST_VECTORS] {
+        let mut out = [Vec3::zeros(); MOST_VECTORS];
+        for (x, &v) in out.iter_mut().zip(&joint.vectors) {
+            *x = Vec3::from(self.coordinates.reference[v as usize]) + displacement(v as usize);
+        }
+        out
+    }
+}
+
+/// Change of a constraint of a joint with this gradient along a field.
+fn along(joint: &Joint, gradient: &[Vec3], field: impl Fn(usize) -> Vec3) -> f64 {
+    gradient.iter().zip(&joint.vectors).map(|(g, &v)| g.dot(&field(v as usize))).sum()
 }

@@ -129,8 +129,8 @@ impl LocalFrames {
         self.dofs.attached.iter().map(|attached| (attached, self.arm(attached)))
     }
 
-    /// Arm of an attached vector about the rotation of its body.
-    fn arm(&self, attached: &Attached) -> Vec3 {
+    /// Arm of a vector that is fixed in a rigid body about the rotation of the body.
+    pub(super) fn arm(&self, attached: &Attached) -> Vec3 {
         self.triads[attached.triad as usize] * attached.coordinates
     }
 
@@ -236,18 +236,10 @@ impl LocalFrames {
 
     /// Hands the free degrees of freedom of a force on one nodal vector to `take`, one after another.
     pub fn reduce_one(&self, vector: usize, force: &Vec3, mut take: impl FnMut(u32, f64)) {
-        if let Some(attached) = self.dofs.attachment(vector) {
-            return self.reduce_attached(attached, &self.arm(attached), force, take);
+        if let Some(attached) = self.dofs.carried(vector) {
+            return self.reduce_attached(&attached, &self.arm(&attached), force, take);
         }
-        let director = self.triads().find_map(|(triad, arms)| {
-            let i = triad.iter().position(|v| *v as usize == vector)?;
-            Some((triad[0] as usize, arms.column(i).cross(force)))
-        });
-        let (numbered, local) = match director {
-            Some((first, moment)) => (first, moment.into()),
-            None => (vector, self.to_local(vector, (*force).into())),
-        };
-        for (number, x) in self.of(numbered).into_iter().zip(local) {
+        for (number, x) in self.of(vector).into_iter().zip(self.to_local(vector, (*force).into())) {
             if number != CONSTRAINED {
                 take(number, x);
             }

@@ -256,9 +256,10 @@ impl System {
         strains.chain(self.joints.iter().map(move |joint| self.drive(joint, time).value))
     }
 
-    /// Value of the drive of a joint at a time with its rates; zero for a joint without one.
+    /// Value of the drive of a joint at a time with its rates; zero for a joint without one. Before time 0, where static load grows
+    /// to that of its amplitudes, drives stay where they begin.
     pub fn drive(&self, joint: &Joint, time: f64) -> DriveValue {
-        joint.drive.map_or_else(DriveValue::default, |drive| drive.at(&self.amplitudes, time))
+        joint.drive.map_or_else(DriveValue::default, |drive| drive.at(&self.amplitudes, time.max(0.0)))
     }
 
     /// Number of constraints, and of their Lagrange multipliers.

@@ -4,9 +4,9 @@
 use std::ops::Range;
 
 use super::assembly::pairs;
-use super::{DofMap, LocalFrames};
+use super::{Attached, DofMap, LocalFrames};
+use crate::Mat3;
 use crate::element::ElementGroup;
-use crate::{Mat3, Vec3};
 
 /// Contributions of a group that contain directors of rigid bodies or vectors attached to bodies. In the tangent the first
 /// director of a body stands for its rotation, and the blocks of all others are transformed and added there, or to those of
@@ -34,16 +34,7 @@ struct Part {
     /// Place of the vector with which it moves: of itself, or of the position of the body.
     translation: Option<usize>,
     /// Place of the rotation of the body.
-    rotation: Option<(usize, Turned)>,
-}
-
-/// Vector fixed in a rigid body.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Turned {
-    /// Rigid body, by the number of its directors.
-    triad: usize,
-    /// Coordinates along the directors.
-    coordinates: Vec3,
+    rotation: Option<(usize, Attached)>,
 }
 
 /// Place in the tangent, and factor `P = −[arm]×` of a rotation; `None`: the unit matrix.
@@ -104,16 +95,12 @@ impl Member {
     fn new(number: usize, vectors: &[u32], dofs: &DofMap) -> Self {
         let mut out = Self { number, ..Self::default() };
         for &v in vectors {
-            let part = match (director(v, dofs), dofs.attachment(v as usize)) {
-                (Some(turned), _) => Part { translation: None, rotation: Some(out.turned(turned, dofs)) },
-                (None, Some(attached)) => Part {
+            let part = match dofs.carried(v as usize) {
+                Some(attached) => Part {
                     translation: attached.centre.map(|centre| out.place(centre)),
-                    rotation: Some(out.turned(
-                        Turned { triad: attached.triad as usize, coordinates: attached.coordinates },
-                        dofs,
-                    )),
+                    rotation: Some((out.place(dofs.triads[attached.triad as usize][0]), attached)),
                 },
-                (None, None) => Part { translation: Some(out.place(v)), rotation: None },
+                None => Part { translation: Some(out.place(v)), rotation: None },
             };
             out.parts.push(part);
         }
@@ -126,10 +113,6 @@ impl Member {
             self.vectors.push(vector);
             self.vectors.len() - 1
         })
-    }
-
-    fn turned(&mut self, turned: Turned, dofs: &DofMap) -> (usize, Turned) {
-        (self.place(dofs.triads[turned.triad][0]), turned)
     }
 
     fn reduce(&self, frames: &LocalFrames, blocks: &[f64], out: &mut [f64]) {
@@ -154,11 +137,9 @@ impl Member {
 
 impl Part {
     fn terms(&self, frames: &LocalFrames) -> [Option<Term>; 2] {
-        let rotation = self.rotation.map(|(place, turned)| {
-            // δd = δθ × d = −[d]× δθ
-            let arm = frames.triad(turned.triad) * turned.coordinates;
-            (place, Some(-arm.cross_matrix()))
-        });
+        // δd = δθ × d = −[d]× δθ
+        let rotation =
+            self.rotation.map(|(place, attached)| (place, Some(-frames.arm(&attached).cross_matrix())));
         [self.translation.map(|place| (place, None)), rotation]
     }
 }
@@ -174,14 +155,4 @@ fn add(mut k: Mat3, (i, j): (usize, usize), pair: bool, out: &mut [f64]) {
     for (entry, x) in out[at..at + 9].iter_mut().enumerate() {
         *x += k[(entry / 3, entry % 3)];
     }
-}
-
-/// Director of a rigid body.
-fn director(v: u32, dofs: &DofMap) -> Option<Turned> {
-    if !dofs.in_triad(v as usize) {
-        return None;
-    }
-    let triad = dofs.triads.partition_point(|triad| triad[0] <= v) - 1;
-    let number = dofs.triads[triad].iter().position(|d| *d == v)?;
-    Some(Turned { triad, coordinates: Vec3::ith(number, 1.0) })
 }

@@ -53,6 +53,19 @@ impl super::DofMap {
         Some(&self.attached[at])
     }
 
+    /// How a rigid body moves a nodal vector that is fixed in it: one that is attached to it, or one of its own directors, which
+    /// has a unit vector as coordinates.
+    #[inline]
+    pub fn carried(&self, vector: usize) -> Option<Attached> {
+        let director = || {
+            let triad = self.triad_of(vector)?;
+            let place = self.triads[triad].iter().position(|d| *d as usize == vector)?;
+            let coordinates = Vec3::ith(place, 1.0);
+            Some(Attached { vector: vector as u32, triad: triad as u32, centre: None, coordinates })
+        };
+        self.attachment(vector).copied().or_else(director)
+    }
+
     /// Whether a rigid body moves a vector: one of its directors, or a vector attached to it.
     #[inline]
     pub fn is_carried(&self, vector: usize) -> bool {

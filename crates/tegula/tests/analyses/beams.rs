@@ -383,3 +383,22 @@ fn a_drive_of_a_later_step_begins_where_the_joint_stands() {
     let moved = dynamics::run(&next, &motion, None, &mut Silent).unwrap();
     assert!((angle(&next, &moved.state) - 60.6).abs() < 1e-9, "{}", angle(&next, &moved.state));
 }
+
+/// Damping of the whole model damps beams as their own retardation time does.
+#[test]
+fn stiffness_damping_of_the_model_dissipates_in_beams() {
+    let dissipated = |own: f64, whole: f64| {
+        let beam = Beam {
+            material: Some("steel".into()),
+            retardation_time: own,
+            ..Beam::straight("beam", [[0.0; 3], [1.0, 0.0, 0.0]], 4, [0.0, 1.0, 0.0], rectangle([0.05, 0.02]))
+        };
+        let mut model =
+            model(0.02, Some(1e-3), vec![beam], vec![fixed("clamp", "ground", "beam.start", [0.0; 3])]);
+        model.loads = crate::multibody::gravity([0.0, 0.0, -9.81]);
+        model.damping.stiffness = whole;
+        run(&model, &mut Silent).1.dissipated
+    };
+    let (own, whole) = (dissipated(1e-3, 0.0), dissipated(0.0, 1e-3));
+    assert!(own > 0.0 && whole == own, "{own} {whole}");
+}

@@ -14,6 +14,7 @@
 use super::step_end::Span;
 use super::time_steps::{Attempt, TimeSteps, Trouble, commit, finish, trouble};
 use super::{constrained_start, impact, project_rates};
+use crate::analysis::constraints::Rates;
 use crate::analysis::newton::{Converged, Diverged, Newton};
 use crate::analysis::{Observer, State, equilibrium};
 use crate::element::Motion;
@@ -134,7 +135,7 @@ fn consistent_end(system: &System, newton: &mut Newton, state: &mut State) -> Re
     if newton.constraints.is_none() {
         impact::add_free_response(system, newton, &rest, &mut state.a);
     } else {
-        constrained_start::add_response(system, newton, &rest, state)?;
+        constrained_start::add_response(system, newton, &rest, state);
     }
     Ok(())
 }
@@ -156,8 +157,7 @@ fn project_velocities(system: &System, newton: &mut Newton, state: &mut State) -
     if let Some(constraints) = constraints {
         constrained_start::take_mass(system, assembly, (solver, constraints), state)?;
         let motion = Motion::State { u: &state.u, velocity: None };
-        let rates = constraints.rates(system, (&motion, state.time), &supported, None);
-        constraints.project(&rates, &mut free);
+        constraints.project(system, (&motion, state.time), Rates::First(&supported), &mut free);
     }
     assembly.frames.expand(&free, &mut field);
     for ((v, x), s) in state.v.iter_mut().zip(&field).zip(&supported) {

@@ -7,9 +7,8 @@
 //! ```
 
 use super::project_rates;
-use crate::Vec3;
 use crate::analysis::State;
-use crate::analysis::constraints::Constraints;
+use crate::analysis::constraints::{Constraints, Rates};
 use crate::analysis::newton::Newton;
 use crate::constraint::Joint;
 use crate::element::{Motion, Nodal, TangentWeights};
@@ -60,9 +59,8 @@ pub(super) fn project_velocities(
     let Some(constraints) = constraints else { return Ok(None) };
     let motion = Motion::State { u: &state.u, velocity: None };
     take_mass(system, assembly, (solver, constraints), state)?;
-    let rates = constraints.rates(system, (&motion, state.time), &state.v, None);
     let mut free = vec![0.0; system.unknowns()];
-    constraints.project(&rates, &mut free);
+    constraints.project(system, (&motion, state.time), Rates::First(&state.v), &mut free);
     let mut change = vec![[0.0; 3]; system.vectors()];
     assembly.frames.expand(&free, &mut change);
     let sizes = [&change, &state.v].map(|v| system.kinetic_energy(v).max(0.0).sqrt());
@@ -99,7 +97,7 @@ pub(super) fn consistent_velocities(
     state: &mut State,
 ) -> Result<Vec<String>> {
     let motion = Motion::State { u: &state.u, velocity: None };
-    let open = newton.constraints.as_mut().and_then(|c| c.violation(system, (&motion, state.time), CLOSED));
+    let open = newton.constraints.as_ref().and_then(|c| c.violation(system, (&motion, state.time), CLOSED));
     if let Some(open) = open {
         return Err(Error::model(
             "joints",
@@ -108,7 +106,7 @@ pub(super) fn consistent_velocities(
         ));
     }
     let Some([changed, size]) = project_velocities(system, newton, state)? else { return Ok(Vec::new()) };
-    agreed(system, newton, state, Rate::First)?;
+    agreed(system, newton, state, Order::First)?;
     let mut messages = Vec::new();
     if changed > 0.0 && !(size > NOTEWORTHY * changed) {
         messages.push("the velocities of drives at the start set the model in motion at once".into());
@@ -130,25 +128,31 @@ pub(super) fn consistent_velocities(
 
 /// Order of the rates of constraints.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Rate {
+pub(super) enum Order {
     First,
     Second,
 }
 
 /// Refuses drives that contradict each other or other joints: rates of constraints that do not vanish, however the model
 /// moves.
-fn agreed(system: &System, newton: &Newton, state: &State, order: Rate) -> Result<()> {
+///
+/// # Errors
+/// There are such drives: their names.
+pub(super) fn agreed(system: &System, newton: &mut Newton, state: &State, order: Order) -> Result<()> {
     let drives = || {
         system.joints.iter().filter(|joint| joint.drive.is_some()).map(|joint| {
             let drive = system.drive(joint, state.time);
-            (joint, if order == Rate::First { drive.rate } else { drive.acceleration }.abs())
+            (joint, if order == Order::First { drive.rate } else { drive.acceleration }.abs())
         })
     };
     let largest = drives().map(|(_, rate)| rate).fold(0.0, larger);
-    let Some(constraints) = newton.constraints.as_ref().filter(|_| largest > 0.0) else { return Ok(()) };
+    let Some(constraints) = newton.constraints.as_mut().filter(|_| largest > 0.0) else { return Ok(()) };
     let motion = Motion::State { u: &state.u, velocity: None };
-    let accelerations = (order == Rate::Second).then_some(&state.a[..]);
-    let rates = constraints.rates(system, (&motion, state.time), &state.v, accelerations);
+    let rates = match order {
+        Order::First => Rates::First(&state.v),
+        Order::Second => Rates::Second(&state.v, &state.a),
+    };
+    let rates = constraints.rates(system, (&motion, state.time), rates);
     let open = |joint: &&Joint| rates[joint.multipliers()].iter().any(|r| !(r.abs() <= DISAGREED * largest));
     if !system.joints.iter().any(|joint| open(&joint)) {
         return Ok(());
@@ -168,28 +172,17 @@ fn agreed(system: &System, newton: &Newton, state: &State, order: Rate) -> Resul
 /// Part of the rate of a drive by which the velocities of a step may miss it before a message says so.
 const MISSED: f64 = 0.1;
 
-/// Message about a driven joint whose velocities miss the rate of its drive, unless there was one before (`told`).
-pub(super) fn alternating_drive(system: &System, state: &State, told: bool) -> Option<String> {
-    if told {
-        return None;
-    }
+/// Message about a driven joint whose velocities miss the rate of its drive.
+pub(super) fn alternating_drive(system: &System, state: &State, conserves: bool) -> Option<String> {
+    let other = if conserves { ", or the scheme \"generalized-alpha\"" } else { "" };
     system.joints.iter().find_map(|joint| {
-        joint.drive?;
-        let drive = system.drive(joint, state.time);
-        let at = |v: u32| Vec3::from(system.coordinates.reference[v as usize]) + Vec3::from(state.u[v as usize]);
-        let v: Vec<Vec3> = joint.vectors.iter().map(|&v| at(v)).collect();
-        let mut gradient = vec![Vec3::zeros(); v.len()];
-        let row = joint.rows.first()?;
-        row.add_gradient(1.0, &v, drive.value, &mut gradient);
-        let own = gradient.iter().zip(&joint.vectors).map(|(g, &n)| g.dot(&Vec3::from(state.v[n as usize])));
-        let missed = (own.sum::<f64>() + row.driven_rate(&v, drive)).abs();
-        let scale = drive.rate.abs() + drive.acceleration.abs() * state.last_step;
-        (missed > MISSED * scale && scale > 0.0).then(|| {
+        let missed = system.missed_rate(joint, [&state.u, &state.v], (state.time, state.last_step))?;
+        (missed > MISSED).then(|| {
             format!(
                 "the velocities miss the rate of the drive \"{}\" by {:.0} %: the steps are long for the motion, and velocities and \
-                 reactions alternate about their mean; take shorter steps, or the scheme \"generalized-alpha\"",
+                 reactions alternate about their mean; take shorter steps{other}",
                 joint.name,
-                100.0 * missed / scale
+                100.0 * missed
             )
         })
     })
@@ -197,26 +190,17 @@ pub(super) fn alternating_drive(system: &System, state: &State, told: bool) -> O
 
 /// Adds the response of the constrained masses to forces on all nodal vectors to the accelerations of the first state, and
 /// finds the multipliers.
-///
-/// # Errors
-/// Drives contradict each other.
-pub(super) fn add_response(
-    system: &System,
-    newton: &mut Newton,
-    forces: &[Nodal],
-    state: &mut State,
-) -> Result<()> {
+pub(super) fn add_response(system: &System, newton: &mut Newton, forces: &[Nodal], state: &mut State) {
     let Newton { assembly, solver, constraints, .. } = newton;
-    let Some(constraints) = constraints else { return Ok(()) };
+    let Some(constraints) = constraints else { return };
     let mut free = vec![0.0; system.unknowns()];
     assembly.frames.reduce(forces, &mut free);
     tegula_sparse::Factor::solve(solver, &mut free);
     let motion = Motion::State { u: &state.u, velocity: None };
-    let rates = constraints.rates(system, (&motion, state.time), &state.v, Some(&state.a));
-    let multipliers = constraints.project(&rates, &mut free);
+    let rates = Rates::Second(&state.v, &state.a);
+    let multipliers = constraints.project(system, (&motion, state.time), rates, &mut free);
     state.multipliers.copy_from_slice(multipliers);
     let mut response = vec![[0.0; 3]; system.vectors()];
     assembly.frames.expand(&free, &mut response);
     super::statics::add(&mut state.a, &response);
-    agreed(system, newton, state, Rate::Second)
 }

@@ -125,7 +125,8 @@ fn initial_state(system: &System, newton: &mut Newton) -> Result<(State, Vec<Str
     if newton.constraints.is_none() {
         impact::add_free_response(system, newton, &rest, &mut state.a);
     } else {
-        constrained_start::add_response(system, newton, &rest, &mut state)?;
+        constrained_start::add_response(system, newton, &rest, &mut state);
+        constrained_start::agreed(system, newton, &state, constrained_start::Order::Second)?;
     }
     state.energy_scale = system.kinetic_energy(&state.v);
     if system.start.is_some() {

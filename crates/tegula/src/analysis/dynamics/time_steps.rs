@@ -4,7 +4,9 @@ use super::amplitude_check::AmplitudeCheck;
 use super::schemes::Instant;
 use super::step_control::StepControl;
 use super::step_end::{Span, StepEnds};
-use super::{Integrator, SMALLEST_STEP, balance, impact, initial_state, predictor, triads};
+use super::{
+    Integrator, SMALLEST_STEP, balance, constrained_start, impact, initial_state, predictor, triads,
+};
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::newton::{Cause, Converged, Diverged, Newton, Tolerances};
 use crate::analysis::statics::undefined;
@@ -122,6 +124,10 @@ impl<'a> TimeSteps<'a> {
     /// Solves for the end of a step and accepts it, unless it has to be repeated. A step that failed with a lagged tangent
     /// is repeated with new tangents, any other one with a shorter length.
     fn attempt(&mut self, span: Span, observer: &mut dyn Observer) -> Result<Attempt> {
+        if let Some(drive) = self.system.drive_turns_too_far(self.state.time, span.end) {
+            self.state.next_step = 0.5 * span.dt;
+            return Ok(Attempt::TooLong(Trouble::Inaccurate, format!("{drive} in the step")));
+        }
         if self.scheme.sub_steps().len() > 1 {
             return self.attempt_composed(span, observer);
         }
@@ -179,6 +185,7 @@ impl<'a> TimeSteps<'a> {
             return Ok(Attempt::TooLong(trouble, reason));
         }
         let error = self.scheme.local_error(self.system, &mut self.newton, &self.state);
+        let error = larger(error, self.system.error_of_drives(self.state.time, span.end));
         if self.control.accepts(error) {
             let Self { system, scheme, newton, state, old_velocities, .. } = self;
             finish(system, (scheme.as_mut(), newton), (old_velocities, state), span);
@@ -209,15 +216,13 @@ impl<'a> TimeSteps<'a> {
         commit(system, newton, state);
         let before = std::mem::replace(&mut self.balance, balance(system, &mut newton.assembly, state));
         if !system.joints.is_empty() {
+            let conserves = self.options.scheme.conserves_energy();
             let scale = scheme.energy_scale(system, &mut newton.assembly, &state.history);
             let scale = larger(scale, state.energy_scale);
-            keeps_energy(
-                system,
-                span,
-                [&before, &self.balance],
-                (scale, self.options.scheme.conserves_energy()),
-            )?;
-            if let Some(drive) = super::constrained_start::alternating_drive(system, state, self.told) {
+            keeps_energy(system, (span, state.step), [&before, &self.balance], (scale, conserves))?;
+            let drive =
+                if self.told { None } else { constrained_start::alternating_drive(system, state, conserves) };
+            if let Some(drive) = drive {
                 self.told = true;
                 observer.on_event(&format!("time {:.6e}: {drive}", state.time));
             }
@@ -332,17 +337,21 @@ pub(super) fn commit(system: &System, newton: &mut Newton, state: &mut State) {
 const LOST: f64 = 1e-3;
 const GAINED: f64 = 1e-2;
 
+/// Number of first steps in which a scheme that does not conserve energy is not judged by it: from rest, its error is as large as
+/// the energy.
+const FIRST_STEPS: u64 = 20;
+
 /// Refuses a step of a mechanism that does not keep the energy: near a singular position of its joints the motion has left its
 /// branch.
 fn keeps_energy(
     system: &System,
-    span: Span,
+    (span, step): (Span, u64),
     [before, after]: [&Balance; 2],
     (scale, conserves): (f64, bool),
 ) -> Result<()> {
     let drives: Vec<_> = system.joints.iter().filter(|joint| joint.drive.is_some()).collect();
     // The work of drives is exact in schemes that conserve energy only.
-    if !conserves && !drives.is_empty() {
+    if !conserves && (!drives.is_empty() || step <= FIRST_STEPS) {
         return Ok(());
     }
     let (gain, scale) = (after.total - before.total, larger(scale, after.kinetic));

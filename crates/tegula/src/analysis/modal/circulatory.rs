@@ -32,6 +32,14 @@ pub(super) fn stiffness(system: &System, equilibrium: &State) -> Option<Circulat
     (!skew.is_zero()).then_some(skew)
 }
 
+/// Refusal of circulatory follower loads on models with joints.
+pub(super) fn with_joints() -> Error {
+    Error::Singular {
+        what: "The follower loads have no potential; their effect on the modes of a model with joints is not known.".into(),
+        help: "Run a transient analysis about the equilibrium; or use loads of constant direction.".into(),
+    }
+}
+
 /// Refuses modes if the circulatory stiffness would change an elastic one of the first `wanted` ones.
 ///
 /// # Errors

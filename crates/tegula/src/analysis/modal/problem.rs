@@ -8,7 +8,8 @@
 use super::rigid::{Parts, RigidModes};
 use crate::analysis::newton::Newton;
 use crate::analysis::{Observer, State, equilibrium};
-use crate::element::{Motion, Nodal};
+use crate::constraint::SpringGroup;
+use crate::element::{Motion, Nodal, TangentWeights};
 use crate::model::NewtonMethod;
 use crate::system::{EvaluationPoint, System};
 use crate::{Error, Result};
@@ -19,6 +20,8 @@ use tegula_sparse::{Factor as _, SymmetricPattern};
 const APART: f64 = 1e4;
 /// First shift as a part of the lowest ratio of the diagonals of K and M.
 const FIRST_SHIFT: f64 = 1e-10;
+/// Round-off of an eigenvalue over the sum of its terms' sizes. The equilibrium itself is known to a similar part of its forces.
+const ROUND_OFF: f64 = 1e-12;
 /// Number of times that the first shift is multiplied by 100 before the matrix counts as indefinite.
 const ATTEMPTS: usize = 12;
 
@@ -69,8 +72,10 @@ pub(super) struct Problem<'a> {
     pub rigid: RigidModes,
     /// Whether the strain energy of a small motion is ½ δs·H δs: about a stress-free reference of linear materials.
     pub stress_free: bool,
-    /// History variables of the state.
-    history: Vec<f64>,
+    /// State about which the model vibrates.
+    state: State,
+    /// Weight of the augmented Lagrangian of joints, which is part of the stiffness.
+    penalty: f64,
     /// Applications of the inverse so far.
     pub applications: u64,
     /// Group of each free degree of freedom.
@@ -86,8 +91,9 @@ impl<'a> Problem<'a> {
     pub fn new(system: &'a System, equilibrium: Option<&State>) -> Result<Self> {
         let mut newton = Newton::new(system, Some(NewtonMethod::Displacement))?;
         let state = equilibrium.cloned().unwrap_or_else(|| State::at_rest(system));
+        let penalty = equilibrium::penalty(system, &mut newton.assembly, &state);
         let (u, time) = (state.u.as_slice(), state.time);
-        let stiffness = stiffness(system, &mut newton, &state, equilibrium.is_some());
+        let stiffness = stiffness(system, &mut newton, (&state, penalty), equilibrium.is_some());
         let mut mass = vec![0.0; stiffness.len()];
         newton.assembly.mass_values(system, &mut mass);
         let pattern = system.tangent_pattern();
@@ -99,7 +105,10 @@ impl<'a> Problem<'a> {
         }
         let rests = |part: usize| !strained && !moved[part];
         let rigid = RigidModes::new(system, u, &parts, &newton.assembly.frames, rests);
+        let stress_free = equilibrium.is_none() && !strained;
         let linear = system.sections.iter().all(|s| s.section.is_linear());
+        // The energy of springs is that of their length, with the cancellation of its change.
+        let sprung = system.groups.iter().any(|group| group.name() == SpringGroup::NAME);
         let mut out = Self {
             system,
             newton,
@@ -111,8 +120,9 @@ impl<'a> Problem<'a> {
             group_of: Vec::new(),
             parts,
             rigid,
-            stress_free: equilibrium.is_none() && linear && !strained,
-            history: state.history,
+            stress_free: stress_free && linear && !sprung,
+            state,
+            penalty,
             applications: 0,
         };
         out.split()?;
@@ -183,7 +193,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Factors `K − λ_g M` with a λ for each group; returns the Sturm sequence count, the number of eigenvalues below
-    /// them, `None` where the factorisation fails.
+    /// them, `None` where the factorisation fails. With joints these are the eigenvalues on the null space of their gradients.
     pub fn factor(&mut self, lambda: impl FnMut(&Group) -> f64) -> Option<usize> {
         let lambdas: Vec<f64> = self.groups.iter().map(lambda).collect();
         let (pointers, _) = self.pattern.columns();
@@ -193,7 +203,34 @@ impl<'a> Problem<'a> {
                 self.values[k] = self.stiffness[k] - lambda * self.mass[k];
             }
         }
-        self.newton.solver.factor(&self.values).ok().filter(|i| i.zero == 0).map(|i| i.negative)
+        let inertia = self.newton.solver.factor(&self.values).ok().filter(|i| i.zero == 0)?;
+        let Newton { solver, constraints, assembly, .. } = &mut self.newton;
+        let Some(constraints) = constraints else { return Some(inertia.negative) };
+        let weights = TangentWeights { penalty: self.penalty, ..TangentWeights::STATIC };
+        let at = (&self.state.point(self.system), &weights);
+        constraints.take(self.system, at, &assembly.frames, solver).ok()?;
+        inertia.negative.checked_sub(constraints.negative_eigenvalues())
+    }
+
+    /// Number of constraints of joints that do not follow from others, at the present factor.
+    pub fn independent_constraints(&self) -> usize {
+        self.newton.constraints.as_ref().map_or(0, |constraints| constraints.rank())
+    }
+
+    /// Changes a vector to one that keeps the joints closed.
+    pub fn constrain(&mut self, x: &mut [f64]) {
+        if let Some(constraints) = &mut self.newton.constraints {
+            constraints.constrain(x);
+        }
+    }
+
+    /// Size of the round-off in the eigenvalue of a vector of unit modal mass: that of the terms of `xᵀ K x`.
+    pub fn round_off(&self, x: &[f64]) -> f64 {
+        let sizes: Vec<f64> = x.iter().map(|x| x.abs()).collect();
+        let stiffness: Vec<f64> = self.stiffness.iter().map(|k| k.abs()).collect();
+        let mut product = vec![0.0; x.len()];
+        self.pattern.add_product(&stiffness, &sizes, &mut product);
+        ROUND_OFF * product.iter().zip(&sizes).map(|(k, x)| k * x).sum::<f64>()
     }
 
     /// Factors with the groups' shifts; true if the matrix is positive definite.
@@ -226,7 +263,7 @@ impl<'a> Problem<'a> {
     /// Energy of a small motion from the state, summed from its strains without cancellation.
     pub fn small_strain_energy(&mut self, shape: &[Nodal]) -> f64 {
         let motion = Motion::State { u: shape, velocity: None };
-        let k = EvaluationPoint { motion, linear: true, time: 0.0, internal: (&self.history).into() };
+        let k = EvaluationPoint { motion, linear: true, time: 0.0, internal: (&self.state.history).into() };
         self.newton.assembly.strain_energy(self.system, &k)
     }
 
@@ -237,13 +274,18 @@ impl<'a> Problem<'a> {
 }
 
 /// Tangent at a state, in the free degrees of freedom; the loads on inextensible directors enter at an equilibrium.
-fn stiffness(system: &System, newton: &mut Newton, state: &State, loaded: bool) -> Vec<f64> {
+fn stiffness(
+    system: &System,
+    newton: &mut Newton,
+    (state, penalty): (&State, f64),
+    loaded: bool,
+) -> Vec<f64> {
     let loads = if loaded {
-        equilibrium::external(system, &state.point(system))
+        equilibrium::external_and_joints(system, state)
     } else {
         vec![[0.0; 3]; system.vectors()]
     };
-    equilibrium::assemble_tangent(system, &mut newton.assembly, state, &loads);
+    equilibrium::assemble_tangent(system, &mut newton.assembly, (state, penalty), &loads);
     newton.assembly.values.clone()
 }
 
@@ -271,6 +313,7 @@ impl SymmetricOperator for ShiftInvert<'_, '_> {
             out[i as usize] = m_x[i as usize];
         }
         self.problem.newton.solver.solve(out);
+        self.problem.constrain(out);
         self.problem.groups[self.group].project(out);
         self.problem.applications += 1;
     }

@@ -48,6 +48,9 @@ impl Parts {
             }
         }
         system.pattern.for_each_mass(|i, j, _| join(i as u32, j as u32));
+        for body in &system.coordinates.bodies {
+            body.directors.iter().flatten().for_each(|&director| join(body.centre, director));
+        }
         let mut of_vector = vec![u32::MAX; system.vectors()];
         let mut count = 0;
         for v in 0..system.vectors() {
@@ -119,10 +122,17 @@ impl RigidModes {
             };
             fields.iter().map(rest).collect::<Vec<_>>()
         };
+        let mut jointed = vec![false; parts.count()];
+        for joint in system.joints.iter() {
+            joint.vectors.iter().for_each(|&v| jointed[parts.of(v as usize)] = true);
+        }
         let forbidden = supports_gram(system, &fields, (parts, &sizes), supported);
         let mut modes = Vec::new();
         for part in 0..parts.count() {
             let mut rows = forbidden[part];
+            if jointed[part] {
+                continue;
+            }
             if !rests(part) {
                 (3..MOTIONS).for_each(|r| rows[(r, r)] += rows.trace().max(1.0));
             }
@@ -177,7 +187,8 @@ fn motions(system: &System, u: &[Nodal], parts: &Parts) -> (Vec<Vec<Nodal>>, Vec
         let at = |v: usize| -> Nodal {
             let part = parts.of(v);
             let arm = if is_position(v) { current(v) - centre(part) } else { current(v) };
-            (a.cross(&arm) / size[part].max(f64::MIN_POSITIVE)).into()
+            let size = if size[part] > 0.0 { size[part] } else { 1.0 };
+            (a.cross(&arm) / size).into()
         };
         (0..system.vectors()).map(at).collect()
     };

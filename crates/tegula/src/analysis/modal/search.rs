@@ -39,12 +39,15 @@ impl Search {
 
     /// Number of pairs to be found: the wanted ones and some beyond.
     fn extra(&self, problem: &Problem) -> usize {
-        (self.wanted + EXTRA).min(problem.groups[self.group].elastic())
+        let elastic = problem.groups[self.group].elastic();
+        (self.wanted + EXTRA).min(elastic.saturating_sub(problem.independent_constraints()).max(self.wanted))
     }
 
     fn is_dense(&self, problem: &Problem) -> bool {
         let group = &problem.groups[self.group];
-        2 * self.extra(problem) >= group.elastic() && group.unknowns.len() <= DENSE
+        problem.independent_constraints() == 0
+            && 2 * self.extra(problem) >= group.elastic()
+            && group.unknowns.len() <= DENSE
     }
 
     fn block(&self) -> usize {
@@ -126,7 +129,9 @@ impl Search {
     /// fraction `part` of the way from one side of the gap to the other.
     pub fn gap(&self, problem: &Problem, part: f64) -> (f64, usize) {
         let rigid = problem.groups[self.group].rigid.len();
-        let is_gap = |i: &usize| self.lambdas[*i] - self.lambdas[*i - 1] > GAP * self.lambdas[*i].abs();
+        // Mechanisms have eigenvalues of the size of the round-off.
+        let size = |i: usize| self.lambdas[i].abs().max(problem.groups[self.group].shift.abs());
+        let is_gap = |i: &usize| self.lambdas[*i] - self.lambdas[*i - 1] > GAP * size(*i);
         let behind = (self.wanted.max(1)..self.lambdas.len()).find(is_gap);
         let before = || (1..self.wanted).rev().find(is_gap);
         match (behind.or_else(before), self.lambdas.first()) {

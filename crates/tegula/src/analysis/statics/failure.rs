@@ -93,10 +93,14 @@ impl Failure {
     }
 
     /// Failure of a structure whose tangent has negative pivots without any stress, from round-off.
-    pub fn of_rounding(negative_pivots: usize) -> Self {
+    pub fn of_rounding(system: &System, negative_pivots: usize) -> Self {
+        let cause = if system.joints.is_empty() {
+            "an effect of round-off: the matrix is ill-conditioned"
+        } else {
+            "an effect of round-off: joints leave a motion free that no stiffness resists (a mechanism), or the matrix is ill-conditioned"
+        };
         let reason = format!(
-            "the stiffness matrix of the unloaded structure has {negative_pivots} negative pivot(s), an effect of \
-             round-off: the matrix is ill-conditioned"
+            "the stiffness matrix of the unloaded structure has {negative_pivots} negative pivot(s), {cause}"
         );
         Self::new(Kind::Rounding, reason, 0)
     }
@@ -165,6 +169,11 @@ impl Failure {
                     .into();
             }
             Kind::Unstable | Kind::Leap => return beyond_bifurcation(options),
+            Kind::Rounding if !system.joints.is_empty() => {
+                return "Check joints, bodies and beams: a modal analysis of the model shows motions that they leave free as modes of \
+                        frequency zero. Without such modes look at elements of extreme aspect ratio, at moduli and at their units."
+                    .into();
+            }
             Kind::Rounding => {
                 return "Look at elements of extreme aspect ratio (`tegula check` prints the largest), at thicknesses and at \
                         moduli, and at their units."

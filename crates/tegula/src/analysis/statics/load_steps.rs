@@ -4,16 +4,14 @@ use super::connection::{SOFTER, Speeds, released_energy};
 use super::failure::{CriticalPoint, Failure, Kind};
 use super::{StaticEquation, energies, follower_work, reactions, reactions_at, undefined};
 use crate::analysis::drilling::DrillingWatch;
-use crate::analysis::equilibrium::assemble_tangent;
 use crate::analysis::newton::{Cause, Converged, Newton, Tolerances};
 use crate::analysis::solver::TangentSolver;
 use crate::analysis::stepper::Reached;
 use crate::analysis::stops::Stops;
-use crate::analysis::{Balance, Observer, Stability, State, Statistics, Stepper};
+use crate::analysis::{Balance, Observer, Stability, State, Statistics, Stepper, equilibrium};
 use crate::element::{Motion, Nodal};
 use crate::model::{NewtonMethod, StaticAnalysis};
-use crate::system::dof_map::CONSTRAINED;
-use crate::system::{EvaluationPoint, Internal, System, VectorKind, inverted_element};
+use crate::system::{EvaluationPoint, Internal, System, inverted_element};
 use crate::{Error, Result};
 
 /// Displacement of a step over the size of the model that is round-off of directors, as where loads have not begun yet.
@@ -100,7 +98,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
                 scales: [0.0; 2],
                 attempts: 0,
                 multipliers: state.multipliers.clone(),
-                penalty: penalty(system, &mut newton, &state),
+                penalty: equilibrium::penalty(system, &mut newton.assembly, &state),
             },
             balance: Balance::default(),
             statistics: Statistics { steps: state.step, ..Statistics::default() },
@@ -355,7 +353,8 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
 
     /// Error of a step that no cut-back can save.
     fn give_up(&mut self, target: f64, failure: &Failure) -> Error {
-        let rounding = self.negative_pivots_at_rest(failure).map(Failure::of_rounding);
+        let rounding =
+            self.negative_pivots_at_rest(failure).map(|pivots| Failure::of_rounding(self.system, pivots));
         let failure = rounding.as_ref().unwrap_or(failure);
         let critical = self.critical_point(target, failure);
         let (system, options, state) = (self.system, self.options, &self.state);
@@ -432,6 +431,11 @@ impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
             if let Some(reason) = self.system.undefined_amplitude(target) {
                 return Err(undefined("load factor", (self.state.time, target), reason));
             }
+            if let Some(drive) = self.system.drive_turns_too_far(self.state.time, target) {
+                let reason = format!("{drive} in the load step");
+                self.cut_back(target, Failure::new(Kind::Iteration(Cause::Flight), reason, 0), observer)?;
+                continue;
+            }
             let outcome = self.attempt(target, observer);
             self.statistics.factorizations = self.newton.solver.tangents() as u64;
             self.statistics.linear_iterations = self.newton.linear_iterations();
@@ -450,29 +454,6 @@ impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
 /// configuration, which need not be an equilibrium.
 fn is_loaded(system: &System, state: &State) -> bool {
     state.step > 0 || system.start.is_some()
-}
-
-/// Weight of the augmented Lagrangian of joints: mean stiffness of the degrees of freedom at a state. It does not change the
-/// solution, but lets the tangent of parts that joints alone hold have a factor.
-fn penalty<S: TangentSolver>(system: &System, newton: &mut Newton<S>, state: &State) -> f64 {
-    if system.joints.is_empty() {
-        return 0.0;
-    }
-    let assembly = &mut newton.assembly;
-    let loads = vec![[0.0; 3]; system.vectors()];
-    assemble_tangent(system, assembly, state, &loads);
-    let (mut sum, mut count) = (0.0, 0);
-    for v in 0..system.vectors() {
-        if system.coordinates.kinds[v] != VectorKind::Position {
-            continue;
-        }
-        for number in system.dofs().of(v).into_iter().filter(|n| *n != CONSTRAINED) {
-            let first = system.pattern.column_pointers[number as usize];
-            sum += assembly.values[first].abs();
-            count += 1;
-        }
-    }
-    if sum > 0.0 { sum / f64::from(count) } else { 1.0 }
 }
 
 /// Name of a form of Newton's method in messages.

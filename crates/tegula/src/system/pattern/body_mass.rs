@@ -23,8 +23,7 @@ enum Side {
 impl Side {
     /// Side and place in it of a nodal vector.
     fn of(vector: u32, dofs: &DofMap) -> (Self, usize) {
-        let body = dofs.triads.partition_point(|triad| triad[0] <= vector).checked_sub(1);
-        let found = body.and_then(|body| {
+        let found = dofs.triad_of(vector as usize).and_then(|body| {
             let place = dofs.triads[body].iter().position(|d| *d == vector)?;
             Some((Self::Triad(body as u32, dofs.triads[body]), place))
         });

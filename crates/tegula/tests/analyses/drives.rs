@@ -1,0 +1,247 @@
+//! Driven joints: motion, reactions and work of the drives, contradictions.
+
+use crate::common::Notes;
+use crate::multibody::{between, body, gravity, machine, pose, run};
+use tegula::analysis::{Silent, dynamics, statics};
+use tegula::model::*;
+use tegula::result::joint_reaction;
+use tegula::{Mat3, Vec3, compile, mesh};
+
+/// A hinge of the ground about an axis through the origin, and a drive of its angle by a formula (degrees).
+fn driven_hinge(body: &str, at: [f64; 3], axis: [f64; 3]) -> Vec<Joint> {
+    vec![
+        Joint::Revolute(AxisJoint { name: "hinge".into(), between: between("ground", body), at, axis }),
+        Joint::DrivenAngle(DrivenAngleJoint {
+            name: "drive".into(),
+            between: between("ground", body),
+            axis,
+            angle: 1.0,
+            amplitude: "angle".into(),
+        }),
+    ]
+}
+
+fn formula(text: &str) -> Amplitude {
+    Amplitude::Expression(ExpressionAmplitude { expression: text.into() })
+}
+
+/// Cardan joint between shafts at 40° whose driven fork is across their plane at the start: tan φ₂ = cos β tan φ₁ after ten turns,
+/// in steps of up to a fifth of a turn.
+#[test]
+fn a_cardan_joint_transmits_the_angle_of_a_driven_shaft() {
+    let beta = 40f64.to_radians();
+    let axis = [beta.cos(), beta.sin(), 0.0];
+    let shaft = |name: &str, at| body(name, at, 1.0, Some([0.02, 0.03, 0.04]));
+    let output = RigidBody { axes: [axis, [-beta.sin(), beta.cos(), 0.0]], ..shaft("output", axis) };
+    let mut joints = driven_hinge("input", [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    joints.push(Joint::Cylindrical(AxisJoint {
+        name: "bearing".into(),
+        between: between("ground", "output"),
+        at: axis,
+        axis,
+    }));
+    joints.push(Joint::Universal(TwoAxesJoint {
+        name: "cardan".into(),
+        between: between("input", "output"),
+        at: [0.0; 3],
+        axes: [[0.0, 0.0, 1.0], [-beta.sin(), beta.cos(), 0.0]],
+    }));
+    let mut model = machine(1.0, 0.01, vec![shaft("input", [-1.0, 0.0, 0.0]), output], joints);
+    model.amplitudes.insert("angle".into(), formula("3650*t^2"));
+    let mut notes = Notes::default();
+    let (system, state) = run(&model, &mut notes);
+    assert!(notes.drift() <= 1e-10 * notes.kinetic, "{}", notes.drift());
+    let (_, r) = pose(&system, &state, 1);
+    let second = (beta.cos() * 50f64.to_radians().tan()).atan();
+    let fork = Vec3::new(-beta.sin(), beta.cos(), 0.0) * second.cos() + Vec3::z() * second.sin();
+    assert!((r.column(1) - fork).norm() < 1e-8, "{r} {fork}");
+}
+
+/// A pendulum whose hinge is driven by θ = θ₀ (1 − cos ωt): moment of the drive J θ̈ + m g l sin θ, its work the energy gained.
+#[test]
+fn a_driven_pendulum_takes_the_moment_of_its_equation_of_motion() {
+    let arm = body("arm", [0.0, -0.7, 0.0], 2.0, Some([0.1, 0.02, 0.1]));
+    let joints = driven_hinge("arm", [0.0; 3], [0.0, 0.0, 1.0]);
+    let moment = |step: f64| {
+        let mut model = machine(0.8, step, vec![arm.clone()], joints.clone());
+        model.amplitudes.insert("angle".into(), formula("60*(1 - cos(4*t))"));
+        model.loads = gravity([0.0, -9.81, 0.0]);
+        let mut notes = Notes::default();
+        let (system, state) = run(&model, &mut notes);
+        assert!(notes.drift() <= 1e-10 * notes.kinetic, "{}", notes.drift());
+        let angle = |t: f64| 60f64.to_radians() * (1.0 - (4.0 * t).cos());
+        let (x, _) = pose(&system, &state, 0);
+        let expected = Vec3::new(angle(0.8).sin(), -angle(0.8).cos(), 0.0) * 0.7;
+        assert!((x - expected).norm() < 1e-11, "{x}");
+        let t: f64 = 0.8 - 0.5 * step;
+        let exact = (0.1 + 2.0 * 0.49) * 60f64.to_radians() * 16.0 * (4.0 * t).cos()
+            + 2.0 * 9.81 * 0.7 * angle(t).sin();
+        let (_, m) = joint_reaction(&system, &state, &system.joints[1]);
+        (m.z - exact).abs() / exact.abs()
+    };
+    let errors = [moment(8e-3), moment(4e-3), moment(2e-3)];
+    assert!(errors[2] < 1e-3, "{errors:?}");
+    assert!((3.6..4.4).contains(&(errors[1] / errors[2])), "{errors:?}");
+}
+
+/// A mass on a slide that is driven along a length: force m s̈ + m g, and no other motion.
+#[test]
+fn a_driven_slide_carries_weight_and_inertia() {
+    let keys = |name: &str| (name.to_owned(), between("ground", "mass"));
+    let (name, sides) = keys("slide");
+    let (drive, _) = keys("drive");
+    let axis = [0.0, 0.0, 2.0];
+    let at = [0.3, 0.0, 0.0];
+    let joints = vec![
+        Joint::Prismatic(AxisJoint { name, between: sides.clone(), at, axis }),
+        Joint::DrivenLength(DrivenLengthJoint {
+            name: drive,
+            between: sides,
+            at,
+            axis,
+            length: 0.5,
+            amplitude: "lift".into(),
+        }),
+    ];
+    let mass = body("mass", [0.0; 3], 3.0, Some([0.1; 3]));
+    let mut model = machine(1.0, 1e-2, vec![mass], joints);
+    model.amplitudes.insert("lift".into(), formula("t^2"));
+    model.loads = gravity([0.0, 0.0, -9.81]);
+    let (system, state) = run(&model, &mut Notes::default());
+    let (x, r) = pose(&system, &state, 0);
+    assert!((x - Vec3::new(0.0, 0.0, 0.5)).norm() < 1e-12 && (r - Mat3::identity()).norm() < 1e-12, "{x}");
+    let (force, _) = joint_reaction(&system, &state, &system.joints[1]);
+    assert!((force - Vec3::new(0.0, 0.0, 3.0 * (9.81 + 1.0))).norm() < 1e-9, "{force}");
+}
+
+/// Two drives of one hinge that disagree contradict each other; the one that is named is a drive.
+#[test]
+fn drives_that_contradict_each_other_are_refused_by_name() {
+    let arm = body("arm", [0.0, -0.7, 0.0], 2.0, Some([0.1, 0.02, 0.1]));
+    let mut joints = driven_hinge("arm", [0.0; 3], [0.0, 0.0, 1.0]);
+    let Joint::DrivenAngle(mut second) = joints[1].clone() else { panic!() };
+    (second.name, second.angle) = ("second".into(), 2.0);
+    joints.push(Joint::DrivenAngle(second));
+    let mut model = machine(0.8, 0.01, vec![arm], joints);
+    model.amplitudes.insert("angle".into(), formula("60*(1 - cos(4*t))"));
+    let mesh = mesh::generators::generate(&model.mesh).unwrap();
+    let system = compile::build(&model, &mesh).unwrap();
+    let Analysis::Transient(options) = &model.analysis else { panic!() };
+    let error = dynamics::run(&system, options, None, &mut Notes::default()).unwrap_err().to_string();
+    assert!(error.contains("the drives \"drive\", \"second\" contradict each other"), "{error}");
+}
+
+/// A rotor on a driven hinge with the angle π t² (rad): speed 2π t. Its place at the ends of steps does not tell how often it turns.
+fn driven_rotor(scheme: Scheme, end: f64, time_step: Option<f64>) -> Model {
+    let rotor = body("rotor", [0.0; 3], 2.0, Some([0.1, 0.02, 0.1]));
+    let mut model = machine(end, 1.0, vec![rotor], driven_hinge("rotor", [0.0; 3], [0.0, 0.0, 1.0]));
+    model.amplitudes.insert("angle".into(), formula("180*t^2"));
+    let options = TransientAnalysis { scheme, time_step, ..TransientAnalysis::new(end) };
+    Model { analysis: Analysis::Transient(options), ..model }
+}
+
+fn speed(model: &Model) -> f64 {
+    let (system, state) = run(model, &mut Notes::default());
+    let [d, ..] = system.coordinates.bodies[0].directors.unwrap();
+    let (d, rate) = (pose(&system, &state, 0).1.column(0).into_owned(), Vec3::from(state.v[d as usize]));
+    d.cross(&rate).z
+}
+
+#[test]
+fn automatic_steps_resolve_the_motion_of_a_mechanism_that_a_drive_moves_alone() {
+    for scheme in [
+        Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 }),
+        Scheme::GeneralizedAlpha(GeneralizedAlphaScheme { spectral_radius: 0.8 }),
+    ] {
+        let found = speed(&driven_rotor(scheme, 2.0, None));
+        assert!((found / (4.0 * std::f64::consts::PI) - 1.0).abs() < 0.02, "{found}");
+    }
+}
+
+#[test]
+fn steps_in_which_a_drive_turns_by_more_than_a_quarter_turn_are_cut_back() {
+    for scheme in [
+        Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 }),
+        Scheme::GeneralizedAlpha(GeneralizedAlphaScheme { spectral_radius: 0.8 }),
+    ] {
+        // Steps of 0.97 turns at the end.
+        let found = speed(&driven_rotor(scheme, 4.0, Some(0.1217)));
+        let expected = 8.0 * std::f64::consts::PI;
+        assert!((found / expected - 1.0).abs() < 0.5, "{found} {expected}");
+    }
+}
+
+/// The drive pauses, turning on, at 0.5 s, where its angular acceleration is zero.
+#[test]
+fn composed_steps_pass_times_at_which_the_acceleration_of_a_drive_vanishes() {
+    let mut model = driven_rotor(Scheme::EnergyMomentum(EnergyMomentumScheme { order: 4 }), 1.0, Some(0.02));
+    model.amplitudes.insert("angle".into(), formula("90*(t - sin(2*PI*t)/(2*PI))"));
+    let found = speed(&model);
+    assert!(found.abs() < 1e-6, "{found}");
+}
+
+/// A shaft, clamped at one end and driven at the other by 350° in one load step: G J θ/L, and not that of −10°.
+#[test]
+fn a_static_drive_of_almost_a_turn_twists_a_shaft_the_long_way() {
+    let section = BeamSection::Constants(SectionConstants {
+        axial: 1e4,
+        shear: [1e4; 2],
+        bending: [1e4; 2],
+        torsion: 3.0,
+        mass: 1.0,
+        inertia: [1.0; 2],
+    });
+    let mut joints = driven_hinge("shaft.end", [1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    joints[0] = Joint::Cylindrical(AxisJoint {
+        name: "bearing".into(),
+        between: between("ground", "shaft.end"),
+        at: [1.0, 0.0, 0.0],
+        axis: [1.0, 0.0, 0.0],
+    });
+    let clamp = PointJoint { name: "clamp".into(), between: between("ground", "shaft.start"), at: [0.0; 3] };
+    joints.push(Joint::Fixed(clamp));
+    let mut model = Model::of_bodies(Analysis::Static(StaticAnalysis::default()), Vec::new(), joints);
+    model.beams = vec![Beam::straight("shaft", [[0.0; 3], [1.0, 0.0, 0.0]], 64, [0.0, 1.0, 0.0], section)];
+    model.amplitudes.insert("angle".into(), formula("350*t"));
+    let mesh = mesh::generators::generate(&model.mesh).unwrap();
+    let system = compile::build(&model, &mesh).unwrap();
+    let Analysis::Static(options) = &model.analysis else { panic!() };
+    let outcome = statics::run(&system, options, None, &mut Silent).unwrap();
+    let (_, moment) = joint_reaction(&system, &outcome.state, &system.joints[1]);
+    let expected = 3.0 * 350f64.to_radians();
+    assert!((moment.x / expected - 1.0).abs() < 0.01, "{moment} {expected}");
+    assert!(outcome.statistics.cutbacks > 0);
+}
+
+/// A strip hangs on a hinge that is driven by −90°; the drive of a motion from there begins with the angle 1.5 t² turns: at first the
+/// strip moves by less than the round-off of its stresses.
+#[test]
+fn a_motion_begins_smoothly_from_a_loaded_equilibrium() {
+    let mut hub = body("hub", [0.0; 3], 1.0, None);
+    (hub.mass, hub.attached) = (None, vec!["u_min".into()]);
+    let mut model = crate::multibody::strip(1.0, 1e-3);
+    let MeshSource::Plate(plate) = &mut model.mesh else { panic!() };
+    *plate = PlateMesh { origin: [0.0, -0.025, 0.0], ..PlateMesh::new([1.0, 0.05], [12, 2]) };
+    model.materials.insert("material".into(), Material::Isotropic(Isotropic::new(7e10, 0.0, 2700.0)));
+    model.sections[0] = Section { thickness: 0.01, ..model.sections[0].clone() };
+    model.bodies = vec![hub];
+    model.joints = driven_hinge("hub", [0.0; 3], [0.0, 1.0, 0.0]);
+    model.amplitudes.insert("angle".into(), formula("-90*t^2*(3 - 2*t)"));
+    let scheme = Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 });
+    let motion = TransientAnalysis { scheme, time_step: Some(1e-3), ..TransientAnalysis::new(0.02) };
+    model.steps = vec![
+        AnalysisStep::new(
+            "hang",
+            Analysis::Static(StaticAnalysis { load_steps: 4, ..StaticAnalysis::default() }),
+        ),
+        AnalysisStep::new("swing", Analysis::Transient(motion.clone())),
+    ];
+    let mesh = mesh::generators::generate(&model.mesh).unwrap();
+    let compiler = compile::Compiler::new(&model, &mesh).unwrap();
+    let system = compiler.system(0, None).unwrap();
+    let Analysis::Static(options) = &model.steps[0].analysis else { panic!() };
+    let hanging = statics::run(&system, options, None, &mut Silent).unwrap();
+    let next = compiler.system(1, Some(hanging.state.end_of_step())).unwrap();
+    let moved = dynamics::run(&next, &motion, None, &mut Silent).unwrap();
+    assert_eq!((moved.statistics.steps, moved.statistics.cutbacks), (20, 0));
+}

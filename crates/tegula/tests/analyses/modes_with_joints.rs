@@ -1,0 +1,149 @@
+//! Modes of bodies, beams and shells that joints connect: closed solutions, mechanisms of frequency zero, redundant joints, and
+//! joints in the place of supports.
+
+use crate::common::on;
+use crate::multibody::{between, body, gravity, revolute, spherical};
+use tegula::analysis::Silent;
+use tegula::analysis::modal::{self, ModalOutcome};
+use tegula::model::*;
+use tegula::{System, compile, mesh};
+
+fn modal(modes: u32, prestressed: bool) -> Analysis {
+    Analysis::Modal(ModalAnalysis { modes, prestressed })
+}
+
+/// Modes of a model; the number of all modes was proved by a Sturm sequence count.
+fn modes(model: &Model) -> (System, ModalOutcome) {
+    let mesh = mesh::generators::generate(&model.mesh).unwrap();
+    let system = compile::build(model, &mesh).unwrap();
+    let Analysis::Modal(options) = &model.analysis else { panic!() };
+    let equilibrium = options.prestressed.then(|| modal::prestress(&system, &mut Silent).unwrap().state);
+    let found = modal::run(&system, options.modes as usize, equilibrium.as_ref(), &mut Silent).unwrap();
+    assert!(found.sturm_checked);
+    (system, found)
+}
+
+fn omegas(model: &Model) -> Vec<f64> {
+    modes(model).1.modes.iter().map(|mode| mode.omega).collect()
+}
+
+fn slide(name: &str) -> Joint {
+    Joint::Prismatic(AxisJoint {
+        name: format!("slide of {name}"),
+        between: between("ground", name),
+        at: [0.0; 3],
+        axis: [1.0, 0.0, 0.0],
+    })
+}
+
+/// Two bodies on slides with a spring between them: they drift, or vibrate with ω² = k (1/m₁ + 1/m₂).
+#[test]
+fn two_bodies_on_slides_drift_and_vibrate_against_their_spring() {
+    let bodies =
+        vec![body("a", [0.0; 3], 2.0, Some([0.1; 3])), body("b", [1.0, 0.0, 0.0], 3.0, Some([0.2; 3]))];
+    let mut model = Model::of_bodies(modal(2, false), bodies, vec![slide("a"), slide("b")]);
+    model.springs = vec![SpringDamper {
+        name: "spring".into(),
+        between: between("a", "b"),
+        points: [[0.0; 3], [1.0, 0.0, 0.0]],
+        stiffness: 600.0,
+        damping: 0.0,
+        length: None,
+    }];
+    let found = omegas(&model);
+    assert!(found[0] == 0.0 && (found[1] / 500f64.sqrt() - 1.0).abs() < 1e-10, "{found:?}");
+}
+
+/// A body that hangs on a hinge: ω² = m g l/(J + m l²) by the geometric stiffness of the joint's forces; a second hinge on the same
+/// axis changes nothing.
+#[test]
+fn a_hanging_body_swings_as_a_compound_pendulum_on_one_hinge_or_two() {
+    let hinge = |name: &str, y: f64| revolute(name, "ground", "bob", [0.0, y, 0.0], [0.0, 1.0, 0.0]);
+    let bob = body("bob", [0.0, 0.0, -0.4], 3.0, Some([0.3, 0.2, 0.1]));
+    for joints in [vec![hinge("one", 0.0)], vec![hinge("one", 0.0), hinge("two", 0.5)]] {
+        let mut model = Model::of_bodies(modal(6, true), vec![bob.clone()], joints);
+        model.loads = gravity([0.0, 0.0, -9.81]);
+        let found = omegas(&model);
+        let expected = (3.0 * 9.81 * 0.4 / (0.2 + 3.0 * 0.16_f64)).sqrt();
+        assert!(found.len() == 1 && (found[0] / expected - 1.0).abs() < 1e-9, "{found:?} {expected}");
+    }
+}
+
+/// On a universal joint with horizontal axes the body swings about both.
+#[test]
+fn a_hanging_body_on_a_universal_joint_swings_about_both_axes() {
+    let bob = body("bob", [0.0, 0.0, -0.4], 3.0, Some([0.3, 0.2, 0.1]));
+    let cross = Joint::Universal(TwoAxesJoint {
+        name: "cross".into(),
+        between: between("ground", "bob"),
+        at: [0.0; 3],
+        axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+    });
+    let mut model = Model::of_bodies(modal(6, true), vec![bob], vec![cross]);
+    model.loads = gravity([0.0, 0.0, -9.81]);
+    let found = omegas(&model);
+    let expected = |inertia: f64| (3.0 * 9.81 * 0.4 / (inertia + 0.48_f64)).sqrt();
+    assert_eq!(found.len(), 2);
+    for (omega, inertia) in found.iter().zip([0.3, 0.2]) {
+        assert!((omega / expected(inertia) - 1.0).abs() < 1e-9, "{found:?}");
+    }
+}
+
+/// A slender beam between hinges: Euler's (n π/L)² √(EI/ρA), less `½ (n π r/L)² (1 + E/κG)` of it for rotary inertia and shear
+/// (S. Timoshenko, Phil. Mag. 43 (1922) 125–131).
+#[test]
+fn a_beam_between_hinges_has_timoshenkos_frequencies() {
+    let steel = Isotropic { young: 2.1e11, poisson: 0.3, density: 7800.0, expansion: 0.0, strength: None };
+    let section = BeamSection::Rectangle(RectangularSection { size: [0.04, 0.01] });
+    let beam = Beam {
+        material: Some("steel".into()),
+        ..Beam::straight("beam", [[0.0; 3], [2.0, 0.0, 0.0]], 32, [0.0, 1.0, 0.0], section)
+    };
+    let hinge = |name: &str, node: &str, at: [f64; 3]| revolute(name, "ground", node, at, [0.0, 1.0, 0.0]);
+    let joints = vec![hinge("left", "beam.start", [0.0; 3]), hinge("right", "beam.end", [2.0, 0.0, 0.0])];
+    let mut model = Model::of_bodies(modal(2, false), Vec::new(), joints);
+    model.materials.insert("steel".into(), Material::Isotropic(steel));
+    for (n, omega) in omegas(&Model { beams: vec![beam], ..model }).into_iter().enumerate() {
+        let (wave, radius) = ((n + 1) as f64 * std::f64::consts::PI / 2.0, 1e-4 / 12.0);
+        let euler = wave.powi(2) * (2.1e11 * radius / 7800.0_f64).sqrt();
+        let expected = euler * (1.0 - 0.5 * wave.powi(2) * radius * (1.0 + 2.6 * 1.2));
+        assert!((omega / expected - 1.0).abs() < 2e-5, "{n}: {omega} {expected}");
+    }
+}
+
+/// A strip whose edge is attached to a body that a fixed joint holds vibrates as a clamped one; on spherical joints at its corners as
+/// one whose corners are supported.
+#[test]
+fn joints_in_the_place_of_supports_leave_the_frequencies_of_a_strip_unchanged() {
+    let strip = || {
+        let mesh = crate::common::plate([1.0, 0.3], [8, 3], 0.0);
+        let mut model = crate::common::model(mesh, 2.1e11, 0.01);
+        model.materials.insert("m".into(), Material::Isotropic(Isotropic::new(2.1e11, 0.3, 7850.0)));
+        model.conditions.clear();
+        model.analysis = modal(5, false);
+        model
+    };
+    let compare = |supported: &Model, jointed: &Model| {
+        let (a, b) = (omegas(supported), omegas(jointed));
+        for (a, b) in a.iter().zip(&b) {
+            assert!(*a > 0.0 && (a / b - 1.0).abs() < 1e-7, "{a} {b}");
+        }
+    };
+    let clamped = Model { conditions: vec![Condition::Clamp(on("u_min"))], ..strip() };
+    let mut hub = body("hub", [-0.1, 0.15, 0.0], 2.0, Some([0.1; 3]));
+    hub.attached = vec!["u_min".into()];
+    let at = [-0.1, 0.15, 0.0];
+    let weld = Joint::Fixed(PointJoint { name: "weld".into(), between: between("ground", "hub"), at });
+    compare(&clamped, &Model { bodies: vec![hub], joints: vec![weld], ..strip() });
+    let corners = [
+        ("u_min_v_min", [0.0, 0.0, 0.0]),
+        ("u_max_v_min", [1.0, 0.0, 0.0]),
+        ("u_min_v_max", [0.0, 0.3, 0.0]),
+    ];
+    let pinned = Model {
+        conditions: corners.iter().map(|(set, _)| Condition::Spherical(on(set))).collect(),
+        ..strip()
+    };
+    let joints = corners.iter().map(|(set, at)| spherical("ground", set, *at)).collect();
+    compare(&pinned, &Model { joints, ..strip() });
+}
