@@ -57,9 +57,8 @@ def install():
             print(peer.NAME, "installed" if done.returncode == 0 else "cannot be installed: see above")
 
 
-def compute(name, job, limit, folder):
+def compute(peer, job, limit, folder):
     """One job in a process of its own: what it found and its times, or the reason why it found nothing."""
-    peer = PEERS[name]
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     job_file = folder / "job.json"
@@ -106,7 +105,7 @@ def kept_in(out, name, job, timed=True):
     return out / ("runs" if timed else "limits") / ("%s-%s-%s.json" % (job["problem"], name, key))
 
 
-def run_all(chosen, repetitions, limit, out, timed=True):
+def run_all(chosen, repetitions, limit, out, timed=True, peers=PEERS):
     """Does what is missing of all runs, repetition by repetition, and returns them with what they found."""
     runs = [{**run, "file": kept_in(out, run["peer"], run["job"], timed)} for run in chosen]
     for repetition in range(repetitions):
@@ -114,7 +113,7 @@ def run_all(chosen, repetitions, limit, out, timed=True):
             found = json.loads(run["file"].read_text()) if run["file"].exists() else []
             if len(found) > repetition or (found and "failure" in found[-1]):
                 continue
-            result = compute(run["peer"], run["job"], limit, out / ("job-%d" % os.getpid()))
+            result = compute(peers[run["peer"]], run["job"], limit, out / ("job-%d" % os.getpid()))
             run["file"].parent.mkdir(parents=True, exist_ok=True)
             run["file"].write_text(json.dumps(found + [result]))
             settings = {k: v for k, v in run["job"].items() if k in ("elements", "dt", "steps", "analysis")}

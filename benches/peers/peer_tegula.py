@@ -30,6 +30,8 @@ def toml(value):
     """A value as it is written in the model file."""
     if isinstance(value, dict):
         return "{ " + ", ".join("%s = %s" % (k, toml(v)) for k, v in value.items()) + " }"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(toml, value)) + "]"
     return json.dumps(value)
 
 
