@@ -22,13 +22,13 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "machines",
-        about: "rigid mechanisms: pendulum, four-bar, squeezer, Bricard, governor, slider-crank, tops",
+        about: "rigid mechanisms: pendulum, four-bar, squeezer, Bricard, governor, slider-crank, tops; a free flight",
         cost: Cost::Normal,
         run: normal,
     },
     Case {
         name: "flexible-machines",
-        about: "beams: soft pendulum, spin-up, slider-crank, four-bar, lateral buckling, shaft with a disc",
+        about: "beams: soft pendulum, spin-up, slider-crank, four-bar, lateral buckling, shaft with a disc and its modes",
         cost: Cost::Normal,
         run: flexible,
     },
@@ -44,6 +44,8 @@ const CASE: &str = "machines";
 const REFERENCE: &str = include_str!("../../../../verification/reference/machines.csv");
 /// Drift of the total energy over the largest kinetic energy: the tolerance of Newton's method.
 const DRIFT: f64 = 1e-10;
+/// Drift of a momentum over its value.
+const MOMENTA: f64 = 1e-9;
 
 macro_rules! model {
     ($name:literal) => {
@@ -68,7 +70,45 @@ fn normal(report: &mut Report) -> Result<()> {
         model!("bricard_fourth_order"),
         model!("slider_crank_fourth_order"),
     ];
-    models.into_iter().try_for_each(|model| compare(report, model))
+    models.into_iter().try_for_each(|model| compare(report, model))?;
+    free_flight(report)
+}
+
+/// A sheet with two hinged plates flies freely: momenta, and like those of all machines the energy, stay over 10 000 steps.
+fn free_flight(report: &mut Report) -> Result<()> {
+    let (machine, text) = model!("free_flight");
+    compare(report, (machine, text))?;
+    let history = Results::of(text)?.table("history.csv")?;
+    let momentum = |row: &Record, names: [&str; 3]| Vec3::from(names.map(|name| row.number(name)));
+    for (quantity, names) in
+        [("linear momentum", ["px", "py", "pz"]), ("angular momentum", ["lx", "ly", "lz"])]
+    {
+        let start = history.first().map_or_else(Vec3::zeros, |row| momentum(row, names));
+        let drift = history.iter().map(|row| (momentum(row, names) - start).norm()).fold(0.0, larger);
+        report.at_most(
+            CASE,
+            &format!("{machine}: drift of the {quantity}"),
+            "",
+            drift / start.norm(),
+            MOMENTA,
+        );
+    }
+    report.absolute(CASE, &format!("{machine}: steps"), "", history.len() as f64 - 1.0, 10_000.0, 0.0);
+    Ok(())
+}
+
+/// Natural frequencies of the shaft at rest.
+fn shaft_modes(report: &mut Report) -> Result<()> {
+    let (machine, text) = model!("shaft_modes");
+    report.element("");
+    let modes = Results::of(text)?.table("modes.csv")?;
+    for row in records(REFERENCE).iter().filter(|row| row.text("machine") == machine) {
+        let found = modes.iter().find(|mode| mode.text("mode") == row.text("quantity"));
+        let found = found.map_or(f64::NAN, |mode| mode.number("omega"));
+        let name = format!("{machine}: circular frequency of mode {}", row.text("quantity"));
+        report.absolute(CASE, &name, "", found, row.number("value"), row.number("tolerance"));
+    }
+    Ok(())
 }
 
 fn flexible(report: &mut Report) -> Result<()> {
@@ -80,7 +120,8 @@ fn flexible(report: &mut Report) -> Result<()> {
         model!("lateral_buckling"),
         model!("shaft"),
     ];
-    models.into_iter().try_for_each(|model| compare(report, model))
+    models.into_iter().try_for_each(|model| compare(report, model))?;
+    shaft_modes(report)
 }
 
 fn shells(report: &mut Report) -> Result<()> {

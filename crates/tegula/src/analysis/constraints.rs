@@ -37,6 +37,9 @@ const READMITTED: f64 = 1e-3;
 /// Eigenvalue of the scaled Schur complement over the largest one that is round-off of a dependent constraint.
 const ROUNDING: f64 = 1e-10;
 
+/// Number of products with a gradient that are summed together.
+const LANES: usize = 4;
+
 /// Gradient of a constraint with respect to the free degrees of freedom: numbers and values.
 type Gradient = Vec<(u32, f64)>;
 
@@ -132,8 +135,8 @@ impl Constraints {
         }
         solver.solve_tangents(&mut self.responses, self.forces.len())?;
         for (row, gradient) in self.schur.matrix.chunks_mut(self.forces.len()).zip(&self.ends) {
-            for (entry, response) in row.iter_mut().zip(self.responses.chunks(n)) {
-                *entry = product(gradient, response);
+            for (entries, responses) in row.chunks_mut(LANES).zip(self.responses.chunks(LANES * n)) {
+                products(gradient, responses, n, entries);
             }
         }
         self.schur.factor();
@@ -340,6 +343,19 @@ fn add_entry(gradient: &mut Gradient, number: u32, x: f64) {
     match gradient.iter_mut().find(|(n, _)| *n == number) {
         Some((_, sum)) => *sum += x,
         None => gradient.push((number, x)),
+    }
+}
+
+/// Products of a gradient with some fields of n components each, one after another.
+fn products(gradient: &Gradient, fields: &[f64], n: usize, out: &mut [f64]) {
+    let mut sums = [0.0; LANES];
+    if out.len() == LANES {
+        for &(number, g) in gradient {
+            (0..LANES).for_each(|lane| sums[lane] += g * fields[lane * n + number as usize]);
+        }
+        out.copy_from_slice(&sums);
+    } else {
+        out.iter_mut().zip(fields.chunks(n)).for_each(|(out, field)| *out = product(gradient, field));
     }
 }
 

@@ -84,8 +84,8 @@ impl State {
         match &system.start {
             None => Self::at_rest(system),
             Some(start) => {
-                let StepStart { u, v, history } = start.clone();
-                Self { u, v, history, multipliers: vec![0.0; system.constraints()], ..Self::default() }
+                let StepStart { u, v, history, multipliers } = start.clone();
+                Self { u, v, history, multipliers, ..Self::default() }
             }
         }
     }
@@ -122,9 +122,10 @@ impl State {
         EvaluationPoint::new(system, Motion::State { u: &self.u, velocity }, self.time, self.internal())
     }
 
-    /// Displacements, velocities and history variables from which the next analysis step starts.
+    /// Displacements, velocities, history variables and multipliers from which the next analysis step starts.
     pub fn end_of_step(&self) -> StepStart {
-        StepStart { u: self.u.clone(), v: self.v.clone(), history: self.history.clone() }
+        let Self { u, v, history, multipliers, .. } = self.clone();
+        StepStart { u, v, history, multipliers }
     }
 }
 

@@ -200,14 +200,18 @@ impl<'a> Compiler<'a> {
         };
         let (vectors, history) =
             (self.vectors.coordinates.len(), self.offsets.last().map_or(0, |last| last.history.end));
+        let constraints = self.joints.last().map_or(0, |last| last.multipliers().end);
         let fits = |s: &StepStart| {
-            s.u.len() == vectors && (s.v.is_empty() || s.v.len() == vectors) && s.history.len() == history
+            s.u.len() == vectors
+                && (s.v.is_empty() || s.v.len() == vectors)
+                && (s.history.len(), s.multipliers.len()) == (history, constraints)
         };
         if start.as_ref().is_some_and(|start| !fits(start)) {
             return Err(Error::model(
                 "steps",
                 format!(
-                    "the start has not the {vectors} nodal vectors and {history} history variables of the model"
+                    "the start has not the {vectors} nodal vectors, {history} history variables and {constraints} multipliers of \
+                     the model"
                 ),
                 "take the start from a state of this model, by `State::end_of_step`",
             ));
@@ -292,7 +296,7 @@ impl<'a> Compiler<'a> {
             groups: Arc::clone(&self.groups),
             offsets: Arc::clone(&self.offsets),
             reductions,
-            joints: self.joints_at(start.as_ref(), &amplitudes),
+            joints: self.joints_at(start.as_ref(), procedure, &amplitudes),
             beams: Arc::clone(&self.beams),
             shells: self.shells.clone(),
             sections: Arc::clone(&self.sections),
@@ -330,8 +334,13 @@ impl<'a> Compiler<'a> {
         if issues.is_empty() { Ok(system) } else { Err(Error::Model(issues)) }
     }
 
-    /// Joints whose drives begin where a step starts.
-    fn joints_at(&self, start: Option<&StepStart>, amplitudes: &[TimeFunction]) -> Arc<Vec<Joint>> {
+    /// Joints whose drives begin where a step starts. Modes about the end of the step before leave them there.
+    fn joints_at(
+        &self,
+        start: Option<&StepStart>,
+        procedure: Procedure,
+        amplitudes: &[TimeFunction],
+    ) -> Arc<Vec<Joint>> {
         if self.joints.iter().all(|joint| joint.drive.is_none()) {
             return Arc::clone(&self.joints);
         }
@@ -341,7 +350,12 @@ impl<'a> Compiler<'a> {
             Vec3::from(self.vectors.coordinates.reference[v as usize]) + moved
         };
         let mut joints = (*self.joints).clone();
-        joints.iter_mut().for_each(|joint| joint.start_drive(amplitudes, current));
+        for joint in &mut joints {
+            if let Some(drive) = joint.drive.as_mut().filter(|_| start.is_some() && procedure == Procedure::Modal) {
+                drive.value = 0.0;
+            }
+            joint.start_drive(amplitudes, current);
+        }
         Arc::new(joints)
     }
 

@@ -127,6 +127,8 @@ pub struct StepStart {
     pub v: Vec<Nodal>,
     /// Enhanced parameters and internal variables of the materials.
     pub history: Vec<f64>,
+    /// Lagrange multipliers of the constraints of joints.
+    pub multipliers: Vec<f64>,
 }
 
 /// The compiled model.

@@ -222,7 +222,7 @@ fn a_motion_begins_smoothly_from_a_loaded_equilibrium() {
     let mut model = crate::multibody::strip(1.0, 1e-3);
     let MeshSource::Plate(plate) = &mut model.mesh else { panic!() };
     *plate = PlateMesh { origin: [0.0, -0.025, 0.0], ..PlateMesh::new([1.0, 0.05], [12, 2]) };
-    model.materials.insert("material".into(), Material::Isotropic(Isotropic::new(7e10, 0.0, 2700.0)));
+    model.materials.insert("m".into(), Material::Isotropic(Isotropic::new(7e10, 0.0, 2700.0)));
     model.sections[0] = Section { thickness: 0.01, ..model.sections[0].clone() };
     model.bodies = vec![hub];
     model.joints = driven_hinge("hub", [0.0; 3], [0.0, 1.0, 0.0]);
@@ -244,4 +244,16 @@ fn a_motion_begins_smoothly_from_a_loaded_equilibrium() {
     let next = compiler.system(1, Some(hanging.state.end_of_step())).unwrap();
     let moved = dynamics::run(&next, &motion, None, &mut Silent).unwrap();
     assert_eq!((moved.statistics.steps, moved.statistics.cutbacks), (20, 0));
+}
+
+/// A run-up to 50 turns a second in steps of 20 ms: the velocities of steps of a quarter turn are those of no rotor.
+#[test]
+fn velocities_that_miss_the_rate_of_a_drive_by_half_of_it_are_refused() {
+    let mut model = driven_rotor(Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 }), 1.0, Some(0.02));
+    model.amplitudes.insert("angle".into(), formula("18000*(t - sin(PI*t)/PI)"));
+    let mesh = mesh::generators::generate(&model.mesh).unwrap();
+    let system = compile::build(&model, &mesh).unwrap();
+    let Analysis::Transient(options) = &model.analysis else { panic!() };
+    let error = dynamics::run(&system, options, None, &mut Silent).unwrap_err().to_string();
+    assert!(error.contains("the velocities miss the rate of the drive \"drive\""), "{error}");
 }

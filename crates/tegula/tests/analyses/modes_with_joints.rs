@@ -3,8 +3,8 @@
 
 use crate::common::on;
 use crate::multibody::{between, body, gravity, revolute, spherical};
-use tegula::analysis::Silent;
 use tegula::analysis::modal::{self, ModalOutcome};
+use tegula::analysis::{Silent, State, statics};
 use tegula::model::*;
 use tegula::{System, compile, mesh};
 
@@ -146,4 +146,70 @@ fn joints_in_the_place_of_supports_leave_the_frequencies_of_a_strip_unchanged() 
     };
     let joints = corners.iter().map(|(set, at)| spherical("ground", set, *at)).collect();
     compare(&pinned, &Model { joints, ..strip() });
+}
+
+/// The compound pendulum in two steps: the force in the hinge comes from the static one.
+#[test]
+fn a_modal_step_behind_a_static_one_has_the_forces_in_the_joints_of_its_end() {
+    let bob = body("bob", [0.0, 0.0, -0.4], 3.0, Some([0.3, 0.2, 0.1]));
+    let hinge = revolute("hinge", "ground", "bob", [0.0; 3], [0.0, 1.0, 0.0]);
+    let mut model = Model::of_bodies(modal(1, false), vec![bob], vec![hinge]);
+    model.loads = gravity([0.0, 0.0, -9.81]);
+    model.steps = vec![
+        AnalysisStep::new("hang", Analysis::Static(StaticAnalysis::default())),
+        AnalysisStep::new("modes", modal(1, false)),
+    ];
+    let mesh = mesh::generators::generate(&model.mesh).unwrap();
+    let compiler = compile::Compiler::new(&model, &mesh).unwrap();
+    let system = compiler.system(0, None).unwrap();
+    let hanging = statics::run(&system, &StaticAnalysis::default(), None, &mut Silent).unwrap();
+    let next = compiler.system(1, Some(hanging.state.end_of_step())).unwrap();
+    let about = State { time: 1.0, ..State::first(&next) };
+    let found = modal::run(&next, 1, Some(&about), &mut Silent).unwrap();
+    let expected = (3.0 * 9.81 * 0.4 / (0.2 + 3.0 * 0.16_f64)).sqrt();
+    assert!((found.modes[0].omega / expected - 1.0).abs() < 1e-9, "{} {expected}", found.modes[0].omega);
+}
+
+/// Shaft with a disc in its middle between hinges that clamp it in bending (O. Bauchau and others, Multibody Syst. Dyn. 37 (2016) 29–48,
+/// with the disc centred): the first bending pair at 56.85 rad/s by Timoshenko's theory. The second pair is at 285.2 and 291.7 rad/s
+/// where the shaft turns at 60 rad/s; gyroscopic moments split a pair so that the product of both frequencies stays.
+#[test]
+fn a_shaft_with_a_disc_has_the_bending_pairs_of_the_benchmark() {
+    let section = BeamSection::Constants(SectionConstants {
+        axial: 313.4e6,
+        shear: [60.5e6; 2],
+        bending: [354.5e3; 2],
+        torsion: 272.7e3,
+        mass: 11.64,
+        inertia: [0.013167; 2],
+    });
+    let along = [1.0, 0.0, 0.0];
+    let joints = vec![
+        Joint::Fixed(PointJoint {
+            name: "hub".into(),
+            between: between("shaft.8", "disc"),
+            at: [3.0, 0.0, 0.0],
+        }),
+        Joint::Fixed(PointJoint {
+            name: "left".into(),
+            between: between("ground", "shaft.start"),
+            at: [0.0; 3],
+        }),
+        Joint::Cylindrical(AxisJoint {
+            name: "right".into(),
+            between: between("ground", "shaft.end"),
+            at: [6.0, 0.0, 0.0],
+            axis: along,
+        }),
+    ];
+    let disc = body("disc", [3.0, 0.0, 0.0], 70.573, Some([2.0325, 1.0163, 1.0163]));
+    let mut model = Model::of_bodies(modal(5, false), vec![disc], joints);
+    model.beams = vec![Beam::straight("shaft", [[0.0; 3], [6.0, 0.0, 0.0]], 16, [0.0, 1.0, 0.0], section)];
+    let found = omegas(&model);
+    // In between the disc turns on the shaft; its free half turns with it, of the other half a third counts.
+    let torsion = (272.7e3 / 3.0 / (2.0325 + 4.0 * 0.026334_f64)).sqrt();
+    let pair = (285.2 * 291.7_f64).sqrt();
+    for (omega, expected) in found.iter().zip([56.85, 56.85, torsion, pair, pair]) {
+        assert!((omega / expected - 1.0).abs() < 0.01, "{found:?} {expected}");
+    }
 }

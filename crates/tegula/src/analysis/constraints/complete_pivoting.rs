@@ -11,6 +11,8 @@
 //!
 //! the one of minimum norm has `c = −(Nᵀ N)⁻¹ Nᵀ x₀` (Sect. 5.5).
 
+use pulp::Arch;
+
 /// Factors of a square matrix, with workspace for its solutions.
 #[derive(Debug, Default)]
 pub(super) struct CompletePivoting {
@@ -51,6 +53,11 @@ impl CompletePivoting {
 
     /// Factors a matrix, given by rows. Its rank is decided by [`decide_rank`](Self::decide_rank).
     pub fn factor(&mut self, matrix: &[f64]) {
+        Arch::new().dispatch(|| self.eliminate(matrix));
+    }
+
+    #[inline(always)]
+    fn eliminate(&mut self, matrix: &[f64]) {
         let n = self.n;
         self.factors.copy_from_slice(matrix);
         if !matrix.iter().all(|x| x.is_finite()) {
@@ -81,6 +88,7 @@ impl CompletePivoting {
     }
 
     /// Place of the largest entry of the matrix that remains at pivot k.
+    #[inline(always)]
     fn largest(&self, k: usize) -> (usize, usize) {
         let (n, mut found, mut size) = (self.n, (k, k), -1.0);
         for i in k..n {
@@ -170,6 +178,7 @@ impl CompletePivoting {
 }
 
 /// Largest absolute value: of eight lanes, which vectorizes.
+#[inline(always)]
 fn largest(row: &[f64]) -> f64 {
     let (chunks, rest) = row.as_chunks::<8>();
     let mut lanes = [0.0; 8];
@@ -221,7 +230,7 @@ mod tests {
 
     /// A matrix of n rows and the given rank with rows and columns of unlike size.
     fn matrix(n: usize, rank: usize) -> DMatrix<f64> {
-        let entry = |i: usize, j: usize, s: f64| (1.3 * i as f64 + 2.9 * (j * j) as f64 + s).sin();
+        let entry = |i: usize, j: usize, s: f64| (1.3 * ((i + 1) * (j + 2)) as f64 + s).sin();
         DMatrix::from_fn(n, rank, |i, j| entry(i, j, 0.1))
             * DMatrix::from_fn(rank, n, |i, j| entry(j, i, 0.7))
     }

@@ -169,25 +169,6 @@ pub(super) fn agreed(system: &System, newton: &mut Newton, state: &State, order:
     ))
 }
 
-/// Part of the rate of a drive by which the velocities of a step may miss it before a message says so.
-const MISSED: f64 = 0.1;
-
-/// Message about a driven joint whose velocities miss the rate of its drive.
-pub(super) fn alternating_drive(system: &System, state: &State, conserves: bool) -> Option<String> {
-    let other = if conserves { ", or the scheme \"generalized-alpha\"" } else { "" };
-    system.joints.iter().find_map(|joint| {
-        let missed = system.missed_rate(joint, [&state.u, &state.v], (state.time, state.last_step))?;
-        (missed > MISSED).then(|| {
-            format!(
-                "the velocities miss the rate of the drive \"{}\" by {:.0} %: the steps are long for the motion, and velocities and \
-                 reactions alternate about their mean; take shorter steps{other}",
-                joint.name,
-                100.0 * missed
-            )
-        })
-    })
-}
-
 /// Adds the response of the constrained masses to forces on all nodal vectors to the accelerations of the first state, and
 /// finds the multipliers.
 pub(super) fn add_response(system: &System, newton: &mut Newton, forces: &[Nodal], state: &mut State) {

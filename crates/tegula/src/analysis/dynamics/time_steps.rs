@@ -4,9 +4,7 @@ use super::amplitude_check::AmplitudeCheck;
 use super::schemes::Instant;
 use super::step_control::StepControl;
 use super::step_end::{Span, StepEnds};
-use super::{
-    Integrator, SMALLEST_STEP, balance, constrained_start, impact, initial_state, predictor, triads,
-};
+use super::{Integrator, SMALLEST_STEP, balance, drive_rates, impact, initial_state, predictor, triads};
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::newton::{Cause, Converged, Diverged, Newton, Tolerances};
 use crate::analysis::statics::undefined;
@@ -220,11 +218,9 @@ impl<'a> TimeSteps<'a> {
             let scale = scheme.energy_scale(system, &mut newton.assembly, &state.history);
             let scale = larger(scale, state.energy_scale);
             keeps_energy(system, (span, state.step), [&before, &self.balance], (scale, conserves))?;
-            let drive =
-                if self.told { None } else { constrained_start::alternating_drive(system, state, conserves) };
-            if let Some(drive) = drive {
+            if let Some(message) = drive_rates::check(system, state, conserves)?.filter(|_| !self.told) {
                 self.told = true;
-                observer.on_event(&format!("time {:.6e}: {drive}", state.time));
+                observer.on_event(&format!("time {:.6e}: {message}", state.time));
             }
         }
         state.energy_scale = state.energy_scale.max(self.balance.kinetic).max(self.balance.strain);
