@@ -372,7 +372,7 @@ fn rubber(report: &mut Report) -> Result<()> {
         let mut row = vec![format!("equal biaxial tension to 3, 4x4, distortion {distortion}: stretch")];
         for part in &parts {
             let stretch = biaxial(*part, distortion)?;
-            row.push(format!("{stretch:.3}"));
+            row.push(format!("{stretch:.2}"));
             if part.is_none() {
                 report.element("cm");
                 let name = format!("equal biaxial tension, distortion {distortion}: stable stretch");
