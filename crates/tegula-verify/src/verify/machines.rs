@@ -54,7 +54,9 @@ macro_rules! model {
 }
 
 fn fast(report: &mut Report) -> Result<()> {
-    [model!("pendulum"), model!("four_bar")].into_iter().try_for_each(|model| compare(report, model).map(|_| ()))
+    [model!("pendulum"), model!("four_bar")]
+        .into_iter()
+        .try_for_each(|model| compare(report, model).map(|_| ()))
 }
 
 fn normal(report: &mut Report) -> Result<()> {

@@ -351,7 +351,9 @@ impl<'a> Compiler<'a> {
         };
         let mut joints = (*self.joints).clone();
         for joint in &mut joints {
-            if let Some(drive) = joint.drive.as_mut().filter(|_| start.is_some() && procedure == Procedure::Modal) {
+            if let Some(drive) =
+                joint.drive.as_mut().filter(|_| start.is_some() && procedure == Procedure::Modal)
+            {
                 drive.value = 0.0;
             }
             joint.start_drive(amplitudes, current);
