@@ -38,7 +38,7 @@ pub fn residual(system: &System, state: &State) -> Vec<f64> {
 pub fn tangent(system: &System, state: &State) -> Result<(SymmetricPattern, Vec<f64>)> {
     system.require(&[Procedure::Static, Procedure::Modal, Procedure::Transient])?;
     let mut assembly = Assembly::new(system);
-    assemble_tangent(system, &mut assembly, (state, 0.0), &external_and_joints(system, state));
+    assemble_tangent(system, &mut assembly, (state, 0.0), &external(system, &state.point(system)));
     Ok((system.tangent_pattern(), assembly.values))
 }
 
@@ -53,8 +53,7 @@ pub fn mass(system: &System, state: &State) -> Result<Vec<f64>> {
     Ok(values)
 }
 
-/// Tangent stiffness at a state under the forces `loads` from outside and of joints, which act on inextensible directors and on
-/// bodies: values of the
+/// Tangent stiffness at a state under the external forces `loads`, which act on inextensible directors and on bodies: values of the
 /// assembly, whose local frames follow the state. `penalty` is the weight of the augmented Lagrangian of joints.
 pub(super) fn assemble_tangent(
     system: &System,
@@ -109,13 +108,6 @@ pub(super) fn unbalanced(system: &System, assembly: &mut Assembly, state: &State
     for (out, internal) in out.as_flattened_mut().iter_mut().zip(internal.as_flattened()) {
         *out -= internal;
     }
-    out
-}
-
-/// External forces and those of joints at a state.
-pub(super) fn external_and_joints(system: &System, state: &State) -> Vec<Nodal> {
-    let mut out = external(system, &state.point(system));
-    system.add_joint_forces(&state.u, state.time, &state.multipliers, &mut out);
     out
 }
 

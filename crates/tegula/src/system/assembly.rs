@@ -287,8 +287,9 @@ impl Assembly {
         }
     }
 
-    /// Adds the curvature of the rotations of rigid bodies that shells are attached to and of nodes of beams, under the forces `rest` from outside
-    /// and those of the shells, with the extrapolated stress where the tangent has it.
+    /// Adds the curvature of the rotations of rigid bodies and of nodes of beams, under the forces `rest` from outside and those of the
+    /// elements, with the extrapolated stress where the tangent has it; in tangents that decide about stability under those of joints
+    /// and springs, too.
     pub fn add_body_curvature(
         &mut self,
         system: &System,
@@ -306,6 +307,11 @@ impl Assembly {
             let current = |v: u32| current_vector(system, &k.motion, v as usize);
             let k = k.of_group(system, g, factors);
             curvature.subtract((group, reduction), (&k, weights, stress), frames, current);
+        }
+        if body_curvature::decides_stability(weights) {
+            for (g, group, reduction) in body_curvature::connections(system) {
+                curvature.subtract_forces((group, reduction), &k.of_group(system, g, factors), frames);
+            }
         }
         curvature.add(system, frames, values);
     }

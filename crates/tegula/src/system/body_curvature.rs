@@ -23,7 +23,7 @@ pub(super) struct BodyCurvature {
 impl BodyCurvature {
     /// Buffers for a system.
     pub fn new(system: &System) -> Self {
-        let most = elastic(system).map(|(_, group, _)| group.vectors_per_element()).max().unwrap_or(0);
+        let most = system.groups.iter().map(|group| group.vectors_per_element()).max().unwrap_or(0);
         Self {
             sums: vec![Mat3::zeros(); system.dofs().triads.len()],
             forces: vec![0.0; 3 * most * ALIGNMENT],
@@ -74,6 +74,25 @@ impl BodyCurvature {
         }
     }
 
+    /// Subtracts the forces of a group of joints or springs on vectors that rigid bodies carry.
+    pub fn subtract_forces(
+        &mut self,
+        (group, reduction): (&dyn ElementGroup, &Reduction),
+        k: &GroupPoint,
+        frames: &LocalFrames,
+    ) {
+        for number in reduction.numbers() {
+            let vectors = group.vectors(number);
+            let forces = &mut self.forces[..3 * vectors.len()];
+            group.evaluate(k, number, forces, None);
+            for (&v, force) in vectors.iter().zip(forces.chunks_exact(3)) {
+                let Some(attached) = frames.dofs().carried(v as usize) else { continue };
+                self.sums[attached.triad as usize] -=
+                    frames.arm(&attached) * Vec3::from_column_slice(force).transpose();
+            }
+        }
+    }
+
     /// Adds the curvature to the values of the tangent.
     pub fn add(&self, system: &System, frames: &LocalFrames, values: &mut [f64]) {
         for (n, (triad, _)) in self.sums.iter().zip(frames.triads()) {
@@ -84,20 +103,32 @@ impl BodyCurvature {
 }
 
 impl System {
-    /// Whether rigid bodies carry nodes of elastic elements.
-    pub fn carries_elements(&self) -> bool {
-        elastic(self).next().is_some()
+    /// Whether a tangent of these weights has a curvature of the rotations of bodies: where they carry nodes of elastic elements, and
+    /// in tangents that decide about stability.
+    pub fn has_body_curvature(&self, weights: &TangentWeights) -> bool {
+        !self.linear && (decides_stability(weights) || elastic(self).next().is_some())
     }
 }
 
-/// Groups of elastic elements that rigid bodies carry, with their numbers and reductions. The forces of joints are left out: their
-/// multipliers are not continuous where constraints are redundant.
+/// Whether a tangent has the geometric stiffness of joints. In the other ones the forces of joints are left out, since their
+/// multipliers jump in singular positions.
+pub(super) fn decides_stability(weights: &TangentWeights) -> bool {
+    weights.multiplier != 0.0
+}
+
+/// Groups of elastic elements that rigid bodies carry, with their numbers and reductions.
 pub(super) fn elastic(system: &System) -> impl Iterator<Item = (usize, &dyn ElementGroup, &Reduction)> {
+    reduced(system).filter(|(_, group, _)| group.stresses_per_element() > 0)
+}
+
+/// Groups of joints and springs that act on rigid bodies, with their numbers and reductions.
+pub(super) fn connections(system: &System) -> impl Iterator<Item = (usize, &dyn ElementGroup, &Reduction)> {
+    reduced(system).filter(|(_, group, _)| group.stresses_per_element() == 0)
+}
+
+fn reduced(system: &System) -> impl Iterator<Item = (usize, &dyn ElementGroup, &Reduction)> {
     let reduced = system.groups.iter().zip(&system.reductions).enumerate();
-    reduced.filter_map(|(g, (group, reduction))| {
-        let reduction = reduction.as_ref().filter(|_| group.stresses_per_element() > 0)?;
-        Some((g, group.as_ref(), reduction))
-    })
+    reduced.filter_map(|(g, (group, reduction))| Some((g, group.as_ref(), reduction.as_ref()?)))
 }
 
 /// Block of two nodal vectors in the lower blocks of an element.

@@ -1,4 +1,4 @@
-//! Forces of joints, work and rates of their drives.
+//! Work and rates of driven joints.
 
 use super::System;
 use crate::Vec3;
@@ -36,22 +36,6 @@ impl System {
             work += along(joint, &gradient, |v| Vec3::from(new[v]) - Vec3::from(old[v]));
         }
         work
-    }
-
-    /// Adds the forces `−Gᵀλ` of all joints on the model, at the displacements `u`.
-    pub fn add_joint_forces(&self, u: &[Nodal], time: f64, multipliers: &[f64], out: &mut [Nodal]) {
-        for joint in self.joints.iter() {
-            let n = joint.vectors.len();
-            let drive = self.drive(joint, time).value;
-            let current = self.vectors_of(joint, |v| Vec3::from(u[v]));
-            let mut forces = [Vec3::zeros(); MOST_VECTORS];
-            for (number, row) in joint.multipliers().zip(&joint.rows) {
-                row.add_gradient(-multipliers[number], &current[..n], drive, &mut forces[..n]);
-            }
-            for (force, &v) in forces.iter().zip(&joint.vectors) {
-                out[v as usize].iter_mut().zip(force.iter()).for_each(|(out, f)| *out += f);
-            }
-        }
     }
 
     /// First drive of an angle that is further away from its value at `from` than a quarter turn at a time up to `to`, as text:

@@ -213,3 +213,35 @@ fn a_shaft_with_a_disc_has_the_bending_pairs_of_the_benchmark() {
         assert!((omega / expected - 1.0).abs() < 0.01, "{found:?} {expected}");
     }
 }
+
+/// A body stands on a hinge, held by a spring at its mass centre: ω² = (k l² − m g l)/(J + m l²). Where the spring is too weak, the
+/// upright position is no equilibrium that statics accepts.
+#[test]
+fn a_body_that_stands_on_a_hinge_needs_a_spring_of_m_g_over_l() {
+    let standing = |stiffness: f64, analysis: Analysis| {
+        let bob = body("bob", [0.0, 0.0, 0.4], 3.0, Some([0.3, 0.2, 0.1]));
+        let hinge = revolute("hinge", "ground", "bob", [0.0; 3], [0.0, 1.0, 0.0]);
+        let mut model = Model::of_bodies(analysis, vec![bob], vec![hinge]);
+        model.loads = gravity([0.0, 0.0, -9.81]);
+        model.springs = vec![SpringDamper {
+            name: "spring".into(),
+            between: between("ground", "bob"),
+            points: [[-1.0, 0.0, 0.4], [0.0, 0.0, 0.4]],
+            stiffness,
+            damping: 0.0,
+            length: None,
+        }];
+        model
+    };
+    let critical = 3.0 * 9.81 / 0.4;
+    let found = omegas(&standing(1.2 * critical, modal(1, true)));
+    let expected = (0.2 * critical * 0.16 / (0.2 + 3.0 * 0.16_f64)).sqrt();
+    assert!((found[0] / expected - 1.0).abs() < 1e-9, "{found:?} {expected}");
+    for (share, stands) in [(0.95, false), (1.05, true)] {
+        let model = standing(share * critical, Analysis::Static(StaticAnalysis::default()));
+        let mesh = mesh::generators::generate(&model.mesh).unwrap();
+        let system = compile::build(&model, &mesh).unwrap();
+        let outcome = statics::run(&system, &StaticAnalysis::default(), None, &mut Silent);
+        assert_eq!(outcome.is_ok(), stands, "{share}: {:?}", outcome.map(|outcome| outcome.statistics));
+    }
+}

@@ -134,7 +134,9 @@ impl<'a> Problem<'a> {
         let part_of = self.part_of_unknowns();
         let mut lowest = vec![f64::INFINITY; self.parts.count()];
         let diagonals = self.pattern.diagonal(&self.stiffness).zip(self.pattern.diagonal(&self.mass));
-        for ((k, m), &part) in diagonals.zip(&part_of).filter(|((_, m), _)| *m > 0.0) {
+        // Joints may hold what loads would tip over.
+        let counts = |k: f64, m: f64| m > 0.0 && (k > 0.0 || self.system.joints.is_empty());
+        for ((k, m), &part) in diagonals.zip(&part_of).filter(|((k, m), _)| counts(*k, *m)) {
             lowest[part] = lowest[part].min(k / m);
         }
         let mut order: Vec<usize> = (0..lowest.len()).filter(|&p| lowest[p].is_finite()).collect();
@@ -281,7 +283,7 @@ fn stiffness(
     loaded: bool,
 ) -> Vec<f64> {
     let loads = if loaded {
-        equilibrium::external_and_joints(system, state)
+        equilibrium::external(system, &state.point(system))
     } else {
         vec![[0.0; 3]; system.vectors()]
     };

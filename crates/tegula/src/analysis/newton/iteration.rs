@@ -23,6 +23,9 @@ const OPEN: f64 = 1e-9;
 /// Energy of increments over that of the model, below which they may stall: displacements are then right to eight digits.
 const STALLED: f64 = 1e-16;
 
+/// Increment over the size of the model that is round-off of places.
+const PLACES: f64 = 1e-14;
+
 /// Rotation of a body in an increment (rad), beyond which the iteration diverges.
 const SPUN: f64 = 3.0;
 
@@ -99,6 +102,13 @@ impl<S: TangentSolver> Newton<S> {
                 progress.tangents += 1;
                 progress.negative_pivots = prepared.map_err(|reason| (Cause::Tangent, reason))?;
                 self.take_constraints(system, equation, history)?;
+                let moving = setting.coefficients.mass != 0.0;
+                if let Some(constraints) =
+                    self.constraints.as_ref().filter(|_| progress.negative_pivots > 0 && !moving)
+                {
+                    progress.negative_pivots =
+                        progress.negative_pivots.saturating_sub(constraints.negative_eigenvalues());
+                }
                 self.most_negative_pivots = self.most_negative_pivots.max(progress.negative_pivots);
                 self.factored = if system.linear {
                     FactoredTangent::Linear(setting.coefficients)
@@ -157,7 +167,10 @@ impl<S: TangentSolver> Newton<S> {
         let prescribed = equation.prescribed(system, &mut self.increment);
         let coefficients = equation.parts();
         let left = tolerances.max_iterations - number;
+        // Stability is judged with the forces of joints in the last tangent.
+        let judged = coefficients.mass == 0.0 && self.constraints.is_some();
         let reuse = !prescribed
+            && !judged
             && match self.factored {
                 FactoredTangent::Nothing => false,
                 FactoredTangent::Linear(c) => {
@@ -219,7 +232,7 @@ impl<S: TangentSolver> Newton<S> {
         loop {
             solver.assemble(assembly, &at, internal);
             solver.add_curvature(assembly, &at, &self.residual);
-            if system.carries_elements() {
+            if system.has_body_curvature(&parts.weights) {
                 let rest = (setting.mixed, self.residual.as_slice());
                 assembly.add_body_curvature(system, k, &parts.weights, rest);
             }
@@ -430,6 +443,10 @@ impl<S: TangentSolver> Newton<S> {
             first_increment: progress.first_increment,
             floor: false,
         };
+        if setting.number == 1 && !in_time && self.constraints.is_some() {
+            // The first tangent does not know the forces of joints yet.
+            return Ok(None);
+        }
         if converged || (energy == 0.0 && norm == 0.0) {
             // Constraints are as exact as the increment that follows; a dependent one may still be open.
             let limit = if energy == 0.0 && norm == 0.0 { OPEN } else { CLOSED };
@@ -477,7 +494,7 @@ impl<S: TangentSolver> Newton<S> {
         // Near a rigid motion there is next to no energy to compare with: increments at round-off suffice then.
         // Increments whose energy is round-off beside that of self-equilibrated stresses suffice, too: there
         // the displacement itself vanishes.
-        let rounding = norm <= 1e-10 * scale || relative <= ROUND_OFF;
+        let rounding = norm <= 1e-10 * scale || relative <= ROUND_OFF || norm <= PLACES;
         // Bodies in motion converge linearly, in long steps slowly: increments that decrease little are no round-off there.
         let exact = self.constraints.is_none() && (is_static || system.dofs().triads.is_empty());
         if rounding || (exact && relative <= 1e-9 && norm <= 1e-5 * scale) {
