@@ -230,9 +230,10 @@ impl Constraints {
         &self.change
     }
 
-    /// Number of independent constraints at the last tangent.
-    pub fn rank(&self) -> usize {
-        self.change.len() - self.schur.factor.dependent().len()
+    /// A free degree of freedom of each constraint that does not follow from others at the last tangent.
+    pub fn independent(&self) -> impl Iterator<Item = u32> {
+        let independent = self.schur.factor.independent().iter();
+        independent.filter_map(|&row| self.ends[row].first().map(|(number, _)| *number))
     }
 
     /// Number of negative eigenvalues of the Schur complement. The tangent of the constrained motion, on the null space of G, has

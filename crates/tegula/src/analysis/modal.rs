@@ -79,7 +79,8 @@ pub fn run(
 ) -> Result<ModalOutcome> {
     let mut problem = Problem::new(system, equilibrium)?;
     problem.first_shift(&*observer)?;
-    let all = system.unknowns() - problem.independent_constraints();
+    let groups = 0..problem.groups.len();
+    let all = problem.rigid.len() + groups.clone().map(|group| problem.modes_of(group)).sum::<usize>();
     let wanted = wanted.min(all);
     let skew = equilibrium.and_then(|state| circulatory::stiffness(system, state));
     if skew.is_some() && !system.joints.is_empty() {
@@ -88,8 +89,7 @@ pub fn run(
     // Modes just above the wanted ones couple with them most.
     let found = if skew.is_some() { (wanted + COUPLED).min(all) } else { wanted };
     let elastic = found.saturating_sub(problem.rigid.len());
-    let mut searches: Vec<Search> =
-        (0..problem.groups.len()).map(|group| Search::new(&problem, group, elastic)).collect();
+    let mut searches: Vec<Search> = groups.map(|group| Search::new(&problem, group, elastic)).collect();
     for search in &mut searches {
         search.estimate(&mut problem, &*observer)?;
     }

@@ -54,6 +54,31 @@ fn two_bodies_on_slides_drift_and_vibrate_against_their_spring() {
     assert!(found[0] == 0.0 && (found[1] / 500f64.sqrt() - 1.0).abs() < 1e-10, "{found:?}");
 }
 
+/// Two pairs of bodies without connection, whose springs differ by 10⁶: each pair drifts and vibrates, and joints of one take no
+/// mode from the other.
+#[test]
+fn separate_mechanisms_of_unlike_stiffness_keep_their_own_modes() {
+    let inertia = Some([0.1; 3]);
+    let bodies = ["a", "b", "c", "d"].map(|name| body(name, [0.0; 3], 2.0, inertia)).to_vec();
+    let slides = ["a", "b", "c", "d"].map(slide).to_vec();
+    let mut model = Model::of_bodies(modal(6, false), bodies, slides);
+    let spring = |a: &str, b: &str, stiffness| SpringDamper {
+        name: format!("{a} to {b}"),
+        between: between(a, b),
+        points: [[0.0; 3], [1.0, 0.0, 0.0]],
+        stiffness,
+        damping: 0.0,
+        length: None,
+    };
+    model.springs = vec![spring("a", "b", 100.0), spring("c", "d", 1e8)];
+    let found = omegas(&model);
+    assert_eq!(found.len(), 4);
+    assert!(found[0] == 0.0 && found[1] == 0.0, "{found:?}");
+    for (omega, expected) in found[2..].iter().zip([10.0, 1e4]) {
+        assert!((omega / expected - 1.0).abs() < 1e-9, "{found:?}");
+    }
+}
+
 /// A body that hangs on a hinge: ω² = m g l/(J + m l²) by the geometric stiffness of the joint's forces; a second hinge on the same
 /// axis changes nothing.
 #[test]

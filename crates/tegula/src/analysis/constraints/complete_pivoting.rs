@@ -143,6 +143,11 @@ impl CompletePivoting {
         cholesky(&mut self.gram, k);
     }
 
+    /// Numbers of the rows that do not depend on others.
+    pub fn independent(&self) -> &[usize] {
+        &self.rows[..self.rank]
+    }
+
     /// Numbers of the rows that depend on the others.
     pub fn dependent(&self) -> &[usize] {
         &self.rows[self.rank..]

@@ -105,7 +105,6 @@ impl<'a> Problem<'a> {
         }
         let rests = |part: usize| !strained && !moved[part];
         let rigid = RigidModes::new(system, u, &parts, &newton.assembly.frames, rests);
-        let stress_free = equilibrium.is_none() && !strained;
         let linear = system.sections.iter().all(|s| s.section.is_linear());
         // The energy of springs is that of their length, with the cancellation of its change.
         let sprung = system.groups.iter().any(|group| group.name() == SpringGroup::NAME);
@@ -120,7 +119,7 @@ impl<'a> Problem<'a> {
             group_of: Vec::new(),
             parts,
             rigid,
-            stress_free: stress_free && linear && !sprung,
+            stress_free: equilibrium.is_none() && linear && !strained && !sprung,
             state,
             penalty,
             applications: 0,
@@ -214,9 +213,11 @@ impl<'a> Problem<'a> {
         inertia.negative.checked_sub(constraints.negative_eigenvalues())
     }
 
-    /// Number of constraints of joints that do not follow from others, at the present factor.
-    pub fn independent_constraints(&self) -> usize {
-        self.newton.constraints.as_ref().map_or(0, |constraints| constraints.rank())
+    /// Number of elastic modes of a group and of motions that its joints leave free, at the present factor.
+    pub fn modes_of(&self, group: usize) -> usize {
+        let constraints = self.newton.constraints.iter().flat_map(|constraints| constraints.independent());
+        let of_group = |number: &u32| self.group_of[*number as usize] == group as u32;
+        self.groups[group].elastic().saturating_sub(constraints.filter(of_group).count())
     }
 
     /// Changes a vector to one that keeps the joints closed.

@@ -33,19 +33,19 @@ pub(super) struct Search {
 impl Search {
     /// Search for the lowest `wanted` elastic modes of a group.
     pub fn new(problem: &Problem, group: usize, wanted: usize) -> Self {
-        let wanted = wanted.min(problem.groups[group].elastic());
+        let wanted = wanted.min(problem.modes_of(group));
         Self { group, wanted, lanczos: None, pairs: Vec::new(), lambdas: Vec::new() }
     }
 
     /// Number of pairs to be found: the wanted ones and some beyond.
     fn extra(&self, problem: &Problem) -> usize {
-        let elastic = problem.groups[self.group].elastic();
-        (self.wanted + EXTRA).min(elastic.saturating_sub(problem.independent_constraints()).max(self.wanted))
+        (self.wanted + EXTRA).min(problem.modes_of(self.group))
     }
 
     fn is_dense(&self, problem: &Problem) -> bool {
         let group = &problem.groups[self.group];
-        problem.independent_constraints() == 0
+        // Joints take modes from the space of the group, which the dense solver does not know.
+        problem.modes_of(self.group) == group.elastic()
             && 2 * self.extra(problem) >= group.elastic()
             && group.unknowns.len() <= DENSE
     }
