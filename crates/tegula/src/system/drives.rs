@@ -11,8 +11,6 @@ use crate::norm::larger;
 const QUARTER_TURN: f64 = std::f64::consts::FRAC_PI_2 * (1.0 + 1e-9);
 /// Number of times in a step at which drives are looked at.
 const LOOKS: u32 = 8;
-/// Number of times from the start at which the rate of a drive is looked at.
-const RATES: u32 = 100;
 
 impl System {
     /// Work that the drives of joints do on the model between the displacements `old` and `new`: that of the constraint forces
@@ -67,9 +65,8 @@ impl System {
         self.joints.iter().filter(|joint| joint.drive.is_some()).map(of_joint).fold(0.0, larger)
     }
 
-    /// Rate by which velocities `v` at the displacements `u` miss that of a joint's drive, over the largest rate that the drive has
-    /// had since time 0. `None` for a joint without a drive, and where they do not miss it by a share `least` of the present rate.
-    pub fn missed_rate(&self, joint: &Joint, [u, v]: [&[Nodal]; 2], time: f64, least: f64) -> Option<f64> {
+    /// Rate by which velocities `v` at the displacements `u` miss that of a joint's drive; `None` for a joint without a drive.
+    pub fn missed_rate(&self, joint: &Joint, [u, v]: [&[Nodal]; 2], time: f64) -> Option<f64> {
         joint.drive?;
         let drive = self.drive(joint, time);
         let (row, n) = (joint.rows.first()?, joint.vectors.len());
@@ -77,13 +74,7 @@ impl System {
         let mut gradient = [Vec3::zeros(); MOST_VECTORS];
         row.add_gradient(1.0, &current[..n], drive.value, &mut gradient[..n]);
         let own = along(joint, &gradient, |number| Vec3::from(v[number]));
-        let missed = (own + row.driven_rate(&current[..n], drive)).abs();
-        if missed <= least * drive.rate.abs() {
-            return None;
-        }
-        let rate = |part: u32| self.drive(joint, time * f64::from(part) / f64::from(RATES)).rate.abs();
-        let largest = (0..=RATES).map(rate).fold(0.0, larger);
-        (largest > 0.0).then_some(missed / largest)
+        Some((own + row.driven_rate(&current[..n], drive)).abs())
     }
 
     /// Nodal vectors of a joint with given displacements, in the order of its list.

@@ -4,6 +4,8 @@
 //! drive: by about Δθ²/6 of it where a step turns a body by Δθ, and by more where the length of the steps changes.
 
 use crate::analysis::State;
+use crate::constraint::Joint;
+use crate::norm::larger;
 use crate::system::System;
 use crate::{Error, Result};
 
@@ -15,31 +17,59 @@ const LOST: f64 = 0.5;
 /// Number of first steps that are not judged: from rest, the error is as large as the rate.
 const FIRST_STEPS: u64 = 20;
 
-/// Message about a driven joint whose velocities miss the rate of its drive.
-///
-/// # Errors
-/// They miss it by half of it.
-pub(super) fn check(system: &System, state: &State, conserves: bool) -> Result<Option<String>> {
-    if state.step <= FIRST_STEPS {
-        return Ok(None);
+/// Number of times from the start of an analysis step to where it is resumed, at which the rates of drives are looked at.
+const LOOKS: u32 = 100;
+
+/// Watches the velocities of driven joints.
+pub(super) struct DriveRates {
+    /// Largest rate of the drive of each joint so far; 0 for a joint without one.
+    largest: Vec<f64>,
+    /// Whether a message has said that velocities alternate.
+    told: bool,
+}
+
+impl DriveRates {
+    /// Watch from a time on.
+    pub fn new(system: &System, time: f64) -> Self {
+        let largest = |joint| {
+            let at = |part: u32| time * f64::from(part) / f64::from(LOOKS);
+            (0..=LOOKS).map(|part| system.drive(joint, at(part)).rate.abs()).fold(0.0, larger)
+        };
+        Self { largest: system.joints.iter().map(largest).collect(), told: false }
     }
-    let missed = |joint: &crate::constraint::Joint| {
-        let missed = system.missed_rate(joint, [&state.u, &state.v], state.time, MISSED)?;
-        (missed > MISSED).then(|| (missed, joint.name.clone()))
-    };
-    let Some((missed, name)) = system.joints.iter().find_map(missed) else { return Ok(None) };
-    let other = if conserves { ", or the scheme \"generalized-alpha\"" } else { "" };
-    let reason = format!(
-        "the velocities miss the rate of the drive \"{name}\" by {:.0} % of its largest one: the steps are long for the motion, and \
-         velocities and reactions alternate about their mean",
-        100.0 * missed
-    );
-    if missed <= LOST {
-        return Ok(Some(format!("{reason}; take shorter steps{other}")));
+
+    /// Looks at the end of a step. Returns a message about the first joint whose velocities miss the rate of its drive.
+    ///
+    /// # Errors
+    /// They miss it by half of its largest rate.
+    pub fn look(&mut self, system: &System, state: &State, conserves: bool) -> Result<Option<String>> {
+        for (joint, largest) in system.joints.iter().zip(&mut self.largest) {
+            *largest = larger(*largest, system.drive(joint, state.time).rate.abs());
+        }
+        if state.step <= FIRST_STEPS {
+            return Ok(None);
+        }
+        let missed = |(joint, largest): (&Joint, &f64)| {
+            let missed = system.missed_rate(joint, [&state.u, &state.v], state.time)? / largest;
+            (*largest > 0.0 && missed > MISSED).then(|| (missed, joint.name.clone()))
+        };
+        let Some((missed, name)) = system.joints.iter().zip(&self.largest).find_map(missed) else {
+            return Ok(None);
+        };
+        let other = if conserves { ", or the scheme \"generalized-alpha\"" } else { "" };
+        let reason = format!(
+            "the velocities miss the rate of the drive \"{name}\" by {:.0} % of its largest one: the steps are long for the motion, and \
+             velocities and reactions alternate about their mean",
+            100.0 * missed
+        );
+        if missed <= LOST {
+            let told = std::mem::replace(&mut self.told, true);
+            return Ok((!told).then(|| format!("{reason}; take shorter steps{other}")));
+        }
+        Err(Error::NotConverged {
+            at: format!("time {:.6e}", state.time),
+            reason,
+            help: format!("Results up to the step before are complete. Take shorter steps{other}."),
+        })
     }
-    Err(Error::NotConverged {
-        at: format!("time {:.6e}", state.time),
-        reason,
-        help: format!("Results up to the step before are complete. Take shorter steps{other}."),
-    })
 }

@@ -1,10 +1,11 @@
 //! Time steps of an implicit scheme, with step control and cut-backs.
 
 use super::amplitude_check::AmplitudeCheck;
+use super::drive_rates::DriveRates;
 use super::schemes::Instant;
 use super::step_control::StepControl;
 use super::step_end::{Span, StepEnds};
-use super::{Integrator, SMALLEST_STEP, balance, drive_rates, impact, initial_state, predictor, triads};
+use super::{Integrator, SMALLEST_STEP, balance, impact, initial_state, predictor, triads};
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::newton::{Cause, Converged, Diverged, Newton, Tolerances};
 use crate::analysis::statics::undefined;
@@ -42,8 +43,8 @@ pub(super) struct TimeSteps<'a> {
     fresh: bool,
     /// Messages about the first state.
     messages: Vec<String>,
-    /// Whether a message has said that the velocities of a drive alternate.
-    told: bool,
+    /// Watch of the velocities of driven joints.
+    drive_rates: DriveRates,
 }
 
 impl<'a> TimeSteps<'a> {
@@ -82,7 +83,7 @@ impl<'a> TimeSteps<'a> {
             ends: StepEnds::new(system, options),
             check: AmplitudeCheck::new(system, options),
             drilling: DrillingWatch::new(),
-            told: false,
+            drive_rates: DriveRates::new(system, state.time),
             balance: balance(system, &mut newton.assembly, &state),
             statistics: Statistics { steps: state.step, ..Statistics::default() },
             old_velocities: vec![[0.0; 3]; system.vectors()],
@@ -218,8 +219,7 @@ impl<'a> TimeSteps<'a> {
             let scale = scheme.energy_scale(system, &mut newton.assembly, &state.history);
             let scale = larger(scale, state.energy_scale);
             keeps_energy(system, (span, state.step), [&before, &self.balance], (scale, conserves))?;
-            if let Some(message) = drive_rates::check(system, state, conserves)?.filter(|_| !self.told) {
-                self.told = true;
+            if let Some(message) = self.drive_rates.look(system, state, conserves)? {
                 observer.on_event(&format!("time {:.6e}: {message}", state.time));
             }
         }
@@ -333,8 +333,8 @@ pub(super) fn commit(system: &System, newton: &mut Newton, state: &mut State) {
 const LOST: f64 = 1e-3;
 const GAINED: f64 = 1e-2;
 
-/// Number of first steps in which a scheme that does not conserve energy is not judged by it: from rest, its error is as large as
-/// the energy.
+/// The same in the first steps from rest, where the error of the energy is as large as the energy; and their number.
+const GAINED_AT_FIRST: f64 = 1.0;
 const FIRST_STEPS: u64 = 20;
 
 /// Refuses a step of a mechanism that does not keep the energy: near a singular position of its joints the motion has left its
@@ -347,11 +347,12 @@ fn keeps_energy(
 ) -> Result<()> {
     let drives: Vec<_> = system.joints.iter().filter(|joint| joint.drive.is_some()).collect();
     // The work of drives is exact in schemes that conserve energy only.
-    if !conserves && (!drives.is_empty() || step <= FIRST_STEPS) {
+    if !conserves && !drives.is_empty() {
         return Ok(());
     }
     let (gain, scale) = (after.total - before.total, larger(scale, after.kinetic));
-    let (change, limit) = if conserves { (gain.abs(), LOST) } else { (gain, GAINED) };
+    let gained = if step <= FIRST_STEPS { GAINED_AT_FIRST } else { GAINED };
+    let (change, limit) = if conserves { (gain.abs(), LOST) } else { (gain, gained) };
     if change <= limit * scale {
         return Ok(());
     }
