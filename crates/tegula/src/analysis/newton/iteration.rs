@@ -501,7 +501,7 @@ impl<S: TangentSolver> Newton<S> {
             return Ok(true);
         }
         // A motion that begins smoothly from an equilibrium moves less than the round-off of the stresses there.
-        if floor && relative <= STALLED {
+        if floor && !is_static && relative <= STALLED {
             return Ok(true);
         }
         if floor {
