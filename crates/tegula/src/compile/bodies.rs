@@ -28,7 +28,7 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         return;
     }
     let transient = matches!(&model.analysis, Analysis::Transient(t) if t.scheme.moves_bodies() && !t.linear);
-    if !transient && !super::patches::are_static(model) {
+    if !transient && !super::patches::solved_at_rest(model) {
         c.add(
             "analysis",
             "bodies, beams, joints and springs move in nonlinear transient analyses with the schemes \"energy-momentum\" and \

@@ -1,13 +1,14 @@
 //! The program from outside: results of the examples, exit codes, messages, interruption.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use serde_json::{Value, json};
-use tegula::norm::larger;
+
+mod machines;
 
 fn tegula(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tegula")).args(arguments).output().unwrap()
@@ -84,7 +85,7 @@ fn the_free_plate_of_sect_5_3() {
     let f = s["frequencies_hz"].as_array().unwrap();
     assert_eq!(f.len(), 16);
     for (i, omega) in [1.3632442, 1.9871379, 2.4625301, 3.5251958, 3.5251958].into_iter().enumerate() {
-        near(&f[6 + i], omega * std::f64::consts::PI / 2.0, 1e-6);
+        near(&f[6 + i], omega * PI / 2.0, 1e-6);
     }
 }
 
@@ -542,209 +543,4 @@ fn the_preloaded_plate_vibrates_at_the_frequency_of_its_mode() {
     let whole = summary(&out);
     assert_eq!(whole["analyses"].as_array().unwrap().len(), 4);
     assert_eq!(whole["points"], summary(&out.join("4-vibration"))["points"]);
-}
-
-/// The period of the physical pendulum by the complete elliptic integral; the disc takes its moment through the patch.
-#[test]
-fn the_plate_on_a_hub_swings_as_a_physical_pendulum() {
-    let s = result_of("hub_pendulum.toml");
-    let tip = s["points"]["tip"]["position"].as_array().unwrap();
-    for (x, exact) in tip.iter().zip([-1.0, 0.0, 0.0]) {
-        assert!((x.as_f64().unwrap() - exact).abs() < 1e-4, "{tip:?}");
-    }
-    assert!(s["energy"]["total"].as_f64().unwrap().abs() < 1e-9, "{s}");
-    assert!(s["balance"]["moment"].as_f64().unwrap() < 1e-9, "{s}");
-}
-
-/// Runs an example and gives the columns of its history by name.
-fn history_of(name: &str) -> impl Fn(&str) -> Vec<f64> + use<> {
-    let [history] = histories_of(name, [""]);
-    history
-}
-
-/// Runs an example and gives the columns of the histories in folders of its results.
-fn histories_of<const N: usize>(name: &str, steps: [&str; N]) -> [impl Fn(&str) -> Vec<f64> + use<N>; N] {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("out");
-    let output = tegula(&["run", text(&example(name)), "--out", text(&out), "--quiet"]);
-    assert!(output.status.success() && output.stderr.is_empty(), "{}", errors(&output));
-    steps.map(|step| {
-        let history = fs::read_to_string(out.join(step).join("history.csv")).unwrap();
-        let rows: Vec<Vec<String>> = history
-            .lines()
-            .map(|line| line.split(',').map(|cell| cell.trim().to_string()).collect())
-            .collect();
-        move |name: &str| {
-            let column = rows[0].iter().position(|n| n == name).unwrap_or_else(|| panic!("no column {name}"));
-            rows[1..].iter().map(|row| row[column].parse().unwrap()).collect()
-        }
-    })
-}
-
-/// The crank and the rocker are rigid: C is where circles about B and D meet, one of the radius of the bent coupler's chord. A half
-/// wave of the height w shortens a strip of the length l by ∫ w'²/2 dx = π² w²/(4 l).
-#[test]
-fn the_laminated_coupler_moves_as_in_the_rigid_linkage_but_for_its_bow() {
-    let column = history_of("flexible_four_bar.toml");
-    let place = |name: &str| [column(&format!("{name}.x")), column(&format!("{name}.y"))];
-    let (time, b, c, middle) = (column("time"), place("body.B"), place("body.C"), place("middle"));
-    let (moment, kinetic, strain) = (column("joint.drive.mz"), column("kinetic"), column("strain"));
-    let angle = |t: f64| TAU * t - (TAU * t).sin();
-    let (crank, coupler, rocker, d) = (0.2, 0.8_f64, 0.6, [0.8, -0.4]);
-    let (mut work, mut bow, mut shortening) = (0.0, 0.0, 0.0);
-    let most = kinetic.iter().copied().fold(0.0, larger);
-    for i in 0..time.len() {
-        let (sin, cos) = angle(time[i]).sin_cos();
-        let at_b = [-crank * sin, crank * cos];
-        let (dx, dy) = (d[0] - at_b[0], d[1] - at_b[1]);
-        let diagonal = dx.hypot(dy);
-        let along = (diagonal * diagonal + coupler * coupler - rocker * rocker) / (2.0 * diagonal);
-        let across = (coupler * coupler - along * along).sqrt();
-        let rigid = [
-            at_b[0] + (along * dx - across * dy) / diagonal,
-            at_b[1] + (along * dy + across * dx) / diagonal,
-        ];
-        let off = (c[0][i] - rigid[0]).hypot(c[1][i] - rigid[1]);
-        assert!(off < 1e-4 && (b[0][i] - at_b[0]).hypot(b[1][i] - at_b[1]) < 1e-12, "{off} at {}", time[i]);
-        let (x, y) = (c[0][i] - b[0][i], c[1][i] - b[1][i]);
-        let height = (x * (middle[1][i] - b[1][i]) - y * (middle[0][i] - b[0][i])) / x.hypot(y);
-        (bow, shortening) = (larger(bow, height.abs()), larger(shortening, coupler - x.hypot(y)));
-        work += if i > 0 { moment[i] * (angle(time[i]) - angle(time[i - 1])) } else { 0.0 };
-        let energy = kinetic[i] + strain[i];
-        assert!((work - energy).abs() < 1e-4 * most, "{work} J for {energy} J at {}", time[i]);
-    }
-    let half_wave = PI * PI * bow * bow / (4.0 * coupler);
-    assert!(bow > 3e-3 && (shortening / half_wave - 1.0).abs() < 0.05, "{bow} {shortening} for {half_wave}");
-    assert!(most > 1.0, "{most}");
-}
-
-/// Once the start has died away, the wing follows its root as in steady vibration: the inertia of its first mode, which is nearly all
-/// of it, counts 1/(1 − (f/f₁)²) times, 0.5 % more.
-#[test]
-fn the_drive_of_the_flapping_wing_needs_the_moment_of_a_rigid_wing() {
-    let column = history_of("flapping_wing.toml");
-    let (time, moment, total) = (column("time"), column("joint.drive.my"), column("total"));
-    // Four plies and two layers of foam; the moment in the history is the mean over a step of 1.25 ms.
-    let mass = 0.5 * 0.15 * (4.0 * 1.25e-4 * 1600.0 + 2.0 * 5e-3 * 60.0);
-    let (most, rate) = (40_f64.to_radians(), TAU * 4.0);
-    let rigid = |t: f64| {
-        let angle = most * (rate * t).sin();
-        -mass * 0.25 / 3.0 * rate * rate * angle + mass * 9.81 * 0.25 * angle.cos()
-    };
-    let steady =
-        || (0..time.len()).filter(|i| time[*i] > 0.5).map(|i| (-moment[i], rigid(time[i] - 0.625e-3)));
-    let largest = steady().map(|(_, b)| b.abs()).fold(0.0, larger);
-    assert!(steady().count() == 240 && steady().all(|(a, b)| (a - b).abs() < 0.01 * largest), "{largest}");
-    assert!(total.iter().all(|e| e.abs() < 1e-12), "{total:?}");
-}
-
-/// The fold is a cylinder of the curvature κ but for its free edges. There the surface deviates from it by w with
-/// D w'''' + E t κ² w = 0, w''' = 0 and w'' = −(1/R + ν κ): a beam on an elastic foundation that is bent at both ends.
-#[test]
-fn the_fold_of_the_tape_spring_grows_under_a_constant_moment() {
-    let column = history_of("tape_spring.toml");
-    let (time, strain, height) = (column("time"), column("strain"), column("middle.uz"));
-    let (left, right) = (column("joint.drive left.my"), column("joint.drive right.my"));
-    let (young, nu, t, radius, angle) = (131e9, 0.3_f64, 1e-4_f64, 0.015, 80_f64.to_radians());
-    let stiffness = young * t.powi(3) / (12.0 * (1.0 - nu * nu));
-    let cylinder = (1.0 + nu) * stiffness * angle;
-    let width = radius * angle;
-    let energy = |curvature: f64| {
-        let decay = (young * t * curvature * curvature / (4.0 * stiffness)).powf(0.25);
-        let x = decay * width;
-        let slope = (x.cosh() - x.cos()) / (decay * (x.sinh() + x.sin()));
-        let (flat, edge) = (1.0 / radius, 1.0 / radius + nu * curvature);
-        let inside = curvature * curvature + flat * flat + 2.0 * nu * curvature * flat;
-        stiffness * (0.5 * width * inside - edge * edge * slope)
-    };
-    let curvatures = (0..400).map(|i| (0.8 + 0.001 * f64::from(i)) / radius);
-    let curled = -curvatures.map(|k| -energy(k) / k).fold(f64::NEG_INFINITY, larger);
-    assert!((cylinder - 0.02178).abs() < 1e-5 && (curled - 0.02043).abs() < 1e-5, "{cylinder} {curled}");
-
-    // Work and angle of both ways. The viscosity of the material adds to the moment on the first what it subtracts on the second.
-    let turn = |t: f64| 180.0 * (PI * (t / 4.0 + t * t / 8.0) / 3.0).sin().powi(2);
-    let mut ways = [(0.0, 0.0); 2];
-    for i in 1..time.len() {
-        let (from, to) = (turn(time[i - 1]), turn(time[i]));
-        let moment = 0.5 * (left[i] - right[i]);
-        if [from, to].iter().all(|a| (60.0..160.0).contains(a)) {
-            let way = &mut ways[usize::from(to < from)];
-            *way = (way.0 + moment * (to - from).abs(), way.1 + (to - from).abs());
-            assert!((moment / curled - 1.0).abs() < 0.04, "{moment} for {curled} at {to}°");
-            assert!((left[i] + right[i]).abs() < 0.02 * moment, "{} {}", left[i], right[i]);
-        }
-    }
-    assert!(ways.iter().all(|way| way.1 > 80.0), "{ways:?}");
-    let mean = ways.iter().map(|(work, angle)| 0.5 * work / angle).sum::<f64>();
-    assert!((mean / curled - 1.0).abs() < 0.025, "{mean} for {curled}");
-    assert!((mean / cylinder - 1.0).abs() < 0.06, "{mean} for {cylinder}");
-    // Before the fold the whole cross-section resists; at the end the tape is straight again.
-    let most = |values: &[f64]| values.iter().copied().fold(0.0, larger);
-    assert!(most(&left) > 5.0 * mean, "{}", most(&left));
-    assert!(*strain.last().unwrap() < 1e-3 * most(&strain), "{strain:?}");
-    assert!(height.last().unwrap().abs() < 1e-5, "{height:?}");
-}
-
-/// Half a leaf is a cantilever of linear width. Its natural curvature is that of the force at its end, so the weight makes it flat.
-#[test]
-fn the_axle_on_leaf_springs_has_the_rate_and_the_frequency_of_beams() {
-    let [weight, payload, bounce] =
-        histories_of("leaf_spring_axle.toml", ["1-weight", "2-payload", "3-bounce"]);
-    let (young, length, seat, n, thickness) = (206e9, 0.6_f64, 0.05, 0.5_f64, 0.01_f64);
-    let (chassis, shackles, gravity) = (400.0, 1.0, 9.81);
-    let factor = 3.0 * (0.5 - 2.0 * n + n * n * (1.5 - n.ln())) / (1.0 - n).powi(3);
-    let inertia = seat * thickness.powi(3) / 12.0;
-    let rate = 4.0 * 3.0 * young * inertia / (factor * length.powi(3));
-    assert!((rate - 41.15e3).abs() < 10.0, "{rate}");
-
-    // Slope and deflection under a force of 1 at the eye, integrated from the seat outwards.
-    let (pieces, mut slope, mut deflection, mut shape) = (2000, 0.0, 0.0, Vec::new());
-    let ds = length / f64::from(pieces);
-    for i in 0..pieces {
-        let from_eye = length - (f64::from(i) + 0.5) * ds;
-        let width = seat * (n + (1.0 - n) * from_eye / length);
-        deflection += 0.5 * slope * ds;
-        shape.push((width, deflection));
-        slope += from_eye / (young * width * thickness.powi(3) / 12.0) * ds;
-        deflection += 0.5 * slope * ds;
-    }
-    assert!((4.0 / (deflection * rate) - 1.0).abs() < 1e-3, "{deflection}");
-    // The mass of the leaves counts with the deflection in the weight, and with its square in the inertia.
-    let of_leaves = |power: i32| {
-        let part = |(width, w): &(f64, f64)| 7850.0 * width * thickness * ds * (w / deflection).powi(power);
-        4.0 * shape.iter().map(part).sum::<f64>()
-    };
-    let (extra, bouncing) = (shackles + of_leaves(1), chassis + shackles + of_leaves(2));
-
-    let last = |history: &dyn Fn(&str) -> Vec<f64>, body: &str| {
-        history(&format!("body.{body}.z")).last().unwrap() - history("body.axle.z").last().unwrap()
-    };
-    let eyes = 0.5 * (last(&weight, "left front eye") + last(&weight, "left rear eye"));
-    let (camber, expected) = (chassis * gravity / rate, -extra * gravity / rate);
-    assert!((eyes - expected).abs() < 0.01 * camber, "{eyes} for {expected}");
-    let found = 200.0 / (last(&weight, "chassis") - last(&payload, "chassis"));
-    assert!((found / rate - 1.0).abs() < 0.01, "{found} for {rate}");
-
-    let (time, z) = (bounce("time"), bounce("body.chassis.z"));
-    let middle = *weight("body.chassis.z").last().unwrap();
-    let upwards: Vec<f64> = (1..time.len())
-        .filter(|&i| z[i - 1] < middle && z[i] >= middle)
-        .map(|i| time[i] - (time[i] - time[i - 1]) * (z[i] - middle) / (z[i] - z[i - 1]))
-        .collect();
-    assert!(upwards.len() >= 4, "{upwards:?}");
-    let frequency = (upwards.len() - 1) as f64 / (upwards[upwards.len() - 1] - upwards[0]);
-    let beams = (rate / bouncing).sqrt() / TAU;
-    assert!((frequency / beams - 1.0).abs() < 0.005, "{frequency} for {beams}");
-}
-
-#[test]
-fn the_slider_crank_moves_as_in_the_benchmark_library() {
-    let column = history_of("slider_crank.toml");
-    let last = |name: &str| *column(name).last().unwrap();
-    assert_eq!(last("time"), 5.0);
-    // Within the 4.4e-5 m by which the library's reference differs from an independent precise solution (0.24071957), and the
-    // error of the step.
-    assert!((last("body.slider.x") - 0.240761815).abs() < 1e-4, "{}", last("body.slider.x"));
-    assert!((last("body.slider.x") - 0.24071957).abs() < 5e-5, "{}", last("body.slider.x"));
-    assert!(last("total").abs() < 1.0 && last("kinetic") > 0.0);
 }
