@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Check the fields of a result folder with two readers that tegula's authors did not write.
 
-    python scripts/check_vtu.py RESULT_FOLDER [--cell NAME ...]
+    python scripts/check_vtu.py RESULT_FOLDER [--series NAME] [--point NAME ...] [--cell NAME ...]
 
-Reads `fields.pvd` and every VTU file it names with meshio and with PyVista (VTK's own reader), and checks that
-both agree, that every number is finite, and that the point arrays `displacement` and `director` and the cell
-arrays named by --cell are there. Prints one line a file; the exit code is 1 if anything is wrong.
+Reads `fields.pvd`, or the list of another series, and every VTU file it names with meshio and with PyVista (VTK's own reader), and checks that
+both agree, that every number is finite, and that the point arrays named by --point (`displacement` and `director`
+unless given) and the cell arrays named by --cell are there. Prints one line a file; the exit code is 1 if anything is wrong.
 
 Needs: pip install meshio pyvista
 """
@@ -43,24 +43,24 @@ def compare(kind, count, ours, theirs, required, problems):
             problems.append(f"{kind} array `{name}` differs between the readers")
 
 
-def check(path, time, cell_arrays):
+def check(path, time, point_arrays, cell_arrays):
     """All problems of one file, and its summary."""
     problems = []
     first = meshio.read(path)
     second = pyvista.read(path)
-    quads = [block for block in first.cells]
-    if [block.type for block in quads] not in ([], ["quad"]):
-        problems.append(f"cells other than quadrilaterals: {[block.type for block in quads]}")
-    connectivity = np.concatenate([block.data for block in quads]) if quads else np.zeros((0, 4), int)
+    kinds = [block.type for block in first.cells]
+    if kinds not in ([], ["quad"], ["line"], ["quad", "line"]):
+        problems.append(f"cells other than quadrilaterals and lines: {kinds}")
+    connectivity = [list(cell) for block in first.cells for cell in block.data]
     if not np.isfinite(second.points).all():
         problems.append("points that are not finite")
     if not np.array_equal(first.points, second.points):
         problems.append("points differ between the readers")
-    if not np.array_equal(connectivity, second.cells.reshape(-1, 5)[:, 1:]):
+    if connectivity != [list(cell.point_ids) for cell in second.cell]:
         problems.append("cells differ between the readers")
     cell_data = {name: np.concatenate(blocks) for name, blocks in first.cell_data.items()}
     points, cells = second.n_points, second.n_cells
-    compare("point", points, first.point_data, dict(second.point_data), POINT_ARRAYS, problems)
+    compare("point", points, first.point_data, dict(second.point_data), point_arrays, problems)
     compare("cell", cells, cell_data, dict(second.cell_data), cell_arrays, problems)
     written = second.field_data.get("TimeValue", [None])[0]
     if written != time:
@@ -80,10 +80,12 @@ def main():
     """Check every file of the series."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("--series", default="fields", help="name of the series")
+    parser.add_argument("--point", nargs="+", default=POINT_ARRAYS, help="point arrays that must exist")
     parser.add_argument("--cell", action="append", nargs="+", default=[], help="cell arrays that must exist")
     arguments = parser.parse_args()
     cell_arrays = [name for names in arguments.cell for name in names]
-    series = arguments.folder / "fields.pvd"
+    series = arguments.folder / f"{arguments.series}.pvd"
     try:
         entries = [
             (float(entry.attrib["timestep"]), arguments.folder / entry.attrib["file"])
@@ -99,7 +101,7 @@ def main():
         print(f"{series}: PROBLEM: it lists {len(entries)} files, VTK sees the times {known_to_vtk}")
     for time, path in entries:
         try:
-            problems, summary = check(path, time, cell_arrays)
+            problems, summary = check(path, time, arguments.point, cell_arrays)
         except Exception as error:
             problems, summary = [f"cannot be read: {error!r}"], ""
         failed |= bool(problems)

@@ -11,6 +11,7 @@ use tegula::{Mesh, System};
 
 use crate::out::{DataArray, OutputError, VtuGrid, vtu};
 
+pub(super) mod bodies;
 mod more;
 
 const PLANE: [&str; 3] = ["xx", "yy", "xy"];
@@ -195,7 +196,7 @@ pub(super) fn write(
     more::add(mesh, system, wanted, results, &mut point_data, &mut cell_data);
     vtu::write(
         path,
-        &VtuGrid { points: &points, quads: &mesh.quads, point_data, cell_data, time: frame.time },
+        &VtuGrid { points: &points, quads: &mesh.quads, lines: &[], point_data, cell_data, time: frame.time },
     )
 }
 

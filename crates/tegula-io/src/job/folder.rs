@@ -5,14 +5,16 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::summary::Summary;
-use super::{JobError, Status};
+use super::{JobError, Status, series};
 use crate::deck::STANDARD_INPUT;
 use crate::out::{OutputError, PvdSeries, printable, vtu};
 
-/// Names of the files that a run leaves, beside the numbered ones in `fields` and `modes`
-/// and the pictures of points.
-const OWN: [&str; 11] = [
+/// Names of the files that a run leaves, beside the numbered field files and the pictures of
+/// points.
+const OWN: [&str; 13] = [
     "fields.pvd",
+    "bodies.pvd",
+    "mode_bodies.pvd",
     "modes.pvd",
     "history.csv",
     "modes.csv",
@@ -24,6 +26,9 @@ const OWN: [&str; 11] = [
     "modes.png",
     "log.txt",
 ];
+
+/// Folders of numbered field files.
+const SERIES: [&str; 4] = [series::STATES[0], series::STATES[1], series::MODES[0], series::MODES[1]];
 
 /// A result folder.
 #[derive(Debug)]
@@ -108,7 +113,7 @@ impl ResultFolder {
     /// # Errors
     /// There is such a file.
     pub(super) fn refuse_foreign(path: &Path) -> Result<(), JobError> {
-        let foreign = ["fields", "modes"].iter().find_map(|series| foreign(path, series));
+        let foreign = SERIES.iter().find_map(|series| foreign(path, series));
         if let Some(file) = foreign {
             return Err(refuse(
                 path,
@@ -123,7 +128,7 @@ impl ResultFolder {
 
     /// Removes half-written files that a killed run has left.
     fn remove_temporaries(&self) -> Result<(), OutputError> {
-        for place in ["", "fields", "modes"] {
+        for place in SERIES.into_iter().chain([""]) {
             for entry in fs::read_dir(self.path.join(place)).into_iter().flatten().flatten() {
                 if is_temporary(&entry) {
                     remove(&entry.path())?;
@@ -151,7 +156,7 @@ impl ResultFolder {
     fn clear(&self, mut earlier: Summary) -> Result<(), JobError> {
         earlier.status = Status::Running;
         earlier.write(&self.path)?;
-        for series in ["fields", "modes"] {
+        for series in SERIES {
             self.remove_numbered(series, 0)?;
             // Fails where the user has put something into it, which stays.
             let _ = fs::remove_dir(self.path.join(series));

@@ -17,6 +17,7 @@
 //! Nothing is printed: a [`JobObserver`] receives all events.
 
 mod bodies;
+mod drawn_outline;
 mod fields;
 mod folder;
 mod forces;
@@ -30,6 +31,7 @@ pub mod process;
 mod recorder;
 mod resume;
 mod run;
+mod series;
 mod snapshots;
 mod steps;
 mod summary;

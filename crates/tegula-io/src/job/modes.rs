@@ -8,8 +8,9 @@ use tegula::result::recovery;
 use tegula::{Mesh, System};
 
 use super::pictures::short;
-use super::{Prepared, ResultFolder, fields};
-use crate::out::{HistoryWriter, OutputError, PvdSeries};
+use super::series::{FieldSeries, MODES};
+use super::{Prepared, ResultFolder, drawn_outline, fields};
+use crate::out::{HistoryWriter, OutputError};
 use crate::plot::{Snapshot, SurfacePlot, surfaces};
 
 /// Modes in the picture.
@@ -35,8 +36,7 @@ pub(super) fn write(
     let Prepared { mesh, system, .. } = prepared;
     let names = ["mode", "frequency_hz", "omega", "rigid", "residual"];
     let mut table = HistoryWriter::create(&folder.file("modes.csv"), &names)?;
-    folder.make_series("modes")?;
-    let mut series = PvdSeries::create(&folder.file("modes.pvd"))?;
+    let mut series = FieldSeries::create(folder, prepared, MODES)?;
     let fields = output.fields.iter().copied().filter(|f| !WITHOUT.contains(f)).collect();
     let output = Output { fields, ..output.clone() };
     for (i, mode) in modes.iter().enumerate() {
@@ -45,9 +45,7 @@ pub(super) fn write(
         table.append(&[number, mode.frequency_hz, mode.omega, rigid, mode.residual])?;
         let frame = fields::Frame { state: about, small: Some(&mode.shape), forces: None, time: number };
         let results = recovery::shells(&frame.snapshot(system));
-        let name = format!("modes/{:04}.vtu", i + 1);
-        fields::write(&folder.file(&name), mesh, system, &output, &frame, &results)?;
-        series.add(number, &name)?;
+        series.write(folder, (mesh, system, &output), (i + 1, &frame), &results)?;
     }
     table.sync()
 }
@@ -70,6 +68,7 @@ pub(super) fn picture(
         title: if title.is_empty() { "Modes".into() } else { title.to_owned() },
         snapshots,
         quads: mesh.quads.clone(),
+        bodies: drawn_outline::faces(system, mesh.positions.len()),
         color_label: "displacement over its maximum".into(),
         ..SurfacePlot::default()
     };
@@ -80,12 +79,14 @@ pub(super) fn picture(
 fn tile(mesh: &Mesh, system: &System, mode: &Mode, index: usize, unit: Option<&str>) -> Snapshot {
     let u = fields::nodal(system, &mode.shape);
     let size = |u: &Nodal| u.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let largest = u.iter().map(size).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+    let of_bodies = system.outline.displacements(&mode.shape);
+    let largest = u.iter().chain(&of_bodies).map(size).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
     let scale = AMPLITUDE * system.length / largest;
     let (azimuth, step) = ((-60.0_f64).to_radians(), 1.7 * system.length);
     let (column, row) = ((index % COLUMNS) as f64, (index / COLUMNS) as f64);
     let shift = [-azimuth.sin() * column * step, azimuth.cos() * column * step, -0.75 * row * step];
     let mut positions = fields::positions(mesh, system, &mode.shape, scale);
+    positions.extend(drawn_outline::positions(system, &mode.shape, scale));
     for x in &mut positions {
         *x = std::array::from_fn(|i| x[i] + shift[i]);
     }

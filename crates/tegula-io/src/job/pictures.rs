@@ -5,7 +5,7 @@ use tegula::{Mesh, System};
 use super::history::{BEHIND, PER_POINT};
 use super::recorder::Recorder;
 use super::snapshots::{StoredSnapshot, shown};
-use super::{Prepared, fields, history};
+use super::{Prepared, drawn_outline, fields, history};
 use crate::out::{OutputError, csv};
 use crate::plot::{LinePlot, Series, Snapshot, Style, SurfacePlot, lines, surfaces};
 
@@ -166,7 +166,7 @@ fn step_size(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Result<(), OutputErr
 fn snapshots(recorder: &Recorder<'_>) -> Result<(), OutputError> {
     let Prepared { mesh, system, .. } = recorder.prepared;
     let kept = shown(&recorder.memory.kept);
-    if kept.is_empty() {
+    if kept.is_empty() || (mesh.quads.is_empty() && system.outline.is_empty()) {
         return Ok(());
     }
     let largest = kept.iter().map(|k| largest_displacement(mesh, system, k)).fold(0.0, f64::max);
@@ -179,16 +179,22 @@ fn snapshots(recorder: &Recorder<'_>) -> Result<(), OutputError> {
     let only_shape = kept.len() == 1;
     let count = kept.len();
     let shots = kept.into_iter().enumerate().map(|(i, k)| Snapshot {
-        positions: fields::positions(mesh, system, &k.displacements, scale),
+        positions: [
+            fields::positions(mesh, system, &k.displacements, scale),
+            drawn_outline::positions(system, &k.displacements, scale),
+        ]
+        .concat(),
         values: (!only_shape).then(|| k.values.clone()),
         label: format!("{letter} {}{unit}", short(k.time)),
         opacity: opacity(i, count),
     });
-    let what = if scale == 1.0 { "deformed shell".into() } else { format!("displacements × {scale}") };
+    let parts = if mesh.quads.is_empty() { "motion" } else { "deformed shell" };
+    let what = if scale == 1.0 { parts.into() } else { format!("displacements × {scale}") };
     let plot = SurfacePlot {
         title: title(recorder, &what),
         snapshots: shots.collect(),
         quads: mesh.quads.clone(),
+        bodies: drawn_outline::faces(system, mesh.positions.len()),
         color_label: with_unit("von Mises stress", units.of_stress().as_deref()),
         ..SurfacePlot::default()
     };
@@ -216,7 +222,8 @@ pub(super) fn short(time: f64) -> String {
 fn largest_displacement(mesh: &Mesh, system: &System, kept: &StoredSnapshot) -> f64 {
     let field = fields::nodal(system, &kept.displacements);
     debug_assert_eq!(field.len(), mesh.positions.len());
-    field.iter().map(|u| u.iter().map(|x| x * x).sum::<f64>().sqrt()).fold(0.0, f64::max)
+    let of_bodies = system.outline.displacements(&kept.displacements);
+    field.iter().chain(&of_bodies).map(|u| u.iter().map(|x| x * x).sum::<f64>().sqrt()).fold(0.0, f64::max)
 }
 
 /// 1 where displacements (relative to the model) can be seen, else the 1, 2 or 5 times a power of ten

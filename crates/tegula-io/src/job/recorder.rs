@@ -9,13 +9,14 @@ use tegula::system::{Procedure, Shell};
 use tegula::{Error, Result, System};
 
 use super::resume::{CheckpointData, RunCounters};
+use super::series::{FieldSeries, STATES};
 use super::summary::{PointResult, Status, Summary};
 use super::{
     JobObserver, Prepared, Progress, ResultFolder, Start, bodies, fields, forces, frames, history, process,
     snapshots,
 };
 use crate::deck::Diagnostic;
-use crate::out::{HistoryWriter, OutputError, PvdSeries};
+use crate::out::{HistoryWriter, OutputError};
 
 /// Longest time on the clock between two checkpoints (s).
 const CHECKPOINT_SECONDS: f64 = 30.0;
@@ -34,7 +35,7 @@ pub(super) struct Recorder<'a> {
     pub memory: CheckpointData,
     watch: &'a mut dyn JobObserver,
     history: HistoryWriter,
-    series: PvdSeries,
+    series: FieldSeries,
     finder: ReactionFinder,
     /// Reactions, loads and inertia of the last step.
     forces: Option<Equilibrium>,
@@ -61,23 +62,19 @@ impl<'a> Recorder<'a> {
         watch: &'a mut dyn JobObserver,
     ) -> std::result::Result<Self, OutputError> {
         summary.write(folder.path())?;
-        folder.make_series("fields")?;
-        let (csv, pvd) = (folder.file("history.csv"), folder.file("fields.pvd"));
+        let csv = folder.file("history.csv");
         let mut missing = 0;
         let (history, series) = match &memory {
             None => {
                 let mut names = history::names(&prepared.probes);
                 names.extend(forces::names(&prepared.system));
                 names.extend(bodies::names(&prepared.system));
-                (HistoryWriter::create(&csv, &names)?, PvdSeries::create(&pvd)?)
+                (HistoryWriter::create(&csv, &names)?, FieldSeries::create(&folder, prepared, STATES)?)
             }
             Some(memory) => {
-                folder.remove_numbered("fields", memory.notes.frames)?;
-                let mut series = if pvd.exists() { PvdSeries::open(&pvd)? } else { PvdSeries::create(&pvd)? };
-                let before = memory.notes.frames;
-                series.truncate_after(memory.notes.last_frame)?;
-                series.drop_missing()?;
-                missing = before.saturating_sub(series.entries().len());
+                let written = (memory.notes.frames, memory.notes.last_frame);
+                let (series, lost) = FieldSeries::resume(&folder, prepared, STATES, written)?;
+                missing = lost;
                 (HistoryWriter::resume(&csv, memory.notes.rows)?, series)
             }
         };
@@ -105,7 +102,7 @@ impl<'a> Recorder<'a> {
         };
         if missing > 0 {
             recorder.warning(&format!(
-                "{missing} field file(s) of the earlier part are no longer there; `fields.pvd` lists the others only"
+                "{missing} field file(s) of the earlier part are no longer there; the lists (`.pvd`) name the others only"
             ))?;
         }
         Ok(recorder)
@@ -301,8 +298,7 @@ impl<'a> Recorder<'a> {
         if self.foretold {
             return Ok(());
         }
-        let last = format!("fields/{:04}.vtu", self.memory.notes.frames.saturating_sub(1));
-        let bytes = std::fs::metadata(self.folder.file(&last)).map_or(0, |file| file.len());
+        let bytes = self.series.bytes(&self.folder, self.memory.notes.frames.saturating_sub(1));
         match frames::too_many(self.memory.notes.frames, bytes, now) {
             Some(warning) => {
                 self.foretold = true;
@@ -318,7 +314,6 @@ impl<'a> Recorder<'a> {
         let state = &self.memory.state;
         let results = recover(system, state);
         let strain = if self.strained { None } else { largest_strain(system, state, &results) };
-        let name = format!("fields/{:04}.vtu", self.memory.notes.frames);
         let found;
         let forces = match &self.forces {
             Some(forces) => forces,
@@ -328,8 +323,8 @@ impl<'a> Recorder<'a> {
             }
         };
         let frame = fields::Frame { forces: Some(forces), ..fields::Frame::of_state(state) };
-        fields::write(&self.folder.file(&name), mesh, system, &self.model.output, &frame, &results)?;
-        self.series.add(state.time, &name)?;
+        let model = (&**mesh, system, &self.model.output);
+        self.series.write(&self.folder, model, (self.memory.notes.frames, &frame), &results)?;
         if self.model.output.pictures && snapshots::wanted(&self.memory.kept, state.time, self.summary.end) {
             let values = fields::by_quad(mesh, system, &results, |r| [r.von_mises]);
             snapshots::keep(&mut self.memory.kept, state, values);

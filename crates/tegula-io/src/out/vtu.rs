@@ -1,4 +1,4 @@
-//! VTK's XML file for unstructured grids (`.vtu`), for meshes of quadrilaterals.
+//! VTK's XML file for unstructured grids (`.vtu`), for meshes of quadrilaterals and lines.
 //!
 //! File version 1.0, little endian, `header_type="UInt64"`. All arrays are in the appended section, cut into
 //! blocks that are compressed by zlib and encoded in base64. That is one of the encodings that ParaView,
@@ -29,6 +29,8 @@ const BLOCK: usize = 1 << 16;
 const MARK: &str = "<!-- written by tegula -->\n";
 /// VTK's number for a four-node quadrilateral, `VTK_QUAD`.
 const VTK_QUAD: u8 = 9;
+/// VTK's number for a line of two points, `VTK_LINE`.
+const VTK_LINE: u8 = 3;
 
 /// One named array on the points or on the cells.
 #[derive(Debug, Clone)]
@@ -56,16 +58,18 @@ impl<'a> DataArray<'a> {
     }
 }
 
-/// A mesh of quadrilaterals with its fields at one instant.
-#[derive(Debug, Clone)]
+/// A mesh of quadrilaterals and lines with its fields at one instant.
+#[derive(Debug, Clone, Default)]
 pub struct VtuGrid<'a> {
     /// Coordinates of the points.
     pub points: &'a [[f64; 3]],
     /// Corners of the quadrilaterals, as indices into `points`.
     pub quads: &'a [[u32; 4]],
+    /// Ends of the lines, as indices into `points`.
+    pub lines: &'a [[u32; 2]],
     /// Fields on the points.
     pub point_data: Vec<DataArray<'a>>,
-    /// Fields on the quadrilaterals.
+    /// Fields on the quadrilaterals, and behind them on the lines.
     pub cell_data: Vec<DataArray<'a>>,
     /// Time of this picture; written as the field `TimeValue`, which VTK knows.
     pub time: f64,
@@ -87,19 +91,26 @@ pub fn is_own(path: &Path) -> bool {
     read.is_ok() && beginning.windows(MARK.len()).any(|bytes| bytes == MARK.as_bytes())
 }
 
+impl VtuGrid<'_> {
+    /// Points of each cell: quadrilaterals, then lines.
+    fn cells(&self) -> impl Iterator<Item = &[u32]> {
+        self.quads.iter().map(|quad| &quad[..]).chain(self.lines.iter().map(|line| &line[..]))
+    }
+}
+
 /// Reports data that do not fit the grid, in words.
 fn check(grid: &VtuGrid<'_>) -> Result<(), String> {
     let points = grid.points.len();
     if !grid.time.is_finite() {
         return Err(format!("its time is {}", grid.time));
     }
-    for (cell, quad) in grid.quads.iter().enumerate() {
-        if let Some(corner) = quad.iter().find(|&&p| p as usize >= points) {
+    for (cell, corners) in grid.cells().enumerate() {
+        if let Some(corner) = corners.iter().find(|&&p| p as usize >= points) {
             return Err(format!("cell {cell} names point {corner}, but there are only {points} points"));
         }
     }
     check_arrays("point", points, &grid.point_data)?;
-    check_arrays("cell", grid.quads.len(), &grid.cell_data)
+    check_arrays("cell", grid.cells().count(), &grid.cell_data)
 }
 
 /// Lengths and names of the arrays of one kind.
@@ -134,7 +145,7 @@ fn check_arrays(kind: &str, count: usize, arrays: &[DataArray<'_>]) -> Result<()
 fn write_to(w: &mut dyn Write, grid: &VtuGrid<'_>) -> io::Result<()> {
     let mut appended = String::new();
     let mut xml = String::new();
-    let (points, cells) = (grid.points.len(), grid.quads.len());
+    let (points, cells) = (grid.points.len(), grid.cells().count());
     xml.push_str("<?xml version=\"1.0\"?>\n");
     xml.push_str(MARK);
     xml.push_str("<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" ");
@@ -154,11 +165,16 @@ fn write_to(w: &mut dyn Write, grid: &VtuGrid<'_>) -> io::Result<()> {
     append(&mut appended, grid.points.iter().flatten().flat_map(|x| x.to_le_bytes()))?;
     xml.push_str("</Points>\n<Cells>\n");
     tag(&mut xml, "Int64", "connectivity", 1, None, appended.len());
-    append(&mut appended, grid.quads.iter().flatten().flat_map(|&p| i64::from(p).to_le_bytes()))?;
+    append(&mut appended, grid.cells().flatten().flat_map(|&p| i64::from(p).to_le_bytes()))?;
     tag(&mut xml, "Int64", "offsets", 1, None, appended.len());
-    append(&mut appended, (1..=cells).flat_map(|c| (4 * c as u64).to_le_bytes()))?;
+    let ends = grid.cells().scan(0_u64, |end, corners| {
+        *end += corners.len() as u64;
+        Some(*end)
+    });
+    append(&mut appended, ends.flat_map(u64::to_le_bytes))?;
     tag(&mut xml, "UInt8", "types", 1, None, appended.len());
-    append(&mut appended, std::iter::repeat_n(VTK_QUAD, cells))?;
+    let types = [(VTK_QUAD, grid.quads.len()), (VTK_LINE, grid.lines.len())];
+    append(&mut appended, types.into_iter().flat_map(|(kind, count)| std::iter::repeat_n(kind, count)))?;
     xml.push_str("</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"base64\">\n_");
 
     w.write_all(xml.as_bytes())?;
@@ -270,6 +286,7 @@ mod tests {
             point_data: vec![DataArray::new("displacement", 3, &displacement[..])],
             cell_data: vec![DataArray::new("a<b \"&\"", 1, &cell[..]).with_component_names(&["x"])],
             time: 0.1 + 0.2,
+            ..VtuGrid::default()
         };
         write(&path, &grid).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
@@ -297,8 +314,7 @@ mod tests {
         let (points, quads, displacement, cell) = strip(2);
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.vtu");
-        let good =
-            VtuGrid { points: &points, quads: &quads, point_data: vec![], cell_data: vec![], time: 0.0 };
+        let good = VtuGrid { points: &points, quads: &quads, ..VtuGrid::default() };
         let refusal = |grid: &VtuGrid<'_>| write(&path, grid).unwrap_err().to_string();
 
         let mut grid = good.clone();
@@ -322,8 +338,7 @@ mod tests {
         let path = folder.path().join("a.vtu");
         let (points, quads, ..) = strip(2);
         assert!(!is_own(&path), "there is no file");
-        let grid =
-            VtuGrid { points: &points, quads: &quads, point_data: vec![], cell_data: vec![], time: 0.0 };
+        let grid = VtuGrid { points: &points, quads: &quads, ..VtuGrid::default() };
         write(&path, &grid).unwrap();
         assert!(is_own(&path));
         let text = std::fs::read_to_string(&path).unwrap().replace(MARK, "");
@@ -332,9 +347,38 @@ mod tests {
     }
 
     #[test]
+    fn lines_stand_behind_quadrilaterals() {
+        let (points, quads, ..) = strip(2);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.vtu");
+        let lines = [[0, 5], [4, 1], [2, 3]];
+        let part = [0.0, 0.0, 1.0, 2.0, 3.0];
+        let cell_data = vec![DataArray::new("part", 1, &part[..])];
+        let grid = VtuGrid { points: &points, quads: &quads, lines: &lines, cell_data, ..VtuGrid::default() };
+        write(&path, &grid).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.contains("NumberOfCells=\"5\""));
+        let offsets: Vec<usize> = text
+            .split("offset=\"")
+            .skip(1)
+            .map(|rest| rest.split('"').next().unwrap().parse().unwrap())
+            .collect();
+        let integers = |offset: usize| -> Vec<i64> {
+            let bytes = decode(&text, offset);
+            bytes.chunks(8).map(|b| i64::from_le_bytes(b.try_into().unwrap())).collect()
+        };
+        assert_eq!(integers(offsets[2]), [0, 2, 3, 1, 2, 4, 5, 3, 0, 5, 4, 1, 2, 3]);
+        assert_eq!(integers(offsets[3]), [4, 8, 10, 12, 14]);
+        assert_eq!(decode(&text, offsets[4]), [9, 9, 3, 3, 3]);
+        let far = [[0, 6]];
+        let refused = write(&path, &VtuGrid { points: &points, lines: &far, ..VtuGrid::default() });
+        assert!(refused.unwrap_err().to_string().contains("point 6"));
+    }
+
+    #[test]
     fn an_empty_grid_is_a_file_too() {
         let folder = tempfile::tempdir().unwrap();
-        let grid = VtuGrid { points: &[], quads: &[], point_data: vec![], cell_data: vec![], time: 0.0 };
+        let grid = VtuGrid::default();
         write(&folder.path().join("a.vtu"), &grid).unwrap();
     }
 }

@@ -22,6 +22,9 @@ const BAND: usize = 128;
 /// Elements smaller than this many pixels get no mesh lines.
 const SMALLEST_WITH_LINES: f64 = 6.0;
 
+/// Cosine of the angle between faces of bodies from which their common side is an edge.
+const SHARP: f64 = 0.8;
+
 /// Part of the depth of a facet within which two snapshots count as one surface.
 const COPLANAR: f64 = 0.1;
 
@@ -34,8 +37,10 @@ pub(super) struct Patch {
     pub(super) opacity: f64,
     /// Number of the snapshot it belongs to.
     pub(super) owner: u16,
-    /// Whether each side, from corner i to corner i + 1, has no neighbour.
-    pub(super) free: [bool; 4],
+    /// Whether each side, from corner i to corner i + 1, is an edge: it has no neighbour, or one at an angle.
+    pub(super) edges: [bool; 4],
+    /// Whether it is an element, with mesh lines.
+    pub(super) meshed: bool,
 }
 
 /// Which snapshot is seen at each pixel: its number plus one, 0 for none.
@@ -66,12 +71,33 @@ struct Facet {
     outer: bool,
 }
 
+/// Side of a quadrilateral, from corner i to corner i + 1.
+fn side(quad: &[u32; 4], i: usize) -> (u32, u32) {
+    let (a, b) = (quad[i], quad[(i + 1) % 4]);
+    (a.min(b), a.max(b))
+}
+
+/// Which sides of which quadrilaterals belong to no other, or to one at an angle.
+pub(super) fn sharp_sides(quads: &[[u32; 4]], nodes: &[Vec3]) -> Vec<[bool; 4]> {
+    let normal = |quad: &[u32; 4]| {
+        let [a, b, c, d] = quad.map(|node| nodes[node as usize]);
+        (c - a).cross(&(d - b)).normalize()
+    };
+    let mut normals: HashMap<(u32, u32), Vec<Vec3>> = HashMap::with_capacity(2 * quads.len());
+    for quad in quads {
+        for i in 0..4 {
+            normals.entry(side(quad, i)).or_default().push(normal(quad));
+        }
+    }
+    let sharp = |sides: &Vec<Vec3>| match sides[..] {
+        [a, b] => a.dot(&b).abs() < SHARP,
+        _ => true,
+    };
+    quads.iter().map(|quad| std::array::from_fn(|i| normals.get(&side(quad, i)).is_none_or(sharp))).collect()
+}
+
 /// Which sides of which quadrilaterals belong to no other.
 pub(super) fn free_sides(quads: &[[u32; 4]]) -> Vec<[bool; 4]> {
-    let side = |quad: &[u32; 4], i: usize| {
-        let (a, b) = (quad[i], quad[(i + 1) % 4]);
-        (a.min(b), a.max(b))
-    };
     let mut count: HashMap<(u32, u32), u32> = HashMap::with_capacity(2 * quads.len());
     for quad in quads {
         for i in 0..4 {
@@ -87,10 +113,11 @@ pub(super) fn paint(canvas: &mut Canvas, placement: &Placement, patches: &[Patch
         let d = p.corners[(i + 1) % 4] - p.corners[i];
         d.x.hypot(d.y) * placement.scale
     };
-    let mut lengths: Vec<f64> = patches.iter().flat_map(|p| (0..4).map(|i| length(p, i))).collect();
+    let mut lengths: Vec<f64> =
+        patches.iter().filter(|patch| patch.meshed).flat_map(|p| (0..4).map(|i| length(p, i))).collect();
     lengths.sort_by(f64::total_cmp);
     let typical = lengths.get(lengths.len() / 2).copied().unwrap_or(0.0);
-    let longest = lengths.last().copied().unwrap_or(0.0);
+    let longest = patches.iter().flat_map(|p| (0..4).map(|i| length(p, i))).fold(0.0, f64::max);
     let affordable = (MOST / patches.len().max(1)).isqrt().clamp(1, 24);
     let cuts = ((longest / FACET).ceil() as usize).clamp(1, affordable);
 
@@ -169,9 +196,9 @@ impl<'a> Shading<'a> {
         let mut colour = facet.colour;
         if facet.outer {
             let distance = |i: usize| distance_to_segment(at, sides[i], sides[(i + 1) % 4]);
-            if (0..4).any(|i| patch.free[i] && distance(i) < 1.1) {
+            if (0..4).any(|i| patch.edges[i] && distance(i) < 1.1) {
                 colour = colour.mix(Rgb::BLACK, 0.62);
-            } else if self.half.is_some_and(|half| (0..4).any(|i| distance(i) < half)) {
+            } else if patch.meshed && self.half.is_some_and(|half| (0..4).any(|i| distance(i) < half)) {
                 colour = colour.mix(Rgb::BLACK, self.ink);
             }
         }
@@ -364,7 +391,14 @@ mod tests {
             (0..36).map(move |k| {
                 let (i, j) = (k / 6, k % 6);
                 let corners = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
-                Patch { corners, colours: [Rgb::grey(0.5); 4], opacity: 1.0, owner, free: [false; 4] }
+                Patch {
+                    corners,
+                    colours: [Rgb::grey(0.5); 4],
+                    opacity: 1.0,
+                    owner,
+                    edges: [false; 4],
+                    meshed: true,
+                }
             })
         };
         for shift in [0.0, 0.37, -0.61] {
@@ -391,7 +425,14 @@ mod tests {
             (0..36).map(move |k| {
                 let (i, j) = (k / 6, k % 6);
                 let corners = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
-                Patch { corners, colours: [Rgb::grey(0.5); 4], opacity, owner, free: [false; 4] }
+                Patch {
+                    corners,
+                    colours: [Rgb::grey(0.5); 4],
+                    opacity,
+                    owner,
+                    edges: [false; 4],
+                    meshed: true,
+                }
             })
         };
         for (angle, opacity) in [(0.3, 1.0), (0.1, 0.6), (0.03, 1.0), (0.03, 0.6)] {
@@ -417,7 +458,8 @@ mod tests {
             colours: [Rgb::grey(0.5); 4],
             opacity: 1.0,
             owner,
-            free: [true; 4],
+            edges: [true; 4],
+            meshed: true,
         };
         let patches = [square(1.0, 0), square(0.0, 1)];
         let seen: Vec<Vec3> = patches[0].corners.to_vec();

@@ -15,6 +15,11 @@ use crate::out::OutputError;
 const TITLE: f64 = 21.0;
 const NOTE: f64 = 13.0;
 const MARGIN: f64 = 24.0;
+/// Colour of bodies beside shells.
+const BODY: u32 = 0xb4bac4;
+/// Opacity of bodies beside shells, relative to that of the shells, in the last snapshot and in those before.
+const LAST_BODY: f64 = 0.3;
+const EARLIER_BODY: f64 = 0.12;
 
 /// The shell at one instant.
 #[derive(Debug, Clone)]
@@ -44,6 +49,8 @@ pub struct SurfacePlot {
     pub snapshots: Vec<Snapshot>,
     /// Corners of the quadrilaterals, as indices of nodes.
     pub quads: Vec<[u32; 4]>,
+    /// Faces of bodies, which have no values.
+    pub bodies: Vec<[u32; 4]>,
     /// From where to look.
     pub view: View,
     /// Quantity shown by the colours, with its unit; stands beside the colour bar.
@@ -60,6 +67,7 @@ impl Default for SurfacePlot {
             title: String::new(),
             snapshots: Vec::new(),
             quads: Vec::new(),
+            bodies: Vec::new(),
             view: View::default(),
             color_label: String::new(),
             smooth: true,
@@ -145,13 +153,13 @@ fn labelled(plot: &SurfacePlot) -> Result<(Canvas, Labels), String> {
 
 /// Reports data of a picture that do not fit together, in words.
 fn check(plot: &SurfacePlot) -> Result<(), String> {
-    if plot.snapshots.is_empty() || plot.quads.is_empty() {
+    if plot.snapshots.is_empty() || (plot.quads.is_empty() && plot.bodies.is_empty()) {
         return Err("the picture needs at least one snapshot and one element".into());
     }
     if plot.snapshots.len() >= usize::from(u16::MAX) {
         return Err(format!("{} snapshots are too many for one picture", plot.snapshots.len()));
     }
-    let largest = plot.quads.iter().flatten().copied().max().unwrap_or(0) as usize;
+    let largest = plot.quads.iter().chain(&plot.bodies).flatten().copied().max().unwrap_or(0) as usize;
     for (i, snapshot) in plot.snapshots.iter().enumerate() {
         let nodes = snapshot.positions.len();
         if largest >= nodes {
@@ -172,16 +180,22 @@ fn check(plot: &SurfacePlot) -> Result<(), String> {
 
 /// All elements of all snapshots that can be drawn, and the number of those that cannot.
 fn patches(plot: &SurfacePlot, seen: &[Vec<Vec3>], axis: Option<&Axis>) -> (Vec<Patch>, usize) {
-    let free = facets::free_sides(&plot.quads);
-    let mut patches = Vec::with_capacity(plot.quads.len() * plot.snapshots.len());
+    let faces: Vec<[u32; 4]> = plot.quads.iter().chain(&plot.bodies).copied().collect();
+    let mut edges = facets::free_sides(&plot.quads);
+    edges.extend(seen.first().into_iter().flat_map(|nodes| facets::sharp_sides(&plot.bodies, nodes)));
+    let mut patches = Vec::with_capacity(faces.len() * plot.snapshots.len());
     let mut left_out = 0;
     for (number, (snapshot, nodes)) in plot.snapshots.iter().zip(seen).enumerate() {
         let opacity = if snapshot.opacity.is_nan() { 1.0 } else { snapshot.opacity.clamp(0.0, 1.0) };
         if opacity == 0.0 {
             continue;
         }
-        let colours = colours(plot, number, snapshot, axis);
-        for (index, quad) in plot.quads.iter().enumerate() {
+        let mut colours = colours(plot, number, snapshot, axis);
+        let of_bodies = if plot.quads.is_empty() { of_instant(plot, number) } else { Rgb::hex(BODY) };
+        colours.resize(faces.len(), [of_bodies; 4]);
+        let shade = if number + 1 == plot.snapshots.len() { LAST_BODY } else { EARLIER_BODY };
+        for (index, quad) in faces.iter().enumerate() {
+            let meshed = index < plot.quads.len();
             let corners = quad.map(|node| nodes[node as usize]);
             if corners.iter().any(|x| x.iter().any(|c| !c.is_finite())) {
                 left_out += 1;
@@ -190,9 +204,10 @@ fn patches(plot: &SurfacePlot, seen: &[Vec<Vec3>], axis: Option<&Axis>) -> (Vec<
             patches.push(Patch {
                 corners,
                 colours: colours[index],
-                opacity,
+                opacity: if meshed || plot.quads.is_empty() { opacity } else { opacity * shade },
                 owner: number as u16,
-                free: free[index],
+                edges: edges[index],
+                meshed,
             });
         }
     }
@@ -202,16 +217,7 @@ fn patches(plot: &SurfacePlot, seen: &[Vec<Vec3>], axis: Option<&Axis>) -> (Vec<
 /// Colours at the corners of each element.
 fn colours(plot: &SurfacePlot, number: usize, snapshot: &Snapshot, axis: Option<&Axis>) -> Vec<[Rgb; 4]> {
     let (Some(values), Some(axis)) = (&snapshot.values, axis) else {
-        // Without values the snapshots run from sand to brick.
-        let last = plot.snapshots.len().saturating_sub(1).max(1) as f64;
-        let share = if plot.snapshots.len() == 1 { 0.5 } else { number as f64 / last };
-        let (sand, terracotta, brick) = (Rgb::hex(0xf3e3cc), Rgb::hex(0xe0a06f), Rgb::hex(0xc0603a));
-        let colour = if share < 0.5 {
-            sand.mix(terracotta, 2.0 * share)
-        } else {
-            terracotta.mix(brick, 2.0 * share - 1.0)
-        };
-        return vec![[colour; 4]; plot.quads.len()];
+        return vec![[of_instant(plot, number); 4]; plot.quads.len()];
     };
     let colour = |value: f64| axis.place(value).map_or(Rgb::MISSING, viridis);
     if !plot.smooth {
@@ -230,6 +236,14 @@ fn colours(plot: &SurfacePlot, number: usize, snapshot: &Snapshot, axis: Option<
     };
     let quads = plot.quads.iter().zip(values);
     quads.map(|(quad, v)| if v.is_finite() { quad.map(at_node) } else { [Rgb::MISSING; 4] }).collect()
+}
+
+/// Colour of a snapshot without values: they run from sand to brick.
+fn of_instant(plot: &SurfacePlot, number: usize) -> Rgb {
+    let last = plot.snapshots.len().saturating_sub(1).max(1) as f64;
+    let share = if plot.snapshots.len() == 1 { 0.5 } else { number as f64 / last };
+    let (sand, terracotta, brick) = (Rgb::hex(0xf3e3cc), Rgb::hex(0xe0a06f), Rgb::hex(0xc0603a));
+    if share < 0.5 { sand.mix(terracotta, 2.0 * share) } else { terracotta.mix(brick, 2.0 * share - 1.0) }
 }
 
 fn remarks(left_out: usize, odd_values: usize) -> String {

@@ -1,5 +1,6 @@
 //! Rigid bodies, point masses and joints: from the model to nodal vectors and constraints.
 
+use super::outline;
 use crate::checker::Checker;
 use crate::constraint::joints::{End, joint};
 use crate::constraint::{Drive, Joint, Spring};
@@ -9,8 +10,8 @@ use crate::model::body::axes_of_space;
 use crate::model::joint::GROUND;
 use crate::model::{Analysis, BodyShape, Load, Model, RigidBody, SpringDamper};
 use crate::norm::larger;
-use crate::system::Coordinates;
 use crate::system::coordinates::Body;
+use crate::system::{BeamLine, Coordinates, Outline};
 use crate::{Issue, Mat3, Vec3};
 
 /// Longest name of a body or a joint (characters): it becomes part of file names.
@@ -370,18 +371,31 @@ pub(super) fn springs(
     out
 }
 
+/// Outline of the bodies, beams and springs of a model.
+pub(super) fn outline_of(
+    model: &Model,
+    mesh: &Mesh,
+    coordinates: &Coordinates,
+    beams: &[BeamLine],
+) -> Outline {
+    let length = extent(model, mesh, coordinates);
+    outline::outline(&Place { model, mesh, coordinates, length }, beams)
+}
+
 /// Model in which the sides of joints and springs are found.
-struct Place<'a> {
-    model: &'a Model,
+pub(super) struct Place<'a> {
+    /// Model.
+    pub(super) model: &'a Model,
     mesh: &'a Mesh,
-    coordinates: &'a Coordinates,
+    /// Nodal vectors.
+    pub(super) coordinates: &'a Coordinates,
     /// Size of the model (length).
-    length: f64,
+    pub(super) length: f64,
 }
 
 /// Both sides of a joint or spring, which must not lie beside the node or the point mass that they name; `None` where one does not
 /// exist.
-fn ends(
+pub(super) fn ends(
     place: &Place,
     (key, between): (&str, &[String; 2]),
     points: [Option<(String, [f64; 3])>; 2],

@@ -10,6 +10,7 @@ mod check_sections;
 mod congruence;
 mod force_sets;
 mod mechanism;
+mod outline;
 mod patches;
 mod sections;
 mod steps;
@@ -33,8 +34,8 @@ use crate::model::{
 use crate::system::pattern::{BATCH, PatternBuilder};
 use crate::system::supports::Support;
 use crate::system::{
-    BeamLine, DeadLoad, GroupOffsets, LocalFrames, Pattern, PrescribedField, Procedure, Reduction, Shell,
-    ShellSection, StepStart, System, lumping,
+    BeamLine, DeadLoad, GroupOffsets, LocalFrames, Outline, Pattern, PrescribedField, Procedure, Reduction,
+    Shell, ShellSection, StepStart, System, lumping,
 };
 use crate::{Error, Issue, Result, Vec3};
 use actions::{
@@ -64,6 +65,7 @@ pub struct Compiler<'a> {
     offsets: Arc<Vec<GroupOffsets>>,
     joints: Arc<Vec<Joint>>,
     beams: Arc<Vec<BeamLine>>,
+    outline: Arc<Outline>,
     shells: Vec<Shell>,
     sections: Arc<Vec<ShellSection>>,
     /// Nodal vectors that keep their length.
@@ -135,6 +137,7 @@ impl<'a> Compiler<'a> {
         elements.groups.extend(of_beams);
         elements.groups.extend(JointGroup::groups(&joints));
         elements.groups.extend(SpringGroup::groups(&springs));
+        let outline = bodies::outline_of(model, mesh, &vectors.coordinates, &beams);
         vectors.mark_inextensible(&elements.unit);
         let linear = |step: &StepModel| match &step.model.analysis {
             Analysis::Static(s) => s.linear,
@@ -151,6 +154,7 @@ impl<'a> Compiler<'a> {
             groups: Arc::new(elements.groups),
             joints,
             beams: Arc::new(beams),
+            outline: Arc::new(outline),
             shells: elements.list,
             sections: Arc::new(elements.sections),
             unit: elements.unit,
@@ -298,6 +302,7 @@ impl<'a> Compiler<'a> {
             reductions,
             joints: self.joints_at(start.as_ref(), procedure, &amplitudes),
             beams: Arc::clone(&self.beams),
+            outline: Arc::clone(&self.outline),
             shells: self.shells.clone(),
             sections: Arc::clone(&self.sections),
             prescribed_strains: self.prescribed_fields(step, &names),

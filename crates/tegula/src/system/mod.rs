@@ -12,6 +12,7 @@ pub mod evaluation_point;
 mod inverted_element;
 mod local_frames;
 pub mod lumping;
+pub mod outline;
 pub mod pattern;
 mod procedure;
 mod reduction;
@@ -40,6 +41,7 @@ use dof_map::Prescribed;
 pub use evaluation_point::{EvaluationPoint, GroupOffsets, Internal};
 pub use inverted_element::inverted_element;
 pub use local_frames::LocalFrames;
+pub use outline::Outline;
 pub use pattern::Pattern;
 pub use procedure::Procedure;
 pub use reduction::Reduction;
@@ -147,6 +149,8 @@ pub struct System {
     pub joints: Arc<Vec<Joint>>,
     /// Beams.
     pub beams: Arc<Vec<BeamLine>>,
+    /// Outline of bodies, beams and springs, for pictures.
+    pub outline: Arc<Outline>,
     /// Shells, one per quad that has an element.
     pub shells: Vec<Shell>,
     /// Sections of the shells.

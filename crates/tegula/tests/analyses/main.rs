@@ -28,6 +28,7 @@ mod modes;
 mod modes_with_joints;
 mod multibody;
 mod nonlinear_materials;
+mod outlines;
 mod patch_refusals;
 mod patches;
 mod reactions;

@@ -145,3 +145,77 @@ fn long_runs_write_two_hundred_field_files() {
     let folder = run_text(&text.replace("pictures", "every = 300\npictures"));
     assert_eq!(count(folder.path()), 5);
 }
+
+/// A bar swings on a hinge and holds a beam: the files of bodies hold the bar's corners where its position and quaternion in the
+/// history put them, and the resultants of the beam that are in the history.
+#[test]
+fn files_of_bodies_hold_their_places_and_the_resultants_of_beams() {
+    let folder = run_text(MACHINE);
+    assert!(!folder.path().join("fields").exists(), "there are no shells");
+    let file = last(folder.path(), "bodies.pvd");
+    let (names, rows) = csv::read(&folder.path().join("history.csv")).unwrap();
+    let value = |name: &str| rows.last().unwrap()[names.iter().position(|n| n == name).unwrap()];
+    let place = ["x", "y", "z"].map(|c| value(&format!("body.bar.{c}")));
+    let [w, x, y, z] = ["q0", "q1", "q2", "q3"].map(|c| value(&format!("body.bar.{c}")));
+    assert!(z.abs() > 0.05, "the bar has turned");
+    let rotation = nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, x, y, z));
+    let (points, moved) = (array(&file, "Points"), array(&file, "displacement"));
+    assert_eq!(points[..3], [0.0, -0.05, -0.1], "the mesh is that of the reference");
+    for (corner, u) in points.chunks(3).zip(moved.chunks(3)).take(8) {
+        let arm = nalgebra::Vector3::new(corner[0] - 0.5, corner[1], corner[2]);
+        let expected = rotation * arm + nalgebra::Vector3::from(place);
+        for i in 0..3 {
+            assert!((corner[i] + u[i] - expected[i]).abs() < 1e-12, "{corner:?} {u:?} {expected}");
+        }
+    }
+    let part = array(&file, "part");
+    let (force, moment) = (array(&file, "beam_force"), array(&file, "beam_moment"));
+    assert!(part.len() == 6 + 6 && force[..18].iter().chain(&moment[..18]).all(|x| x.is_nan()));
+    assert_eq!((part[5], part[6]), (0.0, 1.0));
+    // The beam has one element with four sides and two ends.
+    for (i, column) in ["v1", "v2", "n"].into_iter().enumerate() {
+        let expected = value(&format!("beam.arm.end.{column}"));
+        assert!(force[18..].chunks(3).all(|v| v[i] == expected), "{column}: {force:?} {expected}");
+    }
+    for (i, column) in ["m1", "m2", "t"].into_iter().enumerate() {
+        assert!(moment[18..].chunks(3).all(|v| v[i] == value(&format!("beam.arm.end.{column}"))));
+    }
+    assert!(force[18..].iter().any(|v| v.abs() > 0.1), "{force:?}");
+}
+
+const MACHINE: &str = r#"
+    loads = [{ type = "gravity", value = [0, -9.81, 0] }]
+    [analysis]
+    type = "transient"
+    end_time = 0.2
+    time_step = 0.01
+    scheme = { type = "energy-momentum" }
+    [materials.steel]
+    type = "isotropic"
+    young = 2e9
+    poisson = 0.3
+    density = 1000.0
+    [[bodies]]
+    name = "bar"
+    at = [0.5, 0, 0]
+    mass = 1.0
+    shape = { type = "box", size = [1.0, 0.1, 0.2] }
+    [[beams]]
+    name = "arm"
+    points = [[1.0, 0, 0], [1.5, 0, 0]]
+    elements = 1
+    direction = [0, 1, 0]
+    section = { type = "rectangle", size = [0.05, 0.05] }
+    material = "steel"
+    [[joints]]
+    type = "revolute"
+    name = "hinge"
+    between = ["ground", "bar"]
+    at = [0, 0, 0]
+    axis = [0, 0, 1]
+    [[joints]]
+    type = "fixed"
+    name = "weld"
+    between = ["bar", "arm.start"]
+    at = [1.0, 0, 0]
+"#;

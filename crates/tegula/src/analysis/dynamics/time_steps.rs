@@ -333,8 +333,9 @@ pub(super) fn commit(system: &System, newton: &mut Newton, state: &mut State) {
 const LOST: f64 = 1e-3;
 const GAINED: f64 = 1e-2;
 
-/// The same in the first steps from rest, where the error of the energy is as large as the energy; and their number.
+/// Part of the energy that a scheme may gain in the first steps from rest, where the error is as large as the energy.
 const GAINED_AT_FIRST: f64 = 1.0;
+/// Number of first steps.
 const FIRST_STEPS: u64 = 20;
 
 /// Refuses a step of a mechanism that does not keep the energy: near a singular position of its joints the motion has left its
