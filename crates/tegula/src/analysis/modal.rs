@@ -122,7 +122,7 @@ pub fn run(
 pub fn prestress(system: &System, observer: &mut dyn Observer) -> Result<StaticOutcome> {
     statics::run(system, &StaticAnalysis::default(), None, observer).map_err(|error| {
         let parts = Parts::new(system);
-        let rest = vec![[0.0; 3]; system.vectors()];
+        let rest = State::at_rest(system);
         let rigid = RigidModes::new(system, &rest, &parts, &system.frames, |_| true).len();
         match error {
             Error::NotConverged { at, .. } if rigid > 0 => Error::Singular {

@@ -22,6 +22,8 @@ pub struct Spring {
     /// Vector between the points: weights of the nodal vectors, and its constant part.
     weights: Vec<f64>,
     constant: Vec3,
+    /// Whether one of the points is in the ground.
+    grounded: bool,
     /// Stiffness k [force/length].
     stiffness: f64,
     /// Damping d [force·time/length].
@@ -45,7 +47,8 @@ impl Spring {
                 }
             }
         }
-        Self { vectors, weights, constant: a.constant - b.constant, stiffness, damping, length }
+        let grounded = a.terms.is_empty() || b.terms.is_empty();
+        Self { vectors, weights, constant: a.constant - b.constant, grounded, stiffness, damping, length }
     }
 
     /// Vector between the points for given nodal vectors.
@@ -125,6 +128,10 @@ impl ElementGroup for SpringGroup {
 
     fn acts_on_ground(&self) -> bool {
         true
+    }
+
+    fn is_grounded(&self, element: usize) -> bool {
+        self.members[element].grounded
     }
 
     fn has_rate_damping(&self) -> bool {

@@ -111,6 +111,11 @@ pub trait ElementGroup: Send + Sync {
     fn acts_on_ground(&self) -> bool {
         false
     }
+    /// Whether an element resists rigid motions of its nodal vectors: the ground holds it.
+    fn is_grounded(&self, element: usize) -> bool {
+        let _ = element;
+        false
+    }
     /// Number of nodal vectors per element.
     fn vectors_per_element(&self) -> usize;
     /// Number of generalised stresses per element, work-conjugate to its strains.

@@ -54,6 +54,59 @@ fn two_bodies_on_slides_drift_and_vibrate_against_their_spring() {
     assert!(found[0] == 0.0 && (found[1] / 500f64.sqrt() - 1.0).abs() < 1e-10, "{found:?}");
 }
 
+fn to_ground(name: &str, body: &str, points: [[f64; 3]; 2], stiffness: f64) -> SpringDamper {
+    let between = between("ground", body);
+    SpringDamper { name: name.into(), between, points, stiffness, damping: 0.0, length: None }
+}
+
+/// A point mass and a body on three springs to the ground: ω² = k/m along each; rotations of the body are free.
+#[test]
+fn springs_to_the_ground_hold_bodies_without_joints() {
+    let ends = [[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
+    let springs: Vec<SpringDamper> = ends
+        .into_iter()
+        .zip([200.0, 800.0, 1800.0])
+        .map(|(end, k)| to_ground(&format!("spring {k}"), "mass", [end, [0.0; 3]], k))
+        .collect();
+    for (inertia, count) in [(None, 3), (Some([1.0, 2.0, 2.5]), 6)] {
+        let mass = body("mass", [0.0; 3], 2.0, inertia);
+        let mut model = Model::of_bodies(modal(count as u32, false), vec![mass], Vec::new());
+        model.springs = springs.clone();
+        let found = omegas(&model);
+        assert_eq!(found.len(), count);
+        let (free, elastic) = found.split_at(count - 3);
+        assert!(free.iter().all(|omega| *omega == 0.0), "{found:?}");
+        for (omega, expected) in elastic.iter().zip([10.0, 20.0, 30.0]) {
+            assert!((omega / expected - 1.0).abs() < 1e-10, "{found:?}");
+        }
+    }
+}
+
+/// A stiff plate on soft vertical springs at its corners drifts and spins in its plane, heaves with ω² = 4k/m, and rolls with
+/// ω² = 12 k/m, for a square.
+#[test]
+fn a_plate_on_springs_to_the_ground_heaves_and_rolls() {
+    let mut model = crate::common::model(crate::common::plate([1.0, 1.0], [4, 4], 0.0), 2.1e11, 0.05);
+    model.analysis = modal(6, false);
+    model.conditions.clear();
+    // Density 1, area 1.
+    let mass = 0.05_f64;
+    for (corner, x, y) in [
+        ("u_min_v_min", 0.0, 0.0),
+        ("u_max_v_min", 1.0, 0.0),
+        ("u_min_v_max", 0.0, 1.0),
+        ("u_max_v_max", 1.0, 1.0),
+    ] {
+        model.springs.push(to_ground(corner, corner, [[x, y, -1.0], [x, y, 0.0]], 1e3));
+    }
+    let found = omegas(&model);
+    assert!(found[..3].iter().all(|omega| *omega == 0.0), "{found:?}");
+    for (omega, factor) in found[3..].iter().zip([4.0, 12.0, 12.0]) {
+        let expected = (factor * 1e3 / mass).sqrt();
+        assert!((omega / expected - 1.0).abs() < 2e-3, "{found:?} {expected}");
+    }
+}
+
 /// Two pairs of bodies without connection, whose springs differ by 10⁶: each pair drifts and vibrates, and joints of one take no
 /// mode from the other.
 #[test]

@@ -72,6 +72,8 @@ pub(super) struct Problem<'a> {
     pub rigid: RigidModes,
     /// Whether the strain energy of a small motion is ½ δs·H δs: about a stress-free reference of linear materials.
     pub stress_free: bool,
+    /// Whether the model has springs.
+    sprung: bool,
     /// State about which the model vibrates.
     state: State,
     /// Weight of the augmented Lagrangian of joints, which is part of the stiffness.
@@ -104,7 +106,7 @@ impl<'a> Problem<'a> {
             moved[parts.of(v)] |= u.iter().any(|x| *x != 0.0);
         }
         let rests = |part: usize| !strained && !moved[part];
-        let rigid = RigidModes::new(system, u, &parts, &newton.assembly.frames, rests);
+        let rigid = RigidModes::new(system, &state, &parts, &newton.assembly.frames, rests);
         let linear = system.sections.iter().all(|s| s.section.is_linear());
         // The energy of springs is that of their length, with the cancellation of its change.
         let sprung = system.groups.iter().any(|group| group.name() == SpringGroup::NAME);
@@ -120,6 +122,7 @@ impl<'a> Problem<'a> {
             parts,
             rigid,
             stress_free: equilibrium.is_none() && linear && !strained && !sprung,
+            sprung,
             state,
             penalty,
             applications: 0,
@@ -133,8 +136,9 @@ impl<'a> Problem<'a> {
         let part_of = self.part_of_unknowns();
         let mut lowest = vec![f64::INFINITY; self.parts.count()];
         let diagonals = self.pattern.diagonal(&self.stiffness).zip(self.pattern.diagonal(&self.mass));
-        // Joints may hold what loads would tip over.
-        let counts = |k: f64, m: f64| m > 0.0 && (k > 0.0 || self.system.joints.is_empty());
+        // Joints may hold what loads would tip over, and springs leave some motions of bodies free.
+        let loose = self.sprung || !self.system.joints.is_empty();
+        let counts = |k: f64, m: f64| m > 0.0 && (k > 0.0 || !loose);
         for ((k, m), &part) in diagonals.zip(&part_of).filter(|((k, m), _)| counts(*k, *m)) {
             lowest[part] = lowest[part].min(k / m);
         }

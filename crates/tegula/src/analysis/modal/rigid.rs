@@ -4,13 +4,16 @@
 //! rotations about its centre) that no support prevents are modes of frequency 0. They follow from geometry and mass
 //! alone, so that round-off in the stiffness of the model or of its other parts does not affect them. Under stress a
 //! rotation changes the energy (a pendulum in its field of gravity): parts that the equilibrium has moved count by
-//! their translations only.
+//! their translations only. A spring to the ground prevents those in which it exerts a force. Parts with joints have none;
+//! motions that joints leave free are found as the other modes.
 
 use nalgebra::{DMatrix, SMatrix, SymmetricEigen};
 
-use crate::Vec3;
-use crate::element::Nodal;
+use crate::analysis::State;
+use crate::element::{Nodal, TangentRequest, TangentWeights};
+use crate::norm::larger;
 use crate::system::{LocalFrames, System, VectorKind, dot3};
+use crate::{Mat3, Vec3};
 
 /// Number of rigid motions of a part: t + ω × x of positions, ω × d of directors.
 const MOTIONS: usize = 6;
@@ -75,6 +78,15 @@ impl Parts {
         self.of_vector[vector] as usize
     }
 
+    /// Whether joints act on each part: its rigid motions need not be modes of frequency 0.
+    fn jointed(&self, system: &System) -> Vec<bool> {
+        let mut jointed = vec![false; self.count];
+        for joint in system.joints.iter() {
+            joint.vectors.iter().for_each(|&v| jointed[self.of(v as usize)] = true);
+        }
+        jointed
+    }
+
     /// Sums of a quantity of the nodal vectors over the parts.
     fn sums(&self, mut of: impl FnMut(usize) -> f64) -> Vec<f64> {
         let mut out = vec![0.0; self.count];
@@ -104,12 +116,12 @@ impl RigidModes {
     /// translations only.
     pub fn new(
         system: &System,
-        u: &[Nodal],
+        state: &State,
         parts: &Parts,
         frames: &LocalFrames,
         rests: impl Fn(usize) -> bool,
     ) -> Self {
-        let (fields, sizes) = motions(system, u, parts);
+        let (fields, sizes) = motions(system, &state.u, parts);
         let gram = gram(&fields, parts, |v| mass_products(system, v));
         let mut free = vec![0.0; frames.dofs().unknowns];
         let supported = |fields: &[Vec<Nodal>]| {
@@ -122,11 +134,9 @@ impl RigidModes {
             };
             fields.iter().map(rest).collect::<Vec<_>>()
         };
-        let mut jointed = vec![false; parts.count()];
-        for joint in system.joints.iter() {
-            joint.vectors.iter().for_each(|&v| jointed[parts.of(v as usize)] = true);
-        }
-        let forbidden = supports_gram(system, &fields, (parts, &sizes), supported);
+        let jointed = parts.jointed(system);
+        let mut forbidden = supports_gram(system, &fields, (parts, &sizes), supported);
+        add_ground_gram(system, state, (&fields, parts), &mut forbidden);
         let mut modes = Vec::new();
         for part in 0..parts.count() {
             let mut rows = forbidden[part];
@@ -242,6 +252,55 @@ fn supports_gram(
             for j in 0..MOTIONS {
                 out[part][(i, j)] += weight * dot3(at[i], at[j]);
             }
+        }
+    }
+    out
+}
+
+/// Adds the Gram matrices of the forces that elements held by the ground exert in the motions, relative to their stiffness.
+fn add_ground_gram(
+    system: &System,
+    state: &State,
+    (fields, parts): (&[Vec<Nodal>], &Parts),
+    out: &mut [Six],
+) {
+    let (factors, point): (Vec<f64>, _) = (system.factors(state.time).collect(), state.point(system));
+    for (number, group, _) in system.numbered_groups() {
+        let grounded: Vec<usize> = (0..group.len()).filter(|&element| group.is_grounded(element)).collect();
+        if grounded.is_empty() {
+            continue;
+        }
+        let n = group.vectors_per_element();
+        let size = 9 * n * (n + 1) / 2;
+        let mut forces = vec![0.0; 3 * n * group.len()];
+        let mut blocks = vec![0.0; size * group.len()];
+        let weights = TangentWeights::STATIC;
+        let request = TangentRequest { weights, stress: None, prescribed: None, blocks: &mut blocks };
+        group.evaluate(&point.of_group(system, number, &factors), 0, &mut forces, Some(request));
+        for element in grounded {
+            let (vectors, blocks) = (group.vectors(element), &blocks[element * size..(element + 1) * size]);
+            let scale = blocks.iter().map(|k| k.abs()).fold(0.0, larger);
+            let at: [Vec<Vec3>; MOTIONS] =
+                std::array::from_fn(|i| forces_of(blocks, |a| Vec3::from(fields[i][vectors[a] as usize]), n));
+            for i in (0..MOTIONS).filter(|_| scale > 0.0) {
+                for j in 0..MOTIONS {
+                    let product: f64 = at[i].iter().zip(&at[j]).map(|(a, b)| a.dot(b)).sum();
+                    out[parts.of(vectors[0] as usize)][(i, j)] += product / (scale * scale);
+                }
+            }
+        }
+    }
+}
+
+/// Product of the lower blocks of an element's tangent with its nodal vectors.
+fn forces_of(blocks: &[f64], value: impl Fn(usize) -> Vec3, n: usize) -> Vec<Vec3> {
+    let mut out = vec![Vec3::zeros(); n];
+    let pairs = (0..n).flat_map(|a| (0..=a).map(move |b| (a, b)));
+    for ((a, b), block) in pairs.zip(blocks.chunks_exact(9)) {
+        let block = Mat3::from_row_slice(block);
+        out[a] += block * value(b);
+        if a != b {
+            out[b] += block.transpose() * value(a);
         }
     }
     out
