@@ -121,9 +121,7 @@ pub fn run(
 /// No equilibrium was found; where parts of the model move freely, the error says so.
 pub fn prestress(system: &System, observer: &mut dyn Observer) -> Result<StaticOutcome> {
     statics::run(system, &StaticAnalysis::default(), None, observer).map_err(|error| {
-        let parts = Parts::new(system);
-        let rest = State::at_rest(system);
-        let rigid = RigidModes::new(system, &rest, &parts, &system.frames, |_| true).len();
+        let rigid = rigid_motions(system);
         match error {
             Error::NotConverged { at, .. } if rigid > 0 => Error::Singular {
                 what: format!(
@@ -135,6 +133,13 @@ pub fn prestress(system: &System, observer: &mut dyn Observer) -> Result<StaticO
             error => error,
         }
     })
+}
+
+/// Number of rigid motions of all parts of a model at the reference configuration that neither supports nor springs to the ground
+/// prevent; parts with joints do not count.
+pub fn rigid_motions(system: &System) -> usize {
+    let (parts, rest) = (Parts::new(system), State::at_rest(system));
+    RigidModes::new(system, &rest, &parts, &system.frames, |_| true).len()
 }
 
 /// Factors with the shifts of all groups. Where no stress can make the configuration unstable, shifts whose matrix is

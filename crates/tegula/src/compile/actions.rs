@@ -275,13 +275,12 @@ pub(super) fn added_masses(model: &Model, mesh: &Mesh, vectors: &Vectors) -> Vec
             }
             AddedMass::Edge(m) => {
                 for [a, b] in mesh.edges_on(&m.on).unwrap_or_default() {
-                    let length = (mesh.positions[a as usize] - mesh.positions[b as usize]).norm();
+                    let [of_a, of_both, of_b] = consistent_edge(mesh, [a, b]).map(|weight| m.value * weight);
                     let (a, b) = (
                         vectors.coordinates.position_of[a as usize],
                         vectors.coordinates.position_of[b as usize],
                     );
-                    let third = m.value * length / 3.0;
-                    out.extend([(a, a, third), (b, b, third), (a, b, 0.5 * third)]);
+                    out.extend([(a, a, of_a), (b, b, of_b), (a, b, of_both)]);
                 }
             }
             AddedMass::Area(m) => {
@@ -289,15 +288,14 @@ pub(super) fn added_masses(model: &Model, mesh: &Mesh, vectors: &Vectors) -> Vec
                     let nodes = mesh.quads[q as usize];
                     let geometry =
                         ShellGeometry::new(nodes.map(|n| mesh.positions[n as usize]), [Vec3::z(); 4]);
-                    let inertia = SectionInertia { mass: m.value, rotary: 0.0, coupling: 0.0 };
-                    let matrix = shell_mass(&geometry, &inertia);
+                    let weights = consistent_quad(&geometry);
                     for a in 0..4 {
                         for b in 0..=a {
                             let (va, vb) = (
                                 vectors.coordinates.position_of[nodes[a] as usize],
                                 vectors.coordinates.position_of[nodes[b] as usize],
                             );
-                            out.push((va, vb, matrix[pair(a, b)]));
+                            out.push((va, vb, m.value * weights[pair(a, b)]));
                         }
                     }
                 }
@@ -305,6 +303,18 @@ pub(super) fn added_masses(model: &Model, mesh: &Mesh, vectors: &Vectors) -> Vec
         }
     }
     out
+}
+
+/// Consistent mass matrix of an edge with the mass 1 per length: lower triangle by rows.
+pub(super) fn consistent_edge(mesh: &Mesh, [a, b]: [u32; 2]) -> [f64; 3] {
+    let third = (mesh.positions[a as usize] - mesh.positions[b as usize]).norm() / 3.0;
+    [third, 0.5 * third, third]
+}
+
+/// Consistent mass matrix of a quad with the mass 1 per area: lower triangle by rows.
+pub(super) fn consistent_quad(geometry: &ShellGeometry) -> [f64; 10] {
+    let matrix = shell_mass(geometry, &SectionInertia { mass: 1.0, rotary: 0.0, coupling: 0.0 });
+    std::array::from_fn(|i| matrix[i])
 }
 
 pub(super) fn initial_velocity(model: &Model, mesh: &Mesh, vectors: &Vectors) -> Vec<Nodal> {

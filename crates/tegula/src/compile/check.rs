@@ -77,6 +77,7 @@ fn keys_of(model: &Model, continues: bool) -> Vec<Issue> {
         let (AddedMass::Point(m) | AddedMass::Edge(m) | AddedMass::Area(m)) = m;
         c.not_negative(&format!("masses[{i}].value"), "the mass", m.value);
     }
+    super::foundations::keys(model, &mut c);
     for (i, v) in model.initial_velocities.iter().enumerate() {
         let key = format!("initial_velocities[{i}]");
         c.finite(&format!("{key}.velocity"), "the velocity", &v.velocity);
@@ -225,6 +226,7 @@ fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
             AddedMass::Area(m) => drop(c.set(mesh, key, &m.on, "quads", Mesh::quads_on)),
         }
     }
+    super::foundations::sets(model, mesh, &mut c);
     for (i, v) in model.initial_velocities.iter().enumerate() {
         drop(c.set(mesh, format!("initial_velocities[{i}].on"), &v.on, "nodes", Mesh::nodes_on));
     }
@@ -266,6 +268,9 @@ fn orphan_nodes(model: &Model, mesh: &Mesh) -> Vec<Issue> {
         if let AddedMass::Point(m) | AddedMass::Edge(m) = mass {
             names.push((format!("masses[{i}].on"), &m.on));
         }
+    }
+    for (i, foundation) in model.foundations.iter().enumerate() {
+        names.push((format!("foundations[{i}].on"), foundation.on()));
     }
     for (i, v) in model.initial_velocities.iter().enumerate() {
         names.push((format!("initial_velocities[{i}].on"), &v.on));
@@ -340,7 +345,7 @@ impl Checker {
     }
 
     /// Members of a set; an issue if it does not exist or is empty.
-    fn set<T>(
+    pub(super) fn set<T>(
         &mut self,
         mesh: &Mesh,
         key: String,

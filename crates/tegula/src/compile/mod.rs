@@ -9,6 +9,7 @@ mod check_material;
 mod check_sections;
 mod congruence;
 mod force_sets;
+mod foundations;
 mod mechanism;
 mod outline;
 mod patches;
@@ -21,7 +22,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::analysis::statics;
-use crate::constraint::{Joint, JointGroup, SpringGroup};
+use crate::constraint::{FoundationGroup, Joint, JointGroup, SpringGroup};
 use crate::element::{ElementGroup, Nodal, director_angle};
 use crate::load::{FollowerLoad, LoadFactor, NodalLoad, OwnLoad, TimeFunction};
 use crate::material::{MaterialLaw, OwnLaw};
@@ -137,6 +138,8 @@ impl<'a> Compiler<'a> {
         elements.groups.extend(of_beams);
         elements.groups.extend(JointGroup::groups(&joints));
         elements.groups.extend(SpringGroup::groups(&springs));
+        let foundations = foundations::elements(model, mesh, &vectors.coordinates);
+        elements.groups.extend(FoundationGroup::groups(&foundations));
         let outline = bodies::outline_of(model, mesh, &vectors.coordinates, &beams);
         vectors.mark_inextensible(&elements.unit);
         let linear = |step: &StepModel| match &step.model.analysis {
@@ -268,8 +271,11 @@ impl<'a> Compiler<'a> {
             return Err(Error::Model(issues));
         };
         issues.extend(unmovable(&frames));
-        let jointed = !self.joints.is_empty() || !model.springs.is_empty() || !model.beams.is_empty();
-        if matches!(model.analysis, Analysis::Static(_)) && !jointed {
+        let alone = self.joints.is_empty()
+            && model.springs.is_empty()
+            && model.beams.is_empty()
+            && model.foundations.is_empty();
+        if matches!(model.analysis, Analysis::Static(_)) && alone {
             issues.extend(mechanism::mechanisms(mesh, &vectors.coordinates, &supports));
             issues.extend(patches::spinning(&vectors.coordinates));
         }
@@ -333,6 +339,9 @@ impl<'a> Compiler<'a> {
         }
         (system.dead_loads, system.load_of_dead) = dead_loads(step, mesh, &system, &names);
         let is_static = matches!(procedure, Procedure::Static | Procedure::IterativeStatic);
+        if is_static {
+            issues.extend(foundations::free_motions(model, &system));
+        }
         if issues.is_empty() && is_static && !self.keeps_supports(step, &system.supports) {
             release_supports(&mut system, mesh);
         }

@@ -1,4 +1,5 @@
-//! Holonomic constraints and force elements: joints and springs between rigid bodies, nodes and the ground.
+//! Holonomic constraints and force elements: joints, springs and elastic foundations between rigid bodies, nodes and the
+//! ground.
 //!
 //! The points and axes that a joint connects are fixed in bodies, in the ground, or at nodes. They are linear combinations
 //! of nodal vectors ([`Attachment`]), because a rigid body moves as `x(X) = r + X_i d_i`; so every constraint of the usual
@@ -8,12 +9,14 @@
 //! 67 (2006) 499–552.
 
 mod attachment;
+mod foundation;
 pub mod joint;
 pub mod joints;
 mod row;
 mod spring;
 
 pub use attachment::Attachment;
+pub use foundation::{FoundationElement, FoundationGroup};
 pub use joint::{Drive, Joint, JointGroup};
 pub use row::{DriveValue, Row};
 pub use spring::{Spring, SpringGroup};

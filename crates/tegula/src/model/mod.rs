@@ -9,6 +9,7 @@ mod beam;
 pub(crate) mod body;
 mod condition;
 mod element_kind;
+mod foundation;
 pub mod joint;
 pub mod loads;
 mod mesh_source;
@@ -33,6 +34,7 @@ pub use body::*;
 pub use condition::*;
 pub use element_kind::ElementKind;
 pub(crate) use element_kind::element_types;
+pub use foundation::{AreaFoundation, Foundation, FoundationOn};
 pub(crate) use joint::joints;
 pub use joint::{
     AxisJoint, DRIVE, DistanceJoint, DrivenAngleJoint, DrivenLengthJoint, Joint, JointDrive, JointKeys,
@@ -89,6 +91,9 @@ pub struct Model {
     /// Loads.
     #[serde(default)]
     pub loads: Vec<Load>,
+    /// Elastic foundations.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub foundations: Vec<Foundation>,
     /// Masses in addition to those of the sections.
     #[serde(default)]
     pub masses: Vec<AddedMass>,
@@ -123,6 +128,7 @@ impl Model {
             beams: Vec::new(),
             joints: Vec::new(),
             springs: Vec::new(),
+            foundations: Vec::new(),
             conditions: Vec::new(),
             loads: Vec::new(),
             masses: Vec::new(),

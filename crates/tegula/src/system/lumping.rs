@@ -67,6 +67,9 @@ fn unsuitable(system: &System) -> Option<(&'static str, &'static str)> {
     let coupled = system.groups.iter().any(|group| {
         (0..group.len()).any(|e| {
             let (vectors, mass) = (group.vectors(e), group.mass(e));
+            if mass.is_empty() {
+                return false;
+            }
             let own = row_sums(&system.coordinates.kinds, vectors, mass);
             let mut pair = 0;
             (0..vectors.len()).any(|a| {

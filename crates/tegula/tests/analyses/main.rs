@@ -17,6 +17,7 @@ mod explicit;
 mod explicit_models;
 mod family_dynamics;
 mod follower;
+mod foundations;
 mod generalized_alpha;
 mod integrators;
 mod iterative_statics;

@@ -71,6 +71,12 @@ impl SchemeKeys for EnergyMomentumScheme {
             let what = format!("the retardation time of beam \"{}\"", beam.name);
             refuse(damped(&what), "use `order = 2`, or drop it");
         }
+        if let Some(i) = model.foundations.iter().position(|f| f.retardation_time() != 0.0) {
+            refuse(
+                damped(&format!("the retardation time of foundations[{i}]")),
+                "use `order = 2`, or drop it",
+            );
+        }
         if let Some(name) = model.amplitudes.keys().find(|name| moves_with_kinks(model, name)) {
             let message = format!(
                 "a motion follows the amplitude \"{name}\", whose kinks steps of order 4 do not pass"
