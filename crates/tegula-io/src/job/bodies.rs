@@ -1,9 +1,9 @@
-//! Motion of rigid bodies, reactions of joints and resultants of beams: columns of the history.
+//! Motion of rigid bodies, reactions of joints, torsion springs and resultants of beams: columns of the history.
 
 use tegula::System;
 use tegula::analysis::State;
 use tegula::result::beams::beam_resultants;
-use tegula::result::bodies::{BodyMotion, joint_reaction, reference_axes};
+use tegula::result::bodies::{BodyMotion, joint_reaction, reference_axes, torsion_angles_and_moments};
 use tegula::system::BeamLine;
 use tegula::system::coordinates::Body;
 
@@ -15,6 +15,9 @@ const OF_BODY: [&str; 16] =
 const OF_POINT: [&str; 6] = ["x", "y", "z", "vx", "vy", "vz"];
 /// Columns of a joint: force and moment of the first end on the second one.
 const OF_JOINT: [&str; 6] = ["fx", "fy", "fz", "mx", "my", "mz"];
+
+/// Columns of a torsion spring: angle (degrees), and moment that resists it.
+const OF_TORSION_SPRING: [&str; 2] = ["angle", "moment"];
 
 /// Columns of a node of a beam: shear forces along the axes 1 and 2 of the cross-section, axial force, bending moments about the
 /// axes 1 and 2, torsional moment.
@@ -44,6 +47,9 @@ pub(super) fn names(system: &System) -> Vec<String> {
     for joint in system.joints.iter() {
         out.extend(OF_JOINT.map(|column| format!("joint.{}.{column}", joint.name)));
     }
+    for (spring, _) in system.torsion_springs.iter() {
+        out.extend(OF_TORSION_SPRING.map(|column| format!("torsion_spring.{}.{column}", spring.name)));
+    }
     for beam in system.beams.iter() {
         for node in nodes(beam) {
             let name = &system.coordinates.bodies[beam.bodies.start + node].name;
@@ -70,6 +76,9 @@ pub(super) fn row(system: &System, state: &State) -> Vec<f64> {
     for joint in system.joints.iter() {
         let (force, moment) = joint_reaction(system, state, joint);
         out.extend(force.iter().chain(moment.iter()));
+    }
+    for [angle, moment] in torsion_angles_and_moments(system, state) {
+        out.extend([angle.to_degrees(), moment]);
     }
     for beam in system.beams.iter() {
         let resultants = beam_resultants(system, state, beam);

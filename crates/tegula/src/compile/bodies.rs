@@ -2,13 +2,13 @@
 
 use super::outline;
 use crate::checker::Checker;
-use crate::constraint::joints::{End, joint};
-use crate::constraint::{Drive, Joint, Spring};
+use crate::constraint::joints::{End, RelativeAngle, joint};
+use crate::constraint::{Drive, Joint, Spring, TorsionSpring};
 use crate::element::Nodal;
 use crate::mesh::Mesh;
 use crate::model::body::axes_of_space;
 use crate::model::joint::GROUND;
-use crate::model::{Analysis, BodyShape, Load, Model, RigidBody, SpringDamper};
+use crate::model::{self, Analysis, BodyShape, Load, Model, RigidBody, SpringDamper};
 use crate::norm::larger;
 use crate::system::coordinates::Body;
 use crate::system::{BeamLine, Coordinates, Outline};
@@ -25,6 +25,7 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         && model.beams.is_empty()
         && model.joints.is_empty()
         && model.springs.is_empty()
+        && model.torsion_springs.is_empty()
     {
         return;
     }
@@ -47,6 +48,7 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
     names(model.bodies.iter().map(|body| &body.name), "bodies", &beams, c);
     names(joint_names.iter(), "joints", &[], c);
     names(model.springs.iter().map(|spring| &spring.name), "springs", &[], c);
+    names(model.torsion_springs.iter().map(|spring| &spring.name), "torsion_springs", &[], c);
     for (i, body) in model.bodies.iter().enumerate() {
         body_values(body, &format!("bodies[{i}]"), c);
     }
@@ -75,12 +77,17 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
     for (i, spring) in model.springs.iter().enumerate() {
         spring_values(spring, &format!("springs[{i}]"), c);
     }
+    for (i, spring) in model.torsion_springs.iter().enumerate() {
+        torsion_spring_values(spring, &format!("torsion_springs[{i}]"), c);
+    }
 }
 
 /// Bodies of a static analysis that nothing holds.
 fn held(model: &Model, c: &mut Checker) {
     let joints = model.joints.iter().flat_map(|joint| joint.common().between());
-    let sides: Vec<&String> = joints.chain(model.springs.iter().flat_map(|spring| &spring.between)).collect();
+    let springs = model.springs.iter().flat_map(|spring| &spring.between);
+    let torsion = model.torsion_springs.iter().flat_map(|spring| &spring.between);
+    let sides: Vec<&String> = joints.chain(springs).chain(torsion).collect();
     let loose = |body: &RigidBody| body.attached.is_empty() && !sides.contains(&&body.name);
     for (i, body) in model.bodies.iter().enumerate().filter(|(_, body)| loose(body)) {
         let message = format!("nothing holds body \"{}\" in a static or modal analysis", body.name);
@@ -108,6 +115,18 @@ fn spring_values(spring: &SpringDamper, key: &str, c: &mut Checker) {
             format!("the spring \"{}\" has no direction: its points coincide", spring.name),
             "move one of its points, or give `length = 0`",
         );
+    }
+}
+
+fn torsion_spring_values(spring: &model::TorsionSpring, key: &str, c: &mut Checker) {
+    c.not_negative(&format!("{key}.stiffness"), "the stiffness", spring.stiffness);
+    c.not_negative(&format!("{key}.damping"), "the damping", spring.damping);
+    c.finite(&format!("{key}.free_angle"), "the free angle", &[spring.free_angle]);
+    direction(&format!("{key}.axis"), spring.axis, c);
+    not_with_itself((&format!("the torsion spring \"{}\"", spring.name), &spring.between), key, c);
+    if spring.stiffness == 0.0 && spring.damping == 0.0 {
+        let message = format!("the torsion spring \"{}\" does nothing", spring.name);
+        c.add(key, message, "give `stiffness`, `damping` or both");
     }
 }
 
@@ -366,6 +385,41 @@ pub(super) fn springs(
         let length = data.length.unwrap_or(distance);
         let [a, b] = [first.point(&points[0]), second.point(&points[1])];
         out.push(Spring::new([&a, &b], [data.stiffness, data.damping], length));
+    }
+    issues.append(&mut c.issues);
+    out
+}
+
+/// Torsion springs of the model, or what is wrong with their ends.
+pub(super) fn torsion_springs(
+    model: &Model,
+    mesh: &Mesh,
+    coordinates: &Coordinates,
+    issues: &mut Vec<Issue>,
+) -> Vec<TorsionSpring> {
+    let mut c = Checker::default();
+    let place = Place { model, mesh, coordinates, length: extent(model, mesh, coordinates) };
+    let mut out = Vec::new();
+    for (i, data) in model.torsion_springs.iter().enumerate() {
+        let key = format!("torsion_springs[{i}]");
+        let Some(ends) = ends(&place, (&key, &data.between), [None, None], &mut c) else { continue };
+        match RelativeAngle::new(&ends, &data.axis.into()) {
+            Some(angle) => out.push(TorsionSpring {
+                name: data.name.clone(),
+                angle,
+                stiffness: data.stiffness,
+                damping: data.damping,
+                free_angle: data.free_angle.to_radians(),
+            }),
+            None => c.add(
+                format!("{key}.between"),
+                format!(
+                    "the torsion spring \"{}\" needs an axis on both sides, but a point mass or a node has none",
+                    data.name
+                ),
+                "connect rigid bodies, nodes of beams and the ground",
+            ),
+        }
     }
     issues.append(&mut c.issues);
     out

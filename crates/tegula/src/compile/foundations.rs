@@ -43,7 +43,8 @@ pub(super) fn sets(model: &Model, mesh: &Mesh, c: &mut Checker) {
 
 /// Rigid motions that foundations and supports leave free in a static analysis, where nothing else can hold the model.
 pub(super) fn free_motions(model: &Model, system: &System) -> Option<Issue> {
-    if model.foundations.is_empty() || !model.springs.is_empty() || !system.joints.is_empty() {
+    let springs = !model.springs.is_empty() || !model.torsion_springs.is_empty();
+    if model.foundations.is_empty() || springs || !system.joints.is_empty() {
         return None;
     }
     let free = modal::rigid_motions(system);

@@ -22,7 +22,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::analysis::statics;
-use crate::constraint::{FoundationGroup, Joint, JointGroup, SpringGroup};
+use crate::constraint::{FoundationGroup, Joint, JointGroup, SpringGroup, TorsionSpring, TorsionSpringGroup};
 use crate::element::{ElementGroup, Nodal, director_angle};
 use crate::load::{FollowerLoad, LoadFactor, NodalLoad, OwnLoad, TimeFunction};
 use crate::material::{MaterialLaw, OwnLaw};
@@ -66,6 +66,7 @@ pub struct Compiler<'a> {
     offsets: Arc<Vec<GroupOffsets>>,
     joints: Arc<Vec<Joint>>,
     beams: Arc<Vec<BeamLine>>,
+    torsion_springs: Arc<Vec<(TorsionSpring, [usize; 2])>>,
     outline: Arc<Outline>,
     shells: Vec<Shell>,
     sections: Arc<Vec<ShellSection>>,
@@ -131,13 +132,18 @@ impl<'a> Compiler<'a> {
         let explicit = steps.iter().any(|step| procedure(&step.model.analysis) == Procedure::Explicit);
         let tie = if explicit { director_angle::EXPLICIT_STIFFNESS } else { director_angle::STIFFNESS };
         elements.ties(&directors, &vectors, tie);
-        let (joints, springs) = vectors.add_bodies((model, mesh), &mut elements, &mut issues);
+        let (joints, springs, torsion_springs) =
+            vectors.add_bodies((model, mesh), &mut elements, &mut issues);
         let joints = Arc::new(joints);
         let (of_beams, mut beams) = beams::elements(model, &vectors.coordinates);
         beams.iter_mut().for_each(|beam| beam.group += elements.groups.len());
         elements.groups.extend(of_beams);
         elements.groups.extend(JointGroup::groups(&joints));
         elements.groups.extend(SpringGroup::groups(&springs));
+        let before = elements.groups.len();
+        elements.groups.extend(TorsionSpringGroup::groups(&torsion_springs));
+        let places = TorsionSpringGroup::places(&torsion_springs);
+        let places = places.into_iter().map(|[group, number]| [before + group, number]);
         let foundations = foundations::elements(model, mesh, &vectors.coordinates);
         elements.groups.extend(FoundationGroup::groups(&foundations));
         let outline = bodies::outline_of(model, mesh, &vectors.coordinates, &beams);
@@ -157,6 +163,7 @@ impl<'a> Compiler<'a> {
             groups: Arc::new(elements.groups),
             joints,
             beams: Arc::new(beams),
+            torsion_springs: Arc::new(torsion_springs.into_iter().zip(places).collect()),
             outline: Arc::new(outline),
             shells: elements.list,
             sections: Arc::new(elements.sections),
@@ -273,6 +280,7 @@ impl<'a> Compiler<'a> {
         issues.extend(unmovable(&frames));
         let alone = self.joints.is_empty()
             && model.springs.is_empty()
+            && model.torsion_springs.is_empty()
             && model.beams.is_empty()
             && model.foundations.is_empty();
         if matches!(model.analysis, Analysis::Static(_)) && alone {
@@ -308,6 +316,7 @@ impl<'a> Compiler<'a> {
             reductions,
             joints: self.joints_at(start.as_ref(), procedure, &amplitudes),
             beams: Arc::clone(&self.beams),
+            torsion_springs: Arc::clone(&self.torsion_springs),
             outline: Arc::clone(&self.outline),
             shells: self.shells.clone(),
             sections: Arc::clone(&self.sections),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::sections::Elements;
 use super::{bodies, patches};
-use crate::constraint::{Joint, Spring};
+use crate::constraint::{Joint, Spring, TorsionSpring};
 use crate::element::VectorKind;
 use crate::element::geometry::tangents;
 use crate::mesh::Mesh;
@@ -54,13 +54,13 @@ impl Vectors {
     }
 
     /// Adds the nodal vectors of bodies, behind those of all nodes, and attaches nodes to them; returns the joints and the
-    /// springs.
+    /// springs of both kinds.
     pub(super) fn add_bodies(
         &mut self,
         (model, mesh): (&Model, &Mesh),
         elements: &mut Elements,
         issues: &mut Vec<Issue>,
-    ) -> (Vec<Joint>, Vec<Spring>) {
+    ) -> (Vec<Joint>, Vec<Spring>, Vec<TorsionSpring>) {
         let coordinates = Arc::make_mut(&mut self.coordinates);
         bodies::add_vectors(model, coordinates);
         patches::attach(model, mesh, coordinates, issues);
@@ -68,7 +68,11 @@ impl Vectors {
         for attached in coordinates.attached() {
             elements.unit.remove(&attached.vector);
         }
-        (bodies::joints(model, mesh, coordinates, issues), bodies::springs(model, mesh, coordinates, issues))
+        (
+            bodies::joints(model, mesh, coordinates, issues),
+            bodies::springs(model, mesh, coordinates, issues),
+            bodies::torsion_springs(model, mesh, coordinates, issues),
+        )
     }
 
     /// Marks the directors that keep their length.

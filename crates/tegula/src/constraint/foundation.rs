@@ -5,6 +5,9 @@
 use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest};
 use crate::{Mat3, Vec3};
 
+/// Most nodes of an element.
+const MOST_NODES: usize = 4;
+
 /// Foundation of a node, an edge or a quad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FoundationElement {
@@ -43,9 +46,9 @@ impl FoundationGroup {
     }
 
     /// Products `Σ w_ab K x_b` of an element with values at its nodes.
-    fn products(&self, element: usize, value: impl Fn(usize) -> Vec3) -> Vec<Vec3> {
+    fn products(&self, element: usize, value: impl Fn(usize) -> Vec3) -> [Vec3; MOST_NODES] {
         let member = &self.members[element];
-        let mut out = vec![Vec3::zeros(); self.vectors];
+        let mut out = [Vec3::zeros(); MOST_NODES];
         for ((a, b), weight) in pairs(self.vectors).zip(&member.weights) {
             out[a] += value(b) * *weight;
             if a != b {
@@ -56,11 +59,17 @@ impl FoundationGroup {
         out
     }
 
-    /// Product `Σ w_ab x_a·K x_b`.
+    /// Product `Σ w_ab x_a·K x_b` of an element with values at its nodes.
+    fn square_of(&self, element: usize, value: impl Fn(usize) -> Vec3) -> f64 {
+        let products = self.products(element, &value);
+        products[..self.vectors].iter().enumerate().map(|(a, product)| value(a).dot(product)).sum()
+    }
+
+    /// The same product with a field.
     fn square(&self, element: usize, field: &[Nodal]) -> f64 {
         let vectors = &self.members[element].vectors;
         let at = |a: usize| Vec3::from(field[vectors[a] as usize]);
-        self.products(element, at).iter().enumerate().map(|(a, product)| at(a).dot(product)).sum()
+        self.square_of(element, at)
     }
 }
 
@@ -153,13 +162,9 @@ impl ElementGroup for FoundationGroup {
                 * match k.motion {
                     Motion::State { velocity, .. } => velocity.map_or(0.0, |v| self.square(element, v)),
                     Motion::Step { old, new, dt } => {
-                        let rates: Vec<Vec3> = self.members[element]
-                            .vectors
-                            .iter()
-                            .map(|&v| (Vec3::from(new[v as usize]) - Vec3::from(old[v as usize])) / dt)
-                            .collect();
-                        let products = self.products(element, |a| rates[a]);
-                        rates.iter().zip(products).map(|(rate, product)| rate.dot(&product)).sum()
+                        let vectors = &self.members[element].vectors;
+                        let at = |u: &[Nodal], a: usize| Vec3::from(u[vectors[a] as usize]);
+                        self.square_of(element, |a| (at(new, a) - at(old, a)) / dt)
                     }
                 };
         }

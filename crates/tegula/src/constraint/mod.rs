@@ -14,9 +14,11 @@ pub mod joint;
 pub mod joints;
 mod row;
 mod spring;
+mod torsion_spring;
 
 pub use attachment::Attachment;
 pub use foundation::{FoundationElement, FoundationGroup};
 pub use joint::{Drive, Joint, JointGroup};
 pub use row::{DriveValue, Row};
 pub use spring::{Spring, SpringGroup};
+pub use torsion_spring::{TorsionSpring, TorsionSpringGroup};

@@ -123,7 +123,7 @@ impl Row {
     }
 
     /// Value of the quadratic form.
-    fn form(&self, v: &[Vec3]) -> f64 {
+    pub fn form(&self, v: &[Vec3]) -> f64 {
         let products: f64 = self.products.iter().map(|&(a, b, c)| c * v[a].dot(&v[b])).sum();
         products + self.linear.iter().map(|(a, c)| c.dot(&v[*a])).sum::<f64>() + self.constant
     }

@@ -46,7 +46,7 @@ pub use prescribed_strain::*;
 pub(crate) use scheme::schemes;
 pub use scheme::*;
 pub use section::{Layup, LayupPly, Section, StackedPly};
-pub use spring::SpringDamper;
+pub use spring::{SpringDamper, TorsionSpring};
 pub use supports::Condition;
 pub use units::Units;
 
@@ -91,6 +91,9 @@ pub struct Model {
     /// Loads.
     #[serde(default)]
     pub loads: Vec<Load>,
+    /// Torsion springs with dampers.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub torsion_springs: Vec<TorsionSpring>,
     /// Elastic foundations.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub foundations: Vec<Foundation>,
@@ -128,6 +131,7 @@ impl Model {
             beams: Vec::new(),
             joints: Vec::new(),
             springs: Vec::new(),
+            torsion_springs: Vec::new(),
             foundations: Vec::new(),
             conditions: Vec::new(),
             loads: Vec::new(),

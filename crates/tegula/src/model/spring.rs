@@ -1,4 +1,4 @@
-//! Springs with dampers between two points.
+//! Springs with dampers between two points, and torsion springs between two bodies.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -25,4 +25,28 @@ pub struct SpringDamper {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0))]
     pub length: Option<f64>,
+}
+
+/// A torsion spring with a damper about the common axis of two bodies, beside a joint that lets them turn about it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TorsionSpring {
+    /// Name of the spring in messages and results.
+    pub name: String,
+    /// Both sides: names of bodies or of nodes of beams, or `ground`.
+    pub between: [String; 2],
+    /// Direction of the axis in the reference configuration.
+    pub axis: [f64; 3],
+    /// Stiffness [force·length/rad].
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub stiffness: f64,
+    /// Damping: moment per rate of the angle [force·length·time/rad].
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub damping: f64,
+    /// Angle without moment, of the second side relative to the first one and right-handed about the axis (degrees); 0 is the reference
+    /// configuration.
+    #[serde(default)]
+    pub free_angle: f64,
 }

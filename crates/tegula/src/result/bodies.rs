@@ -1,9 +1,9 @@
-//! Motion of rigid bodies, and reactions of joints.
+//! Motion of rigid bodies, reactions of joints, and angles of torsion springs.
 
 use nalgebra::{Rotation3, UnitQuaternion};
 
 use crate::analysis::State;
-use crate::constraint::Joint;
+use crate::constraint::{Joint, TorsionSpring};
 use crate::element::Nodal;
 use crate::system::coordinates::Body;
 use crate::system::{System, VectorKind};
@@ -84,6 +84,15 @@ pub fn joint_reaction(system: &System, state: &State, joint: &Joint) -> (Vec3, V
         moment += arm.cross(f) * sign;
     }
     (force, moment)
+}
+
+/// Angle (rad), continued over full turns, and moment of each torsion spring in a state.
+pub fn torsion_angles_and_moments(system: &System, state: &State) -> Vec<[f64; 2]> {
+    let (factors, point): (Vec<f64>, _) = (system.factors(state.time).collect(), state.point(system));
+    let of = |(spring, [group, number]): &(TorsionSpring, [usize; 2])| {
+        spring.angle_and_moment(&point.of_group(system, *group, &factors), *number)
+    };
+    system.torsion_springs.iter().map(of).collect()
 }
 
 fn current(system: &System, u: &[Nodal], v: u32) -> Vec3 {

@@ -23,7 +23,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::Vec3;
-use crate::constraint::{DriveValue, Joint};
+use crate::constraint::{DriveValue, Joint, TorsionSpring};
 use crate::element::shell::ShellElement;
 use crate::element::{ElementGroup, Nodal, ShellGeometry};
 use crate::load::{FollowerLoad, LoadFactor, LoadParameter, Signal, TimeFunction};
@@ -149,6 +149,8 @@ pub struct System {
     pub joints: Arc<Vec<Joint>>,
     /// Beams.
     pub beams: Arc<Vec<BeamLine>>,
+    /// Torsion springs, each with its group and its number in it.
+    pub torsion_springs: Arc<Vec<(TorsionSpring, [usize; 2])>>,
     /// Outline of bodies, beams and springs, for pictures.
     pub outline: Arc<Outline>,
     /// Shells, one per quad that has an element.

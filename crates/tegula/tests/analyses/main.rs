@@ -36,3 +36,4 @@ mod reactions;
 mod sheet_to_membrane;
 mod statics;
 mod steps;
+mod torsion_springs;

@@ -183,6 +183,22 @@ fn files_of_bodies_hold_their_places_and_the_resultants_of_beams() {
     assert!(force[18..].iter().any(|v| v.abs() > 0.1), "{force:?}");
 }
 
+/// The angle of a torsion spring in the history is that of its body's quaternion, in degrees, and the moment belongs to it.
+#[test]
+fn the_history_has_angle_and_moment_of_torsion_springs() {
+    let folder = run_text(MACHINE);
+    let (names, rows) = csv::read(&folder.path().join("history.csv")).unwrap();
+    for row in &rows {
+        let value = |name: &str| row[names.iter().position(|n| n == name).unwrap()];
+        let turned = 2.0 * value("body.bar.q3").atan2(value("body.bar.q0"));
+        let angle = value("torsion_spring.coil.angle");
+        assert!((angle - turned.to_degrees()).abs() < 1e-9, "{angle} {turned}");
+        let moment = 3.0 * (turned - 0.5_f64.to_radians()) + 0.2 * value("body.bar.wz");
+        assert!((value("torsion_spring.coil.moment") - moment).abs() < 1e-9 * (1.0 + moment.abs()));
+    }
+    assert!(rows.len() > 15);
+}
+
 const MACHINE: &str = r#"
     loads = [{ type = "gravity", value = [0, -9.81, 0] }]
     [analysis]
@@ -213,6 +229,13 @@ const MACHINE: &str = r#"
     between = ["ground", "bar"]
     at = [0, 0, 0]
     axis = [0, 0, 1]
+    [[torsion_springs]]
+    name = "coil"
+    between = ["ground", "bar"]
+    axis = [0, 0, 1]
+    stiffness = 3.0
+    damping = 0.2
+    free_angle = 0.5
     [[joints]]
     type = "fixed"
     name = "weld"

@@ -8,7 +8,7 @@
 use super::rigid::{Parts, RigidModes};
 use crate::analysis::newton::Newton;
 use crate::analysis::{Observer, State, equilibrium};
-use crate::constraint::SpringGroup;
+use crate::constraint::{SpringGroup, TorsionSpringGroup};
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::model::NewtonMethod;
 use crate::system::{EvaluationPoint, System};
@@ -109,7 +109,8 @@ impl<'a> Problem<'a> {
         let rigid = RigidModes::new(system, &state, &parts, &newton.assembly.frames, rests);
         let linear = system.sections.iter().all(|s| s.section.is_linear());
         // The energy of springs is that of their length, with the cancellation of its change.
-        let sprung = system.groups.iter().any(|group| group.name() == SpringGroup::NAME);
+        let of_springs = [SpringGroup::NAME, TorsionSpringGroup::NAME];
+        let sprung = system.groups.iter().any(|group| of_springs.contains(&group.name()));
         let mut out = Self {
             system,
             newton,

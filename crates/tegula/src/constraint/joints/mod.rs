@@ -75,6 +75,44 @@ impl End {
     }
 }
 
+/// Sine `e₂ᴬ·e₁ᴮ` and cosine `e₁ᴬ·e₁ᴮ` of the angle by which the second end has turned about an axis relative to the first one; `None`
+/// where an end has no axes.
+fn forms_of_angle([a, b]: &[End; 2], axis: &Vec3, vectors: &mut Vec<u32>) -> Option<[Row; 2]> {
+    let [e1, e2] = crate::element::geometry::tangents(&axis.normalize());
+    let (first, second, turned) = (a.axis(&e1)?, a.axis(&e2)?, b.axis(&e1)?);
+    let (mut sine, mut cosine) = (Row::default(), Row::default());
+    sine.add_product(vectors, 1.0, &second, &turned);
+    cosine.add_product(vectors, 1.0, &first, &turned);
+    Some([sine, cosine])
+}
+
+/// Angle of one end relative to another about an axis, right-handed and zero in the reference configuration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RelativeAngle {
+    /// Nodal vectors of the forms.
+    pub vectors: Vec<u32>,
+    /// Sine of the angle.
+    pub sine: Row,
+    /// Cosine of the angle.
+    pub cosine: Row,
+    /// Whether one of the ends is the ground.
+    pub grounded: bool,
+}
+
+impl RelativeAngle {
+    /// Angle of the second end relative to the first one; `None` where an end has no axes.
+    pub fn new(ends: &[End; 2], axis: &Vec3) -> Option<Self> {
+        let mut vectors = Vec::new();
+        let [sine, cosine] = forms_of_angle(ends, axis, &mut vectors)?;
+        Some(Self { vectors, sine, cosine, grounded: ends.contains(&End::Ground) })
+    }
+
+    /// Values of sine and cosine with the nodal vectors v.
+    pub fn forms(&self, v: &[Vec3]) -> [f64; 2] {
+        [self.sine.form(v), self.cosine.form(v)]
+    }
+}
+
 /// Constraints of a joint in the making.
 pub struct Constraints {
     ends: [End; 2],
@@ -146,17 +184,12 @@ impl Constraints {
 
     /// The second end has turned by the drive's angle relative to the first one about a common axis.
     pub(super) fn driven_angle(&mut self, axis: &Vec3) {
-        let [e1, e2] = crate::element::geometry::tangents(&axis.normalize());
-        let axes = (self.ends[0].axis(&e1), self.ends[0].axis(&e2), self.ends[1].axis(&e1));
-        let (Some(first), Some(second), Some(turned)) = axes else {
+        let Some([mut sine, cosine]) = forms_of_angle(&self.ends, axis, &mut self.vectors) else {
             self.lacks_axis = true;
             return;
         };
-        let (mut row, mut other) = (Row::default(), Row::default());
-        row.add_product(&mut self.vectors, 1.0, &second, &turned);
-        other.add_product(&mut self.vectors, 1.0, &first, &turned);
-        row.drive_angle(other);
-        self.push(row, 1.0, self.inertia(true));
+        sine.drive_angle(cosine);
+        self.push(sine, 1.0, self.inertia(true));
     }
 
     /// The point of the second end has moved by the drive's length along an axis of the first one.

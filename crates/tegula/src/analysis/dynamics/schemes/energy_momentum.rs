@@ -71,6 +71,12 @@ impl SchemeKeys for EnergyMomentumScheme {
             let what = format!("the retardation time of beam \"{}\"", beam.name);
             refuse(damped(&what), "use `order = 2`, or drop it");
         }
+        if let Some(spring) = model.torsion_springs.iter().find(|spring| spring.damping != 0.0) {
+            refuse(
+                damped(&format!("the damper of \"{}\"", spring.name)),
+                "use `order = 2`, or drop its damping",
+            );
+        }
         if let Some(i) = model.foundations.iter().position(|f| f.retardation_time() != 0.0) {
             refuse(
                 damped(&format!("the retardation time of foundations[{i}]")),

@@ -1,0 +1,263 @@
+//! Torsion springs with dampers about the common axis of two bodies.
+//!
+//! The angle is `θ = atan2(g, h)` of two quadratic forms of nodal vectors, `g = e₂ᴬ·e₁ᴮ` and `h = e₁ᴬ·e₁ᴮ`, continued beyond ±π by the
+//! angle at the end of the step before, which is the history variable of the spring. The moment is `M = k (θ − θ₀) + d θ̇`, the
+//! forces are `M ∂θ/∂q`. In the energy–momentum scheme, with the forms at the ends of a step and their gradients in its middle,
+//!
+//! ```text
+//! w = ½ (h₀ + h₁) ∂g − ½ (g₀ + g₁) ∂h,   w·(q₁ − q₀) = h₀ g₁ − g₀ h₁ = ρ₀ ρ₁ sin Δθ,   ρ² = g² + h²
+//! f = [k (½ (θ₀ + θ₁) − θ₀₀) + d Δθ/Δt] Δθ/(ρ₀ ρ₁ sin Δθ) w
+//! ```
+//!
+//! with the free angle θ₀₀: the force does the work `V₁ − V₀ + d Δθ²/Δt` exactly, a discrete gradient (O. Gonzalez, *Time integration
+//! and discrete Hamiltonian systems*, J. Nonlinear Sci. 6 (1996) 449–467). The forms do not change in rigid motions, so that momenta
+//! are conserved.
+
+use std::f64::consts::{PI, TAU};
+
+use super::joint::MOST_VECTORS;
+use super::joints::RelativeAngle;
+use crate::Vec3;
+use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest};
+
+/// Largest angle in a step of the energy–momentum scheme (rad): near π its force has no limit, and a longer step is cut back.
+const LARGEST_ANGLE: f64 = 2.5;
+
+/// Torsion spring with a damper.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TorsionSpring {
+    /// Name of the spring in the model.
+    pub name: String,
+    /// Angle of the second end relative to the first one.
+    pub angle: RelativeAngle,
+    /// Stiffness k [force·length/rad].
+    pub stiffness: f64,
+    /// Damping d [force·length·time/rad].
+    pub damping: f64,
+    /// Angle without moment (rad).
+    pub free_angle: f64,
+}
+
+/// Values at the nodal vectors of a spring.
+type Few = [Vec3; MOST_VECTORS];
+
+/// Motion of a spring.
+struct Turn {
+    /// Angles at the start and at the end of the motion; equal for a state.
+    angles: [f64; 2],
+    /// Rate of the angle.
+    rate: f64,
+    /// Gradient of the angle by which the moment acts.
+    gradient: Few,
+    /// Values of the forms g and h where it acts.
+    forms: [f64; 2],
+}
+
+impl TorsionSpring {
+    /// Continues the angle `committed` to one with the forms g and h.
+    fn continued(committed: f64, [g, h]: [f64; 2]) -> f64 {
+        let change = g.atan2(h) - committed;
+        committed + change - TAU * ((change + PI) / TAU).floor()
+    }
+
+    /// Gradient `a ∂g − b ∂h` with the nodal vectors v.
+    fn gradient(&self, v: &Few, [a, b]: [f64; 2]) -> Few {
+        let mut out = [Vec3::zeros(); MOST_VECTORS];
+        self.angle.sine.add_gradient(a, v, 0.0, &mut out);
+        self.angle.cosine.add_gradient(-b, v, 0.0, &mut out);
+        out
+    }
+
+    fn turn(&self, k: &GroupPoint, committed: f64) -> Turn {
+        let vectors = &self.angle.vectors;
+        let at =
+            |u: &[Nodal]| few(vectors, |v| Vec3::from(k.reference[v as usize]) + Vec3::from(u[v as usize]));
+        match k.motion {
+            Motion::State { u, velocity } => {
+                let v = at(u);
+                let [g, h] = self.angle.forms(&v);
+                let square = g * g + h * h;
+                let gradient = self.gradient(&v, [h / square, g / square]);
+                let rate = velocity.map_or(0.0, |rates| {
+                    vectors.iter().zip(&gradient).map(|(&v, w)| w.dot(&Vec3::from(rates[v as usize]))).sum()
+                });
+                Turn { angles: [Self::continued(committed, [g, h]); 2], rate, gradient, forms: [g, h] }
+            }
+            Motion::Step { old, new, dt } => {
+                let (before, after) = (at(old), at(new));
+                let [[g0, h0], [g1, h1]] = [&before, &after].map(|v| self.angle.forms(v));
+                let angle = Self::continued(committed, [g1, h1]);
+                let change = angle - committed;
+                let sizes = g0.hypot(h0) * g1.hypot(h1);
+                let scale = if change.abs() > LARGEST_ANGLE { f64::NAN } else { 1.0 / sinc(change) } / sizes;
+                let middle: Few = std::array::from_fn(|i| (before[i] + after[i]) * 0.5);
+                let [g, h] = [0.5 * (g0 + g1), 0.5 * (h0 + h1)];
+                let gradient = self.gradient(&middle, [h * scale, g * scale]);
+                Turn { angles: [committed, angle], rate: change / dt, gradient, forms: [g, h] }
+            }
+        }
+    }
+
+    fn moment(&self, turn: &Turn) -> f64 {
+        let angle = 0.5 * (turn.angles[0] + turn.angles[1]);
+        self.stiffness * (angle - self.free_angle) + self.damping * turn.rate
+    }
+
+    /// Angle (rad) and moment in a state.
+    pub fn angle_and_moment(&self, k: &GroupPoint, number: usize) -> [f64; 2] {
+        let turn = self.turn(k, k.interior.history[number]);
+        [turn.angles[1], self.moment(&turn)]
+    }
+}
+
+/// Values at some nodal vectors; zero behind them.
+fn few(vectors: &[u32], value: impl Fn(u32) -> Vec3) -> Few {
+    std::array::from_fn(|i| vectors.get(i).map_or_else(Vec3::zeros, |&v| value(v)))
+}
+
+/// sin x/x.
+fn sinc(x: f64) -> f64 {
+    if x.abs() < 1e-4 { 1.0 - x * x / 6.0 } else { x.sin() / x }
+}
+
+/// Torsion springs of as many nodal vectors each.
+pub struct TorsionSpringGroup {
+    members: Vec<TorsionSpring>,
+    vectors: usize,
+}
+
+impl TorsionSpringGroup {
+    /// Name of the groups.
+    pub const NAME: &str = "torsion spring";
+
+    /// Groups of all springs, one for each number of nodal vectors.
+    pub fn groups(springs: &[TorsionSpring]) -> Vec<Box<dyn ElementGroup>> {
+        let groups = (1..=MOST_VECTORS).map(|vectors| {
+            let is_member = |spring: &&TorsionSpring| spring.angle.vectors.len() == vectors;
+            Self { members: springs.iter().filter(is_member).cloned().collect(), vectors }
+        });
+        groups.filter(|group| !group.members.is_empty()).map(|group| Box::new(group) as _).collect()
+    }
+
+    /// Group of each spring among these groups, and its number in it.
+    pub fn places(springs: &[TorsionSpring]) -> Vec<[usize; 2]> {
+        let size = |spring: &TorsionSpring| spring.angle.vectors.len();
+        let mut sizes: Vec<usize> = springs.iter().map(size).collect();
+        sizes.sort_unstable();
+        sizes.dedup();
+        let place = |(i, spring): (usize, &TorsionSpring)| {
+            let group = sizes.partition_point(|other| *other < size(spring));
+            [group, springs[..i].iter().filter(|other| size(other) == size(spring)).count()]
+        };
+        springs.iter().enumerate().map(place).collect()
+    }
+}
+
+impl ElementGroup for TorsionSpringGroup {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn len(&self) -> usize {
+        self.members.len()
+    }
+
+    fn vectors(&self, element: usize) -> &[u32] {
+        &self.members[element].angle.vectors
+    }
+
+    fn acts_on_ground(&self) -> bool {
+        true
+    }
+
+    fn is_grounded(&self, element: usize) -> bool {
+        self.members[element].angle.grounded
+    }
+
+    fn has_rate_damping(&self) -> bool {
+        self.members.iter().any(|spring| spring.damping != 0.0)
+    }
+
+    fn vectors_per_element(&self) -> usize {
+        self.vectors
+    }
+
+    fn history_per_element(&self) -> usize {
+        1
+    }
+
+    fn evaluate(
+        &self,
+        k: &GroupPoint,
+        first: usize,
+        forces: &mut [f64],
+        mut tangent: Option<TangentRequest>,
+    ) {
+        let n = self.vectors;
+        for (e, out) in forces.chunks_mut(3 * n).enumerate() {
+            let spring = &self.members[first + e];
+            let turn = spring.turn(k, k.interior.history[first + e]);
+            let moment = spring.moment(&turn);
+            for (out, w) in out.chunks_exact_mut(3).zip(&turn.gradient) {
+                out.copy_from_slice((w * moment).as_slice());
+            }
+            let Some(request) = &mut tangent else { continue };
+            let weights = request.weights;
+            let along = weights.force * (weights.stress * spring.stiffness + weights.rate * spring.damping);
+            let size = 9 * n * (n + 1) / 2;
+            let blocks = &mut request.blocks[e * size..(e + 1) * size];
+            blocks.fill(0.0);
+            let vectors = few(&spring.angle.vectors, |v| acting(k, v));
+            let [g, h] = turn.forms;
+            let square = g * g + h * h;
+            let [of_g, of_h] = [[1.0, 0.0], [0.0, -1.0]].map(|factors| spring.gradient(&vectors, factors));
+            let bent = weights.force * weights.direction * moment;
+            // Second derivatives of atan2(g, h) by g and g, g and h; that by h and h is minus the first.
+            let [gg, gh] = [-2.0 * g * h, g * g - h * h].map(|x| bent * x / (square * square));
+            let mut block = blocks.chunks_exact_mut(9);
+            for a in 0..n {
+                for b in 0..=a {
+                    let Some(out) = block.next() else { break };
+                    let of_angle = turn.gradient[a] * turn.gradient[b].transpose() * along;
+                    let of_forms = (of_g[a] * of_g[b].transpose() - of_h[a] * of_h[b].transpose()) * gg
+                        + (of_g[a] * of_h[b].transpose() + of_h[a] * of_g[b].transpose()) * gh;
+                    let sum = of_angle + of_forms;
+                    out.iter_mut().enumerate().for_each(|(i, out)| *out = sum[(i / 3, i % 3)]);
+                }
+            }
+            spring.angle.sine.add_second_derivative(bent * h / square, 0.0, blocks);
+            spring.angle.cosine.add_second_derivative(-bent * g / square, 0.0, blocks);
+        }
+    }
+
+    fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {
+        for (number, (spring, energy)) in self.members.iter().zip(energies).enumerate() {
+            let [_, angle] = spring.turn(k, k.interior.history[number]).angles;
+            *energy = 0.5 * spring.stiffness * (angle - spring.free_angle).powi(2);
+        }
+    }
+
+    fn update_history(&self, k: &GroupPoint, history: &mut [f64]) -> f64 {
+        for ((spring, committed), out) in self.members.iter().zip(k.interior.history).zip(history) {
+            *out = spring.turn(k, *committed).angles[1];
+        }
+        0.0
+    }
+
+    fn dissipation(&self, k: &GroupPoint, power: &mut [f64]) {
+        for (number, (spring, power)) in self.members.iter().zip(power).enumerate() {
+            let rate = spring.turn(k, k.interior.history[number]).rate;
+            *power = spring.damping * rate * rate;
+        }
+    }
+}
+
+/// Nodal vector in the configuration in which the forces of a motion act.
+fn acting(k: &GroupPoint, vector: u32) -> Vec3 {
+    let v = vector as usize;
+    let x = Vec3::from(k.reference[v]);
+    match k.motion {
+        Motion::State { u, .. } => x + Vec3::from(u[v]),
+        Motion::Step { old, new, .. } => x + (Vec3::from(old[v]) + Vec3::from(new[v])) * 0.5,
+    }
+}

@@ -1,0 +1,200 @@
+//! Torsion springs: closed solutions over several turns, conservation of energy and momenta, statics, modes, refusals.
+
+use crate::common::Notes;
+use crate::multibody::{between, body, machine, revolute, run};
+use tegula::analysis::modal;
+use tegula::analysis::{Silent, statics};
+use tegula::model::*;
+use tegula::norm::larger;
+use tegula::result::bodies::torsion_angles_and_moments;
+use tegula::{Error, Vec3, compile, mesh};
+
+fn spring(ends: [&str; 2], stiffness: f64, damping: f64, free_angle: f64) -> TorsionSpring {
+    let between = between(ends[0], ends[1]);
+    TorsionSpring { name: "clock".into(), between, axis: [0.0, 0.0, 2.0], stiffness, damping, free_angle }
+}
+
+/// A wheel on a hinge with a torsion spring to the ground, without gravity.
+fn wheel(end: f64, step: f64, spring: TorsionSpring) -> Model {
+    let wheel = body("wheel", [0.0; 3], 2.0, Some([0.3, 0.3, 0.5]));
+    let hinge = revolute("hinge", "ground", "wheel", [0.0; 3], [0.0, 0.0, 1.0]);
+    let mut model = machine(end, step, vec![wheel], vec![hinge]);
+    model.torsion_springs = vec![spring];
+    model
+}
+
+/// Wound up by two and a quarter turns, the wheel swings with ω² = k/J about the free angle, through full turns: the error is that of
+/// the scheme, of second order.
+#[test]
+fn a_wheel_swings_about_the_free_angle_through_several_turns() {
+    for damping in [0.0, 0.4] {
+        for scheme in [
+            Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 }),
+            Scheme::GeneralizedAlpha(GeneralizedAlphaScheme { spectral_radius: 0.9 }),
+        ] {
+            let error = |step: f64| {
+                let mut model = wheel(3.0, step, spring(["ground", "wheel"], 2.0, damping, 810.0));
+                let Analysis::Transient(options) = &mut model.analysis else { panic!() };
+                options.scheme = scheme;
+                let mut notes = Notes::default();
+                let (system, state) = run(&model, &mut notes);
+                let (omega, decay, t) = (2.0_f64, damping / (2.0 * 0.5), 3.0);
+                let damped = (omega * omega - decay * decay).sqrt();
+                let swing = (damped * t).cos() + decay / damped * (damped * t).sin();
+                let free = 810_f64.to_radians();
+                let expected = free * (1.0 - (-decay * t).exp() * swing);
+                let [angle, moment] = torsion_angles_and_moments(&system, &state)[0];
+                if damping == 0.0 {
+                    assert!((moment - 2.0 * (angle - free)).abs() < 1e-9);
+                }
+                if matches!(scheme, Scheme::EnergyMomentum(_)) {
+                    assert!(notes.drift() <= 1e-11 * notes.kinetic, "{} {}", notes.drift(), notes.kinetic);
+                }
+                (angle - expected).abs()
+            };
+            let [coarse, fine] = [2e-3, 1e-3].map(error);
+            assert!(
+                fine < 4e-3 && (3.5..4.5).contains(&(coarse / fine)),
+                "{scheme:?} {damping}: {coarse} {fine}"
+            );
+        }
+    }
+}
+
+/// Two bodies on a common hinge that fly through space and turn against each other by more than half a turn: energy and momenta are
+/// conserved exactly.
+#[test]
+fn two_bodies_against_each_other_keep_energy_and_momenta() {
+    let spun = |name: &str, x: f64, w: [f64; 3]| RigidBody {
+        angular_velocity: w,
+        velocity: Vec3::from(w).cross(&Vec3::new(x, 0.0, 0.0)).into(),
+        ..body(name, [x, 0.0, 0.0], 1.0, Some([0.2, 0.3, 0.4]))
+    };
+    let hinge = revolute("hinge", "a", "b", [0.0; 3], [0.0, 0.0, 1.0]);
+    let bodies = vec![spun("a", -0.4, [0.5, 1.0, -6.0]), spun("b", 0.3, [0.5, 1.0, 9.0])];
+    let mut model = machine(4.0, 0.01, bodies, vec![hinge]);
+    model.torsion_springs = vec![spring(["a", "b"], 1.5, 0.0, 0.0)];
+    let mut notes = Notes::default();
+    let (system, state) = run(&model, &mut notes);
+    assert!(notes.drift() <= 1e-10 * notes.kinetic, "{} {}", notes.drift(), notes.kinetic);
+    let (linear, angular) = notes.momenta[0];
+    let (p, l) = notes.momenta.last().unwrap();
+    assert!((p - linear).norm() <= 1e-10 * linear.norm(), "{p} {linear}");
+    assert!((l - angular).norm() <= 1e-10 * angular.norm(), "{l} {angular}");
+    assert!(notes.kinetic > 0.0 && torsion_angles_and_moments(&system, &state)[0][0].abs() < 20.0);
+}
+
+/// A moment of 1.7 turns times the stiffness winds the spring up by 1.7 turns, in load steps.
+#[test]
+fn a_static_moment_winds_the_spring_up_beyond_a_turn() {
+    let mut model = wheel(1.0, 0.1, spring(["ground", "wheel"], 2.0, 0.0, 0.0));
+    let target = 1.7 * std::f64::consts::TAU;
+    let value = [0.0, 0.0, 2.0 * target];
+    model.loads = vec![Load::Moment(VectorLoad { on: "wheel".into(), value, amplitude: None })];
+    let options = StaticAnalysis { load_steps: 10, ..StaticAnalysis::default() };
+    model.analysis = Analysis::Static(options.clone());
+    let mesh = mesh::generators::generate(&model.mesh).unwrap();
+    let system = compile::build(&model, &mesh).unwrap();
+    let state = statics::run(&system, &options, None, &mut Silent).unwrap().state;
+    let [angle, moment] = torsion_angles_and_moments(&system, &state)[0];
+    assert!((angle / target - 1.0).abs() < 1e-9, "{angle} {target}");
+    assert!((moment / value[2] - 1.0).abs() < 1e-9, "{moment}");
+}
+
+/// Three discs on hinges with springs between them: ω² of the chain with ends free and fixed.
+#[test]
+fn discs_on_torsion_springs_vibrate_as_a_chain() {
+    let bodies = ["a", "b"].map(|name| body(name, [0.0; 3], 1.0, Some([0.3, 0.3, 0.5]))).to_vec();
+    let hinges = ["a", "b"].map(|name| revolute(name, "ground", name, [0.0; 3], [0.0, 0.0, 1.0])).to_vec();
+    let mut model =
+        Model::of_bodies(Analysis::Modal(ModalAnalysis { modes: 2, prestressed: false }), bodies, hinges);
+    model.torsion_springs = vec![
+        spring(["ground", "a"], 2.0, 0.0, 0.0),
+        TorsionSpring { name: "second".into(), ..spring(["a", "b"], 2.0, 0.0, 0.0) },
+    ];
+    let mesh = mesh::generators::generate(&model.mesh).unwrap();
+    let system = compile::build(&model, &mesh).unwrap();
+    let found = modal::run(&system, 2, None, &mut Silent).unwrap();
+    // ω² J/k of a chain of two: (3 ∓ √5)/2.
+    for (mode, sign) in found.modes.iter().zip([-1.0, 1.0]) {
+        let expected = (4.0 * (3.0 + sign * 5_f64.sqrt()) / 2.0).sqrt();
+        assert!((mode.omega / expected - 1.0).abs() < 1e-9, "{} {expected}", mode.omega);
+    }
+}
+
+/// The tangent is the derivative of the forces, at a large angle and under a moment.
+#[test]
+fn the_tangent_is_the_derivative_of_the_forces() {
+    use tegula::element::{
+        ElementGroup, GroupPoint, InternalVariables, Motion, TangentRequest, TangentWeights,
+    };
+    let model = wheel(1.0, 0.1, spring(["ground", "wheel"], 2.0, 0.0, 40.0));
+    let mesh = mesh::generators::generate(&model.mesh).unwrap();
+    let system = compile::build(&model, &mesh).unwrap();
+    let (_, [group, _]) = system.torsion_springs[0];
+    let group: &dyn ElementGroup = system.groups[group].as_ref();
+    let n = group.vectors_per_element();
+    let u: Vec<[f64; 3]> = (0..system.vectors())
+        .map(|v| std::array::from_fn(|i| 0.3 * ((3 * v + i) as f64 * 1.7 + 0.4).sin()))
+        .collect();
+    let evaluate = |u: &[[f64; 3]], request: Option<TangentRequest>| {
+        let mut forces = vec![0.0; 3 * n];
+        let k = GroupPoint {
+            reference: &system.coordinates.reference,
+            motion: Motion::State { u, velocity: None },
+            linear: false,
+            interior: InternalVariables { history: &[6.5], factors: &[] },
+            inextensible: &[],
+            multipliers: &[],
+            drives: &[],
+        };
+        group.evaluate(&k, 0, &mut forces, request);
+        forces
+    };
+    let mut blocks = vec![0.0; 9 * n * (n + 1) / 2];
+    let request = TangentRequest {
+        weights: TangentWeights::STATIC,
+        stress: None,
+        prescribed: None,
+        blocks: &mut blocks,
+    };
+    evaluate(&u, Some(request));
+    let entry = |row: usize, column: usize| {
+        let (a, b) = (row / 3, column / 3);
+        let at = |a: usize, b: usize, i: usize, j: usize| blocks[9 * (a * (a + 1) / 2 + b) + 3 * i + j];
+        if a >= b { at(a, b, row % 3, column % 3) } else { at(b, a, column % 3, row % 3) }
+    };
+    let size = blocks.iter().map(|k| k.abs()).fold(0.0, larger);
+    for column in 0..3 * n {
+        let vector = group.vectors(0)[column / 3] as usize;
+        let moved = |step: f64| {
+            let mut u = u.clone();
+            u[vector][column % 3] += step;
+            evaluate(&u, None)
+        };
+        let (more, less) = (moved(1e-5), moved(-1e-5));
+        for row in 0..3 * n {
+            let difference = (more[row] - less[row]) / 2e-5;
+            assert!((difference - entry(row, column)).abs() < 1e-8 * size, "{row} {column}");
+        }
+    }
+}
+
+#[test]
+fn torsion_springs_between_points_are_refused() {
+    let mut model = wheel(1.0, 0.1, spring(["ground", "wheel"], 2.0, 0.0, 0.0));
+    model.bodies.push(body("dot", [1.0, 0.0, 0.0], 1.0, None));
+    let refused = |spring: TorsionSpring, key: &str| {
+        let model = Model { torsion_springs: vec![spring], ..model.clone() };
+        let mesh = mesh::generators::generate(&model.mesh).unwrap();
+        let Err(Error::Model(issues)) = compile::build(&model, &mesh) else { panic!("{key} is taken") };
+        assert!(issues.iter().any(|issue| issue.place.key == key), "{key}: {issues:?}");
+    };
+    refused(spring(["wheel", "dot"], 1.0, 0.0, 0.0), "torsion_springs[0].between");
+    refused(spring(["wheel", "wheel"], 1.0, 0.0, 0.0), "torsion_springs[0].between");
+    refused(spring(["ground", "wheel"], 0.0, 0.0, 0.0), "torsion_springs[0]");
+    refused(
+        TorsionSpring { axis: [0.0; 3], ..spring(["ground", "wheel"], 1.0, 0.0, 0.0) },
+        "torsion_springs[0].axis",
+    );
+}
