@@ -59,11 +59,7 @@ impl FieldSeries {
             wanted.then(|| folder.make_series(name).and_then(|()| series(name))).transpose()
         };
         let bodies = !system.outline.is_empty();
-        Ok(Self {
-            shells: one(names[0], !mesh.quads.is_empty() || !bodies)?,
-            bodies: one(names[1], bodies)?,
-            names,
-        })
+        Ok(Self { shells: one(names[0], !mesh.quads.is_empty())?, bodies: one(names[1], bodies)?, names })
     }
 
     /// Writes the files of a state or of a mode.

@@ -198,12 +198,18 @@ impl Constraints {
         &self.right
     }
 
-    /// Names of the joints with redundant constraints at the last tangent, and how many each has.
-    pub fn redundant(&self, system: &System) -> Vec<(String, usize)> {
+    /// Messages about joints with constraints that are redundant at the last tangent.
+    pub fn redundant<'a>(&'a self, system: &'a System) -> impl Iterator<Item = String> + 'a {
         let dependent = self.schur.factor.dependent();
-        let count = |joint: &Joint| dependent.iter().filter(|row| joint.multipliers().contains(*row)).count();
-        let named = system.joints.iter().map(|joint| (joint.name.clone(), count(joint)));
-        named.filter(|(_, count)| *count > 0).collect()
+        let count =
+            move |joint: &Joint| dependent.iter().filter(|row| joint.multipliers().contains(*row)).count();
+        let counted = system.joints.iter().map(move |joint| (&joint.name, count(joint)));
+        counted.filter(|(_, count)| *count > 0).map(|(name, count)| {
+            format!(
+                "joint \"{name}\": {count} of its constraints follow(s) from those of other joints; its reactions are not \
+                 unique, and those of minimum norm are computed"
+            )
+        })
     }
 
     /// Changes rates `x` of the free degrees of freedom so that the constraints' rates, which are `rest` without x, vanish:

@@ -81,6 +81,13 @@ pub fn run(
     problem.first_shift(&*observer)?;
     let groups = 0..problem.groups.len();
     let all = problem.rigid.len() + groups.clone().map(|group| problem.modes_of(group)).sum::<usize>();
+    if wanted > all {
+        observer.on_event(&format!(
+            "{wanted} modes are wanted, but supports and joints leave the model {all} only"
+        ));
+    }
+    let redundant = problem.newton.constraints.iter().flat_map(|constraints| constraints.redundant(system));
+    redundant.for_each(|message| observer.on_event(&message));
     let wanted = wanted.min(all);
     let skew = equilibrium.and_then(|state| circulatory::stiffness(system, state));
     if skew.is_some() && !system.joints.is_empty() {

@@ -39,7 +39,7 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
              `scheme = { type = \"generalized-alpha\" }`",
         );
     }
-    if !transient {
+    if matches!(model.analysis, Analysis::Static(_) | Analysis::Modal(_)) {
         held(model, c);
     }
     let joint_names: Vec<String> =
@@ -201,6 +201,10 @@ fn body_values(body: &RigidBody, key: &str, c: &mut Checker) {
     }
     if let Some(BodyShape::Cylinder(shape)) = body.shape {
         c.not_negative(&format!("{key}.shape.inner_radius"), "the inner radius", shape.inner_radius);
+        if !(shape.inner_radius < shape.radius) {
+            let message = "the inner radius is not below the radius";
+            c.add(format!("{key}.shape.inner_radius"), message, "give a smaller `inner_radius`");
+        }
     }
     let name = &body.name;
     if body.is_point_mass() && body.axes != axes_of_space() {

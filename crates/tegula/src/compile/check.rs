@@ -442,6 +442,7 @@ impl Checker {
                     && model.prescribed_strains.is_empty()
                     && !model.conditions.iter().any(|c| c.motion().is_some())
                     && !model.joints.iter().any(|joint| joint.common().drive().is_some())
+                    && !model.has_preloaded_springs()
                 {
                     self.add(
                         "loads",

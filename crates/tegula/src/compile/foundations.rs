@@ -41,19 +41,26 @@ pub(super) fn sets(model: &Model, mesh: &Mesh, c: &mut Checker) {
     }
 }
 
-/// Rigid motions that foundations and supports leave free in a static analysis, where nothing else can hold the model.
+/// Rigid motions of a model with foundations or beams that they and the supports leave free in a static analysis, where nothing else
+/// can hold it.
 pub(super) fn free_motions(model: &Model, system: &System) -> Option<Issue> {
     let springs = !model.springs.is_empty() || !model.torsion_springs.is_empty();
-    if model.foundations.is_empty() || springs || !system.joints.is_empty() {
+    let alone = model.foundations.is_empty() && system.beams.is_empty();
+    if alone || springs || !system.joints.is_empty() {
         return None;
     }
     let free = modal::rigid_motions(system);
     (free > 0).then(|| {
-        Issue::new(
-            "foundations",
-            format!("foundations and supports leave {free} rigid motion(s) of the model free"),
-            "give the foundation a stiffness along further axes, or support the model so that it cannot move as a whole",
-        )
+        let (key, what, help) = if model.foundations.is_empty() {
+            ("joints", "nothing prevents", "hold the beams by joints")
+        } else {
+            (
+                "foundations",
+                "foundations and supports do not prevent",
+                "give the foundation a stiffness along further axes, or support the model so that it cannot move as a whole",
+            )
+        };
+        Issue::new(key, format!("{what} {free} rigid motion(s) of the model"), help)
     })
 }
 

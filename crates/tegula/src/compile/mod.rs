@@ -301,7 +301,9 @@ impl<'a> Compiler<'a> {
             self.groups.iter().map(|group| Reduction::new(group.as_ref(), frames.dofs())).collect();
         let pattern = self.pattern(procedure, &frames, (&followers, &reductions), &added)?;
         let mut initial_velocity = initial_velocity(model, mesh, vectors);
-        bodies::add_velocities(model, &vectors.coordinates, &mut initial_velocity);
+        if !self.moved_before(step) {
+            bodies::add_velocities(model, &vectors.coordinates, &mut initial_velocity);
+        }
         issues.extend(patches::carry_velocities(
             &vectors.coordinates,
             frames.dofs(),
@@ -355,6 +357,13 @@ impl<'a> Compiler<'a> {
             release_supports(&mut system, mesh);
         }
         if issues.is_empty() { Ok(system) } else { Err(Error::Model(issues)) }
+    }
+
+    /// Whether a transient step comes before a step: bodies then have the velocities at its end, and no longer those of the model.
+    fn moved_before(&self, step: &StepModel) -> bool {
+        let before = |step: &StepModel| step.starts_from.and_then(|index| self.steps.get(index));
+        let chain = std::iter::successors(before(step), |step| before(step));
+        chain.into_iter().any(|step| matches!(step.model.analysis, Analysis::Transient(_)))
     }
 
     /// Joints whose drives begin where a step starts. Modes about the end of the step before leave them there.

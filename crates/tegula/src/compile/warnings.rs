@@ -233,7 +233,7 @@ fn unused(model: &Model) -> Vec<Issue> {
             "give `prestressed = true` to vibrate about the equilibrium under it, or leave it out",
         )];
     }
-    match (modal.prestressed, model.loads.is_empty() && !prescribed) {
+    match (modal.prestressed, model.loads.is_empty() && !prescribed && !model.has_preloaded_springs()) {
         (false, false) => vec![Issue::new(
             if model.loads.is_empty() { "conditions" } else { "loads" },
             "loads and prescribed values have no effect on this modal analysis: it is about the reference configuration",

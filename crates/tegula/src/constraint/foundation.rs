@@ -65,7 +65,7 @@ impl FoundationGroup {
         products[..self.vectors].iter().enumerate().map(|(a, product)| value(a).dot(product)).sum()
     }
 
-    /// The same product with a field.
+    /// Product `Σ w_ab x_a·K x_b` of an element with a field.
     fn square(&self, element: usize, field: &[Nodal]) -> f64 {
         let vectors = &self.members[element].vectors;
         let at = |a: usize| Vec3::from(field[vectors[a] as usize]);

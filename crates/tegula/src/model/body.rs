@@ -149,7 +149,7 @@ impl BodyShape {
     pub(crate) fn sizes(&self) -> Vec<f64> {
         match self {
             Self::Box(BoxShape { size }) => size.to_vec(),
-            Self::Cylinder(c) => vec![c.radius, c.length, c.radius - c.inner_radius],
+            Self::Cylinder(c) => vec![c.radius, c.length],
             Self::Sphere(SphereShape { radius }) => vec![*radius],
             Self::Rod(RodShape { length }) => vec![*length],
         }

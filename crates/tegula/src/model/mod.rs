@@ -146,6 +146,12 @@ impl Model {
 }
 
 impl Model {
+    /// Whether springs may exert forces in the reference configuration.
+    pub fn has_preloaded_springs(&self) -> bool {
+        self.springs.iter().any(|spring| spring.length.is_some())
+            || self.torsion_springs.iter().any(|spring| spring.free_angle != 0.0)
+    }
+
     /// A model of bodies and joints alone.
     pub fn of_bodies(analysis: Analysis, bodies: Vec<RigidBody>, joints: Vec<Joint>) -> Self {
         let unused = Isotropic::new(1.0, 0.0, 1.0);

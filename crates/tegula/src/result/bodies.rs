@@ -88,7 +88,8 @@ pub fn joint_reaction(system: &System, state: &State, joint: &Joint) -> (Vec3, V
 
 /// Angle (rad), continued over full turns, and moment of each torsion spring in a state.
 pub fn torsion_angles_and_moments(system: &System, state: &State) -> Vec<[f64; 2]> {
-    let (factors, point): (Vec<f64>, _) = (system.factors(state.time).collect(), state.point(system));
+    let (factors, point): (Vec<f64>, _) =
+        (system.factors(state.time).collect(), state.point_with_rates(system));
     let of = |(spring, [group, number]): &(TorsionSpring, [usize; 2])| {
         spring.angle_and_moment(&point.of_group(system, *group, &factors), *number)
     };

@@ -11,6 +11,7 @@ use super::{LocalFrames, Reduction, System};
 use crate::Vec3;
 use crate::element::{ElementGroup, Motion, Nodal, TangentRequest, TangentWeights};
 use crate::lists::Lists;
+use crate::norm::larger;
 
 /// Tangent coefficients: weights of the element parts, factor of the mass, and time of the follower loads.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -346,6 +347,15 @@ impl Assembly {
     /// Values of the mass matrix of the free degrees of freedom.
     pub fn mass_values(&self, system: &System, values: &mut [f64]) {
         system.pattern.mass_values(&self.frames, values);
+    }
+
+    /// Adds a multiple of the mass to the tangent: `part` of the largest ratio of a stiffness to its mass.
+    pub fn add_mass_shift(&mut self, system: &System, part: f64) {
+        let (pattern, mut mass) = (system.tangent_pattern(), vec![0.0; self.values.len()]);
+        self.mass_values(system, &mut mass);
+        let diagonals = pattern.diagonal(&self.values).zip(pattern.diagonal(&mass));
+        let ratio = diagonals.filter(|(_, m)| *m > 0.0).map(|(k, m)| (k / m).abs()).fold(0.0, larger);
+        self.values.iter_mut().zip(&mass).for_each(|(k, m)| *k += part * ratio * m);
     }
 
     /// Sets the extrapolated stress to that of a motion.

@@ -77,6 +77,20 @@ impl System {
         Some((own + row.driven_rate(&current[..n], drive)).abs())
     }
 
+    /// Largest rate by which velocities `v` at the displacements `u` open a joint: over the length of the model for distances [1/time].
+    pub fn opening_rate(&self, joint: &Joint, [u, v]: [&[Nodal]; 2], time: f64) -> f64 {
+        let drive = self.drive(joint, time);
+        let n = joint.vectors.len();
+        let current = self.vectors_of(joint, |v| Vec3::from(u[v]));
+        let rate = |row: &Row| {
+            let mut gradient = [Vec3::zeros(); MOST_VECTORS];
+            row.add_gradient(1.0, &current[..n], drive.value, &mut gradient[..n]);
+            let own = along(joint, &gradient, |number| Vec3::from(v[number]));
+            (own + row.driven_rate(&current[..n], drive)).abs() / row.size
+        };
+        joint.rows.iter().map(rate).fold(0.0, larger)
+    }
+
     /// Nodal vectors of a joint with given displacements, in the order of its list.
     fn vectors_of(&self, joint: &Joint, displacement: impl Fn(usize) -> Vec3) -> [Vec3; MOST_VECTORS] {
         let mut out = [Vec3::zeros(); MOST_VECTORS];

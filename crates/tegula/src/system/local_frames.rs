@@ -212,6 +212,24 @@ impl LocalFrames {
         }
     }
 
+    /// Free degrees of freedom of a field of displacements; of rigid bodies the rotation `½ Σ d_i × δd_i` of their directors.
+    pub fn components(&self, field: &[Nodal], free: &mut [f64]) {
+        for (v, value) in field.iter().enumerate() {
+            for (number, x) in self.of(v).into_iter().zip(self.to_local(v, *value)) {
+                if number != CONSTRAINED {
+                    free[number as usize] = x;
+                }
+            }
+        }
+        for (triad, arms) in self.triads() {
+            let turned = |i: usize| arms.column(i).cross(&Vec3::from(field[triad[i] as usize]));
+            let rotation = (0..3).map(turned).sum::<Vec3>() * 0.5;
+            for (number, x) in self.of(triad[0] as usize).into_iter().zip(rotation.iter()) {
+                free[number as usize] = *x;
+            }
+        }
+    }
+
     /// Hands force and moment on the body of an attached vector on which a force acts to `take`.
     fn reduce_attached(&self, attached: &Attached, arm: &Vec3, force: &Vec3, mut take: impl FnMut(u32, f64)) {
         let first = self.dofs.triads[attached.triad as usize][0];

@@ -36,4 +36,5 @@ mod reactions;
 mod sheet_to_membrane;
 mod statics;
 mod steps;
+mod steps_with_bodies;
 mod torsion_springs;

@@ -323,3 +323,126 @@ fn a_body_that_stands_on_a_hinge_needs_a_spring_of_m_g_over_l() {
         assert_eq!(outcome.is_ok(), stands, "{share}: {:?}", outcome.map(|outcome| outcome.statistics));
     }
 }
+
+/// Bodies that nothing holds before the load acts: the first tangent is singular to the last digit.
+#[test]
+fn bodies_at_places_without_round_off_hang_as_others() {
+    let bob = body("bob", [0.0, -0.5, 0.0], 1.0, Some([1.0 / 16.0; 3]));
+    let hinge = revolute("hinge", "ground", "bob", [0.0; 3], [0.0, 0.0, 1.0]);
+    let mut hanging = Model::of_bodies(modal(1, true), vec![bob], vec![hinge]);
+    hanging.loads = gravity([0.0, -8.0, 0.0]);
+    let found = omegas(&hanging);
+    // m g l/(J + m l²) = 4/(5/16).
+    assert!((found[0] / 12.8_f64.sqrt() - 1.0).abs() < 1e-9, "{found:?}");
+    // A mass on a spring bounces with k/m and swings with g over the stretched length: 1 + 8/32.
+    let mass = body("mass", [0.0, -1.0, 0.0], 1.0, None);
+    let mut bouncing = Model::of_bodies(modal(3, true), vec![mass], Vec::new());
+    bouncing.springs = vec![to_ground("spring", "mass", [[0.0; 3], [0.0, -1.0, 0.0]], 32.0)];
+    bouncing.loads = gravity([0.0, -8.0, 0.0]);
+    let found = omegas(&bouncing);
+    let swing = (8.0_f64 / 1.25).sqrt();
+    for (omega, expected) in found.iter().zip([swing, swing, 32_f64.sqrt()]) {
+        assert!((omega / expected - 1.0).abs() < 1e-9, "{found:?} {expected}");
+    }
+}
+
+/// A linkage without a load that could hold it is no structure: statics refuses it still.
+#[test]
+fn statics_refuses_bodies_that_are_free_to_move_at_the_end() {
+    let bob = body("bob", [0.0, -0.5, 0.0], 1.0, Some([1.0 / 16.0; 3]));
+    let hinge = revolute("hinge", "ground", "bob", [0.0; 3], [0.0, 0.0, 1.0]);
+    let mut model = Model::of_bodies(Analysis::Static(StaticAnalysis::default()), vec![bob], vec![hinge]);
+    // Along the axis of the hinge.
+    model.loads = gravity([0.0, 0.0, -8.0]);
+    let system = compile::build(&model, &mesh::generators::generate(&model.mesh).unwrap()).unwrap();
+    assert!(statics::run(&system, &StaticAnalysis::default(), None, &mut Silent).is_err());
+}
+
+/// A beam that flies freely has six rigid modes, and the bending frequencies of a free Timoshenko beam.
+#[test]
+fn a_free_beam_has_six_rigid_modes() {
+    let section = BeamSection::Rectangle(RectangularSection { size: [0.02, 0.05] });
+    let steel = Isotropic { young: 2.1e11, poisson: 0.3, density: 7850.0, expansion: 0.0, strength: None };
+    let beam = Beam {
+        material: Some("steel".into()),
+        ..Beam::straight("beam", [[0.0; 3], [1.0, 0.0, 0.0]], 64, [0.0, 1.0, 0.0], section)
+    };
+    let mut model = Model::of_bodies(modal(8, false), Vec::new(), Vec::new());
+    model.materials.insert("steel".into(), Material::Isotropic(steel));
+    let (_, found) = modes(&Model { beams: vec![beam], ..model });
+    assert!(found.modes[..6].iter().all(|mode| mode.rigid && mode.omega == 0.0), "{:?}", found.modes.len());
+    for (mode, thickness) in found.modes[6..].iter().zip([0.02, 0.05]) {
+        let euler = 4.730040745_f64.powi(2) * (2.1e11 / 7850.0 / 12.0_f64).sqrt() * thickness;
+        // Shear and rotary inertia lower it, by some thousandths.
+        assert!((0.98..1.0).contains(&(mode.omega / euler)), "{} {euler}", mode.omega);
+    }
+}
+
+/// A shell with a rigid patch that flies freely has them, too.
+#[test]
+fn a_free_shell_with_a_patch_has_six_rigid_modes() {
+    let mut model = crate::common::model(crate::common::plate([1.0, 0.2], [8, 2], 0.0), 2.1e11, 0.02);
+    model.conditions.clear();
+    model.analysis = modal(8, false);
+    model.bodies = vec![RigidBody {
+        mass: None,
+        attached: vec!["u_max".into()],
+        ..RigidBody::new("hub", [1.1, 0.1, 0.05], 1.0, None)
+    }];
+    let (_, found) = modes(&model);
+    assert!(found.modes[..6].iter().all(|mode| mode.rigid && mode.omega == 0.0));
+    assert!(found.modes[6..].iter().all(|mode| mode.omega > 1.0));
+}
+
+/// Two bars on hinges are free to move in two ways, and nothing else.
+#[test]
+fn a_mechanism_without_any_elastic_mode_has_frequencies_of_zero() {
+    let inertia = Some([1.0 / 600.0, 1.0 / 12.0, 1.0 / 12.0]);
+    let bodies = vec![body("a", [0.5, 0.0, 0.0], 1.0, inertia), body("b", [1.5, 0.0, 0.0], 1.0, inertia)];
+    let hinge = |name: &str, a: &str, b: &str, x: f64| revolute(name, a, b, [x, 0.0, 0.0], [0.0, 0.0, 1.0]);
+    let joints = vec![hinge("A", "ground", "a", 0.0), hinge("B", "a", "b", 1.0)];
+    for wanted in [1, 2] {
+        let found = omegas(&Model::of_bodies(modal(wanted, false), bodies.clone(), joints.clone()));
+        assert!(found.len() == wanted as usize && found.iter().all(|omega| *omega == 0.0), "{found:?}");
+    }
+}
+
+/// Two free masses between which a spring acts drift and vibrate with ω² = 2k/m.
+#[test]
+fn two_free_masses_vibrate_against_their_spring() {
+    let bodies = vec![body("a", [0.0; 3], 1.0, None), body("b", [1.0, 0.0, 0.0], 1.0, None)];
+    let mut model = Model::of_bodies(modal(6, false), bodies, Vec::new());
+    model.springs = vec![SpringDamper {
+        between: between("a", "b"),
+        ..to_ground("spring", "b", [[0.0; 3], [1.0, 0.0, 0.0]], 100.0)
+    }];
+    let found = omegas(&model);
+    assert!(found.len() == 6 && found[..5].iter().all(|omega| *omega == 0.0), "{found:?}");
+    assert!((found[5] / 200_f64.sqrt() - 1.0).abs() < 1e-9, "{found:?}");
+}
+
+/// A corner on a support and three on springs: as with a spherical joint in the place of the support.
+#[test]
+fn supports_and_springs_together_hold_a_plate() {
+    let plate = |supported: bool| {
+        let mut model = crate::common::model(crate::common::plate([0.5, 0.1], [8, 2], 0.0), 2.1e11, 0.01);
+        model.conditions.clear();
+        model.analysis = modal(4, false);
+        if supported {
+            model.conditions = vec![Condition::Spherical(OnSet { on: "u_min_v_min".into() })];
+        } else {
+            model.joints = vec![spherical("ground", "u_min_v_min", [0.0; 3])];
+        }
+        for (corner, x, y) in
+            [("u_max_v_min", 0.5, 0.0), ("u_min_v_max", 0.0, 0.1), ("u_max_v_max", 0.5, 0.1)]
+        {
+            model.springs.push(to_ground(corner, corner, [[x, y, -1.0], [x, y, 0.0]], 1e3));
+        }
+        omegas(&model)
+    };
+    let (supported, jointed) = (plate(true), plate(false));
+    assert!(supported[0] == 0.0 && jointed[0] == 0.0, "{supported:?} {jointed:?}");
+    for (a, b) in supported[1..].iter().zip(&jointed[1..]) {
+        assert!(*a > 1.0 && (a / b - 1.0).abs() < 1e-6, "{supported:?} {jointed:?}");
+    }
+}

@@ -194,7 +194,8 @@ fn the_history_has_angle_and_moment_of_torsion_springs() {
         let angle = value("torsion_spring.coil.angle");
         assert!((angle - turned.to_degrees()).abs() < 1e-9, "{angle} {turned}");
         let moment = 3.0 * (turned - 0.5_f64.to_radians()) + 0.2 * value("body.bar.wz");
-        assert!((value("torsion_spring.coil.moment") - moment).abs() < 1e-9 * (1.0 + moment.abs()));
+        let found = value("torsion_spring.coil.moment");
+        assert!((found - moment).abs() < 1e-9 * (1.0 + moment.abs()), "{found} {moment} {row:?}");
     }
     assert!(rows.len() > 15);
 }

@@ -117,12 +117,7 @@ pub(super) fn consistent_velocities(
             100.0 * changed / size
         ));
     }
-    for (joint, count) in newton.constraints.iter().flat_map(|constraints| constraints.redundant(system)) {
-        messages.push(format!(
-            "joint \"{joint}\": {count} of its constraints follow(s) from those of other joints; its reactions are not \
-             unique, and those of minimum norm are computed"
-        ));
-    }
+    messages.extend(newton.constraints.iter().flat_map(|constraints| constraints.redundant(system)));
     Ok(messages)
 }
 
@@ -170,7 +165,7 @@ pub(super) fn agreed(system: &System, newton: &mut Newton, state: &State, order:
 }
 
 /// Adds the response of the constrained masses to forces on all nodal vectors to the accelerations of the first state, and
-/// finds the multipliers.
+/// corrects the multipliers.
 pub(super) fn add_response(system: &System, newton: &mut Newton, forces: &[Nodal], state: &mut State) {
     let Newton { assembly, solver, constraints, .. } = newton;
     let Some(constraints) = constraints else { return };
@@ -180,7 +175,8 @@ pub(super) fn add_response(system: &System, newton: &mut Newton, forces: &[Nodal
     let motion = Motion::State { u: &state.u, velocity: None };
     let rates = Rates::Second(&state.v, &state.a);
     let multipliers = constraints.project(system, (&motion, state.time), rates, &mut free);
-    state.multipliers.copy_from_slice(multipliers);
+    // The forces contain those of the multipliers at the end of the step before.
+    state.multipliers.iter_mut().zip(multipliers).for_each(|(multiplier, change)| *multiplier += change);
     let mut response = vec![[0.0; 3]; system.vectors()];
     assembly.frames.expand(&free, &mut response);
     super::statics::add(&mut state.a, &response);

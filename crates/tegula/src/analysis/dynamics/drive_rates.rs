@@ -5,9 +5,10 @@
 
 use crate::analysis::State;
 use crate::constraint::Joint;
+use crate::element::{Nodal, VectorKind};
 use crate::norm::larger;
 use crate::system::System;
-use crate::{Error, Result};
+use crate::{Error, Result, Vec3};
 
 /// Part of the largest rate of a drive by which the velocities of a step may miss it before a message says so, and before the
 /// velocities are useless.
@@ -24,6 +25,8 @@ const LOOKS: u32 = 100;
 pub(super) struct DriveRates {
     /// Largest rate of the drive of each joint so far; 0 for a joint without one.
     largest: Vec<f64>,
+    /// Largest velocity so far, over the length of the model for positions [1/time].
+    speed: f64,
     /// Whether a message has said that velocities alternate.
     told: bool,
 }
@@ -35,7 +38,7 @@ impl DriveRates {
             let at = |part: u32| time * f64::from(part) / f64::from(LOOKS);
             (0..=LOOKS).map(|part| system.drive(joint, at(part)).rate.abs()).fold(0.0, larger)
         };
-        Self { largest: system.joints.iter().map(largest).collect(), told: false }
+        Self { largest: system.joints.iter().map(largest).collect(), speed: 0.0, told: false }
     }
 
     /// Looks at the end of a step. Returns a message about the first joint whose velocities miss the rate of its drive.
@@ -46,6 +49,14 @@ impl DriveRates {
         for (joint, largest) in system.joints.iter().zip(&mut self.largest) {
             *largest = larger(*largest, system.drive(joint, state.time).rate.abs());
         }
+        if self.largest.iter().all(|rate| *rate == 0.0) {
+            return Ok(None);
+        }
+        let speed = |(v, kind): (&Nodal, &VectorKind)| {
+            let speed = Vec3::from(*v).norm();
+            if *kind == VectorKind::Position { speed / system.length } else { speed }
+        };
+        self.speed = state.v.iter().zip(&system.coordinates.kinds).map(speed).fold(self.speed, larger);
         if state.step <= FIRST_STEPS {
             return Ok(None);
         }
@@ -53,10 +64,12 @@ impl DriveRates {
             let missed = system.missed_rate(joint, [&state.u, &state.v], state.time)? / largest;
             (*largest > 0.0 && missed > MISSED).then(|| (missed, joint.name.clone()))
         };
-        let Some((missed, name)) = system.joints.iter().zip(&self.largest).find_map(missed) else {
-            return Ok(None);
-        };
         let other = if conserves { ", or the scheme \"generalized-alpha\"" } else { "" };
+        let Some((missed, name)) = system.joints.iter().zip(&self.largest).find_map(missed) else {
+            return Ok(self
+                .opened(system, state)
+                .map(|message| format!("{message}; take shorter steps{other}")));
+        };
         let reason = format!(
             "the velocities miss the rate of the drive \"{name}\" by {:.0} % of its largest one: the steps are long for the motion, and \
              velocities and reactions alternate about their mean",
@@ -71,5 +84,17 @@ impl DriveRates {
             reason,
             help: format!("Results up to the step before are complete. Take shorter steps{other}."),
         })
+    }
+
+    /// Message about velocities that would open a joint: a drive that stops at once leaves them alternating.
+    fn opened(&mut self, system: &System, state: &State) -> Option<String> {
+        let rate = |joint: &Joint| system.opening_rate(joint, [&state.u, &state.v], state.time);
+        let worst = |joint: &&Joint| rate(joint) > MISSED * self.speed;
+        let name = &system.joints.iter().find(worst).filter(|_| !self.told)?.name;
+        self.told = true;
+        Some(format!(
+            "the velocities do not keep the joint \"{name}\" closed: a drive has changed its rate at once, and velocities and reactions \
+             alternate about their mean"
+        ))
     }
 }

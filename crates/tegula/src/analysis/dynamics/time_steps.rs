@@ -334,7 +334,7 @@ const LOST: f64 = 1e-3;
 const GAINED: f64 = 1e-2;
 
 /// Part of the energy that a scheme may gain in the first steps from rest, where the error is as large as the energy.
-const GAINED_AT_FIRST: f64 = 1.0;
+const GAINED_AT_FIRST: f64 = 10.0;
 /// Number of first steps.
 const FIRST_STEPS: u64 = 20;
 

@@ -64,7 +64,7 @@ pub(super) fn refuse(
         .iter()
         .map(|mode| {
             let mut x = vec![0.0; size];
-            frames.reduce(&mode.shape, &mut x);
+            frames.components(&mode.shape, &mut x);
             x
         })
         .collect();

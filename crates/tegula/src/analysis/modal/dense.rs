@@ -82,7 +82,7 @@ fn rigid_vectors(problem: &Problem, group: usize) -> DMatrix<f64> {
     let mut out = DMatrix::zeros(group.unknowns.len(), group.rigid.len());
     let mut free = vec![0.0; problem.pattern.size()];
     for (column, &mode) in group.rigid.iter().enumerate() {
-        newton.assembly.frames.reduce(&rigid.shape(mode, parts), &mut free);
+        newton.assembly.frames.components(&rigid.shape(mode, parts), &mut free);
         for (row, &i) in group.unknowns.iter().enumerate() {
             out[(row, column)] = free[i as usize];
         }

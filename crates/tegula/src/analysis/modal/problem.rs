@@ -172,7 +172,7 @@ impl<'a> Problem<'a> {
         let n = part_of.len();
         for mode in 0..self.rigid.len() {
             let (mut x, mut m_x) = (vec![0.0; n], vec![0.0; n]);
-            self.newton.assembly.frames.reduce(&self.rigid.shape(mode, &self.parts), &mut x);
+            self.newton.assembly.frames.components(&self.rigid.shape(mode, &self.parts), &mut x);
             self.pattern.add_product(&self.mass, &x, &mut m_x);
             let part = self.rigid.part(mode);
             let rows: Vec<u32> = (0..n as u32).filter(|&i| part_of[i as usize] == part).collect();

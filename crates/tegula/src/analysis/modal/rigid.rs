@@ -127,7 +127,7 @@ impl RigidModes {
         let supported = |fields: &[Vec<Nodal>]| {
             let rest = |field: &Vec<Nodal>| {
                 let mut out = vec![[0.0; 3]; field.len()];
-                frames.reduce(field, &mut free);
+                frames.components(field, &mut free);
                 frames.expand(&free, &mut out);
                 out.iter_mut().zip(field).for_each(|(o, f)| *o = std::array::from_fn(|i| f[i] - o[i]));
                 out

@@ -3,6 +3,7 @@
 use super::dense;
 use super::problem::{Problem, go_on};
 use crate::analysis::Observer;
+use crate::norm::larger;
 use crate::{Error, Result};
 use tegula_sparse::lanczos::{BlockLanczos, RitzPair};
 
@@ -129,6 +130,14 @@ impl Search {
     /// fraction `part` of the way from one side of the gap to the other.
     pub fn gap(&self, problem: &Problem, part: f64) -> (f64, usize) {
         let rigid = problem.groups[self.group].rigid.len();
+        if let Some(last) = self.lambdas.last().filter(|_| self.lambdas.len() == problem.modes_of(self.group))
+        {
+            // All modes of the group lie below any place behind the last one.
+            return (
+                last + (1.0 + part) * larger(last.abs(), problem.groups[self.group].lowest),
+                rigid + self.lambdas.len(),
+            );
+        }
         // Mechanisms have eigenvalues of the size of the round-off.
         let size = |i: usize| self.lambdas[i].abs().max(problem.groups[self.group].shift.abs());
         let is_gap = |i: &usize| self.lambdas[*i] - self.lambdas[*i - 1] > GAP * size(*i);

@@ -46,6 +46,10 @@ struct Progress {
     limit: f64,
 }
 
+/// Multiple of the mass, relative to the largest ratio of stiffness to mass, that is added to the tangent of an unloaded model that is
+/// free to move.
+const HANGING: f64 = 1e-8;
+
 /// Setting of one iteration.
 #[derive(Clone, Copy)]
 struct Setting {
@@ -229,6 +233,10 @@ impl<S: TangentSolver> Newton<S> {
         let prescribed = setting.prescribed.then_some(self.increment.as_slice());
         let at = Linearization { system, point: k, parts, extrapolated: setting.mixed, prescribed };
         self.factored = FactoredTangent::Nothing;
+        // Without load nothing holds a body that hangs on a hinge; the forces of the next iterate will.
+        let hangs =
+            setting.number == 1 && parts.mass == 0.0 && !k.linear && !system.coordinates.bodies.is_empty();
+        let mut shifted = false;
         loop {
             solver.assemble(assembly, &at, internal);
             solver.add_curvature(assembly, &at, &self.residual);
@@ -240,8 +248,13 @@ impl<S: TangentSolver> Newton<S> {
             if !internal.iter().flatten().all(|f| f.is_finite()) {
                 return Ok(0);
             }
-            if let Some(done) = solver.prepare(assembly).transpose() {
-                return done;
+            if shifted {
+                assembly.add_mass_shift(system, HANGING);
+            }
+            match solver.prepare(assembly).transpose() {
+                Some(Err(_)) if hangs && !shifted => shifted = true,
+                Some(done) => return done,
+                None => {}
             }
         }
     }

@@ -293,6 +293,10 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
     /// Accepts the equilibrium as the state at the end of the step.
     fn accept(&mut self, target: f64, converged: &Converged, observer: &mut dyn Observer) {
         let Self { newton, system, state, equation, external, .. } = self;
+        if state.step == 0 {
+            let redundant = newton.constraints.iter().flat_map(|constraints| constraints.redundant(system));
+            redundant.for_each(|message| observer.on_event(&message));
+        }
         state.negative_pivots = converged.negative_pivots;
         state.work += follower_work(system, (&state.u, state.time), (&equation.u, target), external);
         if !self.reactions.is_empty() {
