@@ -28,8 +28,8 @@ impl FieldSeries {
         Self::with(folder, prepared, names, |name| PvdSeries::create(&folder.file(&format!("{name}.pvd"))))
     }
 
-    /// Series of a run that restarts after `frames` files, the last one of which was written at the time `last`. Returns the number of files
-    /// that are no longer there, too.
+    /// Series of a run that restarts after `frames` files, the last one of which was written at the time `last`. Returns the number
+    /// of files that are no longer there, too.
     pub fn resume(
         folder: &ResultFolder,
         prepared: &Prepared,

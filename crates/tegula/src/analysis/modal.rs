@@ -22,7 +22,7 @@ use crate::model::StaticAnalysis;
 use crate::system::System;
 use crate::{Error, Result};
 use problem::{Problem, go_on};
-use rigid::{Parts, RigidModes};
+use rigid::RigidModes;
 use search::Search;
 use tegula_sparse::Factor as _;
 use tegula_sparse::lanczos::RitzPair;
@@ -145,8 +145,7 @@ pub fn prestress(system: &System, observer: &mut dyn Observer) -> Result<StaticO
 /// Number of rigid motions of all parts of a model at the reference configuration that neither supports nor springs to the ground
 /// prevent; parts with joints do not count.
 pub fn rigid_motions(system: &System) -> usize {
-    let (parts, rest) = (Parts::new(system), State::at_rest(system));
-    RigidModes::new(system, &rest, &parts, &system.frames, |_| true).len()
+    RigidModes::count(system)
 }
 
 /// Factors with the shifts of all groups. Where no stress can make the configuration unstable, shifts whose matrix is

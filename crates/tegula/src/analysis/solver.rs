@@ -73,6 +73,9 @@ pub trait TangentSolver {
     }
 }
 
+/// Reason of a tangent without inverse.
+pub(super) const SINGULAR: &str = "the tangent is singular";
+
 /// Direct solver of a system.
 ///
 /// # Errors
@@ -101,7 +104,7 @@ impl TangentSolver for SparseLdlt {
 
     fn prepare(&mut self, assembly: &mut Assembly) -> std::result::Result<Option<usize>, String> {
         let inertia = self.factor_values(&mut assembly.values).map_err(|e| match e {
-            FactorError::Singular => "the tangent is singular".into(),
+            FactorError::Singular => SINGULAR.into(),
             e => e.to_string(),
         })?;
         Ok(inertia.map(|i| i.negative))

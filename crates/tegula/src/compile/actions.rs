@@ -317,7 +317,13 @@ pub(super) fn consistent_quad(geometry: &ShellGeometry) -> [f64; 10] {
     std::array::from_fn(|i| matrix[i])
 }
 
-pub(super) fn initial_velocity(model: &Model, mesh: &Mesh, vectors: &Vectors) -> Vec<Nodal> {
+/// Velocities of rigid motions of sets where an analysis step starts, with the nodal vectors `current`; empty where there are none.
+pub(super) fn initial_velocity(
+    model: &Model,
+    mesh: &Mesh,
+    vectors: &Vectors,
+    current: &[Nodal],
+) -> Vec<Nodal> {
     if model.initial_velocities.is_empty() {
         return Vec::new();
     }
@@ -330,11 +336,11 @@ pub(super) fn initial_velocity(model: &Model, mesh: &Mesh, vectors: &Vectors) ->
         for node in mesh.nodes_on(&initial.on).unwrap_or_default() {
             let p = vectors.coordinates.position_of[node as usize];
             if p != u32::MAX {
-                let x = mesh.positions[node as usize];
+                let x = Vec3::from(current[p as usize]);
                 out[p as usize] = (v + omega.cross(&(x - center))).into();
             }
             for &d in [&directors, &gradients].into_iter().filter_map(|l| l.get(&node)).flatten() {
-                out[d as usize] = omega.cross(&Vec3::from(vectors.coordinates.reference[d as usize])).into();
+                out[d as usize] = omega.cross(&Vec3::from(current[d as usize])).into();
             }
         }
     }

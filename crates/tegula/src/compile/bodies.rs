@@ -1,8 +1,8 @@
 //! Rigid bodies, point masses and joints: from the model to nodal vectors and constraints.
 
-use super::outline;
+use super::place::{Place, ends};
 use crate::checker::Checker;
-use crate::constraint::joints::{End, RelativeAngle, joint};
+use crate::constraint::joints::{RelativeAngle, joint};
 use crate::constraint::{Drive, Joint, Spring, TorsionSpring};
 use crate::element::Nodal;
 use crate::mesh::Mesh;
@@ -10,8 +10,8 @@ use crate::model::body::axes_of_space;
 use crate::model::joint::GROUND;
 use crate::model::{self, Analysis, BodyShape, Load, Model, RigidBody, SpringDamper};
 use crate::norm::larger;
+use crate::system::Coordinates;
 use crate::system::coordinates::Body;
-use crate::system::{BeamLine, Coordinates, Outline};
 use crate::{Issue, Mat3, Vec3};
 
 /// Longest name of a body or a joint (characters): it becomes part of file names.
@@ -21,12 +21,7 @@ const SAME: f64 = 1e-9;
 
 /// Mistakes in the values of bodies and joints.
 pub(super) fn keys(model: &Model, c: &mut Checker) {
-    if model.bodies.is_empty()
-        && model.beams.is_empty()
-        && model.joints.is_empty()
-        && model.springs.is_empty()
-        && model.torsion_springs.is_empty()
-    {
+    if model.bodies.is_empty() && model.beams.is_empty() && model.joints.is_empty() && !model.has_springs() {
         return;
     }
     let transient = matches!(&model.analysis, Analysis::Transient(t) if t.scheme.moves_bodies() && !t.linear);
@@ -293,8 +288,13 @@ pub(super) fn add_vectors(model: &Model, coordinates: &mut Coordinates) {
     }
 }
 
-/// Adds the velocities of bodies at the start to those of nodes; empty while all are zero.
-pub(super) fn add_velocities(model: &Model, coordinates: &Coordinates, out: &mut Vec<Nodal>) {
+/// Adds the velocities of bodies at the start, where their nodal vectors are the `current` ones, to those of nodes; empty while all
+/// are zero.
+pub(super) fn add_velocities(
+    model: &Model,
+    (coordinates, current): (&Coordinates, &[Nodal]),
+    out: &mut Vec<Nodal>,
+) {
     for (data, body) in model.bodies.iter().zip(&coordinates.bodies) {
         if data.velocity == [0.0; 3] && data.angular_velocity == [0.0; 3] {
             continue;
@@ -303,7 +303,7 @@ pub(super) fn add_velocities(model: &Model, coordinates: &Coordinates, out: &mut
         out[body.centre as usize] = data.velocity;
         let omega = Vec3::from(data.angular_velocity);
         for d in body.directors.iter().flatten() {
-            out[*d as usize] = omega.cross(&Vec3::from(coordinates.reference[*d as usize])).into();
+            out[*d as usize] = omega.cross(&Vec3::from(current[*d as usize])).into();
         }
     }
 }
@@ -427,111 +427,6 @@ pub(super) fn torsion_springs(
     }
     issues.append(&mut c.issues);
     out
-}
-
-/// Outline of the bodies, beams and springs of a model.
-pub(super) fn outline_of(
-    model: &Model,
-    mesh: &Mesh,
-    coordinates: &Coordinates,
-    beams: &[BeamLine],
-) -> Outline {
-    let length = extent(model, mesh, coordinates);
-    outline::outline(&Place { model, mesh, coordinates, length }, beams)
-}
-
-/// Model in which the sides of joints and springs are found.
-pub(super) struct Place<'a> {
-    /// Model.
-    pub(super) model: &'a Model,
-    mesh: &'a Mesh,
-    /// Nodal vectors.
-    pub(super) coordinates: &'a Coordinates,
-    /// Size of the model (length).
-    pub(super) length: f64,
-}
-
-/// Both sides of a joint or spring, which must not lie beside the node or the point mass that they name; `None` where one does not
-/// exist.
-pub(super) fn ends(
-    place: &Place,
-    (key, between): (&str, &[String; 2]),
-    points: [Option<(String, [f64; 3])>; 2],
-    c: &mut Checker,
-) -> Option<[End; 2]> {
-    let Place { model, mesh, coordinates, length } = *place;
-    let [first, second] = [0, 1].map(|side| end(model, mesh, coordinates, (key, side), &between[side], c));
-    let ends = [first?, second?];
-    for ((end, name), point) in ends.iter().zip(between).zip(points) {
-        let (End::Point { vector, .. }, Some((point, at))) = (end, point) else { continue };
-        let x = Vec3::from(coordinates.reference[*vector as usize]);
-        if (x - Vec3::from(at)).norm() > SAME * length {
-            c.add(
-                point,
-                format!("the point lies beside \"{name}\", which is at ({}, {}, {})", x.x, x.y, x.z),
-                "give the position of the node or the point mass",
-            );
-        }
-    }
-    Some(ends)
-}
-
-/// Body, node or ground that a name in `between` stands for.
-fn end(
-    model: &Model,
-    mesh: &Mesh,
-    coordinates: &Coordinates,
-    (key, side): (&str, usize),
-    name: &str,
-    c: &mut Checker,
-) -> Option<End> {
-    if name == GROUND {
-        return Some(End::Ground);
-    }
-    let key = format!("{key}.between[{side}]");
-    let body = coordinates.bodies.iter().find(|body| body.name == name);
-    match (body, mesh.nodes_on(name)) {
-        (Some(_), Some(_)) => {
-            c.add(
-                key,
-                format!("\"{name}\" is the name of a body and of a set of the mesh"),
-                "give the body another name",
-            );
-            None
-        }
-        (Some(body), None) => Some(match body.directors {
-            None => End::Point { vector: body.centre, mass: body.mass },
-            Some(directors) => {
-                let vector = |v: u32| Vec3::from(coordinates.reference[v as usize]);
-                End::Body {
-                    vectors: (body.centre, directors),
-                    reference: (vector(body.centre), Mat3::from_columns(&directors.map(vector))),
-                    inertia: [body.inertia().0, body.inertia().1.trace()],
-                }
-            }
-        }),
-        (None, Some(nodes)) => {
-            match nodes[..] {
-                [node] if coordinates.position_of.get(node as usize).is_some_and(|&v| v != u32::MAX) => {
-                    Some(End::Point { vector: coordinates.position_of[node as usize], mass: 0.0 })
-                }
-                _ => {
-                    c.add(
-                    key,
-                    format!("set \"{name}\" holds {} nodes, and a joint connects one that belongs to an element", nodes.len()),
-                    "name a set of one node",
-                );
-                    None
-                }
-            }
-        }
-        (None, None) => {
-            let known: Vec<String> =
-                model.bodies.iter().map(|body| body.name.clone()).chain([GROUND.to_owned()]).collect();
-            c.missing(key, "body or set of one node", name, known.iter());
-            None
-        }
-    }
 }
 
 /// A load on a body, which must not have the name of a set, nor turn a point mass.

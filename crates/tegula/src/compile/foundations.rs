@@ -41,12 +41,10 @@ pub(super) fn sets(model: &Model, mesh: &Mesh, c: &mut Checker) {
     }
 }
 
-/// Rigid motions of a model with foundations or beams that they and the supports leave free in a static analysis, where nothing else
-/// can hold it.
+/// Rigid motions that foundations and supports leave free in a static model with foundations or beams, but without joints and springs.
 pub(super) fn free_motions(model: &Model, system: &System) -> Option<Issue> {
-    let springs = !model.springs.is_empty() || !model.torsion_springs.is_empty();
-    let alone = model.foundations.is_empty() && system.beams.is_empty();
-    if alone || springs || !system.joints.is_empty() {
+    let neither = model.foundations.is_empty() && system.beams.is_empty();
+    if neither || model.has_springs() || !system.joints.is_empty() {
         return None;
     }
     let free = modal::rigid_motions(system);

@@ -13,6 +13,7 @@ mod foundations;
 mod mechanism;
 mod outline;
 mod patches;
+mod place;
 mod sections;
 mod steps;
 mod vectors;
@@ -42,6 +43,7 @@ use crate::{Error, Issue, Result, Vec3};
 use actions::{
     added_masses, contradictions, dead_loads, drilling_components, follower_loads, initial_velocity, supports,
 };
+use place::Place;
 use sections::Elements;
 use steps::Continued;
 pub use steps::{StepModel, steps};
@@ -146,7 +148,9 @@ impl<'a> Compiler<'a> {
         let places = places.into_iter().map(|[group, number]| [before + group, number]);
         let foundations = foundations::elements(model, mesh, &vectors.coordinates);
         elements.groups.extend(FoundationGroup::groups(&foundations));
-        let outline = bodies::outline_of(model, mesh, &vectors.coordinates, &beams);
+        let length = bodies::extent(model, mesh, &vectors.coordinates);
+        let place = Place { model, mesh, coordinates: &vectors.coordinates, length };
+        let outline = outline::outline(&place, &beams);
         vectors.mark_inextensible(&elements.unit);
         let linear = |step: &StepModel| match &step.model.analysis {
             Analysis::Static(s) => s.linear,
@@ -236,6 +240,18 @@ impl<'a> Compiler<'a> {
         })
     }
 
+    /// Nodal vectors where an analysis step starts; those of the reference where displacements are small.
+    fn current(&self, start: Option<&StepStart>) -> Vec<Nodal> {
+        let reference = &self.vectors.coordinates.reference;
+        match start {
+            Some(start) if !self.linear => {
+                let add = |(x, u): (&Nodal, &Nodal)| std::array::from_fn(|i| x[i] + u[i]);
+                reference.iter().zip(&start.u).map(add).collect()
+            }
+            _ => reference.clone(),
+        }
+    }
+
     /// Supports of a step and the numbers of its free degrees of freedom; `None` where supports contradict each other.
     fn frames(
         &self,
@@ -247,13 +263,7 @@ impl<'a> Compiler<'a> {
         let vectors = &self.vectors;
         let supports = supports(&step.model, self.mesh, vectors, names, issues);
         issues.extend(patches::supported(&supports, &vectors.coordinates, self.mesh));
-        let current: Vec<Nodal> = match start {
-            Some(start) if !self.linear => {
-                let add = |(x, u): (&Nodal, &Nodal)| std::array::from_fn(|i| x[i] + u[i]);
-                vectors.coordinates.reference.iter().zip(&start.u).map(add).collect()
-            }
-            _ => vectors.coordinates.reference.clone(),
-        };
+        let current = self.current(start);
         let (triads, attached) = (vectors.coordinates.triads(), vectors.coordinates.attached());
         match LocalFrames::new(&supports, &self.unit, (&triads, &attached), &current) {
             Ok(mut frames) => {
@@ -278,13 +288,11 @@ impl<'a> Compiler<'a> {
             return Err(Error::Model(issues));
         };
         issues.extend(unmovable(&frames));
-        let alone = self.joints.is_empty()
-            && model.springs.is_empty()
-            && model.torsion_springs.is_empty()
-            && model.beams.is_empty()
-            && model.foundations.is_empty();
+        let alone = self.joints.is_empty() && !model.has_springs() && model.beams.is_empty();
         if matches!(model.analysis, Analysis::Static(_)) && alone {
-            issues.extend(mechanism::mechanisms(mesh, &vectors.coordinates, &supports));
+            if model.foundations.is_empty() {
+                issues.extend(mechanism::mechanisms(mesh, &vectors.coordinates, &supports));
+            }
             issues.extend(patches::spinning(&vectors.coordinates));
         }
         let (mut followers, mut load_of_follower) = follower_loads(step, mesh, vectors, &names);
@@ -300,9 +308,10 @@ impl<'a> Compiler<'a> {
         let reductions: Vec<_> =
             self.groups.iter().map(|group| Reduction::new(group.as_ref(), frames.dofs())).collect();
         let pattern = self.pattern(procedure, &frames, (&followers, &reductions), &added)?;
-        let mut initial_velocity = initial_velocity(model, mesh, vectors);
+        let current = self.current(start.as_ref());
+        let mut initial_velocity = initial_velocity(model, mesh, vectors, &current);
         if !self.moved_before(step) {
-            bodies::add_velocities(model, &vectors.coordinates, &mut initial_velocity);
+            bodies::add_velocities(model, (&vectors.coordinates, &current), &mut initial_velocity);
         }
         issues.extend(patches::carry_velocities(
             &vectors.coordinates,

@@ -4,7 +4,7 @@
 //! A beam is drawn with its cross-section, or as a line where only section constants are known. Springs and rods without mass are
 //! lines.
 
-use super::bodies::{Place, ends};
+use super::place::{Place, ends};
 use crate::Vec3;
 use crate::checker::Checker;
 use crate::constraint::Attachment;

@@ -16,10 +16,7 @@ const SAME: f64 = 1e-9;
 
 /// Whether a model of bodies can be solved by statics, or by a modal analysis.
 pub(super) fn solved_at_rest(model: &Model) -> bool {
-    let patches_alone = model.joints.is_empty()
-        && model.springs.is_empty()
-        && model.torsion_springs.is_empty()
-        && model.beams.is_empty();
+    let patches_alone = model.joints.is_empty() && !model.has_springs() && model.beams.is_empty();
     match &model.analysis {
         Analysis::Static(s) => s.linear_solver == LinearSolver::Direct && (!s.linear || patches_alone),
         Analysis::Modal(_) => true,

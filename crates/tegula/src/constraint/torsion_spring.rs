@@ -20,7 +20,8 @@ use super::joints::RelativeAngle;
 use crate::Vec3;
 use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest};
 
-/// Largest angle in a step of the energy–momentum scheme (rad): near π its force has no limit, and a longer step is cut back.
+/// Largest change of the angle in a step (rad); a longer step is cut back. Near π the turn would be lost, and the force of the
+/// energy–momentum scheme has no limit.
 const LARGEST_ANGLE: f64 = 2.5;
 
 /// Torsion spring with a damper.
@@ -81,7 +82,9 @@ impl TorsionSpring {
                 let rate = velocity.map_or(0.0, |rates| {
                     vectors.iter().zip(&gradient).map(|(&v, w)| w.dot(&Vec3::from(rates[v as usize]))).sum()
                 });
-                Turn { angles: [Self::continued(committed, [g, h]); 2], rate, gradient, forms: [g, h] }
+                let angle = Self::continued(committed, [g, h]);
+                let angle = if (angle - committed).abs() > LARGEST_ANGLE { f64::NAN } else { angle };
+                Turn { angles: [angle; 2], rate, gradient, forms: [g, h] }
             }
             Motion::Step { old, new, dt } => {
                 let (before, after) = (at(old), at(new));

@@ -146,6 +146,11 @@ impl Model {
 }
 
 impl Model {
+    /// Whether the model has springs between bodies, nodes and the ground.
+    pub fn has_springs(&self) -> bool {
+        !(self.springs.is_empty() && self.torsion_springs.is_empty())
+    }
+
     /// Whether springs may exert forces in the reference configuration.
     pub fn has_preloaded_springs(&self) -> bool {
         self.springs.iter().any(|spring| spring.length.is_some())

@@ -233,9 +233,10 @@ impl System {
         groups.enumerate().map(|(number, (group, offsets))| (number, group, offsets))
     }
 
-    /// True if no element has history variables: enhanced parameters that are iterated, or internal variables.
-    pub fn without_history(&self) -> bool {
-        self.offsets.last().is_none_or(|last| last.history.end == 0)
+    /// True if no elastic element has history variables: enhanced parameters that are iterated, or internal variables. The angles of
+    /// torsion springs do not count.
+    pub fn without_internal_variables(&self) -> bool {
+        self.groups.iter().all(|group| group.history_per_element() == 0 || group.stresses_per_element() == 0)
     }
 
     /// True if a material of the model can yield.

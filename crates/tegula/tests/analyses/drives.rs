@@ -261,14 +261,17 @@ fn velocities_that_miss_the_rate_of_a_drive_by_half_of_it_are_refused() {
 /// A drive that stops at once between two steps leaves a body behind whose velocities alternate; the log says so.
 #[test]
 fn velocities_that_alternate_behind_a_drive_that_stops_at_once_are_told() {
-    let told = |values: Vec<f64>, times: Vec<f64>| {
+    let told = |amplitude: Amplitude| {
         let joints = driven_hinge("arm", [0.0; 3], [0.0, 0.0, 1.0]);
         let mut model = machine(2.0, 0.01, vec![body("arm", [1.0, 0.0, 0.0], 2.0, Some([1.0; 3]))], joints);
-        model.amplitudes.insert("angle".into(), Amplitude::Table(TableAmplitude { times, values }));
+        model.amplitudes.insert("angle".into(), amplitude);
         let mut notes = Notes::default();
         run(&model, &mut notes);
         notes.events.iter().any(|event| event.contains("keep the joint") && event.contains("hinge"))
     };
-    assert!(told(vec![0.0, 0.0, 85.0, 85.0], vec![0.0, 1.0, 1.01, 2.0]));
-    assert!(!told(vec![0.0, 0.0, 0.0, 0.0], vec![0.0, 1.0, 1.01, 2.0]));
+    let (times, values) = (vec![0.0, 1.0, 1.01, 2.0], vec![0.0, 0.0, 85.0, 85.0]);
+    assert!(told(Amplitude::Table(TableAmplitude { times, values })));
+    // Moves and comes to rest smoothly.
+    let (times, values) = (vec![0.0, 0.5, 1.0, 1.5, 2.0], vec![0.0, 45.0, 80.0, 85.0, 85.0]);
+    assert!(!told(Amplitude::Spline(SplineAmplitude { times, values, rates: [0.0; 2] })));
 }

@@ -139,11 +139,32 @@ fn static_analyses_are_refused_where_the_foundation_leaves_motions_free() {
     m.foundations = vec![area(1e5)];
     m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: 10.0, amplitude: None })];
     let mesh = mesh::generators::generate(&m.mesh).unwrap();
-    for linear in [true, false] {
+    for (linear, density) in [(true, 800.0), (false, 800.0), (true, 0.0), (false, 0.0)] {
         m.analysis = Analysis::Static(StaticAnalysis { linear, ..StaticAnalysis::default() });
+        m.materials.insert("m".into(), Material::Isotropic(Isotropic::new(2.1e9, 0.0, density)));
         let Err(Error::Model(issues)) = compile::build(&m, &mesh) else { panic!("it is taken") };
         assert!(issues[0].place.key == "foundations" && issues[0].message.contains("3 rigid"), "{issues:?}");
     }
+}
+
+/// A stiffness in the plane that is small beside that across it holds the plate all the same.
+#[test]
+fn a_weak_foundation_in_the_plane_holds_a_plate_in_it() {
+    let mut m = strip([10, 2]);
+    let on = "all".to_owned();
+    let stiffness = [40.0, 40.0, 2e9];
+    m.foundations =
+        vec![Foundation::Area(AreaFoundation { on, stiffness, normal: 0.0, retardation_time: 0.0 })];
+    m.analysis = Analysis::Modal(ModalAnalysis { modes: 3, prestressed: false });
+    let system = compile::build(&m, &mesh::generators::generate(&m.mesh).unwrap()).unwrap();
+    let found = modal::run(&system, 3, None, &mut Silent).unwrap();
+    // k/ρh = 40/16, for both translations, and for the rotation in the plane.
+    for mode in &found.modes {
+        assert!((mode.omega / 2.5_f64.sqrt() - 1.0).abs() < 1e-4, "{}", mode.omega);
+    }
+    m.analysis = Analysis::Static(StaticAnalysis { linear: true, ..StaticAnalysis::default() });
+    m.loads = vec![Load::Traction(VectorLoad { on: "all".into(), value: [10.0, 0.0, 0.0], amplitude: None })];
+    compile::build(&m, &mesh::generators::generate(&m.mesh).unwrap()).unwrap();
 }
 
 #[test]

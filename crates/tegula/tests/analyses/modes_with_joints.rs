@@ -334,16 +334,31 @@ fn bodies_at_places_without_round_off_hang_as_others() {
     let found = omegas(&hanging);
     // m g l/(J + m l²) = 4/(5/16).
     assert!((found[0] / 12.8_f64.sqrt() - 1.0).abs() < 1e-9, "{found:?}");
-    // A mass on a spring bounces with k/m and swings with g over the stretched length: 1 + 8/32.
-    let mass = body("mass", [0.0, -1.0, 0.0], 1.0, None);
-    let mut bouncing = Model::of_bodies(modal(3, true), vec![mass], Vec::new());
-    bouncing.springs = vec![to_ground("spring", "mass", [[0.0; 3], [0.0, -1.0, 0.0]], 32.0)];
-    bouncing.loads = gravity([0.0, -8.0, 0.0]);
-    let found = omegas(&bouncing);
-    let swing = (8.0_f64 / 1.25).sqrt();
-    for (omega, expected) in found.iter().zip([swing, swing, 32_f64.sqrt()]) {
-        assert!((omega / expected - 1.0).abs() < 1e-9, "{found:?} {expected}");
+    // A mass on a spring bounces with k/m and swings with g over the stretched length, also where that is a stiff one.
+    for stiffness in [32.0, 2e7] {
+        let mass = body("mass", [0.0, -1.0, 0.0], 1.0, None);
+        let mut bouncing = Model::of_bodies(modal(3, true), vec![mass], Vec::new());
+        bouncing.springs = vec![to_ground("spring", "mass", [[0.0; 3], [0.0, -1.0, 0.0]], stiffness)];
+        bouncing.loads = gravity([0.0, -8.0, 0.0]);
+        let found = omegas(&bouncing);
+        let swing = (8.0_f64 / (1.0 + 8.0 / stiffness)).sqrt();
+        for (omega, expected) in found.iter().zip([swing, swing, stiffness.sqrt()]) {
+            assert!((omega / expected - 1.0).abs() < 1e-6, "{found:?} {expected}");
+        }
     }
+}
+
+/// A body on a damper alone beside one on a spring: three translations of each are free, but for that along the spring.
+#[test]
+fn a_damper_alone_holds_no_body() {
+    let bodies = vec![body("a", [0.0; 3], 2.0, None), body("b", [3.0, 0.0, 0.0], 1.0, None)];
+    let mut model = Model::of_bodies(modal(6, false), bodies, Vec::new());
+    let damper =
+        SpringDamper { damping: 1.0, ..to_ground("damper", "b", [[4.0, 0.0, 0.0], [3.0, 0.0, 0.0]], 0.0) };
+    model.springs = vec![to_ground("spring", "a", [[-1.0, 0.0, 0.0], [0.0; 3]], 200.0), damper];
+    let found = omegas(&model);
+    assert!(found.len() == 6 && found[..5].iter().all(|omega| *omega == 0.0), "{found:?}");
+    assert!((found[5] - 10.0).abs() < 1e-9, "{found:?}");
 }
 
 /// A linkage without a load that could hold it is no structure: statics refuses it still.

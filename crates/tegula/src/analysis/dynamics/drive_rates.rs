@@ -38,7 +38,14 @@ impl DriveRates {
             let at = |part: u32| time * f64::from(part) / f64::from(LOOKS);
             (0..=LOOKS).map(|part| system.drive(joint, at(part)).rate.abs()).fold(0.0, larger)
         };
-        Self { largest: system.joints.iter().map(largest).collect(), speed: 0.0, told: false }
+        let largest: Vec<f64> = system.joints.iter().map(largest).collect();
+        // What the drives have made of it so far, at least.
+        let speed = |(joint, rate): (&Joint, &f64)| {
+            let turns = joint.rows.first().is_some_and(|row| row.is_driven_angle());
+            if turns { *rate } else { rate / system.length }
+        };
+        let speed = system.joints.iter().zip(&largest).map(speed).fold(0.0, larger);
+        Self { largest, speed, told: false }
     }
 
     /// Looks at the end of a step. Returns a message about the first joint whose velocities miss the rate of its drive.

@@ -165,6 +165,8 @@ impl<'a> Problem<'a> {
             }
             group_of_part[part] = self.groups.len() as u32 - 1;
         }
+        // A part without stiffness, as one on a damper alone, is free to move with any other.
+        group_of_part.iter_mut().filter(|group| **group == u32::MAX).for_each(|group| *group = 0);
         self.group_of = part_of.iter().map(|&p| group_of_part[p]).collect();
         for (i, &group) in self.group_of.iter().enumerate() {
             self.groups[group as usize].unknowns.push(i as u32);

@@ -20,6 +20,9 @@ const MOTIONS: usize = 6;
 /// Fraction of the largest eigenvalue of the supports' Gram matrix below which a motion counts as free.
 const FREE: f64 = 1e-12;
 
+/// Force of an element in a motion, relative to the largest one in any motion, below which it is round-off.
+const NO_FORCE: f64 = 1e-12;
+
 type Six = SMatrix<f64, MOTIONS, MOTIONS>;
 
 /// Connected parts of a model.
@@ -121,8 +124,31 @@ impl RigidModes {
         frames: &LocalFrames,
         rests: impl Fn(usize) -> bool,
     ) -> Self {
+        Self::orthogonal(system, state, (parts, frames), rests, |field, _| mass_products(system, field))
+    }
+
+    /// Number of rigid motions of a model at rest that are free, also where it has no mass.
+    pub fn count(system: &System) -> usize {
+        let (parts, state) = (Parts::new(system), State::at_rest(system));
+        let kinds = &system.coordinates.kinds;
+        let weighted = |field: &[Nodal], sizes: &[f64]| {
+            let weight =
+                |v: usize| if kinds[v] == VectorKind::Position { 1.0 } else { sizes[parts.of(v)].powi(2) };
+            (0..field.len()).map(|v| field[v].map(|x| weight(v) * x)).collect()
+        };
+        Self::orthogonal(system, &state, (&parts, &system.frames), |_| true, weighted).len()
+    }
+
+    /// Rigid modes, orthogonal in an inner product given by the products of its matrix with fields.
+    fn orthogonal(
+        system: &System,
+        state: &State,
+        (parts, frames): (&Parts, &LocalFrames),
+        rests: impl Fn(usize) -> bool,
+        product: impl Fn(&[Nodal], &[f64]) -> Vec<Nodal>,
+    ) -> Self {
         let (fields, sizes) = motions(system, &state.u, parts);
-        let gram = gram(&fields, parts, |v| mass_products(system, v));
+        let gram = gram(&fields, parts, |field| product(field, &sizes));
         let mut free = vec![0.0; frames.dofs().unknowns];
         let supported = |fields: &[Vec<Nodal>]| {
             let rest = |field: &Vec<Nodal>| {
@@ -257,7 +283,8 @@ fn supports_gram(
     out
 }
 
-/// Adds the Gram matrices of the forces that elements held by the ground exert in the motions, relative to their stiffness.
+/// Adds the Gram matrices of the motions in which elements held by the ground exert forces, of unit size however small the forces are
+/// beside those in other motions.
 fn add_ground_gram(
     system: &System,
     state: &State,
@@ -280,12 +307,16 @@ fn add_ground_gram(
         for element in grounded {
             let (vectors, blocks) = (group.vectors(element), &blocks[element * size..(element + 1) * size]);
             let scale = blocks.iter().map(|k| k.abs()).fold(0.0, larger);
-            let at: [Vec<Vec3>; MOTIONS] =
+            let exerted: [Vec<Vec3>; MOTIONS] =
                 std::array::from_fn(|i| forces_of(blocks, |a| Vec3::from(fields[i][vectors[a] as usize]), n));
-            for i in (0..MOTIONS).filter(|_| scale > 0.0) {
-                for j in 0..MOTIONS {
-                    let product: f64 = at[i].iter().zip(&at[j]).map(|(a, b)| a.dot(b)).sum();
-                    out[parts.of(vectors[0] as usize)][(i, j)] += product / (scale * scale);
+            let exerted = DMatrix::from_fn(3 * n, MOTIONS, |row, i| exerted[i][row / 3][row % 3]);
+            let svd = exerted.svd(false, true);
+            let largest = svd.singular_values.iter().copied().fold(0.0, larger);
+            let Some(motions) = svd.v_t.filter(|_| largest > NO_FORCE * scale) else { continue };
+            for (motion, force) in motions.row_iter().zip(&svd.singular_values) {
+                if *force > NO_FORCE * largest {
+                    let motion = nalgebra::SVector::<f64, MOTIONS>::from_fn(|i, _| motion[i]);
+                    out[parts.of(vectors[0] as usize)] += motion * motion.transpose();
                 }
             }
         }

@@ -6,7 +6,7 @@ use super::{
 use crate::analysis::Observer;
 use crate::analysis::circulatory::Purpose;
 use crate::analysis::lagged_tangent::{self, Increment};
-use crate::analysis::solver::{Linearization, TangentSolver};
+use crate::analysis::solver::{Linearization, SINGULAR, TangentSolver};
 use crate::element::{Motion, Nodal};
 use crate::model::NewtonMethod;
 use crate::system::assembly::{TangentCoefficients, add_follower_stiffness};
@@ -252,7 +252,7 @@ impl<S: TangentSolver> Newton<S> {
                 assembly.add_mass_shift(system, HANGING);
             }
             match solver.prepare(assembly).transpose() {
-                Some(Err(_)) if hangs && !shifted => shifted = true,
+                Some(Err(reason)) if hangs && !shifted && reason == SINGULAR => shifted = true,
                 Some(done) => return done,
                 None => {}
             }

@@ -51,10 +51,10 @@ const ROUNDING: f64 = 1e-9;
 pub(super) fn released_energy(
     system: &System,
     assembly: &mut Assembly,
-    (before, after): (&StaticEquation, &StaticEquation),
+    (before, after, history): (&StaticEquation, &StaticEquation, &[f64]),
     [first, last, change]: [&mut [Nodal]; 3],
 ) -> f64 {
-    let elastic = system.without_history() && system.prescribed_strains.is_empty();
+    let elastic = system.without_internal_variables() && system.prescribed_strains.is_empty();
     let driven = system.joints.iter().any(|joint| joint.drive.is_some());
     if !elastic || driven || !system.followers.is_empty() || !system.dofs().prescribed.is_empty() {
         return 0.0;
@@ -76,7 +76,7 @@ pub(super) fn released_energy(
         return 0.0;
     }
     let strain = [before, after]
-        .map(|e| assembly.strain_energy(system, &EvaluationPoint::at_rest(system, &e.u, e.time, &[])));
+        .map(|e| assembly.strain_energy(system, &EvaluationPoint::at_rest(system, &e.u, e.time, history)));
     let work = [dot(first, &before.u), dot(last, &after.u)];
     let gain = (work[1] - strain[1]) - (work[0] - strain[0]);
     let most = dot(change, &after.u);

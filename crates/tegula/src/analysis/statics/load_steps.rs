@@ -250,7 +250,8 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let Self { newton, system, equation, external, buffers, state, .. } = self;
         let [first, last] = buffers;
         let loads: [&mut [Nodal]; 3] = [first, last, external];
-        let released = released_energy(system, &mut newton.assembly, (&before, &*equation), loads);
+        let released =
+            released_energy(system, &mut newton.assembly, (&before, &*equation, &state.history), loads);
         let speeds = Speeds {
             moved,
             start: converged.first_increment,

@@ -1,0 +1,107 @@
+//! Sides of joints and springs: the bodies, nodes or the ground that names stand for.
+
+use crate::checker::Checker;
+use crate::constraint::joints::End;
+use crate::mesh::Mesh;
+use crate::model::Model;
+use crate::model::joint::GROUND;
+use crate::system::Coordinates;
+use crate::{Mat3, Vec3};
+
+/// Relative distance of points that are the same but for round-off.
+const SAME: f64 = 1e-9;
+
+/// Model in which the sides of joints and springs are found.
+pub(super) struct Place<'a> {
+    /// Model.
+    pub(super) model: &'a Model,
+    /// Mesh.
+    pub(super) mesh: &'a Mesh,
+    /// Nodal vectors.
+    pub(super) coordinates: &'a Coordinates,
+    /// Size of the model (length).
+    pub(super) length: f64,
+}
+
+/// Both sides of a joint or spring, which must not lie beside the node or the point mass that they name; `None` where one does not
+/// exist.
+pub(super) fn ends(
+    place: &Place,
+    (key, between): (&str, &[String; 2]),
+    points: [Option<(String, [f64; 3])>; 2],
+    c: &mut Checker,
+) -> Option<[End; 2]> {
+    let Place { model, mesh, coordinates, length } = *place;
+    let [first, second] = [0, 1].map(|side| end(model, mesh, coordinates, (key, side), &between[side], c));
+    let ends = [first?, second?];
+    for ((end, name), point) in ends.iter().zip(between).zip(points) {
+        let (End::Point { vector, .. }, Some((point, at))) = (end, point) else { continue };
+        let x = Vec3::from(coordinates.reference[*vector as usize]);
+        if (x - Vec3::from(at)).norm() > SAME * length {
+            c.add(
+                point,
+                format!("the point lies beside \"{name}\", which is at ({}, {}, {})", x.x, x.y, x.z),
+                "give the position of the node or the point mass",
+            );
+        }
+    }
+    Some(ends)
+}
+
+/// Body, node or ground that a name in `between` stands for.
+fn end(
+    model: &Model,
+    mesh: &Mesh,
+    coordinates: &Coordinates,
+    (key, side): (&str, usize),
+    name: &str,
+    c: &mut Checker,
+) -> Option<End> {
+    if name == GROUND {
+        return Some(End::Ground);
+    }
+    let key = format!("{key}.between[{side}]");
+    let body = coordinates.bodies.iter().find(|body| body.name == name);
+    match (body, mesh.nodes_on(name)) {
+        (Some(_), Some(_)) => {
+            c.add(
+                key,
+                format!("\"{name}\" is the name of a body and of a set of the mesh"),
+                "give the body another name",
+            );
+            None
+        }
+        (Some(body), None) => Some(match body.directors {
+            None => End::Point { vector: body.centre, mass: body.mass },
+            Some(directors) => {
+                let vector = |v: u32| Vec3::from(coordinates.reference[v as usize]);
+                End::Body {
+                    vectors: (body.centre, directors),
+                    reference: (vector(body.centre), Mat3::from_columns(&directors.map(vector))),
+                    inertia: [body.inertia().0, body.inertia().1.trace()],
+                }
+            }
+        }),
+        (None, Some(nodes)) => {
+            match nodes[..] {
+                [node] if coordinates.position_of.get(node as usize).is_some_and(|&v| v != u32::MAX) => {
+                    Some(End::Point { vector: coordinates.position_of[node as usize], mass: 0.0 })
+                }
+                _ => {
+                    c.add(
+                    key,
+                    format!("set \"{name}\" holds {} nodes, and a joint connects one that belongs to an element", nodes.len()),
+                    "name a set of one node",
+                );
+                    None
+                }
+            }
+        }
+        (None, None) => {
+            let known: Vec<String> =
+                model.bodies.iter().map(|body| body.name.clone()).chain([GROUND.to_owned()]).collect();
+            c.missing(key, "body or set of one node", name, known.iter());
+            None
+        }
+    }
+}
