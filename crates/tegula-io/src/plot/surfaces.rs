@@ -17,9 +17,10 @@ const NOTE: f64 = 13.0;
 const MARGIN: f64 = 24.0;
 /// Colour of bodies beside shells.
 const BODY: u32 = 0xb4bac4;
-/// Opacity of bodies beside shells, relative to that of the shells, in the last snapshot and in those before.
-const LAST_BODY: f64 = 0.3;
-const EARLIER_BODY: f64 = 0.12;
+/// Opacity of bodies beside solid shells.
+const SOLID_BODY: f64 = 0.3;
+/// Opacity of bodies beside shells that are not solid, relative to that of the shells.
+const SHADOW_BODY: f64 = 0.12;
 
 /// The shell at one instant.
 #[derive(Debug, Clone)]
@@ -193,7 +194,7 @@ fn patches(plot: &SurfacePlot, seen: &[Vec<Vec3>], axis: Option<&Axis>) -> (Vec<
         let mut colours = colours(plot, number, snapshot, axis);
         let of_bodies = if plot.quads.is_empty() { of_instant(plot, number) } else { Rgb::hex(BODY) };
         colours.resize(faces.len(), [of_bodies; 4]);
-        let shade = if number + 1 == plot.snapshots.len() { LAST_BODY } else { EARLIER_BODY };
+        let shade = if opacity == 1.0 { SOLID_BODY } else { SHADOW_BODY };
         for (index, quad) in faces.iter().enumerate() {
             let meshed = index < plot.quads.len();
             let corners = quad.map(|node| nodes[node as usize]);
