@@ -124,7 +124,7 @@ fn augment(gradient: &[Vec3], weight: f64, blocks: &mut [f64]) {
 }
 
 /// Nodal vector in the configuration in which the forces of a motion act.
-fn current(k: &GroupPoint, vector: u32) -> Vec3 {
+pub(super) fn current(k: &GroupPoint, vector: u32) -> Vec3 {
     let v = vector as usize;
     let x = Vec3::from(k.reference[v]);
     match k.motion {

@@ -15,7 +15,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::joint::MOST_VECTORS;
+use super::joint::{MOST_VECTORS, current};
 use super::joints::RelativeAngle;
 use crate::Vec3;
 use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest};
@@ -210,7 +210,7 @@ impl ElementGroup for TorsionSpringGroup {
             let size = 9 * n * (n + 1) / 2;
             let blocks = &mut request.blocks[e * size..(e + 1) * size];
             blocks.fill(0.0);
-            let vectors = few(&spring.angle.vectors, |v| acting(k, v));
+            let vectors = few(&spring.angle.vectors, |v| current(k, v));
             let [g, h] = turn.forms;
             let square = g * g + h * h;
             let [of_g, of_h] = [[1.0, 0.0], [0.0, -1.0]].map(|factors| spring.gradient(&vectors, factors));
@@ -252,15 +252,5 @@ impl ElementGroup for TorsionSpringGroup {
             let rate = spring.turn(k, k.interior.history[number]).rate;
             *power = spring.damping * rate * rate;
         }
-    }
-}
-
-/// Nodal vector in the configuration in which the forces of a motion act.
-fn acting(k: &GroupPoint, vector: u32) -> Vec3 {
-    let v = vector as usize;
-    let x = Vec3::from(k.reference[v]);
-    match k.motion {
-        Motion::State { u, .. } => x + Vec3::from(u[v]),
-        Motion::Step { old, new, .. } => x + (Vec3::from(old[v]) + Vec3::from(new[v])) * 0.5,
     }
 }
