@@ -28,7 +28,7 @@ fn main() -> tegula::Result<()> {
     let mut model = Model::new(mesh, Analysis::Static(options.clone()), steel, THICKNESS);
     let slides = FixComponents { on: "u_max".into(), position: vec![Axis::Y, Axis::Z], director: vec![] };
     model.conditions = vec![Condition::Hinge(OnSet::new("u_min")), Condition::Fix(slides)];
-    let three = Analysis::Modal(ModalAnalysis { modes: 3, prestressed: false });
+    let three = Analysis::Modal(ModalAnalysis::new(3));
     let pulled = AnalysisStep {
         loads: vec![Load::Edge(VectorLoad::new("u_max", [TENSION, 0.0, 0.0]))],
         ..AnalysisStep::new("tension", Analysis::Static(options.clone()))

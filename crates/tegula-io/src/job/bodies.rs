@@ -24,7 +24,7 @@ const OF_TORSION_SPRING: [&str; 2] = ["angle", "moment"];
 const OF_BEAM: [&str; 6] = ["v1", "v2", "n", "m1", "m2", "t"];
 
 /// Bodies with columns: nodes of beams have them where the model asks for them.
-fn shown(system: &System) -> impl Iterator<Item = &Body> {
+pub(super) fn shown(system: &System) -> impl Iterator<Item = &Body> {
     let wanted = |(i, _): &(usize, &Body)| match system.beams.iter().find(|beam| beam.bodies.contains(i)) {
         Some(beam) => beam.history.contains(&((i - beam.bodies.start) as u32)),
         None => true,

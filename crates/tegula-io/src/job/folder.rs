@@ -5,19 +5,26 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::summary::Summary;
-use super::{JobError, Status, series};
+use super::{JobError, Status, response, series};
 use crate::deck::STANDARD_INPUT;
 use crate::out::{OutputError, PvdSeries, printable, vtu};
 
 /// Names of the files that a run leaves, beside the numbered field files and the pictures of
 /// points.
-const OWN: [&str; 13] = [
+const OWN: [&str; 20] = [
     "fields.pvd",
     "bodies.pvd",
     "mode_bodies.pvd",
     "modes.pvd",
     "history.csv",
     "modes.csv",
+    response::TABLE,
+    response::PICTURE,
+    response::STATE_SPACE,
+    response::MATRICES[0],
+    response::MATRICES[1],
+    response::MATRICES[2],
+    response::MATRICES[3],
     "checkpoint.bin",
     "energy.png",
     "step_size.png",

@@ -6,6 +6,7 @@
 //! | `fields.pvd`, `fields/NNNN.vtu` | displacements, resultants, stresses |
 //! | `history.csv` | motion of the points, energies, momenta, reactions: a row a step |
 //! | `modes.csv`, `modes.pvd`, `modes/NNNN.vtu` | natural frequencies and mode shapes |
+//! | `frequency_response.csv`, `state_space*` | response to the inputs of a modal analysis |
 //! | `*.png` | pictures of all that |
 //! | `checkpoint.bin` | restart file, read by `run --resume` |
 //! | `log.txt` | events |
@@ -29,6 +30,7 @@ mod pictures;
 mod prepare;
 pub mod process;
 mod recorder;
+mod response;
 mod resume;
 mod run;
 mod series;

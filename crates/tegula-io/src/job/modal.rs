@@ -2,12 +2,12 @@
 
 use std::time::Instant;
 
-use tegula::analysis::modal::{self, ModalOutcome};
+use tegula::analysis::modal::{self, ModalOutcome, Response};
 use tegula::analysis::{Observer, State, Statistics, Step};
 use tegula::model::ModalAnalysis;
 use tegula::{Error, System};
 
-use super::modes;
+use super::{modes, response};
 use super::run::{claim, start, summary};
 use super::{
     JobError, JobObserver, JobOptions, Prepared, Progress, ResultFolder, Start, Status, Summary, process,
@@ -83,7 +83,7 @@ fn spectrum(
     analysis: &ModalAnalysis,
     system: &System,
     forward: &mut Forward<'_>,
-) -> tegula::Result<(State, ModalOutcome)> {
+) -> tegula::Result<Found> {
     let mut equilibrium: Option<State> = None;
     if analysis.prestressed {
         let outcome = modal::prestress(system, forward)?;
@@ -94,8 +94,16 @@ fn spectrum(
         // The step before was static: its loads act as at its end.
         equilibrium = Some(State { time: 1.0, ..State::first(system) });
     }
-    let found = modal::run(system, analysis.modes as usize, equilibrium.as_ref(), forward)?;
-    Ok((equilibrium.unwrap_or_else(|| State::at_rest(system)), found))
+    let (outcome, response) = modal::run_with_inputs(system, analysis, equilibrium.as_ref(), forward)?;
+    Ok(Found { about: equilibrium.unwrap_or_else(|| State::at_rest(system)), outcome, response })
+}
+
+/// Result of a modal analysis.
+struct Found {
+    /// State about which the model vibrates.
+    about: State,
+    outcome: ModalOutcome,
+    response: Option<Response>,
 }
 
 /// Writes what was found.
@@ -105,9 +113,9 @@ fn record(
     folder: &mut ResultFolder,
     summary: &mut Summary,
     before: &Statistics,
-    (about, found): &(State, ModalOutcome),
+    Found { about, outcome, response }: &Found,
 ) -> Result<(), OutputError> {
-    let rows = found.modes.as_slice();
+    let rows = outcome.modes.as_slice();
     modes::write(folder, prepared, &deck.model.output, about, rows)?;
     let unit = deck.model.output.units.of_frequency();
     let drawn = || modes::picture(folder, prepared, &deck.model.title, unit.as_deref(), rows);
@@ -117,13 +125,22 @@ fn record(
         folder.log(&format!("a picture is missing: {problem}"))?;
     }
     summary.frequencies_hz = Some(rows.iter().map(|m| m.frequency_hz).collect());
-    summary.sturm_checked = Some(found.sturm_checked);
-    let s = &found.statistics;
+    summary.sturm_checked = Some(outcome.sturm_checked);
+    let s = &outcome.statistics;
     summary.steps = before.steps;
     summary.iterations = before.iterations + s.iterations;
     summary.factorizations = before.factorizations + s.factorizations;
     summary.cutbacks = before.cutbacks;
-    folder.log(&format!("Complete: {} modes", rows.len()))
+    let mut end = format!("Complete: {} modes", rows.len());
+    if let Some(response) = response {
+        if let Some(problem) = response::write(folder, prepared, &deck.model, (about, response))? {
+            folder.log(&problem)?;
+        }
+        let (n, reduced) = (response.frequencies.len(), &response.reduced);
+        let residual = reduced.lambdas.len() - reduced.modes;
+        end += &format!(", {residual} residual vectors, response at {n} frequencies");
+    }
+    folder.log(&end)
 }
 
 /// Forwards events to the log and to the job's observer.

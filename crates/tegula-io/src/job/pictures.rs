@@ -54,7 +54,7 @@ fn title(recorder: &Recorder<'_>, what: &str) -> String {
 }
 
 /// A label with the name of its unit, where the model gives one.
-fn with_unit(label: &str, unit: Option<&str>) -> String {
+pub(super) fn with_unit(label: &str, unit: Option<&str>) -> String {
     unit.map_or(label.to_owned(), |unit| format!("{label} [{unit}]"))
 }
 

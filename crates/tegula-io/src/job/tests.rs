@@ -3,6 +3,7 @@
 mod fields;
 mod inputs;
 mod mesh_parts;
+mod response;
 mod steps;
 
 use std::cell::Cell;

@@ -5,6 +5,7 @@
 //! | `*.vtu` | [`vtu::write`] | ParaView, PyVista, meshio |
 //! | `*.pvd` | [`pvd::PvdSeries`] | ParaView, PyVista |
 //! | `*.csv` | [`csv::HistoryWriter`] | everything, and [`csv::read`] |
+//! | `*.mtx` | [`matrix_market::write`] | Python (SciPy), MATLAB, Julia, Octave |
 //! | checkpoints | [`checkpoint::Checkpoint`] | this program |
 //!
 //! Every file but those that grow, histories and lists of files, is written whole or not at all
@@ -16,6 +17,7 @@
 pub mod checkpoint;
 pub mod csv;
 pub mod file;
+pub mod matrix_market;
 pub mod pvd;
 pub mod text;
 pub mod vtu;

@@ -107,7 +107,7 @@ fn values(layup: &str, plies: usize, element: &str, n: u32) -> Result<[f64; 3]> 
     let traction = VectorLoad { on: "all".into(), value: [0.0, 0.0, 1.0], amplitude: None };
     uniform.loads = vec![Load::Traction(traction)];
     let second = deflection(&Compiled::new(&uniform)?, &uniform)?;
-    model.analysis = Analysis::Modal(ModalAnalysis { modes: 1, prestressed: false });
+    model.analysis = Analysis::Modal(ModalAnalysis::new(1));
     let compiled = Compiled::new(&model)?;
     let outcome = run_modal(&compiled.system, 1, &mut Silent)?;
     let mode = outcome.modes.first().ok_or_else(|| Error::Outside("no mode was found".into()))?;

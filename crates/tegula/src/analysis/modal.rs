@@ -11,17 +11,21 @@
 
 mod circulatory;
 mod dense;
+mod frequency_response;
 mod problem;
+mod reduced_model;
 mod rigid;
 mod search;
 
 use super::statics::{self, StaticOutcome};
 use super::{Observer, State, Statistics};
 use crate::element::Nodal;
-use crate::model::StaticAnalysis;
+use crate::model::{ModalAnalysis, StaticAnalysis};
 use crate::system::System;
 use crate::{Error, Result};
 use problem::{Problem, go_on};
+pub use reduced_model::ReducedModel;
+use reduced_model::Reduction;
 use rigid::RigidModes;
 use search::Search;
 use tegula_sparse::Factor as _;
@@ -65,6 +69,15 @@ pub struct ModalOutcome {
     pub sturm_checked: bool,
 }
 
+/// Response of a model to small motions under its inputs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Response {
+    /// The model reduced to its modes and residual vectors.
+    pub reduced: ReducedModel,
+    /// Frequencies of the steady-state response, ascending [1/time]; empty where it is not wanted.
+    pub frequencies: Vec<f64>,
+}
+
 /// Finds the `wanted` lowest modes.
 ///
 /// # Errors
@@ -78,6 +91,49 @@ pub fn run(
     observer: &mut dyn Observer,
 ) -> Result<ModalOutcome> {
     let mut problem = Problem::new(system, equilibrium)?;
+    Ok(lowest_modes(&mut problem, wanted, equilibrium, observer)?.0)
+}
+
+/// Finds the modes of an analysis and the response to its inputs; `None` where it has none.
+///
+/// # Errors
+/// As for [`run`]; or the equilibrium is unstable, the range of frequencies ends above the modes, the response has no bound.
+pub fn run_with_inputs(
+    system: &System,
+    analysis: &ModalAnalysis,
+    equilibrium: Option<&State>,
+    observer: &mut dyn Observer,
+) -> Result<(ModalOutcome, Option<Response>)> {
+    let mut problem = Problem::new(system, equilibrium)?;
+    let (mut outcome, all) = lowest_modes(&mut problem, analysis.modes as usize, equilibrium, observer)?;
+    if analysis.inputs.is_empty() {
+        return Ok((outcome, None));
+    }
+    if equilibrium.and_then(|state| circulatory::stiffness(system, state)).is_some() {
+        return Err(circulatory::with_inputs());
+    }
+    let before = problem.applications;
+    let mut reduction = Reduction::new(&mut problem, analysis, &outcome.modes)?;
+    let mut frequencies = Vec::new();
+    if let Some(wanted) = &analysis.frequency_response {
+        let reduced = reduction.reduced();
+        frequencies = frequency_response::frequencies(wanted, &reduced, (&outcome.modes, all))?;
+        frequency_response::refine(&mut reduction, &frequencies, observer)?;
+    }
+    let reduced = reduction.finish();
+    outcome.statistics.iterations += problem.applications - before;
+    outcome.statistics.factorizations = problem.newton.solver.factorizations() as u64;
+    Ok((outcome, Some(Response { reduced, frequencies })))
+}
+
+/// The `wanted` lowest modes, and whether these are all.
+fn lowest_modes(
+    problem: &mut Problem,
+    wanted: usize,
+    equilibrium: Option<&State>,
+    observer: &mut dyn Observer,
+) -> Result<(ModalOutcome, bool)> {
+    let system = problem.system;
     problem.first_shift(&*observer)?;
     let groups = 0..problem.groups.len();
     let all = problem.rigid.len() + groups.clone().map(|group| problem.modes_of(group)).sum::<usize>();
@@ -96,21 +152,21 @@ pub fn run(
     // Modes just above the wanted ones couple with them most.
     let found = if skew.is_some() { (wanted + COUPLED).min(all) } else { wanted };
     let elastic = found.saturating_sub(problem.rigid.len());
-    let mut searches: Vec<Search> = groups.map(|group| Search::new(&problem, group, elastic)).collect();
+    let mut searches: Vec<Search> = groups.map(|group| Search::new(problem, group, elastic)).collect();
     for search in &mut searches {
-        search.estimate(&mut problem, &*observer)?;
+        search.estimate(problem, &*observer)?;
     }
-    settle(&mut problem)?;
-    let mut modes = rigid_modes(&mut problem, found);
-    let sturm_checked = find(&mut problem, &mut searches, observer)?;
+    settle(problem)?;
+    let mut modes = rigid_modes(problem, found);
+    let sturm_checked = find(problem, &mut searches, observer)?;
     for search in searches {
         for (lambda, pair) in search.finish() {
-            modes.push(mode(&mut problem, lambda, pair)?);
+            modes.push(mode(problem, lambda, pair)?);
         }
     }
     modes.sort_by(|a, b| a.omega.total_cmp(&b.omega));
     if let Some(skew) = skew {
-        circulatory::refuse(&mut problem, &skew, &modes, wanted)?;
+        circulatory::refuse(problem, &skew, &modes, wanted)?;
     }
     modes.truncate(wanted);
     let statistics = Statistics {
@@ -119,7 +175,7 @@ pub fn run(
         factorizations: problem.newton.solver.factorizations() as u64,
         ..Statistics::default()
     };
-    Ok(ModalOutcome { modes, statistics, sturm_checked })
+    Ok((ModalOutcome { modes, statistics, sturm_checked }, wanted == all))
 }
 
 /// Equilibrium under the loads, about which a prestressed model vibrates.

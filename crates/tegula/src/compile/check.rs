@@ -451,11 +451,7 @@ impl Checker {
                     );
                 }
             }
-            Analysis::Modal(m) => {
-                if m.modes == 0 {
-                    self.add("analysis.modes", "no modes wanted", "give at least 1");
-                }
-            }
+            Analysis::Modal(modal) => super::check_modal::modal(model, modal, self),
             Analysis::Transient(t) => {
                 self.positive("analysis.end_time", "the end time", t.end_time);
                 self.positive("analysis.tolerance", "the tolerance", t.tolerance);

@@ -6,6 +6,7 @@ mod beams;
 mod bodies;
 pub mod check;
 mod check_material;
+mod check_modal;
 mod check_sections;
 mod congruence;
 mod force_sets;
@@ -20,6 +21,7 @@ mod vectors;
 mod warnings;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::analysis::statics;
@@ -31,7 +33,8 @@ use crate::mesh::directors::Directors;
 use crate::mesh::folds::Folds;
 use crate::mesh::{Mesh, quality};
 use crate::model::{
-    Analysis, ExplicitScheme, LinearSolver, MeshSource, Model, PrescribedStrain, Scheme, TransientAnalysis,
+    Analysis, ExplicitScheme, LinearSolver, MeshSource, Model, PrescribedStrain, ResponseInput, Scheme,
+    TransientAnalysis,
 };
 use crate::system::pattern::{BATCH, PatternBuilder};
 use crate::system::supports::Support;
@@ -339,6 +342,7 @@ impl<'a> Compiler<'a> {
             load_sets,
             load_of_dead: Vec::new(),
             load_of_follower,
+            inputs: inputs(model),
             amplitudes,
             pattern,
             procedure,
@@ -462,6 +466,18 @@ impl<'a> Compiler<'a> {
         }
         builder.build(self.vectors.coordinates.reference.len(), frames)
     }
+}
+
+/// Loads of each input of a modal analysis: those at the end of the list.
+fn inputs(model: &Model) -> Vec<Range<usize>> {
+    let Analysis::Modal(modal) = &model.analysis else { return Vec::new() };
+    let mut first = model.loads.len() - modal.inputs.iter().map(|input| input.loads.len()).sum::<usize>();
+    let range = |input: &ResponseInput| {
+        let range = first..first + input.loads.len();
+        first = range.end;
+        range
+    };
+    modal.inputs.iter().map(range).collect()
 }
 
 /// Load of a caller in an analysis step: new in the first one, continued in the others.

@@ -59,6 +59,20 @@ impl StepModel {
         }
     }
 
+    /// Appends the loads of the inputs of a modal analysis, at the key `analysis` of the model file, to those of the step: they are
+    /// compiled like all others, and their factor is 0.
+    fn add_inputs(&mut self, analysis: &str) {
+        let Analysis::Modal(modal) = &self.model.analysis else { return };
+        for (i, input) in modal.inputs.iter().enumerate() {
+            for (j, load) in input.loads.iter().enumerate() {
+                let own = format!("loads[{}]", self.model.loads.len());
+                self.keys.push((own, format!("{analysis}.inputs[{i}].loads[{j}]")));
+                self.model.loads.push(load.clone());
+                self.loads.push(Continued { start: 0.0, released: true });
+            }
+        }
+    }
+
     /// Issues of the step's model at the keys of the model file.
     pub fn located(&self, issues: Vec<Issue>) -> Vec<Issue> {
         let locate = |issue: Issue| Issue { place: crate::Place::key(self.key(&issue.place.key)), ..issue };
@@ -106,7 +120,7 @@ fn partners<T: PartialEq>(old: &[T], new: &[T], without_amplitude: impl Fn(&T) -
 /// Analysis steps of a model, at least one: a model without `steps` has the step of its `analysis`.
 pub fn steps(model: &Model) -> Vec<StepModel> {
     if model.steps.is_empty() {
-        return vec![StepModel {
+        let mut only = StepModel {
             name: String::new(),
             model: model.clone(),
             starts_from: None,
@@ -118,16 +132,19 @@ pub fn steps(model: &Model) -> Vec<StepModel> {
                 .collect(),
             keys: Vec::new(),
             place: None,
-        }];
+        };
+        only.add_inputs("analysis");
+        return vec![only];
     }
     let mut out: Vec<StepModel> = Vec::new();
     for (number, step) in model.steps.iter().enumerate() {
         // Modes leave the state as it is.
         let before = (0..number).rev().find(|&i| !matches!(model.steps[i].analysis, Analysis::Modal(_)));
-        let next = match (&step.analysis, before) {
+        let mut next = match (&step.analysis, before) {
             (Analysis::Modal(_), Some(before)) => about_the_end(model, number, step, &out[before], before),
             _ => one_step(model, number, step, before.map(|i| (i, &out[i]))),
         };
+        next.add_inputs(&format!("steps[{number}].analysis"));
         out.push(next);
     }
     out

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Condition, InitialVelocity, Load, PrescribedStrain, Scheme};
+use super::{Condition, FrequencyResponse, InitialVelocity, Load, PrescribedStrain, ResponseInput, Scheme};
 
 /// Analysis to run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -140,6 +140,25 @@ pub struct ModalAnalysis {
     /// Vibrate about the equilibrium under the loads instead of the reference configuration.
     #[serde(default)]
     pub prestressed: bool,
+    /// Modal damping: ratio of the damping of each mode to its critical one, beside `[damping]` and dampers. It acts in the response to
+    /// `inputs`, not on the modes.
+    #[schemars(range(min = 0.0))]
+    #[serde(default)]
+    pub damping_ratio: f64,
+    /// Excitations whose small-signal response is wanted: the model is linearised to a state space, with the recorded points and the
+    /// bodies as outputs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub inputs: Vec<ResponseInput>,
+    /// Steady-state response to each of the inputs, harmonic in time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frequency_response: Option<FrequencyResponse>,
+}
+
+impl ModalAnalysis {
+    /// The lowest modes about the reference configuration.
+    pub fn new(modes: u32) -> Self {
+        Self { modes, prestressed: false, damping_ratio: 0.0, inputs: Vec::new(), frequency_response: None }
+    }
 }
 
 /// Motion in time.

@@ -14,6 +14,7 @@ pub mod joint;
 pub mod loads;
 mod mesh_source;
 mod prescribed_strain;
+mod response;
 mod scheme;
 pub mod section;
 mod spring;
@@ -43,6 +44,7 @@ pub use joint::{
 pub use loads::{Load, LoadStiffness, NodalLoad};
 pub use mesh_source::*;
 pub use prescribed_strain::*;
+pub use response::{FrequencyResponse, ResponseInput, Spacing};
 pub(crate) use scheme::schemes;
 pub use scheme::*;
 pub use section::{Layup, LayupPly, Section, StackedPly};

@@ -173,6 +173,8 @@ pub struct System {
     pub load_of_dead: Vec<usize>,
     /// Index of the load that each of the follower loads belongs to.
     pub load_of_follower: Vec<usize>,
+    /// Loads of each input of a modal analysis, by their index; they act in the response to the input only.
+    pub inputs: Vec<Range<usize>>,
     /// Functions of time.
     pub amplitudes: Vec<TimeFunction>,
     /// Names of the amplitudes.

@@ -318,7 +318,7 @@ fn plastic_runs_continue_exactly_and_repeated_steps_leave_no_trace() {
 }
 
 fn frequencies(m: &Model, count: usize) -> Vec<modal::Mode> {
-    let analysis = ModalAnalysis { modes: count as u32, prestressed: false };
+    let analysis = ModalAnalysis::new(count as u32);
     let m = Model { analysis: Analysis::Modal(analysis), ..m.clone() };
     modal::run(&compile(&m).1, count, None, &mut Silent).unwrap().modes
 }
@@ -423,7 +423,7 @@ fn prestressed_strips_vibrate_like_strings() {
                 direction: [1.0, 0.0, 0.0],
                 amplitude,
             })];
-            m.analysis = Analysis::Modal(ModalAnalysis { modes: 3, prestressed: true });
+            m.analysis = Analysis::Modal(ModalAnalysis { prestressed: true, ..ModalAnalysis::new(3) });
             compile(&m).1
         };
         let exact = 0.5 / length * (force / (density * h)).sqrt();
@@ -550,7 +550,7 @@ fn vibrations_about_a_yielded_equilibrium_are_elastic() {
             let clamp = guide("u_min", vec![Axis::X]);
             m.conditions = vec![clamp, guide("v_min", vec![Axis::Y]), guide("all", vec![Axis::Z])];
             m.loads = vec![Load::Edge(vector_load("u_max", [pull, 0.0, 0.0]))];
-            m.analysis = Analysis::Modal(ModalAnalysis { modes: 3, prestressed: true });
+            m.analysis = Analysis::Modal(ModalAnalysis { prestressed: true, ..ModalAnalysis::new(3) });
             let (_, system) = compile(&m);
             let options = StaticAnalysis { load_steps: 3, ..Default::default() };
             let outcome = statics::run(&system, &options, None, &mut Silent).unwrap();

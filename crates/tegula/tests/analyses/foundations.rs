@@ -67,7 +67,7 @@ fn a_beam_with_free_ends_sinks_as_hetenyi_says() {
 fn a_free_plate_on_a_foundation_vibrates_faster_by_k_over_m() {
     let omegas = |foundations: Vec<Foundation>| {
         let mesh = plate([1.0, 1.0], [8, 8], 0.0);
-        let analysis = Analysis::Modal(ModalAnalysis { modes: 9, prestressed: false });
+        let analysis = Analysis::Modal(ModalAnalysis::new(9));
         let mut m = Model::new(mesh, analysis, Isotropic::new(2.1e9, 0.3, 1000.0), 0.01);
         m.foundations = foundations;
         let system = compile::build(&m, &mesh::generators::generate(&m.mesh).unwrap()).unwrap();
@@ -155,7 +155,7 @@ fn a_weak_foundation_in_the_plane_holds_a_plate_in_it() {
     let stiffness = [40.0, 40.0, 2e9];
     m.foundations =
         vec![Foundation::Area(AreaFoundation { on, stiffness, normal: 0.0, retardation_time: 0.0 })];
-    m.analysis = Analysis::Modal(ModalAnalysis { modes: 3, prestressed: false });
+    m.analysis = Analysis::Modal(ModalAnalysis::new(3));
     let system = compile::build(&m, &mesh::generators::generate(&m.mesh).unwrap()).unwrap();
     let found = modal::run(&system, 3, None, &mut Silent).unwrap();
     // k/ρh = 40/16, for both translations, and for the rotation in the plane.

@@ -25,7 +25,7 @@ fn modal_model(size: [f64; 2], elements: [u32; 2], thickness: f64) -> Model {
     let mut m = model(plate(size, elements, 0.0), E, thickness);
     m.materials.insert("m".into(), material(E, 0.3));
     m.conditions.clear();
-    m.analysis = Analysis::Modal(ModalAnalysis { modes: 1, prestressed: false });
+    m.analysis = Analysis::Modal(ModalAnalysis::new(1));
     m
 }
 
@@ -333,7 +333,7 @@ fn modes_under_a_pressure_without_potential_are_refused() {
         let edges: &[&str] = if all_edges { &["u_min", "u_max", "v_min", "v_max"] } else { &["u_min"] };
         m.conditions = edges.iter().map(|edge| Condition::Clamp(on(edge))).collect();
         m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: pressure, amplitude: None })];
-        m.analysis = Analysis::Modal(ModalAnalysis { modes: wanted, prestressed: true });
+        m.analysis = Analysis::Modal(ModalAnalysis { prestressed: true, ..ModalAnalysis::new(wanted) });
         let (_, system) = compile(&m);
         let start = modal::prestress(&system, &mut Silent).unwrap().state;
         modal::run(&system, wanted as usize, Some(&start), &mut Silent)

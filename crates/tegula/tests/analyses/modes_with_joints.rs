@@ -9,7 +9,7 @@ use tegula::model::*;
 use tegula::{System, compile, mesh};
 
 fn modal(modes: u32, prestressed: bool) -> Analysis {
-    Analysis::Modal(ModalAnalysis { modes, prestressed })
+    Analysis::Modal(ModalAnalysis { prestressed, ..ModalAnalysis::new(modes) })
 }
 
 /// Modes of a model; the number of all modes was proved by a Sturm sequence count.

@@ -64,7 +64,7 @@ fn transient(name: &str, end: f64, dt: f64) -> AnalysisStep {
 }
 
 fn modes(name: &str) -> AnalysisStep {
-    AnalysisStep::new(name, Analysis::Modal(ModalAnalysis { modes: 3, prestressed: false }))
+    AnalysisStep::new(name, Analysis::Modal(ModalAnalysis::new(3)))
 }
 
 /// Runs all steps; `look` gets the number of the step, its system and each of its states.

@@ -148,7 +148,7 @@ fn discs_on_torsion_springs_vibrate_as_a_chain() {
     let bodies = ["a", "b"].map(|name| body(name, [0.0; 3], 1.0, Some([0.3, 0.3, 0.5]))).to_vec();
     let hinges = ["a", "b"].map(|name| revolute(name, "ground", name, [0.0; 3], [0.0, 0.0, 1.0])).to_vec();
     let mut model =
-        Model::of_bodies(Analysis::Modal(ModalAnalysis { modes: 2, prestressed: false }), bodies, hinges);
+        Model::of_bodies(Analysis::Modal(ModalAnalysis::new(2)), bodies, hinges);
     model.torsion_springs = vec![
         spring(["ground", "a"], 2.0, 0.0, 0.0),
         TorsionSpring { name: "second".into(), ..spring(["a", "b"], 2.0, 0.0, 0.0) },

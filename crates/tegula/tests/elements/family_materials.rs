@@ -129,7 +129,7 @@ fn modal_analyses_know_prescribed_strains_as_loads() {
     for (prestressed, expected) in [(true, vec![]), (false, vec!["prescribed_strains[0]".to_string()])] {
         let mut m = model(plate([1.0, 0.5], [2, 1], 0.0), YOUNG, 0.01);
         m.prescribed_strains = vec![strains()[2].clone()];
-        m.analysis = Analysis::Modal(ModalAnalysis { modes: 2, prestressed });
+        m.analysis = Analysis::Modal(ModalAnalysis { prestressed, ..ModalAnalysis::new(2) });
         assert_eq!(warned(&m), expected);
     }
 }

@@ -311,7 +311,7 @@ fn a_junction_of_four_sheets_has_six_rigid_modes() {
     }
     let mut model = strip(&[[0.0; 3], [1.0, 0.0, 0.0]], 1);
     model.conditions.clear();
-    model.analysis = Analysis::Modal(ModalAnalysis { modes: 12, prestressed: false });
+    model.analysis = Analysis::Modal(ModalAnalysis::new(12));
     let system = tegula::compile::build(&model, &mesh).unwrap();
     let outcome = modal::run(&system, 12, None, &mut Silent).unwrap();
     let rigid = outcome.modes.iter().filter(|m| m.rigid).count();

@@ -165,7 +165,7 @@ fn modes_do_not_know_units() {
     let frequencies = |units: Units| {
         let mut m = cylinder(6, 2.1e7, 318.3, units);
         m.conditions.clear();
-        m.analysis = Analysis::Modal(ModalAnalysis { modes: 12, prestressed: false });
+        m.analysis = Analysis::Modal(ModalAnalysis::new(12));
         let outcome = modal::run(&compile(&m).1, 12, None, &mut Silent).unwrap();
         assert!(outcome.sturm_checked);
         outcome.modes.iter().map(|m| (m.rigid, m.omega / units.time)).collect::<Vec<_>>()

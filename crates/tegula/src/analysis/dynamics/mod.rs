@@ -13,6 +13,7 @@ mod generalized_alpha;
 mod impact;
 pub mod newmark;
 mod predictor;
+mod rotation_watch;
 pub mod schemes;
 pub mod step_control;
 mod step_end;

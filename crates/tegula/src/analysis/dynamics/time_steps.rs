@@ -2,6 +2,7 @@
 
 use super::amplitude_check::AmplitudeCheck;
 use super::drive_rates::DriveRates;
+use super::rotation_watch::RotationWatch;
 use super::schemes::Instant;
 use super::step_control::StepControl;
 use super::step_end::{Span, StepEnds};
@@ -45,6 +46,8 @@ pub(super) struct TimeSteps<'a> {
     messages: Vec<String>,
     /// Watch of the velocities of driven joints.
     drive_rates: DriveRates,
+    /// Watch of rotations in constant steps.
+    rotations: RotationWatch,
 }
 
 impl<'a> TimeSteps<'a> {
@@ -84,6 +87,7 @@ impl<'a> TimeSteps<'a> {
             check: AmplitudeCheck::new(system, options),
             drilling: DrillingWatch::new(),
             drive_rates: DriveRates::new(system, state.time),
+            rotations: RotationWatch::new(system, options.time_step.is_some(), &state.u),
             balance: balance(system, &mut newton.assembly, &state),
             statistics: Statistics { steps: state.step, ..Statistics::default() },
             old_velocities: vec![[0.0; 3]; system.vectors()],
@@ -227,6 +231,7 @@ impl<'a> TimeSteps<'a> {
         statistics.steps = state.step;
         let at = (state.u.as_slice(), state.time);
         drilling.look(system, at, observer, || format!("time {:.6e}", state.time));
+        self.rotations.look(system, at, scheme.sub_steps(), observer);
         Ok(Attempt::Accepted(converged.iterations))
     }
 

@@ -40,6 +40,14 @@ pub(super) fn with_joints() -> Error {
     }
 }
 
+/// Refusal of circulatory follower loads where the response to inputs is wanted.
+pub(super) fn with_inputs() -> Error {
+    Error::Singular {
+        what: "The follower loads have no potential; the response to inputs about such an equilibrium is not computed.".into(),
+        help: "Use loads of constant direction for the equilibrium, or run a transient analysis.".into(),
+    }
+}
+
 /// Refuses modes if the circulatory stiffness would change an elastic one of the first `wanted` ones.
 ///
 /// # Errors

@@ -75,7 +75,7 @@ pub(super) struct Problem<'a> {
     /// Whether the model has springs.
     sprung: bool,
     /// State about which the model vibrates.
-    state: State,
+    pub state: State,
     /// Weight of the augmented Lagrangian of joints, which is part of the stiffness.
     penalty: f64,
     /// Applications of the inverse so far.
