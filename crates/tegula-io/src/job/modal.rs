@@ -7,11 +7,11 @@ use tegula::analysis::{Observer, State, Statistics, Step};
 use tegula::model::ModalAnalysis;
 use tegula::{Error, System};
 
-use super::{modes, response};
 use super::run::{claim, start, summary};
 use super::{
     JobError, JobObserver, JobOptions, Prepared, Progress, ResultFolder, Start, Status, Summary, process,
 };
+use super::{modes, response};
 use crate::deck::Deck;
 use crate::out::OutputError;
 
@@ -79,11 +79,7 @@ fn opening(summary: &Summary, start: &Start) -> String {
 }
 
 /// The modes, and the state about which they are: the equilibrium under the loads where that is wanted.
-fn spectrum(
-    analysis: &ModalAnalysis,
-    system: &System,
-    forward: &mut Forward<'_>,
-) -> tegula::Result<Found> {
+fn spectrum(analysis: &ModalAnalysis, system: &System, forward: &mut Forward<'_>) -> tegula::Result<Found> {
     let mut equilibrium: Option<State> = None;
     if analysis.prestressed {
         let outcome = modal::prestress(system, forward)?;

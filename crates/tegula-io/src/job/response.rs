@@ -171,7 +171,11 @@ fn plot(model: &Model, frequencies: &[f64], curves: &[Curve]) -> LinePlot {
         series: series.collect(),
         x_log: frequencies.first().is_some_and(|first| *first > 0.0),
         y_log: true,
-        note: if left > 0 { format!("The {CURVES} displacements with the highest peaks.") } else { String::new() },
+        note: if left > 0 {
+            format!("The {CURVES} displacements with the highest peaks.")
+        } else {
+            String::new()
+        },
     }
 }
 

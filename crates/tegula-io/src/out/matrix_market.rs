@@ -28,7 +28,8 @@ mod tests {
     fn matrices_are_written_by_columns() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.mtx");
-        write(&path, "two lines\nin one", &DMatrix::from_row_slice(2, 3, &[1.0, 2.5, -3.0, 4.0, 1e-30, 6.0])).unwrap();
+        write(&path, "two lines\nin one", &DMatrix::from_row_slice(2, 3, &[1.0, 2.5, -3.0, 4.0, 1e-30, 6.0]))
+            .unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[..3], ["%%MatrixMarket matrix array real general", "% two lines in one", "2 3"]);

@@ -266,6 +266,26 @@ impl Constraints {
         (self.free, self.field) = (free, change);
     }
 
+    /// Changes velocities at displacements `u` so that they keep the joints closed, with the least change in the norm of the last
+    /// tangent, which is mostly that of the mass in short steps. Returns the multipliers of the change.
+    pub fn project_velocities(
+        &mut self,
+        system: &System,
+        (u, time): (&[Nodal], f64),
+        v: &mut [Nodal],
+    ) -> &[f64] {
+        let motion = Motion::State { u, velocity: None };
+        let (mut free, mut change) = (std::mem::take(&mut self.free), std::mem::take(&mut self.field));
+        free.fill(0.0);
+        self.project(system, (&motion, time), Rates::First(v), &mut free);
+        self.end_frames.expand(&free, &mut change);
+        for (x, change) in v.as_flattened_mut().iter_mut().zip(change.as_flattened()) {
+            *x += change;
+        }
+        (self.free, self.field) = (free, change);
+        &self.change
+    }
+
     /// Change of the multipliers in the last increment.
     pub fn change(&self) -> &[f64] {
         &self.change

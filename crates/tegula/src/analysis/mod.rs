@@ -51,6 +51,10 @@ pub struct State {
     /// Lagrange multipliers of the constraints of joints, in the order of the joints.
     #[serde(default)]
     pub multipliers: Vec<f64>,
+    /// Displacements in the middle of the last step, where the multipliers of the energy–momentum scheme of second order act; empty for
+    /// other schemes and at the start.
+    #[serde(default, skip)]
+    pub middle: Vec<Nodal>,
     /// Length of the next time step (load step).
     pub next_step: f64,
     /// Length of the last finished time step; 0 at the start.

@@ -9,10 +9,11 @@ use super::newton::{Equation, Newton};
 use super::solver::Iterative;
 use super::{Balance, Observer, State, Statistics, Stepper, equilibrium, stepper};
 use crate::element::{Motion, Nodal, TangentWeights};
+use crate::load::FollowerLoad;
 use crate::model::{LinearSolver, StaticAnalysis};
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::system::{Assembly, EvaluationPoint, Procedure, System, dot};
-use crate::{Error, Result};
+use crate::{Error, Mat3, Result, Vec3};
 
 use tegula_sparse::norm::{larger, max_norm};
 
@@ -248,7 +249,31 @@ fn follower_work(
     force.fill([0.0; 3]);
     add_follower_loads(system, &Motion::State { u: from, velocity: None }, start, 0.5, force);
     add_follower_loads(system, &Motion::State { u: to, velocity: None }, end, 0.5, force);
-    dot(force, to) - dot(force, from)
+    let of_bodies: f64 =
+        system.followers.iter().map(|load| moment_work(system, load, [from, to], [start, end])).sum();
+    dot(force, to) - dot(force, from) + of_bodies
+}
+
+/// What a moment on a body does beyond the trapezoidal rule, which takes chords for arcs: with the rotation vector θ of the step it does
+/// the work `m·θ`.
+fn moment_work(system: &System, load: &FollowerLoad, u: [&[Nodal]; 2], [start, end]: [f64; 2]) -> f64 {
+    let FollowerLoad::BodyMoment { directors, moment, factor } = load else { return 0.0 };
+    if system.linear {
+        return 0.0;
+    }
+    let at = |u: &[Nodal], v: u32| {
+        Vec3::from(system.coordinates.reference[v as usize]) + Vec3::from(u[v as usize])
+    };
+    let [before, after] = u.map(|u| directors.map(|v| at(u, v)));
+    let factors = [start, end].map(|time| system.factor(factor, time));
+    let chord = |f: f64, at: &[Vec3; 3]| -> f64 {
+        let parts = (0..3).map(|i| (moment * 0.5).cross(&at[i]).dot(&(after[i] - before[i])));
+        f * parts.sum::<f64>()
+    };
+    let rotation = Mat3::from_columns(&after) * Mat3::from_columns(&before).transpose();
+    let arc = nalgebra::Rotation3::from_matrix_unchecked(rotation).scaled_axis();
+    0.5 * (factors[0] + factors[1]) * moment.dot(&arc)
+        - 0.5 * (chord(factors[0], &before) + chord(factors[1], &after))
 }
 
 /// Reactions of the supports: forces that they exert on the constrained degrees of freedom.

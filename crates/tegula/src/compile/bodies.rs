@@ -75,6 +75,7 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
     for (i, spring) in model.torsion_springs.iter().enumerate() {
         torsion_spring_values(spring, &format!("torsion_springs[{i}]"), c);
     }
+    super::guided_axes::keys(model, c);
 }
 
 /// Bodies of a static analysis that nothing holds.

@@ -71,7 +71,10 @@ fn inputs(model: &Model, modal: &ModalAnalysis, c: &mut Checker) {
             }
         }
     }
-    if !modal.inputs.is_empty() && model.output.points.is_empty() && model.bodies.is_empty() && model.beams.is_empty()
+    if !modal.inputs.is_empty()
+        && model.output.points.is_empty()
+        && model.bodies.is_empty()
+        && model.beams.is_empty()
     {
         c.add(
             "analysis.inputs",

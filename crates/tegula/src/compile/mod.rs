@@ -11,6 +11,7 @@ mod check_sections;
 mod congruence;
 mod force_sets;
 mod foundations;
+mod guided_axes;
 mod mechanism;
 mod outline;
 mod patches;

@@ -233,13 +233,15 @@ fn unused(model: &Model) -> Vec<Issue> {
             "give `prestressed = true` to vibrate about the equilibrium under it, or leave it out",
         )];
     }
-    match (modal.prestressed, model.loads.is_empty() && !prescribed && !model.has_preloaded_springs()) {
-        (false, false) => vec![Issue::new(
+    let acts = !model.loads.is_empty() || prescribed;
+    // The preload of springs acts in the reference configuration, too.
+    match (modal.prestressed, acts || modal.prestressed && model.has_preloaded_springs()) {
+        (false, true) => vec![Issue::new(
             if model.loads.is_empty() { "conditions" } else { "loads" },
             "loads and prescribed values have no effect on this modal analysis: it is about the reference configuration",
             "give `prestressed = true` to vibrate about the equilibrium under them, or leave them out",
         )],
-        (true, true) => vec![Issue::new(
+        (true, false) => vec![Issue::new(
             "analysis.prestressed",
             "the model has no loads and prescribed values: the equilibrium is the reference configuration",
             "add the loads, or leave `prestressed` out",

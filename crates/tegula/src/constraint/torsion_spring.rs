@@ -69,6 +69,15 @@ impl TorsionSpring {
         out
     }
 
+    /// Angle at the end of a motion, whatever its change: round-off may take an accepted step beyond the largest one.
+    fn angle(&self, k: &GroupPoint, committed: f64) -> f64 {
+        let u = match k.motion {
+            Motion::State { u, .. } | Motion::Step { new: u, .. } => u,
+        };
+        let at = |v: u32| Vec3::from(k.reference[v as usize]) + Vec3::from(u[v as usize]);
+        Self::continued(committed, self.angle.forms(&few(&self.angle.vectors, at)))
+    }
+
     fn turn(&self, k: &GroupPoint, committed: f64) -> Turn {
         let vectors = &self.angle.vectors;
         let at =
@@ -242,7 +251,7 @@ impl ElementGroup for TorsionSpringGroup {
 
     fn update_history(&self, k: &GroupPoint, history: &mut [f64]) -> f64 {
         for ((spring, committed), out) in self.members.iter().zip(k.interior.history).zip(history) {
-            *out = spring.turn(k, *committed).angles[1];
+            *out = spring.angle(k, *committed);
         }
         0.0
     }

@@ -59,16 +59,21 @@ pub fn reference_axes(system: &System, body: &Body) -> Mat3 {
 }
 
 /// Force and moment of the first end of a joint on the second one, at the point of the joint, along the axes of space; for the
-/// energy–momentum scheme of second order the means over the last step.
+/// energy–momentum scheme of second order the means over the last step, in the configuration in its middle.
 pub fn joint_reaction(system: &System, state: &State, joint: &Joint) -> (Vec3, Vec3) {
-    let v: Vec<Vec3> = joint.vectors.iter().map(|&v| current(system, &state.u, v)).collect();
+    let (u, time) = if state.middle.is_empty() {
+        (&state.u, state.time)
+    } else {
+        (&state.middle, state.time - 0.5 * state.last_step)
+    };
+    let v: Vec<Vec3> = joint.vectors.iter().map(|&v| current(system, u, v)).collect();
     let mut forces = vec![Vec3::zeros(); v.len()];
-    let drive = system.drive(joint, state.time).value;
+    let drive = system.drive(joint, time).value;
     for (row, number) in joint.rows.iter().zip(joint.multipliers()) {
         let multiplier = state.multipliers.get(number).copied().unwrap_or(f64::NAN);
         row.add_gradient(multiplier, &v, drive, &mut forces);
     }
-    let point = joint.place(|n| current(system, &state.u, n));
+    let point = joint.place(|n| current(system, u, n));
     // The joint acts with −Gᵀλ; what acts on the first end acts with opposite sign on the second one.
     let from_first = joint.of_first.contains(&true);
     let sign = if from_first { 1.0 } else { -1.0 };

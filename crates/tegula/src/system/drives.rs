@@ -3,7 +3,7 @@
 use super::System;
 use crate::Vec3;
 use crate::constraint::joint::MOST_VECTORS;
-use crate::constraint::{Joint, Row};
+use crate::constraint::{DriveValue, Joint, Row};
 use crate::element::Nodal;
 use crate::norm::larger;
 
@@ -32,6 +32,24 @@ impl System {
                 row.add_gradient(-multiplier(number), &middle[..n], drive, &mut gradient[..n]);
             }
             work += along(joint, &gradient, |v| Vec3::from(new[v]) - Vec3::from(old[v]));
+        }
+        work
+    }
+
+    /// Work that the drives of joints do on the model in a load step, from the displacements, load factor and multipliers at its start to
+    /// those at its end: the integral of `λ ∂g/∂s` over the motion s of the drive, by the trapezoidal rule.
+    pub fn static_work_of_drives(&self, start: (&[Nodal], f64, &[f64]), end: (&[Nodal], f64, &[f64])) -> f64 {
+        let mut work = 0.0;
+        for joint in self.joints.iter().filter(|joint| joint.drive.is_some()) {
+            let change = self.drive(joint, end.1).value - self.drive(joint, start.1).value;
+            for (u, time, multipliers) in [start, end] {
+                let drive = DriveValue { rate: change, ..self.drive(joint, time) };
+                let v = self.vectors_of(joint, |v| Vec3::from(u[v]));
+                let rows = joint.multipliers().zip(&joint.rows);
+                work += rows
+                    .map(|(i, row)| 0.5 * multipliers[i] * row.driven_rate(&v[..joint.vectors.len()], drive))
+                    .sum::<f64>();
+            }
         }
         work
     }

@@ -256,6 +256,11 @@ impl System {
         self.labels.as_ref().map_or(u64::from(quad), |labels| labels.quad(quad as usize))
     }
 
+    /// Whether bodies or joints may leave motions free that no element strains.
+    pub fn may_be_loose(&self) -> bool {
+        !self.joints.is_empty() || !self.coordinates.bodies.is_empty()
+    }
+
     /// Whether joints or springs may transfer forces to the ground.
     pub fn acts_on_ground(&self) -> bool {
         self.groups.iter().any(|group| group.acts_on_ground())

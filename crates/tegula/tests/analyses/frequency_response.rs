@@ -112,7 +112,8 @@ fn masses_that_drift_respond_as_their_closed_form() {
         frequency_response: range(0.1, 30.0, 10),
         ..ModalAnalysis::new(2)
     };
-    let bodies = vec![body("a", [0.0; 3], m[0], Some([0.1; 3])), body("b", [1.0, 0.0, 0.0], m[1], Some([0.2; 3]))];
+    let bodies =
+        vec![body("a", [0.0; 3], m[0], Some([0.1; 3])), body("b", [1.0, 0.0, 0.0], m[1], Some([0.2; 3]))];
     let slides = vec![slide("a", [0.0; 3]), slide("b", [1.0, 0.0, 0.0])];
     let mut model = Model::of_bodies(Analysis::Modal(analysis), bodies, slides);
     model.springs = vec![SpringDamper {

@@ -4,11 +4,11 @@
 use crate::common::{Notes, distance};
 use crate::composition::{errors_of_pendulum, hung, pendulum};
 use crate::family_dynamics::soft_plate;
-use crate::multibody::{body, gravity, machine, pose, run, spherical};
+use crate::multibody::{body, gravity, machine, pose, revolute, run, spherical};
 use tegula::Vec3;
 use tegula::model::*;
 use tegula::norm::{larger, max_norm};
-use tegula::result::joint_reaction;
+use tegula::result::{BodyMotion, joint_reaction};
 use tegula::{compile, mesh};
 
 fn scheme(spectral_radius: f64) -> Scheme {
@@ -192,5 +192,44 @@ fn a_strongly_damped_beam_starts_under_a_sudden_load() {
         // F L³/3EI, to which the damped vibration has come close.
         let expected = 5.0 / (3.0 * 2.1e11 * 0.02_f64.powi(4) / 12.0);
         assert!((state.u[end][2] / expected - 1.0).abs() < 0.05, "{:?} {expected}", state.u[end]);
+    }
+}
+
+/// A free ball keeps its spin within the damping of the scheme, which is of second order in the angle of a step, for all ρ: velocities
+/// across the directors must not come back as spin.
+#[test]
+fn a_body_that_turns_by_a_fifth_of_a_radian_in_a_step_gains_no_spin() {
+    for (rho, least) in [(0.0, 0.7), (0.5, 0.96), (0.8, 0.99), (0.9, 0.999), (0.95, 0.999)] {
+        for angle in [0.05, 0.1, 0.2] {
+            let ball = RigidBody {
+                angular_velocity: [0.0, 0.0, 100.0],
+                ..body("ball", [0.0; 3], 1.0, Some([0.004; 3]))
+            };
+            let mut model = machine(5.0 * angle, angle / 100.0, vec![ball], Vec::new());
+            let Analysis::Transient(options) = &mut model.analysis else { panic!("no motion") };
+            options.scheme = scheme(rho);
+            let (system, state) = run(&model, &mut Notes::default());
+            let spin = BodyMotion::new(&system, &state, &system.coordinates.bodies[0]).angular_velocity.z;
+            assert!(spin > 100.0 * least && spin < 100.0 * (1.0 + 1e-9), "{rho} {angle}: {spin}");
+        }
+    }
+}
+
+/// The same off its axis, on a hinge: joints hold positions, and the velocities are projected onto them.
+#[test]
+fn a_body_on_a_hinge_that_turns_fast_gains_no_spin() {
+    for (rho, least) in [(0.0, 0.7), (0.5, 0.96), (0.8, 0.99), (0.9, 0.999)] {
+        let arm = RigidBody {
+            angular_velocity: [0.0, 0.0, 100.0],
+            velocity: [0.0, 50.0, 0.0],
+            ..body("arm", [0.5, 0.0, 0.0], 1.0, Some([0.01, 0.02, 0.02]))
+        };
+        let hinge = revolute("hinge", "ground", "arm", [0.0; 3], [0.0, 0.0, 1.0]);
+        let mut model = machine(1.0, 2e-3, vec![arm], vec![hinge]);
+        let Analysis::Transient(options) = &mut model.analysis else { panic!("no motion") };
+        options.scheme = scheme(rho);
+        let (system, state) = run(&model, &mut Notes::default());
+        let spin = BodyMotion::new(&system, &state, &system.coordinates.bodies[0]).angular_velocity.z;
+        assert!(spin > 100.0 * least && spin < 100.0 * (1.0 + 1e-9), "{rho}: {spin}");
     }
 }

@@ -461,3 +461,67 @@ fn supports_and_springs_together_hold_a_plate() {
         assert!(*a > 1.0 && (a / b - 1.0).abs() < 1e-6, "{supported:?} {jointed:?}");
     }
 }
+
+/// A plate all of whose nodes are attached to a body is a rigid plate: on an elastic foundation it translates with ω² = k A/m, and turns
+/// with ω² = k ∫r² dA/J about each axis.
+#[test]
+fn a_plate_that_is_a_part_of_a_body_vibrates_on_its_foundation() {
+    let (a, b, k) = (1.0, 0.6, [1e4, 2e4, 3e4]);
+    let mut model = crate::common::model(crate::common::plate([a, b], [1, 1], 0.0), 1e9, 0.01);
+    model.conditions.clear();
+    let (mass, inertia) = (10.0, [1.0, 2.0, 2.5]);
+    let mut plate = body("plate", [0.5 * a, 0.5 * b, 0.0], mass, Some(inertia));
+    plate.attached = vec!["all".into()];
+    model.bodies = vec![plate];
+    model.foundations = vec![Foundation::Area(AreaFoundation {
+        on: "all".into(),
+        stiffness: k,
+        normal: 0.0,
+        retardation_time: 0.0,
+    })];
+    model.analysis = modal(6, false);
+    let shell = 0.01 * a * b;
+    let area = a * b;
+    let [second_x, second_y] = [area * b * b / 12.0, area * a * a / 12.0];
+    let total = mass + shell;
+    // The plate of density 1 and thickness 0.01 adds its own inertia.
+    let own = [b * b, a * a, a * a + b * b].map(|square| shell * square / 12.0);
+    let j: Vec<f64> = inertia.iter().zip(own).map(|(body, plate)| body + plate).collect();
+    let mut expected = [
+        k[0] * area / total,
+        k[1] * area / total,
+        k[2] * area / total,
+        k[2] * second_x / j[0],
+        k[2] * second_y / j[1],
+        (k[0] * second_x + k[1] * second_y) / j[2],
+    ];
+    expected.sort_by(f64::total_cmp);
+    for (omega, square) in omegas(&model).into_iter().zip(expected) {
+        assert!((omega / square.sqrt() - 1.0).abs() < 1e-5, "{omega} {}", square.sqrt());
+    }
+}
+
+/// A stiff shaft on a hinge and a soft spring: ω² = k L²/J, far below the round-off of the stiffness of many short elements.
+#[test]
+fn a_soft_mode_of_a_stiff_beam_is_not_taken_for_a_mechanism() {
+    for (radius, stiffness) in [(0.05, 1.0), (0.1, 10.0)] {
+        // Elements have half of their mass at each end: the inertia of the rod is larger by 1/(2n²) of it.
+        for (elements, tolerance) in [(10, 3e-3), (100, 1e-4)] {
+            let section = BeamSection::Circle(CircularSection { radius, inner_radius: 0.0 });
+            let ends = [[0.0; 3], [1.0, 0.0, 0.0]];
+            let mut beam = Beam::straight("b", ends, elements, [0.0, 1.0, 0.0], section);
+            beam.material = Some("s".into());
+            let hinge = revolute("h", "ground", "b.start", [0.0; 3], [0.0, 0.0, 1.0]);
+            let mut model = Model::of_bodies(modal(2, false), Vec::new(), vec![hinge]);
+            model.materials.insert("s".into(), Material::Isotropic(Isotropic::new(2.1e11, 0.3, 7850.0)));
+            model.beams = vec![beam];
+            model.springs = vec![to_ground("s", "b.end", [[1.0, 1.0, 0.0], [1.0, 0.0, 0.0]], stiffness)];
+            let area = std::f64::consts::PI * radius * radius;
+            // Of rigid cross-sections: the slender rod and the rotary inertia.
+            let inertia = 7850.0 * (area / 3.0 + 0.25 * area * radius * radius);
+            let found = omegas(&model)[0];
+            let expected = (stiffness / inertia).sqrt();
+            assert!((found / expected - 1.0).abs() < tolerance, "{radius} {elements}: {found} {expected}");
+        }
+    }
+}

@@ -508,7 +508,8 @@ fn steps_in_which_a_body_turns_too_far_are_cut_back() {
     let model = Model { loads: vec![load], ..machine(5.0, 1.0, vec![disc], Vec::new()) };
     let mut notes = Notes::default();
     let (system, state) = run(&model, &mut notes);
-    assert!(notes.events.iter().all(|e| e.contains("cut-back")) && !notes.events.is_empty());
+    assert!(notes.events.iter().all(|e| e.contains("cut-back") || e.contains("lags behind")));
+    assert!(notes.events.iter().any(|e| e.contains("cut-back")));
     let omega = spin(&system, &state, 0).z;
     // Steps of up to 2 rad: the angular velocity has the error of the second-order scheme, the momentum has none.
     assert!((omega / 250.0 - 1.0).abs() < 0.2, "{omega}");

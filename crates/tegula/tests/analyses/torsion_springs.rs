@@ -147,8 +147,7 @@ fn a_static_moment_winds_the_spring_up_beyond_a_turn() {
 fn discs_on_torsion_springs_vibrate_as_a_chain() {
     let bodies = ["a", "b"].map(|name| body(name, [0.0; 3], 1.0, Some([0.3, 0.3, 0.5]))).to_vec();
     let hinges = ["a", "b"].map(|name| revolute(name, "ground", name, [0.0; 3], [0.0, 0.0, 1.0])).to_vec();
-    let mut model =
-        Model::of_bodies(Analysis::Modal(ModalAnalysis::new(2)), bodies, hinges);
+    let mut model = Model::of_bodies(Analysis::Modal(ModalAnalysis::new(2)), bodies, hinges);
     model.torsion_springs = vec![
         spring(["ground", "a"], 2.0, 0.0, 0.0),
         TorsionSpring { name: "second".into(), ..spring(["a", "b"], 2.0, 0.0, 0.0) },
@@ -243,4 +242,60 @@ fn torsion_springs_between_points_are_refused() {
         TorsionSpring { axis: [0.0; 3], ..spring(["ground", "wheel"], 1.0, 0.0, 0.0) },
         "torsion_springs[0].axis",
     );
+}
+
+/// A moment winds a spring through several turns in a few load steps: θ = M/k, with the work ½ M θ, whatever the steps.
+#[test]
+fn a_moment_winds_a_spring_in_few_load_steps_with_the_work_of_its_turns() {
+    for (moment, load_steps) in [(1.0, 1), (10.0, 2), (10.0, 1), (20.0, 1), (20.0, 8)] {
+        let wheel = body("wheel", [0.0; 3], 2.0, Some([0.05, 0.05, 0.09]));
+        let hinge = revolute("ax", "ground", "wheel", [0.0; 3], [0.0, 0.0, 1.0]);
+        let options = StaticAnalysis { load_steps, ..StaticAnalysis::default() };
+        let mut model = Model::of_bodies(Analysis::Static(options.clone()), vec![wheel], vec![hinge]);
+        model.torsion_springs = vec![TorsionSpring {
+            name: "clock".into(),
+            between: ["ground".into(), "wheel".into()],
+            axis: [0.0, 0.0, 1.0],
+            stiffness: 1.0,
+            damping: 0.0,
+            free_angle: 0.0,
+        }];
+        model.loads = vec![Load::Moment(crate::common::vector_load("wheel", [0.0, 0.0, moment]))];
+        let system = compile::build(&model, &mesh::generators::generate(&model.mesh).unwrap()).unwrap();
+        let outcome = tegula::analysis::statics::run(&system, &options, None, &mut Silent).unwrap();
+        let [angle, _] = torsion_angles_and_moments(&system, &outcome.state)[0];
+        assert!((angle - moment).abs() < 1e-9, "{moment} {load_steps}: {angle}");
+        let work = 0.5 * moment * moment;
+        assert!((outcome.state.work / work - 1.0).abs() < 1e-9, "{}", outcome.state.work);
+        assert!(outcome.balance.total.abs() < 1e-9 * work, "{}", outcome.balance.total);
+    }
+}
+
+/// A drive that winds a spring by 1000° does the work ½ k θ².
+#[test]
+fn a_static_drive_does_the_work_that_a_spring_stores() {
+    let wheel = body("wheel", [0.0; 3], 2.0, Some([0.05, 0.05, 0.09]));
+    let hinge = revolute("ax", "ground", "wheel", [0.0; 3], [0.0, 0.0, 1.0]);
+    let drive = Joint::DrivenAngle(DrivenAngleJoint {
+        name: "motor".into(),
+        between: ["ground".into(), "wheel".into()],
+        axis: [0.0, 0.0, 1.0],
+        angle: 1000.0,
+        amplitude: "ramp".into(),
+    });
+    let options = StaticAnalysis::default();
+    let mut model = Model::of_bodies(Analysis::Static(options.clone()), vec![wheel], vec![hinge, drive]);
+    model.amplitudes.insert("ramp".into(), Amplitude::Ramp(RampAmplitude { start: 0.0, end: 1.0 }));
+    model.torsion_springs = vec![TorsionSpring {
+        name: "clock".into(),
+        between: ["ground".into(), "wheel".into()],
+        axis: [0.0, 0.0, 1.0],
+        stiffness: 2.0,
+        damping: 0.0,
+        free_angle: 0.0,
+    }];
+    let system = compile::build(&model, &mesh::generators::generate(&model.mesh).unwrap()).unwrap();
+    let outcome = tegula::analysis::statics::run(&system, &options, None, &mut Silent).unwrap();
+    let work = 1000.0_f64.to_radians().powi(2);
+    assert!((outcome.state.work / work - 1.0).abs() < 1e-9, "{} {work}", outcome.state.work);
 }

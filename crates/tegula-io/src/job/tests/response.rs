@@ -85,11 +85,15 @@ fn the_frequency_response_is_the_transfer_function_of_the_state_space() {
     let (inputs, outputs) = (list("inputs"), list("outputs"));
     assert_eq!(inputs, ["shaker", "base"]);
     let of_body = ["ux", "uy", "uz", "rx", "ry", "rz"].map(|column| format!("body.hub.{column}"));
-    assert_eq!(outputs, [["tip.ux", "tip.uy", "tip.uz"].map(str::to_owned).to_vec(), of_body.to_vec()].concat());
+    assert_eq!(
+        outputs,
+        [["tip.ux", "tip.uy", "tip.uz"].map(str::to_owned).to_vec(), of_body.to_vec()].concat()
+    );
     let coordinates = names["coordinates"].as_array().unwrap();
     assert!(coordinates.len() > 4 && coordinates[3]["kind"] == "mode");
     assert_eq!(coordinates[4]["kind"], "residual vector");
-    let [a, b, c, d] = list("files").try_into().map(|files: [String; 4]| files.map(|f| matrix(&out.join(f)))).unwrap();
+    let [a, b, c, d] =
+        list("files").try_into().map(|files: [String; 4]| files.map(|f| matrix(&out.join(f)))).unwrap();
     assert_eq!(a.shape(), (2 * coordinates.len(), 2 * coordinates.len()));
     assert!(d.shape() == (9, 2) && d.iter().all(|d| *d == 0.0));
 
@@ -104,7 +108,9 @@ fn the_frequency_response_is_the_transfer_function_of_the_state_space() {
         let size = tegula::norm::max_norm(transfer.iter().map(|value| value.norm()));
         for (i, output) in outputs.iter().enumerate() {
             for (j, input) in inputs.iter().enumerate() {
-                let at = |what: &str| columns.iter().position(|n| *n == format!("{output}/{input}.{what}")).unwrap();
+                let at = |what: &str| {
+                    columns.iter().position(|n| *n == format!("{output}/{input}.{what}")).unwrap()
+                };
                 let (amplitude, phase) = (row[at("amplitude")], row[at("phase")]);
                 assert!(phase > -180.0 && phase <= 180.0);
                 let found = Complex::from_polar(amplitude, phase.to_radians());
@@ -115,7 +121,8 @@ fn the_frequency_response_is_the_transfer_function_of_the_state_space() {
     }
     // The hub turns about its pin, and its centre stays there.
     let last = &rows[0];
-    let amplitude = |name: &str| last[columns.iter().position(|n| n == &format!("{name}.amplitude")).unwrap()];
+    let amplitude =
+        |name: &str| last[columns.iter().position(|n| n == &format!("{name}.amplitude")).unwrap()];
     assert!(amplitude("body.hub.ry/base") > 1e-4 && amplitude("body.hub.uz/base") < 1e-12);
     assert!(out.join("frequency_response.png").exists());
 
@@ -127,5 +134,9 @@ fn the_frequency_response_is_the_transfer_function_of_the_state_space() {
     run(&without, &JobOptions { force: true, ..options(&out, false) }, &mut Unwatched).unwrap();
     let left = |name: &str| out.join(name).exists();
     assert!(left("modes.csv"));
-    assert!(!["frequency_response.csv", "frequency_response.png", "state_space.json", "state_space_c.mtx"].map(left).contains(&true));
+    assert!(
+        !["frequency_response.csv", "frequency_response.png", "state_space.json", "state_space_c.mtx"]
+            .map(left)
+            .contains(&true)
+    );
 }

@@ -272,7 +272,7 @@ impl Integrator for Newmark {
         &self.u
     }
 
-    fn finish(&mut self, system: &System, state: &mut State) {
+    fn finish(&mut self, system: &System, _newton: &mut Newton, state: &mut State) {
         project_rates(system, &self.u, &mut self.v, &mut self.a);
         state.u.copy_from_slice(&self.u);
         state.v.copy_from_slice(&self.v);

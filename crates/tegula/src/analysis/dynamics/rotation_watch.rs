@@ -4,10 +4,10 @@
 //! instead of ωΔt in a step: energy and momenta stay right, and the angle lags behind by about (ωΔt)²/12 of it. Automatic steps see this
 //! in their local error. Constant ones keep the lag without a sign of it.
 
+use crate::Vec3;
 use crate::analysis::Observer;
 use crate::element::Nodal;
 use crate::system::System;
-use crate::Vec3;
 use rayon::prelude::*;
 use tegula_sparse::norm::larger;
 
@@ -103,9 +103,11 @@ fn largest(system: &System, u: [&[Nodal]; 2]) -> Turned {
     };
     let shells = system.shells.par_iter().with_min_len(CHUNK).enumerate().map(|(i, shell)| {
         let vectors = system.groups[shell.groups.start].vectors(shell.member);
-        let [before, after] =
-            u.map(|u| [1, 3].map(|corner| at(u, vectors[corner]) - at(u, vectors[0])));
-        Turned { angle: larger(between(before[0], after[0]), between(before[1], after[1])), place: Place::Shell(i) }
+        let [before, after] = u.map(|u| [1, 3].map(|corner| at(u, vectors[corner]) - at(u, vectors[0])));
+        Turned {
+            angle: larger(between(before[0], after[0]), between(before[1], after[1])),
+            place: Place::Shell(i),
+        }
     });
     let more = |a: Turned, b: Turned| if b.angle > a.angle { b } else { a };
     let none = || Turned { angle: 0.0, place: Place::Body(0) };

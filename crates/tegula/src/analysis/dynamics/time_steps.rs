@@ -319,7 +319,7 @@ pub(super) fn finish(
     state.work += step_work.work + strains;
     state.dissipated += step_work.dissipated;
     old_velocities.copy_from_slice(&state.v);
-    scheme.finish(system, state);
+    scheme.finish(system, newton, state);
     if !system.linear {
         predictor::remember(old_velocities, span.dt, state);
     }

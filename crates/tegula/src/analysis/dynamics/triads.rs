@@ -80,6 +80,42 @@ pub(super) fn project_rates(system: &System, u: &[Nodal], v: &mut [Nodal], a: &m
     system.dofs().carry(a);
 }
 
+/// Conditioning of an inertia tensor below which it has no inverse: of a thin rod, which has none about its axis.
+const NO_INERTIA: f64 = 1e-12;
+
+/// Projects the velocities of bodies onto those of rigid motions in the norm of their kinetic energy: linear momentum and moment of
+/// momentum about the mass centre stay as they are. Attached vectors follow.
+pub(super) fn project_velocities(system: &System, u: &[Nodal], v: &mut [Nodal]) {
+    for body in &system.coordinates.bodies {
+        let Some(triad) = &body.directors else { continue };
+        let d = directors(system, u, triad);
+        let rates = triad.map(|i| Vec3::from(v[i as usize]));
+        let (mass, euler) = body.inertia();
+        let inertia = (Mat3::identity() * euler.trace()) - d * euler * d.transpose();
+        let mut momentum = Vec3::zeros();
+        for i in 0..3 {
+            for j in 0..3 {
+                momentum += d.column(i).cross(&rates[j]) * euler[(i, j)];
+            }
+        }
+        let regular = inertia.determinant().abs() > NO_INERTIA * euler.trace().powi(3);
+        let by_momentum = inertia.try_inverse().filter(|_| regular).map(|inverse| inverse * momentum);
+        let mean = || (0..3).map(|i| d.column(i).cross(&rates[i])).sum::<Vec3>() * 0.5;
+        let omega = by_momentum.unwrap_or_else(mean);
+        let first = body.patch.1;
+        for (i, &n) in triad.iter().enumerate() {
+            let turned = omega.cross(&d.column(i));
+            if mass > 0.0 {
+                let moved = (rates[i] - turned) * (first[i] / mass);
+                let centre = &mut v[body.centre as usize];
+                (0..3).for_each(|c| centre[c] += moved[c]);
+            }
+            v[n as usize] = turned.into();
+        }
+    }
+    system.dofs().carry(v);
+}
+
 /// Largest rotation of a body in a step (rad). The directors in the middle of a step of half a turn vanish: beyond it the equations
 /// of the step have other solutions.
 pub(super) const MOST_ROTATION: f64 = 2.0;

@@ -112,7 +112,10 @@ pub(super) fn refine(
     };
     Err(Error::NotConverged {
         at: format!("the frequency {:.6e}", worst.frequency),
-        reason: format!("the response has an error of {:.1e} in the energy norm, above {TOLERANCE:.0e}", worst.error),
+        reason: format!(
+            "the response has an error of {:.1e} in the energy norm, above {TOLERANCE:.0e}",
+            worst.error
+        ),
         help: "Ask for more modes, or for a smaller range of frequencies.".into(),
     })
 }
@@ -126,7 +129,11 @@ struct Worst {
 }
 
 /// Of each input the response with the largest error above the tolerance.
-fn worst_errors(reduction: &mut Reduction, frequencies: &[f64], observer: &dyn Observer) -> Result<Vec<Worst>> {
+fn worst_errors(
+    reduction: &mut Reduction,
+    frequencies: &[f64],
+    observer: &dyn Observer,
+) -> Result<Vec<Worst>> {
     let reduced = reduction.reduced();
     let mut out = Vec::new();
     for input in 0..reduced.names.len() {
@@ -145,7 +152,11 @@ fn worst_errors(reduction: &mut Reduction, frequencies: &[f64], observer: &dyn O
 }
 
 /// Error of the response to an input at a frequency.
-fn error(reduction: &mut Reduction, reduced: &ReducedModel, (frequency, input): (f64, usize)) -> Result<Worst> {
+fn error(
+    reduction: &mut Reduction,
+    reduced: &ReducedModel,
+    (frequency, input): (f64, usize),
+) -> Result<Worst> {
     let omega = TAU * frequency;
     let q = reduced.response(omega, input);
     let bounded = |(j, q): (usize, &Complex<f64>)| {

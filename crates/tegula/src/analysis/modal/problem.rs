@@ -5,14 +5,14 @@
 //! is small beside the shift of the one is large beside that of the other, and round-off of the stiff part hides the
 //! soft one. Parts of like frequencies therefore form a group, with a shift of its own.
 
-use super::rigid::{Parts, RigidModes};
+use super::rigid::{Parts, RigidModes, forces_of};
 use crate::analysis::newton::Newton;
 use crate::analysis::{Observer, State, equilibrium};
 use crate::constraint::{SpringGroup, TorsionSpringGroup};
-use crate::element::{Motion, Nodal, TangentWeights};
+use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest, TangentWeights};
 use crate::model::NewtonMethod;
 use crate::system::{EvaluationPoint, System};
-use crate::{Error, Result};
+use crate::{Error, Result, Vec3};
 use tegula_sparse::lanczos::SymmetricOperator;
 use tegula_sparse::{Factor as _, SymmetricPattern};
 
@@ -24,6 +24,9 @@ const FIRST_SHIFT: f64 = 1e-10;
 const ROUND_OFF: f64 = 1e-12;
 /// Number of times that the first shift is multiplied by 100 before the matrix counts as indefinite.
 const ATTEMPTS: usize = 12;
+
+/// Groups whose energy is that of a length or an angle, with the cancellation of its change.
+const OF_SPRINGS: [&str; 2] = [SpringGroup::NAME, TorsionSpringGroup::NAME];
 
 /// Rigid mode in the free degrees of freedom of its part, with its product with M.
 struct Sparse {
@@ -108,9 +111,7 @@ impl<'a> Problem<'a> {
         let rests = |part: usize| !strained && !moved[part];
         let rigid = RigidModes::new(system, &state, &parts, &newton.assembly.frames, rests);
         let linear = system.sections.iter().all(|s| s.section.is_linear());
-        // The energy of springs is that of their length, with the cancellation of its change.
-        let of_springs = [SpringGroup::NAME, TorsionSpringGroup::NAME];
-        let sprung = system.groups.iter().any(|group| of_springs.contains(&group.name()));
+        let sprung = system.groups.iter().any(|group| OF_SPRINGS.contains(&group.name()));
         let mut out = Self {
             system,
             newton,
@@ -122,7 +123,7 @@ impl<'a> Problem<'a> {
             group_of: Vec::new(),
             parts,
             rigid,
-            stress_free: equilibrium.is_none() && linear && !strained && !sprung,
+            stress_free: equilibrium.is_none() && linear && !strained,
             sprung,
             state,
             penalty,
@@ -137,8 +138,8 @@ impl<'a> Problem<'a> {
         let part_of = self.part_of_unknowns();
         let mut lowest = vec![f64::INFINITY; self.parts.count()];
         let diagonals = self.pattern.diagonal(&self.stiffness).zip(self.pattern.diagonal(&self.mass));
-        // Joints may hold what loads would tip over, and springs leave some motions of bodies free.
-        let loose = self.sprung || !self.system.joints.is_empty();
+        // Joints may hold what loads would tip over; springs, and nodes to which bodies are attached, leave some motions of bodies free.
+        let loose = self.sprung || self.system.may_be_loose();
         let counts = |k: f64, m: f64| m > 0.0 && (k > 0.0 || !loose);
         for ((k, m), &part) in diagonals.zip(&part_of).filter(|((k, m), _)| counts(*k, *m)) {
             lowest[part] = lowest[part].min(k / m);
@@ -270,17 +271,51 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Energy of a small motion from the state, summed from its strains without cancellation.
+    /// Energy of a small motion from the state, summed from its strains without cancellation; that of springs by their tangent.
     pub fn small_strain_energy(&mut self, shape: &[Nodal]) -> f64 {
         let motion = Motion::State { u: shape, velocity: None };
         let k = EvaluationPoint { motion, linear: true, time: 0.0, internal: (&self.state.history).into() };
-        self.newton.assembly.strain_energy(self.system, &k)
+        if !self.sprung {
+            return self.newton.assembly.strain_energy(self.system, &k);
+        }
+        let (factors, state): (Vec<f64>, _) =
+            (self.system.factors(self.state.time).collect(), self.state.point(self.system));
+        let of_group = |(number, group, _): (usize, &dyn ElementGroup, _)| {
+            if OF_SPRINGS.contains(&group.name()) {
+                return tangent_energy(group, &state.of_group(self.system, number, &factors), shape);
+            }
+            let mut energies = vec![0.0; group.len()];
+            group.energies(&k.of_group(self.system, number, &factors), &mut energies);
+            energies.iter().sum()
+        };
+        self.system.numbered_groups().map(of_group).sum()
     }
 
     /// Shift-invert operator of a group with the present factor.
     pub fn operator<'b>(&'b mut self, group: usize, watch: &'b dyn Observer) -> ShiftInvert<'b, 'a> {
         ShiftInvert { problem: self, group, watch }
     }
+}
+
+/// Energy ½ φ·K φ of a group by its tangent K.
+fn tangent_energy(group: &dyn ElementGroup, k: &GroupPoint, shape: &[Nodal]) -> f64 {
+    let n = group.vectors_per_element();
+    let size = 9 * n * (n + 1) / 2;
+    let (mut forces, mut blocks) = (vec![0.0; 3 * n * group.len()], vec![0.0; size * group.len()]);
+    let request = TangentRequest {
+        weights: TangentWeights::STATIC,
+        stress: None,
+        prescribed: None,
+        blocks: &mut blocks,
+    };
+    group.evaluate(k, 0, &mut forces, Some(request));
+    let of_element = |(element, blocks): (usize, &[f64])| {
+        let vectors = group.vectors(element);
+        let value = |a: usize| Vec3::from(shape[vectors[a] as usize]);
+        let forces = forces_of(blocks, value, n);
+        forces.iter().enumerate().map(|(a, f)| 0.5 * f.dot(&value(a))).sum::<f64>()
+    };
+    blocks.chunks_exact(size).enumerate().map(of_element).sum()
 }
 
 /// Tangent at a state, in the free degrees of freedom; the loads on inextensible directors enter at an equilibrium.

@@ -238,10 +238,18 @@ impl<'p, 'a> Reduction<'p, 'a> {
         let modal = |i: usize| 2.0 * self.damping_ratio * lambdas[i].max(0.0).sqrt();
         let damping = DMatrix::from_fn(n, n, |i, j| {
             let own = if i == j { modal(i) } else { 0.0 };
-            own + 0.5 * (dot(&self.basis[i].x, &self.basis[j].c_x) + dot(&self.basis[j].x, &self.basis[i].c_x))
+            own + 0.5
+                * (dot(&self.basis[i].x, &self.basis[j].c_x) + dot(&self.basis[j].x, &self.basis[i].c_x))
         });
         let input = DMatrix::from_fn(n, self.forces.len(), |i, j| dot(&self.basis[i].x, &self.forces[j]));
-        ReducedModel { modes: self.modes, damping, input, names: self.names.clone(), shapes: Vec::new(), lambdas }
+        ReducedModel {
+            modes: self.modes,
+            damping,
+            input,
+            names: self.names.clone(),
+            shapes: Vec::new(),
+            lambdas,
+        }
     }
 
     /// The reduced model with its shapes.
@@ -277,13 +285,8 @@ impl<'p, 'a> Reduction<'p, 'a> {
 /// Damping matrix C about the state: of materials, springs and foundations, and in proportion to the mass.
 fn damping_matrix(problem: &mut Problem) -> Vec<f64> {
     let system = problem.system;
-    let rates = TangentWeights {
-        stress: 0.0,
-        direction: 0.0,
-        rate: 1.0,
-        multiplier: 0.0,
-        ..TangentWeights::STATIC
-    };
+    let rates =
+        TangentWeights { stress: 0.0, direction: 0.0, rate: 1.0, multiplier: 0.0, ..TangentWeights::STATIC };
     let state = problem.state.clone();
     let parts = TangentCoefficients { weights: rates, mass: system.mass_damping, time: state.time };
     let mut internal = vec![[0.0; 3]; system.vectors()];

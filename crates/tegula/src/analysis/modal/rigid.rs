@@ -56,6 +56,7 @@ impl Parts {
         system.pattern.for_each_mass(|i, j, _| join(i as u32, j as u32));
         for body in &system.coordinates.bodies {
             body.directors.iter().flatten().for_each(|&director| join(body.centre, director));
+            body.attached.iter().for_each(|attached| join(body.centre, attached.vector));
         }
         let mut of_vector = vec![u32::MAX; system.vectors()];
         let mut count = 0;
@@ -324,7 +325,7 @@ fn add_ground_gram(
 }
 
 /// Product of the lower blocks of an element's tangent with its nodal vectors.
-fn forces_of(blocks: &[f64], value: impl Fn(usize) -> Vec3, n: usize) -> Vec<Vec3> {
+pub(super) fn forces_of(blocks: &[f64], value: impl Fn(usize) -> Vec3, n: usize) -> Vec<Vec3> {
     let mut out = vec![Vec3::zeros(); n];
     let pairs = (0..n).flat_map(|a| (0..=a).map(move |b| (a, b)));
     for ((a, b), block) in pairs.zip(blocks.chunks_exact(9)) {

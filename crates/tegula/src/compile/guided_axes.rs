@@ -1,0 +1,69 @@
+//! Axes of drives and torsion springs against those of the joints beside which they stand.
+//!
+//! A drive of an angle about another axis than that of the hinge beside it holds an angle of projections, which is not the angle of the
+//! hinge.
+
+use crate::Vec3;
+use crate::checker::Checker;
+use crate::model::{Joint, Model};
+
+/// Sine of the angle above which two axes are different.
+const PARALLEL: f64 = 1e-6;
+
+/// What is driven.
+#[derive(Clone, Copy, PartialEq)]
+enum Motion {
+    Rotation,
+    Translation,
+}
+
+/// Joint that leaves a motion about or along its axis free, with the names of both sides.
+fn guide(joint: &Joint, motion: Motion) -> Option<(&str, &[String; 2], Vec3)> {
+    let keys = match (joint, motion) {
+        (Joint::Revolute(keys) | Joint::Planar(keys), Motion::Rotation)
+        | (Joint::Prismatic(keys), Motion::Translation)
+        | (Joint::Cylindrical(keys), _) => keys,
+        _ => return None,
+    };
+    Some((&keys.name, &keys.between, keys.axis.into()))
+}
+
+/// Adds drives and torsion springs whose axis is not that of the joint between the same two sides.
+pub(super) fn keys(model: &Model, c: &mut Checker) {
+    for (i, joint) in model.joints.iter().enumerate() {
+        let (axis, motion) = match joint {
+            Joint::DrivenAngle(keys) => (keys.axis, Motion::Rotation),
+            Joint::DrivenLength(keys) => (keys.axis, Motion::Translation),
+            _ => continue,
+        };
+        let keys = joint.common();
+        let what = format!("the drive \"{}\"", keys.name());
+        one(model, (&format!("joints[{i}]"), &what), (keys.between(), axis), motion, c);
+    }
+    for (i, spring) in model.torsion_springs.iter().enumerate() {
+        let what = format!("the torsion spring \"{}\"", spring.name);
+        let key = format!("torsion_springs[{i}]");
+        one(model, (&key, &what), (&spring.between, spring.axis), Motion::Rotation, c);
+    }
+}
+
+fn one(
+    model: &Model,
+    (key, what): (&str, &str),
+    (between, axis): (&[String; 2], [f64; 3]),
+    motion: Motion,
+    c: &mut Checker,
+) {
+    let axis = Vec3::from(axis);
+    let same = |other: &[String; 2]| other == between || (other[0] == between[1] && other[1] == between[0]);
+    let guides = model.joints.iter().filter_map(|joint| guide(joint, motion));
+    for (name, _, guided) in guides.filter(|(_, other, _)| same(other)) {
+        if axis.cross(&guided).norm() > PARALLEL * axis.norm() * guided.norm() {
+            c.add(
+                format!("{key}.axis"),
+                format!("the axis of {what} is not that of the joint \"{name}\" between the same two sides"),
+                "give both the same axis",
+            );
+        }
+    }
+}
