@@ -18,6 +18,7 @@ mod scheme;
 pub mod section;
 mod spring;
 pub mod supports;
+pub mod surface;
 mod units;
 
 use std::collections::BTreeMap;
@@ -48,6 +49,7 @@ pub use scheme::*;
 pub use section::{Layup, LayupPly, Section, StackedPly};
 pub use spring::{SpringDamper, TorsionSpring};
 pub use supports::Condition;
+pub use surface::TriangulatedSurface;
 pub use units::Units;
 
 /// A whole model: mesh, materials, sections, conditions, loads, analysis, output.
