@@ -1,20 +1,24 @@
 //! From the model file to the mesh and the compiled system.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use tegula::compile::{Compiler, StepModel, check, soft_folds, warnings, warnings_before_start};
 use tegula::mesh::generators;
+use tegula::model::{BodyShape, TriangulatedSurface};
 use tegula::result::Probe;
-use tegula::{Error, Issue, Mesh, System};
+use tegula::{Error, Issue, Mesh, Model, System};
 
 use super::JobError;
 use crate::deck::{Deck, Diagnostic};
 use crate::memory;
-use crate::mesh::{self, FileMesh};
+use crate::mesh::{self, FileMesh, stl};
 use crate::out::fingerprint;
 
 /// A model file ready to run.
 pub struct Prepared {
+    /// The model, with the surfaces of its bodies.
+    pub model: Arc<Model>,
     /// The mesh.
     pub mesh: Arc<Mesh>,
     /// The compiled model; of several analysis steps the first one.
@@ -23,7 +27,7 @@ pub struct Prepared {
     pub probes: Vec<Probe>,
     /// Warnings: the model can be computed but is most likely not intended.
     pub warnings: Vec<Diagnostic>,
-    /// Fingerprint of the model file and of its mesh file.
+    /// Fingerprint of the model file, of its mesh file and of the files of surfaces.
     pub fingerprint: u64,
 }
 
@@ -36,15 +40,21 @@ pub fn prepare(deck: &Deck) -> Result<Prepared, JobError> {
     if let Some(issue) = memory::too_large(&deck.model, memory::limit()) {
         return Err(located(vec![issue]));
     }
-    let (mesh, fingerprint) = mesh(deck).map_err(|mut issues| {
+    let mut model = deck.model.clone();
+    let mut issues = Vec::new();
+    let surfaces = surfaces(deck, &mut model, &mut issues);
+    let read = mesh(deck).map_err(|found| issues.extend(found));
+    let (true, Ok((mesh, fingerprint))) = (issues.is_empty(), read) else {
         // Without a mesh the sets cannot be checked, but everything else can.
-        issues.extend(check::keys(&deck.model));
-        located(issues)
-    })?;
-    match compiled(deck, &mesh) {
+        issues.extend(check::keys(&model));
+        return Err(located(issues));
+    };
+    let fingerprint = surfaces.into_iter().fold(fingerprint, combined);
+    match compiled(&model, &mesh) {
         Ok((system, probes, warnings)) => {
             let warnings = deck.locate(&warnings);
-            Ok(Prepared { mesh: Arc::new(mesh), system, probes, warnings, fingerprint })
+            let (model, mesh) = (Arc::new(model), Arc::new(mesh));
+            Ok(Prepared { model, mesh, system, probes, warnings, fingerprint })
         }
         Err(error) => Err(located(issues_of(error))),
     }
@@ -52,12 +62,12 @@ pub fn prepare(deck: &Deck) -> Result<Prepared, JobError> {
 
 /// System of the first analysis step, recorded points, and warnings. The systems of all later steps are made, too, so
 /// that their mistakes show before anything is computed.
-fn compiled(deck: &Deck, mesh: &Mesh) -> tegula::Result<(System, Vec<Probe>, Vec<Issue>)> {
-    let compiler = Compiler::new(&deck.model, mesh)?;
+fn compiled(model: &Model, mesh: &Mesh) -> tegula::Result<(System, Vec<Probe>, Vec<Issue>)> {
+    let compiler = Compiler::new(model, mesh)?;
     let first = compiler.system(0, None)?;
-    let probes = Probe::all(&deck.model.output.points, mesh, &first)?;
-    if deck.model.steps.is_empty() {
-        let warnings = warnings(&deck.model, mesh, &first);
+    let probes = Probe::all(&model.output.points, mesh, &first)?;
+    if model.steps.is_empty() {
+        let warnings = warnings(model, mesh, &first);
         return Ok((first, probes, warnings));
     }
     let mut issues = Vec::new();
@@ -95,8 +105,35 @@ fn mesh(deck: &Deck) -> Result<(Mesh, u64), Vec<Issue>> {
     if !issues.is_empty() {
         return Err(issues);
     }
-    let both = [text.to_le_bytes(), fingerprint(&bytes).to_le_bytes()].concat();
-    Ok((mesh, fingerprint(both)))
+    Ok((mesh, combined(text, fingerprint(&bytes))))
+}
+
+/// Fingerprint of two files.
+fn combined(first: u64, second: u64) -> u64 {
+    fingerprint([first.to_le_bytes(), second.to_le_bytes()].concat())
+}
+
+/// Reads the surfaces of bodies into the model; returns the fingerprints of their files. A file that several bodies name is read
+/// once.
+fn surfaces(deck: &Deck, model: &mut Model, issues: &mut Vec<Issue>) -> Vec<u64> {
+    let mut read: BTreeMap<String, Option<(Arc<TriangulatedSurface>, u64)>> = BTreeMap::new();
+    let mut out = Vec::new();
+    for (i, body) in model.bodies.iter_mut().enumerate() {
+        let Some(BodyShape::Stl(shape)) = &mut body.shape else { continue };
+        let of_file =
+            read.entry(shape.file.clone()).or_insert_with(|| match stl::read(&deck.beside(&shape.file)) {
+                Ok((surface, bytes)) => Some((Arc::new(surface), fingerprint(&bytes))),
+                Err(error) => {
+                    issues.push(error.issue_at(format!("bodies[{i}].shape.file")));
+                    None
+                }
+            });
+        if let Some((surface, print)) = of_file {
+            shape.surface = Some(Arc::clone(surface));
+            out.push(*print);
+        }
+    }
+    out
 }
 
 fn issues_of(error: Error) -> Vec<Issue> {

@@ -23,7 +23,7 @@ pub(super) fn run(
         watch.on_warning("the run in this folder is complete: there is nothing to resume, and its results stay as they are");
         return Ok(done);
     }
-    let compiler = Compiler::new(&deck.model, &prepared.mesh)
+    let compiler = Compiler::new(&prepared.model, &prepared.mesh)
         .map_err(|error| model_error(deck, &options.folder, error))?;
     for listed in compiler.steps().iter().enumerate().map(|(i, step)| listed(i, step)) {
         ResultFolder::refuse_foreign(&options.folder.join(listed.folder))?;
@@ -78,6 +78,7 @@ impl Whole {
             let system =
                 compiler.system(i, begun).map_err(|error| model_error(deck, &options.folder, error))?;
             let of_step = Prepared {
+                model: prepared.model.clone(),
                 mesh: prepared.mesh.clone(),
                 probes: prepared.probes.clone(),
                 warnings: Vec::new(),

@@ -1,4 +1,6 @@
-//! Readers of mesh files of other programs, which give a [`tegula::Mesh`].
+//! Readers of mesh files of other programs, which give a [`tegula::Mesh`], and of the surfaces of rigid bodies.
+
+pub mod stl;
 
 use std::fmt;
 use std::io::ErrorKind;
@@ -61,13 +63,13 @@ pub struct FileMesh {
 }
 
 fn parsed<R: MeshReader>(path: &Path, scale: f64) -> Result<FileMesh, MeshError> {
-    let bytes = load(path, R::SUFFIX)?;
+    let bytes = load(path, ("mesh file", R::SUFFIX))?;
     Ok(FileMesh { mesh: R::parse(path, &bytes, scale)?, bytes })
 }
 
-/// Bytes of the mesh file at `path`, whose name should end with `suffix`. Devices and pipes are refused: they may have no
-/// end.
-pub fn load(path: &Path, suffix: &str) -> Result<Vec<u8>, MeshError> {
+/// Bytes of the file at `path`, a `kind` of file such as "mesh file" whose name should end with `suffix`. Devices and pipes are
+/// refused: they may have no end.
+pub fn load(path: &Path, (kind, suffix): (&str, &str)) -> Result<Vec<u8>, MeshError> {
     let give = format!("give the path of a {suffix} file");
     let refused = |message: String, help: &str| MeshError {
         file: path.to_owned(),
@@ -77,16 +79,16 @@ pub fn load(path: &Path, suffix: &str) -> Result<Vec<u8>, MeshError> {
     };
     let failed = |error: std::io::Error| match error.kind() {
         ErrorKind::NotFound => {
-            refused("there is no such mesh file".into(), "check the path; it is relative to the model file")
+            refused(format!("there is no such {kind}"), "check the path; it is relative to the model file")
         }
-        _ => refused(format!("the mesh file cannot be read: {error}"), "check the file and its permissions"),
+        _ => refused(format!("the {kind} cannot be read: {error}"), "check the file and its permissions"),
     };
-    let kind = std::fs::metadata(path).map_err(failed)?.file_type();
-    if kind.is_dir() {
-        return Err(refused("this is a directory, not a mesh file".into(), &give));
+    let found = std::fs::metadata(path).map_err(failed)?.file_type();
+    if found.is_dir() {
+        return Err(refused(format!("this is a directory, not a {kind}"), &give));
     }
-    if !kind.is_file() {
-        return Err(refused("this is a device or a pipe, not a mesh file".into(), &give));
+    if !found.is_file() {
+        return Err(refused(format!("this is a device or a pipe, not a {kind}"), &give));
     }
     std::fs::read(path).map_err(failed)
 }
@@ -129,8 +131,13 @@ pub struct MeshError {
 impl MeshError {
     /// The error as an issue of the model file, at the key that names the mesh file.
     pub fn issue(&self) -> Issue {
+        self.issue_at("mesh.file")
+    }
+
+    /// The error as an issue of the model file, at the key that names the file.
+    pub fn issue_at(&self, key: impl Into<String>) -> Issue {
         Issue::new(
-            "mesh.file",
+            key.into(),
             format!("{}{}: {}", self.file.display(), self.at, self.message),
             self.help.clone(),
         )

@@ -1,4 +1,4 @@
-//! VTK's XML file for unstructured grids (`.vtu`), for meshes of quadrilaterals and lines.
+//! VTK's XML file for unstructured grids (`.vtu`), for meshes of quadrilaterals, triangles and lines.
 //!
 //! File version 1.0, little endian, `header_type="UInt64"`. All arrays are in the appended section, cut into
 //! blocks that are compressed by zlib and encoded in base64. That is one of the encodings that ParaView,
@@ -29,6 +29,8 @@ const BLOCK: usize = 1 << 16;
 const MARK: &str = "<!-- written by tegula -->\n";
 /// VTK's number for a four-node quadrilateral, `VTK_QUAD`.
 const VTK_QUAD: u8 = 9;
+/// VTK's number for a triangle, `VTK_TRIANGLE`.
+const VTK_TRIANGLE: u8 = 5;
 /// VTK's number for a line of two points, `VTK_LINE`.
 const VTK_LINE: u8 = 3;
 
@@ -63,7 +65,7 @@ impl<'a> DataArray<'a> {
 pub struct VtuGrid<'a> {
     /// Coordinates of the points.
     pub points: &'a [[f64; 3]],
-    /// Corners of the quadrilaterals, as indices into `points`.
+    /// Corners of the quadrilaterals, as indices into `points`; one whose last two corners are the same is a triangle.
     pub quads: &'a [[u32; 4]],
     /// Ends of the lines, as indices into `points`.
     pub lines: &'a [[u32; 2]],
@@ -94,8 +96,13 @@ pub fn is_own(path: &Path) -> bool {
 impl VtuGrid<'_> {
     /// Points of each cell: quadrilaterals, then lines.
     fn cells(&self) -> impl Iterator<Item = &[u32]> {
-        self.quads.iter().map(|quad| &quad[..]).chain(self.lines.iter().map(|line| &line[..]))
+        self.quads.iter().map(corners).chain(self.lines.iter().map(|line| &line[..]))
     }
+}
+
+/// Corners of a quadrilateral, or of a triangle whose last corner stands twice.
+fn corners(quad: &[u32; 4]) -> &[u32] {
+    if quad[2] == quad[3] { &quad[..3] } else { quad }
 }
 
 /// Reports data that do not fit the grid, in words.
@@ -173,8 +180,12 @@ fn write_to(w: &mut dyn Write, grid: &VtuGrid<'_>) -> io::Result<()> {
     });
     append(&mut appended, ends.flat_map(u64::to_le_bytes))?;
     tag(&mut xml, "UInt8", "types", 1, None, appended.len());
-    let types = [(VTK_QUAD, grid.quads.len()), (VTK_LINE, grid.lines.len())];
-    append(&mut appended, types.into_iter().flat_map(|(kind, count)| std::iter::repeat_n(kind, count)))?;
+    let kind = |points: &[u32]| match points.len() {
+        2 => VTK_LINE,
+        3 => VTK_TRIANGLE,
+        _ => VTK_QUAD,
+    };
+    append(&mut appended, grid.cells().map(kind))?;
     xml.push_str("</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"base64\">\n_");
 
     w.write_all(xml.as_bytes())?;

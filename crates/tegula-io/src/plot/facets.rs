@@ -93,7 +93,10 @@ pub(super) fn sharp_sides(quads: &[[u32; 4]], nodes: &[Vec3]) -> Vec<[bool; 4]> 
         [a, b] => a.dot(&b).abs() < SHARP,
         _ => true,
     };
-    quads.iter().map(|quad| std::array::from_fn(|i| normals.get(&side(quad, i)).is_none_or(sharp))).collect()
+    // A triangle has its last corner twice, and no side between the two.
+    let is_side = |quad: &[u32; 4], i: usize| quad[i] != quad[(i + 1) % 4];
+    let edge = |quad: &[u32; 4], i: usize| is_side(quad, i) && normals.get(&side(quad, i)).is_none_or(sharp);
+    quads.iter().map(|quad| std::array::from_fn(|i| edge(quad, i))).collect()
 }
 
 /// Which sides of which quadrilaterals belong to no other.

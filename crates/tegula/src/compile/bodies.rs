@@ -1,23 +1,21 @@
 //! Rigid bodies, point masses and joints: from the model to nodal vectors and constraints.
 
+use super::body_inertia::{self, axes, centre, direction, euler_tensor, mass};
 use super::place::{Place, ends};
 use crate::checker::Checker;
 use crate::constraint::joints::{RelativeAngle, joint};
 use crate::constraint::{Drive, Joint, Spring, TorsionSpring};
 use crate::element::Nodal;
 use crate::mesh::Mesh;
-use crate::model::body::axes_of_space;
 use crate::model::joint::GROUND;
-use crate::model::{self, Analysis, BodyShape, Load, Model, RigidBody, SpringDamper};
+use crate::model::{self, Analysis, Load, Model, RigidBody, SpringDamper};
 use crate::norm::larger;
 use crate::system::Coordinates;
 use crate::system::coordinates::Body;
-use crate::{Issue, Mat3, Vec3};
+use crate::{Issue, Vec3};
 
 /// Longest name of a body or a joint (characters): it becomes part of file names.
 const LONGEST_NAME: usize = 60;
-/// Relative distance of points, and cosine of the angle between directions, that are the same but for round-off.
-const SAME: f64 = 1e-9;
 
 /// Mistakes in the values of bodies and joints.
 pub(super) fn keys(model: &Model, c: &mut Checker) {
@@ -45,7 +43,7 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
     names(model.springs.iter().map(|spring| &spring.name), "springs", &[], c);
     names(model.torsion_springs.iter().map(|spring| &spring.name), "torsion_springs", &[], c);
     for (i, body) in model.bodies.iter().enumerate() {
-        body_values(body, &format!("bodies[{i}]"), c);
+        body_inertia::values(body, &format!("bodies[{i}]"), c);
     }
     for (i, joint) in model.joints.iter().enumerate() {
         let (keys, place) = (joint.common(), format!("joints[{i}]"));
@@ -161,131 +159,11 @@ fn is_node_of(name: &str, beam: &str) -> bool {
     node.is_some_and(|node| node == "start" || node == "end" || node.parse::<u32>().is_ok())
 }
 
-fn cosine([a, b]: [[f64; 3]; 2]) -> f64 {
-    Vec3::from(a).normalize().dot(&Vec3::from(b).normalize())
-}
-
-fn direction(key: &str, value: [f64; 3], c: &mut Checker) {
-    c.finite(key, "the direction", &value);
-    if value.iter().all(|x| x.is_finite()) && !(Vec3::from(value).norm() > 0.0) {
-        c.add(key, "the direction is zero", "give a vector that is not zero");
-    }
-}
-
-fn body_values(body: &RigidBody, key: &str, c: &mut Checker) {
-    c.finite(&format!("{key}.at"), "the position", &body.at);
-    c.finite(&format!("{key}.velocity"), "the velocity", &body.velocity);
-    c.finite(&format!("{key}.angular_velocity"), "the angular velocity", &body.angular_velocity);
-    for (i, axis) in body.axes.iter().enumerate() {
-        direction(&format!("{key}.axes[{i}]"), *axis, c);
-    }
-    if cosine(body.axes).abs() > 1.0 - SAME {
-        c.add(
-            format!("{key}.axes"),
-            "the two directions are parallel",
-            "give two directions that span a plane",
-        );
-    }
-    if let Some(mass) = body.mass {
-        c.positive(&format!("{key}.mass"), "the mass", mass);
-    }
-    if let Some(density) = body.density {
-        c.positive(&format!("{key}.density"), "the density", density);
-    }
-    for size in body.shape.iter().flat_map(|shape| shape.sizes()) {
-        c.positive(&format!("{key}.shape"), "a size of the shape", size);
-    }
-    if let Some(BodyShape::Cylinder(shape)) = body.shape {
-        c.not_negative(&format!("{key}.shape.inner_radius"), "the inner radius", shape.inner_radius);
-        if !(shape.inner_radius < shape.radius) {
-            let message = "the inner radius is not below the radius";
-            c.add(format!("{key}.shape.inner_radius"), message, "give a smaller `inner_radius`");
-        }
-    }
-    let name = &body.name;
-    if body.is_point_mass() && body.axes != axes_of_space() {
-        c.add(
-            format!("{key}.axes"),
-            format!("body \"{name}\" is a point mass, which has no axes"),
-            "give `inertia`, a shape or `attached`, or leave the axes out",
-        );
-    }
-    let wrong = match (body.shape, body.inertia, body.mass, body.density) {
-        (Some(_), Some(_), ..) => Some(("inertia", "has a shape and an inertia", "give one of them")),
-        (None, _, _, Some(_)) => Some(("density", "has a density but no shape", "give `mass`, or a shape")),
-        (Some(_), _, Some(_), Some(_)) => Some(("density", "has a mass and a density", "give one of them")),
-        (Some(shape), _, None, Some(_)) if shape.volume() == 0.0 => {
-            Some(("density", "is a rod, which has no volume", "give `mass`"))
-        }
-        (None, None, None, None) if !body.attached.is_empty() => None,
-        (_, _, None, None) => Some(("mass", "has no mass", "give `mass`")),
-        _ => None,
-    };
-    if let Some((which, message, help)) = wrong {
-        c.add(format!("{key}.{which}"), format!("body \"{name}\" {message}"), help);
-        return;
-    }
-    c.finite(&format!("{key}.products_of_inertia"), "a product of inertia", &body.products_of_inertia);
-    if body.inertia.is_none() && (body.products_of_inertia != [0.0; 3]) {
-        c.add(
-            format!("{key}.products_of_inertia"),
-            format!("body \"{name}\" has products of inertia, but no `inertia`"),
-            "give the moments of inertia, too",
-        );
-    }
-    if body.is_point_mass() && body.angular_velocity != [0.0; 3] {
-        c.add(
-            format!("{key}.angular_velocity"),
-            format!("body \"{name}\" is a point mass, which does not rotate"),
-            "give `inertia` or a shape, or leave the angular velocity out",
-        );
-    }
-    if let Some(inertia) = body.inertia {
-        c.finite(&format!("{key}.inertia"), "a moment of inertia", &inertia);
-        let euler = euler_tensor(body);
-        let smallest = euler.symmetric_eigenvalues().min();
-        if !(smallest >= -SAME * euler.norm()) || !(euler.trace() > 0.0) {
-            c.add(
-                format!("{key}.inertia"),
-                format!("no body has the moments of inertia of \"{name}\": the largest one exceeds the sum of the others, or all vanish"),
-                "check the moments and products of inertia, and that they are about the mass centre",
-            );
-        }
-    }
-}
-
-/// Mass of a body.
-fn mass(body: &RigidBody) -> f64 {
-    let volume = body.shape.map_or(0.0, |shape| shape.volume());
-    body.mass.unwrap_or_else(|| body.density.unwrap_or(0.0) * volume)
-}
-
-/// Euler tensor ∫ρ X Xᵀ dV about the mass centre along the axes of the body.
-fn euler_tensor(body: &RigidBody) -> Mat3 {
-    match (body.shape, body.inertia) {
-        (Some(shape), _) => Mat3::from_diagonal(&(Vec3::from(shape.second_moments()) * mass(body))),
-        (None, Some([a, b, d])) => {
-            let [ab, ad, bd] = body.products_of_inertia;
-            let j = Mat3::new(a, ab, ad, ab, b, bd, ad, bd, d);
-            Mat3::identity() * (0.5 * j.trace()) - j
-        }
-        (None, None) => Mat3::zeros(),
-    }
-}
-
-/// Axes of a body at the reference, as columns.
-fn axes(body: &RigidBody) -> Mat3 {
-    let first = Vec3::from(body.axes[0]).normalize();
-    let second = Vec3::from(body.axes[1]);
-    let third = first.cross(&second).normalize();
-    Mat3::from_columns(&[first, third.cross(&first), third])
-}
-
 /// Adds the nodal vectors of all bodies.
 pub(super) fn add_vectors(model: &Model, coordinates: &mut Coordinates) {
     for body in &model.bodies {
         let rotary = (!body.is_point_mass()).then(|| (axes(body), euler_tensor(body)));
-        coordinates.push_body(&body.name, body.at.into(), (mass(body), rotary));
+        coordinates.push_body(&body.name, centre(body), (mass(body), rotary));
     }
 }
 
@@ -316,7 +194,7 @@ pub(super) fn extent(model: &Model, mesh: &Mesh, coordinates: &Coordinates) -> f
         return mesh.extent();
     }
     let joints = model.joints.iter().flat_map(|joint| joint.common().points()).map(|(_, x)| Vec3::from(x));
-    let bodies = model.bodies.iter().map(|body| Vec3::from(body.at));
+    let bodies = model.bodies.iter().map(centre);
     let points = mesh.positions.iter().copied().chain(joints).chain(bodies);
     let [low, high] = points
         .fold([Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)], |[a, b], x| {

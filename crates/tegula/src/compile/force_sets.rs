@@ -1,5 +1,6 @@
 //! Sets of the mesh whose forces are recovered: those of supports and prescribed motions, and the loads.
 
+use super::body_inertia;
 use crate::Vec3;
 use crate::mesh::Mesh;
 use crate::model::Model;
@@ -29,7 +30,7 @@ pub(super) fn of_loads(model: &Model, mesh: &Mesh) -> Vec<ForceSet> {
         let name = if before == 0 { name } else { format!("{name}#{}", before + 1) };
         let body = model.bodies.iter().find(|body| body.name == on);
         let about =
-            body.map_or_else(|| centre(mesh, if on.is_empty() { "all" } else { on }), |body| body.at.into());
+            body.map_or_else(|| centre(mesh, if on.is_empty() { "all" } else { on }), body_inertia::centre);
         out.push(ForceSet { name, keys: vec![format!("loads[{number}]")], about });
     }
     out

@@ -4,6 +4,7 @@ mod actions;
 mod amplitudes;
 mod beams;
 mod bodies;
+mod body_inertia;
 pub mod check;
 mod check_material;
 mod check_modal;
@@ -113,6 +114,7 @@ impl<'a> Compiler<'a> {
         laws: &BTreeMap<String, Arc<dyn MaterialLaw>>,
     ) -> Result<Self> {
         let mut issues = check::keys(model);
+        issues.extend(body_inertia::unread_surfaces(model));
         if !issues.is_empty() && !model.beams.is_empty() {
             return Err(Error::Model(issues));
         }

@@ -1,8 +1,8 @@
 //! Outline of the bodies, beams and springs of a model.
 //!
-//! A body with a shape has its faces; one without is drawn by lines from its mass centre to its joints, springs and attached nodes.
-//! A beam is drawn with its cross-section, or as a line where only section constants are known. Springs and rods without mass are
-//! lines.
+//! A body with a shape has its faces, one with a surface of triangles that surface; one without is drawn by lines from its mass centre to
+//! its joints, springs and attached nodes. A beam is drawn with its cross-section, or as a line where only section constants are known.
+//! Springs and rods without mass are lines.
 
 use super::place::{Place, ends};
 use crate::Vec3;
@@ -56,7 +56,7 @@ struct Drawing<'a> {
 impl Drawing<'_> {
     fn body(&mut self, data: &RigidBody, body: &Body) {
         let owner = [self.out.add_part(&data.name), 0];
-        let Some((shape, directors)) = data.shape.zip(body.directors) else {
+        let Some((shape, directors)) = data.shape.as_ref().zip(body.directors) else {
             let kinds = &self.place.coordinates.kinds;
             let is_position = |vector: u32| kinds[vector as usize] == VectorKind::Position;
             for node in body.attached.iter().filter(|attached| is_position(attached.vector)) {
@@ -87,6 +87,11 @@ impl Drawing<'_> {
             }
             BodyShape::Rod(shape) => {
                 self.out.line([-0.5, 0.5].map(|x| at([x * shape.length, 0.0, 0.0])), owner);
+            }
+            BodyShape::Stl(shape) => {
+                let Some(surface) = &shape.surface else { return };
+                let points = surface.points.iter().map(|x| at((x * shape.scale).into()));
+                self.out.surface(points, &surface.triangles, owner);
             }
         }
     }

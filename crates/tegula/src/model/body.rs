@@ -1,7 +1,12 @@
 //! Rigid bodies and point masses.
 
+use std::sync::Arc;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use super::surface::TriangulatedSurface;
+use crate::{Mat3, Vec3};
 
 /// A rigid body, or without `inertia`, `shape` and `attached` a point mass.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -9,7 +14,8 @@ use serde::{Deserialize, Serialize};
 pub struct RigidBody {
     /// Name of the body in joints and results.
     pub name: String,
-    /// Mass centre in the reference configuration (length).
+    /// Mass centre in the reference configuration; of a body with the shape `stl` the place of the origin of the file, from which
+    /// the mass centre follows (length).
     pub at: [f64; 3],
     /// Mass; of a body with a shape this or `density`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -68,8 +74,8 @@ impl RigidBody {
     }
 }
 
-/// Homogeneous body of simple shape, by its axes 1, 2, 3.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// Homogeneous body, by its axes 1, 2, 3.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "kebab-case")]
 pub enum BodyShape {
     /// Box with sides along the axes.
@@ -80,6 +86,8 @@ pub enum BodyShape {
     Sphere(SphereShape),
     /// Rod along axis 1 without inertia about it.
     Rod(RodShape),
+    /// Solid within the closed surface of triangles in an STL file.
+    Stl(StlShape),
 }
 
 /// Box with sides along the axes of the body.
@@ -119,6 +127,25 @@ pub struct RodShape {
     pub length: f64,
 }
 
+/// Solid within the closed surface of an STL file, whose coordinates count along the axes of the body from its `at`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StlShape {
+    /// Path of the file, relative to the model file; ASCII or binary.
+    pub file: String,
+    /// Factor on all coordinates of the file: 0.001 turns millimetres into metres.
+    #[serde(default = "one")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub scale: f64,
+    /// Surface in the units of the file. The library opens no files: the caller reads it.
+    #[serde(skip)]
+    pub surface: Option<Arc<TriangulatedSurface>>,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
 impl BodyShape {
     /// Volume (length³); 0 for rods.
     pub fn volume(&self) -> f64 {
@@ -129,12 +156,13 @@ impl BodyShape {
             }
             Self::Sphere(SphereShape { radius }) => 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3),
             Self::Rod(_) => 0.0,
+            Self::Stl(stl) => stl.surface.as_ref().map_or(0.0, |s| s.volume * stl.scale.powi(3)),
         }
     }
 
-    /// Second moments ∫X_i² dm of unit mass about the mass centre, for the axes 1, 2, 3 (length²).
-    pub fn second_moments(&self) -> [f64; 3] {
-        match self {
+    /// Second moments ∫X Xᵀ dm of unit mass about the mass centre, along the axes 1, 2, 3 (length²).
+    pub fn second_moments(&self) -> Mat3 {
+        let diagonal = match self {
             Self::Box(BoxShape { size }) => size.map(|a| a * a / 12.0),
             Self::Cylinder(CylinderShape { radius, inner_radius, length }) => {
                 let across = 0.25 * (radius * radius + inner_radius * inner_radius);
@@ -142,6 +170,19 @@ impl BodyShape {
             }
             Self::Sphere(SphereShape { radius }) => [radius * radius / 5.0; 3],
             Self::Rod(RodShape { length }) => [length * length / 12.0, 0.0, 0.0],
+            Self::Stl(stl) => {
+                let surface = stl.surface.as_ref();
+                return surface.map_or(Mat3::zeros(), |s| s.second_moments * (stl.scale * stl.scale));
+            }
+        };
+        Mat3::from_diagonal(&Vec3::from(diagonal))
+    }
+
+    /// Mass centre along the axes 1, 2, 3, as seen from the place of the body (length).
+    pub fn centre(&self) -> Vec3 {
+        match self {
+            Self::Stl(stl) => stl.surface.as_ref().map_or(Vec3::zeros(), |s| s.centre * stl.scale),
+            Self::Box(_) | Self::Cylinder(_) | Self::Sphere(_) | Self::Rod(_) => Vec3::zeros(),
         }
     }
 
@@ -152,6 +193,7 @@ impl BodyShape {
             Self::Cylinder(c) => vec![c.radius, c.length],
             Self::Sphere(SphereShape { radius }) => vec![*radius],
             Self::Rod(RodShape { length }) => vec![*length],
+            Self::Stl(_) => Vec::new(),
         }
     }
 }

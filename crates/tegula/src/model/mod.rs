@@ -19,6 +19,7 @@ mod scheme;
 pub mod section;
 mod spring;
 pub mod supports;
+pub mod surface;
 mod units;
 
 use std::collections::BTreeMap;
@@ -50,6 +51,7 @@ pub use scheme::*;
 pub use section::{Layup, LayupPly, Section, StackedPly};
 pub use spring::{SpringDamper, TorsionSpring};
 pub use supports::Condition;
+pub use surface::TriangulatedSurface;
 pub use units::Units;
 
 /// A whole model: mesh, materials, sections, conditions, loads, analysis, output.

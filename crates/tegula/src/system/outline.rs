@@ -14,7 +14,7 @@ const RINGS: usize = 11;
 pub struct Outline {
     /// Points, as linear combinations of nodal vectors.
     pub points: Vec<Attachment>,
-    /// Faces: corners as indices of points.
+    /// Faces: corners as indices of points. A triangle has its last corner twice.
     pub quads: Vec<[u32; 4]>,
     /// Lines: ends as indices of points.
     pub lines: Vec<[u32; 2]>,
@@ -58,6 +58,20 @@ impl Outline {
         let [a, b] = ends.map(|end| self.point(end));
         self.lines.push([a, b]);
         self.owner_of_line.push(owner);
+    }
+
+    /// Adds a surface of triangles.
+    pub fn surface(
+        &mut self,
+        points: impl Iterator<Item = Attachment>,
+        triangles: &[[u32; 3]],
+        owner: [u32; 2],
+    ) {
+        let first = self.points.len() as u32;
+        self.points.extend(points);
+        triangles
+            .iter()
+            .for_each(|t| self.face([t[0], t[1], t[2], t[2]].map(|corner| first + corner), owner));
     }
 
     /// Adds a ring of points.

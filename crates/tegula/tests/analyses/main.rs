@@ -41,4 +41,5 @@ mod sheet_to_membrane;
 mod statics;
 mod steps;
 mod steps_with_bodies;
+mod surfaces;
 mod torsion_springs;

@@ -31,7 +31,7 @@ use super::{MeshError, MeshReader, load};
 
 /// Reads the Gmsh file at `path`; all coordinates are multiplied by `scale`.
 pub fn read(path: &Path, scale: f64) -> Result<Mesh, MeshError> {
-    parse(path, &load(path, Gmsh::SUFFIX)?, scale)
+    parse(path, &load(path, ("mesh file", Gmsh::SUFFIX))?, scale)
 }
 
 /// Format of Gmsh.
