@@ -7,8 +7,9 @@ use serde_json::json;
 use tegula::compile::{StepModel, steps};
 use tegula::mesh::folds::Fold;
 use tegula::mesh::quality::quality;
-use tegula::model::Analysis;
-use tegula::{Mesh, System};
+use tegula::model::{Analysis, BodyShape};
+use tegula::system::coordinates::Body;
+use tegula::{Mat3, Mesh, System};
 use tegula_io::deck::Deck;
 use tegula_io::job;
 
@@ -49,6 +50,13 @@ pub fn print(deck: &Deck, as_json: bool) -> Result<(), Failure> {
             "steps": deck.model.steps.iter().map(|step| kind(&step.analysis)).collect::<Vec<_>>(),
             "mass": system.total_mass(),
             "size": system.length,
+            "bodies": solids(deck, system).map(|(body, inertia)| json!({
+                "name": body.name,
+                "mass": body.mass,
+                "centre": system.coordinates.reference[body.centre as usize],
+                "inertia": [inertia.m11, inertia.m22, inertia.m33],
+                "products_of_inertia": [inertia.m12, inertia.m13, inertia.m23],
+            })).collect::<Vec<_>>(),
             "quality": {
                 "max_aspect": q.max_aspect,
                 "min_angle_deg": q.min_angle_deg,
@@ -83,6 +91,7 @@ pub fn print(deck: &Deck, as_json: bool) -> Result<(), Failure> {
     }
     say!("mass       {}", significant(system.total_mass(), 7));
     say!("size       {}", significant(system.length, 7));
+    print_solids(deck, system);
     say!(
         "quality    aspect ratio to {:.3}, angles {:.1} to {:.1} degrees, warp to {}",
         q.max_aspect,
@@ -103,6 +112,30 @@ pub fn print(deck: &Deck, as_json: bool) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Bodies within surfaces, each with its inertia tensor about the mass centre along the axes of the body.
+fn solids<'a>(deck: &'a Deck, system: &'a System) -> impl Iterator<Item = (&'a Body, Mat3)> {
+    let bodies = deck.model.bodies.iter().zip(&system.coordinates.bodies);
+    bodies
+        .filter(|(data, _)| matches!(data.shape, Some(BodyShape::Stl(_))))
+        .map(|(_, body)| (body, Mat3::identity() * body.euler.trace() - body.euler))
+}
+
+/// Prints the mass properties of bodies within surfaces.
+fn print_solids(deck: &Deck, system: &System) {
+    for (body, j) in solids(deck, system) {
+        let list = |values: [f64; 3]| values.map(|x| significant(x, 7)).join(", ");
+        // Products of inertia that are round-off are printed as 0.
+        let tidy = |x: f64| if x.abs() < ROUND_OFF * j.trace() { 0.0 } else { x };
+        say!("body       {}: mass {}", body.name, significant(body.mass, 7));
+        say!("           mass centre ({})", list(system.coordinates.reference[body.centre as usize]));
+        say!(
+            "           moments of inertia about it along the axes of the body {}",
+            list([j.m11, j.m22, j.m33])
+        );
+        say!("           products of inertia J12, J13, J23 {}", list([j.m12, j.m13, j.m23].map(tidy)));
+    }
+}
+
 /// Kind of an analysis.
 fn kind(analysis: &Analysis) -> &'static str {
     match analysis {
@@ -111,6 +144,9 @@ fn kind(analysis: &Analysis) -> &'static str {
         Analysis::Transient(_) => "transient",
     }
 }
+
+/// Products of inertia over the trace of the tensor below which they are round-off.
+const ROUND_OFF: f64 = 1e-12;
 
 /// Lines of a list that are written out.
 const SHOWN: usize = 10;

@@ -3,9 +3,10 @@
 use std::f64::consts::{PI, TAU};
 use std::fs;
 
+use serde_json::Value;
 use tegula::norm::larger;
 
-use super::{errors, example, result_of, tegula, text};
+use super::{errors, example, near, result_of, tegula, text};
 
 /// The period of the physical pendulum by the complete elliptic integral; the disc takes its moment through the patch.
 #[test]
@@ -210,4 +211,39 @@ fn the_slider_crank_moves_as_in_the_benchmark_library() {
     assert!((last("body.slider.x") - 0.240761815).abs() < 1e-4, "{}", last("body.slider.x"));
     assert!((last("body.slider.x") - 0.24071957).abs() < 5e-5, "{}", last("body.slider.x"));
     assert!(last("total").abs() < 1.0 && last("kinetic") > 0.0);
+}
+
+/// Tetrahedron with three right angles and the volume 1/6, by the closed form of its integrals.
+#[test]
+fn check_prints_mass_centre_and_inertia_of_a_body_from_an_stl_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().join("part.toml");
+    let facet = |t: [&str; 3]| {
+        let corners = t.map(|x| format!("vertex {x}\n")).concat();
+        format!("facet normal 0 0 0\nouter loop\n{corners}endloop\nendfacet\n")
+    };
+    let [o, x, y, z] = ["0 0 0", "1000 0 0", "0 1000 0", "0 0 1000"];
+    let facets = [[o, y, x], [o, z, y], [o, x, z], [x, y, z]].map(facet).concat();
+    fs::write(folder.path().join("part.stl"), format!("solid part\n{facets}endsolid part\n")).unwrap();
+    let body = "[[bodies]]\nname = \"part\"\nat = [1.0, 0.0, 0.0]\ndensity = 6.0\n\
+                shape = { type = \"stl\", file = \"part.stl\", scale = 1e-3 }\n";
+    let analysis =
+        "[analysis]\ntype = \"transient\"\nend_time = 1.0\nscheme = { type = \"energy-momentum\" }\n";
+    fs::write(&model, format!("{analysis}{body}")).unwrap();
+    let output = tegula(&["check", text(&model)]);
+    assert!(output.status.success(), "{}", errors(&output));
+    let found = String::from_utf8(output.stdout).unwrap();
+    let expected = "body       part: mass 1\n           mass centre (1.25, 0.25, 0.25)\n           moments of inertia about it along \
+                    the axes of the body 0.075, 0.075, 0.075\n           products of inertia J12, J13, J23 0.0125, 0.0125, 0.0125\n";
+    assert!(found.contains(expected), "{found}");
+    let json: Value = serde_json::from_slice(&tegula(&["check", "--json", text(&model)]).stdout).unwrap();
+    near(&json["bodies"][0]["inertia"][2], 0.075, 1e-12);
+
+    // The same message comes to a user who forgets a triangle.
+    let open = facets.replacen(&facet([x, y, z]), "", 1);
+    fs::write(folder.path().join("part.stl"), format!("solid part\n{open}endsolid part\n")).unwrap();
+    let output = tegula(&["check", text(&model)]);
+    let message = errors(&output);
+    assert!(!output.status.success() && message.contains("part.toml:9:"), "{message}");
+    assert!(message.contains("3 edges belong to one triangle only, such as the edge from"), "{message}");
 }

@@ -357,6 +357,11 @@ mod tests {
         assert!(!is_own(&path), "the mark is missing");
     }
 
+    /// Offset of the last array, the types of the cells.
+    fn last_offset(text: &str) -> usize {
+        text.rsplit("offset=\"").next().unwrap().split('"').next().unwrap().parse().unwrap()
+    }
+
     #[test]
     fn lines_stand_behind_quadrilaterals() {
         let (points, quads, ..) = strip(2);
@@ -381,6 +386,12 @@ mod tests {
         assert_eq!(integers(offsets[2]), [0, 2, 3, 1, 2, 4, 5, 3, 0, 5, 4, 1, 2, 3]);
         assert_eq!(integers(offsets[3]), [4, 8, 10, 12, 14]);
         assert_eq!(decode(&text, offsets[4]), [9, 9, 3, 3, 3]);
+
+        // A quadrilateral whose last corner stands twice is a triangle.
+        let quads = [quads[0], [0, 2, 3, 3]];
+        write(&path, &VtuGrid { quads: &quads, ..grid }).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(decode(&text, last_offset(&text)), [9, 5, 3, 3, 3]);
         let far = [[0, 6]];
         let refused = write(&path, &VtuGrid { points: &points, lines: &far, ..VtuGrid::default() });
         assert!(refused.unwrap_err().to_string().contains("point 6"));
