@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use tegula::compile::{Compiler, StepModel, check, soft_folds, warnings, warnings_before_start};
 use tegula::mesh::generators;
+use tegula::model::StopCondition;
 use tegula::result::Probe;
 use tegula::{Error, Issue, Mesh, System};
 
-use super::JobError;
+use super::{JobError, history};
 use crate::deck::{Deck, Diagnostic};
 use crate::memory;
 use crate::mesh::{self, FileMesh};
@@ -56,11 +57,14 @@ fn compiled(deck: &Deck, mesh: &Mesh) -> tegula::Result<(System, Vec<Probe>, Vec
     let compiler = Compiler::new(&deck.model, mesh)?;
     let first = compiler.system(0, None)?;
     let probes = Probe::all(&deck.model.output.points, mesh, &first)?;
-    if deck.model.steps.is_empty() {
+    let mut issues = Vec::new();
+    if let Some(step) = compiler.steps().first() {
+        issues.extend(unknown_columns(step, &first, &probes));
+    }
+    if deck.model.steps.is_empty() && issues.is_empty() {
         let warnings = warnings(&deck.model, mesh, &first);
         return Ok((first, probes, warnings));
     }
-    let mut issues = Vec::new();
     let mut warned: Vec<Issue> = soft_folds(compiler.steps(), &first).into_iter().collect();
     let mut warn = |step: &StepModel, system: &System| {
         let found = warnings_before_start(step, mesh, system);
@@ -69,11 +73,41 @@ fn compiled(deck: &Deck, mesh: &Mesh) -> tegula::Result<(System, Vec<Probe>, Vec
     warn(&compiler.steps()[0], &first);
     for (i, step) in compiler.steps().iter().enumerate().skip(1) {
         match compiler.system(i, None) {
-            Ok(system) => warn(step, &system),
+            Ok(system) => {
+                issues.extend(unknown_columns(step, &system, &probes));
+                warn(step, &system);
+            }
             Err(error) => issues.extend(issues_of(error)),
         }
     }
     if issues.is_empty() { Ok((first, probes, warned)) } else { Err(Error::Model(issues)) }
+}
+
+/// Largest number of columns that a message names.
+const LISTED: usize = 30;
+
+/// Stop conditions on columns that the history of a step does not have.
+fn unknown_columns(step: &StepModel, system: &System, probes: &[Probe]) -> Vec<Issue> {
+    let columns = history::columns(system, probes);
+    let unknown = |(i, condition): (usize, &StopCondition)| {
+        let name = &condition.column;
+        if columns.contains(name) {
+            return None;
+        }
+        // Columns of the same body, joint or sensor, or else of any.
+        let owner = name.rsplit_once('.').map_or(name.as_str(), |(owner, _)| owner);
+        let of_owner: Vec<&str> =
+            columns.iter().filter(|c| c.starts_with(owner)).map(String::as_str).collect();
+        let known = if of_owner.is_empty() { columns.iter().map(String::as_str).collect() } else { of_owner };
+        let listed = known.iter().take(LISTED).copied().collect::<Vec<_>>().join(", ");
+        let more =
+            if known.len() > LISTED { format!(" and {} more", known.len() - LISTED) } else { String::new() };
+        let help = format!("known: {listed}{more}");
+        let message = format!("the history has no column \"{name}\"");
+        Some(Issue::new(format!("analysis.stop[{i}].column"), message, help))
+    };
+    let conditions = step.model.analysis.stop_conditions().iter().enumerate();
+    step.located(conditions.filter_map(unknown).collect())
 }
 
 /// The mesh, and the fingerprint of the files that the model is made of.

@@ -4,6 +4,7 @@ mod fields;
 mod inputs;
 mod mesh_parts;
 mod steps;
+mod stop_conditions;
 
 use std::cell::Cell;
 use std::fs;

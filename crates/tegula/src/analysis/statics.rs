@@ -7,7 +7,7 @@ mod load_steps;
 
 use super::newton::{Equation, Newton};
 use super::solver::Iterative;
-use super::{Balance, Observer, State, Statistics, Stepper, equilibrium, stepper};
+use super::{Balance, Observer, State, Statistics, Stepper, Stopped, equilibrium, stepper};
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::model::{LinearSolver, StaticAnalysis};
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
@@ -45,6 +45,8 @@ pub struct StaticEquation {
     pub attempts: u32,
     /// Lagrange multipliers of joints.
     pub multipliers: Vec<f64>,
+    /// Angles of sensors (rad), which continue from iterate to iterate.
+    pub angles: Vec<f64>,
     /// Weight of the augmented Lagrangian of joints [force/length].
     pub penalty: f64,
 }
@@ -65,8 +67,13 @@ impl Equation for StaticEquation {
         add_follower_loads(system, &self.motion(), self.time, 1.0, out);
     }
 
-    fn apply(&mut self, _system: &System, increment: &[Nodal]) {
+    fn apply(&mut self, system: &System, increment: &[Nodal]) {
         add(&mut self.u, increment);
+        let Self { u, angles, .. } = self;
+        system.continue_angles(
+            |v, part| std::array::from_fn(|i| u[v][i] - (1.0 - part) * increment[v][i]),
+            angles,
+        );
     }
 
     fn multipliers(&self) -> &[f64] {
@@ -152,7 +159,7 @@ pub fn prescribed_increment(system: &System, time: f64, u: &[Nodal], increment: 
     any
 }
 
-/// Outcome of a static analysis, at full load.
+/// Outcome of a static analysis, at full load or at a stop condition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StaticOutcome {
     /// Final state.
@@ -163,13 +170,16 @@ pub struct StaticOutcome {
     pub statistics: Statistics,
     /// Negative pivots of the tangent at the end: above 0 the equilibrium is unstable.
     pub negative_pivots: usize,
+    /// Stop condition at which the analysis has ended; `None` at full load.
+    pub stopped: Option<Stopped>,
 }
 
 /// Runs a static analysis from `start`, a state of the same analysis (from its first state where `None`), to load
-/// factor 1.
+/// factor 1 or a stop condition.
 ///
 /// # Errors
-/// No equilibrium was found, or only an unstable one; the error names the load factor reached and describes the state.
+/// No equilibrium was found, or only an unstable one; the error names the load factor reached and describes the state. The observer
+/// does not know the column of a stop condition.
 pub fn run(
     system: &System,
     options: &StaticAnalysis,
@@ -177,9 +187,9 @@ pub fn run(
     observer: &mut dyn Observer,
 ) -> Result<StaticOutcome> {
     let mut steps = steps(system, options, start)?;
-    stepper::run(steps.as_mut(), observer)?;
+    let stopped = stepper::run(steps.as_mut(), &options.stop, observer)?;
     let (state, balance, statistics) = steps.finish();
-    Ok(StaticOutcome { negative_pivots: state.negative_pivots, state, balance, statistics })
+    Ok(StaticOutcome { negative_pivots: state.negative_pivots, state, balance, statistics, stopped })
 }
 
 /// Load steps of a static analysis from `start`, a state of the same analysis (from its first state where `None`).

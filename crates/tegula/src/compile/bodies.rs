@@ -126,7 +126,7 @@ fn torsion_spring_values(spring: &model::TorsionSpring, key: &str, c: &mut Check
 }
 
 /// A joint or spring that connects a body with itself.
-fn not_with_itself((what, between): (&str, &[String; 2]), key: &str, c: &mut Checker) {
+pub(super) fn not_with_itself((what, between): (&str, &[String; 2]), key: &str, c: &mut Checker) {
     if between[0] == between[1] {
         c.add(
             format!("{key}.between"),
@@ -137,7 +137,12 @@ fn not_with_itself((what, between): (&str, &[String; 2]), key: &str, c: &mut Che
 }
 
 /// Names that serve as file names and are given once.
-fn names<'a>(list: impl Iterator<Item = &'a String> + Clone, key: &str, beams: &[&String], c: &mut Checker) {
+pub(super) fn names<'a>(
+    list: impl Iterator<Item = &'a String> + Clone,
+    key: &str,
+    beams: &[&String],
+    c: &mut Checker,
+) {
     for (i, name) in list.clone().enumerate() {
         let place = format!("{key}[{i}].name");
         if !c.file_name(&place, name, LONGEST_NAME) {
@@ -164,7 +169,7 @@ fn cosine([a, b]: [[f64; 3]; 2]) -> f64 {
     Vec3::from(a).normalize().dot(&Vec3::from(b).normalize())
 }
 
-fn direction(key: &str, value: [f64; 3], c: &mut Checker) {
+pub(super) fn direction(key: &str, value: [f64; 3], c: &mut Checker) {
     c.finite(key, "the direction", &value);
     if value.iter().all(|x| x.is_finite()) && !(Vec3::from(value).norm() > 0.0) {
         c.add(key, "the direction is zero", "give a vector that is not zero");
