@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use tegula_io::deck::{Deck, STANDARD_INPUT};
-use tegula_io::job::{self, JobOptions, Summary};
+use tegula_io::job::{self, JobOptions, StopResult, Summary};
 
 use crate::numbers::{counted, duration, significant};
 use crate::progress::{Detail, ProgressLine};
@@ -72,6 +72,17 @@ pub fn as_json(summary: &Summary) -> Result<String, Failure> {
     serde_json::to_string_pretty(summary).map_err(|e| Failure::File(e.to_string()))
 }
 
+/// Stop condition at which an analysis has ended, in words.
+fn ended(stop: &StopResult, analysis: &str) -> String {
+    let parameter = if analysis == "static" { "load factor" } else { "time" };
+    format!(
+        "ended by a stop condition at {parameter} {}: `{}` has crossed {}",
+        significant(stop.time, 9),
+        stop.column,
+        significant(stop.value, 9)
+    )
+}
+
 /// Prints the findings of a run.
 pub fn print(summary: &Summary, folder: &Path) {
     let s = summary;
@@ -92,7 +103,11 @@ pub fn print(summary: &Summary, folder: &Path) {
     for step in &s.analyses {
         let status =
             step.status.map_or("not begun".to_owned(), |status| format!("{status:?}").to_lowercase());
-        say!("  {}: {} analysis, {status}", step.folder, step.analysis);
+        let stop = step.stop.as_ref().map(|stop| format!(", {}", ended(stop, &step.analysis)));
+        say!("  {}: {} analysis, {status}{}", step.folder, step.analysis, stop.unwrap_or_default());
+    }
+    if let Some(stop) = s.stop.as_ref().filter(|_| s.analyses.is_empty()) {
+        say!("  {}", ended(stop, &s.analysis));
     }
     if let Some(error) = s.energy_error {
         say!("  energy balance kept to {} of the largest energy", significant(error, 2));

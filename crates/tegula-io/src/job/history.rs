@@ -1,8 +1,10 @@
 //! `history.csv`: one row per step.
 
 use tegula::System;
-use tegula::analysis::{Balance, State};
-use tegula::result::Probe;
+use tegula::analysis::Step;
+use tegula::result::{Equilibrium, Probe, sensor_columns, sensor_values};
+
+use super::{bodies, forces};
 
 /// Columns per recorded point.
 pub(super) const PER_POINT: usize = 6;
@@ -24,7 +26,13 @@ pub(super) const BEHIND: [&str; 14] = [
     "step_size",
 ];
 
-/// Names of the columns.
+/// Names of all columns of a run.
+pub(super) fn columns(system: &System, probes: &[Probe]) -> Vec<String> {
+    let parts = [names(probes), forces::names(system), bodies::names(system), sensor_columns(system)];
+    parts.concat()
+}
+
+/// Names of the columns of points and energies.
 pub(super) fn names(probes: &[Probe]) -> Vec<String> {
     let mut out = vec!["time".to_owned()];
     for probe in probes {
@@ -34,15 +42,23 @@ pub(super) fn names(probes: &[Probe]) -> Vec<String> {
     out
 }
 
-/// The row of a step.
-pub(super) fn row(
-    system: &System,
-    probes: &[Probe],
-    state: &State,
-    balance: &Balance,
-    iterations: u32,
+/// Row of a step, with the forces in it.
+pub(super) fn whole_row(
+    (system, probes): (&System, &[Probe]),
+    step: &Step,
     step_size: f64,
+    forces: &Equilibrium,
 ) -> Vec<f64> {
+    let mut out = row(system, probes, step, step_size);
+    out.extend(forces::row(forces));
+    out.extend(bodies::row(system, step.state));
+    out.extend(sensor_values(system, step.state));
+    out
+}
+
+/// Columns of points and energies.
+fn row(system: &System, probes: &[Probe], step: &Step, step_size: f64) -> Vec<f64> {
+    let Step { state, balance, iterations, .. } = *step;
     let mut out = vec![state.time];
     for probe in probes {
         out.extend(probe.position(system, state));

@@ -47,7 +47,7 @@ pub use folder::{Claim, ResultFolder};
 pub use forces::{BalanceResult, ForceResult};
 pub use prepare::{Prepared, prepare};
 pub use run::run;
-pub use summary::{Energy, PointResult, Status, StepSummary, Summary};
+pub use summary::{Energy, PointResult, Status, StepSummary, StopResult, Summary};
 
 /// How to run.
 #[derive(Debug, Clone, PartialEq, Eq)]

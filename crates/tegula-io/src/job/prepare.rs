@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use tegula::compile::{Compiler, StepModel, check, soft_folds, warnings, warnings_before_start};
 use tegula::mesh::generators;
-use tegula::model::{BodyShape, TriangulatedSurface};
+use tegula::model::{BodyShape, StopCondition, TriangulatedSurface};
 use tegula::result::Probe;
 use tegula::{Error, Issue, Mesh, Model, System};
 
-use super::JobError;
+use super::{JobError, history};
 use crate::deck::{Deck, Diagnostic};
 use crate::memory;
 use crate::mesh::{self, FileMesh, stl};
@@ -66,11 +66,14 @@ fn compiled(model: &Model, mesh: &Mesh) -> tegula::Result<(System, Vec<Probe>, V
     let compiler = Compiler::new(model, mesh)?;
     let first = compiler.system(0, None)?;
     let probes = Probe::all(&model.output.points, mesh, &first)?;
-    if model.steps.is_empty() {
+    let mut issues = Vec::new();
+    if let Some(step) = compiler.steps().first() {
+        issues.extend(unknown_columns(step, &first, &probes));
+    }
+    if model.steps.is_empty() && issues.is_empty() {
         let warnings = warnings(model, mesh, &first);
         return Ok((first, probes, warnings));
     }
-    let mut issues = Vec::new();
     let mut warned: Vec<Issue> = soft_folds(compiler.steps(), &first).into_iter().collect();
     let mut warn = |step: &StepModel, system: &System| {
         let found = warnings_before_start(step, mesh, system);
@@ -79,11 +82,41 @@ fn compiled(model: &Model, mesh: &Mesh) -> tegula::Result<(System, Vec<Probe>, V
     warn(&compiler.steps()[0], &first);
     for (i, step) in compiler.steps().iter().enumerate().skip(1) {
         match compiler.system(i, None) {
-            Ok(system) => warn(step, &system),
+            Ok(system) => {
+                issues.extend(unknown_columns(step, &system, &probes));
+                warn(step, &system);
+            }
             Err(error) => issues.extend(issues_of(error)),
         }
     }
     if issues.is_empty() { Ok((first, probes, warned)) } else { Err(Error::Model(issues)) }
+}
+
+/// Largest number of columns that a message names.
+const LISTED: usize = 30;
+
+/// Stop conditions on columns that the history of a step does not have.
+fn unknown_columns(step: &StepModel, system: &System, probes: &[Probe]) -> Vec<Issue> {
+    let columns = history::columns(system, probes);
+    let unknown = |(i, condition): (usize, &StopCondition)| {
+        let name = &condition.column;
+        if columns.contains(name) {
+            return None;
+        }
+        // Columns of the same body, joint or sensor, or else of any.
+        let owner = name.rsplit_once('.').map_or(name.as_str(), |(owner, _)| owner);
+        let of_owner: Vec<&str> =
+            columns.iter().filter(|c| c.starts_with(owner)).map(String::as_str).collect();
+        let known = if of_owner.is_empty() { columns.iter().map(String::as_str).collect() } else { of_owner };
+        let listed = known.iter().take(LISTED).copied().collect::<Vec<_>>().join(", ");
+        let more =
+            if known.len() > LISTED { format!(" and {} more", known.len() - LISTED) } else { String::new() };
+        let help = format!("known: {listed}{more}");
+        let message = format!("the history has no column \"{name}\"");
+        Some(Issue::new(format!("analysis.stop[{i}].column"), message, help))
+    };
+    let conditions = step.model.analysis.stop_conditions().iter().enumerate();
+    step.located(conditions.filter_map(unknown).collect())
 }
 
 /// The mesh, and the fingerprint of the files that the model is made of.

@@ -12,8 +12,7 @@ use super::resume::{CheckpointData, RunCounters};
 use super::series::{FieldSeries, STATES};
 use super::summary::{PointResult, Status, Summary};
 use super::{
-    JobObserver, Prepared, Progress, ResultFolder, Start, bodies, fields, forces, frames, history, process,
-    snapshots,
+    JobObserver, Prepared, Progress, ResultFolder, Start, fields, forces, frames, history, process, snapshots,
 };
 use crate::deck::Diagnostic;
 use crate::out::{HistoryWriter, OutputError};
@@ -35,6 +34,8 @@ pub(super) struct Recorder<'a> {
     pub memory: CheckpointData,
     watch: &'a mut dyn JobObserver,
     history: HistoryWriter,
+    /// Names of the columns of the history.
+    columns: Vec<String>,
     series: FieldSeries,
     finder: ReactionFinder,
     /// Reactions, loads and inertia of the last step.
@@ -64,13 +65,9 @@ impl<'a> Recorder<'a> {
         summary.write(folder.path())?;
         let csv = folder.file("history.csv");
         let mut missing = 0;
+        let columns = history::columns(&prepared.system, &prepared.probes);
         let (history, series) = match &memory {
-            None => {
-                let mut names = history::names(&prepared.probes);
-                names.extend(forces::names(&prepared.system));
-                names.extend(bodies::names(&prepared.system));
-                (HistoryWriter::create(&csv, &names)?, FieldSeries::create(&folder, prepared, STATES)?)
-            }
+            None => (HistoryWriter::create(&csv, &columns)?, FieldSeries::create(&folder, prepared, STATES)?),
             Some(memory) => {
                 let written = (memory.notes.frames, memory.notes.last_frame);
                 let (series, lost) = FieldSeries::resume(&folder, prepared, STATES, written)?;
@@ -89,6 +86,7 @@ impl<'a> Recorder<'a> {
             memory: memory.unwrap_or_default(),
             watch,
             history,
+            columns,
             series,
             finder: ReactionFinder::new(&prepared.system, scheme(model)),
             forces,
@@ -240,29 +238,25 @@ impl<'a> Recorder<'a> {
         Some(spent + self.memory.notes.cpu_s.unwrap_or(0.0))
     }
 
-    fn record(&mut self, step: &Step) -> std::result::Result<(), OutputError> {
-        let before = self.memory.state.time;
-        let first = self.memory.state.u.is_empty();
-        let step_size = match first {
+    /// Row of a step behind the last recorded one, its forces and its length.
+    fn row(&mut self, step: &Step) -> (Vec<f64>, Equilibrium, f64) {
+        let Prepared { system, probes, .. } = self.prepared;
+        let step_size = match self.memory.state.u.is_empty() {
             true => 0.0,
             // Not every step is reported.
-            false if self.prepared.system.procedure == Procedure::Explicit => step.state.last_step,
-            false => step.state.time - before,
+            false if system.procedure == Procedure::Explicit => step.state.last_step,
+            false => step.state.time - self.memory.state.time,
         };
-        let forces = self.finder.find(&self.prepared.system, Some(&self.memory.state), step.state);
+        let forces = self.finder.find(system, Some(&self.memory.state), step.state);
+        (history::whole_row((system, probes), step, step_size, &forces), forces, step_size)
+    }
+
+    fn record(&mut self, step: &Step) -> std::result::Result<(), OutputError> {
+        let first = self.memory.state.u.is_empty();
+        let (row, forces, step_size) = self.row(step);
         self.memory.state.clone_from(step.state);
         self.memory.balance = *step.balance;
         self.statistics = *step.statistics;
-        let mut row = history::row(
-            &self.prepared.system,
-            &self.prepared.probes,
-            step.state,
-            step.balance,
-            step.iterations,
-            step_size,
-        );
-        row.extend(forces::row(&forces));
-        row.extend(bodies::row(&self.prepared.system, step.state));
         self.forces = Some(forces);
         self.history.append(&row)?;
         let now = frames::Instant { step: step.state.step, time: step.state.time, end: step.end };
@@ -420,6 +414,17 @@ impl Observer for Recorder<'_> {
             self.failed.get_or_insert(error);
         }
         self.watch.on_event(message);
+    }
+
+    fn on_warning(&mut self, message: &str) {
+        if let Err(error) = self.warning(message) {
+            self.failed.get_or_insert(error);
+        }
+    }
+
+    fn column(&mut self, name: &str, step: &Step) -> Option<f64> {
+        let number = self.columns.iter().position(|column| column == name)?;
+        self.row(step).0.get(number).copied()
     }
 
     fn interrupted(&self) -> bool {

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use tegula::System;
 use tegula::analysis::lagged_tangent::LaggedTangent;
-use tegula::analysis::{Balance, State, Statistics};
+use tegula::analysis::{Balance, State, Statistics, Watched};
 use tegula::element::Nodal;
 
 use super::snapshots::StoredSnapshot;
@@ -82,6 +82,7 @@ impl CheckpointData {
         let scalars = [s.time, s.next_step, s.last_step, s.work, s.dissipated, s.energy_scale, s.swing];
         let path_so_far =
             [s.displacement_scale, f64::from(u8::from(s.other_form)), s.negative_pivots as f64, s.compliance];
+        let met: Vec<f64> = s.watched.met.iter().map(|&condition| condition as f64).collect();
         let energies = [b.kinetic, b.strain, b.potential, b.work, b.dissipated, b.total];
         let momenta = [b.momentum, b.angular_momentum];
         let mut arrays: BTreeMap<String, Cow<[f64]>> = [
@@ -93,6 +94,9 @@ impl CheckpointData {
             ("acceleration lag", s.acceleration_lag.as_flattened()),
             ("history", &s.history),
             ("multipliers", &s.multipliers),
+            ("angles", &s.angles),
+            ("watched columns", &s.watched.values),
+            ("stop condition met", &met),
             ("scalars", &scalars),
             ("forces", &self.forces.0),
             ("reactions", self.forces.1.as_flattened()),
@@ -139,6 +143,14 @@ impl CheckpointData {
             let found = vectors(&array(name, None)?);
             if found.is_empty() || found.len() == n { Ok(found) } else { Err(wrong(name)) }
         };
+        // Checkpoints of models without sensors and stop conditions may be older than these.
+        let newer = |name: &str| checkpoint.arrays.get(name).cloned().unwrap_or_default().to_vec();
+        let angles = newer("angles");
+        if angles.len() != system.angle_sensors().count() {
+            return Err(wrong("angles"));
+        }
+        let met = newer("stop condition met").first().map(|&condition| condition as usize);
+        let watched = Watched { values: newer("watched columns"), met };
         let scalars = fixed("scalars", 7)?;
         let path_so_far = fixed("load path", 4)?;
         let energies = fixed("energies", 6)?;
@@ -161,6 +173,8 @@ impl CheckpointData {
             tangent.history = fixed("tangent history", history)?;
         }
         let state = State {
+            // The forces of the last step are written; those of the next one bring their own.
+            middle: Vec::new(),
             time: scalars[0],
             step: checkpoint.step,
             u: vectors(&fixed("u", 3 * n)?),
@@ -171,6 +185,8 @@ impl CheckpointData {
             acceleration_lag: all_or_none("acceleration lag")?,
             history: fixed("history", history)?,
             multipliers: fixed("multipliers", system.constraints())?,
+            angles,
+            watched,
             next_step: scalars[1],
             last_step: scalars[2],
             work: scalars[3],

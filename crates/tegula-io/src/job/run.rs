@@ -1,11 +1,12 @@
 //! Run of one model: from the model file to the summary.
 
-use tegula::analysis::{State, dynamics, statics};
+use tegula::analysis::{State, Stopped, dynamics, statics};
 use tegula::model::Analysis;
 use tegula::{Error, System};
 
 use super::recorder::Recorder;
 use super::resume::CheckpointData;
+use super::summary::StopResult;
 use super::{
     Claim, Energy, JobError, JobObserver, JobOptions, Prepared, ResultFolder, Start, Status, Summary, modal,
     pictures, prepare, steps,
@@ -65,6 +66,7 @@ pub(super) fn run_prepared(
     let mut recorder = opened.inspect_err(|error| opening.write_failure(&place, error))?;
     let state = (!recorder.memory.state.u.is_empty()).then(|| recorder.memory.state.clone());
     let outcome = analyse(deck, &prepared.system, state, &start, &mut recorder);
+    let outcome = outcome.map(|stopped| recorder.summary.stop = stopped.map(StopResult::from));
     conclude(recorder, outcome)
 }
 
@@ -87,7 +89,7 @@ fn analyse(
     state: Option<State>,
     start: &Start,
     recorder: &mut Recorder<'_>,
-) -> tegula::Result<()> {
+) -> tegula::Result<Option<Stopped>> {
     match &deck.model.analysis {
         Analysis::Static(options) => {
             if state.is_none() {
@@ -95,10 +97,10 @@ fn analyse(
                 let balance = statics::first_energies(system, &state);
                 recorder.record_start(&state, &balance, start.end)?;
             }
-            statics::run(system, options, state, recorder).map(drop)
+            Ok(statics::run(system, options, state, recorder)?.stopped)
         }
-        Analysis::Transient(options) => dynamics::run(system, options, state, recorder).map(drop),
-        Analysis::Modal(_) => Ok(()),
+        Analysis::Transient(options) => Ok(dynamics::run(system, options, state, recorder)?.stopped),
+        Analysis::Modal(_) => Ok(None),
     }
 }
 
@@ -164,6 +166,7 @@ pub(super) fn summary(deck: &Deck, prepared: &Prepared, start: &Start) -> Summar
         mass: prepared.system.total_mass(),
         time: start.time,
         end: start.end,
+        stop: None,
         steps: 0,
         iterations: 0,
         factorizations: 0,

@@ -145,6 +145,7 @@ impl Whole {
             ..of_step.clone()
         };
         summary.analyses[step].status = Some(of_step.status);
+        summary.analyses[step].stop.clone_from(&of_step.stop);
         self.summary = summary;
     }
 
@@ -187,6 +188,7 @@ fn listed(number: usize, step: &StepModel) -> StepSummary {
         folder: format!("{}-{}", number + 1, step.name.replace([' ', '.'], "_")),
         analysis: analysis.into(),
         status: None,
+        stop: None,
     }
 }
 

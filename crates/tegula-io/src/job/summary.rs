@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Deserializer, Serialize};
-use tegula::analysis::Balance;
+use tegula::analysis::{Balance, Stopped};
 
 use super::forces::{BalanceResult, ForceResult};
 use crate::out::{OutputError, write_over, write_whole};
@@ -80,6 +80,29 @@ pub struct PointResult {
     pub displacement: [f64; 3],
 }
 
+/// Stop condition at which an analysis has ended.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StopResult {
+    /// Column of the history.
+    pub column: String,
+    /// Value of the condition.
+    #[serde(deserialize_with = "number")]
+    pub value: f64,
+    /// Value of the column at the end.
+    #[serde(deserialize_with = "number")]
+    pub reached: f64,
+    /// Time (load factor) at the end.
+    #[serde(deserialize_with = "number")]
+    pub time: f64,
+}
+
+impl From<Stopped> for StopResult {
+    fn from(stopped: Stopped) -> Self {
+        let Stopped { column, value, reached, time, .. } = stopped;
+        Self { column, value, reached, time }
+    }
+}
+
 /// One of several analyses that follow one another.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StepSummary {
@@ -92,6 +115,9 @@ pub struct StepSummary {
     /// Status; null before the analysis begins.
     #[serde(default)]
     pub status: Option<Status>,
+    /// Stop condition at which it has ended, if one was met.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stop: Option<StopResult>,
 }
 
 /// The contents of `summary.json`.
@@ -131,6 +157,9 @@ pub struct Summary {
     /// Time (load factor) at which the analysis ends.
     #[serde(deserialize_with = "number")]
     pub end: f64,
+    /// Stop condition at which the analysis has ended, if one was met.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stop: Option<StopResult>,
     /// Finished steps.
     pub steps: u64,
     /// Iterations, those of repeated steps included.

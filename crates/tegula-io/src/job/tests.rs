@@ -5,6 +5,7 @@ mod inputs;
 mod mesh_parts;
 mod response;
 mod steps;
+mod stop_conditions;
 
 use std::cell::Cell;
 use std::fs;

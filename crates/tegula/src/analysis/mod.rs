@@ -11,6 +11,7 @@ pub mod newton;
 pub mod solver;
 pub mod statics;
 pub mod stepper;
+pub mod stop_condition;
 pub mod stops;
 
 use serde::{Deserialize, Serialize};
@@ -21,6 +22,7 @@ use crate::system::{EvaluationPoint, Internal, StepStart, System};
 use lagged_tangent::LaggedTangent;
 pub use newton::Stability;
 pub use stepper::Stepper;
+pub use stop_condition::{Stopped, Watched};
 
 /// State of a model at a time: plain data, which serde writes and reads; a checkpoint is its dump.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -55,6 +57,9 @@ pub struct State {
     /// other schemes and at the start.
     #[serde(default, skip)]
     pub middle: Vec<Nodal>,
+    /// Angles of sensors (rad), continued over full turns.
+    #[serde(default)]
+    pub angles: Vec<f64>,
     /// Length of the next time step (load step).
     pub next_step: f64,
     /// Length of the last finished time step; 0 at the start.
@@ -80,6 +85,9 @@ pub struct State {
     pub negative_pivots: usize,
     /// Lagged tangent, whose factor is reused in several time steps.
     pub tangent: LaggedTangent,
+    /// Columns of the stop conditions, and the condition that has been met.
+    #[serde(default)]
+    pub watched: Watched,
 }
 
 impl State {
@@ -88,8 +96,8 @@ impl State {
         match &system.start {
             None => Self::at_rest(system),
             Some(start) => {
-                let StepStart { u, v, history, multipliers } = start.clone();
-                Self { u, v, history, multipliers, ..Self::default() }
+                let StepStart { u, v, history, multipliers, angles } = start.clone();
+                Self { u, v, history, multipliers, angles, ..Self::default() }
             }
         }
     }
@@ -101,6 +109,7 @@ impl State {
             u: vec![[0.0; 3]; system.vectors()],
             history: vec![0.0; history],
             multipliers: vec![0.0; system.constraints()],
+            angles: vec![0.0; system.angle_sensors().count()],
             ..Self::default()
         }
     }
@@ -126,10 +135,10 @@ impl State {
         EvaluationPoint::new(system, Motion::State { u: &self.u, velocity }, self.time, self.internal())
     }
 
-    /// Displacements, velocities, history variables and multipliers from which the next analysis step starts.
+    /// Displacements, velocities, history variables, multipliers and angles of sensors from which the next analysis step starts.
     pub fn end_of_step(&self) -> StepStart {
-        let Self { u, v, history, multipliers, .. } = self.clone();
-        StepStart { u, v, history, multipliers }
+        let Self { u, v, history, multipliers, angles, .. } = self.clone();
+        StepStart { u, v, history, multipliers, angles }
     }
 }
 
@@ -205,6 +214,15 @@ pub trait Observer {
     fn on_repeat(&mut self, _statistics: &Statistics) {}
     /// Receives a message of interest to the user (a cut-back, stagnation at round-off).
     fn on_event(&mut self, _message: &str) {}
+    /// Receives a warning: results may not be what the user expects.
+    fn on_warning(&mut self, message: &str) {
+        self.on_event(message);
+    }
+    /// Value of a column of the history at the end of a step, which may be repeated and is not reported yet: stop conditions depend on
+    /// it. `None` where there is no such column.
+    fn column(&mut self, _name: &str, _step: &Step) -> Option<f64> {
+        None
+    }
     /// Stop request, asked between iterations; true ends the analysis after the last finished step.
     fn interrupted(&self) -> bool {
         false

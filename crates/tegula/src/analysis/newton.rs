@@ -304,6 +304,11 @@ impl<S: TangentSolver> Newton<S> {
         }
     }
 
+    /// Forgets the present factor, so that the next step begins as that of a resumed run does.
+    pub fn reset(&mut self) {
+        self.factored = FactoredTangent::Nothing;
+    }
+
     /// Form of Newton's method.
     pub fn method(&self) -> NewtonMethod {
         self.method

@@ -7,7 +7,7 @@ mod load_steps;
 
 use super::newton::{Equation, Newton};
 use super::solver::Iterative;
-use super::{Balance, Observer, State, Statistics, Stepper, equilibrium, stepper};
+use super::{Balance, Observer, State, Statistics, Stepper, Stopped, equilibrium, stepper};
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::load::FollowerLoad;
 use crate::model::{LinearSolver, StaticAnalysis};
@@ -46,6 +46,8 @@ pub struct StaticEquation {
     pub attempts: u32,
     /// Lagrange multipliers of joints.
     pub multipliers: Vec<f64>,
+    /// Angles of sensors (rad), which continue from iterate to iterate.
+    pub angles: Vec<f64>,
     /// Weight of the augmented Lagrangian of joints [force/length].
     pub penalty: f64,
 }
@@ -66,8 +68,13 @@ impl Equation for StaticEquation {
         add_follower_loads(system, &self.motion(), self.time, 1.0, out);
     }
 
-    fn apply(&mut self, _system: &System, increment: &[Nodal]) {
+    fn apply(&mut self, system: &System, increment: &[Nodal]) {
         add(&mut self.u, increment);
+        let Self { u, angles, .. } = self;
+        system.continue_angles(
+            |v, part| std::array::from_fn(|i| u[v][i] - (1.0 - part) * increment[v][i]),
+            angles,
+        );
     }
 
     fn multipliers(&self) -> &[f64] {
@@ -153,7 +160,7 @@ pub fn prescribed_increment(system: &System, time: f64, u: &[Nodal], increment: 
     any
 }
 
-/// Outcome of a static analysis, at full load.
+/// Outcome of a static analysis, at full load or at a stop condition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StaticOutcome {
     /// Final state.
@@ -164,13 +171,16 @@ pub struct StaticOutcome {
     pub statistics: Statistics,
     /// Negative pivots of the tangent at the end: above 0 the equilibrium is unstable.
     pub negative_pivots: usize,
+    /// Stop condition at which the analysis has ended; `None` at full load.
+    pub stopped: Option<Stopped>,
 }
 
 /// Runs a static analysis from `start`, a state of the same analysis (from its first state where `None`), to load
-/// factor 1.
+/// factor 1 or a stop condition.
 ///
 /// # Errors
-/// No equilibrium was found, or only an unstable one; the error names the load factor reached and describes the state.
+/// No equilibrium was found, or only an unstable one; the error names the load factor reached and describes the state. The observer
+/// does not know the column of a stop condition.
 pub fn run(
     system: &System,
     options: &StaticAnalysis,
@@ -178,9 +188,9 @@ pub fn run(
     observer: &mut dyn Observer,
 ) -> Result<StaticOutcome> {
     let mut steps = steps(system, options, start)?;
-    stepper::run(steps.as_mut(), observer)?;
+    let stopped = stepper::run(steps.as_mut(), &options.stop, observer)?;
     let (state, balance, statistics) = steps.finish();
-    Ok(StaticOutcome { negative_pivots: state.negative_pivots, state, balance, statistics })
+    Ok(StaticOutcome { negative_pivots: state.negative_pivots, state, balance, statistics, stopped })
 }
 
 /// Load steps of a static analysis from `start`, a state of the same analysis (from its first state where `None`).
@@ -254,8 +264,8 @@ fn follower_work(
     dot(force, to) - dot(force, from) + of_bodies
 }
 
-/// What a moment on a body does beyond the trapezoidal rule, which takes chords for arcs: with the rotation vector θ of the step it does
-/// the work `m·θ`.
+/// Work of a moment on a body beyond the trapezoidal rule, which takes chords for arcs: with the rotation vector θ of the step it is
+/// `m·θ`.
 fn moment_work(system: &System, load: &FollowerLoad, u: [&[Nodal]; 2], [start, end]: [f64; 2]) -> f64 {
     let FollowerLoad::BodyMoment { directors, moment, factor } = load else { return 0.0 };
     if system.linear {

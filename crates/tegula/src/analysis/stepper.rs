@@ -1,12 +1,15 @@
 //! Analyses that advance step by step, and the loop that runs them to their end.
 
+use super::stop_condition::{StopWatch, Stopped, Watched};
 use super::{Balance, Observer, State, Statistics, Step};
+use crate::model::StopCondition;
 use crate::{Error, Result};
 
 /// Analysis that advances step by step: load steps of statics, time steps of a transient analysis.
 ///
 /// [`run`] takes steps until the end. Callers that want to do something between steps, such as a controller that sets a
-/// load from the state, call [`begin`](Self::begin) once and then [`advance`](Self::advance) themselves.
+/// load from the state, call [`begin`](Self::begin) once and then [`advance`](Self::advance) themselves; they decide themselves
+/// when to stop, as stop conditions are those of [`run`].
 pub trait Stepper {
     /// Last state reached, with its energies and the run counters.
     fn reached(&self) -> Reached<'_>;
@@ -36,6 +39,10 @@ pub trait Stepper {
     /// # Errors
     /// No step could be taken, and the state is still that of the last finished step; or the observer asks to stop.
     fn advance(&mut self, observer: &mut dyn Observer) -> Result<u32>;
+    /// Goes back to a state of the same analysis, that at the start of the last step: the next step ends at `end` at the latest.
+    fn repeat(&mut self, start: &State, end: f64);
+    /// Stores the columns of stop conditions in the state.
+    fn watch(&mut self, watched: &Watched);
 }
 
 /// State that a stepper has reached.
@@ -51,26 +58,39 @@ pub struct Reached<'a> {
     pub end: f64,
 }
 
-/// Takes all steps of an analysis; the observer gets each finished one.
+impl<'a> Reached<'a> {
+    /// Step that has ended at this state.
+    pub fn step(&self, iterations: u32) -> Step<'a> {
+        let Self { state, balance, statistics, end } = *self;
+        Step { state, balance, statistics, iterations, end }
+    }
+}
+
+/// Takes all steps of an analysis up to its end or to the first stop condition that is met, which is returned; the observer gets each
+/// finished step.
 ///
 /// # Errors
-/// A step failed, or the observer asked to stop or failed itself.
-pub fn run(stepper: &mut dyn Stepper, observer: &mut dyn Observer) -> Result<()> {
-    if stepper.begin(observer)? {
-        report(stepper, 0, observer)?;
+/// A step failed, the observer asked to stop or failed itself, or it does not know the column of a stop condition.
+pub fn run(
+    stepper: &mut dyn Stepper,
+    conditions: &[StopCondition],
+    observer: &mut dyn Observer,
+) -> Result<Option<Stopped>> {
+    let fresh = stepper.begin(observer)?;
+    let mut watch = StopWatch::begin(conditions, stepper, observer)?;
+    if fresh {
+        observer.on_step(&stepper.reached().step(0))?;
     }
-    while stepper.state().time < stepper.end() {
+    while stepper.state().time < stepper.end() && watch.stopped().is_none() {
+        watch.keep(stepper.state());
         let iterations = stepper.advance(observer)?;
-        report(stepper, iterations, observer)?;
-        if observer.interrupted() && stepper.state().time < stepper.end() {
+        let iterations = watch.look(iterations, stepper, observer)?;
+        observer.on_step(&stepper.reached().step(iterations))?;
+        let done = stepper.state().time >= stepper.end() || watch.stopped().is_some();
+        if observer.interrupted() && !done {
             return Err(Error::Interrupted);
         }
     }
-    Ok(())
-}
-
-/// Reports the state reached to the observer.
-fn report(stepper: &dyn Stepper, iterations: u32, observer: &mut dyn Observer) -> Result<()> {
-    let Reached { state, balance, statistics, end } = stepper.reached();
-    observer.on_step(&Step { state, balance, statistics, iterations, end })
+    watch.warn_if_never_met(observer);
+    Ok(watch.into_stopped())
 }

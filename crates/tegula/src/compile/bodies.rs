@@ -125,7 +125,7 @@ fn torsion_spring_values(spring: &model::TorsionSpring, key: &str, c: &mut Check
 }
 
 /// A joint or spring that connects a body with itself.
-fn not_with_itself((what, between): (&str, &[String; 2]), key: &str, c: &mut Checker) {
+pub(super) fn not_with_itself((what, between): (&str, &[String; 2]), key: &str, c: &mut Checker) {
     if between[0] == between[1] {
         c.add(
             format!("{key}.between"),
@@ -136,7 +136,12 @@ fn not_with_itself((what, between): (&str, &[String; 2]), key: &str, c: &mut Che
 }
 
 /// Names that serve as file names and are given once.
-fn names<'a>(list: impl Iterator<Item = &'a String> + Clone, key: &str, beams: &[&String], c: &mut Checker) {
+pub(super) fn names<'a>(
+    list: impl Iterator<Item = &'a String> + Clone,
+    key: &str,
+    beams: &[&String],
+    c: &mut Checker,
+) {
     for (i, name) in list.clone().enumerate() {
         let place = format!("{key}[{i}].name");
         if !c.file_name(&place, name, LONGEST_NAME) {

@@ -7,7 +7,7 @@ use super::{amplitudes, check_material, steps};
 use crate::checker::Checker;
 use crate::mesh::Mesh;
 use crate::model::loads::LoadedPart;
-use crate::model::{AddedMass, Analysis, LinearSolver, Load, Model};
+use crate::model::{AddedMass, Analysis, LinearSolver, Load, Model, StopCondition};
 use crate::system::System;
 use crate::{Issue, Vec3};
 
@@ -51,6 +51,7 @@ fn keys_of(model: &Model, continues: bool) -> Vec<Issue> {
     }
     super::bodies::keys(model, &mut c);
     super::beams::keys(model, &mut c);
+    super::sensors::keys(model, &mut c);
     if model.sections.is_empty() && model.bodies.is_empty() && model.beams.is_empty() {
         c.add(
             "sections",
@@ -422,7 +423,24 @@ impl Checker {
         }
     }
 
+    /// Stop conditions, whose columns must tell something of the model.
+    fn stop_conditions(&mut self, conditions: &[StopCondition]) {
+        for (i, condition) in conditions.iter().enumerate() {
+            let key = format!("analysis.stop[{i}]");
+            self.finite(&format!("{key}.value"), "the value", &[condition.value]);
+            let column = condition.column.as_str();
+            if ["iterations", "step_size"].contains(&column) || column.starts_with("balance.") {
+                self.add(
+                    format!("{key}.column"),
+                    format!("the column `{column}` is a number of the computation, not of the model"),
+                    "name a column with a motion, a force or an energy",
+                );
+            }
+        }
+    }
+
     fn analysis(&mut self, model: &Model, continues: bool) {
+        self.stop_conditions(model.analysis.stop_conditions());
         match &model.analysis {
             Analysis::Static(s) => {
                 for (key, value) in [("load_steps", s.load_steps), ("max_iterations", s.max_iterations)] {

@@ -10,7 +10,7 @@ use crate::model::{Joint, Model};
 /// Sine of the angle above which two axes are different.
 const PARALLEL: f64 = 1e-6;
 
-/// What is driven.
+/// Motion that is driven.
 #[derive(Clone, Copy, PartialEq)]
 enum Motion {
     Rotation,

@@ -18,6 +18,7 @@ mod outline;
 mod patches;
 mod place;
 mod sections;
+mod sensors;
 mod steps;
 mod vectors;
 mod warnings;
@@ -27,7 +28,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::analysis::statics;
-use crate::constraint::{FoundationGroup, Joint, JointGroup, SpringGroup, TorsionSpring, TorsionSpringGroup};
+use crate::constraint::{
+    FoundationGroup, Joint, JointGroup, Sensor, SpringGroup, TorsionSpring, TorsionSpringGroup,
+};
 use crate::element::{ElementGroup, Nodal, director_angle};
 use crate::load::{FollowerLoad, LoadFactor, NodalLoad, OwnLoad, TimeFunction};
 use crate::material::{MaterialLaw, OwnLaw};
@@ -74,6 +77,7 @@ pub struct Compiler<'a> {
     joints: Arc<Vec<Joint>>,
     beams: Arc<Vec<BeamLine>>,
     torsion_springs: Arc<Vec<(TorsionSpring, [usize; 2])>>,
+    sensors: Arc<Vec<Sensor>>,
     outline: Arc<Outline>,
     shells: Vec<Shell>,
     sections: Arc<Vec<ShellSection>>,
@@ -156,6 +160,7 @@ impl<'a> Compiler<'a> {
         elements.groups.extend(FoundationGroup::groups(&foundations));
         let length = bodies::extent(model, mesh, &vectors.coordinates);
         let place = Place { model, mesh, coordinates: &vectors.coordinates, length };
+        let sensors = sensors::sensors(&place, &joints, &mut issues);
         let outline = outline::outline(&place, &beams);
         vectors.mark_inextensible(&elements.unit);
         let linear = |step: &StepModel| match &step.model.analysis {
@@ -174,6 +179,7 @@ impl<'a> Compiler<'a> {
             joints,
             beams: Arc::new(beams),
             torsion_springs: Arc::new(torsion_springs.into_iter().zip(places).collect()),
+            sensors: Arc::new(sensors),
             outline: Arc::new(outline),
             shells: elements.list,
             sections: Arc::new(elements.sections),
@@ -225,17 +231,19 @@ impl<'a> Compiler<'a> {
         let (vectors, history) =
             (self.vectors.coordinates.len(), self.offsets.last().map_or(0, |last| last.history.end));
         let constraints = self.joints.last().map_or(0, |last| last.multipliers().end);
+        let angles = self.sensors.iter().filter(|sensor| sensor.angle().is_some()).count();
         let fits = |s: &StepStart| {
             s.u.len() == vectors
                 && (s.v.is_empty() || s.v.len() == vectors)
                 && (s.history.len(), s.multipliers.len()) == (history, constraints)
+                && s.angles.len() == angles
         };
         if start.as_ref().is_some_and(|start| !fits(start)) {
             return Err(Error::model(
                 "steps",
                 format!(
-                    "the start has not the {vectors} nodal vectors, {history} history variables and {constraints} multipliers of \
-                     the model"
+                    "the start has not the {vectors} nodal vectors, {history} history variables, {constraints} multipliers and \
+                     {angles} angles of the model"
                 ),
                 "take the start from a state of this model, by `State::end_of_step`",
             ));
@@ -334,6 +342,7 @@ impl<'a> Compiler<'a> {
             joints: self.joints_at(start.as_ref(), procedure, &amplitudes),
             beams: Arc::clone(&self.beams),
             torsion_springs: Arc::clone(&self.torsion_springs),
+            sensors: Arc::clone(&self.sensors),
             outline: Arc::clone(&self.outline),
             shells: self.shells.clone(),
             sections: Arc::clone(&self.sections),

@@ -31,36 +31,40 @@ pub(super) fn ends(
     points: [Option<(String, [f64; 3])>; 2],
     c: &mut Checker,
 ) -> Option<[End; 2]> {
-    let Place { model, mesh, coordinates, length } = *place;
-    let [first, second] = [0, 1].map(|side| end(model, mesh, coordinates, (key, side), &between[side], c));
+    let [first, second] = [0, 1].map(|side| end(place, format!("{key}.between[{side}]"), &between[side], c));
     let ends = [first?, second?];
     for ((end, name), point) in ends.iter().zip(between).zip(points) {
-        let (End::Point { vector, .. }, Some((point, at))) = (end, point) else { continue };
-        let x = Vec3::from(coordinates.reference[*vector as usize]);
-        if (x - Vec3::from(at)).norm() > SAME * length {
-            c.add(
-                point,
-                format!("the point lies beside \"{name}\", which is at ({}, {}, {})", x.x, x.y, x.z),
-                "give the position of the node or the point mass",
-            );
+        if let Some((key, at)) = point {
+            not_beside(place, end, (key, name, at), c);
         }
     }
     Some(ends)
 }
 
-/// Body, node or ground that a name in `between` stands for.
-fn end(
-    model: &Model,
-    mesh: &Mesh,
-    coordinates: &Coordinates,
-    (key, side): (&str, usize),
-    name: &str,
+/// Refuses a point that lies beside the node or the point mass that it is meant to be on.
+pub(super) fn not_beside(
+    place: &Place,
+    end: &End,
+    (key, name, at): (String, &str, [f64; 3]),
     c: &mut Checker,
-) -> Option<End> {
+) {
+    let End::Point { vector, .. } = end else { return };
+    let x = Vec3::from(place.coordinates.reference[*vector as usize]);
+    if (x - Vec3::from(at)).norm() > SAME * place.length {
+        c.add(
+            key,
+            format!("the point lies beside \"{name}\", which is at ({}, {}, {})", x.x, x.y, x.z),
+            "give the position of the node or the point mass",
+        );
+    }
+}
+
+/// Body, node or ground that a name stands for, which is the value of this key.
+pub(super) fn end(place: &Place, key: String, name: &str, c: &mut Checker) -> Option<End> {
+    let Place { model, mesh, coordinates, .. } = *place;
     if name == GROUND {
         return Some(End::Ground);
     }
-    let key = format!("{key}.between[{side}]");
     let body = coordinates.bodies.iter().find(|body| body.name == name);
     match (body, mesh.nodes_on(name)) {
         (Some(_), Some(_)) => {

@@ -310,6 +310,12 @@ pub(super) fn issues(model: &Model) -> Vec<Issue> {
             ),
             Analysis::Modal(modal) => modal_step(&mut c, &key, step, modal),
             Analysis::Transient(_) => moving = true,
+            Analysis::Static(s) if !s.stop.is_empty() && i + 1 < model.steps.len() => c.add(
+                format!("{key}.analysis.stop"),
+                "a static step that may end before load factor 1 is followed by another step, whose loads continue those at load \
+                 factor 1",
+                "let this step be the last one, or leave `stop` out; transient steps may stop anywhere",
+            ),
             Analysis::Static(_) => {}
         }
         if !step.initial_velocities.is_empty() && !matches!(step.analysis, Analysis::Transient(_)) {

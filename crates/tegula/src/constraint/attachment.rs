@@ -28,6 +28,16 @@ impl Attachment {
         Self { terms, constant: Vec3::zeros() }
     }
 
+    /// Point or axis, for given nodal vectors.
+    pub fn value(&self, vector: impl Fn(u32) -> Vec3) -> Vec3 {
+        self.terms.iter().fold(self.constant, |x, &(v, weight)| x + vector(v) * weight)
+    }
+
+    /// Rate of the point or axis, for given rates of the nodal vectors.
+    pub fn rate(&self, vector: impl Fn(u32) -> Vec3) -> Vec3 {
+        self.terms.iter().fold(Vec3::zeros(), |x, &(v, weight)| x + vector(v) * weight)
+    }
+
     /// Point of a body with the mass centre r and the directors d: `r + X_i d_i`.
     pub fn point(centre: u32, directors: [u32; 3], along: &Vec3) -> Self {
         let mut out = Self::axis(directors, along);

@@ -61,8 +61,7 @@ impl Drive {
 impl Joint {
     /// Present place of the joint, for given nodal vectors.
     pub fn place(&self, value: impl Fn(u32) -> Vec3) -> Vec3 {
-        let point = &self.point;
-        point.terms.iter().fold(point.constant, |x, &(v, weight)| x + value(v) * weight)
+        self.point.value(value)
     }
 
     /// Value of the joint's drive, of those of all joints; 0 for a joint without one.

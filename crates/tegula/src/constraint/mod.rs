@@ -1,5 +1,5 @@
 //! Holonomic constraints and force elements: joints, springs and elastic foundations between rigid bodies, nodes and the
-//! ground.
+//! ground; sensors of their motion.
 //!
 //! The points and axes that a joint connects are fixed in bodies, in the ground, or at nodes. They are linear combinations
 //! of nodal vectors ([`Attachment`]), because a rigid body moves as `x(X) = r + X_i d_i`; so every constraint of the usual
@@ -13,6 +13,7 @@ mod foundation;
 pub mod joint;
 pub mod joints;
 mod row;
+mod sensor;
 mod spring;
 mod torsion_spring;
 
@@ -20,5 +21,6 @@ pub use attachment::Attachment;
 pub use foundation::{FoundationElement, FoundationGroup};
 pub use joint::{Drive, Joint, JointGroup};
 pub use row::{DriveValue, Row};
+pub use sensor::{Measure, Sensor};
 pub use spring::{Spring, SpringGroup};
 pub use torsion_spring::{TorsionSpring, TorsionSpringGroup};

@@ -13,16 +13,10 @@
 //! and discrete Hamiltonian systems*, J. Nonlinear Sci. 6 (1996) 449–467). The forms do not change in rigid motions, so that momenta
 //! are conserved.
 
-use std::f64::consts::{PI, TAU};
-
 use super::joint::{MOST_VECTORS, current};
-use super::joints::RelativeAngle;
+use super::joints::{LARGEST_TURN, RelativeAngle};
 use crate::Vec3;
 use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest};
-
-/// Largest change of the angle in a step (rad); a longer step is cut back. Near π the turn would be lost, and the force of the
-/// energy–momentum scheme has no limit.
-const LARGEST_ANGLE: f64 = 2.5;
 
 /// Torsion spring with a damper.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,12 +49,6 @@ struct Turn {
 }
 
 impl TorsionSpring {
-    /// Continues the angle `committed` to one with the forms g and h.
-    fn continued(committed: f64, [g, h]: [f64; 2]) -> f64 {
-        let change = g.atan2(h) - committed;
-        committed + change - TAU * ((change + PI) / TAU).floor()
-    }
-
     /// Gradient `a ∂g − b ∂h` with the nodal vectors v.
     fn gradient(&self, v: &Few, [a, b]: [f64; 2]) -> Few {
         let mut out = [Vec3::zeros(); MOST_VECTORS];
@@ -75,7 +63,7 @@ impl TorsionSpring {
             Motion::State { u, .. } | Motion::Step { new: u, .. } => u,
         };
         let at = |v: u32| Vec3::from(k.reference[v as usize]) + Vec3::from(u[v as usize]);
-        Self::continued(committed, self.angle.forms(&few(&self.angle.vectors, at)))
+        RelativeAngle::continued(committed, self.angle.forms(&few(&self.angle.vectors, at)))
     }
 
     fn turn(&self, k: &GroupPoint, committed: f64) -> Turn {
@@ -91,17 +79,18 @@ impl TorsionSpring {
                 let rate = velocity.map_or(0.0, |rates| {
                     vectors.iter().zip(&gradient).map(|(&v, w)| w.dot(&Vec3::from(rates[v as usize]))).sum()
                 });
-                let angle = Self::continued(committed, [g, h]);
-                let angle = if (angle - committed).abs() > LARGEST_ANGLE { f64::NAN } else { angle };
+                let angle = RelativeAngle::continued(committed, [g, h]);
+                let angle = if (angle - committed).abs() > LARGEST_TURN { f64::NAN } else { angle };
                 Turn { angles: [angle; 2], rate, gradient, forms: [g, h] }
             }
             Motion::Step { old, new, dt } => {
                 let (before, after) = (at(old), at(new));
                 let [[g0, h0], [g1, h1]] = [&before, &after].map(|v| self.angle.forms(v));
-                let angle = Self::continued(committed, [g1, h1]);
+                let angle = RelativeAngle::continued(committed, [g1, h1]);
                 let change = angle - committed;
                 let sizes = g0.hypot(h0) * g1.hypot(h1);
-                let scale = if change.abs() > LARGEST_ANGLE { f64::NAN } else { 1.0 / sinc(change) } / sizes;
+                // Near π the force has no limit.
+                let scale = if change.abs() > LARGEST_TURN { f64::NAN } else { 1.0 / sinc(change) } / sizes;
                 let middle: Few = std::array::from_fn(|i| (before[i] + after[i]) * 0.5);
                 let [g, h] = [0.5 * (g0 + g1), 0.5 * (h0 + h1)];
                 let gradient = self.gradient(&middle, [h * scale, g * scale]);

@@ -91,6 +91,35 @@ pub struct StaticAnalysis {
     /// Solver of the linear systems.
     #[serde(default)]
     pub linear_solver: LinearSolver,
+    /// Conditions at which the analysis ends before load factor 1.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stop: Vec<StopCondition>,
+}
+
+/// Condition at which an analysis ends before its end: a column of the history crosses a value.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StopCondition {
+    /// Name of a column of the history, such as `sensor.NAME.angle` or `body.NAME.y`.
+    pub column: String,
+    /// Value at which the analysis ends, in the unit of the column.
+    pub value: f64,
+    /// Direction in which the column crosses the value.
+    #[serde(default)]
+    pub direction: Crossing,
+}
+
+/// Direction in which a value is crossed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Crossing {
+    /// From below.
+    Rising,
+    /// From above.
+    Falling,
+    /// From below or from above.
+    #[default]
+    Either,
 }
 
 /// Solver of the linear systems.
@@ -115,6 +144,7 @@ impl Default for StaticAnalysis {
             max_cutbacks: twelve(),
             allow_unstable: false,
             linear_solver: LinearSolver::Direct,
+            stop: Vec::new(),
         }
     }
 }
@@ -194,6 +224,20 @@ pub struct TransientAnalysis {
     /// Small displacements: the tangent of the reference configuration throughout.
     #[serde(default)]
     pub linear: bool,
+    /// Conditions at which the analysis ends before `end_time`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stop: Vec<StopCondition>,
+}
+
+impl Analysis {
+    /// Conditions at which the analysis ends before its end.
+    pub fn stop_conditions(&self) -> &[StopCondition] {
+        match self {
+            Self::Static(options) => &options.stop,
+            Self::Transient(options) => &options.stop,
+            Self::Modal(_) => &[],
+        }
+    }
 }
 
 impl TransientAnalysis {
@@ -208,6 +252,7 @@ impl TransientAnalysis {
             max_step: None,
             max_iterations: twenty(),
             linear: false,
+            stop: Vec::new(),
         }
     }
 }

@@ -17,6 +17,7 @@ mod prescribed_strain;
 mod response;
 mod scheme;
 pub mod section;
+mod sensor;
 mod spring;
 pub mod supports;
 pub mod surface;
@@ -49,6 +50,7 @@ pub use response::{FrequencyResponse, ResponseInput, Spacing};
 pub(crate) use scheme::schemes;
 pub use scheme::*;
 pub use section::{Layup, LayupPly, Section, StackedPly};
+pub use sensor::{AngleSensor, DistanceSensor, PointSensor, ReactionSensor, Sensor};
 pub use spring::{SpringDamper, TorsionSpring};
 pub use supports::Condition;
 pub use surface::TriangulatedSurface;
@@ -101,6 +103,9 @@ pub struct Model {
     /// Elastic foundations.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub foundations: Vec<Foundation>,
+    /// Sensors: quantities of the motion that are recorded.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sensors: Vec<Sensor>,
     /// Masses in addition to those of the sections.
     #[serde(default)]
     pub masses: Vec<AddedMass>,
@@ -137,6 +142,7 @@ impl Model {
             springs: Vec::new(),
             torsion_springs: Vec::new(),
             foundations: Vec::new(),
+            sensors: Vec::new(),
             conditions: Vec::new(),
             loads: Vec::new(),
             masses: Vec::new(),

@@ -7,9 +7,11 @@ pub mod plies;
 pub mod probe;
 pub mod reactions;
 pub mod recovery;
+pub mod sensors;
 
 pub use bodies::{BodyMotion, joint_reaction};
 pub use plies::{PlyFailure, PlyResult, PlyStress, plastic_strains, recover_plies};
 pub use probe::Probe;
 pub use reactions::{Equilibrium, ReactionFinder, Resultant};
 pub use recovery::{ShellResult, recover};
+pub use sensors::{sensor_columns, sensor_values};

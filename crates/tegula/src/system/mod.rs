@@ -17,13 +17,14 @@ pub mod pattern;
 mod procedure;
 mod reduction;
 pub mod rigid_patch;
+mod sensors;
 pub mod supports;
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use crate::Vec3;
-use crate::constraint::{DriveValue, Joint, TorsionSpring};
+use crate::constraint::{DriveValue, Joint, Sensor, TorsionSpring};
 use crate::element::shell::ShellElement;
 use crate::element::{ElementGroup, Nodal, ShellGeometry};
 use crate::load::{FollowerLoad, LoadFactor, LoadParameter, Signal, TimeFunction};
@@ -131,6 +132,8 @@ pub struct StepStart {
     pub history: Vec<f64>,
     /// Lagrange multipliers of the constraints of joints.
     pub multipliers: Vec<f64>,
+    /// Angles of sensors (rad).
+    pub angles: Vec<f64>,
 }
 
 /// The compiled model.
@@ -151,6 +154,8 @@ pub struct System {
     pub beams: Arc<Vec<BeamLine>>,
     /// Torsion springs, each with its group and its number in it.
     pub torsion_springs: Arc<Vec<(TorsionSpring, [usize; 2])>>,
+    /// Sensors.
+    pub sensors: Arc<Vec<Sensor>>,
     /// Outline of bodies, beams and springs, for pictures.
     pub outline: Arc<Outline>,
     /// Shells, one per quad that has an element.

@@ -24,6 +24,7 @@ fn options(scheme: Scheme, end_time: f64, time_step: Option<f64>) -> TransientAn
         max_step: None,
         max_iterations: 20,
         linear: false,
+        stop: Vec::new(),
     }
 }
 

@@ -215,7 +215,7 @@ fn a_body_that_turns_by_a_fifth_of_a_radian_in_a_step_gains_no_spin() {
     }
 }
 
-/// The same off its axis, on a hinge: joints hold positions, and the velocities are projected onto them.
+/// Spin off the axis of a body, on a hinge: joints hold positions, and the velocities are projected onto them.
 #[test]
 fn a_body_on_a_hinge_that_turns_fast_gains_no_spin() {
     for (rho, least) in [(0.0, 0.7), (0.5, 0.96), (0.8, 0.99), (0.9, 0.999)] {

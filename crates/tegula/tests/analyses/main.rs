@@ -37,6 +37,7 @@ mod outlines;
 mod patch_refusals;
 mod patches;
 mod reactions;
+mod sensors;
 mod sheet_to_membrane;
 mod statics;
 mod steps;

@@ -128,6 +128,7 @@ fn pendulum(scheme: Scheme) {
             max_step: None,
             max_iterations: 20,
             linear: false,
+            stop: Vec::new(),
         };
         m.analysis = Analysis::Transient(options.clone());
         let (_, system) = compile(&m);

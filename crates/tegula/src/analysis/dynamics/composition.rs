@@ -99,6 +99,7 @@ fn begin(state: &State, between: &mut State) {
     between.mean_a.clone_from(&state.mean_a);
     between.history.clone_from(&state.history);
     between.multipliers.clone_from(&state.multipliers);
+    between.angles.clone_from(&state.angles);
     (between.time, between.last_step) = (state.time, state.last_step);
     (between.work, between.dissipated) = (state.work, state.dissipated);
     between.energy_scale = state.energy_scale;
@@ -111,6 +112,7 @@ fn swap(state: &mut State, between: &mut State) {
     swap(&mut state.v, &mut between.v);
     swap(&mut state.mean_a, &mut between.mean_a);
     swap(&mut state.history, &mut between.history);
+    swap(&mut state.angles, &mut between.angles);
     (state.time, state.work, state.dissipated) = (between.time, between.work, between.dissipated);
 }
 

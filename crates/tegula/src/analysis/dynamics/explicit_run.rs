@@ -9,7 +9,7 @@ use super::{SMALLEST_STEP, Span, initial_motion};
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::statics::undefined;
 use crate::analysis::stepper::Reached;
-use crate::analysis::{Balance, Observer, State, Statistics, Stepper, equilibrium};
+use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched, equilibrium};
 use crate::model::TransientAnalysis;
 use crate::system::{System, inverted_element};
 use crate::{Error, Result};
@@ -221,7 +221,10 @@ impl<'a> ExplicitSteps<'a> {
         {
             return Err(self.unstable(reason));
         }
-        let due = last || step.is_multiple_of(REPORT) || self.system.wanted_times.contains(&end);
+        let due = last
+            || step.is_multiple_of(REPORT)
+            || self.ends.is_limit(end)
+            || self.system.wanted_times.contains(&end);
         if due {
             self.check_balance(observer)?;
         }
@@ -272,6 +275,22 @@ impl Stepper for ExplicitSteps<'_> {
                 return Ok(0);
             }
         }
+    }
+
+    fn repeat(&mut self, start: &State, end: f64) {
+        let Self { system, scheme, fibres, state, .. } = self;
+        state.clone_from(start);
+        scheme.begin(state);
+        if state.tangent.valid {
+            fibres.take(system, &state.tangent.u);
+        }
+        self.balance = super::balance(system, &mut scheme.assembly, state);
+        self.statistics.steps = state.step;
+        self.ends.limit(end);
+    }
+
+    fn watch(&mut self, watched: &Watched) {
+        self.state.watched.clone_from(watched);
     }
 }
 

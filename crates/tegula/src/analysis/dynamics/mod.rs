@@ -21,7 +21,7 @@ mod time_steps;
 mod triads;
 
 use super::newton::{Equation, Newton, Tolerances};
-use super::{Balance, Observer, State, Statistics, Stepper, equilibrium, statics, stepper};
+use super::{Balance, Observer, State, Statistics, Stepper, Stopped, equilibrium, statics, stepper};
 use crate::element::{Motion, Nodal};
 use crate::model::TransientAnalysis;
 use crate::system::dof_map::CONSTRAINED;
@@ -76,6 +76,8 @@ pub struct TransientOutcome {
     pub balance: Balance,
     /// Run counters.
     pub statistics: Statistics,
+    /// Stop condition at which the analysis has ended; `None` at the end time.
+    pub stopped: Option<Stopped>,
 }
 
 /// Smallest step over the end time; a run with shorter steps gives up.
@@ -84,7 +86,8 @@ const SMALLEST_STEP: f64 = 1e-10;
 /// Integrates the motion from `start`, a state of the same analysis (from its first state where `None`).
 ///
 /// # Errors
-/// A step did not converge even after cut-backs to the smallest length, or the user interrupted.
+/// A step did not converge even after cut-backs to the smallest length, the user interrupted, or the observer does not know the
+/// column of a stop condition.
 pub fn run(
     system: &System,
     options: &TransientAnalysis,
@@ -92,9 +95,9 @@ pub fn run(
     observer: &mut dyn Observer,
 ) -> Result<TransientOutcome> {
     let mut steps = steps(system, options, start)?;
-    stepper::run(steps.as_mut(), observer)?;
+    let stopped = stepper::run(steps.as_mut(), &options.stop, observer)?;
     let (state, balance, statistics) = steps.finish();
-    Ok(TransientOutcome { state, balance, statistics })
+    Ok(TransientOutcome { state, balance, statistics, stopped })
 }
 
 /// Time steps of a transient analysis from `start`, a state of the same analysis (from its first state where `None`).

@@ -28,6 +28,8 @@ pub struct StepEnds {
     stops: Stops,
     fixed: Option<f64>,
     end: f64,
+    /// Time at which the next step ends at the latest.
+    limit: f64,
     /// Whether the last two steps to a stop share the remaining time.
     shares: bool,
     /// Whether the scheme takes loads of the step before.
@@ -40,7 +42,18 @@ impl StepEnds {
         let end = options.end_time;
         let shares = options.time_step.is_none() && system.procedure != Procedure::Explicit;
         let lags = matches!(options.scheme.instant(), Instant::Between(_));
-        Self { stops: Stops::of(system, end), fixed: options.time_step, end, shares, lags }
+        let limit = f64::INFINITY;
+        Self { stops: Stops::of(system, end), fixed: options.time_step, end, limit, shares, lags }
+    }
+
+    /// Limits the next step, which ends at this time at the latest.
+    pub fn limit(&mut self, time: f64) {
+        self.limit = time;
+    }
+
+    /// Whether a step may not go beyond this time.
+    pub fn is_limit(&self, time: f64) -> bool {
+        time >= self.limit
     }
 
     /// Step from `time`, at most `wanted` long, after one of length `last`.
@@ -50,7 +63,7 @@ impl StepEnds {
     pub fn next(&self, time: f64, wanted: f64, last: f64) -> Span {
         let broken = self.lags && last > 0.0 && self.stops.contains(time);
         let wanted = if broken { wanted.min(last) } else { wanted };
-        let target = self.stops.after(time).unwrap_or(self.end);
+        let target = self.stops.after(time).unwrap_or(self.end).min(self.limit);
         let left = target - time;
         let wanted = self.fixed.map_or(wanted, |fixed| to_grid(time, fixed, wanted));
         if left <= REACHED * wanted {
@@ -88,7 +101,7 @@ mod tests {
 
     fn ends(stops: &[f64], fixed: Option<f64>) -> StepEnds {
         let stops = Stops::at(stops.to_vec(), 1.0);
-        StepEnds { stops, fixed, end: 1.0, shares: fixed.is_none(), lags: false }
+        StepEnds { stops, fixed, end: 1.0, limit: f64::INFINITY, shares: fixed.is_none(), lags: false }
     }
 
     /// Ends of all steps of the wanted length.

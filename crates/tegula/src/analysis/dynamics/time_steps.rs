@@ -11,7 +11,7 @@ use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::newton::{Cause, Converged, Diverged, Newton, Tolerances};
 use crate::analysis::statics::undefined;
 use crate::analysis::stepper::Reached;
-use crate::analysis::{Balance, Observer, State, Statistics, Stepper};
+use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched};
 use crate::element::{Motion, Nodal};
 use crate::model::TransientAnalysis;
 use crate::system::{System, inverted_element};
@@ -292,6 +292,21 @@ impl Stepper for TimeSteps<'_> {
             }
         }
     }
+
+    fn repeat(&mut self, start: &State, end: f64) {
+        let Self { system, state, newton, .. } = self;
+        state.clone_from(start);
+        newton.reset();
+        newton.restore(system, state, true);
+        self.balance = balance(system, &mut newton.assembly, state);
+        self.statistics.steps = state.step;
+        self.own_tangents = false;
+        self.ends.limit(end);
+    }
+
+    fn watch(&mut self, watched: &Watched) {
+        self.state.watched.clone_from(watched);
+    }
 }
 
 /// Reason why the end `new` of a step of length `dt` from a state cannot be accepted, whatever its error.
@@ -312,6 +327,8 @@ pub(super) fn finish(
     (old_velocities, state): (&mut [Nodal], &mut State),
     span: Span,
 ) {
+    let (end, State { u, angles, .. }) = (scheme.displacements(), &mut *state);
+    system.continue_angles(|v, part| std::array::from_fn(|i| u[v][i] + part * (end[v][i] - u[v][i])), angles);
     let step_work = scheme.step_work(system, &mut newton.assembly, state);
     let after = (scheme.displacements(), span.end);
     let strains =

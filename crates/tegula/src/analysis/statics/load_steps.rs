@@ -8,7 +8,7 @@ use crate::analysis::newton::{Cause, Converged, Newton, Tolerances};
 use crate::analysis::solver::TangentSolver;
 use crate::analysis::stepper::Reached;
 use crate::analysis::stops::Stops;
-use crate::analysis::{Balance, Observer, Stability, State, Statistics, Stepper, equilibrium};
+use crate::analysis::{Balance, Observer, Stability, State, Statistics, Stepper, Watched, equilibrium};
 use crate::element::{Motion, Nodal};
 use crate::model::{NewtonMethod, StaticAnalysis};
 use crate::system::{EvaluationPoint, Internal, System, inverted_element};
@@ -49,6 +49,8 @@ pub(super) struct LoadSteps<'a, S> {
     stops: Stops,
     /// Smallest step over the distance between two stops, or over a load step; a run with shorter steps gives up.
     smallest_part: f64,
+    /// Load factor at which the next step ends at the latest.
+    limit: f64,
     /// The last equilibrium.
     state: State,
     /// Equation of the next equilibrium.
@@ -91,6 +93,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             default_form: newton.method(),
             largest,
             stops: Stops::of(system, 1.0),
+            limit: f64::INFINITY,
             smallest_part: 0.5_f64.powi(cutbacks.min(MOST_CUTBACKS)),
             equation: StaticEquation {
                 u: state.u.clone(),
@@ -98,6 +101,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
                 scales: [0.0; 2],
                 attempts: 0,
                 multipliers: state.multipliers.clone(),
+                angles: state.angles.clone(),
                 penalty: equilibrium::penalty(system, &mut newton.assembly, &state),
             },
             balance: Balance::default(),
@@ -115,7 +119,8 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
 
     /// Load factor at the end of the next step.
     fn target(&self) -> f64 {
-        self.stops.load_step_end(self.state.time, self.state.next_step, self.options.load_steps)
+        let end = self.stops.load_step_end(self.state.time, self.state.next_step, self.options.load_steps);
+        end.min(self.limit)
     }
 
     /// Iterates to the equilibrium at a load factor; the inner error gives the reason why none is accepted.
@@ -176,6 +181,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let Self { newton, system, state, equation, .. } = self;
         equation.u.copy_from_slice(&state.u);
         equation.multipliers.copy_from_slice(&state.multipliers);
+        equation.angles.copy_from_slice(&state.angles);
         equation.time = target;
         equation.scales = [state.energy_scale, state.displacement_scale];
         match newton.solve(system, equation, &state.history, &self.tolerances, observer) {
@@ -201,6 +207,9 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             return Err(Failure::new(Kind::Inverted, inverted, converged.most_negative_pivots));
         }
         let negative = converged.negative_pivots;
+        if let Some(reason) = self.system.sensor_turns_too_far([&self.state.angles, &self.equation.angles]) {
+            return Err(Failure::new(Kind::Iteration(Cause::Flight), reason, negative));
+        }
         let stability = self
             .newton
             .stability(self.system, negative)
@@ -323,6 +332,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let motion = Motion::State { u: &state.u, velocity: None };
         state.dissipated += newton.assembly.commit(system, motion, state.time, &mut state.history);
         newton.assembly.reset_stress(system, &state.point(system));
+        state.angles.copy_from_slice(&equation.angles);
         self.statistics.steps = state.step;
         if state.time >= 1.0 {
             // Writing the final results needs memory, too.
@@ -451,6 +461,24 @@ impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
                 Err(failure) => self.cut_back(target, failure, observer)?,
             }
         }
+    }
+
+    fn repeat(&mut self, start: &State, end: f64) {
+        let Self { newton, system, state, equation, .. } = self;
+        state.clone_from(start);
+        newton.reset();
+        newton.restore(system, state, is_loaded(system, state));
+        equation.attempts = 0;
+        if !self.reactions.is_empty() {
+            self.reactions = reactions(system, &mut newton.assembly, state);
+        }
+        self.balance = energies(system, &mut newton.assembly, state);
+        self.statistics.steps = state.step;
+        self.limit = end;
+    }
+
+    fn watch(&mut self, watched: &Watched) {
+        self.state.watched.clone_from(watched);
     }
 }
 

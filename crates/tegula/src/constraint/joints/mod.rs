@@ -4,11 +4,17 @@
 //! are sums of a few basic ones: coincident points, perpendicular axes, a point in a plane, a distance. The table of these
 //! is in J. García de Jalón, E. Bayo, *Kinematic and dynamic simulation of multibody systems* (1994), Ch. 4.
 
+use std::f64::consts::{PI, TAU};
+
+use super::joint::MOST_VECTORS;
 use super::{Attachment, Drive, Joint, Row};
 use crate::Vec3;
 use crate::checker::Checker;
 use crate::model::{self, joints};
 use crate::norm::larger;
+
+/// Largest change of a relative angle in a step (rad); a longer step is cut back. Near π the turn would be lost.
+pub const LARGEST_TURN: f64 = 2.5;
 
 /// One of the two sides of a joint: a body, a node or the ground.
 #[derive(Debug, Clone, PartialEq)]
@@ -110,6 +116,22 @@ impl RelativeAngle {
     /// Values of sine and cosine with the nodal vectors v.
     pub fn forms(&self, v: &[Vec3]) -> [f64; 2] {
         [self.sine.form(v), self.cosine.form(v)]
+    }
+
+    /// Angle with these values of sine and cosine, continued from an earlier one over full turns.
+    pub fn continued(earlier: f64, [sine, cosine]: [f64; 2]) -> f64 {
+        let change = sine.atan2(cosine) - earlier;
+        earlier + change - TAU * ((change + PI) / TAU).floor()
+    }
+
+    /// Rate of the angle with the nodal vectors v and their rates.
+    pub fn rate(&self, v: &[Vec3], rates: &[Vec3]) -> f64 {
+        let [g, h] = self.forms(v);
+        let square = g * g + h * h;
+        let mut gradient = [Vec3::zeros(); MOST_VECTORS];
+        self.sine.add_gradient(h / square, v, 0.0, &mut gradient);
+        self.cosine.add_gradient(-g / square, v, 0.0, &mut gradient);
+        gradient.iter().zip(rates).map(|(w, rate)| w.dot(rate)).sum()
     }
 }
 

@@ -1,0 +1,124 @@
+//! Sensors: from the model to points, angles and joints of the system.
+
+use super::bodies::{names, not_with_itself};
+use super::body_inertia::direction;
+use super::place::{Place, end, ends, not_beside};
+use crate::Issue;
+use crate::checker::Checker;
+use crate::constraint::joints::{End, RelativeAngle};
+use crate::constraint::{Attachment, Joint, Measure, Sensor};
+use crate::model::{self, Analysis, DistanceSensor, Model, PointSensor};
+
+/// Mistakes in the values of sensors.
+pub(super) fn keys(model: &Model, c: &mut Checker) {
+    names(model.sensors.iter().map(|sensor| sensor.name()), "sensors", &[], c);
+    for (i, sensor) in model.sensors.iter().enumerate() {
+        let (key, what) = (format!("sensors[{i}]"), format!("the sensor \"{}\"", sensor.name()));
+        match sensor {
+            model::Sensor::Distance(keys) => {
+                keys.points.iter().for_each(|x| c.finite(&format!("{key}.points"), "the point", x));
+                not_with_itself((&what, &keys.between), &key, c);
+            }
+            model::Sensor::Angle(keys) => {
+                if is_linear(model) {
+                    c.add(
+                        &key,
+                        format!(
+                            "{what} measures an angle, and a linear analysis has small displacements only"
+                        ),
+                        "leave `linear` out, or measure the displacement of a point",
+                    );
+                }
+                direction(&format!("{key}.axis"), keys.axis, c);
+                not_with_itself((&what, &keys.between), &key, c);
+            }
+            model::Sensor::Point(keys) => {
+                keys.at.iter().for_each(|x| c.finite(&format!("{key}.at"), "the point", x));
+            }
+            model::Sensor::Reaction(keys) => {
+                let joints: Vec<String> = model.joints.iter().map(|j| j.common().name().to_owned()).collect();
+                if !joints.contains(&keys.joint) {
+                    c.missing(format!("{key}.joint"), "joint", &keys.joint, joints.iter());
+                }
+            }
+        }
+    }
+}
+
+fn is_linear(model: &Model) -> bool {
+    match &model.analysis {
+        Analysis::Static(options) => options.linear,
+        Analysis::Transient(options) => options.linear,
+        Analysis::Modal(_) => false,
+    }
+}
+
+/// Sensors of the model, or what is wrong with the places that they name.
+pub(super) fn sensors(place: &Place, joints: &[Joint], issues: &mut Vec<Issue>) -> Vec<Sensor> {
+    let mut c = Checker::default();
+    let compiled = |(i, sensor): (usize, &model::Sensor)| {
+        let measure = measure(place, joints, (&format!("sensors[{i}]"), sensor), &mut c)?;
+        Some(Sensor { name: sensor.name().clone(), measure })
+    };
+    let out = place.model.sensors.iter().enumerate().filter_map(compiled).collect();
+    issues.append(&mut c.issues);
+    out
+}
+
+fn measure(
+    place: &Place,
+    joints: &[Joint],
+    (key, sensor): (&str, &model::Sensor),
+    c: &mut Checker,
+) -> Option<Measure> {
+    match sensor {
+        model::Sensor::Distance(keys) => distance(place, (key, keys), c),
+        model::Sensor::Angle(keys) => {
+            let ends = ends(place, (key, &keys.between), [None, None], c)?;
+            let angle = RelativeAngle::new(&ends, &keys.axis.into());
+            if angle.is_none() {
+                c.add(
+                    format!("{key}.between"),
+                    format!(
+                        "the sensor \"{}\" needs an axis on both sides, but a point mass or a node has none",
+                        keys.name
+                    ),
+                    "name rigid bodies, nodes of beams or the ground",
+                );
+            }
+            angle.map(Measure::Angle)
+        }
+        model::Sensor::Point(keys) => point(place, (key, keys), c),
+        model::Sensor::Reaction(keys) => {
+            joints.iter().position(|joint| joint.name == keys.joint).map(Measure::Reaction)
+        }
+    }
+}
+
+fn distance(place: &Place, (key, keys): (&str, &DistanceSensor), c: &mut Checker) -> Option<Measure> {
+    let points = [0, 1].map(|side| Some((format!("{key}.points[{side}]"), keys.points[side])));
+    let [a, b] = ends(place, (key, &keys.between), points, c)?;
+    Some(Measure::Distance([a.point(&keys.points[0].into()), b.point(&keys.points[1].into())]))
+}
+
+fn point(place: &Place, (key, keys): (&str, &PointSensor), c: &mut Checker) -> Option<Measure> {
+    let end = end(place, format!("{key}.on"), &keys.on, c)?;
+    if let Some(at) = keys.at {
+        not_beside(place, &end, (format!("{key}.at"), &keys.on, at), c);
+    }
+    let point = match (&end, keys.at) {
+        (End::Ground, _) => {
+            c.add(
+                format!("{key}.on"),
+                format!("the sensor \"{}\" is on the ground, which does not move", keys.name),
+                "name a body or a set with one node",
+            );
+            return None;
+        }
+        (_, Some(at)) => end.point(&at.into()),
+        (End::Body { vectors: (vector, _), .. } | End::Point { vector, .. }, None) => {
+            Attachment::vector(*vector)
+        }
+    };
+    Some(Measure::Point(point))
+}

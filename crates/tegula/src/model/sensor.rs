@@ -1,0 +1,78 @@
+//! Sensors: quantities of the motion that are recorded as columns of the history.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Sensor: a quantity of the motion with columns `sensor.NAME.…` in the history, on which stop conditions may depend.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "kebab-case")]
+pub enum Sensor {
+    /// Distance of two points, and its rate.
+    Distance(DistanceSensor),
+    /// Angle of one body relative to another about an axis, and its rate.
+    Angle(AngleSensor),
+    /// Position, velocity and acceleration of a point.
+    Point(PointSensor),
+    /// Magnitudes of the force and the moment in a joint.
+    Reaction(ReactionSensor),
+}
+
+impl Sensor {
+    /// Name of the sensor.
+    pub fn name(&self) -> &String {
+        match self {
+            Self::Distance(keys) => &keys.name,
+            Self::Angle(keys) => &keys.name,
+            Self::Point(keys) => &keys.name,
+            Self::Reaction(keys) => &keys.name,
+        }
+    }
+}
+
+/// Distance of two points.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DistanceSensor {
+    /// Name of the sensor in results.
+    pub name: String,
+    /// Both sides: names of bodies or of sets with one node, or `ground`.
+    pub between: [String; 2],
+    /// Point of the first and point of the second one, in the reference configuration (length).
+    pub points: [[f64; 3]; 2],
+}
+
+/// Angle about an axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AngleSensor {
+    /// Name of the sensor in results.
+    pub name: String,
+    /// Both sides: names of bodies or of nodes of beams, or `ground`.
+    pub between: [String; 2],
+    /// Direction of the axis in the reference configuration. The angle is that of the second side relative to the first one,
+    /// right-handed about the axis and 0 in the reference configuration (degrees); it counts full turns.
+    pub axis: [f64; 3],
+}
+
+/// Position, velocity and acceleration of a point.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PointSensor {
+    /// Name of the sensor in results.
+    pub name: String,
+    /// Name of a body or of a set with one node.
+    pub on: String,
+    /// Point of the body in the reference configuration (length); its mass centre unless given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<[f64; 3]>,
+}
+
+/// Magnitudes of the reaction of a joint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ReactionSensor {
+    /// Name of the sensor in results.
+    pub name: String,
+    /// Name of the joint; its components are columns of the history without a sensor.
+    pub joint: String,
+}
