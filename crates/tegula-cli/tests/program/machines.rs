@@ -247,3 +247,50 @@ fn check_prints_mass_centre_and_inertia_of_a_body_from_an_stl_file() {
     assert!(!output.status.success() && message.contains("part.toml:9:"), "{message}");
     assert!(message.contains("3 edges belong to one triangle only, such as the edge from"), "{message}");
 }
+
+/// Receptance of a Bernoulli beam at its loaded tip, by hand from its differential equation; damping acts at the resonances only.
+#[test]
+fn the_cantilever_responds_as_a_beam_between_its_resonances() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let output = tegula(&["run", text(&example("frequency_response.toml")), "--out", text(&out), "--quiet"]);
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", errors(&output));
+    let table = fs::read_to_string(out.join("frequency_response.csv")).unwrap();
+    let mut lines = table.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let column = names.iter().position(|name| *name == "tip.uz/force.amplitude").unwrap();
+    let rows: Vec<(f64, f64)> = lines
+        .map(|line| {
+            let numbers: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+            (numbers[0], numbers[column])
+        })
+        .collect();
+    let (width, h): (f64, f64) = (0.05, 5e-3);
+    let (bending, mass) = (2.1e11 * width * h.powi(3) / 12.0, 7800.0 * width * h);
+    let receptance = |f: f64| {
+        let beta = (mass * (TAU * f).powi(2) / bending).powf(0.25);
+        (beta.sin() * beta.cosh() - beta.cos() * beta.sinh())
+            / (bending * beta.powi(3) * (1.0 + beta.cos() * beta.cosh()))
+    };
+    let frequency = |lambda: f64| lambda * lambda / TAU * (bending / mass).sqrt();
+    let resonances = [1.875104, 4.694091, 7.854757].map(frequency);
+    let mut compared = 0;
+    for (f, amplitude) in &rows {
+        let away = resonances.iter().all(|r| (f / r - 1.0).abs() > 0.1);
+        if away {
+            let exact = receptance(*f).abs();
+            let scale = larger(exact, 1e-3 * receptance(1.0));
+            assert!((amplitude - exact).abs() < 0.015 * scale, "{f} Hz: {amplitude} {exact}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 150, "{compared}");
+    let between = |low: f64, high: f64| rows.iter().copied().filter(move |(f, _)| (low..high).contains(f));
+    let peak = between(3.0, 6.0).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+    let silent = between(10.0, 25.0).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+    assert!((peak.0 / resonances[0] - 1.0).abs() < 3e-3, "{peak:?}");
+    assert!((silent.0 / frequency(3.926602) - 1.0).abs() < 1e-2, "{silent:?}");
+    // Of the modal mass ρAL/4 at the resonance, 1/(2ζ) times the static amplitude of the mode.
+    let expected = 4.0 / (mass * (TAU * resonances[0]).powi(2)) / (2.0 * 0.005);
+    assert!((peak.1 / expected - 1.0).abs() < 2e-2, "{peak:?} {expected}");
+}

@@ -3,7 +3,9 @@
 use tegula::System;
 use tegula::analysis::State;
 use tegula::result::beams::beam_resultants;
-use tegula::result::bodies::{BodyMotion, joint_reaction, reference_axes, torsion_angles_and_moments};
+use tegula::result::bodies::{
+    BodyMotion, joint_reaction, reference_axes, spring_lengths_and_forces, torsion_angles_and_moments,
+};
 use tegula::system::BeamLine;
 use tegula::system::coordinates::Body;
 
@@ -16,6 +18,8 @@ const OF_POINT: [&str; 6] = ["x", "y", "z", "vx", "vy", "vz"];
 /// Columns of a joint: force and moment of the first end on the second one.
 const OF_JOINT: [&str; 6] = ["fx", "fy", "fz", "mx", "my", "mz"];
 
+/// Columns of a spring: length, and force that draws its points together.
+const OF_SPRING: [&str; 2] = ["length", "force"];
 /// Columns of a torsion spring: angle (degrees), and moment that resists it.
 const OF_TORSION_SPRING: [&str; 2] = ["angle", "moment"];
 
@@ -47,6 +51,9 @@ pub(super) fn names(system: &System) -> Vec<String> {
     for joint in system.joints.iter() {
         out.extend(OF_JOINT.map(|column| format!("joint.{}.{column}", joint.name)));
     }
+    for (name, _) in system.springs.iter() {
+        out.extend(OF_SPRING.map(|column| format!("spring.{name}.{column}")));
+    }
     for (spring, _) in system.torsion_springs.iter() {
         out.extend(OF_TORSION_SPRING.map(|column| format!("torsion_spring.{}.{column}", spring.name)));
     }
@@ -77,6 +84,7 @@ pub(super) fn row(system: &System, state: &State) -> Vec<f64> {
         let (force, moment) = joint_reaction(system, state, joint);
         out.extend(force.iter().chain(moment.iter()));
     }
+    spring_lengths_and_forces(system, state).into_iter().for_each(|of_spring| out.extend(of_spring));
     for [angle, moment] in torsion_angles_and_moments(system, state) {
         out.extend([angle.to_degrees(), moment]);
     }

@@ -29,7 +29,7 @@ use std::sync::Arc;
 
 use crate::analysis::statics;
 use crate::constraint::{
-    FoundationGroup, Joint, JointGroup, Sensor, SpringGroup, TorsionSpring, TorsionSpringGroup,
+    FoundationGroup, Joint, JointGroup, Sensor, Spring, SpringGroup, TorsionSpring, TorsionSpringGroup,
 };
 use crate::element::{ElementGroup, Nodal, director_angle};
 use crate::load::{FollowerLoad, LoadFactor, NodalLoad, OwnLoad, TimeFunction};
@@ -76,6 +76,7 @@ pub struct Compiler<'a> {
     offsets: Arc<Vec<GroupOffsets>>,
     joints: Arc<Vec<Joint>>,
     beams: Arc<Vec<BeamLine>>,
+    springs: Arc<Vec<(String, Spring)>>,
     torsion_springs: Arc<Vec<(TorsionSpring, [usize; 2])>>,
     sensors: Arc<Vec<Sensor>>,
     outline: Arc<Outline>,
@@ -178,6 +179,7 @@ impl<'a> Compiler<'a> {
             groups: Arc::new(elements.groups),
             joints,
             beams: Arc::new(beams),
+            springs: Arc::new(model.springs.iter().map(|spring| spring.name.clone()).zip(springs).collect()),
             torsion_springs: Arc::new(torsion_springs.into_iter().zip(places).collect()),
             sensors: Arc::new(sensors),
             outline: Arc::new(outline),
@@ -341,6 +343,7 @@ impl<'a> Compiler<'a> {
             reductions,
             joints: self.joints_at(start.as_ref(), procedure, &amplitudes),
             beams: Arc::clone(&self.beams),
+            springs: Arc::clone(&self.springs),
             torsion_springs: Arc::clone(&self.torsion_springs),
             sensors: Arc::clone(&self.sensors),
             outline: Arc::clone(&self.outline),

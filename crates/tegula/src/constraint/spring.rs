@@ -77,6 +77,15 @@ impl Spring {
         }
     }
 
+    /// Length, and force that draws the points together, for given nodal vectors and their rates.
+    pub fn length_and_force(&self, value: impl Fn(usize) -> Vec3, rate: impl Fn(usize) -> Vec3) -> [f64; 2] {
+        let x = self.between(value);
+        let length = x.norm();
+        let speed = self.between(rate) - self.constant;
+        let lengthening = if length > 0.0 { speed.dot(&x) / length } else { 0.0 };
+        [length, self.stiffness * (length - self.length) + self.damping * lengthening]
+    }
+
     /// Force per vector between the points.
     fn intensity(&self, [before, after]: [f64; 2], rate: f64) -> f64 {
         let sum = before + after;

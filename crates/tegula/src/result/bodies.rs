@@ -91,6 +91,13 @@ pub fn joint_reaction(system: &System, state: &State, joint: &Joint) -> (Vec3, V
     (force, moment)
 }
 
+/// Length, and force that draws its points together, of each spring in a state.
+pub fn spring_lengths_and_forces(system: &System, state: &State) -> Vec<[f64; 2]> {
+    let value = |v: usize| current(system, &state.u, v as u32);
+    let rate = |v: usize| state.v.get(v).copied().map_or_else(Vec3::zeros, Vec3::from);
+    system.springs.iter().map(|(_, spring)| spring.length_and_force(value, rate)).collect()
+}
+
 /// Angle (rad), continued over full turns, and moment of each torsion spring in a state.
 pub fn torsion_angles_and_moments(system: &System, state: &State) -> Vec<[f64; 2]> {
     let (factors, point): (Vec<f64>, _) =

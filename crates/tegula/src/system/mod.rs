@@ -24,7 +24,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::Vec3;
-use crate::constraint::{DriveValue, Joint, Sensor, TorsionSpring};
+use crate::constraint::{DriveValue, Joint, Sensor, Spring, TorsionSpring};
 use crate::element::shell::ShellElement;
 use crate::element::{ElementGroup, Nodal, ShellGeometry};
 use crate::load::{FollowerLoad, LoadFactor, LoadParameter, Signal, TimeFunction};
@@ -152,6 +152,8 @@ pub struct System {
     pub joints: Arc<Vec<Joint>>,
     /// Beams.
     pub beams: Arc<Vec<BeamLine>>,
+    /// Springs with their names.
+    pub springs: Arc<Vec<(String, Spring)>>,
     /// Torsion springs, each with its group and its number in it.
     pub torsion_springs: Arc<Vec<(TorsionSpring, [usize; 2])>>,
     /// Sensors.

@@ -200,6 +200,34 @@ fn the_history_has_angle_and_moment_of_torsion_springs() {
     assert!(rows.len() > 15);
 }
 
+/// Length and force of a spring in the history are those of the body's position and velocity.
+#[test]
+fn the_history_has_length_and_force_of_springs() {
+    let spring = r#"
+    [[springs]]
+    name = "pull"
+    between = ["ground", "bar"]
+    points = [[0.5, 1.0, 0.0], [0.5, 0.0, 0.0]]
+    stiffness = 4.0
+    damping = 0.3
+    length = 0.8
+    "#;
+    let folder = run_text(&format!("{MACHINE}{spring}"));
+    let (names, rows) = csv::read(&folder.path().join("history.csv")).unwrap();
+    let mut lengths = Vec::new();
+    for row in &rows {
+        let value = |name: &str| row[names.iter().position(|n| n == name).unwrap()];
+        let vector =
+            |columns: [&str; 3]| nalgebra::Vector3::from(columns.map(|c| value(&format!("body.bar.{c}"))));
+        let x = vector(["x", "y", "z"]) - nalgebra::Vector3::new(0.5, 1.0, 0.0);
+        let (length, force) = (value("spring.pull.length"), value("spring.pull.force"));
+        let expected = 4.0 * (x.norm() - 0.8) + 0.3 * vector(["vx", "vy", "vz"]).dot(&x) / x.norm();
+        assert!((length - x.norm()).abs() < 1e-12 && (force - expected).abs() < 1e-10, "{row:?}");
+        lengths.push(length);
+    }
+    assert!(lengths[lengths.len() - 1] > lengths[0] + 1e-3, "the bar falls: {lengths:?}");
+}
+
 const MACHINE: &str = r#"
     loads = [{ type = "gravity", value = [0, -9.81, 0] }]
     [analysis]
