@@ -265,7 +265,7 @@ fn inputs_that_give_no_response_are_refused_by_their_key() {
         ("analysis.frequency_response.from", |a, _| a.frequency_response = range(f64::NAN, 3.0, 5)),
         ("analysis.frequency_response.to", |a, _| a.frequency_response = range(4.0, 3.0, 5)),
         ("analysis.frequency_response.points", |a, _| a.frequency_response = range(1.0, 3.0, 1)),
-        ("analysis.frequency_response.to: the range ends at 1000", |a, _| {
+        ("is wanted up to 1000, and the highest of the 3 modes", |a, _| {
             a.frequency_response = range(1.0, 1000.0, 5);
         }),
     ];

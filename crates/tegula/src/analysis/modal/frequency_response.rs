@@ -38,23 +38,21 @@ pub(super) fn frequencies(
 ) -> Result<Vec<f64>> {
     let highest = modes.iter().map(|mode| mode.frequency_hz).fold(0.0, larger);
     if !all && !(wanted.to <= highest) {
-        return Err(Error::model(
-            "analysis.frequency_response.to",
-            format!(
-                "the range ends at {} and the highest of the {} modes has the frequency {highest:.6e}: resonances between them would be \
-                 missed",
+        return Err(Error::Singular {
+            what: format!(
+                "The frequency response is wanted up to {}, and the highest of the {} modes has the frequency {highest:.6e}: resonances \
+                 between them would be missed.",
                 wanted.to,
                 modes.len()
             ),
-            "raise `modes`, or end the range below the highest mode",
-        ));
+            help: "Raise `modes`, or lower the end of the range, `frequency_response.to`.".into(),
+        });
     }
     if wanted.from == 0.0 && modes.iter().any(|mode| mode.rigid) {
-        return Err(Error::model(
-            "analysis.frequency_response.from",
-            "the model moves freely: its response at the frequency 0 has no bound",
-            "begin above 0, or support the model",
-        ));
+        return Err(Error::Singular {
+            what: "The model moves freely: its response at the frequency 0 has no bound.".into(),
+            help: "Begin the range above 0, `frequency_response.from`, or support the model.".into(),
+        });
     }
     let last = f64::from(wanted.points - 1);
     let at = |i: u32| {

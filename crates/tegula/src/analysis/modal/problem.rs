@@ -264,9 +264,11 @@ impl<'a> Problem<'a> {
         }
         Err(Error::Singular {
             what:
-                "K − σM is not positive definite for any shift σ tried: a mass or a section stiffness is not positive."
+                "K − σM is not positive definite for any shift σ tried: a mass, an inertia or a section stiffness is not positive, or a body may \
+                 turn about an axis about which it has no inertia."
                     .into(),
-            help: "Check densities, thicknesses and materials; about an equilibrium check that it is stable."
+            help: "Check densities, thicknesses and materials; give bodies that joints or single nodes leave free to turn an inertia about \
+                   each axis; about an equilibrium check that it is stable."
                 .into(),
         })
     }
