@@ -54,7 +54,7 @@ pub struct State {
     #[serde(default)]
     pub multipliers: Vec<f64>,
     /// Displacements in the middle of the last step, where the multipliers of the energy–momentum scheme of second order act; empty for
-    /// other schemes and at the start.
+    /// other schemes and at the start. They are not stored: reactions of a state that was read are in the configuration at its end.
     #[serde(default, skip)]
     pub middle: Vec<Nodal>,
     /// Angles of sensors (rad), continued over full turns.

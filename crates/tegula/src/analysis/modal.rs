@@ -114,6 +114,16 @@ pub fn run_with_inputs(
     if equilibrium.and_then(|state| circulatory::stiffness(system, state)).is_some() {
         return Err(circulatory::with_inputs());
     }
+    if outcome.modes.len() < problem.rigid.len() {
+        return Err(Error::Singular {
+            what: format!(
+                "The model has {} rigid modes, and {} modes are wanted: the response to inputs would lack rigid motions.",
+                problem.rigid.len(),
+                outcome.modes.len()
+            ),
+            help: "Raise `modes`.".into(),
+        });
+    }
     let before = problem.applications;
     let mut reduction = Reduction::new(&mut problem, analysis, &outcome.modes)?;
     let mut frequencies = Vec::new();

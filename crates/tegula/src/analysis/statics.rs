@@ -13,7 +13,7 @@ use crate::load::FollowerLoad;
 use crate::model::{LinearSolver, StaticAnalysis};
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::system::{Assembly, EvaluationPoint, Procedure, System, dot};
-use crate::{Error, Mat3, Result, Vec3};
+use crate::{Error, Result, Vec3};
 
 use tegula_sparse::norm::{larger, max_norm};
 
@@ -265,7 +265,7 @@ fn follower_work(
 }
 
 /// Work of a moment on a body beyond the trapezoidal rule, which takes chords for arcs: with the rotation vector θ of the step it is
-/// `m·θ`.
+/// `m·θ`, which is exact about a fixed axis.
 fn moment_work(system: &System, load: &FollowerLoad, u: [&[Nodal]; 2], [start, end]: [f64; 2]) -> f64 {
     let FollowerLoad::BodyMoment { directors, moment, factor } = load else { return 0.0 };
     if system.linear {
@@ -280,8 +280,11 @@ fn moment_work(system: &System, load: &FollowerLoad, u: [&[Nodal]; 2], [start, e
         let parts = (0..3).map(|i| (moment * 0.5).cross(&at[i]).dot(&(after[i] - before[i])));
         f * parts.sum::<f64>()
     };
-    let rotation = Mat3::from_columns(&after) * Mat3::from_columns(&before).transpose();
-    let arc = nalgebra::Rotation3::from_matrix_unchecked(rotation).scaled_axis();
+    // Of round-off alone the sine is round-off, too, where the arc cosine of the trace would be no number.
+    let sine = (0..3).map(|i| before[i].cross(&after[i])).sum::<Vec3>() * 0.5;
+    let cosine = 0.5 * ((0..3).map(|i| before[i].dot(&after[i])).sum::<f64>() - 1.0);
+    let size = sine.norm();
+    let arc = if size > 0.0 { sine * (size.atan2(cosine) / size) } else { sine };
     0.5 * (factors[0] + factors[1]) * moment.dot(&arc)
         - 0.5 * (chord(factors[0], &before) + chord(factors[1], &after))
 }

@@ -41,6 +41,8 @@ pub trait Stepper {
     fn advance(&mut self, observer: &mut dyn Observer) -> Result<u32>;
     /// Goes back to a state of the same analysis, that at the start of the last step: the next step ends at `end` at the latest.
     fn repeat(&mut self, start: &State, end: f64);
+    /// Removes the limit of a [repeated](Self::repeat) step.
+    fn release(&mut self);
     /// Stores the columns of stop conditions in the state.
     fn watch(&mut self, watched: &Watched);
 }

@@ -131,7 +131,12 @@ impl<'a> StopWatch<'a> {
         let whole = Trial { time: stepper.state().time, values };
         let (iterations, end, repeats) = self.locate(whole, iterations, stepper, observer)?;
         let met = self.crossed(&end.values).next();
-        let Some(met) = met else { return Ok(iterations) };
+        let Some(met) = met else {
+            // By round-off the last repetition has not crossed the value: the analysis continues.
+            stepper.release();
+            stepper.watch(&Watched { values: end.values, met: None });
+            return Ok(iterations);
+        };
         let stopped = self.stop(met, stepper.state(), &end.values);
         observer.on_event(&format!(
             "{:.9e}: the analysis ends here, as `{}` has crossed {}: it is {:.9e} ({repeats} repeats of the last step)",

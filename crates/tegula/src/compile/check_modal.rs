@@ -1,7 +1,7 @@
 //! Checks of a modal analysis and of the response to its inputs.
 
 use crate::checker::Checker;
-use crate::model::{FrequencyResponse, ModalAnalysis, Model, Spacing};
+use crate::model::{Beam, FrequencyResponse, ModalAnalysis, Model, Spacing};
 
 /// Longest name of an input (characters). It becomes part of file names.
 const LONGEST_NAME: usize = 60;
@@ -74,7 +74,7 @@ fn inputs(model: &Model, modal: &ModalAnalysis, c: &mut Checker) {
     if !modal.inputs.is_empty()
         && model.output.points.is_empty()
         && model.bodies.is_empty()
-        && model.beams.is_empty()
+        && !model.beams.iter().any(shown)
     {
         c.add(
             "analysis.inputs",
@@ -82,6 +82,11 @@ fn inputs(model: &Model, modal: &ModalAnalysis, c: &mut Checker) {
             "add an [[output.points]] entry for each point whose motion is wanted",
         );
     }
+}
+
+/// Whether nodes of a beam are in the history.
+fn shown(beam: &Beam) -> bool {
+    beam.history.as_ref().is_none_or(|nodes| !nodes.is_empty())
 }
 
 fn frequencies(response: &FrequencyResponse, c: &mut Checker) {

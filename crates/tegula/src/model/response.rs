@@ -11,8 +11,8 @@ use super::Load;
 pub struct ResponseInput {
     /// Name of the input in the results.
     pub name: String,
-    /// Loads of amplitude 1, like those of the model but without an amplitude of their own. They add nothing to the state about which
-    /// the model vibrates.
+    /// Loads as in `loads`, without `amplitude`: their values are the amplitudes of the excitation. They add nothing to the state about
+    /// which the model vibrates.
     pub loads: Vec<Load>,
 }
 

@@ -231,6 +231,9 @@ fn few_modes_give_the_response_of_the_whole_equations() {
     }
 }
 
+/// Change of a valid analysis and its model.
+type Change = fn(&mut ModalAnalysis, &mut Model);
+
 fn oscillator(change: impl Fn(&mut ModalAnalysis, &mut Model)) -> String {
     let mut m = model(plate([1.0, 0.4], [4, 2], 0.0), 2.1e11, 0.01);
     m.materials.insert("m".into(), steel());
@@ -249,7 +252,7 @@ fn oscillator(change: impl Fn(&mut ModalAnalysis, &mut Model)) -> String {
 #[test]
 fn inputs_that_give_no_response_are_refused_by_their_key() {
     assert_eq!(oscillator(|_, _| {}), "");
-    let cases: [(&str, fn(&mut ModalAnalysis, &mut Model)); 14] = [
+    let cases: [(&str, Change); 14] = [
         ("analysis.inputs[0].loads[0].on", |a, _| a.inputs[0].loads = vec![force("nowhere", [1.0; 3])]),
         ("analysis.inputs[0].loads[0]: the load of the input is 0", |a, _| {
             a.inputs[0].loads = vec![force("u_max", [0.0; 3])];
@@ -273,6 +276,42 @@ fn inputs_that_give_no_response_are_refused_by_their_key() {
         let message = oscillator(change);
         assert!(message.contains(expected), "{expected}: {message}");
     }
+}
+
+/// A free plate has six rigid modes: with fewer of them the response would lack rigid motions.
+#[test]
+fn inputs_of_a_free_model_with_few_modes_are_refused() {
+    let few = oscillator(|a, m| {
+        m.conditions.clear();
+        a.frequency_response = None;
+    });
+    assert!(few.contains("6 rigid modes, and 3 modes are wanted"), "{few}");
+}
+
+/// A dashpot at a point that a mode does not move gives no peak: its damping ratio is round-off.
+#[test]
+fn a_damper_on_a_nodal_line_is_no_damping_of_the_mode() {
+    let bodies = vec![body("mass", [0.0; 3], 1.0, None)];
+    let spring = |axis: usize, damping: f64| {
+        let mut end = [0.0; 3];
+        end[axis] = -1.0;
+        SpringDamper {
+            name: format!("spring {axis}"),
+            between: between("ground", "mass"),
+            points: [end, [0.0; 3]],
+            stiffness: 16.0 * (1.0 + axis as f64),
+            damping,
+            length: None,
+        }
+    };
+    let analysis = ModalAnalysis {
+        inputs: vec![input("push", vec![force("mass", [1.0, 1e-20, 0.0])])],
+        frequency_response: range(0.1, 0.9, 20),
+        ..ModalAnalysis::new(3)
+    };
+    let mut model = Model::of_bodies(Analysis::Modal(analysis), bodies, Vec::new());
+    model.springs = vec![spring(0, 0.4), spring(1, 1e-12), spring(2, 0.0)];
+    assert!(respond(&model).is_ok());
 }
 
 /// Without damping the response beside a resonance is large, and has no bound at it: that one is refused.

@@ -233,3 +233,37 @@ fn a_body_on_a_hinge_that_turns_fast_gains_no_spin() {
         assert!(spin > 100.0 * least && spin < 100.0 * (1.0 + 1e-9), "{rho}: {spin}");
     }
 }
+
+/// A free plate that turns about an axis in its plane keeps its energy within the damping of the scheme in short steps. In long ones the
+/// scheme may feed energy into it, which is told.
+#[test]
+fn a_plate_that_turns_fast_keeps_its_energy_or_the_gain_is_told() {
+    for element in [ElementKind::Ems, ElementKind::Mitc4] {
+        for (rho, angle) in [(0.5, 0.02), (0.8, 0.02), (0.8, 0.1), (0.9, 0.1), (0.95, 0.1), (1.0, 0.02)] {
+            let mut model = crate::common::model(crate::common::plate([1.0, 0.6], [3, 2], 0.0), 2.1e11, 0.02);
+            model.materials.insert("m".into(), Material::Isotropic(Isotropic::new(2.1e11, 0.3, 7850.0)));
+            model.sections[0].element = element;
+            model.conditions.clear();
+            model.initial_velocities = vec![InitialVelocity {
+                on: "all".into(),
+                velocity: [0.0; 3],
+                angular_velocity: [0.0, 10.0, 0.0],
+                center: [0.5, 0.3, 0.0],
+            }];
+            let options = TransientAnalysis {
+                scheme: scheme(rho),
+                time_step: Some(0.1 * angle),
+                ..TransientAnalysis::new(30.0 * angle)
+            };
+            model.analysis = Analysis::Transient(options.clone());
+            let mut notes = Notes::default();
+            crate::common::move_in_time(&model, &options, &mut notes);
+            let (first, last) = (notes.totals[0].1, notes.totals[notes.totals.len() - 1].1);
+            let told = notes.events.iter().any(|event| event.contains("has gained"));
+            println!("{element:?} {rho} {angle}: {first} {last} {told}");
+            let kept = last > 0.98 * first && last < 1.05 * first;
+            assert!(told || kept, "{element:?} {rho} {angle}: {first} {last}");
+            assert!(angle > 0.05 || !told, "{element:?} {rho} {angle}: {first} {last}");
+        }
+    }
+}

@@ -6,6 +6,12 @@ use tegula::model::*;
 use tegula::result::bodies::BodyMotion;
 use tegula::{Vec3, compile, mesh};
 
+/// Scheme of fourth order.
+const FOURTH: Scheme = Scheme::EnergyMomentum(EnergyMomentumScheme { order: 4 });
+
+/// Change of the options of a motion.
+type Change = fn(&mut TransientAnalysis);
+
 /// Angle that a wheel with the angular velocity 1 rad/time has turned by at the time 2, and what was told.
 fn turned(change: impl Fn(&mut TransientAnalysis)) -> (f64, Vec<String>) {
     let wheel =
@@ -29,17 +35,16 @@ fn a_rotation_that_lags_behind_is_told_with_the_lag() {
     assert!((angle - 8.0 * 0.25f64.atan()).abs() < 1e-9, "{angle}");
     let lag = 1.0 - angle / 2.0;
     assert!((lag - 0.02008).abs() < 1e-4, "{lag}");
-    let told: Vec<_> = events.iter().filter(|event| event.contains("lags behind by about 2 %")).collect();
+    let told: Vec<_> = events.iter().filter(|event| event.contains("lags behind by 2 % or more")).collect();
     assert!(told.len() == 1 && told[0].contains("\"wheel\" turns by 0.49 rad"), "{events:?}");
 }
 
 #[test]
 fn rotations_in_short_automatic_and_composed_steps_are_not_told() {
-    let composed = EnergyMomentumScheme { order: 4 };
-    let changes: [(f64, &dyn Fn(&mut TransientAnalysis)); 3] = [
-        (1e-2, &|options| options.time_step = Some(0.2)),
-        (1e-3, &|options| options.time_step = None),
-        (1e-3, &|options| options.scheme = Scheme::EnergyMomentum(composed)),
+    let changes: [(f64, Change); 3] = [
+        (1e-2, |options| options.time_step = Some(0.2)),
+        (1e-3, |options| options.time_step = None),
+        (1e-3, |options| options.scheme = FOURTH),
     ];
     for (tolerance, change) in changes {
         let (angle, events) = turned(change);

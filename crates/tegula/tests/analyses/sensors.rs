@@ -109,7 +109,8 @@ fn a_fall_ends_at_its_depth() {
     }
 }
 
-/// Shells fall just so, with every scheme for them; explicit steps are watched every tenth.
+/// A falling sheet reaches its depth at the same time with every scheme for shells; the explicit scheme compares columns at every tenth
+/// step.
 #[test]
 fn a_sheet_that_falls_ends_at_its_depth_with_all_schemes_of_shells() {
     let (g, h) = (9.81, 0.5);

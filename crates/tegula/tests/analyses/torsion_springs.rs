@@ -271,6 +271,31 @@ fn a_moment_winds_a_spring_in_few_load_steps_with_the_work_of_its_turns() {
     }
 }
 
+/// A moment on a body that hardly turns, or not at all, does the work of its small arc.
+#[test]
+fn moments_on_bodies_that_hardly_turn_do_little_work() {
+    for stiffness in [Some(1e8), None] {
+        let wheel = body("wheel", [0.0; 3], 2.0, Some([0.05, 0.05, 0.09]));
+        let hinge = match stiffness {
+            Some(_) => revolute("ax", "ground", "wheel", [0.0; 3], [0.0, 0.0, 1.0]),
+            None => Joint::Fixed(PointJoint {
+                name: "weld".into(),
+                between: between("ground", "wheel"),
+                at: [0.0; 3],
+            }),
+        };
+        let options = StaticAnalysis { load_steps: 7, ..StaticAnalysis::default() };
+        let mut model = Model::of_bodies(Analysis::Static(options.clone()), vec![wheel], vec![hinge]);
+        model.torsion_springs =
+            stiffness.map(|k| spring(["ground", "wheel"], k, 0.0, 0.0)).into_iter().collect();
+        model.loads = vec![Load::Moment(crate::common::vector_load("wheel", [0.0, 0.0, 1.0]))];
+        let system = compile::build(&model, &mesh::generators::generate(&model.mesh).unwrap()).unwrap();
+        let work = statics::run(&system, &options, None, &mut Silent).unwrap().state.work;
+        let expected = stiffness.map_or(0.0, |k| 0.5 / k);
+        assert!((work - expected).abs() < 1e-14, "{work} {expected}");
+    }
+}
+
 /// A drive that winds a spring by 1000° does the work ½ k θ².
 #[test]
 fn a_static_drive_does_the_work_that_a_spring_stores() {

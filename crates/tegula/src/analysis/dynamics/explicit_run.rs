@@ -289,6 +289,10 @@ impl Stepper for ExplicitSteps<'_> {
         self.ends.limit(end);
     }
 
+    fn release(&mut self) {
+        self.ends.limit(f64::INFINITY);
+    }
+
     fn watch(&mut self, watched: &Watched) {
         self.state.watched.clone_from(watched);
     }

@@ -21,11 +21,12 @@
 //! with the change `δv/(γΔt)` of the auxiliary accelerations that this takes, and the multipliers that belong to it: the
 //! stabilised formulation of index 2 (M. Arnold, O. Brüls, A. Cardona, *Error analysis of generalized-α Lie group time integration
 //! methods for constrained mechanical systems*, Numer. Math. 129 (2015) 149–179). Without it the velocities across the constraints are
-//! of second order and damped by ρ in a step, but a rotation by Δθ turns the share Δθ of them into the constraints: a free body that
-//! turns by 0.1 rad a step gains energy exponentially for ρ = 0.9.
+//! of second order and damped by ρ in a step, but a rotation by Δθ turns the share Δθ of them into the directions that the constraints leave
+//! free: a free body that turns by 0.1 rad a step gains energy exponentially for ρ = 0.9. Inextensible directors, whose inertia is small,
+//! keep theirs for ρ < 1.
 
 use super::newmark::Newmark;
-use super::{Integrator, Span, StepWork, triads};
+use super::{Integrator, Span, StepWork, project_rates, triads};
 use crate::analysis::State;
 use crate::analysis::newton::{Equation, Newton, Tolerances};
 use crate::element::{Motion, Nodal};
@@ -204,7 +205,9 @@ impl Integrator for GeneralizedAlpha {
 
     fn finish(&mut self, system: &System, newton: &mut Newton, state: &mut State) {
         self.close_rates(system, newton);
-        if self.lag() != 0.0 {
+        if self.lag() == 0.0 {
+            project_rates(system, &self.newmark.u, &mut self.newmark.v, &mut self.acceleration);
+        } else {
             let dt = self.newmark.dt;
             state.acceleration_lag.resize(system.vectors(), [0.0; 3]);
             for ((lag, a), acceleration) in

@@ -6,6 +6,7 @@ mod constrained_start;
 pub mod critical_step;
 mod drive_rates;
 pub mod energy_momentum;
+mod energy_watch;
 mod explicit;
 mod explicit_run;
 mod fibre_watch;

@@ -2,7 +2,7 @@
 //!
 //! Schemes whose velocities are those of the middle of a step turn a body that rotates with the angular velocity ω by `2 atan(½ωΔt)`
 //! instead of ωΔt in a step: energy and momenta stay right, and the angle lags behind by about (ωΔt)²/12 of it. Automatic steps see this
-//! in their local error. Constant ones keep the lag without a sign of it.
+//! in their local error. In constant steps nothing shows it. Numerical damping adds to it.
 
 use crate::Vec3;
 use crate::analysis::Observer;
@@ -33,6 +33,13 @@ impl RotationWatch {
         Self { before, next: FIRST }
     }
 
+    /// Goes back to the displacements `u` at the start of a step that is repeated.
+    pub fn restart(&mut self, u: &[Nodal]) {
+        if !self.before.is_empty() {
+            self.before.copy_from_slice(u);
+        }
+    }
+
     /// Looks at the displacements `u` at the end of a step, which consists of `sub_steps`.
     pub fn look(
         &mut self,
@@ -52,8 +59,8 @@ impl RotationWatch {
         }
         self.next = GROWTH * lag;
         observer.on_event(&format!(
-            "time {time:.6e}: {} turns by {angle:.2} rad in one step; a rotation that no drive holds lags behind by about \
-             {:.0} % in steps of this constant length: take a shorter `time_step`, or automatic steps",
+            "time {time:.6e}: {} turns by {angle:.2} rad in one step; a rotation that no drive holds lags behind by \
+             {:.0} % or more in steps of this constant length: take a shorter `time_step`, or automatic steps",
             place.name(system),
             100.0 * lag
         ));

@@ -2,6 +2,7 @@
 
 use super::amplitude_check::AmplitudeCheck;
 use super::drive_rates::DriveRates;
+use super::energy_watch::EnergyWatch;
 use super::rotation_watch::RotationWatch;
 use super::schemes::Instant;
 use super::step_control::StepControl;
@@ -46,6 +47,8 @@ pub(super) struct TimeSteps<'a> {
     messages: Vec<String>,
     /// Watch of the velocities of driven joints.
     drive_rates: DriveRates,
+    /// Watch of the energy of schemes that do not conserve it.
+    energies: EnergyWatch,
     /// Watch of rotations in constant steps.
     rotations: RotationWatch,
 }
@@ -87,6 +90,7 @@ impl<'a> TimeSteps<'a> {
             check: AmplitudeCheck::new(system, options),
             drilling: DrillingWatch::new(),
             drive_rates: DriveRates::new(system, state.time),
+            energies: EnergyWatch::new(),
             rotations: RotationWatch::new(system, options.time_step.is_some(), &state.u),
             balance: balance(system, &mut newton.assembly, &state),
             statistics: Statistics { steps: state.step, ..Statistics::default() },
@@ -231,6 +235,9 @@ impl<'a> TimeSteps<'a> {
         statistics.steps = state.step;
         let at = (state.u.as_slice(), state.time);
         drilling.look(system, at, observer, || format!("time {:.6e}", state.time));
+        if !self.options.scheme.conserves_energy() {
+            self.energies.look((&self.balance, state.energy_scale), (state.step, state.time), observer);
+        }
         self.rotations.look(system, at, scheme.sub_steps(), observer);
         Ok(Attempt::Accepted(converged.iterations))
     }
@@ -301,7 +308,12 @@ impl Stepper for TimeSteps<'_> {
         self.balance = balance(system, &mut newton.assembly, state);
         self.statistics.steps = state.step;
         self.own_tangents = false;
+        self.rotations.restart(&self.state.u);
         self.ends.limit(end);
+    }
+
+    fn release(&mut self) {
+        self.ends.limit(f64::INFINITY);
     }
 
     fn watch(&mut self, watched: &Watched) {

@@ -80,7 +80,7 @@ pub(super) fn project_rates(system: &System, u: &[Nodal], v: &mut [Nodal], a: &m
     system.dofs().carry(a);
 }
 
-/// Conditioning of an inertia tensor below which it has no inverse: of a thin rod, which has none about its axis.
+/// Moment of inertia over the largest one below which a body has none: a thin rod about its axis.
 const NO_INERTIA: f64 = 1e-12;
 
 /// Projects the velocities of bodies onto those of rigid motions in the norm of their kinetic energy: linear momentum and moment of
@@ -98,10 +98,15 @@ pub(super) fn project_velocities(system: &System, u: &[Nodal], v: &mut [Nodal]) 
                 momentum += d.column(i).cross(&rates[j]) * euler[(i, j)];
             }
         }
-        let regular = inertia.determinant().abs() > NO_INERTIA * euler.trace().powi(3);
-        let by_momentum = inertia.try_inverse().filter(|_| regular).map(|inverse| inverse * momentum);
-        let mean = || (0..3).map(|i| d.column(i).cross(&rates[i])).sum::<Vec3>() * 0.5;
-        let omega = by_momentum.unwrap_or_else(mean);
+        // About an axis without inertia, that of a thin rod, the mean of the directors counts.
+        let mean = (0..3).map(|i| d.column(i).cross(&rates[i])).sum::<Vec3>() * 0.5;
+        let eigen = inertia.symmetric_eigen();
+        let rest = eigen.eigenvectors.transpose() * (momentum - inertia * mean);
+        let part = |i: usize| {
+            let moment = eigen.eigenvalues[i];
+            if moment > NO_INERTIA * euler.trace() { rest[i] / moment } else { 0.0 }
+        };
+        let omega = mean + eigen.eigenvectors * Vec3::from_fn(|i, _| part(i));
         let first = body.patch.1;
         for (i, &n) in triad.iter().enumerate() {
             let turned = omega.cross(&d.column(i));

@@ -2,7 +2,8 @@
 //!
 //! The response of the [reduced model](super::reduced_model) is judged by the forces r that it leaves unbalanced in the whole model:
 //! `√(rᴴ A⁻¹ r)` is the error in the energy norm. Where it is too large, `A⁻¹ r` joins the basis, so that the result does not depend
-//! on the number of modes.
+//! on the number of modes. With a `damping_ratio` the damping of motions above the modes is that of residual vectors, and depends a
+//! little on their number.
 
 use super::Mode;
 use super::problem::go_on;
@@ -20,6 +21,8 @@ const TOLERANCE: f64 = 1e-6;
 const SAMPLED: usize = 16;
 /// Largest number of times that the basis grows.
 const ROUNDS: usize = 40;
+/// Part of the highest frequency found at which a range may end: the mode behind the last one may be its twin.
+const BELOW: f64 = 0.99;
 /// Frequencies on the flanks of a peak, in half-power bandwidths from it.
 const FLANKS: [f64; 7] = [-3.0, -1.0, -0.5, 0.0, 0.5, 1.0, 3.0];
 /// Amplification of an input by a resonance that counts as infinite: a damping ratio below its inverse is no damping.
@@ -37,11 +40,11 @@ pub(super) fn frequencies(
     (modes, all): (&[Mode], bool),
 ) -> Result<Vec<f64>> {
     let highest = modes.iter().map(|mode| mode.frequency_hz).fold(0.0, larger);
-    if !all && !(wanted.to <= highest) {
+    if !all && !(wanted.to <= BELOW * highest) {
         return Err(Error::Singular {
             what: format!(
-                "The frequency response is wanted up to {}, and the highest of the {} modes has the frequency {highest:.6e}: resonances \
-                 between them would be missed.",
+                "The frequency response is wanted up to {}, and the highest of the {} modes has the frequency {highest:.6e}: the range must \
+                 end 1 % below it, or resonances could be missed.",
                 wanted.to,
                 modes.len()
             ),
@@ -67,7 +70,7 @@ pub(super) fn frequencies(
     let mut out: Vec<f64> = (0..wanted.points).map(at).collect();
     for (i, mode) in modes.iter().enumerate() {
         let ratio = reduced.damping_ratio(i);
-        let has_peak = ratio > 0.0 && ratio < FLAT;
+        let has_peak = ratio > 1.0 / UNBOUNDED && ratio < FLAT;
         // The bandwidth between the half-power points is 2ζf.
         let around = FLANKS.map(|flank| mode.frequency_hz * (1.0 + 2.0 * ratio * flank));
         out.extend(around.into_iter().filter(|f| has_peak && *f > wanted.from && *f < wanted.to));
@@ -139,7 +142,7 @@ fn worst_errors(
         for &frequency in frequencies {
             go_on(observer)?;
             let found = error(reduction, &reduced, (frequency, input))?;
-            // Also an error that is no number.
+            // An error that is not a number counts as the largest.
             if !(found.error <= worst.as_ref().map_or(TOLERANCE, |worst| worst.error)) {
                 worst = Some(found);
             }
@@ -175,7 +178,7 @@ fn error(
         unbalanced.iter().zip(&directions).flat_map(|(r, e)| r.iter().zip(e)).map(|(r, e)| r * e).sum();
     let energy: f64 =
         q.iter().zip(&reduced.lambdas).map(|(q, lambda)| q.norm_sqr() * (lambda + omega * omega)).sum();
-    // No response is right where no force is left.
-    let error = if square == 0.0 { 0.0 } else { (square.max(0.0) / energy).sqrt() };
+    // Where no force is left, the response is exact.
+    let error = if square == 0.0 { 0.0 } else { (larger(square, 0.0) / energy).sqrt() };
     Ok(Worst { frequency, error, directions })
 }

@@ -112,6 +112,7 @@ impl<'a> Problem<'a> {
         let rigid = RigidModes::new(system, &state, &parts, &newton.assembly.frames, rests);
         let linear = system.sections.iter().all(|s| s.section.is_linear());
         let sprung = system.groups.iter().any(|group| OF_SPRINGS.contains(&group.name()));
+        let preloaded = sprung && is_preloaded(system, &state);
         let mut out = Self {
             system,
             newton,
@@ -123,7 +124,7 @@ impl<'a> Problem<'a> {
             group_of: Vec::new(),
             parts,
             rigid,
-            stress_free: equilibrium.is_none() && linear && !strained,
+            stress_free: equilibrium.is_none() && linear && !strained && !preloaded,
             sprung,
             state,
             penalty,
@@ -280,14 +281,15 @@ impl<'a> Problem<'a> {
         if !self.sprung {
             return self.newton.assembly.strain_energy(self.system, &k);
         }
-        let (factors, state): (Vec<f64>, _) =
-            (self.system.factors(self.state.time).collect(), self.state.point(self.system));
+        let factors = |time: f64| -> Vec<f64> { self.system.factors(time).collect() };
+        let (of_motion, of_state, state) =
+            (factors(k.time), factors(self.state.time), self.state.point(self.system));
         let of_group = |(number, group, _): (usize, &dyn ElementGroup, _)| {
             if OF_SPRINGS.contains(&group.name()) {
-                return tangent_energy(group, &state.of_group(self.system, number, &factors), shape);
+                return tangent_energy(group, &state.of_group(self.system, number, &of_state), shape);
             }
             let mut energies = vec![0.0; group.len()];
-            group.energies(&k.of_group(self.system, number, &factors), &mut energies);
+            group.energies(&k.of_group(self.system, number, &of_motion), &mut energies);
             energies.iter().sum()
         };
         self.system.numbered_groups().map(of_group).sum()
@@ -297,6 +299,20 @@ impl<'a> Problem<'a> {
     pub fn operator<'b>(&'b mut self, group: usize, watch: &'b dyn Observer) -> ShiftInvert<'b, 'a> {
         ShiftInvert { problem: self, group, watch }
     }
+}
+
+/// Whether springs store energy in a state, so that their forces act on its stiffness.
+fn is_preloaded(system: &System, state: &State) -> bool {
+    let factors: Vec<f64> = system.factors(state.time).collect();
+    let (point, springs) =
+        (state.point(system), |group: &dyn ElementGroup| OF_SPRINGS.contains(&group.name()));
+    let stored =
+        system.numbered_groups().filter(|(_, group, _)| springs(*group)).flat_map(|(number, group, _)| {
+            let mut energies = vec![0.0; group.len()];
+            group.energies(&point.of_group(system, number, &factors), &mut energies);
+            energies
+        });
+    stored.into_iter().any(|energy| energy != 0.0)
 }
 
 /// Energy ½ φ·K φ of a group by its tangent K.

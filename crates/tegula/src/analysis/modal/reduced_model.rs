@@ -10,6 +10,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 use tegula_sparse::Factor as _;
+use tegula_sparse::norm::larger;
 
 use super::Mode;
 use super::problem::Problem;
@@ -150,9 +151,9 @@ impl<'p, 'a> Reduction<'p, 'a> {
         let mut energy = 0.0;
         for vector in &self.basis {
             let share = dot(&vector.x, &self.forces[input]);
-            if vector.lambda > 0.0 {
-                energy += share * share / vector.lambda;
-            }
+            // A rigid motion counts as one of the softest degree of freedom.
+            let lowest = self.problem.groups.iter().map(|group| group.lowest).reduce(f64::min).unwrap_or(0.0);
+            energy += share * share / larger(vector.lambda, lowest);
             add(-share, &vector.m_x, &mut rest);
         }
         let response = self.inverse(&rest);

@@ -477,6 +477,10 @@ impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
         self.limit = end;
     }
 
+    fn release(&mut self) {
+        self.limit = f64::INFINITY;
+    }
+
     fn watch(&mut self, watched: &Watched) {
         self.state.watched.clone_from(watched);
     }

@@ -164,6 +164,7 @@ fn surfaces_that_bound_no_solid_are_refused() {
         let message = TriangulatedSurface::new(&surface).unwrap_err().to_string();
         assert!(message.contains("no volume") || message.contains("more than two"), "{message}");
     }
+    refused(&cuboid([0.0; 3], [1.0, 1.0, 1e-14]), &["no volume"]);
     for bad in [f64::NAN, f64::INFINITY, 1e80] {
         let mut t = whole();
         t[3][1][2] = bad;
