@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use tegula::compile::{Compiler, StepModel, check, soft_folds, warnings, warnings_before_start};
 use tegula::mesh::generators;
-use tegula::model::{BodyShape, StopCondition, TriangulatedSurface};
+use tegula::model::{
+    Analysis, BodyShape, Scheme, Sensor, StopCondition, TransientAnalysis, TriangulatedSurface,
+};
 use tegula::result::Probe;
 use tegula::{Error, Issue, Mesh, Model, System};
 
@@ -101,7 +103,13 @@ fn unknown_columns(step: &StepModel, system: &System, probes: &[Probe]) -> Vec<I
     let unknown = |(i, condition): (usize, &StopCondition)| {
         let name = &condition.column;
         if columns.contains(name) {
-            return None;
+            return is_mean(&step.model, name).then(|| {
+                Issue::new(
+                    format!("analysis.stop[{i}].column"),
+                    format!("with `energy-momentum` of order 2 \"{name}\" is a mean over the step, and round-off in the short step to a crossing"),
+                    "give the scheme `order = 4`, take `generalized-alpha`, or a column of the motion",
+                )
+            });
         }
         // Columns of the same body, joint or sensor, or else of any.
         let owner = name.rsplit_once('.').map_or(name.as_str(), |(owner, _)| owner);
@@ -117,6 +125,26 @@ fn unknown_columns(step: &StepModel, system: &System, probes: &[Probe]) -> Vec<I
     };
     let conditions = step.model.analysis.stop_conditions().iter().enumerate();
     step.located(conditions.filter_map(unknown).collect())
+}
+
+/// Whether a column is a mean over the step: reactions of joints and accelerations, with the energy–momentum scheme of second order.
+fn is_mean(model: &Model, column: &str) -> bool {
+    let Analysis::Transient(TransientAnalysis { scheme: Scheme::EnergyMomentum(scheme), .. }) =
+        &model.analysis
+    else {
+        return false;
+    };
+    let of_sensor = |sensor: &Sensor| {
+        let own = column
+            .strip_prefix("sensor.")
+            .and_then(|rest| rest.strip_prefix(sensor.name())?.strip_prefix('.'));
+        match sensor {
+            Sensor::Reaction(_) => own.is_some(),
+            Sensor::Point(_) => own.is_some_and(|own| ["ax", "ay", "az"].contains(&own)),
+            _ => false,
+        }
+    };
+    scheme.order == 2 && (column.starts_with("joint.") || model.sensors.iter().any(of_sensor))
 }
 
 /// The mesh, and the fingerprint of the files that the model is made of.

@@ -131,6 +131,8 @@ pub fn run_with_inputs(
         let reduced = reduction.reduced();
         frequencies = frequency_response::frequencies(wanted, &reduced, (&outcome.modes, all))?;
         frequency_response::refine(&mut reduction, &frequencies, observer)?;
+    } else if let Some(frequency) = frequency_response::nearly_static(&outcome.modes) {
+        frequency_response::refine(&mut reduction, &[frequency], observer)?;
     }
     let reduced = reduction.finish();
     outcome.statistics.iterations += problem.applications - before;

@@ -36,9 +36,13 @@ impl System {
         work
     }
 
-    /// Work that the drives of joints do on the model in a load step, from the displacements, load factor and multipliers at its start to
-    /// those at its end: the integral of `λ ∂g/∂s` over the motion s of the drive, by the trapezoidal rule.
-    pub fn static_work_of_drives(&self, start: (&[Nodal], f64, &[f64]), end: (&[Nodal], f64, &[f64])) -> f64 {
+    /// Work that the drives of joints do on the model in a step, from the displacements, time (load factor) and multipliers at its start to
+    /// those at its end, where the constraint forces act in these two configurations: the integral of `λ ∂g/∂s` over the motion s of the drive, by the trapezoidal rule.
+    pub fn work_of_driven_motions(
+        &self,
+        start: (&[Nodal], f64, &[f64]),
+        end: (&[Nodal], f64, &[f64]),
+    ) -> f64 {
         let mut work = 0.0;
         for joint in self.joints.iter().filter(|joint| joint.drive.is_some()) {
             let change = self.drive(joint, end.1).value - self.drive(joint, start.1).value;

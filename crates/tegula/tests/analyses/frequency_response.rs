@@ -278,6 +278,40 @@ fn inputs_that_give_no_response_are_refused_by_their_key() {
     }
 }
 
+/// A bar on a hinge and a spring has one degree of freedom: what its mode leaves of the force the hinge balances. The static rotation
+/// is −½ F/(k L²), and the hinge stays closed.
+#[test]
+fn joints_balance_what_the_modes_leave_of_a_load() {
+    for response in [None, range(0.1, 3.0, 10)] {
+        let analysis = ModalAnalysis {
+            inputs: vec![input("f", vec![force("bar", [0.0, 0.0, 1.0])])],
+            frequency_response: response,
+            ..ModalAnalysis::new(1)
+        };
+        let bodies = vec![body("bar", [0.5, 0.0, 0.0], 1.0, Some([0.1, 0.2, 0.25]))];
+        let hinge = revolute("hinge", "ground", "bar", [0.0; 3], [0.0, 1.0, 0.0]);
+        let mut model = Model::of_bodies(Analysis::Modal(analysis), bodies, vec![hinge]);
+        model.springs = vec![SpringDamper {
+            name: "s".into(),
+            between: between("ground", "bar"),
+            points: [[1.0, 0.0, 1.0], [1.0, 0.0, 0.0]],
+            stiffness: 200.0,
+            damping: 0.0,
+            length: None,
+        }];
+        let (system, _, response) = respond(&model).unwrap();
+        assert_eq!(response.reduced.lambdas.len(), 1);
+        let body = &system.coordinates.bodies[0];
+        let [x, y, z] = displacement(&response.reduced, body.centre, 0.0);
+        assert!(
+            error(z, Complex::from(1.25e-3)) < 1e-9 && max_norm([x.norm(), y.norm()]) < 1e-15,
+            "{x} {y} {z}"
+        );
+        let [_, _, turned] = displacement(&response.reduced, body.directors.unwrap()[0], 0.0);
+        assert!(error(turned, Complex::from(2.5e-3)) < 1e-9, "{turned}");
+    }
+}
+
 /// A free plate has six rigid modes: with fewer of them the response would lack rigid motions.
 #[test]
 fn inputs_of_a_free_model_with_few_modes_are_refused() {

@@ -267,3 +267,53 @@ fn a_plate_that_turns_fast_keeps_its_energy_or_the_gain_is_told() {
         }
     }
 }
+
+/// A load that jumps within a tiny step leaves the constant steps behind it as they would be after a jump: a strip under a sudden edge
+/// load swings as with Newmark's method.
+#[test]
+fn a_jump_of_a_load_is_not_carried_into_longer_steps() {
+    let largest = |scheme: Scheme, gap: f64| {
+        let mut model = crate::common::model(crate::common::plate([1.0, 0.1], [8, 1], 0.0), 1e9, 0.01);
+        model.materials.insert("m".into(), Material::Isotropic(Isotropic::new(1e9, 0.0, 2000.0)));
+        let mut load = crate::common::vector_load("u_max", [0.0, 0.0, 10.0]);
+        load.amplitude = Some("a".into());
+        model.loads = vec![Load::Edge(load)];
+        let table =
+            TableAmplitude { times: vec![0.0, 0.5, 0.5 + gap, 1.0], values: vec![0.0, 0.0, 1.0, 1.0] };
+        model.amplitudes.insert("a".into(), Amplitude::Table(table));
+        let options = TransientAnalysis { scheme, time_step: Some(1e-2), ..TransientAnalysis::new(1.0) };
+        model.analysis = Analysis::Transient(options.clone());
+        let mut notes = Notes::keeping();
+        crate::common::move_in_time(&model, &options, &mut notes);
+        max_norm(notes.states.iter().flat_map(|state| state.u.iter().map(|u| u[2])))
+    };
+    let expected = largest(Scheme::Newmark(NewmarkScheme { beta: 0.25, gamma: 0.5 }), 1e-6);
+    for (rho, gap) in [(0.8, 1e-6), (0.3, 1e-6), (0.95, 1e-6), (0.8, 1e-8), (0.8, 1e-3)] {
+        let found = largest(scheme(rho), gap);
+        assert!((found / expected - 1.0).abs() < 0.03, "{rho} {gap}: {found} {expected}");
+    }
+}
+
+/// The work of a drive is the kinetic energy that it gives, with the second order of the scheme.
+#[test]
+fn a_drive_does_the_work_of_the_kinetic_energy() {
+    let error = |step: f64| {
+        let hub = body("hub", [0.5, 0.0, 0.0], 10.0, Some([0.1, 0.2, 0.3]));
+        let hinge = revolute("hinge", "ground", "hub", [0.0; 3], [0.0, 0.0, 1.0]);
+        let drive = Joint::DrivenAngle(DrivenAngleJoint {
+            name: "drive".into(),
+            between: ["ground".into(), "hub".into()],
+            axis: [0.0, 0.0, 1.0],
+            angle: 360.0,
+            amplitude: "a".into(),
+        });
+        let mut model = machine(1.0, step, vec![hub], vec![hinge, drive]);
+        let formula = ExpressionAmplitude { expression: "2.5*t^2".into() };
+        model.amplitudes.insert("a".into(), Amplitude::Expression(formula));
+        let (_, state) = run(&stepped(&model, 0.8, 1.0, step), &mut Notes::default());
+        let work = 0.5 * (0.3 + 10.0 * 0.25) * (10.0 * std::f64::consts::PI).powi(2);
+        (state.work / work - 1.0).abs()
+    };
+    let errors = [4e-3, 2e-3].map(error);
+    assert!(errors[0] < 0.02 && errors[0] / errors[1] > 3.5, "{errors:?}");
+}

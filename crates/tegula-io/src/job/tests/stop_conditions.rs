@@ -174,6 +174,18 @@ fn conditions_that_are_never_met_are_warned_of() {
     assert!(log.contains("warning: the analysis has reached its end"), "{log}");
 }
 
+/// Means over a step tell nothing in the short step to a crossing.
+#[test]
+fn reactions_and_accelerations_of_energy_momentum_steps_are_refused() {
+    for column in ["joint.hinge.fx", "sensor.bearing.moment"] {
+        let text = SPIN_UP.replace("\"body.wheel.wz\"", &format!("\"{column}\""));
+        let error = prepare(&Deck::parse("m.toml", text.clone()).unwrap()).err().unwrap().to_string();
+        assert!(error.contains("is a mean over the step"), "{error}");
+        let fourth = text.replace("\"energy-momentum\" }", "\"energy-momentum\", order = 4 }");
+        assert!(prepare(&Deck::parse("m.toml", fourth).unwrap()).is_ok());
+    }
+}
+
 #[test]
 fn columns_that_the_history_does_not_have_are_refused_at_their_place() {
     let text = SPIN_UP.replace("\"body.wheel.wz\"", "\"body.wheel.spin\"");

@@ -216,7 +216,7 @@ impl Integrator for EnergyMomentum {
         &self.u
     }
 
-    fn finish(&mut self, _system: &System, _newton: &mut Newton, state: &mut State) {
+    fn finish(&mut self, _system: &System, state: &mut State) {
         state.a.copy_from_slice(&self.a);
         state.u.copy_from_slice(&self.u);
         state.v.copy_from_slice(&self.v);

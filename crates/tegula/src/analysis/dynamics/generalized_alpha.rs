@@ -15,7 +15,7 @@
 //!
 //! **Start.** With `a₀ = q̈₀` at the start the multipliers would be of first order. The first step is therefore repeated with
 //! `a₀ = q̈₀ + (α_m − α_f)(q̈₁ − q̈₀)`, with the accelerations q̈₁ that it has given. A change of the step scales the difference
-//! of a and q̈.
+//! of a and q̈; behind a much shorter step, as one to the end of a jump of a load, the motion starts anew.
 //!
 //! **Rates.** At the end of a step the velocities are projected onto the constraints of joints, and those of bodies onto rigid motions,
 //! with the change `δv/(γΔt)` of the auxiliary accelerations that this takes, and the multipliers that belong to it: the
@@ -81,32 +81,6 @@ impl GeneralizedAlpha {
     /// Share of a change of the auxiliary accelerations in that of the accelerations.
     fn share(&self) -> f64 {
         (1.0 - self.alpha_m) / (1.0 - self.alpha_f)
-    }
-
-    /// Changes auxiliary accelerations and multipliers so that the velocities at the end of the step satisfy the constraints.
-    fn close_rates(&mut self, system: &System, newton: &mut Newton) {
-        let share = self.share();
-        let Self { newmark, acceleration, error: old, .. } = self;
-        let Newmark { u, v, a, dt, beta, gamma, time, multipliers, .. } = newmark;
-        old.copy_from_slice(v);
-        triads::project_velocities(system, u, v);
-        if let Some(constraints) = &mut newton.constraints {
-            // By the tangent, with M as the part of the mass, the change of v is −βΔt²/share M⁻¹Gᵀ times these multipliers.
-            let change = constraints.project_velocities(system, (u, *time), v);
-            let factor = *beta * *dt / *gamma;
-            multipliers
-                .iter_mut()
-                .zip(change)
-                .for_each(|(multiplier, change)| *multiplier += factor * change);
-        }
-        let rate = 1.0 / (*gamma * *dt);
-        for n in 0..v.len() {
-            for i in 0..3 {
-                let change = rate * (v[n][i] - old[n][i]);
-                a[n][i] += change;
-                acceleration[n][i] += share * change;
-            }
-        }
     }
 
     /// Accelerations that belong to the auxiliary ones.
@@ -203,8 +177,33 @@ impl Integrator for GeneralizedAlpha {
         self.newmark.displacements()
     }
 
-    fn finish(&mut self, system: &System, newton: &mut Newton, state: &mut State) {
-        self.close_rates(system, newton);
+    /// Changes auxiliary accelerations and multipliers so that the velocities at the end of the step satisfy the constraints.
+    fn close_rates(&mut self, system: &System, newton: &mut Newton) {
+        let share = self.share();
+        let Self { newmark, acceleration, error: old, .. } = self;
+        let Newmark { u, v, a, dt, beta, gamma, time, multipliers, .. } = newmark;
+        old.copy_from_slice(v);
+        triads::project_velocities(system, u, v);
+        if let Some(constraints) = &mut newton.constraints {
+            // By the tangent, with M as the part of the mass, the change of v is −βΔt²/share M⁻¹Gᵀ times these multipliers.
+            let change = constraints.project_velocities(system, (u, *time), v);
+            let factor = *beta * *dt / *gamma;
+            multipliers
+                .iter_mut()
+                .zip(change)
+                .for_each(|(multiplier, change)| *multiplier += factor * change);
+        }
+        let rate = 1.0 / (*gamma * *dt);
+        for n in 0..v.len() {
+            for i in 0..3 {
+                let change = rate * (v[n][i] - old[n][i]);
+                a[n][i] += change;
+                acceleration[n][i] += share * change;
+            }
+        }
+    }
+
+    fn finish(&mut self, system: &System, state: &mut State) {
         if self.lag() == 0.0 {
             project_rates(system, &self.newmark.u, &mut self.newmark.v, &mut self.acceleration);
         } else {

@@ -41,8 +41,10 @@ pub trait Integrator: Equation {
     fn begin(&mut self, system: &System, assembly: &mut Assembly, state: &State, span: Span);
     /// Displacements at the present iterate of the end of the step.
     fn displacements(&self) -> &[Nodal];
-    /// Writes displacements, velocities and accelerations at the end of a converged step to the state. `newton` has solved the step.
-    fn finish(&mut self, system: &System, newton: &mut Newton, state: &mut State);
+    /// Changes the rates at the end of a converged step so that they satisfy the constraints. `newton` has solved the step.
+    fn close_rates(&mut self, _system: &System, _newton: &mut Newton) {}
+    /// Writes displacements, velocities and accelerations at the end of a converged step to the state.
+    fn finish(&mut self, system: &System, state: &mut State);
     /// Local error: root mean square error of position of the step over the model's length. `newton` has solved the step.
     fn local_error(&mut self, system: &System, newton: &mut Newton, state: &State) -> f64;
     /// External work (of loads other than constant gravity, and of prescribed motions) and dissipation of the step.

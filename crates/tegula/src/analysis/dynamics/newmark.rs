@@ -272,7 +272,7 @@ impl Integrator for Newmark {
         &self.u
     }
 
-    fn finish(&mut self, system: &System, _newton: &mut Newton, state: &mut State) {
+    fn finish(&mut self, system: &System, state: &mut State) {
         project_rates(system, &self.u, &mut self.v, &mut self.a);
         state.u.copy_from_slice(&self.u);
         state.v.copy_from_slice(&self.v);
@@ -306,9 +306,8 @@ impl Integrator for Newmark {
             assembly.dissipated_power(system, &k) + 2.0 * system.mass_damping * system.kinetic_energy(&loads);
         self.buffer = loads;
         let prescribed = self.work_of_supports(system, assembly, state);
-        let mean = |i: usize| 0.5 * (state.multipliers[i] + self.multipliers[i]);
-        let ends = [self.u_old.as_slice(), &self.u];
-        let drives = system.work_of_drives(ends, self.time - 0.5 * self.dt, mean);
+        let before = (self.u_old.as_slice(), self.time - self.dt, state.multipliers.as_slice());
+        let drives = system.work_of_driven_motions(before, (&self.u, self.time, &self.multipliers));
         StepWork { work: trapezoid - gravity + prescribed + drives, dissipated: self.dt * power }
     }
 

@@ -17,6 +17,8 @@ use tegula_sparse::norm::larger;
 
 /// Largest error of the response in the energy norm, over the response.
 const TOLERANCE: f64 = 1e-6;
+/// Part of the lowest elastic frequency that is nearly static.
+const NEARLY_STATIC: f64 = 1e-2;
 /// Frequencies at which the error is looked for while the basis grows.
 const SAMPLED: usize = 16;
 /// Largest number of times that the basis grows.
@@ -78,6 +80,13 @@ pub(super) fn frequencies(
     out.sort_by(f64::total_cmp);
     out.dedup();
     Ok(out)
+}
+
+/// Frequency at which the response of a state space is to be right: 0, or far below the elastic modes of a model that moves freely; `None`
+/// for a model without elastic modes.
+pub(super) fn nearly_static(modes: &[Mode]) -> Option<f64> {
+    let lowest = modes.iter().find(|mode| !mode.rigid)?.frequency_hz;
+    Some(if modes.iter().any(|mode| mode.rigid) { NEARLY_STATIC * lowest } else { 0.0 })
 }
 
 /// Adds vectors to the basis until the response is right at all frequencies.

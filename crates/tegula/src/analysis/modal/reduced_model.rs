@@ -21,8 +21,9 @@ use crate::{Error, Result, Vec3};
 
 /// Part of a vector that must be left when its share of the basis is taken away.
 const INDEPENDENT: f64 = 1e-8;
-/// Part of the strain energy of the static response below which a residual vector is round-off.
-const NEGLIGIBLE: f64 = 1e-18;
+/// Part of the strain energy of the static response, that without joints included, below which a residual vector is round-off: joints
+/// may balance all that the modes leave of a load.
+const NEGLIGIBLE: f64 = 1e-12;
 
 /// Model reduced to its modes and residual vectors: `q̈ + D q̇ + Λ q = B u`, with the displacements `x = Σ qⱼ φⱼ`.
 #[derive(Debug, Clone, PartialEq)]
@@ -156,9 +157,11 @@ impl<'p, 'a> Reduction<'p, 'a> {
             energy += share * share / larger(vector.lambda, lowest);
             add(-share, &vector.m_x, &mut rest);
         }
+        let mut without_joints = rest.clone();
+        self.problem.newton.solver.solve(&mut without_joints);
         let response = self.inverse(&rest);
-        let of_rest = dot(&rest, &response);
-        if of_rest > NEGLIGIBLE * (energy + of_rest) {
+        let whole = energy + dot(&rest, &without_joints).abs();
+        if dot(&rest, &response) > NEGLIGIBLE * whole {
             self.add(response);
         }
     }

@@ -320,7 +320,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             self.reactions = after;
         }
         let before = (state.u.as_slice(), state.time, state.multipliers.as_slice());
-        state.work += system.static_work_of_drives(before, (&equation.u, target, &equation.multipliers));
+        state.work += system.work_of_driven_motions(before, (&equation.u, target, &equation.multipliers));
         state.multipliers.copy_from_slice(&equation.multipliers);
         state.compliance = converged.first_increment / (target - state.time);
         // The length of a step that a stop has shortened is no measure for the next one.
