@@ -324,3 +324,51 @@ fn a_static_drive_does_the_work_that_a_spring_stores() {
     let work = 1000.0_f64.to_radians().powi(2);
     assert!((outcome.state.work / work - 1.0).abs() < 1e-9, "{} {work}", outcome.state.work);
 }
+
+/// Preloaded springs that move a body along its weight: k (θ − θ₀) = m g l cos θ, and k (z − z₀) = −m g, are the only equilibria.
+#[test]
+fn preloaded_springs_may_move_a_body_along_its_weight() {
+    let weight = || vec![Load::Gravity(GravityLoad { value: [0.0, 0.0, -10.0], amplitude: None })];
+    let solved = |model: &Model, options: &StaticAnalysis| {
+        let system = compile::build(model, &mesh::generators::generate(&model.mesh).unwrap()).unwrap();
+        let state = statics::run(&system, options, None, &mut Silent).unwrap().state;
+        (system, state)
+    };
+    for (free_angle, load_steps) in [(30.0_f64, 4), (10.0, 1), (90.0, 4), (-30.0, 2)] {
+        let rod = body("rod", [0.5, 0.0, 0.0], 2.0, Some([0.1, 0.2, 0.3]));
+        let hinge = revolute("j", "ground", "rod", [0.0; 3], [0.0, 1.0, 0.0]);
+        let options = StaticAnalysis { load_steps, ..StaticAnalysis::default() };
+        let mut model = Model::of_bodies(Analysis::Static(options.clone()), vec![rod], vec![hinge]);
+        let axis = [0.0, 1.0, 0.0];
+        model.torsion_springs =
+            vec![TorsionSpring { axis, ..spring(["ground", "rod"], 30.0, 0.0, free_angle) }];
+        model.loads = weight();
+        let (system, state) = solved(&model, &options);
+        let [angle, _] = torsion_angles_and_moments(&system, &state)[0];
+        let rest = 30.0 * (angle - free_angle.to_radians()) - 10.0 * angle.cos();
+        assert!(rest.abs() < 1e-8, "{free_angle}: {angle} {rest}");
+    }
+    for length in [1.1, 1.5] {
+        let slide = Joint::Prismatic(AxisJoint {
+            name: "slide".into(),
+            between: between("ground", "block"),
+            at: [0.0; 3],
+            axis: [0.0, 0.0, 1.0],
+        });
+        let options = StaticAnalysis::default();
+        let block = body("block", [0.0; 3], 1.0, Some([0.1; 3]));
+        let mut model = Model::of_bodies(Analysis::Static(options.clone()), vec![block], vec![slide]);
+        model.springs = vec![SpringDamper {
+            name: "coil".into(),
+            between: between("ground", "block"),
+            points: [[0.0, 0.0, 1.0], [0.0; 3]],
+            stiffness: 100.0,
+            damping: 0.0,
+            length: Some(length),
+        }];
+        model.loads = weight();
+        let (system, state) = solved(&model, &options);
+        let z = state.u[system.coordinates.bodies[0].centre as usize][2];
+        assert!((z - (0.9 - length)).abs() < 1e-9, "{length}: {z}");
+    }
+}

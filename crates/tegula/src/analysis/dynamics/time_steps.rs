@@ -400,6 +400,7 @@ fn keeps_energy(
         (true, true) if !conserves => return Ok(()),
         (true, _) => GAINED_AT_FIRST,
     };
+    let cause = if conserves { "" } else { "the time steps are too long for the scheme, or " };
     let (change, limit) = if conserves { (gain.abs(), LOST) } else { (gain, gained) };
     if change <= limit * scale {
         return Ok(());
@@ -413,7 +414,7 @@ fn keeps_energy(
     Err(Error::NotConverged {
         at: format!("time {:.6e}", span.end),
         reason: format!(
-            "the total energy changed by {change:.2e} in a step, {:.1e} of the largest energy: the joints are near a singular \
+            "the total energy changed by {change:.2e} in a step, {:.1e} of the largest energy: {cause}the joints are near a singular \
              position, in which parts of the mechanism may move although they seem to be held{contradiction}",
             change / scale
         ),

@@ -267,7 +267,11 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             softens: state.compliance > 0.0
                 && converged.first_increment > SOFTER * state.compliance * (target - state.time),
         };
-        let doubt = if released > 0.0 {
+        // Preloaded springs are out of equilibrium in the reference configuration, and release energy on the way to the first one.
+        let preloaded = state.step == 0
+            && system.start.is_none()
+            && newton.assembly.strain_energy(system, &state.point(system)) > 0.0;
+        let doubt = if released > 0.0 && !preloaded {
             Some(format!(
                 "the step releases energy, {released:.2} times the work of its load increment, where a stable path \
                  releases none"
