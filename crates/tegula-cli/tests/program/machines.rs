@@ -248,7 +248,8 @@ fn check_prints_mass_centre_and_inertia_of_a_body_from_an_stl_file() {
     assert!(message.contains("3 edges belong to one triangle only, such as the edge from"), "{message}");
 }
 
-/// Receptance of a Bernoulli beam at its loaded tip, by hand from its differential equation; damping acts at the resonances only.
+/// Receptance of a Bernoulli beam at its loaded tip, by hand from its differential equation. It has no damping; away from resonances that
+/// of the model changes the part in phase by less than 0.1 %.
 #[test]
 fn the_cantilever_responds_as_a_beam_between_its_resonances() {
     let folder = tempfile::tempdir().unwrap();
@@ -259,12 +260,10 @@ fn the_cantilever_responds_as_a_beam_between_its_resonances() {
     let mut lines = table.lines();
     let names: Vec<&str> = lines.next().unwrap().split(',').collect();
     let column = names.iter().position(|name| *name == "tip.uz/force.amplitude").unwrap();
-    let rows: Vec<(f64, f64)> = lines
-        .map(|line| {
-            let numbers: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
-            (numbers[0], numbers[column])
-        })
-        .collect();
+    let numbers: Vec<Vec<f64>> =
+        lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    let rows: Vec<(f64, f64)> = numbers.iter().map(|row| (row[0], row[column])).collect();
+    let in_phase = numbers.iter().map(|row| (row[0], row[column] * row[column + 1].to_radians().cos()));
     let (width, h): (f64, f64) = (0.05, 5e-3);
     let (bending, mass) = (2.1e11 * width * h.powi(3) / 12.0, 7800.0 * width * h);
     let receptance = |f: f64| {
@@ -275,12 +274,13 @@ fn the_cantilever_responds_as_a_beam_between_its_resonances() {
     let frequency = |lambda: f64| lambda * lambda / TAU * (bending / mass).sqrt();
     let resonances = [1.875104, 4.694091, 7.854757].map(frequency);
     let mut compared = 0;
-    for (f, amplitude) in &rows {
-        let away = resonances.iter().all(|r| (f / r - 1.0).abs() > 0.1);
-        if away {
-            let exact = receptance(*f).abs();
-            let scale = larger(exact, 0.02 * receptance(1.0));
-            assert!((amplitude - exact).abs() < 0.015 * scale, "{f} Hz: {amplitude} {exact}");
+    for (f, found) in in_phase {
+        let away = resonances.iter().all(|r| (f / r - 1.0).abs() > 0.2);
+        // The mesh moves the second resonance by 0.14 %, the third one by 0.4 %; an anti-resonance has no size of its own.
+        if away && f < 45.0 {
+            let exact = receptance(f);
+            let scale = larger(exact.abs(), 0.05 * receptance(1.0));
+            assert!((found - exact).abs() < 0.015 * scale, "{f} Hz: {found} {exact}");
             compared += 1;
         }
     }
