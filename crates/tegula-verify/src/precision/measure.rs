@@ -40,7 +40,7 @@ impl Bench {
         let implicit = compile(&options)?;
         let explicit =
             compile(&TransientAnalysis { scheme: Scheme::Explicit(Default::default()), ..options.clone() })?;
-        let price = direct(&implicit)?.price();
+        let price = direct(&implicit)?.price([implicit.unknowns(), implicit.constraints()]);
         let mut positions = Course::of(&implicit, &options)?.0.positions;
         let twice = TransientAnalysis { time_step: Some(2.0 * step), ..options };
         let twice = Course::of(&implicit, &twice)?.0.positions;

@@ -154,7 +154,7 @@ impl Constraints {
     ) {
         let (end, time) = (end_of(system, motion), end_time(motion, time));
         for joint in system.joints.iter() {
-            let drive = system.drive(joint, time).value;
+            let drive = system.drive_value(joint, time);
             let v = &of_joint(joint, &end)[..joint.vectors.len()];
             for (i, row) in joint.multipliers().zip(&joint.rows) {
                 self.right[i] = row.value(v, drive) + product(&self.ends[i], x);
@@ -312,7 +312,7 @@ impl Constraints {
         for joint in system.joints.iter() {
             let n = joint.vectors.len();
             let v = of_joint(joint, &value);
-            let drive = system.drive(joint, time).value;
+            let drive = system.drive_value(joint, time);
             for (i, row) in joint.multipliers().zip(&joint.rows) {
                 let mut forces = [Vec3::zeros(); MOST_VECTORS];
                 row.add_gradient(1.0, &v[..n], drive, &mut forces[..n]);
@@ -330,7 +330,7 @@ impl Constraints {
         let (end, time) = (end_of(system, motion), end_time(motion, time));
         for joint in system.joints.iter() {
             let v = &of_joint(joint, &end)[..joint.vectors.len()];
-            let drive = system.drive(joint, time).value;
+            let drive = system.drive_value(joint, time);
             if !joint.rows.iter().all(|row| row.is_on_branch(v, drive)) {
                 return Some(format!("joint \"{}\" is half a turn away from its angle", joint.name));
             }

@@ -39,6 +39,10 @@ const OPERATIONS_BEYOND: f64 = 50.0;
 /// Entries of the largest factor that stays in the cache: between the 0.9 million of 32² elements and the 4.8 million
 /// of 64².
 const ENTRIES_IN_CACHE: usize = 2_000_000;
+/// Cost of a solve for each entry of the factor, where there are many right sides.
+const OPERATIONS_OF_MANY: f64 = 4.0;
+/// Cost of the constraints in an iteration for each entry of their dense matrices, in operations of the factorisation of small ones.
+const OPERATIONS_OF_CONSTRAINTS: f64 = 12.0;
 /// Cost of assembling a tangent, in iterations with a lagged tangent.
 const ASSEMBLY_PRICE: f64 = 1.5;
 /// Largest contraction of increments with which a lagged tangent is kept; slower convergence asks for a new tangent.
@@ -55,11 +59,14 @@ pub fn rest(in_time: bool) -> f64 {
     if in_time { REST_IN_TIME } else { REST }
 }
 
-/// Cost of a tangent and its factor, in iterations with a lagged tangent: from the operations of a factorisation and
-/// the entries of the factor.
-pub fn cost(operations: f64, entries: usize) -> f64 {
+/// Cost of a tangent and its factor, in iterations with a lagged tangent: from the operations of a factorisation, the entries of the
+/// factor, and the numbers of unknowns and of constraints, whose Schur complement takes a solve each and a factorisation of its own.
+pub fn cost(operations: f64, entries: usize, [unknowns, constraints]: [usize; 2]) -> f64 {
     let per_entry = if entries > ENTRIES_IN_CACHE { OPERATIONS_BEYOND } else { OPERATIONS_IN_CACHE };
-    ASSEMBLY_PRICE + operations / (per_entry * entries.max(1) as f64)
+    let (entries, n, m) = (entries.max(1) as f64, unknowns as f64, constraints as f64);
+    let schur_complement = OPERATIONS_OF_MANY * m * entries + 2.0 / 3.0 * m.powi(3);
+    let iteration = per_entry * entries + OPERATIONS_OF_CONSTRAINTS * m * (2.0 * m + n);
+    ASSEMBLY_PRICE + (operations + schur_complement) / iteration
 }
 
 /// Lagged tangent, reused in several time steps: the state at which it is computed, and counters of its use.

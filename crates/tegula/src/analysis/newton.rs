@@ -196,7 +196,7 @@ impl<S: TangentSolver> Newton<S> {
     /// Newton solver with a given linear solver. `None` selects the form of Newton's method that suits the materials.
     pub fn with_solver(system: &System, method: Option<NewtonMethod>, solver: S) -> Self {
         let n = system.vectors();
-        let price = solver.price();
+        let price = solver.price([system.unknowns(), system.constraints()]);
         let assembly = Assembly::new(system);
         Self {
             assembly,

@@ -61,8 +61,9 @@ pub trait TangentSolver {
     }
     /// Releases the memory of the factor: no more solves follow.
     fn release(&mut self) {}
-    /// Cost of preparing a tangent, in iterations with a lagged tangent; 0: no tangent is ever reused.
-    fn price(&self) -> f64 {
+    /// Cost of preparing a tangent and the Schur complement of the constraints, in iterations with a lagged tangent, by the numbers of
+    /// unknowns and constraints; 0: no tangent is ever reused.
+    fn price(&self, _sizes: [usize; 2]) -> f64 {
         0.0
     }
     /// Number of tangents prepared so far.
@@ -124,8 +125,8 @@ impl TangentSolver for SparseLdlt {
         SparseLdlt::release(self);
     }
 
-    fn price(&self) -> f64 {
-        lagged_tangent::cost(self.operations(), self.factor_entries())
+    fn price(&self, sizes: [usize; 2]) -> f64 {
+        lagged_tangent::cost(self.operations(), self.factor_entries(), sizes)
     }
 
     fn tangents(&self) -> usize {

@@ -51,10 +51,17 @@ impl Drive {
             return DriveValue { value, rate: value, acceleration: value };
         };
         DriveValue {
-            value: self.offset + self.value * amplitude.value(time),
+            value: self.value_at(amplitudes, time),
             rate: self.value * amplitude.rate(time),
             acceleration: self.value * amplitude.acceleration(time),
         }
+    }
+
+    /// Value at a time.
+    pub fn value_at(&self, amplitudes: &[TimeFunction], time: f64) -> f64 {
+        amplitudes
+            .get(self.amplitude)
+            .map_or(f64::NAN, |amplitude| self.offset + self.value * amplitude.value(time))
     }
 }
 

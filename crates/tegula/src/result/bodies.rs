@@ -68,7 +68,7 @@ pub fn joint_reaction(system: &System, state: &State, joint: &Joint) -> (Vec3, V
     };
     let v: Vec<Vec3> = joint.vectors.iter().map(|&v| current(system, u, v)).collect();
     let mut forces = vec![Vec3::zeros(); v.len()];
-    let drive = system.drive(joint, time).value;
+    let drive = system.drive_value(joint, time);
     for (row, number) in joint.rows.iter().zip(joint.multipliers()) {
         let multiplier = state.multipliers.get(number).copied().unwrap_or(f64::NAN);
         row.add_gradient(multiplier, &v, drive, &mut forces);

@@ -25,7 +25,7 @@ impl System {
         let mut work = 0.0;
         for joint in self.joints.iter().filter(|joint| joint.drive.is_some()) {
             let n = joint.vectors.len();
-            let drive = self.drive(joint, time).value;
+            let drive = self.drive_value(joint, time);
             let middle = self.vectors_of(joint, |v| (Vec3::from(old[v]) + Vec3::from(new[v])) * 0.5);
             let mut gradient = [Vec3::zeros(); MOST_VECTORS];
             for (number, row) in joint.multipliers().zip(&joint.rows) {
@@ -45,7 +45,7 @@ impl System {
     ) -> f64 {
         let mut work = 0.0;
         for joint in self.joints.iter().filter(|joint| joint.drive.is_some()) {
-            let change = self.drive(joint, end.1).value - self.drive(joint, start.1).value;
+            let change = self.drive_value(joint, end.1) - self.drive_value(joint, start.1);
             for (u, time, multipliers) in [start, end] {
                 let drive = DriveValue { rate: change, ..self.drive(joint, time) };
                 let v = self.vectors_of(joint, |v| Vec3::from(u[v]));
@@ -63,9 +63,9 @@ impl System {
     pub fn drive_turns_too_far(&self, from: f64, to: f64) -> Option<String> {
         let driven = self.joints.iter().filter(|joint| joint.rows.first().is_some_and(Row::is_driven_angle));
         let turns = |joint: &&Joint| {
-            let start = self.drive(joint, from).value;
+            let start = self.drive_value(joint, from);
             let at = |part: u32| from + (to - from) * f64::from(part) / f64::from(LOOKS);
-            (1..=LOOKS).any(|part| !((self.drive(joint, at(part)).value - start).abs() <= QUARTER_TURN))
+            (1..=LOOKS).any(|part| !((self.drive_value(joint, at(part)) - start).abs() <= QUARTER_TURN))
         };
         let found = driven.into_iter().find(turns)?;
         Some(format!("the drive \"{}\" turns by more than a quarter turn", found.name))

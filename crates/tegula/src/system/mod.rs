@@ -276,13 +276,18 @@ impl System {
     /// Factors of the prescribed strains at a time, and behind them the values of the drives of all joints.
     pub fn factors(&self, time: f64) -> impl Iterator<Item = f64> + '_ {
         let strains = self.prescribed_strains.iter().map(move |field| self.factor(&field.factor, time));
-        strains.chain(self.joints.iter().map(move |joint| self.drive(joint, time).value))
+        strains.chain(self.joints.iter().map(move |joint| self.drive_value(joint, time)))
     }
 
     /// Value of the drive of a joint at a time with its rates; zero for a joint without one. Before time 0, where static load grows
     /// to that of its amplitudes, drives stay where they begin.
     pub fn drive(&self, joint: &Joint, time: f64) -> DriveValue {
         joint.drive.map_or_else(DriveValue::default, |drive| drive.at(&self.amplitudes, time.max(0.0)))
+    }
+
+    /// Value of the drive of a joint at a time, without its rates.
+    pub fn drive_value(&self, joint: &Joint, time: f64) -> f64 {
+        joint.drive.map_or(0.0, |drive| drive.value_at(&self.amplitudes, time.max(0.0)))
     }
 
     /// Number of constraints, and of their Lagrange multipliers.

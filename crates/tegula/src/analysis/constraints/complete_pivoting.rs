@@ -13,18 +13,27 @@
 
 use pulp::Arch;
 
+/// Numbers that the processor multiplies together, and to which rows are filled up.
+const LANES: usize = 8;
+
 /// Factors of a square matrix, with workspace for its solutions.
 #[derive(Debug, Default)]
 pub(super) struct CompletePivoting {
     /// Number of rows.
     n: usize,
+    /// Length of a row of the factors: n, rounded up to whole vectors of the processor.
+    stride: usize,
     /// Factors L and U in the order of the pivots, by rows; of L without the unit diagonal.
     factors: Vec<f64>,
+    /// Largest absolute value of each row that remains.
+    sizes: Vec<f64>,
+    /// Row of the present pivot, with zeros up to the pivot.
+    pivot_row: Vec<f64>,
     /// Row and column of the matrix of each pivot.
     rows: Vec<usize>,
     columns: Vec<usize>,
     rank: usize,
-    /// `U₁₁⁻¹ U₁₂`, by columns of length r.
+    /// `U₁₁⁻¹ U₁₂`, by r rows of n − r entries.
     null: Vec<f64>,
     /// Cholesky factor of `Nᵀ N`, by rows.
     gram: Vec<f64>,
@@ -37,9 +46,13 @@ pub(super) struct CompletePivoting {
 impl CompletePivoting {
     /// Memory for matrices of n rows.
     pub fn new(n: usize) -> Self {
+        let stride = n.next_multiple_of(LANES);
         Self {
             n,
-            factors: vec![0.0; n * n],
+            stride,
+            factors: vec![0.0; n * stride],
+            sizes: vec![0.0; n],
+            pivot_row: vec![0.0; stride],
             rows: (0..n).collect(),
             columns: (0..n).collect(),
             rank: n,
@@ -58,88 +71,90 @@ impl CompletePivoting {
 
     #[inline(always)]
     fn eliminate(&mut self, matrix: &[f64]) {
-        let n = self.n;
-        self.factors.copy_from_slice(matrix);
-        if !matrix.iter().all(|x| x.is_finite()) {
-            // Pivots could not be compared: the solution must be none either.
-            self.factors.fill(f64::NAN);
-        }
-        for (i, (row, column)) in self.rows.iter_mut().zip(&mut self.columns).enumerate() {
-            (*row, *column) = (i, i);
+        let (n, stride) = (self.n, self.stride);
+        // The solution of a matrix that is not finite must be none either.
+        let finite = matrix.iter().all(|x| x.is_finite());
+        for (i, (row, given)) in self.factors.chunks_exact_mut(stride).zip(matrix.chunks(n)).enumerate() {
+            row[..n].copy_from_slice(given);
+            if !finite {
+                row[..n].fill(f64::NAN);
+            }
+            self.sizes[i] = largest(&row[..n]);
+            (self.rows[i], self.columns[i]) = (i, i);
         }
         for k in 0..n {
-            let (i, j) = self.largest(k);
-            self.swap_rows(k, i);
-            self.swap_columns(k, j);
-            let (above, below) = self.factors.split_at_mut((k + 1) * n);
-            let pivot_row = &above[k * n + k..];
-            let pivot = pivot_row[0];
+            let row = place_of_largest(&self.sizes[k..]) + k;
+            let column = position(&self.factors[row * stride + k..][..n - k], self.sizes[row]) + k;
+            self.swap_rows(k, row);
+            self.swap_columns(k, column);
+            let (above, below) = self.factors.split_at_mut((k + 1) * stride);
+            let pivot = above[k * stride + k];
             if pivot == 0.0 {
                 break;
             }
-            for row in below.chunks_exact_mut(n) {
+            // Whole vectors, from that of the next column on; zeros leave the columns before it unchanged.
+            let start = (k + 1) / LANES * LANES;
+            self.pivot_row.copy_from_slice(&above[k * stride..]);
+            self.pivot_row[..=k].fill(0.0);
+            let pivot_row = &self.pivot_row[start..];
+            for (row, size) in below.chunks_exact_mut(stride).zip(&mut self.sizes[k + 1..]) {
                 let factor = row[k] / pivot;
-                row[k] = factor;
                 if factor != 0.0 {
-                    row[k + 1..].iter_mut().zip(&pivot_row[1..]).for_each(|(x, u)| *x -= factor * u);
+                    row[k] = factor;
+                    *size = subtract(&mut row[start..], factor, pivot_row, k + 1 - start);
                 }
             }
         }
     }
 
-    /// Place of the largest entry of the matrix that remains at pivot k.
-    #[inline(always)]
-    fn largest(&self, k: usize) -> (usize, usize) {
-        let (n, mut found, mut size) = (self.n, (k, k), -1.0);
-        for i in k..n {
-            let row = &self.factors[i * n + k..(i + 1) * n];
-            let of_row = largest(row);
-            if of_row > size {
-                let place = row.iter().position(|x| x.abs() == of_row).unwrap_or(0);
-                (found, size) = ((i, k + place), of_row);
-            }
-        }
-        found
-    }
-
     fn swap_rows(&mut self, a: usize, b: usize) {
         if a != b {
-            let n = self.n;
-            let (first, second) = self.factors.split_at_mut(b * n);
-            first[a * n..(a + 1) * n].swap_with_slice(&mut second[..n]);
+            let (first, second) = self.factors.split_at_mut(b * self.stride);
+            first[a * self.stride..][..self.n].swap_with_slice(&mut second[..self.n]);
             self.rows.swap(a, b);
+            self.sizes.swap(a, b);
         }
     }
 
     fn swap_columns(&mut self, a: usize, b: usize) {
         if a != b {
-            self.factors.chunks_exact_mut(self.n).for_each(|row| row.swap(a, b));
+            self.factors.chunks_exact_mut(self.stride).for_each(|row| row.swap(a, b));
             self.columns.swap(a, b);
         }
     }
 
     /// Counts the pivots above a share `cut` of the first one as the rank, and prepares solutions of minimum norm.
     pub fn decide_rank(&mut self, cut: f64) {
-        let n = self.n;
-        let pivot = |i: usize| self.factors[i * n + i].abs();
+        Arch::new().dispatch(|| self.prepare_null_space(cut));
+    }
+
+    #[inline(always)]
+    fn prepare_null_space(&mut self, cut: f64) {
+        let (n, stride) = (self.n, self.stride);
+        let pivot = |i: usize| self.factors[i * stride + i].abs();
         // Pivots that are no numbers count: the solution then is none either.
         self.rank = (0..n).take_while(|&i| !(pivot(i) <= cut * pivot(0))).count();
         let (r, k) = (self.rank, n - self.rank);
         self.null.clear();
-        for j in r..n {
-            let start = self.null.len();
-            self.null.extend((0..r).map(|i| self.factors[i * n + j]));
-            back_substitute(&self.factors, n, &mut self.null[start..]);
-        }
+        self.null.resize(r * k, 0.0);
         self.gram.clear();
         self.gram.resize(k * k, 0.0);
-        for i in 0..k {
-            for j in 0..=i {
-                let (a, b) = (&self.null[i * r..(i + 1) * r], &self.null[j * r..(j + 1) * r]);
-                let unit = if i == j { 1.0 } else { 0.0 };
-                self.gram[i * k + j] = unit + dot(a, b);
+        if k == 0 {
+            return;
+        }
+        for i in (0..r).rev() {
+            let (before, after) = self.null.split_at_mut((i + 1) * k);
+            let (row, u) = (&mut before[i * k..], &self.factors[i * stride..][..n]);
+            row.copy_from_slice(&u[r..]);
+            for (u, other) in u[i + 1..r].iter().zip(after.chunks_exact(k)) {
+                row.iter_mut().zip(other).for_each(|(x, y)| *x -= u * y);
+            }
+            row.iter_mut().for_each(|x| *x /= u[i]);
+            for (a, x) in row.iter().enumerate() {
+                self.gram[a * k..][..=a].iter_mut().zip(&*row).for_each(|(sum, y)| *sum += x * y);
             }
         }
+        (0..k).for_each(|j| self.gram[j * k + j] += 1.0);
         cholesky(&mut self.gram, k);
     }
 
@@ -155,24 +170,26 @@ impl CompletePivoting {
 
     /// Solves `A x = b` in place of b. Where the rank falls, `x + old` has minimum norm.
     pub fn solve(&mut self, b: &mut [f64], old: impl Fn(usize) -> f64) {
-        let (n, r) = (self.n, self.rank);
-        let k = n - r;
+        let (stride, r) = (self.stride, self.rank);
+        let k = self.n - r;
         for (i, &row) in self.rows[..r].iter().enumerate() {
-            let before = dot(&self.factors[i * n..i * n + i], &self.work[..i]);
+            let before = dot(&self.factors[i * stride..][..i], &self.work[..i]);
             self.work[i] = b[row] - before;
         }
-        back_substitute(&self.factors, n, &mut self.work[..r]);
+        back_substitute(&self.factors, stride, &mut self.work[..r]);
         self.work[r..].fill(0.0);
         if k > 0 {
             self.work.iter_mut().zip(&self.columns).for_each(|(x, &column)| *x += old(column));
             let (basic, rest) = self.work.split_at_mut(r);
-            let columns = |j: usize| &self.null[j * r..(j + 1) * r];
             self.coefficients.clear();
-            self.coefficients.extend(rest.iter().enumerate().map(|(j, x)| x - dot(columns(j), basic)));
+            self.coefficients.extend_from_slice(rest);
+            for (row, x) in self.null.chunks_exact(k).zip(&*basic) {
+                self.coefficients.iter_mut().zip(row).for_each(|(c, u)| *c -= u * x);
+            }
             solve_cholesky(&self.gram, k, &mut self.coefficients);
-            for (j, (x, c)) in rest.iter_mut().zip(&self.coefficients).enumerate() {
-                *x -= c;
-                basic.iter_mut().zip(columns(j)).for_each(|(x, u)| *x += c * u);
+            rest.iter_mut().zip(&self.coefficients).for_each(|(x, c)| *x -= c);
+            for (row, x) in self.null.chunks_exact(k).zip(basic) {
+                *x += dot(row, &self.coefficients);
             }
             self.work.iter_mut().zip(&self.columns).for_each(|(x, &column)| *x -= old(column));
         }
@@ -182,22 +199,58 @@ impl CompletePivoting {
     }
 }
 
-/// Largest absolute value: of eight lanes, which vectorizes.
+/// Subtracts a multiple of the pivot's row from whole vectors of another row. Returns the largest absolute value of the result behind
+/// the first `skip` entries.
+#[inline(always)]
+fn subtract(row: &mut [f64], factor: f64, pivot_row: &[f64], skip: usize) -> f64 {
+    let mut lanes = [0.0; LANES];
+    let (chunks, _) = row.as_chunks_mut::<LANES>();
+    let (pivots, _) = pivot_row.as_chunks::<LANES>();
+    for (at, (x, u)) in chunks.iter_mut().zip(pivots).enumerate() {
+        (0..LANES).for_each(|i| x[i] -= factor * u[i]);
+        let skipped = if at == 0 { skip } else { 0 };
+        (0..LANES).for_each(|i| {
+            let value = if i < skipped { 0.0 } else { x[i].abs() };
+            lanes[i] = if value > lanes[i] { value } else { lanes[i] };
+        });
+    }
+    lanes.into_iter().fold(0.0, |m, x| if x > m { x } else { m })
+}
+
+/// Largest absolute value.
 #[inline(always)]
 fn largest(row: &[f64]) -> f64 {
-    let (chunks, rest) = row.as_chunks::<8>();
-    let mut lanes = [0.0; 8];
-    for chunk in chunks {
-        lanes.iter_mut().zip(chunk).for_each(|(m, x)| *m = if x.abs() > *m { x.abs() } else { *m });
-    }
-    lanes.iter().chain(rest).fold(0.0, |m, x| if x.abs() > m { x.abs() } else { m })
+    row.iter().fold(0.0, |m, x| if x.abs() > m { x.abs() } else { m })
 }
 
+/// Place of the first of the largest values.
+#[inline(always)]
+fn place_of_largest(sizes: &[f64]) -> usize {
+    sizes
+        .iter()
+        .enumerate()
+        .fold((0, -1.0), |(at, most), (i, x)| if *x > most { (i, *x) } else { (at, most) })
+        .0
+}
+
+/// Place of an absolute value in a row.
+fn position(row: &[f64], size: f64) -> usize {
+    row.iter().position(|x| x.abs() == size).unwrap_or(0)
+}
+
+/// Scalar product, summed in lanes.
+#[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    let mut lanes = [0.0; LANES];
+    for (a, b) in a.iter().zip(b) {
+        (0..LANES).for_each(|i| lanes[i] += a[i] * b[i]);
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    lanes.iter().sum::<f64>() + rest
 }
 
-/// Solves `U x = b` in place of b with the leading upper triangle of a matrix of n columns, by rows.
+/// Solves `U x = b` in place of b with the leading upper triangle of a matrix whose rows have n entries.
 fn back_substitute(u: &[f64], n: usize, x: &mut [f64]) {
     for i in (0..x.len()).rev() {
         let row = &u[i * n..];
