@@ -19,7 +19,7 @@ mod torsion_spring;
 
 pub use attachment::Attachment;
 pub use foundation::{FoundationElement, FoundationGroup};
-pub use joint::{Drive, Joint, JointGroup};
+pub use joint::{Drive, Joint, JointGroup, Role};
 pub use row::{DriveValue, Row};
 pub use sensor::{Measure, Sensor};
 pub use spring::{Spring, SpringGroup};

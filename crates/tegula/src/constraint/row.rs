@@ -21,6 +21,8 @@ pub struct Row {
     /// Inertia that the constraint acts on \[mass for distances, mass · length² for products of unit vectors\]: weight of
     /// the augmented Lagrangian.
     pub inertia: f64,
+    /// Whether the values are products of axes, and not lengths.
+    pub of_axes: bool,
     /// Square of the model's length over `size`: weight of the augmented Lagrangian in statics.
     pub measure: f64,
 }
