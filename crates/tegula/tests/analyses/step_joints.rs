@@ -173,8 +173,8 @@ impl Reactions for Scheme {
     }
 }
 
-/// Mass, mass centre, inertia about it, velocity and angular momentum about it of two bodies with moments of inertia along their axes.
-fn together(done: &Done, state: &State, moments: &[[f64; 3]]) -> (f64, Vec3, Mat3, Vec3, Vec3) {
+/// Mass, inertia about the mass centre, its velocity and the angular momentum about it of two bodies with moments of inertia along their axes.
+fn together(done: &Done, state: &State, moments: &[[f64; 3]]) -> (f64, Mat3, Vec3, Vec3) {
     let bodies = &done.system.coordinates.bodies;
     let mass: f64 = bodies.iter().map(|body| body.mass).sum();
     let weighted = |of: &dyn Fn(usize) -> Vec3| {
@@ -194,7 +194,7 @@ fn together(done: &Done, state: &State, moments: &[[f64; 3]]) -> (f64, Vec3, Mat
         inertia += own + (Mat3::identity() * arm.norm_squared() - arm * arm.transpose()) * body.mass;
         momentum += own * spin + arm.cross(&(velocity(i) - mean)) * body.mass;
     }
-    (mass, centre, inertia, mean, momentum)
+    (mass, inertia, mean, momentum)
 }
 
 /// Two bodies fly freely, and the joint between them locks, whatever its kind: they go on as one rigid body with the same momenta, whose
@@ -224,28 +224,23 @@ fn two_free_bodies_whose_joint_locks_go_on_as_one_rigid_body() {
             ];
             let done = run(&model).unwrap();
             let what = format!("{} {scheme:?}", joint.word());
-            let (mass, _, inertia, velocity, momentum) = together(&done[0], &done[0].state, &moments);
+            let (mass, inertia, velocity, momentum) = together(&done[0], &done[0].state, &moments);
             let before = done[0].system.kinetic_energy(&done[0].state.v);
             let rigid = 0.5 * mass * velocity.norm_squared()
                 + 0.5 * momentum.dot(&(inertia.try_inverse().unwrap() * momentum));
             let first = done[1].first;
             assert!(before - rigid > 0.02 * before, "{what}: no impact, {before} {rigid}");
-            assert!((first.kinetic / rigid - 1.0).abs() < 1e-9, "{what}: {} {rigid}", first.kinetic);
-            assert!(
-                (first.dissipated - (before - rigid)).abs() < 1e-6 * before,
-                "{what}: {} {}",
-                first.dissipated,
-                before - rigid
-            );
+            let (p, l) = done[1].notes.momenta[0];
+            let (p0, l0) = *done[0].notes.momenta.last().unwrap();
+            // The velocities with which steps of second order end are not quite those of rigid bodies.
+            let second_order = matches!(scheme, Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 }));
+            let tolerance = if second_order { 1e-5 } else { 1e-11 };
+            assert!((first.dissipated - (before - rigid)).abs() < tolerance * before, "{what}: {}", first.dissipated);
+            assert!((p - p0).norm() < 1e-12 * p0.norm() && (l - l0).norm() < tolerance * l0.norm(), "{what}: {l} {l0}");
+            assert!((first.kinetic / rigid - 1.0).abs() < tolerance, "{what}: {} {rigid}", first.kinetic);
             assert_eq!(first.work, 0.0);
             let told = &done[1].notes.events[0];
             assert!(told.contains("\"joint\"") && told.contains("plastic impact"), "{told}");
-            let (p, l) = done[1].notes.momenta[0];
-            let (p0, l0) = *done[0].notes.momenta.last().unwrap();
-            assert!(
-                (p - p0).norm() < 1e-10 * p0.norm() && (l - l0).norm() < 1e-5 * l0.norm(),
-                "{what}: {l} {l0}"
-            );
             // One rigid body: the relative motion stays as it was.
             let relative = |done: &Done, state: &State| {
                 let [(x, a), (y, b)] = [0, 1].map(|i| pose(&done.system, state, i));
@@ -258,7 +253,7 @@ fn two_free_bodies_whose_joint_locks_go_on_as_one_rigid_body() {
             }
             let second = done[2].first.dissipated;
             assert!(
-                second.abs() < 1e-4 * before && done[2].notes.events.is_empty(),
+                second.abs() < 1e-14 * before && done[2].notes.events.is_empty(),
                 "{what}: {second:e} {:?}",
                 done[2].notes.events
             );
@@ -416,20 +411,20 @@ fn a_lock_that_is_released_in_statics_hands_its_moment_over() {
     }
 }
 
-/// Frequencies of a model at its only modal step.
-fn omegas(model: &Model) -> Vec<f64> {
+/// Frequencies of a modal step of a model, about the reference or behind a static first step.
+fn omegas(model: &Model, number: usize) -> Vec<f64> {
     let mesh = mesh::generators::generate(&model.mesh).unwrap();
     let compiler = compile::Compiler::new(model, &mesh).unwrap();
-    let number = model.steps.len() - 1;
     let Analysis::Modal(options) = &model.steps[number].analysis else { panic!() };
     let mut end = None;
-    if number > 0 {
+    let behind = matches!(model.steps[0].analysis, Analysis::Static(_));
+    if behind {
         let system = compiler.system(0, None).unwrap();
         let state = statics::run(&system, &StaticAnalysis::default(), None, &mut Silent).unwrap().state;
         end = Some(state.end_of_step());
     }
     let system = compiler.system(number, end).unwrap();
-    let about = (number > 0).then(|| State { time: 1.0, ..State::first(&system) });
+    let about = behind.then(|| State { time: 1.0, ..State::first(&system) });
     let found = modal::run(&system, options.modes as usize, about.as_ref(), &mut Silent).unwrap();
     assert!(found.sturm_checked);
     found.modes.iter().map(|mode| mode.omega).collect()
@@ -464,6 +459,12 @@ fn modes_with_locked_and_released_joints_are_those_with_fixed_ones_and_without()
             spring("4", "b", [2.2, 0.3, 0.0], [1.4, 0.5, 0.3], 350.0),
             spring("5", "b", [1.0, 1.3, 0.2], [1.3, 0.6, 0.1], 450.0),
             spring("6", "b", [1.2, 0.1, 1.5], [1.1, 0.2, 0.4], 600.0),
+            spring("7", "a", [-1.0, 0.2, 0.3], [-0.1, -0.2, 0.4], 350.0),
+            spring("8", "a", [0.3, -1.0, 0.1], [-0.3, -0.2, -0.1], 250.0),
+            spring("9", "a", [0.4, 0.3, -1.0], [-0.2, 0.4, -0.1], 450.0),
+            spring("10", "b", [2.2, 0.1, 0.4], [1.3, 0.0, 0.2], 300.0),
+            spring("11", "b", [0.9, 1.3, -0.2], [1.0, 0.5, -0.3], 500.0),
+            spring("12", "b", [1.4, 0.5, 1.5], [1.5, 0.1, 0.3], 400.0),
         ];
         let fixed = Joint::Fixed(PointJoint {
             name: "joint".into(),
@@ -479,7 +480,7 @@ fn modes_with_locked_and_released_joints_are_those_with_fixed_ones_and_without()
             } else {
                 model.steps = vec![step("modes", modes(6), released, locked)];
             }
-            omegas(&model)
+            omegas(&model, usize::from(loaded))
         };
         let compare = |what: &str, found: Vec<f64>, expected: Vec<f64>| {
             assert_eq!(found.len(), expected.len(), "{what}");
@@ -500,8 +501,7 @@ fn modes_with_locked_and_released_joints_are_those_with_fixed_ones_and_without()
         });
         let mut other = Model { joints: vec![joint.clone(), spare], ..model.clone() };
         other.steps = vec![step("modes", modes(6), &["spare"], &[]), step("modes", modes(6), &[], &[])];
-        other.steps.swap(0, 1);
-        compare("released", omegas(&other), with(vec![joint.clone()], false, &[], &[]));
+        compare("released", omegas(&other, 0), with(vec![joint.clone()], false, &[], &[]));
     }
 }
 
@@ -545,7 +545,9 @@ fn a_motor_that_is_switched_off_lets_its_wheel_run_on() {
         }
         let spin = |balance: &Balance| balance.angular_momentum[2] / j;
         assert!((spin(&done[1].first) - 3.0).abs() < 1e-3, "{}", spin(&done[1].first));
-        assert!(done[1].notes.drift() < 1e-9);
+        // Generalised-α does not conserve energy exactly.
+        let drift = if matches!(scheme, Scheme::GeneralizedAlpha(_)) { 1e-7 } else { 1e-10 };
+        assert!(done[1].notes.drift() < drift, "{scheme:?} {:e}", done[1].notes.drift());
         for state in &done[1].notes.states {
             assert_eq!(reaction(&done[1], state, "motor"), (Vec3::zeros(), Vec3::zeros()));
         }
