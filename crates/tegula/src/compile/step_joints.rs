@@ -261,7 +261,7 @@ impl Compiler<'_> {
 
     /// Issue of a joint that acts again in a step, where its sides do not meet.
     fn open(&self, step: &StepModel, joint: &Joint, v: &[Vec3]) -> Option<Issue> {
-        let [distance, angle] = joint.gap(v, self.length);
+        let [distance, angle] = joint.gap(v);
         if distance <= CLOSED * self.length && angle <= CLOSED {
             return None;
         }

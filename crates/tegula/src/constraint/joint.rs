@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::{Attachment, DriveValue, Row};
+use super::{Attachment, DriveValue, Quantity, Row};
 use crate::Vec3;
 use crate::element::{ElementGroup, GroupPoint, Motion, TangentRequest};
 use crate::load::TimeFunction;
@@ -96,8 +96,8 @@ impl Joint {
         }
     }
 
-    /// Constraint forces `−Gᵀλ` on the nodal vectors of the joint, with the values `v` of these and the multipliers of its constraints from
-    /// one of them on. A drive has the value at which the joint stands.
+    /// Constraint forces `−Gᵀλ` on the nodal vectors of the joint, with the values `v` of these and the multipliers of its constraints,
+    /// from the constraint `first` on. A drive has the value at which the joint stands.
     pub fn forces_from(&self, first: usize, v: &[Vec3], multipliers: &[f64]) -> Vec<Vec3> {
         let stands = match self.drive {
             Some(_) => self.rows.first().map_or(0.0, |row| row.driven_value(v)),
@@ -112,12 +112,17 @@ impl Joint {
 
     /// Gap of the constraints where the nodal vectors have the values `v` \[length, rad\]: distance by which points miss each other, and
     /// angle by which axes do. Drives begin where their joint stands and have none.
-    pub fn gap(&self, v: &[Vec3], length: f64) -> [f64; 2] {
+    pub fn gap(&self, v: &[Vec3]) -> [f64; 2] {
         let mut squares = [0.0; 2];
         for row in self.rows.iter().filter(|_| self.drive.is_none()) {
             let value = row.value(v, 0.0);
-            squares[usize::from(row.of_axes)] +=
-                (if row.of_axes { value } else { value * length / row.size }).powi(2);
+            match row.keeps {
+                Quantity::Position => squares[0] += value * value,
+                Quantity::Axes => squares[1] += value * value,
+                Quantity::Distance(length) => {
+                    squares[0] += ((length * length + 2.0 * value).abs().sqrt() - length).powi(2);
+                }
+            }
         }
         [squares[0].sqrt(), squares[1].sqrt().min(1.0).asin()]
     }

@@ -1,8 +1,8 @@
 //! Cylindrical joint: rotation about an axis and sliding along it.
 
 use super::{Constraints, Held, JointKind};
-use crate::{Mat3, Vec3};
 use crate::model::AxisJoint;
+use crate::{Mat3, Vec3};
 
 /// Cylindrical joint: the axis is common.
 pub struct Cylindrical;

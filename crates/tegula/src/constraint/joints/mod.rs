@@ -10,7 +10,7 @@ mod lock;
 use std::f64::consts::{PI, TAU};
 
 use super::joint::MOST_VECTORS;
-use super::{Attachment, Drive, Joint, Role, Row};
+use super::{Attachment, Drive, Joint, Quantity, Role, Row};
 use crate::checker::Checker;
 use crate::model::{self, joints};
 use crate::norm::larger;
@@ -181,7 +181,7 @@ impl Constraints {
         let mut row = Row::default();
         row.add_product(&mut self.vectors, 1.0, &first, &second);
         row.add_constant(-a.dot(b));
-        row.of_axes = true;
+        row.keeps = Quantity::Axes;
         self.push(row, 1.0, self.inertia(true));
     }
 
@@ -207,6 +207,7 @@ impl Constraints {
             row.add_product(&mut self.vectors, factor, x, y);
         }
         row.add_constant(-0.5 * length * length);
+        row.keeps = Quantity::Distance(length);
         self.push(row, length * self.length, self.inertia(false) / (length * length));
     }
 
@@ -217,7 +218,7 @@ impl Constraints {
             return;
         };
         sine.drive_angle(cosine);
-        sine.of_axes = true;
+        sine.keeps = Quantity::Axes;
         self.push(sine, 1.0, self.inertia(true));
     }
 

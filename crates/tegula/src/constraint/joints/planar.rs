@@ -2,8 +2,8 @@
 
 use super::{Constraints, Held, JointKind};
 use crate::element::geometry::tangents;
-use crate::{Mat3, Vec3};
 use crate::model::AxisJoint;
+use crate::{Mat3, Vec3};
 
 /// Planar joint: the point of the second end moves in the plane across the axis of the first end, and the axis stays
 /// parallel.

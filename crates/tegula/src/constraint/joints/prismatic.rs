@@ -1,9 +1,9 @@
 //! Prismatic joint: sliding along an axis without rotation.
 
 use super::{Constraints, Held, JointKind};
-use crate::{Mat3, Vec3};
 use crate::element::geometry::tangents;
 use crate::model::AxisJoint;
+use crate::{Mat3, Vec3};
 
 /// Prismatic joint: the axis is common, and there is no rotation about it.
 pub struct Prismatic;

@@ -1,8 +1,8 @@
 //! Revolute joint: rotation about an axis.
 
 use super::{Constraints, Held, JointKind};
-use crate::{Mat3, Vec3};
 use crate::model::AxisJoint;
+use crate::{Mat3, Vec3};
 
 /// Revolute joint: the points coincide, and the axis is common.
 pub struct Revolute;

@@ -1,8 +1,8 @@
 //! Spherical joint: the points coincide.
 
 use super::{Constraints, Held, JointKind};
-use crate::{Mat3, Vec3};
 use crate::model::PointJoint;
+use crate::{Mat3, Vec3};
 
 /// Spherical joint: the points coincide, rotations are free.
 pub struct Spherical;

@@ -1,9 +1,9 @@
 //! Universal joint: the points coincide, and two axes stay perpendicular.
 
 use super::{Constraints, Held, JointKind};
-use crate::{Mat3, Vec3};
 use crate::checker::Checker;
 use crate::model::TwoAxesJoint;
+use crate::{Mat3, Vec3};
 
 /// Cosine of the angle between two directions that are perpendicular but for round-off.
 const PERPENDICULAR: f64 = 1e-9;
