@@ -7,7 +7,7 @@ use super::{amplitudes, check_material, steps};
 use crate::checker::Checker;
 use crate::mesh::Mesh;
 use crate::model::loads::LoadedPart;
-use crate::model::{AddedMass, Analysis, LinearSolver, Load, Model, StopCondition};
+use crate::model::{AddedMass, Analysis, Joint, LinearSolver, Load, Model, StopCondition};
 use crate::system::System;
 use crate::{Issue, Vec3};
 
@@ -27,15 +27,15 @@ const LONGEST_UNIT: usize = 20;
 pub fn keys(model: &Model) -> Vec<Issue> {
     let mut found = steps::issues(model);
     for step in steps::steps(model) {
-        let of_step = step.located(keys_of(&step.model, step.starts_from.is_some()));
+        let of_step = step.located(keys_of(&step.model, &model.joints, step.starts_from.is_some()));
         let new: Vec<Issue> = of_step.into_iter().filter(|issue| !found.contains(issue)).collect();
         found.extend(new);
     }
     found
 }
 
-/// Mistakes of a model with one analysis, which may start where another one has ended.
-fn keys_of(model: &Model, continues: bool) -> Vec<Issue> {
+/// Mistakes of a model with one analysis, which may start where another one has ended, and in which some of `joints` may not act.
+fn keys_of(model: &Model, joints: &[Joint], continues: bool) -> Vec<Issue> {
     let mut c = Checker::default();
     for (name, material) in &model.materials {
         c.issues.extend(check_material::issues(material, &format!("materials.{name}")));
@@ -51,7 +51,7 @@ fn keys_of(model: &Model, continues: bool) -> Vec<Issue> {
     }
     super::bodies::keys(model, &mut c);
     super::beams::keys(model, &mut c);
-    super::sensors::keys(model, &mut c);
+    super::sensors::keys(model, joints, &mut c);
     if model.sections.is_empty() && model.bodies.is_empty() && model.beams.is_empty() {
         c.add(
             "sections",

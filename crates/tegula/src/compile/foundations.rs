@@ -44,7 +44,7 @@ pub(super) fn sets(model: &Model, mesh: &Mesh, c: &mut Checker) {
 /// Rigid motions that foundations and supports leave free in a static model with foundations or beams, but without joints and springs.
 pub(super) fn free_motions(model: &Model, system: &System) -> Option<Issue> {
     let neither = model.foundations.is_empty() && system.beams.is_empty();
-    if neither || model.has_springs() || !system.joints.is_empty() {
+    if neither || model.has_springs() || system.constraints() > 0 {
         return None;
     }
     let free = modal::rigid_motions(system);

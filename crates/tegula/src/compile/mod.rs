@@ -19,6 +19,7 @@ mod patches;
 mod place;
 mod sections;
 mod sensors;
+mod step_joints;
 mod steps;
 mod vectors;
 mod warnings;
@@ -47,12 +48,13 @@ use crate::system::{
     BeamLine, DeadLoad, GroupOffsets, LocalFrames, Outline, Pattern, PrescribedField, Procedure, Reduction,
     Shell, ShellSection, StepStart, System, lumping,
 };
-use crate::{Error, Issue, Result, Vec3};
+use crate::{Error, Issue, Result};
 use actions::{
     added_masses, contradictions, dead_loads, drilling_components, follower_loads, initial_velocity, supports,
 };
 use place::Place;
 use sections::Elements;
+use step_joints::{JointGroups, Lock, StepJoints};
 use steps::Continued;
 pub use steps::{StepModel, steps};
 use vectors::Vectors;
@@ -72,9 +74,15 @@ pub struct Compiler<'a> {
     steps: Vec<StepModel>,
     directors: Directors,
     vectors: Vectors,
-    groups: Arc<Vec<Box<dyn ElementGroup>>>,
+    groups: Arc<Vec<Arc<dyn ElementGroup>>>,
     offsets: Arc<Vec<GroupOffsets>>,
     joints: Arc<Vec<Joint>>,
+    /// Sides of the joints that some step locks.
+    locks: Vec<Option<Lock>>,
+    /// Groups of the joints.
+    joint_groups: JointGroups,
+    /// Size of the model (length).
+    length: f64,
     beams: Arc<Vec<BeamLine>>,
     springs: Arc<Vec<(String, Spring)>>,
     torsion_springs: Arc<Vec<(TorsionSpring, [usize; 2])>>,
@@ -145,13 +153,18 @@ impl<'a> Compiler<'a> {
         let explicit = steps.iter().any(|step| procedure(&step.model.analysis) == Procedure::Explicit);
         let tie = if explicit { director_angle::EXPLICIT_STIFFNESS } else { director_angle::STIFFNESS };
         elements.ties(&directors, &vectors, tie);
-        let (joints, springs, torsion_springs) =
+        let (mut joints, springs, torsion_springs) =
             vectors.add_bodies((model, mesh), &mut elements, &mut issues);
+        let length = bodies::extent(model, mesh, &vectors.coordinates);
+        let place = Place { model, mesh, coordinates: &vectors.coordinates, length };
+        let locks = step_joints::locks(&place, &steps, &mut joints, &mut issues);
         let joints = Arc::new(joints);
         let (of_beams, mut beams) = beams::elements(model, &vectors.coordinates);
         beams.iter_mut().for_each(|beam| beam.group += elements.groups.len());
         elements.groups.extend(of_beams);
+        let before = elements.groups.len();
         elements.groups.extend(JointGroup::groups(&joints));
+        let joint_groups = before..elements.groups.len();
         elements.groups.extend(SpringGroup::groups(&springs));
         let before = elements.groups.len();
         elements.groups.extend(TorsionSpringGroup::groups(&torsion_springs));
@@ -159,7 +172,6 @@ impl<'a> Compiler<'a> {
         let places = places.into_iter().map(|[group, number]| [before + group, number]);
         let foundations = foundations::elements(model, mesh, &vectors.coordinates);
         elements.groups.extend(FoundationGroup::groups(&foundations));
-        let length = bodies::extent(model, mesh, &vectors.coordinates);
         let place = Place { model, mesh, coordinates: &vectors.coordinates, length };
         let sensors = sensors::sensors(&place, &joints, &mut issues);
         let outline = outline::outline(&place, &beams);
@@ -176,8 +188,11 @@ impl<'a> Compiler<'a> {
             directors,
             vectors,
             offsets: Arc::new(GroupOffsets::of(&elements.groups)),
-            groups: Arc::new(elements.groups),
+            groups: Arc::new(elements.groups.into_iter().map(Arc::from).collect()),
             joints,
+            locks,
+            joint_groups,
+            length,
             beams: Arc::new(beams),
             springs: Arc::new(model.springs.iter().map(|spring| spring.name.clone()).zip(springs).collect()),
             torsion_springs: Arc::new(torsion_springs.into_iter().zip(places).collect()),
@@ -232,7 +247,7 @@ impl<'a> Compiler<'a> {
         };
         let (vectors, history) =
             (self.vectors.coordinates.len(), self.offsets.last().map_or(0, |last| last.history.end));
-        let constraints = self.joints.last().map_or(0, |last| last.multipliers().end);
+        let constraints = self.constraints_in(self.step_before(step));
         let angles = self.sensors.iter().filter(|sensor| sensor.angle().is_some()).count();
         let fits = |s: &StepStart| {
             s.u.len() == vectors
@@ -304,7 +319,13 @@ impl<'a> Compiler<'a> {
             return Err(Error::Model(issues));
         };
         issues.extend(unmovable(&frames));
-        let alone = self.joints.is_empty() && !model.has_springs() && model.beams.is_empty();
+        let mut of_step =
+            self.step_joints(step, (start, procedure(&model.analysis)), &amplitudes, &mut issues);
+        let released = of_step.take_released();
+        let StepJoints { joints, groups, start, .. } = of_step;
+        let alone = joints.iter().all(|joint| joint.rows.is_empty())
+            && !model.has_springs()
+            && model.beams.is_empty();
         if matches!(model.analysis, Analysis::Static(_)) && alone {
             if model.foundations.is_empty() {
                 issues.extend(mechanism::mechanisms(mesh, &vectors.coordinates, &supports));
@@ -338,10 +359,10 @@ impl<'a> Compiler<'a> {
         let mut system = System {
             coordinates: Arc::clone(&vectors.coordinates),
             frames,
-            groups: Arc::clone(&self.groups),
+            groups,
             offsets: Arc::clone(&self.offsets),
             reductions,
-            joints: self.joints_at(start.as_ref(), procedure, &amplitudes),
+            joints,
             beams: Arc::clone(&self.beams),
             springs: Arc::clone(&self.springs),
             torsion_springs: Arc::clone(&self.torsion_springs),
@@ -362,7 +383,7 @@ impl<'a> Compiler<'a> {
             pattern,
             procedure,
             mass_damping: model.damping.mass,
-            length: bodies::extent(model, mesh, &vectors.coordinates),
+            length: self.length,
             linear: self.linear,
             start,
             initial_velocity,
@@ -379,6 +400,7 @@ impl<'a> Compiler<'a> {
         (system.dead_loads, system.load_of_dead) = dead_loads(step, mesh, &system, &names);
         let is_static = matches!(procedure, Procedure::Static | Procedure::IterativeStatic);
         if is_static {
+            StepJoints::release(released, &mut system);
             issues.extend(foundations::free_motions(model, &system));
         }
         if issues.is_empty() && is_static && !self.keeps_supports(step, &system.supports) {
@@ -392,33 +414,6 @@ impl<'a> Compiler<'a> {
         let before = |step: &StepModel| step.starts_from.and_then(|index| self.steps.get(index));
         let chain = std::iter::successors(before(step), |step| before(step));
         chain.into_iter().any(|step| matches!(step.model.analysis, Analysis::Transient(_)))
-    }
-
-    /// Joints whose drives begin where a step starts. Modes about the end of the step before leave them there.
-    fn joints_at(
-        &self,
-        start: Option<&StepStart>,
-        procedure: Procedure,
-        amplitudes: &[TimeFunction],
-    ) -> Arc<Vec<Joint>> {
-        if self.joints.iter().all(|joint| joint.drive.is_none()) {
-            return Arc::clone(&self.joints);
-        }
-        let current = |v: u32| {
-            let moved =
-                start.and_then(|start| start.u.get(v as usize)).map_or_else(Vec3::zeros, |u| Vec3::from(*u));
-            Vec3::from(self.vectors.coordinates.reference[v as usize]) + moved
-        };
-        let mut joints = (*self.joints).clone();
-        for joint in &mut joints {
-            if let Some(drive) =
-                joint.drive.as_mut().filter(|_| start.is_some() && procedure == Procedure::Modal)
-            {
-                drive.value = 0.0;
-            }
-            joint.start_drive(amplitudes, current);
-        }
-        Arc::new(joints)
     }
 
     /// Whether a step has all supports of the step before: then its first state needs no other forces than its own.

@@ -9,8 +9,8 @@ use crate::constraint::joints::{End, RelativeAngle};
 use crate::constraint::{Attachment, Joint, Measure, Sensor};
 use crate::model::{self, Analysis, DistanceSensor, Model, PointSensor};
 
-/// Mistakes in the values of sensors.
-pub(super) fn keys(model: &Model, c: &mut Checker) {
+/// Mistakes in the values of sensors of a model with these joints, some of which may not act.
+pub(super) fn keys(model: &Model, joints: &[model::Joint], c: &mut Checker) {
     names(model.sensors.iter().map(|sensor| sensor.name()), "sensors", &[], c);
     for (i, sensor) in model.sensors.iter().enumerate() {
         let (key, what) = (format!("sensors[{i}]"), format!("the sensor \"{}\"", sensor.name()));
@@ -36,7 +36,7 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
                 keys.at.iter().for_each(|x| c.finite(&format!("{key}.at"), "the point", x));
             }
             model::Sensor::Reaction(keys) => {
-                let joints: Vec<String> = model.joints.iter().map(|j| j.common().name().to_owned()).collect();
+                let joints: Vec<String> = joints.iter().map(|j| j.common().name().to_owned()).collect();
                 if !joints.contains(&keys.joint) {
                     c.missing(format!("{key}.joint"), "joint", &keys.joint, joints.iter());
                 }

@@ -1,5 +1,6 @@
 //! Analysis steps of a model: each as a model with one analysis, and how its loads continue those of the step before.
 
+use super::step_joints;
 use crate::Issue;
 use crate::checker::Checker;
 use crate::load::{LoadFactor, TimeFunction};
@@ -17,6 +18,10 @@ pub struct StepModel {
     pub model: Model,
     /// Index of the step at whose end this one starts; `None`: the reference configuration at rest.
     pub starts_from: Option<usize>,
+    /// Names of joints that do not act in the step; `model` does not have them.
+    pub released: Vec<String>,
+    /// Names of joints whose sides do not move against each other in the step.
+    pub locked: Vec<String>,
     /// Continuation of each of the model's loads from the step before.
     pub(super) loads: Vec<Continued>,
     /// Continuation of each of [`all_strains`] from the step before.
@@ -49,7 +54,7 @@ impl StepModel {
         let matching = |(own, _): &&(String, String)| {
             key.strip_prefix(own.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
         };
-        let whole_list = ["conditions", "loads", "prescribed_strains"].contains(&key);
+        let whole_list = ["conditions", "loads", "prescribed_strains", "released"].contains(&key);
         if let Some(place) = self.place.as_ref().filter(|_| whole_list) {
             return place.clone();
         }
@@ -124,6 +129,8 @@ pub fn steps(model: &Model) -> Vec<StepModel> {
             name: String::new(),
             model: model.clone(),
             starts_from: None,
+            released: Vec::new(),
+            locked: Vec::new(),
             loads: vec![Continued::default(); model.loads.len()],
             strains: model
                 .prescribed_strains
@@ -190,6 +197,8 @@ fn one_step(
     of_list("conditions", model.conditions.len(), step.conditions.len());
     of_list("loads", model.loads.len(), step.loads.len());
     of_list("prescribed_strains", model.prescribed_strains.len(), step.prescribed_strains.len());
+    let (joints, joint_keys) = step_joints::acting(model, step);
+    keys.extend(joint_keys);
     let is_static = matches!(step.analysis, Analysis::Static(_));
     let mut loads = [model.loads.clone(), step.loads.clone()].concat();
     let mut continued = vec![Continued::default(); loads.len()];
@@ -220,12 +229,15 @@ fn one_step(
     StepModel {
         name: name(step, number),
         starts_from: before.map(|(i, _)| i),
+        released: step.released.clone(),
+        locked: step.locked.clone(),
         strains: own.iter().enumerate().map(continued_strain).collect(),
         model: Model {
             analysis: step.analysis.clone(),
             conditions: [model.conditions.clone(), step.conditions.clone()].concat(),
             loads,
             prescribed_strains: strains,
+            joints,
             initial_velocities: step.initial_velocities.clone(),
             output: output(model, step),
             steps: Vec::new(),
@@ -287,6 +299,7 @@ pub(super) fn issues(model: &Model) -> Vec<Issue> {
     let mut moving = false;
     for (i, step) in model.steps.iter().enumerate() {
         let key = format!("steps[{i}]");
+        step_joints::keys(model, step, &key, &mut c);
         if !step.name.is_empty() {
             c.file_name(&format!("{key}.name"), &step.name, LONGEST_NAME);
         }
@@ -308,7 +321,7 @@ pub(super) fn issues(model: &Model) -> Vec<Issue> {
                 "modes are computed about equilibria, and the step before leaves the model in motion",
                 "put the modal step behind a static one",
             ),
-            Analysis::Modal(modal) => modal_step(&mut c, &key, step, modal),
+            Analysis::Modal(modal) => modal_step(&mut c, &key, (step, i), (model, modal)),
             Analysis::Transient(_) => moving = true,
             Analysis::Static(s) if !s.stop.is_empty() && i + 1 < model.steps.len() => c.add(
                 format!("{key}.analysis.stop"),
@@ -330,7 +343,12 @@ pub(super) fn issues(model: &Model) -> Vec<Issue> {
 }
 
 /// Keys that a modal step must not have: it vibrates about the state of the step before.
-fn modal_step(c: &mut Checker, key: &str, step: &AnalysisStep, modal: &ModalAnalysis) {
+fn modal_step(
+    c: &mut Checker,
+    key: &str,
+    (step, number): (&AnalysisStep, usize),
+    (model, modal): (&Model, &ModalAnalysis),
+) {
     if modal.prestressed {
         c.add(
             format!("{key}.analysis.prestressed"),
@@ -348,6 +366,18 @@ fn modal_step(c: &mut Checker, key: &str, step: &AnalysisStep, modal: &ModalAnal
             format!("{key}.{list}"),
             "a modal step vibrates about the state of the step before, under its supports and loads",
             "put them into a static step before this one",
+        );
+    }
+    // About the reference configuration, where nothing has forces.
+    if model.steps[..number].iter().all(|before| matches!(before.analysis, Analysis::Modal(_))) {
+        return;
+    }
+    let given = [("released", !step.released.is_empty()), ("locked", !step.locked.is_empty())];
+    for (list, _) in given.into_iter().filter(|(_, given)| *given) {
+        c.add(
+            format!("{key}.{list}"),
+            "a modal step vibrates about the state of the step before, with its joints",
+            "put the list into a static step before this one",
         );
     }
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::{Attachment, DriveValue, Row};
+use super::{Attachment, DriveValue, Quantity, Row};
 use crate::Vec3;
 use crate::element::{ElementGroup, GroupPoint, Motion, TangentRequest};
 use crate::load::TimeFunction;
@@ -30,6 +30,22 @@ pub struct Joint {
     pub number: usize,
     /// Drive of the joint, if it has one.
     pub drive: Option<Drive>,
+    /// Part that the joint has in the analysis step.
+    pub role: Role,
+    /// Whether the joint has constraints that it has not had in the step before.
+    pub engages: bool,
+}
+
+/// Part that a joint has in an analysis step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Role {
+    /// Constraints of its kind.
+    #[default]
+    Acting,
+    /// No constraints.
+    Released,
+    /// Constraints of its kind, and behind them those that hold what it leaves free.
+    Locked,
 }
 
 /// Prescribed motion of a joint: angle (rad) or length that changes by a multiple of the change of an amplitude.
@@ -84,6 +100,45 @@ impl Joint {
         if let Some(drive) = &mut self.drive {
             let amplitude = amplitudes.get(drive.amplitude).map_or(f64::NAN, |a| a.value(0.0));
             drive.offset = stands - drive.value * amplitude;
+        }
+    }
+
+    /// Constraint forces `−Gᵀλ` on the nodal vectors of the joint, with the values `v` of these and the multipliers of its constraints,
+    /// from the constraint `first` on. A drive has the value at which the joint stands.
+    pub fn forces_from(&self, first: usize, v: &[Vec3], multipliers: &[f64]) -> Vec<Vec3> {
+        let stands = match self.drive {
+            Some(_) => self.rows.first().map_or(0.0, |row| row.driven_value(v)),
+            None => 0.0,
+        };
+        let mut out = vec![Vec3::zeros(); v.len()];
+        for (row, multiplier) in self.rows.iter().zip(multipliers).skip(first) {
+            row.add_gradient(-multiplier, v, stands, &mut out);
+        }
+        out
+    }
+
+    /// Gap of the constraints where the nodal vectors have the values `v` \[length, rad\]: distance by which points miss each other, and
+    /// angle by which axes do. Drives begin where their joint stands and have none.
+    pub fn gap(&self, v: &[Vec3]) -> [f64; 2] {
+        let mut squares = [0.0; 2];
+        for row in self.rows.iter().filter(|_| self.drive.is_none()) {
+            let value = row.value(v, 0.0);
+            match row.keeps {
+                Quantity::Position => squares[0] += value * value,
+                Quantity::Axes => squares[1] += value * value,
+                Quantity::Distance(length) => {
+                    squares[0] += ((length * length + 2.0 * value).abs().sqrt() - length).powi(2);
+                }
+            }
+        }
+        [squares[0].sqrt(), squares[1].sqrt().min(1.0).asin()]
+    }
+
+    /// Adds nodal vectors that the constraints of an analysis step contain, and those of the joint's kind may not.
+    pub fn add_vectors(&mut self, vectors: &[u32], of_first: bool) {
+        for &vector in vectors.iter().filter(|v| !self.vectors.contains(v)).collect::<Vec<_>>() {
+            self.vectors.push(vector);
+            self.of_first.push(of_first);
         }
     }
 

@@ -19,8 +19,8 @@ mod torsion_spring;
 
 pub use attachment::Attachment;
 pub use foundation::{FoundationElement, FoundationGroup};
-pub use joint::{Drive, Joint, JointGroup};
-pub use row::{DriveValue, Row};
+pub use joint::{Drive, Joint, JointGroup, Role};
+pub use row::{DriveValue, Quantity, Row};
 pub use sensor::{Measure, Sensor};
 pub use spring::{Spring, SpringGroup};
 pub use torsion_spring::{TorsionSpring, TorsionSpringGroup};

@@ -21,8 +21,22 @@ pub struct Row {
     /// Inertia that the constraint acts on \[mass for distances, mass · length² for products of unit vectors\]: weight of
     /// the augmented Lagrangian.
     pub inertia: f64,
+    /// Quantity that the constraint keeps.
+    pub keeps: Quantity,
     /// Square of the model's length over `size`: weight of the augmented Lagrangian in statics.
     pub measure: f64,
+}
+
+/// Quantity that a constraint keeps.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Quantity {
+    /// Position along a direction (length).
+    #[default]
+    Position,
+    /// Product of two axes of unit length.
+    Axes,
+    /// Distance of two points, by half its square less that of this distance (length).
+    Distance(f64),
 }
 
 /// How a constraint depends on the value s of the drive of its joint.

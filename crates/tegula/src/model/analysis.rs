@@ -22,7 +22,8 @@ pub enum Analysis {
 /// It starts at the state in which the step before has ended. Conditions, loads and prescribed strains of the whole model act in
 /// every step, those of a step in this one only. A load that two steps in a row list with the same values continues. In a
 /// static step new loads grow from 0, and loads that only the step before had fall to 0; in a transient step new loads
-/// act from the start, and old ones are gone at once. Fixed components stay where they are at the start of the step.
+/// act from the start, and old ones are gone at once. Fixed components stay where they are at the start of the step. Joints of the
+/// model act in every step, but for those that a step releases; those that it locks do not move in it.
 /// Each step has its own load factor from 0 to 1, or its own time from 0.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -44,6 +45,16 @@ pub struct AnalysisStep {
     /// Velocities that a transient step adds to those of its first state.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub initial_velocities: Vec<InitialVelocity>,
+    /// Names of joints that do not act in this step: latches that open, bolts that are gone, drives that are switched off. In a static
+    /// step their forces fall to 0 with the load factor, in a transient step they are gone at once. A joint acts again in a later step
+    /// that does not release it, and its sides must meet there.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub released: Vec<String>,
+    /// Names of joints whose two sides do not move against each other in this step: they stay as they are at its start. A joint that
+    /// moves there stops at once, in a plastic impact, whose loss of kinetic energy counts as dissipated. The types `revolute`,
+    /// `universal`, `spherical`, `cylindrical`, `prismatic` and `planar` can be locked.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub locked: Vec<String>,
     /// Times (load factors) at which a step ends and a field file is written, like `output.at`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub at: Vec<f64>,
@@ -59,6 +70,8 @@ impl AnalysisStep {
             loads: Vec::new(),
             prescribed_strains: Vec::new(),
             initial_velocities: Vec::new(),
+            released: Vec::new(),
+            locked: Vec::new(),
             at: Vec::new(),
         }
     }

@@ -143,7 +143,7 @@ pub struct System {
     /// Local frames of the nodal vectors where the analysis step starts, and the degree-of-freedom map.
     pub frames: LocalFrames,
     /// Elements.
-    pub groups: Arc<Vec<Box<dyn ElementGroup>>>,
+    pub groups: Arc<Vec<Arc<dyn ElementGroup>>>,
     /// Ranges of each group in the arrays that hold the data of all groups.
     pub offsets: Arc<Vec<GroupOffsets>>,
     /// Reduction of each group to the degrees of freedom of rigid bodies, where it contains some.

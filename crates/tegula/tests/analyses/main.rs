@@ -40,6 +40,7 @@ mod reactions;
 mod sensors;
 mod sheet_to_membrane;
 mod statics;
+mod step_joints;
 mod steps;
 mod steps_with_bodies;
 mod surfaces;

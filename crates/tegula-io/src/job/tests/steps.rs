@@ -272,3 +272,85 @@ fn a_run_killed_in_a_later_step_is_resumed() {
     assert!(error.to_string().contains("was not written by tegula"), "{error}");
     assert_eq!(Summary::read(&straight).unwrap().status, Status::Complete);
 }
+
+/// A flap that a bolt holds, swings, is caught by its locked hinge and swings again.
+const FLAP: &str = r#"
+loads = [{ type = "gravity", value = [0.0, -10.0, 0.0] }]
+
+[[bodies]]
+name = "flap"
+at = [0.5, 0.0, 0.0]
+mass = 2.0
+inertia = [0.2, 0.25, 0.3]
+
+[[joints]]
+type = "revolute"
+name = "hinge"
+between = ["ground", "flap"]
+at = [0.0, 0.0, 0.0]
+axis = [0.0, 0.0, 1.0]
+
+[[joints]]
+type = "fixed"
+name = "bolt"
+between = ["ground", "flap"]
+at = [1.0, 0.0, 0.0]
+
+[[steps]]
+name = "bolted"
+released = ["hinge"]
+analysis = { type = "static", load_steps = 3 }
+
+[[steps]]
+name = "free"
+released = ["bolt"]
+analysis = { type = "transient", end_time = 0.2, time_step = 0.01, scheme = { type = "energy-momentum" } }
+
+[[steps]]
+name = "caught"
+released = ["bolt"]
+locked = ["hinge"]
+analysis = { type = "transient", end_time = 0.1, time_step = 0.01, scheme = { type = "generalized-alpha" } }
+
+[[steps]]
+name = "free again"
+released = ["bolt"]
+analysis = { type = "transient", end_time = 0.1, time_step = 0.01, scheme = { type = "energy-momentum" } }
+"#;
+
+/// Each step has its own constraints, and the checkpoint of each as many multipliers.
+#[test]
+fn steps_that_release_and_lock_joints_are_resumed_to_the_bit() {
+    let flap = Deck::parse("flap.toml", FLAP).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let straight = folder.path().join("straight");
+    let whole = run(&flap, &options(&straight, false), &mut Unwatched).unwrap();
+    let history = |place: &Path, f: &str| crate::out::csv::read(&place.join(f).join("history.csv")).unwrap();
+    let folders: Vec<String> = whole.analyses.iter().map(|a| a.folder.clone()).collect();
+    let at = |f: &str, column: &str, row: usize| {
+        let (names, rows) = history(&straight, f);
+        rows[row][names.iter().position(|n| n == column).unwrap()]
+    };
+    // The bolt carries m g l about its point at the end of the flap, and nothing when it is gone.
+    assert!((at(&folders[0], "joint.bolt.mz", 2) + 10.0).abs() < 1e-8);
+    assert_eq!(at(&folders[1], "joint.bolt.fy", 10), 0.0);
+    // All kinetic energy of the flap is lost where its hinge locks; then it stays, and falls again.
+    let last = history(&straight, &folders[1]).1.len() - 1;
+    let kinetic = at(&folders[1], "kinetic", last);
+    assert!(kinetic > 1.0 && (at(&folders[2], "dissipated", 0) / kinetic - 1.0).abs() < 1e-3);
+    assert_eq!(at(&folders[2], "body.flap.y", 0), at(&folders[1], "body.flap.y", last));
+    assert!((at(&folders[2], "body.flap.y", 10) / at(&folders[2], "body.flap.y", 0) - 1.0).abs() < 1e-10);
+    assert!(at(&folders[3], "body.flap.y", 10) < 1.01 * at(&folders[3], "body.flap.y", 0));
+    for (analysis, steps) in [(1, 2), (2, 0), (2, 7), (3, 0), (3, 5), (4, 3)] {
+        let place = folder.path().join(format!("stopped in {analysis} at {steps}"));
+        let mut stop = StopIn { analysis, steps, begun: 0, stop: Cell::new(false) };
+        let error = run(&flap, &options(&place, false), &mut stop).unwrap_err();
+        assert!(matches!(error, JobError::Interrupted { resumable: true, .. }), "{analysis}: {error}");
+        run(&flap, &options(&place, true), &mut Unwatched).unwrap();
+        assert_eq!(files(&place), files(&straight));
+        for file in files(&straight) {
+            let read = |folder: &Path| fs::read(folder.join(&file)).unwrap();
+            assert!(read(&straight) == read(&place), "stopped in {analysis}: {} differs", file.display());
+        }
+    }
+}

@@ -105,10 +105,20 @@ pub(super) fn consistent_velocities(
             "let the joint connect points that coincide in the reference configuration",
         ));
     }
+    let before = system.kinetic_energy(&state.v);
     let Some([changed, size]) = project_velocities(system, newton, state)? else { return Ok(Vec::new()) };
     agreed(system, newton, state, Order::First)?;
     let mut messages = Vec::new();
-    if changed > 0.0 && !(size > NOTEWORTHY * changed) {
+    if system.start.as_ref().is_some_and(|start| !start.v.is_empty()) {
+        account_for_impact(system, (before, changed * changed), state);
+    }
+    let engaged = engaged(system);
+    if !engaged.is_empty() && changed > NOTEWORTHY * size {
+        messages.push(format!(
+            "the joint(s) {engaged} stop(s) a motion at the start: a plastic impact dissipates the kinetic energy {:.6e}, of {before:.6e}",
+            changed * changed
+        ));
+    } else if changed > 0.0 && !(size > NOTEWORTHY * changed) {
         messages.push("the velocities of drives at the start set the model in motion at once".into());
     } else if changed > NOTEWORTHY * size {
         messages.push(format!(
@@ -119,6 +129,22 @@ pub(super) fn consistent_velocities(
     }
     messages.extend(newton.constraints.iter().flat_map(|constraints| constraints.redundant(system)));
     Ok(messages)
+}
+
+/// Names of the joints with constraints that the step before has not had.
+fn engaged(system: &System) -> String {
+    let joints = system.joints.iter().filter(|joint| joint.engages);
+    joints.map(|joint| format!("\"{}\"", joint.name)).collect::<Vec<_>>().join(", ")
+}
+
+/// Counts the impact by which a motion continues with other constraints, in the energies of the first state: the kinetic energy `lost` of
+/// the lost velocities is dissipated (Carnot's theorem; plastic impact), and the rest of the change from the kinetic energy `before`,
+/// zero without drives, is work of these.
+fn account_for_impact(system: &System, (before, lost): (f64, f64), state: &mut State) {
+    state.dissipated += lost;
+    if system.joints.iter().any(|joint| joint.drive.is_some()) {
+        state.work += system.kinetic_energy(&state.v) - before + lost;
+    }
 }
 
 /// Order of the rates of constraints.

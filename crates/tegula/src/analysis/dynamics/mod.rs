@@ -25,6 +25,7 @@ use super::newton::{Equation, Newton, Tolerances};
 use super::{Balance, Observer, State, Statistics, Stepper, Stopped, equilibrium, statics, stepper};
 use crate::element::{Motion, Nodal};
 use crate::model::TransientAnalysis;
+use crate::norm::larger;
 use crate::system::dof_map::CONSTRAINED;
 use crate::system::{Assembly, Procedure, System, VectorKind, dot, dot3};
 use crate::{Result, Vec3};
@@ -136,7 +137,7 @@ fn initial_state(system: &System, newton: &mut Newton) -> Result<(State, Vec<Str
         constrained_start::add_response(system, newton, &rest, &mut state);
         constrained_start::agreed(system, newton, &state, constrained_start::Order::Second)?;
     }
-    state.energy_scale = system.kinetic_energy(&state.v);
+    state.energy_scale = larger(system.kinetic_energy(&state.v), state.dissipated);
     if system.start.is_some() {
         // A preloaded model may not move at all: round-off is that of its strain energy.
         let strain = newton.assembly.strain_energy(system, &state.point(system));

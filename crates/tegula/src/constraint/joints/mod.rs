@@ -2,16 +2,21 @@
 //!
 //! A joint is one file of this folder and one line in the registry in `crates/tegula/src/model/joint.rs`. Its constraints
 //! are sums of a few basic ones: coincident points, perpendicular axes, a point in a plane, a distance. The table of these
-//! is in J. García de Jalón, E. Bayo, *Kinematic and dynamic simulation of multibody systems* (1994), Ch. 4.
+//! is in J. García de Jalón, E. Bayo, *Kinematic and dynamic simulation of multibody systems* (1994), Ch. 4. The motions that
+//! a joint leaves free are [held](lock) by further ones where an analysis step locks it.
+
+mod lock;
 
 use std::f64::consts::{PI, TAU};
 
 use super::joint::MOST_VECTORS;
-use super::{Attachment, Drive, Joint, Row};
-use crate::Vec3;
+use super::{Attachment, Drive, Joint, Quantity, Role, Row};
 use crate::checker::Checker;
 use crate::model::{self, joints};
 use crate::norm::larger;
+use crate::{Mat3, Vec3};
+use lock::Held;
+pub use lock::lock;
 
 /// Largest change of a relative angle in a step (rad); a longer step is cut back. Near π the turn would be lost.
 pub const LARGEST_TURN: f64 = 2.5;
@@ -63,7 +68,7 @@ impl End {
     }
 
     /// Nodal vectors.
-    fn vectors(&self) -> Vec<u32> {
+    pub fn vectors(&self) -> Vec<u32> {
         match self {
             Self::Ground => Vec::new(),
             Self::Body { vectors: (centre, directors), .. } => [&[*centre][..], directors].concat(),
@@ -176,6 +181,7 @@ impl Constraints {
         let mut row = Row::default();
         row.add_product(&mut self.vectors, 1.0, &first, &second);
         row.add_constant(-a.dot(b));
+        row.keeps = Quantity::Axes;
         self.push(row, 1.0, self.inertia(true));
     }
 
@@ -201,6 +207,7 @@ impl Constraints {
             row.add_product(&mut self.vectors, factor, x, y);
         }
         row.add_constant(-0.5 * length * length);
+        row.keeps = Quantity::Distance(length);
         self.push(row, length * self.length, self.inertia(false) / (length * length));
     }
 
@@ -211,6 +218,7 @@ impl Constraints {
             return;
         };
         sine.drive_angle(cosine);
+        sine.keeps = Quantity::Axes;
         self.push(sine, 1.0, self.inertia(true));
     }
 
@@ -251,6 +259,11 @@ pub(crate) trait JointKind {
     fn check(_keys: &Self::Keys, _key: &str, _checker: &mut Checker) {}
     /// Adds its constraints.
     fn constrain(keys: &Self::Keys, out: &mut Constraints);
+    /// Constraints that hold the motions which it leaves free, where directions fixed in each end have `turned` from the reference
+    /// configuration; none where it cannot be locked.
+    fn held(_keys: &Self::Keys, _turned: &[Mat3; 2]) -> Vec<Held> {
+        Vec::new()
+    }
     /// Keys of a joint between the bodies `a` and `b`, on which the contract of all joints is tested.
     fn example() -> Self::Keys;
 }
@@ -265,7 +278,18 @@ macro_rules! kinds {
             }
         }
 
+        fn held(joint: &model::Joint, turned: &[Mat3; 2]) -> Vec<Held> {
+            match joint {
+                $(model::Joint::$kind(keys) => $file::$kind::held(keys, turned),)*
+            }
+        }
+
         impl model::Joint {
+            /// Whether the joint leaves motions free that an analysis step may lock.
+            pub fn can_be_locked(&self) -> bool {
+                !held(self, &[Mat3::identity(); 2]).is_empty()
+            }
+
             /// Adds the mistakes in the values that only this joint can have.
             pub(crate) fn check(&self, key: &str, checker: &mut Checker) {
                 match self {
@@ -304,5 +328,16 @@ pub fn joint(
     let name = joint.common().name().to_owned();
     let of_first = vectors.iter().map(|v| own.contains(v)).collect();
     let (number, first) = (others.len(), others.last().map_or(0, |last| last.multipliers().end));
-    (!lacks_axis).then_some(Joint { name, vectors, of_first, point, rows, first, number, drive })
+    (!lacks_axis).then_some(Joint {
+        name,
+        vectors,
+        of_first,
+        point,
+        rows,
+        first,
+        number,
+        drive,
+        role: Role::Acting,
+        engages: false,
+    })
 }

@@ -1,7 +1,8 @@
 //! Spherical joint: the points coincide.
 
-use super::{Constraints, JointKind};
+use super::{Constraints, Held, JointKind};
 use crate::model::PointJoint;
+use crate::{Mat3, Vec3};
 
 /// Spherical joint: the points coincide, rotations are free.
 pub struct Spherical;
@@ -11,6 +12,11 @@ impl JointKind for Spherical {
 
     fn constrain(keys: &PointJoint, out: &mut Constraints) {
         out.coincident(keys.at);
+    }
+
+    fn held(_keys: &PointJoint, _turned: &[Mat3; 2]) -> Vec<Held> {
+        let pairs = [(Vec3::x(), Vec3::y()), (Vec3::y(), Vec3::z()), (Vec3::z(), Vec3::x())];
+        pairs.map(|(a, b)| Held::Perpendicular(a, b)).into()
     }
 
     fn example() -> PointJoint {

@@ -1,9 +1,9 @@
 //! Universal joint: the points coincide, and two axes stay perpendicular.
 
-use super::{Constraints, JointKind};
-use crate::Vec3;
+use super::{Constraints, Held, JointKind};
 use crate::checker::Checker;
 use crate::model::TwoAxesJoint;
+use crate::{Mat3, Vec3};
 
 /// Cosine of the angle between two directions that are perpendicular but for round-off.
 const PERPENDICULAR: f64 = 1e-9;
@@ -33,6 +33,13 @@ impl JointKind for Universal {
         out.coincident(keys.at);
         let [a, b] = keys.axes.map(|axis| Vec3::from(axis).normalize());
         out.constant_product(&a, &b);
+    }
+
+    /// With the axis a of the first end, b of the second one and c = a × b, rotations about a change `b_A·c_B`, those about b `c_A·a_B`.
+    fn held(keys: &TwoAxesJoint, turned: &[Mat3; 2]) -> Vec<Held> {
+        let [a, b] = [0, 1].map(|i| turned[i] * Vec3::from(keys.axes[i]).normalize());
+        let c = a.cross(&b).normalize();
+        vec![Held::Perpendicular(b, c), Held::Perpendicular(c, a)]
     }
 
     fn example() -> TwoAxesJoint {

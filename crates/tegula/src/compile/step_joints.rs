@@ -1,0 +1,293 @@
+//! Joints of an analysis step: those that act, those that it releases, and those that it locks.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::Compiler;
+use super::place::{Place, ends};
+use super::steps::StepModel;
+use crate::checker::Checker;
+use crate::constraint::joints::{End, lock};
+use crate::constraint::{Joint, JointGroup, Role};
+use crate::element::{ElementGroup, Nodal};
+use crate::load::{LoadFactor, TimeFunction};
+use crate::model::{self, AnalysisStep, Model};
+use crate::system::{DeadLoad, ForceSet, Procedure, StepStart, System};
+use crate::{Issue, Vec3};
+
+/// Gap of a joint that acts again, over the size of the model (rad for axes), which is round-off.
+const CLOSED: f64 = 1e-9;
+
+/// Joints that act in a step, and their keys in the model file where these differ.
+pub(super) fn acting(model: &Model, step: &AnalysisStep) -> (Vec<model::Joint>, Vec<(String, String)>) {
+    let acts =
+        |(_, joint): &(usize, &model::Joint)| !step.released.iter().any(|name| name == joint.common().name());
+    let list = model.joints.iter().enumerate().filter(acts).enumerate();
+    list.map(|(own, (file, joint))| (joint.clone(), (format!("joints[{own}]"), format!("joints[{file}]"))))
+        .unzip()
+}
+
+/// Mistakes in the lists `released` and `locked` of a step, whose key is given.
+pub(super) fn keys(model: &Model, step: &AnalysisStep, key: &str, c: &mut Checker) {
+    let names: Vec<String> = model.joints.iter().map(|joint| joint.common().name().to_owned()).collect();
+    for (list, given) in [("released", &step.released), ("locked", &step.locked)] {
+        for (i, name) in given.iter().enumerate() {
+            let place = format!("{key}.{list}[{i}]");
+            let Some(joint) = names.iter().position(|other| other == name) else {
+                c.missing(place, "joint", name, names.iter());
+                continue;
+            };
+            if given[..i].contains(name) {
+                c.add(place, format!("the joint \"{name}\" is listed twice"), "name it once");
+            } else if list == "locked" && step.released.contains(name) {
+                c.add(
+                    place,
+                    format!("the joint \"{name}\" is released and locked in the same step"),
+                    "take it out of one of the two lists",
+                );
+            } else if list == "locked" && !model.joints[joint].can_be_locked() {
+                let (message, help) = not_lockable(&model.joints[joint]);
+                c.add(place, message, help);
+            } else if list == "released" && model.steps.iter().all(|step| step.released.contains(name)) {
+                c.add(
+                    place,
+                    format!("the joint \"{name}\" is released in all steps: it never acts"),
+                    "leave the joint out of the model, or let it act in a step",
+                );
+            }
+        }
+    }
+}
+
+/// Reason why a joint cannot be locked, and what to do instead.
+fn not_lockable(joint: &model::Joint) -> (String, &'static str) {
+    let (name, kind) = (joint.common().name(), joint.word());
+    let (reason, help) = match joint {
+        model::Joint::Fixed(_) => {
+            ("leaves no motion free", "take it out of the list: it holds its two sides already")
+        }
+        model::Joint::DrivenAngle(_) | model::Joint::DrivenLength(_) => (
+            "prescribes a motion",
+            "release the drive in this step, and lock the joint beside which it stands",
+        ),
+        _ => ("is a rod between two points", "lock other joints of the same bodies"),
+    };
+    (format!("the joint \"{name}\" of the type \"{kind}\" {reason}, and cannot be locked"), help)
+}
+
+/// Sides of a joint that some step locks.
+pub(super) struct Lock {
+    keys: model::Joint,
+    ends: [End; 2],
+    /// Number of constraints of the lock.
+    rows: usize,
+}
+
+/// Sides of the joints that some step locks, joint by joint; their joints then contain all nodal vectors of both sides.
+pub(super) fn locks(
+    place: &Place,
+    steps: &[StepModel],
+    joints: &mut [Joint],
+    issues: &mut Vec<Issue>,
+) -> Vec<Option<Lock>> {
+    let reference = |v: u32| Vec3::from(place.coordinates.reference[v as usize]);
+    let mut of_joint = |joint: &mut Joint| {
+        let listed = |(i, step): (usize, &StepModel)| {
+            Some((i, step.locked.iter().position(|name| *name == joint.name)?))
+        };
+        let (step, number) = steps.iter().enumerate().find_map(listed)?;
+        let keys = place.model.joints.iter().find(|keys| keys.common().name() == joint.name)?;
+        let ends = ends(place, ("joints", keys.common().between()), [None, None], &mut Checker::default())?;
+        for (end, first) in ends.iter().zip([true, false]) {
+            joint.add_vectors(&end.vectors(), first);
+        }
+        let Some(rows) = lock(keys, &ends, (joint, place.length), reference) else {
+            issues.push(Issue::new(
+                format!("steps[{step}].locked[{number}]"),
+                format!(
+                    "the joint \"{}\" cannot be locked: one of its sides is a point mass or a node, which has no axes",
+                    joint.name
+                ),
+                "connect rigid bodies and the ground, or take the joint out of the list",
+            ));
+            return None;
+        };
+        Some(Lock { keys: keys.clone(), ends, rows: rows.len() })
+    };
+    joints.iter_mut().map(|joint| of_joint(joint)).collect()
+}
+
+/// Part that a joint has in a step.
+fn role(step: &StepModel, joint: &Joint) -> Role {
+    if step.released.contains(&joint.name) {
+        Role::Released
+    } else if step.locked.contains(&joint.name) {
+        Role::Locked
+    } else {
+        Role::Acting
+    }
+}
+
+/// Joints of a step, and what they make of the state at which it starts.
+pub(super) struct StepJoints {
+    pub(super) joints: Arc<Vec<Joint>>,
+    /// Elements, with the groups of these joints among them.
+    pub(super) groups: Arc<Vec<Arc<dyn ElementGroup>>>,
+    /// Start of the step with a multiplier for each constraint of these joints.
+    pub(super) start: Option<StepStart>,
+    /// Forces of the constraints that the step before had, and this one has not, joint by joint.
+    released: Vec<(ForceSet, Vec<Nodal>)>,
+}
+
+impl StepJoints {
+    /// Lets the forces of released constraints fall to 0 with the load factor of a static step.
+    pub(super) fn release(released: Vec<(ForceSet, Vec<Nodal>)>, system: &mut System) {
+        for (set, force) in released {
+            let factor = LoadFactor { start: 1.0, released: true, ..LoadFactor::new(None) };
+            system.load_of_dead.push(system.load_sets.len());
+            system.load_sets.push(set);
+            system.dead_loads.push(DeadLoad { force, factor, gravity: false });
+        }
+    }
+
+    /// Takes the forces of released constraints out.
+    pub(super) fn take_released(&mut self) -> Vec<(ForceSet, Vec<Nodal>)> {
+        std::mem::take(&mut self.released)
+    }
+}
+
+/// Groups of the joints among those of all elements.
+pub(super) type JointGroups = Range<usize>;
+
+impl Compiler<'_> {
+    /// Number of constraints of a joint with a part in a step.
+    fn rows(&self, number: usize, role: Role) -> usize {
+        let own = self.joints[number].rows.len();
+        match role {
+            Role::Released => 0,
+            Role::Acting => own,
+            Role::Locked => own + self.locks[number].as_ref().map_or(0, |lock| lock.rows),
+        }
+    }
+
+    /// Number of constraints in a step.
+    pub(super) fn constraints_in(&self, step: &StepModel) -> usize {
+        self.joints.iter().map(|joint| self.rows(joint.number, role(step, joint))).sum()
+    }
+
+    /// Step whose joints have the multipliers of the start of a step.
+    pub(super) fn step_before<'a>(&'a self, step: &'a StepModel) -> &'a StepModel {
+        step.starts_from.and_then(|index| self.steps.get(index)).unwrap_or(step)
+    }
+
+    /// Joints of a step that begins at `start`. Drives begin where the step starts; modes about the end of the step before leave them
+    /// there.
+    pub(super) fn step_joints(
+        &self,
+        step: &StepModel,
+        (mut start, procedure): (Option<StepStart>, Procedure),
+        amplitudes: &[TimeFunction],
+        issues: &mut Vec<Issue>,
+    ) -> StepJoints {
+        let moved = start.as_ref().map_or_else(Vec::new, |start| start.u.clone());
+        let current = |v: u32| {
+            let u = moved.get(v as usize).map_or_else(Vec3::zeros, |u| Vec3::from(*u));
+            Vec3::from(self.vectors.coordinates.reference[v as usize]) + u
+        };
+        let before = start.as_ref().map(|_| self.step_before(step));
+        let old = start.as_ref().map_or_else(Vec::new, |start| start.multipliers.clone());
+        let (mut joints, mut multipliers, mut released, mut first_old) =
+            (Vec::new(), Vec::new(), Vec::new(), 0);
+        for base in self.joints.iter() {
+            let present = role(step, base);
+            let earlier = before.map_or(present, |before| role(before, base));
+            let [had, has] = [earlier, present].map(|role| self.rows(base.number, role));
+            let mut joint = self.with_lock(base, [earlier, present].contains(&Role::Locked), current);
+            let v: Vec<Vec3> = joint.vectors.iter().map(|&v| current(v)).collect();
+            let before_it = &old[first_old.min(old.len())..(first_old + had).min(old.len())];
+            if had > has && start.is_some() {
+                released.push(self.forces((&joint, has), &v, before_it));
+            }
+            if earlier == Role::Released && present != earlier {
+                issues.extend(self.open(step, base, &v));
+            }
+            let kept = had.min(has).min(before_it.len());
+            (joint.first, joint.role, joint.engages) =
+                (multipliers.len(), present, before.is_some() && has > had);
+            multipliers.extend_from_slice(&before_it[..kept]);
+            multipliers.resize(joint.first + has, 0.0);
+            first_old += had;
+            joint.rows.truncate(has);
+            joint.drive = joint.drive.filter(|_| present != Role::Released);
+            if let Some(drive) =
+                joint.drive.as_mut().filter(|_| start.is_some() && procedure == Procedure::Modal)
+            {
+                drive.value = 0.0;
+            }
+            joint.start_drive(amplitudes, current);
+            joints.push(joint);
+        }
+        if let Some(start) = &mut start {
+            start.multipliers = multipliers;
+        }
+        let joints = Arc::new(joints);
+        let groups = self.groups_with(&joints);
+        StepJoints { joints, groups, start, released }
+    }
+
+    /// A joint with the constraints that lock it behind its own, where it stands, if they are wanted.
+    fn with_lock(&self, base: &Joint, wanted: bool, current: impl Fn(u32) -> Vec3) -> Joint {
+        let mut joint = base.clone();
+        if let Some(Lock { keys, ends, .. }) = self.locks[base.number].as_ref().filter(|_| wanted) {
+            joint.rows.extend(lock(keys, ends, (base, self.length), current).unwrap_or_default());
+        }
+        joint
+    }
+
+    /// Forces of the constraints of a joint from one of them on, with the multipliers of all.
+    fn forces(
+        &self,
+        (joint, first): (&Joint, usize),
+        v: &[Vec3],
+        multipliers: &[f64],
+    ) -> (ForceSet, Vec<Nodal>) {
+        let mut field = vec![[0.0; 3]; self.vectors.coordinates.len()];
+        for (&vector, force) in joint.vectors.iter().zip(joint.forces_from(first, v, multipliers)) {
+            field[vector as usize] = force.into();
+        }
+        let about = joint.place(|v| Vec3::from(self.vectors.coordinates.reference[v as usize]));
+        (ForceSet { name: format!("released.{}", joint.name), keys: Vec::new(), about }, field)
+    }
+
+    /// Issue of a joint that acts again in a step, where its sides do not meet.
+    fn open(&self, step: &StepModel, joint: &Joint, v: &[Vec3]) -> Option<Issue> {
+        let [distance, angle] = joint.gap(v);
+        if distance <= CLOSED * self.length && angle <= CLOSED {
+            return None;
+        }
+        let angle = angle.to_degrees();
+        Some(Issue::new(
+            "released",
+            format!(
+                "the joint \"{}\" acts again in the step \"{}\", but its sides do not meet at the start: its points have moved apart by \
+                 {distance:.3e}, and its axes by {angle:.3e} degrees",
+                joint.name, step.name
+            ),
+            "release it in this step, too; or lock a joint that holds the sides where they stand",
+        ))
+    }
+
+    /// Elements with the groups of these joints in the place of those of the model.
+    fn groups_with(&self, joints: &Arc<Vec<Joint>>) -> Arc<Vec<Arc<dyn ElementGroup>>> {
+        if joints.iter().all(|joint| joint.role == Role::Acting) {
+            return Arc::clone(&self.groups);
+        }
+        let mut groups = (*self.groups).clone();
+        // Joints have the nodal vectors of the model in all steps, and so the same groups.
+        groups[self.joint_groups.clone()]
+            .iter_mut()
+            .zip(JointGroup::groups(joints))
+            .for_each(|(group, own)| *group = own.into());
+        Arc::new(groups)
+    }
+}
