@@ -5,6 +5,7 @@ mod amplitudes;
 mod beams;
 mod bodies;
 mod body_inertia;
+mod bushings;
 pub mod check;
 mod check_material;
 mod check_modal;
@@ -29,7 +30,8 @@ use std::sync::Arc;
 
 use crate::analysis::statics;
 use crate::constraint::{
-    FoundationGroup, Joint, JointGroup, Sensor, Spring, SpringGroup, TorsionSpring, TorsionSpringGroup,
+    Bushing, BushingGroup, FoundationGroup, Joint, JointGroup, Sensor, Spring, SpringGroup, TorsionSpring,
+    TorsionSpringGroup,
 };
 use crate::element::{ElementGroup, Nodal, director_angle};
 use crate::load::{FollowerLoad, LoadFactor, NodalLoad, OwnLoad, TimeFunction};
@@ -55,7 +57,7 @@ use place::Place;
 use sections::Elements;
 use steps::Continued;
 pub use steps::{StepModel, steps};
-use vectors::Vectors;
+use vectors::{Connections, Vectors};
 pub use warnings::{soft_folds, warnings, warnings_at_start, warnings_before_start};
 
 /// Compiles a model on its mesh; of a model with several analysis steps the first one.
@@ -78,6 +80,7 @@ pub struct Compiler<'a> {
     beams: Arc<Vec<BeamLine>>,
     springs: Arc<Vec<(String, Spring)>>,
     torsion_springs: Arc<Vec<(TorsionSpring, [usize; 2])>>,
+    bushings: Arc<Vec<Bushing>>,
     sensors: Arc<Vec<Sensor>>,
     outline: Arc<Outline>,
     shells: Vec<Shell>,
@@ -145,7 +148,7 @@ impl<'a> Compiler<'a> {
         let explicit = steps.iter().any(|step| procedure(&step.model.analysis) == Procedure::Explicit);
         let tie = if explicit { director_angle::EXPLICIT_STIFFNESS } else { director_angle::STIFFNESS };
         elements.ties(&directors, &vectors, tie);
-        let (joints, springs, torsion_springs) =
+        let Connections { joints, springs, torsion_springs, bushings } =
             vectors.add_bodies((model, mesh), &mut elements, &mut issues);
         let joints = Arc::new(joints);
         let (of_beams, mut beams) = beams::elements(model, &vectors.coordinates);
@@ -157,6 +160,7 @@ impl<'a> Compiler<'a> {
         elements.groups.extend(TorsionSpringGroup::groups(&torsion_springs));
         let places = TorsionSpringGroup::places(&torsion_springs);
         let places = places.into_iter().map(|[group, number]| [before + group, number]);
+        elements.groups.extend(BushingGroup::groups(&bushings));
         let foundations = foundations::elements(model, mesh, &vectors.coordinates);
         elements.groups.extend(FoundationGroup::groups(&foundations));
         let length = bodies::extent(model, mesh, &vectors.coordinates);
@@ -181,6 +185,7 @@ impl<'a> Compiler<'a> {
             beams: Arc::new(beams),
             springs: Arc::new(model.springs.iter().map(|spring| spring.name.clone()).zip(springs).collect()),
             torsion_springs: Arc::new(torsion_springs.into_iter().zip(places).collect()),
+            bushings: Arc::new(bushings),
             sensors: Arc::new(sensors),
             outline: Arc::new(outline),
             shells: elements.list,
@@ -345,6 +350,7 @@ impl<'a> Compiler<'a> {
             beams: Arc::clone(&self.beams),
             springs: Arc::clone(&self.springs),
             torsion_springs: Arc::clone(&self.torsion_springs),
+            bushings: Arc::clone(&self.bushings),
             sensors: Arc::clone(&self.sensors),
             outline: Arc::clone(&self.outline),
             shells: self.shells.clone(),
