@@ -232,20 +232,7 @@ fn the_history_has_length_and_force_of_springs() {
 /// without stiffness of rotations there are no columns of them.
 #[test]
 fn the_history_has_displacements_rotations_and_forces_of_bushings() {
-    let bushings = r#"
-    [[bushings]]
-    name = "rubber"
-    between = ["ground", "bar"]
-    at = [0.5, 0.0, 0.0]
-    stiffness = [4.0, 5.0, 6.0, 1.0, 1.0, 2.0]
-    damping = [0.3, 0.2, 0.1, 0.0, 0.0, 0.4]
-    [[bushings]]
-    name = "slack"
-    between = ["ground", "bar"]
-    at = [0.5, 0.0, 0.0]
-    stiffness = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]
-    "#;
-    let folder = run_text(&format!("{MACHINE}{bushings}"));
+    let folder = run_text(&format!("{MACHINE}{BUSHINGS}"));
     let (names, rows) = csv::read(&folder.path().join("history.csv")).unwrap();
     let of_slack = names.iter().filter(|name| name.starts_with("bushing.slack.")).count();
     assert_eq!((of_slack, names.contains(&"bushing.rubber.mz".to_owned())), (6, true), "{names:?}");
@@ -271,6 +258,35 @@ fn the_history_has_displacements_rotations_and_forces_of_bushings() {
     }
     assert!(turns.iter().any(|turned| *turned > 0.01), "{turns:?}");
 }
+
+/// A run with bushings that is interrupted and resumed has the history of the straight one.
+#[test]
+fn a_resumed_run_with_bushings_is_the_run_itself() {
+    for scheme in ["energy-momentum", "generalized-alpha"] {
+        let text = format!("{MACHINE}{BUSHINGS}").replace("energy-momentum", scheme);
+        let (deck, folder) = (Deck::parse("m.toml", text).unwrap(), tempfile::tempdir().unwrap());
+        let (straight, parts) = (folder.path().join("straight"), folder.path().join("parts"));
+        run(&deck, &options(&straight, false), &mut Unwatched).unwrap();
+        run(&deck, &options(&parts, false), &mut stop_after(7)).unwrap_err();
+        run(&deck, &options(&parts, true), &mut Unwatched).unwrap();
+        let read = |folder: &Path| fs::read(folder.join("history.csv")).unwrap();
+        assert!(read(&straight) == read(&parts), "{scheme}");
+    }
+}
+
+const BUSHINGS: &str = r#"
+    [[bushings]]
+    name = "rubber"
+    between = ["ground", "bar"]
+    at = [0.5, 0.0, 0.0]
+    stiffness = [4.0, 5.0, 6.0, 1.0, 1.0, 2.0]
+    damping = [0.3, 0.2, 0.1, 0.0, 0.0, 0.4]
+    [[bushings]]
+    name = "slack"
+    between = ["ground", "bar"]
+    at = [0.5, 0.0, 0.0]
+    stiffness = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]
+    "#;
 
 const MACHINE: &str = r#"
     loads = [{ type = "gravity", value = [0, -9.81, 0] }]
