@@ -1,10 +1,11 @@
-//! Motion of rigid bodies, reactions of joints, torsion springs and resultants of beams: columns of the history.
+//! Motion of rigid bodies, reactions of joints, springs, bushings and resultants of beams: columns of the history.
 
 use tegula::System;
 use tegula::analysis::State;
 use tegula::result::beams::beam_resultants;
 use tegula::result::bodies::{
-    BodyMotion, joint_reaction, reference_axes, spring_lengths_and_forces, torsion_angles_and_moments,
+    BodyMotion, bushing_responses, joint_reaction, reference_axes, spring_lengths_and_forces,
+    torsion_angles_and_moments,
 };
 use tegula::system::BeamLine;
 use tegula::system::coordinates::Body;
@@ -22,6 +23,10 @@ const OF_JOINT: [&str; 6] = ["fx", "fy", "fz", "mx", "my", "mz"];
 const OF_SPRING: [&str; 2] = ["length", "force"];
 /// Columns of a torsion spring: angle (degrees), and moment that resists it.
 const OF_TORSION_SPRING: [&str; 2] = ["angle", "moment"];
+/// Columns of a bushing: displacement and force; with stiffness or damping of rotations the rotation vector (degrees) and the moment, too.
+const OF_BUSHING: [&str; 12] = ["ux", "uy", "uz", "fx", "fy", "fz", "rx", "ry", "rz", "mx", "my", "mz"];
+/// Number of the columns of displacement and force.
+const OF_DISPLACEMENT: usize = 6;
 
 /// Columns of a node of a beam: shear forces along the axes 1 and 2 of the cross-section, axial force, bending moments about the
 /// axes 1 and 2, torsional moment.
@@ -57,6 +62,10 @@ pub(super) fn names(system: &System) -> Vec<String> {
     for (spring, _) in system.torsion_springs.iter() {
         out.extend(OF_TORSION_SPRING.map(|column| format!("torsion_spring.{}.{column}", spring.name)));
     }
+    for bushing in system.bushings.iter() {
+        let columns = if bushing.turns { &OF_BUSHING[..] } else { &OF_BUSHING[..OF_DISPLACEMENT] };
+        out.extend(columns.iter().map(|column| format!("bushing.{}.{column}", bushing.name)));
+    }
     for beam in system.beams.iter() {
         for node in nodes(beam) {
             let name = &system.coordinates.bodies[beam.bodies.start + node].name;
@@ -87,6 +96,14 @@ pub(super) fn row(system: &System, state: &State) -> Vec<f64> {
     spring_lengths_and_forces(system, state).into_iter().for_each(|of_spring| out.extend(of_spring));
     for [angle, moment] in torsion_angles_and_moments(system, state) {
         out.extend([angle.to_degrees(), moment]);
+    }
+    for (bushing, found) in system.bushings.iter().zip(bushing_responses(system, state)) {
+        out.extend(found.displacement.iter().chain(found.force.iter()));
+        if bushing.turns {
+            out.extend(
+                found.rotation.iter().map(|angle| angle.to_degrees()).chain(found.moment.iter().copied()),
+            );
+        }
     }
     for beam in system.beams.iter() {
         let resultants = beam_resultants(system, state, beam);

@@ -26,7 +26,7 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
     if !transient && !super::patches::solved_at_rest(model) {
         c.add(
             "analysis",
-            "bodies, beams, joints and springs move in nonlinear transient analyses with the schemes \"energy-momentum\" and \
+            "bodies, beams, joints, springs and bushings move in nonlinear transient analyses with the schemes \"energy-momentum\" and \
              \"generalized-alpha\" only; nonlinear static analyses with the direct solver and modal analyses take them, too",
             "give `type = \"transient\"` and `scheme = { type = \"energy-momentum\" }`, or for numerical damping as of `hht` \
              `scheme = { type = \"generalized-alpha\" }`",
@@ -74,6 +74,7 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         torsion_spring_values(spring, &format!("torsion_springs[{i}]"), c);
     }
     super::guided_axes::keys(model, c);
+    super::bushings::keys(model, c);
 }
 
 /// Bodies of a static analysis that nothing holds.
@@ -81,14 +82,15 @@ fn held(model: &Model, c: &mut Checker) {
     let joints = model.joints.iter().flat_map(|joint| joint.common().between());
     let springs = model.springs.iter().flat_map(|spring| &spring.between);
     let torsion = model.torsion_springs.iter().flat_map(|spring| &spring.between);
-    let sides: Vec<&String> = joints.chain(springs).chain(torsion).collect();
+    let bushings = model.bushings.iter().flat_map(|bushing| &bushing.between);
+    let sides: Vec<&String> = joints.chain(springs).chain(torsion).chain(bushings).collect();
     let loose = |body: &RigidBody| body.attached.is_empty() && !sides.contains(&&body.name);
     for (i, body) in model.bodies.iter().enumerate().filter(|(_, body)| loose(body)) {
         let message = format!("nothing holds body \"{}\" in a static or modal analysis", body.name);
         c.add(
             format!("bodies[{i}]"),
             message,
-            "connect it by a joint or a spring, attach nodes to it, or leave it out",
+            "connect it by a joint, a spring or a bushing, attach nodes to it, or leave it out",
         );
     }
 }

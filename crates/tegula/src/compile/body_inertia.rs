@@ -14,16 +14,7 @@ pub(super) fn values(body: &RigidBody, key: &str, c: &mut Checker) {
     c.finite(&format!("{key}.at"), "the position", &body.at);
     c.finite(&format!("{key}.velocity"), "the velocity", &body.velocity);
     c.finite(&format!("{key}.angular_velocity"), "the angular velocity", &body.angular_velocity);
-    for (i, axis) in body.axes.iter().enumerate() {
-        direction(&format!("{key}.axes[{i}]"), *axis, c);
-    }
-    if cosine(body.axes).abs() > 1.0 - SAME {
-        c.add(
-            format!("{key}.axes"),
-            "the two directions are parallel",
-            "give two directions that span a plane",
-        );
-    }
+    two_directions(body.axes, key, c);
     if let Some(mass) = body.mass {
         c.positive(&format!("{key}.mass"), "the mass", mass);
     }
@@ -148,10 +139,28 @@ pub(super) fn euler_tensor(body: &RigidBody) -> Mat3 {
 
 /// Axes of a body at the reference, as columns.
 pub(super) fn axes(body: &RigidBody) -> Mat3 {
-    let first = Vec3::from(body.axes[0]).normalize();
-    let second = Vec3::from(body.axes[1]);
-    let third = first.cross(&second).normalize();
+    frame(body.axes)
+}
+
+/// Axes, as columns, of a first axis and a second direction in the plane of the first two ones.
+pub(super) fn frame([first, second]: [[f64; 3]; 2]) -> Mat3 {
+    let first = Vec3::from(first).normalize();
+    let third = first.cross(&Vec3::from(second)).normalize();
     Mat3::from_columns(&[first, third.cross(&first), third])
+}
+
+/// Refuses two directions that span no plane.
+pub(super) fn two_directions(axes: [[f64; 3]; 2], key: &str, c: &mut Checker) {
+    for (i, axis) in axes.iter().enumerate() {
+        direction(&format!("{key}.axes[{i}]"), *axis, c);
+    }
+    if cosine(axes).abs() > 1.0 - SAME {
+        c.add(
+            format!("{key}.axes"),
+            "the two directions are parallel",
+            "give two directions that span a plane",
+        );
+    }
 }
 
 /// Mass centre of a body at the reference.

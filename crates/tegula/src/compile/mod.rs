@@ -5,6 +5,7 @@ mod amplitudes;
 mod beams;
 mod bodies;
 mod body_inertia;
+mod bushings;
 pub mod check;
 mod check_material;
 mod check_modal;
@@ -30,7 +31,8 @@ use std::sync::Arc;
 
 use crate::analysis::statics;
 use crate::constraint::{
-    FoundationGroup, Joint, JointGroup, Sensor, Spring, SpringGroup, TorsionSpring, TorsionSpringGroup,
+    Bushing, BushingGroup, FoundationGroup, Joint, JointGroup, Sensor, Spring, SpringGroup, TorsionSpring,
+    TorsionSpringGroup,
 };
 use crate::element::{ElementGroup, Nodal, director_angle};
 use crate::load::{FollowerLoad, LoadFactor, NodalLoad, OwnLoad, TimeFunction};
@@ -57,7 +59,7 @@ use sections::Elements;
 use step_joints::{JointGroups, Lock, StepJoints};
 use steps::Continued;
 pub use steps::{StepModel, steps};
-use vectors::Vectors;
+use vectors::{Connections, Vectors};
 pub use warnings::{soft_folds, warnings, warnings_at_start, warnings_before_start};
 
 /// Compiles a model on its mesh; of a model with several analysis steps the first one.
@@ -86,6 +88,7 @@ pub struct Compiler<'a> {
     beams: Arc<Vec<BeamLine>>,
     springs: Arc<Vec<(String, Spring)>>,
     torsion_springs: Arc<Vec<(TorsionSpring, [usize; 2])>>,
+    bushings: Arc<Vec<Bushing>>,
     sensors: Arc<Vec<Sensor>>,
     outline: Arc<Outline>,
     shells: Vec<Shell>,
@@ -153,7 +156,7 @@ impl<'a> Compiler<'a> {
         let explicit = steps.iter().any(|step| procedure(&step.model.analysis) == Procedure::Explicit);
         let tie = if explicit { director_angle::EXPLICIT_STIFFNESS } else { director_angle::STIFFNESS };
         elements.ties(&directors, &vectors, tie);
-        let (mut joints, springs, torsion_springs) =
+        let Connections { mut joints, springs, torsion_springs, bushings } =
             vectors.add_bodies((model, mesh), &mut elements, &mut issues);
         let length = bodies::extent(model, mesh, &vectors.coordinates);
         let place = Place { model, mesh, coordinates: &vectors.coordinates, length };
@@ -170,6 +173,7 @@ impl<'a> Compiler<'a> {
         elements.groups.extend(TorsionSpringGroup::groups(&torsion_springs));
         let places = TorsionSpringGroup::places(&torsion_springs);
         let places = places.into_iter().map(|[group, number]| [before + group, number]);
+        elements.groups.extend(BushingGroup::groups(&bushings));
         let foundations = foundations::elements(model, mesh, &vectors.coordinates);
         elements.groups.extend(FoundationGroup::groups(&foundations));
         let place = Place { model, mesh, coordinates: &vectors.coordinates, length };
@@ -196,6 +200,7 @@ impl<'a> Compiler<'a> {
             beams: Arc::new(beams),
             springs: Arc::new(model.springs.iter().map(|spring| spring.name.clone()).zip(springs).collect()),
             torsion_springs: Arc::new(torsion_springs.into_iter().zip(places).collect()),
+            bushings: Arc::new(bushings),
             sensors: Arc::new(sensors),
             outline: Arc::new(outline),
             shells: elements.list,
@@ -366,6 +371,7 @@ impl<'a> Compiler<'a> {
             beams: Arc::clone(&self.beams),
             springs: Arc::clone(&self.springs),
             torsion_springs: Arc::clone(&self.torsion_springs),
+            bushings: Arc::clone(&self.bushings),
             sensors: Arc::clone(&self.sensors),
             outline: Arc::clone(&self.outline),
             shells: self.shells.clone(),

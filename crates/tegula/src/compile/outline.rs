@@ -41,6 +41,9 @@ pub(super) fn outline(place: &Place<'_>, beams: &[BeamLine]) -> Outline {
         drawing.arms(&spring.between, spring.points);
         drawing.rod(&spring.name, &spring.between, spring.points);
     }
+    for bushing in &model.bushings {
+        drawing.arms(&bushing.between, [bushing.at; 2]);
+    }
     drawing.out
 }
 

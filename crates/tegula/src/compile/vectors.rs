@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::sections::Elements;
-use super::{bodies, patches};
-use crate::constraint::{Joint, Spring, TorsionSpring};
+use super::{bodies, bushings, patches};
+use crate::constraint::{Bushing, Joint, Spring, TorsionSpring};
 use crate::element::VectorKind;
 use crate::element::geometry::tangents;
 use crate::mesh::Mesh;
@@ -21,6 +21,18 @@ pub(super) struct Vectors {
     pub(super) of_director: Vec<u32>,
     /// First of the two gradient vectors beside each director, where an element has them.
     pub(super) gradient_of: Vec<u32>,
+}
+
+/// Joints and force elements between bodies, nodes and the ground.
+pub(super) struct Connections {
+    /// Joints.
+    pub(super) joints: Vec<Joint>,
+    /// Springs between two points.
+    pub(super) springs: Vec<Spring>,
+    /// Torsion springs.
+    pub(super) torsion_springs: Vec<TorsionSpring>,
+    /// Bushings.
+    pub(super) bushings: Vec<Bushing>,
 }
 
 impl Vectors {
@@ -53,14 +65,14 @@ impl Vectors {
         Self { coordinates: Arc::new(coordinates), of_director, gradient_of }
     }
 
-    /// Adds the nodal vectors of bodies, behind those of all nodes, and attaches nodes to them; returns the joints and the
-    /// springs of both kinds.
+    /// Adds the nodal vectors of bodies, behind those of all nodes, and attaches nodes to them; returns the joints and
+    /// force elements.
     pub(super) fn add_bodies(
         &mut self,
         (model, mesh): (&Model, &Mesh),
         elements: &mut Elements,
         issues: &mut Vec<Issue>,
-    ) -> (Vec<Joint>, Vec<Spring>, Vec<TorsionSpring>) {
+    ) -> Connections {
         let coordinates = Arc::make_mut(&mut self.coordinates);
         bodies::add_vectors(model, coordinates);
         patches::attach(model, mesh, coordinates, issues);
@@ -68,11 +80,12 @@ impl Vectors {
         for attached in coordinates.attached() {
             elements.unit.remove(&attached.vector);
         }
-        (
-            bodies::joints(model, mesh, coordinates, issues),
-            bodies::springs(model, mesh, coordinates, issues),
-            bodies::torsion_springs(model, mesh, coordinates, issues),
-        )
+        Connections {
+            joints: bodies::joints(model, mesh, coordinates, issues),
+            springs: bodies::springs(model, mesh, coordinates, issues),
+            torsion_springs: bodies::torsion_springs(model, mesh, coordinates, issues),
+            bushings: bushings::bushings(model, mesh, coordinates, issues),
+        }
     }
 
     /// Marks the directors that keep their length.

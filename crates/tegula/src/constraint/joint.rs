@@ -11,6 +11,14 @@ use crate::load::TimeFunction;
 /// Most nodal vectors of a joint: two rigid bodies have eight.
 pub const MOST_VECTORS: usize = 8;
 
+/// Values at the nodal vectors of a joint or a spring.
+pub(super) type Few = [Vec3; MOST_VECTORS];
+
+/// Values at some nodal vectors; zero behind them.
+pub(super) fn few(vectors: &[u32], value: impl Fn(u32) -> Vec3) -> Few {
+    std::array::from_fn(|i| vectors.get(i).map_or_else(Vec3::zeros, |&v| value(v)))
+}
+
 /// A joint: constraints of one pair of bodies, nodes or the ground.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {

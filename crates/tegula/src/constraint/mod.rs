@@ -1,4 +1,4 @@
-//! Holonomic constraints and force elements: joints, springs and elastic foundations between rigid bodies, nodes and the
+//! Holonomic constraints and force elements: joints, springs, bushings and elastic foundations between rigid bodies, nodes and the
 //! ground; sensors of their motion.
 //!
 //! The points and axes that a joint connects are fixed in bodies, in the ground, or at nodes. They are linear combinations
@@ -9,15 +9,20 @@
 //! 67 (2006) 499–552.
 
 mod attachment;
+mod bushing;
+mod bushing_group;
 mod foundation;
 pub mod joint;
 pub mod joints;
+mod rotation_vector;
 mod row;
 mod sensor;
 mod spring;
 mod torsion_spring;
 
 pub use attachment::Attachment;
+pub use bushing::{Bushing, BushingResponse, LARGEST_ROTATION};
+pub use bushing_group::BushingGroup;
 pub use foundation::{FoundationElement, FoundationGroup};
 pub use joint::{Drive, Joint, JointGroup, Role};
 pub use row::{DriveValue, Quantity, Row};

@@ -220,7 +220,7 @@ impl Row {
     }
 
     /// Rate of the quadratic form.
-    fn form_rate(&self, v: &[Vec3], rates: &[Vec3]) -> f64 {
+    pub(super) fn form_rate(&self, v: &[Vec3], rates: &[Vec3]) -> f64 {
         let product = |&(a, b, c): &(usize, usize, f64)| c * (v[a].dot(&rates[b]) + rates[a].dot(&v[b]));
         self.products.iter().map(product).sum::<f64>()
             + self.linear.iter().map(|(a, c)| c.dot(&rates[*a])).sum::<f64>()

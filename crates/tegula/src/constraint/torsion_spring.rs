@@ -13,7 +13,7 @@
 //! and discrete Hamiltonian systems*, J. Nonlinear Sci. 6 (1996) 449–467). The forms do not change in rigid motions, so that momenta
 //! are conserved.
 
-use super::joint::{MOST_VECTORS, current};
+use super::joint::{Few, MOST_VECTORS, current, few};
 use super::joints::{LARGEST_TURN, RelativeAngle};
 use crate::Vec3;
 use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest};
@@ -32,9 +32,6 @@ pub struct TorsionSpring {
     /// Angle without moment (rad).
     pub free_angle: f64,
 }
-
-/// Values at the nodal vectors of a spring.
-type Few = [Vec3; MOST_VECTORS];
 
 /// Motion of a spring.
 struct Turn {
@@ -109,11 +106,6 @@ impl TorsionSpring {
         let turn = self.turn(k, k.interior.history[number]);
         [turn.angles[1], self.moment(&turn)]
     }
-}
-
-/// Values at some nodal vectors; zero behind them.
-fn few(vectors: &[u32], value: impl Fn(u32) -> Vec3) -> Few {
-    std::array::from_fn(|i| vectors.get(i).map_or_else(Vec3::zeros, |&v| value(v)))
 }
 
 /// sin x/x.

@@ -155,6 +155,12 @@ pub trait ElementGroup: Send + Sync {
     ) {
         let _ = (k, increment, weights, stresses);
     }
+    /// Reason why an element has no finite forces in a motion, as a sentence without a full stop; `None` where its forces are finite or
+    /// the cause lies elsewhere.
+    fn reason_without_forces(&self, k: &GroupPoint, element: usize) -> Option<String> {
+        let _ = (k, element);
+        None
+    }
     /// Stored energy of each element (at the end of a step); `½ sᵀHs` for linear materials.
     fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {
         let _ = k;

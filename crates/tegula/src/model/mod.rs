@@ -7,6 +7,7 @@
 mod analysis;
 mod beam;
 pub(crate) mod body;
+mod bushing;
 mod condition;
 mod element_kind;
 mod foundation;
@@ -34,6 +35,7 @@ pub use crate::material::{
 pub use analysis::*;
 pub use beam::{Beam, BeamSection, CircularSection, RectangularSection, SectionConstants};
 pub use body::*;
+pub use bushing::Bushing;
 pub use condition::*;
 pub use element_kind::ElementKind;
 pub(crate) use element_kind::element_types;
@@ -100,6 +102,9 @@ pub struct Model {
     /// Torsion springs with dampers.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub torsion_springs: Vec<TorsionSpring>,
+    /// Bushings: stiffness and damping of all six relative motions of two bodies.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bushings: Vec<Bushing>,
     /// Elastic foundations.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub foundations: Vec<Foundation>,
@@ -141,6 +146,7 @@ impl Model {
             joints: Vec::new(),
             springs: Vec::new(),
             torsion_springs: Vec::new(),
+            bushings: Vec::new(),
             foundations: Vec::new(),
             sensors: Vec::new(),
             conditions: Vec::new(),
@@ -158,13 +164,14 @@ impl Model {
 impl Model {
     /// Whether the model has springs between bodies, nodes and the ground.
     pub fn has_springs(&self) -> bool {
-        !(self.springs.is_empty() && self.torsion_springs.is_empty())
+        !(self.springs.is_empty() && self.torsion_springs.is_empty() && self.bushings.is_empty())
     }
 
     /// Whether springs may exert forces in the reference configuration.
     pub fn has_preloaded_springs(&self) -> bool {
         self.springs.iter().any(|spring| spring.length.is_some())
             || self.torsion_springs.iter().any(|spring| spring.free_angle != 0.0)
+            || self.bushings.iter().any(|bushing| bushing.free != [0.0; 6])
     }
 
     /// A model of bodies and joints alone.

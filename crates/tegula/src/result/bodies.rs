@@ -1,9 +1,9 @@
-//! Motion of rigid bodies, reactions of joints, and angles of torsion springs.
+//! Motion of rigid bodies, reactions of joints, and forces of springs and bushings.
 
 use nalgebra::{Rotation3, UnitQuaternion};
 
 use crate::analysis::State;
-use crate::constraint::{Joint, TorsionSpring};
+use crate::constraint::{BushingResponse, Joint, TorsionSpring};
 use crate::element::Nodal;
 use crate::system::coordinates::Body;
 use crate::system::{System, VectorKind};
@@ -106,6 +106,13 @@ pub fn torsion_angles_and_moments(system: &System, state: &State) -> Vec<[f64; 2
         spring.angle_and_moment(&point.of_group(system, *group, &factors), *number)
     };
     system.torsion_springs.iter().map(of).collect()
+}
+
+/// Displacement, rotation, force and moment of each bushing in a state.
+pub fn bushing_responses(system: &System, state: &State) -> Vec<BushingResponse> {
+    let rate = |v: u32| state.v.get(v as usize).copied().map_or_else(Vec3::zeros, Vec3::from);
+    let value = |v: u32| current(system, &state.u, v);
+    system.bushings.iter().map(|bushing| bushing.response(value, rate)).collect()
 }
 
 fn current(system: &System, u: &[Nodal], v: u32) -> Vec3 {

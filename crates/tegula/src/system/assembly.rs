@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::body_curvature::{self, BodyCurvature};
 use super::evaluation_point::{EvaluationPoint, current_vector};
 use super::pattern::BATCH;
-use super::{LocalFrames, Reduction, System};
+use super::{GroupOffsets, LocalFrames, Reduction, System};
 use crate::Vec3;
 use crate::element::{ElementGroup, Motion, Nodal, TangentRequest, TangentWeights};
 use crate::lists::Lists;
@@ -342,6 +342,17 @@ impl Assembly {
             }
         }
         None
+    }
+
+    /// Reason why a spring or bushing has no finite forces in the motion of the last ones, if one of them is the cause.
+    pub fn reason_without_forces(&self, system: &System, k: &EvaluationPoint) -> Option<String> {
+        let factors: Vec<f64> = system.factors(k.time).collect();
+        let of_group = |(g, group, offsets): (usize, &dyn ElementGroup, &GroupOffsets)| {
+            let forces = self.element_forces[offsets.forces.clone()].chunks(3 * group.vectors_per_element());
+            let mut broken = forces.enumerate().filter(|(_, f)| !f.iter().all(|f| f.is_finite()));
+            broken.find_map(|(e, _)| group.reason_without_forces(&k.of_group(system, g, &factors), e))
+        };
+        system.numbered_groups().find_map(of_group)
     }
 
     /// Values of the mass matrix of the free degrees of freedom.

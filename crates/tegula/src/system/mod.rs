@@ -24,7 +24,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::Vec3;
-use crate::constraint::{DriveValue, Joint, Sensor, Spring, TorsionSpring};
+use crate::constraint::{Bushing, DriveValue, Joint, Sensor, Spring, TorsionSpring};
 use crate::element::shell::ShellElement;
 use crate::element::{ElementGroup, Nodal, ShellGeometry};
 use crate::load::{FollowerLoad, LoadFactor, LoadParameter, Signal, TimeFunction};
@@ -156,6 +156,8 @@ pub struct System {
     pub springs: Arc<Vec<(String, Spring)>>,
     /// Torsion springs, each with its group and its number in it.
     pub torsion_springs: Arc<Vec<(TorsionSpring, [usize; 2])>>,
+    /// Bushings.
+    pub bushings: Arc<Vec<Bushing>>,
     /// Sensors.
     pub sensors: Arc<Vec<Sensor>>,
     /// Outline of bodies, beams and springs, for pictures.
@@ -242,8 +244,8 @@ impl System {
         groups.enumerate().map(|(number, (group, offsets))| (number, group, offsets))
     }
 
-    /// True if no elastic element has history variables: enhanced parameters that are iterated, or internal variables. The angles of
-    /// torsion springs do not count.
+    /// True if no elastic element has history variables: enhanced parameters that are iterated, or internal variables. Angles of
+    /// torsion springs and rotations of bushings do not count.
     pub fn without_internal_variables(&self) -> bool {
         self.groups.iter().all(|group| group.history_per_element() == 0 || group.stresses_per_element() == 0)
     }

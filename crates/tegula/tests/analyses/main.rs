@@ -7,6 +7,8 @@
 mod common;
 
 mod beams;
+mod bushing_elements;
+mod bushings;
 mod composition;
 mod contracts;
 mod critical_points;

@@ -228,6 +228,66 @@ fn the_history_has_length_and_force_of_springs() {
     assert!(lengths[lengths.len() - 1] > lengths[0] + 1e-3, "the bar falls: {lengths:?}");
 }
 
+/// Displacement, rotation, force and moment of a bushing in the history are those of the position, quaternion and velocities of its body;
+/// without stiffness of rotations there are no columns of them.
+#[test]
+fn the_history_has_displacements_rotations_and_forces_of_bushings() {
+    let folder = run_text(&format!("{MACHINE}{BUSHINGS}"));
+    let (names, rows) = csv::read(&folder.path().join("history.csv")).unwrap();
+    let of_slack = names.iter().filter(|name| name.starts_with("bushing.slack.")).count();
+    assert_eq!((of_slack, names.contains(&"bushing.rubber.mz".to_owned())), (6, true), "{names:?}");
+    let mut turns = Vec::new();
+    for row in &rows {
+        let value = |name: &str| row[names.iter().position(|n| n == name).unwrap()];
+        let turned = 2.0 * value("body.bar.q3").atan2(value("body.bar.q0"));
+        let u = [value("body.bar.x") - 0.5, value("body.bar.y")];
+        let v = ["vx", "vy"].map(|column| value(&format!("body.bar.{column}")));
+        for (found, expected) in [
+            ("ux", u[0]),
+            ("uy", u[1]),
+            ("uz", 0.0),
+            ("rz", turned.to_degrees()),
+            ("fx", 4.0 * u[0] + 0.3 * v[0]),
+            ("fy", 5.0 * u[1] + 0.2 * v[1]),
+            ("mz", 2.0 * turned + 0.4 * value("body.bar.wz")),
+        ] {
+            let found = value(&format!("bushing.rubber.{found}"));
+            assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{found} {expected} {row:?}");
+        }
+        turns.push(turned.abs());
+    }
+    assert!(turns.iter().any(|turned| *turned > 0.01), "{turns:?}");
+}
+
+/// A run with bushings that is interrupted and resumed has the history of the straight one.
+#[test]
+fn a_resumed_run_with_bushings_is_the_run_itself() {
+    for scheme in ["energy-momentum", "generalized-alpha"] {
+        let text = format!("{MACHINE}{BUSHINGS}").replace("energy-momentum", scheme);
+        let (deck, folder) = (Deck::parse("m.toml", text).unwrap(), tempfile::tempdir().unwrap());
+        let (straight, parts) = (folder.path().join("straight"), folder.path().join("parts"));
+        run(&deck, &options(&straight, false), &mut Unwatched).unwrap();
+        run(&deck, &options(&parts, false), &mut stop_after(7)).unwrap_err();
+        run(&deck, &options(&parts, true), &mut Unwatched).unwrap();
+        let read = |folder: &Path| fs::read(folder.join("history.csv")).unwrap();
+        assert!(read(&straight) == read(&parts), "{scheme}");
+    }
+}
+
+const BUSHINGS: &str = r#"
+    [[bushings]]
+    name = "rubber"
+    between = ["ground", "bar"]
+    at = [0.5, 0.0, 0.0]
+    stiffness = [4.0, 5.0, 6.0, 1.0, 1.0, 2.0]
+    damping = [0.3, 0.2, 0.1, 0.0, 0.0, 0.4]
+    [[bushings]]
+    name = "slack"
+    between = ["ground", "bar"]
+    at = [0.5, 0.0, 0.0]
+    stiffness = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]
+    "#;
+
 const MACHINE: &str = r#"
     loads = [{ type = "gravity", value = [0, -9.81, 0] }]
     [analysis]

@@ -8,7 +8,7 @@
 use super::rigid::{Parts, RigidModes, forces_of};
 use crate::analysis::newton::Newton;
 use crate::analysis::{Observer, State, equilibrium};
-use crate::constraint::{SpringGroup, TorsionSpringGroup};
+use crate::constraint::{BushingGroup, SpringGroup, TorsionSpringGroup};
 use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest, TangentWeights};
 use crate::model::NewtonMethod;
 use crate::system::{EvaluationPoint, System};
@@ -26,7 +26,7 @@ const ROUND_OFF: f64 = 1e-12;
 const ATTEMPTS: usize = 12;
 
 /// Groups whose energy is that of a length or an angle, with the cancellation of its change.
-const OF_SPRINGS: [&str; 2] = [SpringGroup::NAME, TorsionSpringGroup::NAME];
+const OF_SPRINGS: [&str; 3] = [SpringGroup::NAME, TorsionSpringGroup::NAME, BushingGroup::NAME];
 
 /// Rigid mode in the free degrees of freedom of its part, with its product with M.
 struct Sparse {

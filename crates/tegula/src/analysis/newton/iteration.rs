@@ -101,7 +101,7 @@ impl<S: TangentSolver> Newton<S> {
                 self.assembly.reset_stress(system, &point(system, equation, history));
             }
             let prepared = self.residual_and_tangent(system, equation, history, &setting);
-            self.reduce_residual(system, &setting)?;
+            self.reduce_residual(system, equation, history, &setting)?;
             if !setting.reuse {
                 progress.tangents += 1;
                 progress.negative_pivots = prepared.map_err(|reason| (Cause::Tangent, reason))?;
@@ -273,7 +273,13 @@ impl<S: TangentSolver> Newton<S> {
     }
 
     /// Right side in the free degrees of freedom, in the local frames of the factored tangent.
-    fn reduce_residual(&mut self, system: &System, setting: &Setting) -> Result<(), Failed> {
+    fn reduce_residual(
+        &mut self,
+        system: &System,
+        equation: &dyn Equation,
+        history: &[f64],
+        setting: &Setting,
+    ) -> Result<(), Failed> {
         let reuse = setting.reuse;
         if reuse {
             // The constraint force of an inextensible director must not act as a force in the local frame of
@@ -298,7 +304,10 @@ impl<S: TangentSolver> Newton<S> {
                      strains (`eas`) did not converge"
                 ),
             ),
-            None => (Cause::Flight, "the forces are no longer finite".into()),
+            None => {
+                let reason = self.assembly.reason_without_forces(system, &point(system, equation, history));
+                (Cause::Flight, reason.unwrap_or_else(|| "the forces are no longer finite".into()))
+            }
         })
     }
 

@@ -7,7 +7,7 @@ use super::{Instant, SchemeKeys};
 use crate::analysis::dynamics::Integrator;
 use crate::analysis::dynamics::energy_momentum::EnergyMomentum;
 use crate::checker::Checker;
-use crate::model::{Amplitude, Condition, Model, TransientAnalysis};
+use crate::model::{Amplitude, Bushing, Condition, Model, TransientAnalysis};
 use crate::system::System;
 
 /// Energy–momentum scheme.
@@ -74,6 +74,13 @@ impl SchemeKeys for EnergyMomentumScheme {
         if let Some(spring) = model.torsion_springs.iter().find(|spring| spring.damping != 0.0) {
             refuse(
                 damped(&format!("the damper of \"{}\"", spring.name)),
+                "use `order = 2`, or drop its damping",
+            );
+        }
+        let has_damper = |bushing: &&Bushing| bushing.damping() != nalgebra::Matrix6::zeros();
+        if let Some(bushing) = model.bushings.iter().find(has_damper) {
+            refuse(
+                damped(&format!("the damper of \"{}\"", bushing.name)),
                 "use `order = 2`, or drop its damping",
             );
         }
