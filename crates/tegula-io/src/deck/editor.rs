@@ -6,6 +6,7 @@
 
 use serde_json::{Map, Value, json};
 
+use super::markers::{KEYWORD, Kind};
 use super::schema::schema as derived;
 
 /// File name of the schema that `tegula new` writes next to a model.
@@ -42,6 +43,7 @@ fn simplify(schema: &mut Value) {
     match schema {
         Value::Object(map) => {
             without_null(map);
+            accept_markers(map);
             if let Some(Value::Array(branches)) = map.remove("oneOf") {
                 if let Some(words) = words(&branches) {
                     map.extend(words);
@@ -84,6 +86,29 @@ fn without_null(map: &mut Map<String, Value>) {
             }
         }
     }
+}
+
+/// Lets keys for points and directions take the name of a marker. Keywords of lists say nothing of strings, so that one slip
+/// still gives one message.
+fn accept_markers(map: &mut Map<String, Value>) {
+    let Some(kind) = map.remove(KEYWORD) else { return };
+    for entries in ["items", "additionalProperties"] {
+        if let Some(Value::Object(inner)) = map.get_mut(entries)
+            && inner.get("type") == Some(&json!("array"))
+        {
+            inner.insert(KEYWORD.into(), kind);
+            return;
+        }
+    }
+    let Some(kind) = Kind::named(&kind) else { return };
+    map.insert("type".into(), json!(["array", "string"]));
+    map.insert("pattern".into(), json!(kind.pattern()));
+    let sentence = kind.sentence();
+    let description = match map.get("description").and_then(Value::as_str) {
+        Some(before) => format!("{before} {sentence}"),
+        None => sentence.to_owned(),
+    };
+    map.insert("description".into(), json!(description));
 }
 
 /// One enumeration for alternatives that are all words.

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `schema` | the JSON Schema of [`Model`], and what it expects of a value |
 //! | `editor` | the same for editors: one slip gives one message there |
+//! | `markers` | named points and axes: coordinates take the place of their names |
 //! | `validate` | validation of the syntax tree against the schema |
 //! | `partial` | what else is wrong when keys are wrong already |
 //! | `unknown` | suggestions for an unknown key |
@@ -23,6 +24,7 @@
 mod diagnostic;
 mod editor;
 mod locate;
+mod markers;
 mod partial;
 mod schema;
 mod syntax;
@@ -33,7 +35,9 @@ mod validate;
 use std::io::{ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
 
+use serde::Deserialize as _;
 use tegula::{Issue, Model};
+use toml::Spanned;
 use toml::de::DeTable;
 
 use diagnostic::Source;
@@ -55,6 +59,8 @@ pub struct Deck {
     pub path: PathBuf,
     /// Its text.
     pub text: String,
+    /// Warnings of the text that the model does not show: markers that nothing uses.
+    pub warnings: Vec<Issue>,
 }
 
 impl Deck {
@@ -122,25 +128,8 @@ impl Deck {
             let all = found.len();
             return Err(source.limited(found, all));
         }
-        let mut found = validate::validate(&source, tree.get_ref());
-        if !found.is_empty() {
-            // Of a file with that many mistakes nothing can be said beyond them.
-            if found.len() <= MOST_DIAGNOSTICS {
-                let issues = partial::issues(&path, &text, &found);
-                found.extend(locate_all(&source, &issues));
-                found.sort_by_key(|d| d.span.start);
-            }
-            let all = found.len();
-            return Err(source.limited(found, all));
-        }
-        match toml::from_str(&text) {
-            Ok(model) => Ok(Self { model, path, text }),
-            Err(error) => {
-                let span = error.span().unwrap_or_default();
-                let key = locate::key_at(tree.get_ref(), span.start);
-                Err(vec![source.at(span, key, error.message(), UNEXPECTED)])
-            }
-        }
+        let (model, warnings) = model(&source, &path, tree)?;
+        Ok(Self { model, path, text, warnings })
     }
 
     /// The issues of the model at their places in the file, the first hundred of them. An issue of a key that the file
@@ -154,6 +143,51 @@ impl Deck {
     /// Path of a file that the model names relative to the model file.
     pub fn beside(&self, file: impl AsRef<Path>) -> PathBuf {
         self.path.parent().unwrap_or(Path::new("")).join(file)
+    }
+}
+
+/// Model of the tree of a text, and warnings.
+fn model(
+    source: &Source,
+    path: &Path,
+    tree: Spanned<DeTable<'_>>,
+) -> Result<(Model, Vec<Issue>), Vec<Diagnostic>> {
+    let markers = markers::Markers::read(source, tree.get_ref());
+    // From here on it refers to the coordinates of the markers, too.
+    let mut tree = tree;
+    let replaced = markers.replace(source, &schema::schema(), tree.get_mut());
+    let mut found = validate::validate(source, tree.get_ref());
+    found.extend(replaced.found);
+    tree.get_mut().remove(markers::KEY);
+    if found.is_empty()
+        && let Some(key) = replaced.undetermined.first()
+    {
+        let span = locate::span_of(tree.get_ref(), key);
+        found.push(source.at(
+            span,
+            key.as_str(),
+            "the marker has no place",
+            "check the marker and what it is on",
+        ));
+    }
+    if !found.is_empty() {
+        // Of a file with that many mistakes nothing can be said beyond them.
+        if found.len() <= MOST_DIAGNOSTICS {
+            let issues = partial::issues(path, tree, &found, replaced.undetermined);
+            found.extend(locate_all(source, &issues));
+        }
+        found.sort_by_key(|d| d.span.start);
+        let all = found.len();
+        return Err(source.limited(found, all));
+    }
+    match Model::deserialize(toml::Deserializer::from(tree)) {
+        Ok(model) => Ok((model, replaced.unused)),
+        Err(error) => {
+            let span = error.span().unwrap_or_default();
+            let (tree, _) = DeTable::parse_recoverable(source.text());
+            let key = locate::key_at(tree.get_ref(), span.start);
+            Err(vec![source.at(span, key, error.message(), UNEXPECTED)])
+        }
     }
 }
 

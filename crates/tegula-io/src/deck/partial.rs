@@ -6,21 +6,29 @@
 
 use std::path::Path;
 
+use serde::Deserialize as _;
 use serde_json::Value as Json;
 use tegula::compile::check;
 use tegula::mesh::generators::generate;
 use tegula::{Error, Issue, Mesh, Model};
-use toml::{Table, Value};
+use toml::de::DeTable;
+use toml::{Spanned, Table, Value};
 
 use super::Diagnostic;
 use super::schema::{Wanted, schema, wanted};
 use crate::memory;
 
-/// Issues of the model that is left without the keys of `found`; none where nothing is left that could be checked.
-pub(super) fn issues(path: &Path, text: &str, found: &[Diagnostic]) -> Vec<Issue> {
-    let Ok(mut table) = text.parse::<Table>() else { return Vec::new() };
+/// Issues of the model that is left of `tree` without the keys of `found`; none where nothing is left that could be checked. The
+/// values of the keys `undetermined` are arbitrary: nothing that may follow from them is reported.
+pub(super) fn issues(
+    path: &Path,
+    tree: Spanned<DeTable<'_>>,
+    found: &[Diagnostic],
+    undetermined: Vec<String>,
+) -> Vec<Issue> {
+    let Ok(mut table) = Table::deserialize(toml::Deserializer::from(tree)) else { return Vec::new() };
     // From the back, so that the places of list entries before stay what they are.
-    let mut keys: Vec<String> = found.iter().map(|d| d.key.clone()).collect();
+    let mut keys: Vec<String> = found.iter().map(|d| d.key.clone()).chain(undetermined).collect();
     keys.sort_unstable();
     keys.dedup();
     for diagnostic in found.iter().filter(|d| !d.message.starts_with("missing key")) {
@@ -61,6 +69,8 @@ pub(super) fn issues(path: &Path, text: &str, found: &[Diagnostic]) -> Vec<Issue
             || (keys.iter().any(|k| k.starts_with("analysis"))
                 && (key == "loads" || key.starts_with("amplitudes")))
             || names("materials", ".material")
+            // Springs and drives have the axis of a joint.
+            || names("joints", ".axis")
             || names("amplitudes", ".amplitude")
     };
     issues.retain(|i| !follows(&i.place.key));

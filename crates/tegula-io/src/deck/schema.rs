@@ -3,12 +3,17 @@
 use serde_json::{Map, Value};
 use tegula::Model;
 
-/// The JSON Schema of the model file as it follows from the types.
+use super::markers;
+
+/// The JSON Schema of the model file as it follows from the types: that of the model and of its markers.
 pub(super) fn schema() -> Value {
     let mut schema = schemars::schema_for!(Model).to_value();
     // A model has one analysis, or several in steps: neither is a default.
     if let Some(analysis) = schema.pointer_mut("/properties/analysis").and_then(Value::as_object_mut) {
         analysis.remove("default");
+    }
+    if let Some(keys) = schema.pointer_mut("/properties").and_then(Value::as_object_mut) {
+        keys.insert(markers::KEY.into(), markers::schema());
     }
     schema
 }

@@ -1,6 +1,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod editor;
+mod markers;
 mod messages;
 mod syntax;
 

@@ -291,6 +291,9 @@ impl<'s> Validator<'_, 's> {
                 (Wanted::Choice(_) | Wanted::String, DeValue::String(text)) => {
                     format!("write it in brackets: [\"{}\"]", shorten(text))
                 }
+                (Wanted::List(..), DeValue::String(text)) => {
+                    format!("write a list with an entry for each: [\"{}\", …]", shorten(text))
+                }
                 _ => place.doc.to_owned(),
             },
             (Wanted::Named(_), DeValue::Array(_)) => {

@@ -54,7 +54,7 @@ pub fn prepare(deck: &Deck) -> Result<Prepared, JobError> {
     let fingerprint = surfaces.into_iter().fold(fingerprint, combined);
     match compiled(&model, &mesh) {
         Ok((system, probes, warnings)) => {
-            let warnings = deck.locate(&warnings);
+            let warnings = deck.locate(&[deck.warnings.clone(), warnings].concat());
             let (model, mesh) = (Arc::new(model), Arc::new(mesh));
             Ok(Prepared { model, mesh, system, probes, warnings, fingerprint })
         }

@@ -11,6 +11,7 @@ pub struct Beam {
     /// Name of the beam in results, and first part of the names of its nodes.
     pub name: String,
     /// Axis of the beam in the reference configuration: both ends of a straight beam, or all nodes of a curved one (length).
+    #[schemars(extend("x-marker" = "point"))]
     pub points: Vec<[f64; 3]>,
     /// Number of elements of a straight beam.
     #[schemars(range(min = 1))]
@@ -18,6 +19,7 @@ pub struct Beam {
     pub elements: Option<u32>,
     /// Direction of axis 1 of the cross-section at the start; it is projected across the axis of the beam. Axis 3 is the tangent
     /// from the first to the last point, axis 2 completes a right-handed base.
+    #[schemars(extend("x-marker" = "direction"))]
     pub direction: [f64; 3],
     /// Rotation of the cross-section about the tangent from the start to the end (degrees), in proportion to the length.
     #[serde(default)]

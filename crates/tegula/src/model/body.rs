@@ -16,6 +16,7 @@ pub struct RigidBody {
     pub name: String,
     /// Mass centre in the reference configuration; of a body with the shape `stl` the place of the origin of the file, from which
     /// the mass centre follows (length).
+    #[schemars(extend("x-marker" = "point"))]
     pub at: [f64; 3],
     /// Mass; of a body with a shape this or `density`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -37,6 +38,7 @@ pub struct RigidBody {
     /// Direction of the first axis of the body, and a second direction in the plane of the first two axes; the axes of space
     /// unless given.
     #[serde(default = "axes_of_space")]
+    #[schemars(extend("x-marker" = "direction"))]
     pub axes: [[f64; 3]; 2],
     /// Node sets of the mesh whose nodes are fixed in the body, with their directors: a rigid patch of the shell. The body needs
     /// no mass of its own then.

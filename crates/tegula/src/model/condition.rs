@@ -25,6 +25,7 @@ pub struct SymmetryPlane {
     /// Name of a node or edge set that lies in the plane.
     pub on: String,
     /// Normal of the plane, of any length and direction.
+    #[schemars(extend("x-marker" = "direction"))]
     pub normal: [f64; 3],
 }
 
@@ -177,6 +178,7 @@ pub struct InitialVelocity {
     pub angular_velocity: [f64; 3],
     /// Point about which it turns (length).
     #[serde(default)]
+    #[schemars(extend("x-marker" = "point"))]
     pub center: [f64; 3],
 }
 

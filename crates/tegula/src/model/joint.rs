@@ -103,6 +103,7 @@ pub struct PointJoint {
     /// Both sides: names of bodies or of sets with one node, or `ground`.
     pub between: [String; 2],
     /// Point of the joint in the reference configuration (length).
+    #[schemars(extend("x-marker" = "point"))]
     pub at: [f64; 3],
 }
 
@@ -115,8 +116,10 @@ pub struct AxisJoint {
     /// Both sides: names of bodies or of sets with one node, or `ground`.
     pub between: [String; 2],
     /// Point of the joint in the reference configuration (length).
+    #[schemars(extend("x-marker" = "point"))]
     pub at: [f64; 3],
     /// Direction of the axis in the reference configuration.
+    #[schemars(extend("x-marker" = "direction"))]
     pub axis: [f64; 3],
 }
 
@@ -129,9 +132,11 @@ pub struct TwoAxesJoint {
     /// Both sides: names of bodies or of sets with one node, or `ground`.
     pub between: [String; 2],
     /// Point of the joint in the reference configuration (length).
+    #[schemars(extend("x-marker" = "point"))]
     pub at: [f64; 3],
     /// Axis fixed in the first body and axis fixed in the second one, perpendicular to each other, in the reference
     /// configuration.
+    #[schemars(extend("x-marker" = "direction"))]
     pub axes: [[f64; 3]; 2],
 }
 
@@ -144,6 +149,7 @@ pub struct DrivenAngleJoint {
     /// Both sides: names of bodies, or `ground`.
     pub between: [String; 2],
     /// Direction of the axis in the reference configuration, about which another joint lets the two sides turn.
+    #[schemars(extend("x-marker" = "direction"))]
     pub axis: [f64; 3],
     /// Rotation of the second side relative to the first one per unit of the amplitude, right-handed about the axis (degrees). It begins
     /// where the joint stands at the start of the analysis step.
@@ -161,8 +167,10 @@ pub struct DrivenLengthJoint {
     /// Both sides: names of bodies or of sets with one node, or `ground`.
     pub between: [String; 2],
     /// Point of both sides in the reference configuration (length).
+    #[schemars(extend("x-marker" = "point"))]
     pub at: [f64; 3],
     /// Direction of the axis in the reference configuration; it is fixed in the first side.
+    #[schemars(extend("x-marker" = "direction"))]
     pub axis: [f64; 3],
     /// Displacement of the second side relative to the first one along the axis per unit of the amplitude (length). It begins where the
     /// joint stands at the start of the analysis step.
@@ -180,6 +188,7 @@ pub struct DistanceJoint {
     /// Both sides: names of bodies or of sets with one node, or `ground`.
     pub between: [String; 2],
     /// Point of the first and point of the second one, in the reference configuration (length).
+    #[schemars(extend("x-marker" = "point"))]
     pub points: [[f64; 3]; 2],
 }
 

@@ -88,6 +88,7 @@ pub struct Grid {
     pub seed: u64,
     /// Names for further points: each becomes a node set with the node nearest to the position.
     #[serde(default)]
+    #[schemars(extend("x-marker" = "point"))]
     pub points: BTreeMap<String, [f64; 3]>,
     /// Nodes that coincide without being connected (the slit of a full ring): `true` merges them, `false` keeps them apart
     /// without a warning; unless given they stay apart with a warning.
@@ -115,12 +116,15 @@ impl Grid {
 pub struct PlateMesh {
     /// Corner u = v = 0 (length).
     #[serde(default)]
+    #[schemars(extend("x-marker" = "point"))]
     pub origin: [f64; 3],
     /// Direction of u.
     #[serde(default = "x_axis")]
+    #[schemars(extend("x-marker" = "direction"))]
     pub u_axis: [f64; 3],
     /// Direction of v, not parallel to u; the director is u × v.
     #[serde(default = "y_axis")]
+    #[schemars(extend("x-marker" = "direction"))]
     pub v_axis: [f64; 3],
     /// Lengths along u and v (length).
     #[schemars(transform = crate::checker::positive_entries)]
@@ -148,12 +152,15 @@ impl PlateMesh {
 pub struct CylinderMesh {
     /// Point on the axis from which v is counted (length).
     #[serde(default)]
+    #[schemars(extend("x-marker" = "point"))]
     pub center: [f64; 3],
     /// Direction of the axis and of v.
     #[serde(default = "y_axis")]
+    #[schemars(extend("x-marker" = "direction"))]
     pub axis: [f64; 3],
     /// Radial direction of the angle 0; the part along the axis is ignored.
     #[serde(default = "z_axis")]
+    #[schemars(extend("x-marker" = "direction"))]
     pub start: [f64; 3],
     /// Radius (length).
     #[schemars(extend("exclusiveMinimum" = 0))]
@@ -173,6 +180,7 @@ pub struct CylinderMesh {
 pub struct AnnulusMesh {
     /// Centre (length).
     #[serde(default)]
+    #[schemars(extend("x-marker" = "point"))]
     pub center: [f64; 3],
     /// Inner and outer radius (length).
     #[schemars(transform = crate::checker::positive_entries)]
@@ -190,6 +198,7 @@ pub struct AnnulusMesh {
 pub struct SphereMesh {
     /// Centre (length).
     #[serde(default)]
+    #[schemars(extend("x-marker" = "point"))]
     pub center: [f64; 3],
     /// Radius (length).
     #[schemars(extend("exclusiveMinimum" = 0))]
@@ -208,6 +217,7 @@ pub struct SphereMesh {
 #[serde(deny_unknown_fields)]
 pub struct ExtrusionMesh {
     /// Vertices of the polyline (length), at least two; neighbours differ.
+    #[schemars(extend("x-marker" = "point"))]
     pub vertices: Vec<[f64; 3]>,
     /// Sweep (length).
     pub sweep: [f64; 3],
@@ -227,6 +237,7 @@ pub struct GmshMesh {
     pub scale: f64,
     /// Names for further points: each becomes a node set with the node nearest to the position.
     #[serde(default)]
+    #[schemars(extend("x-marker" = "point"))]
     pub points: BTreeMap<String, [f64; 3]>,
     /// Nodes that coincide without being connected, where parts were meshed apart: `true` merges them, `false` keeps them
     /// apart without a warning (a slit); unless given they stay apart with a warning.

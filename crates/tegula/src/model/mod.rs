@@ -367,6 +367,7 @@ pub struct OutputPoint {
     pub on: Option<String>,
     /// Position in the reference configuration (length); the nearest node is taken.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-marker" = "point"))]
     pub at: Option<[f64; 3]>,
 }
 

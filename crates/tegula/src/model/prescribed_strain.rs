@@ -51,6 +51,7 @@ pub struct NaturalStrain {
     pub curvature: [f64; 3],
     /// Direction of the components' x axis; its projection on the surface is taken.
     #[serde(default = "x_axis")]
+    #[schemars(extend("x-marker" = "direction"))]
     pub direction: [f64; 3],
     /// Name of an amplitude.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -72,6 +73,7 @@ pub struct Prestress {
     pub bending: [f64; 3],
     /// Direction of the components' x axis; its projection on the surface is taken.
     #[serde(default = "x_axis")]
+    #[schemars(extend("x-marker" = "direction"))]
     pub direction: [f64; 3],
     /// Name of an amplitude.
     #[serde(default, skip_serializing_if = "Option::is_none")]

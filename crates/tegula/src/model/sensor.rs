@@ -38,6 +38,7 @@ pub struct DistanceSensor {
     /// Both sides: names of bodies or of sets with one node, or `ground`.
     pub between: [String; 2],
     /// Point of the first and point of the second one, in the reference configuration (length).
+    #[schemars(extend("x-marker" = "point"))]
     pub points: [[f64; 3]; 2],
 }
 
@@ -51,6 +52,7 @@ pub struct AngleSensor {
     pub between: [String; 2],
     /// Direction of the axis in the reference configuration. The angle is that of the second side relative to the first one,
     /// right-handed about the axis and 0 in the reference configuration (degrees); it counts full turns.
+    #[schemars(extend("x-marker" = "direction"))]
     pub axis: [f64; 3],
 }
 
@@ -64,6 +66,7 @@ pub struct PointSensor {
     pub on: String,
     /// Point of the body in the reference configuration (length); its mass centre unless given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-marker" = "point"))]
     pub at: Option<[f64; 3]>,
 }
 

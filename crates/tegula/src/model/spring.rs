@@ -12,6 +12,7 @@ pub struct SpringDamper {
     /// Both sides: names of bodies or of sets with one node, or `ground`.
     pub between: [String; 2],
     /// Point of the first and point of the second one, in the reference configuration (length).
+    #[schemars(extend("x-marker" = "point"))]
     pub points: [[f64; 3]; 2],
     /// Stiffness [force/length].
     #[serde(default)]
@@ -36,6 +37,7 @@ pub struct TorsionSpring {
     /// Both sides: names of bodies or of nodes of beams, or `ground`.
     pub between: [String; 2],
     /// Direction of the axis in the reference configuration.
+    #[schemars(extend("x-marker" = "direction"))]
     pub axis: [f64; 3],
     /// Stiffness [force·length/rad].
     #[serde(default)]

@@ -22,15 +22,20 @@ fn mistakes(root: &Value, schema: &Value, value: &Value, path: &str) -> Vec<Stri
                 out.extend(mistakes(root, target, value, path));
                 true
             }
-            "type" => match wanted.as_str().unwrap() {
-                "object" => value.is_object(),
-                "array" => value.is_array(),
-                "string" => value.is_string(),
-                "boolean" => value.is_boolean(),
-                "integer" => value.is_i64() || value.is_u64(),
-                "number" => value.is_number(),
-                other => panic!("type {other}"),
+            "type" => match wanted {
+                Value::Array(several) => several.iter().any(|one| is_of_type(one, value)),
+                one => is_of_type(one, value),
             },
+            "pattern" => value.as_str().is_none_or(|text| match wanted.as_str().unwrap() {
+                "^[^.-][^.]*$" => !text.is_empty() && !text.starts_with('-') && !text.contains('.'),
+                "^-?[^.-][^.]*\\.[xyz]$" => {
+                    let bare = text.strip_prefix('-').unwrap_or(text);
+                    bare.split_once('.').is_some_and(|(name, axis)| {
+                        !name.is_empty() && !name.starts_with('-') && ["x", "y", "z"].contains(&axis)
+                    })
+                }
+                other => panic!("pattern {other}"),
+            }),
             "const" => value == wanted,
             "enum" => list().contains(value),
             "minimum" => value.as_f64().is_none_or(|x| x >= number(wanted)),
@@ -87,6 +92,18 @@ fn mistakes(root: &Value, schema: &Value, value: &Value, path: &str) -> Vec<Stri
     out
 }
 
+fn is_of_type(name: &Value, value: &Value) -> bool {
+    match name.as_str().unwrap() {
+        "object" => value.is_object(),
+        "array" => value.is_array(),
+        "string" => value.is_string(),
+        "boolean" => value.is_boolean(),
+        "integer" => value.is_i64() || value.is_u64(),
+        "number" => value.is_number(),
+        other => panic!("type {other}"),
+    }
+}
+
 fn of_text(text: &str) -> Vec<String> {
     let schema = schema();
     let table: toml::Table = text.parse().unwrap();
@@ -133,6 +150,29 @@ fn one_slip_gives_one_message_in_editors() {
     ] {
         assert!(MODEL.contains(from), "{from}");
         let found = of_text(&MODEL.replacen(from, to, 1));
+        assert!(found.len() == 1 && found[0].starts_with(place), "{to}: {found:#?}");
+    }
+}
+
+/// References to markers are strings of points and directions, and of nothing else.
+#[test]
+fn editors_know_where_markers_may_stand() {
+    let model = super::markers::BY_MARKERS;
+    assert_eq!(of_text(model), Vec::<String>::new());
+    for (from, to, place) in [
+        ("at = \"A\"", "at = \"A.x\"", ".joints[0].at:"),
+        ("at = \"A\"", "at = [0, 0]", ".joints[0].at:"),
+        ("at = \"A\"", "at = 3", ".joints[0].at:"),
+        ("axis = \"A.z\"", "axis = \"A\"", ".joints[0].axis:"),
+        ("axis = \"A.z\"", "axis = \"A.w\"", ".joints[0].axis:"),
+        ("axes = [\"B.y\", \"-B.x\"]", "axes = [\"B.y\", \"B\"]", ".bodies[0].axes[1]:"),
+        ("points = [\"A\", \"C\"]", "points = \"A\"", ".springs[0].points:"),
+        ("on = \"A\"", "onto = \"A\"", ".markers[1].onto:"),
+        ("name = \"A\"", "", ".markers[0]:"),
+        ("mass = 1.0", "mass = 1.0\nvelocity = \"A.x\"", ".bodies[0].velocity:"),
+    ] {
+        assert!(model.contains(from), "{from}");
+        let found = of_text(&model.replacen(from, to, 1));
         assert!(found.len() == 1 && found[0].starts_with(place), "{to}: {found:#?}");
     }
 }

@@ -36,6 +36,7 @@ pub struct Layup {
     /// Direction of the angle 0° in space, projected on the surface. Angles are counted from it about the
     /// director, counter-clockwise if the director points to the viewer. It must not be normal to the surface.
     #[serde(default = "along_x")]
+    #[schemars(extend("x-marker" = "direction"))]
     pub direction: [f64; 3],
     /// Height of the laminate's middle above the mesh, along the director (length).
     #[serde(default)]

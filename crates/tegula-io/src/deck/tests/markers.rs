@@ -1,0 +1,654 @@
+#![allow(clippy::unwrap_used)]
+
+//! Points and directions by the names of markers.
+
+use proptest::prelude::*;
+use serde_json::Value;
+use tegula::model::{Joint, Sensor};
+
+use super::super::markers::{KEYWORD, Kind};
+use super::super::schema::{Wanted, schema, wanted};
+use super::{check, errors, parse};
+
+/// Four-bar linkage by coordinates.
+const BY_COORDINATES: &str = r#"[analysis]
+type = "transient"
+end_time = 1.0
+time_step = 0.01
+scheme = { type = "energy-momentum" }
+[[bodies]]
+name = "crank"
+at = [0.0, 0.25, 0.0]
+mass = 1.0
+shape = { type = "rod", length = 0.5 }
+axes = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]
+[[bodies]]
+name = "coupler"
+at = [0.5, 0.5, 0.0]
+mass = 2.0
+shape = { type = "box", size = [1.0, 0.1, 0.1] }
+[[bodies]]
+name = "rocker"
+at = [1.0, 0.25, 0.0]
+mass = 1.0
+shape = { type = "box", size = [0.1, 0.5, 0.1] }
+[[beams]]
+name = "spoke"
+points = [[0.0, 0.0, 0.0], [0.0, 0.5, 0.0]]
+elements = 4
+direction = [1.0, 0.0, 0.0]
+section = { type = "constants", axial = 1.0, shear = [1, 1], bending = [1, 1], torsion = 1, mass = 1, inertia = [1, 1] }
+[[joints]]
+type = "revolute"
+name = "bearing"
+between = ["ground", "crank"]
+at = [0.0, 0.0, 0.0]
+axis = [0.0, 0.0, 1.0]
+[[joints]]
+type = "universal"
+name = "cardan"
+between = ["crank", "coupler"]
+at = [0.0, 0.5, 0.0]
+axes = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]
+[[joints]]
+type = "spherical"
+name = "ball"
+between = ["coupler", "rocker"]
+at = [1.0, 0.5, 0.0]
+[[joints]]
+type = "distance"
+name = "rod"
+between = ["ground", "rocker"]
+points = [[0.0, 0.0, 0.0], [1.0, 0.5, 0.0]]
+[[springs]]
+name = "spring"
+between = ["ground", "rocker"]
+points = [[0.0, 0.0, 0.0], [1.0, 0.5, 0.0]]
+stiffness = 10.0
+[[torsion_springs]]
+name = "coil"
+between = ["ground", "crank"]
+axis = [0.0, 0.0, -1.0]
+stiffness = 1.0
+[[sensors]]
+type = "point"
+name = "tip"
+on = "coupler"
+at = [1.0, 0.5, 0.0]
+[[sensors]]
+type = "angle"
+name = "turn"
+between = ["ground", "crank"]
+axis = [0.0, 0.0, 1.0]
+[[sensors]]
+type = "distance"
+name = "stroke"
+between = ["ground", "rocker"]
+points = [[0.0, 0.0, 0.0], [1.0, 0.5, 0.0]]
+"#;
+
+/// The linkage of `BY_COORDINATES` by markers.
+pub(super) const BY_MARKERS: &str = r#"[analysis]
+type = "transient"
+end_time = 1.0
+time_step = 0.01
+scheme = { type = "energy-momentum" }
+[[markers]]
+name = "A"
+at = [0, 0, 0]
+[[markers]]
+name = "B"
+on = "A"
+at = [0.0, 0.5, 0.0]
+[[markers]]
+name = "C"
+on = "B"
+at = [1.0, 0.0, 0.0]
+[[markers]]
+name = "crank middle"
+on = "A"
+at = [0.0, 0.25, 0.0]
+[[bodies]]
+name = "crank"
+at = "crank middle"
+mass = 1.0
+shape = { type = "rod", length = 0.5 }
+axes = ["B.y", "-B.x"]
+[[bodies]]
+name = "coupler"
+at = [0.5, 0.5, 0.0]
+mass = 2.0
+shape = { type = "box", size = [1.0, 0.1, 0.1] }
+[[bodies]]
+name = "rocker"
+at = [1.0, 0.25, 0.0]
+mass = 1.0
+shape = { type = "box", size = [0.1, 0.5, 0.1] }
+[[beams]]
+name = "spoke"
+points = ["A", "B"]
+elements = 4
+direction = "A.x"
+section = { type = "constants", axial = 1.0, shear = [1, 1], bending = [1, 1], torsion = 1, mass = 1, inertia = [1, 1] }
+[[joints]]
+type = "revolute"
+name = "bearing"
+between = ["ground", "crank"]
+at = "A"
+axis = "A.z"
+[[joints]]
+type = "universal"
+name = "cardan"
+between = ["crank", "coupler"]
+at = "B"
+axes = ["B.z", [1, 0, 0]]
+[[joints]]
+type = "spherical"
+name = "ball"
+between = ["coupler", "rocker"]
+at = "C"
+[[joints]]
+type = "distance"
+name = "rod"
+between = ["ground", "rocker"]
+points = [[0, 0, 0], "C"]
+[[springs]]
+name = "spring"
+between = ["ground", "rocker"]
+points = ["A", "C"]
+stiffness = 10.0
+[[torsion_springs]]
+name = "coil"
+between = ["ground", "crank"]
+axis = "-A.z"
+stiffness = 1.0
+[[sensors]]
+type = "point"
+name = "tip"
+on = "coupler"
+at = "C"
+[[sensors]]
+type = "angle"
+name = "turn"
+between = ["ground", "crank"]
+axis = "A.z"
+[[sensors]]
+type = "distance"
+name = "stroke"
+between = ["ground", "rocker"]
+points = ["A", "C"]
+"#;
+
+/// Diagnostics of the linkage with `from` replaced.
+fn with(from: &str, to: &str) -> String {
+    assert!(BY_MARKERS.contains(from), "{from}");
+    errors(&BY_MARKERS.replacen(from, to, 1))
+}
+
+#[test]
+fn a_linkage_by_markers_is_the_one_by_coordinates() {
+    let deck = parse(BY_MARKERS).unwrap();
+    assert_eq!(deck.model, parse(BY_COORDINATES).unwrap().model);
+    assert_eq!(deck.warnings, []);
+    // A written model has coordinates and is read back without the markers.
+    let written = toml::to_string(&deck.model).unwrap();
+    assert!(!written.contains("markers"));
+    assert_eq!(parse(&written).unwrap().model, deck.model);
+}
+
+#[test]
+fn the_slider_crank_by_markers_is_the_one_of_the_example() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/slider_crank.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut named = text.clone();
+    for (count, from, to) in [
+        (1, "at = [0.0, 0.1, 0.12]\naxis = [1.0, 0.0, 0.0]", "at = \"A\"\naxis = \"A.z\""),
+        (1, "at = [0.0, 0.1, 0.2]", "at = \"B\""),
+        (3, "at = [0.2, 0.0, 0.0]", "at = \"C\""),
+        (1, "axis = [1.0, 0.0, 0.0]", "axis = \"C.x\""),
+        (1, "axes = [[1.0, 0.0, 0.0],", "axes = [\"C.x\","),
+    ] {
+        assert_eq!(named.matches(from).count(), count, "{from}");
+        named = named.replace(from, to);
+    }
+    // The crank shaft runs along x: a cyclic permutation of the axes of space.
+    named += "
+[[markers]]
+name = \"A\"
+at = [0.0, 0.1, 0.12]
+axes = [[0.0, 2.0, 0.0], [0.0, 0.0, 5.0]]
+[[markers]]
+name = \"B\"
+at = [0.0, 0.1, 0.2]
+[[markers]]
+name = \"C\"
+at = [0.2, 0.0, 0.0]
+";
+    assert_eq!(parse(&named).unwrap().model, parse(&text).unwrap().model);
+}
+
+/// Places and axes of a chain of markers and bodies, computed by hand with rotations of the triangle 3, 4, 5.
+#[test]
+fn frames_of_markers_and_bodies_are_carried_along() {
+    let text = r#"
+[analysis]
+type = "transient"
+end_time = 1.0
+time_step = 0.01
+scheme = { type = "energy-momentum" }
+[[markers]]
+name = "D"
+on = "arm"
+at = [2.0, 0.0, 0.0]
+[[markers]]
+name = "C"
+on = "B"
+at = [1.0, 1.0, 1.0]
+[[markers]]
+name = "B"
+on = "A"
+at = [10.0, 0.0, 5.0]
+axes = [[0.0, 0.0, 2.0], [0.0, 5.0, 1.0]]
+[[markers]]
+name = "A"
+at = [1.0, 2.0, 3.0]
+axes = [[0.6, 0.8, 0.0], [-1.6, 1.2, 0.0]]
+[[bodies]]
+name = "arm"
+at = "A"
+mass = 1.0
+inertia = [1.0, 1.0, 1.0]
+axes = ["A.y", "-A.x"]
+"#;
+    let sensor =
+        |at: &str| format!("[[sensors]]\ntype = \"point\"\nname = \"{at}\"\non = \"arm\"\nat = \"{at}\"\n");
+    let axis = |axis: &str| {
+        format!(
+            "[[sensors]]\ntype = \"angle\"\nname = \"{axis}\"\nbetween = [\"ground\", \"arm\"]\naxis = \"{axis}\"\n"
+        )
+    };
+    let expected = [
+        ("A", [1.0, 2.0, 3.0]),
+        ("B", [7.0, 10.0, 8.0]),
+        ("C", [5.6, 9.8, 9.0]),
+        ("D", [-0.6, 3.2, 3.0]),
+        ("A.z", [0.0, 0.0, 1.0]),
+        ("B.x", [0.0, 0.0, 1.0]),
+        ("B.y", [-0.8, 0.6, 0.0]),
+        ("-B.z", [0.6, 0.8, 0.0]),
+        ("C.z", [-0.6, -0.8, 0.0]),
+        ("D.x", [-0.8, 0.6, 0.0]),
+        ("D.y", [-0.6, -0.8, 0.0]),
+        ("D.z", [0.0, 0.0, 1.0]),
+    ];
+    let one = |(name, _): &(&str, [f64; 3])| if name.contains('.') { axis(name) } else { sensor(name) };
+    let model = parse(&(text.to_owned() + &expected.iter().map(one).collect::<String>())).unwrap().model;
+    let close = |found: [f64; 3], wanted: [f64; 3], name: &str| {
+        assert!((0..3).all(|k| (found[k] - wanted[k]).abs() <= 4e-15), "{name}: {found:?}, {wanted:?}");
+    };
+    for ((name, wanted), sensor) in expected.iter().zip(&model.sensors) {
+        let found = match sensor {
+            Sensor::Point(point) => point.at.unwrap(),
+            Sensor::Angle(angle) => angle.axis,
+            other => panic!("{other:?}"),
+        };
+        close(found, *wanted, name);
+    }
+    close(model.bodies[0].at, [1.0, 2.0, 3.0], "arm");
+    close(model.bodies[0].axes[0], [-0.8, 0.6, 0.0], "arm");
+    close(model.bodies[0].axes[1], [-0.6, -0.8, 0.0], "arm");
+}
+
+#[test]
+fn meshes_and_conditions_take_markers() {
+    let places = "type = \"plate\"\norigin = \"corner\"\nu_axis = \"corner.y\"\nv_axis = \"corner.z\"";
+    let text = super::MODEL
+        .replace("type = \"plate\"", places)
+        .replace("elements = [16, 2]", "elements = [16, 2]\npoints = { tip = \"corner\" }")
+        .replace("interval = 0.1", "interval = 0.1\npoints = [{ name = \"p\", at = \"corner\" }]")
+        .replace(
+            "[[loads]]",
+            "[[conditions]]\ntype = \"symmetry\"\non = \"v_min\"\nnormal = \"-corner.z\"\n[[markers]]\nname = \"corner\"\nat = [1, 2, 3]\n[[loads]]",
+        );
+    let found = parse(&text).unwrap().model;
+    let of_coordinates = text
+        .replace("\"corner.y\"", "[0, 1, 0]")
+        .replace("\"corner.z\"", "[0, 0, 1]")
+        .replace("\"-corner.z\"", "[0, 0, -1]")
+        .replace("= \"corner\" }", "= [1, 2, 3] }")
+        .replace("origin = \"corner\"", "origin = [1, 2, 3]");
+    let wanted = parse(&of_coordinates).unwrap();
+    assert_eq!(found, wanted.model);
+    assert_eq!(wanted.warnings.len(), 1);
+}
+
+#[test]
+fn markers_that_nothing_uses_are_told() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/slider_crank.toml");
+    let text = std::fs::read_to_string(path).unwrap().replacen("[[bodies]]", "[[markers]]\nname = \"end\"\nat = [1, 0, 0]\n\n[[markers]]\nname = \"spare\"\non = \"end\"\nat = [1, 0, 0]\n\n[[bodies]]", 1);
+    let deck = parse(&text).unwrap();
+    let told = deck.locate(&deck.warnings);
+    assert_eq!(told.len(), 1);
+    insta::assert_snapshot!(told[0], @r#"
+    m.toml:20:1: markers[1]: nothing uses the marker "spare"
+      help: leave it out, or name it in place of coordinates
+    "#);
+    assert_eq!(crate::job::prepare(&deck).ok().unwrap().warnings, told);
+}
+
+#[test]
+fn references_that_mean_nothing_are_refused() {
+    insta::assert_snapshot!(with("at = \"C\"", "at = \"crank middel\""), @r#"
+    m.toml:59:6: joints[2].at: there is no marker "crank middel"
+      help: did you mean "crank middle"?
+    "#);
+    insta::assert_snapshot!(with("at = \"C\"", "at = \"somewhere\""), @r#"
+    m.toml:59:6: joints[2].at: there is no marker "somewhere"
+      help: give three coordinates, or a marker by its name; the markers are "A", "B", "C", "crank middle"
+    "#);
+    insta::assert_snapshot!(with("at = \"C\"", "at = \"rocker\""), @r#"
+    m.toml:59:6: joints[2].at: there is no marker "rocker"
+      help: this is a body; a marker has its place with `on = "rocker"`
+    "#);
+    insta::assert_snapshot!(with("at = \"C\"", "at = \"C.x\""), @r#"
+    m.toml:59:6: joints[2].at: expected a point, found "C.x"
+      help: the point of the marker is "C", without sign and axis
+    "#);
+    insta::assert_snapshot!(with("at = \"C\"", "at = \"-C\""), @r#"
+    m.toml:59:6: joints[2].at: expected a point, found "-C"
+      help: the point of the marker is "C", without sign and axis
+    "#);
+    insta::assert_snapshot!(with("axis = \"A.z\"", "axis = \"A\""), @r#"
+    m.toml:48:8: joints[0].axis: expected a direction, found the point "A"
+      help: name an axis of the marker: "A.x", "A.y" or "A.z"
+    "#);
+    insta::assert_snapshot!(with("axis = \"A.z\"", "axis = \"A.w\""), @r#"
+    m.toml:48:8: joints[0].axis: a marker has no axis "w"
+      help: its axes are "A.x", "A.y" and "A.z"
+    "#);
+    insta::assert_snapshot!(with("axis = \"A.z\"", "axis = \"z\""), @r#"
+    m.toml:48:8: joints[0].axis: there is no marker "z"
+      help: give three components, or an axis of a marker such as "NAME.x"; the markers are "A", "B", "C", "crank middle"
+    "#);
+    insta::assert_snapshot!(with("axes = [\"B.y\", \"-B.x\"]", "axes = [\"B.y\", \"B\"]"), @r#"
+    m.toml:26:16: bodies[0].axes[1]: expected a direction, found the point "B"
+      help: name an axis of the marker: "B.x", "B.y" or "B.z"
+    "#);
+    insta::assert_snapshot!(with("axes = [\"B.y\", \"-B.x\"]", "axes = \"B\""), @r#"
+    m.toml:26:8: bodies[0].axes: expected a list of 2 lists, found the string "B"
+      help: write a list with an entry for each: ["B", …]
+    "#);
+    insta::assert_snapshot!(with("mass = 1.0", "mass = 1.0\nvelocity = \"A.x\""), @r#"
+    m.toml:25:12: bodies[0].velocity: expected a list of 3 numbers, found the string "A.x"
+      help: Velocity of the mass centre at the start [length/time].
+    "#);
+    insta::assert_snapshot!(super::with("size = [10, 1.0]", "size = [10, 1.0]\norigin = \"corner\""), @r#"
+    m.toml:8:10: mesh.origin: there is no marker "corner"
+      help: give three coordinates, or a marker by its name; the model has no [[markers]]
+    "#);
+}
+
+#[test]
+fn markers_without_a_place_are_refused() {
+    insta::assert_snapshot!(with("on = \"B\"", "on = \"crank midle\""), @r#"
+    m.toml:15:6: markers[2].on: there is no marker or body "crank midle"
+      help: did you mean "crank middle"?
+    "#);
+    insta::assert_snapshot!(with("on = \"B\"", "on = \"elsewhere\""), @r#"
+    m.toml:15:6: markers[2].on: there is no marker or body "elsewhere"
+      help: name another marker or a body, or leave `on` out to give coordinates along the axes of space
+    "#);
+    insta::assert_snapshot!(with("on = \"B\"", "on = \"C\""), @r#"
+    m.toml:15:6: markers[2].on: the place depends on itself: C → C
+      help: give one of them by coordinates along the axes of space
+    "#);
+    insta::assert_snapshot!(with("at = [0, 0, 0]", "at = [0, 0, 0]\non = \"C\""), @r#"
+    m.toml:9:6: markers[0].on: the place depends on itself: A → C → B → A
+      help: give one of them by coordinates along the axes of space
+    "#);
+    insta::assert_snapshot!(with("at = [0, 0, 0]", "at = [0, 0, 0]\non = \"crank\""), @r#"
+    m.toml:9:6: markers[0].on: the place depends on itself: A → crank → crank middle → A
+      help: give one of them by coordinates along the axes of space
+    "#);
+    insta::assert_snapshot!(with("name = \"crank middle\"\non = \"A\"", "name = \"crank\"\non = \"crank\""), @r#"
+    m.toml:19:6: markers[3].on: both a marker and a body are named "crank"
+      help: rename one of them
+    m.toml:23:6: bodies[0].at: there is no marker "crank middle"
+      help: give three coordinates, or a marker by its name; the markers are "A", "B", "C", "crank"
+    "#);
+    insta::assert_snapshot!(with("name = \"C\"\non = \"B\"\nat = [1.0, 0.0, 0.0]", "name = \"C\"\non = \"rocker\"\nat = [1e308, 0, 0]\n[[markers]]\nname = \"D\"\non = \"C\"\nat = [1e308, 0, 0]"), @r#"
+    m.toml:17:1: markers[3].at: the coordinates in space are too large
+      help: check the units
+    m.toml:63:6: joints[2].at: the point has the component 1e308; products of such numbers cannot be computed
+      help: give numbers of a size up to 1e100; check the units
+    m.toml:68:22: joints[3].points[1]: the point has the component 1e308; products of such numbers cannot be computed
+      help: give numbers of a size up to 1e100; check the units
+    m.toml:72:10: springs[0].points: the point has the component 1e308; products of such numbers cannot be computed
+      help: give numbers of a size up to 1e100; check the units
+    m.toml:83:6: sensors[0].at: the point has the component 1e308; products of such numbers cannot be computed
+      help: give numbers of a size up to 1e100; check the units
+    m.toml:93:10: sensors[2].points: the point has the component 1e308; products of such numbers cannot be computed
+      help: give numbers of a size up to 1e100; check the units
+    "#);
+}
+
+#[test]
+fn mistakes_in_markers_are_placed_and_hide_nothing() {
+    insta::assert_snapshot!(with("name = \"C\"", "name = \"B\""), @r#"
+    m.toml:14:8: markers[2].name: two markers are named "B"
+      help: give each marker its own name
+    m.toml:59:6: joints[2].at: there is no marker "C"
+      help: give three coordinates, or a marker by its name; the markers are "A", "B", "crank middle"
+    m.toml:64:22: joints[3].points[1]: there is no marker "C"
+      help: give three coordinates, or a marker by its name; the markers are "A", "B", "crank middle"
+    m.toml:68:16: springs[0].points[1]: there is no marker "C"
+      help: give three coordinates, or a marker by its name; the markers are "A", "B", "crank middle"
+    m.toml:79:6: sensors[0].at: there is no marker "C"
+      help: give three coordinates, or a marker by its name; the markers are "A", "B", "crank middle"
+    m.toml:89:16: sensors[2].points[1]: there is no marker "C"
+      help: give three coordinates, or a marker by its name; the markers are "A", "B", "crank middle"
+    "#);
+    insta::assert_snapshot!(with("name = \"C\"", "name = \"C.x\""), @r#"
+    m.toml:14:8: markers[2].name: "C.x" cannot name a marker
+      help: use letters, digits, blanks, '_' and '-', and begin with a letter, a digit or '_'
+    m.toml:59:6: joints[2].at: there is no marker "C"
+      help: give three coordinates, or a marker by its name; the markers are "A", "B", "C.x", "crank middle"
+    m.toml:64:22: joints[3].points[1]: there is no marker "C"
+      help: give three coordinates, or a marker by its name; the markers are "A", "B", "C.x", "crank middle"
+    m.toml:68:16: springs[0].points[1]: there is no marker "C"
+      help: give three coordinates, or a marker by its name; the markers are "A", "B", "C.x", "crank middle"
+    m.toml:79:6: sensors[0].at: there is no marker "C"
+      help: give three coordinates, or a marker by its name; the markers are "A", "B", "C.x", "crank middle"
+    m.toml:89:16: sensors[2].points[1]: there is no marker "C"
+      help: give three coordinates, or a marker by its name; the markers are "A", "B", "C.x", "crank middle"
+    "#);
+    insta::assert_snapshot!(with("name = \"C\"", "name = \"-C\""), @r#"
+    m.toml:14:8: markers[2].name: "-C" cannot name a marker
+      help: use letters, digits, blanks, '_' and '-', and begin with a letter, a digit or '_'
+    m.toml:59:6: joints[2].at: there is no marker "C"
+      help: give three coordinates, or a marker by its name; the markers are "-C", "A", "B", "crank middle"
+    m.toml:64:22: joints[3].points[1]: there is no marker "C"
+      help: give three coordinates, or a marker by its name; the markers are "-C", "A", "B", "crank middle"
+    m.toml:68:16: springs[0].points[1]: there is no marker "C"
+      help: give three coordinates, or a marker by its name; the markers are "-C", "A", "B", "crank middle"
+    m.toml:79:6: sensors[0].at: there is no marker "C"
+      help: give three coordinates, or a marker by its name; the markers are "-C", "A", "B", "crank middle"
+    m.toml:89:16: sensors[2].points[1]: there is no marker "C"
+      help: give three coordinates, or a marker by its name; the markers are "-C", "A", "B", "crank middle"
+    "#);
+    insta::assert_snapshot!(with("name = \"C\"\n", ""), @r#"
+    m.toml:13:1: markers[2]: missing key "name"
+      help: add "name", a string: Name of the marker: letters, digits, blanks, `_` and `-`; it begins with a letter, a digit or `_`.
+    m.toml:58:6: joints[2].at: there is no marker "C"
+      help: give three coordinates, or a marker by its name; the markers are "A", "B", "crank middle"
+    m.toml:63:22: joints[3].points[1]: there is no marker "C"
+      help: give three coordinates, or a marker by its name; the markers are "A", "B", "crank middle"
+    m.toml:67:16: springs[0].points[1]: there is no marker "C"
+      help: give three coordinates, or a marker by its name; the markers are "A", "B", "crank middle"
+    m.toml:78:6: sensors[0].at: there is no marker "C"
+      help: give three coordinates, or a marker by its name; the markers are "A", "B", "crank middle"
+    m.toml:88:16: sensors[2].points[1]: there is no marker "C"
+      help: give three coordinates, or a marker by its name; the markers are "A", "B", "crank middle"
+    "#);
+    insta::assert_snapshot!(with("at = [0, 0, 0]", "at = [0, nan, 0]"), @r#"
+    m.toml:8:10: markers[0].at[1]: nan is not a finite number
+      help: Point in the reference configuration, along the axes of space, or of `on` from its origin (length).
+    "#);
+    insta::assert_snapshot!(with("at = [0, 0, 0]", "at = \"B\""), @r#"
+    m.toml:8:6: markers[0].at: expected a list of 3 numbers, found the string "B"
+      help: Point in the reference configuration, along the axes of space, or of `on` from its origin (length).
+    "#);
+    insta::assert_snapshot!(with("at = [0, 0, 0]\n", ""), @r#"
+    m.toml:6:1: markers[0]: missing key "at"
+      help: add "at", a list of 3 numbers: Point in the reference configuration, along the axes of space, or of `on` from its origin (length).
+    "#);
+    insta::assert_snapshot!(with("at = [0, 0, 0]", "at = [0, 0, 0]\naxes = [[1, 1, 0], [-2, -2, 0]]"), @r#"
+    m.toml:9:8: markers[0].axes: the two directions are parallel
+      help: give two directions that span a plane
+    "#);
+    insta::assert_snapshot!(with("at = [0, 0, 0]", "at = [0, 0, 0]\naxes = [[1, 1, 0], [0, 0, 0]]"), @r#"
+    m.toml:9:8: markers[0].axes[1]: the direction has length 0
+      help: give a direction of any length above 0
+    "#);
+    insta::assert_snapshot!(super::with("title = \"t\"", "title = \"t\"\nmarkers = \"A\""), @r#"
+    m.toml:2:11: markers: expected a list of tables, found the string "A"
+      help: Points and axes with names, by which other keys give points and directions.
+    "#);
+    // The mass of a body is checked although the place of a joint is unknown.
+    insta::assert_snapshot!(errors(&BY_MARKERS.replace("at = \"C\"", "at = \"Q\"").replace("mass = 2.0", "mass = -2.0")), @r#"
+    m.toml:30:8: bodies[1].mass: the mass is -2; it must be above 0
+      help: give a positive number in the model's units
+    m.toml:59:6: joints[2].at: there is no marker "Q"
+      help: give three coordinates, or a marker by its name; the markers are "A", "B", "C", "crank middle"
+    m.toml:79:6: sensors[0].at: there is no marker "Q"
+      help: give three coordinates, or a marker by its name; the markers are "A", "B", "C", "crank middle"
+    "#);
+}
+
+/// A marker on a body without axes has no place, and the body is told, too.
+#[test]
+fn a_body_without_axes_carries_no_marker() {
+    let text = BY_MARKERS.replace("name = \"C\"\non = \"B\"", "name = \"C\"\non = \"rocker\"");
+    let flat =
+        |axes: &str| text.replace("at = [1.0, 0.25, 0.0]", &format!("at = [1.0, 0.25, 0.0]\naxes = {axes}"));
+    insta::assert_snapshot!(errors(&flat("[[0, 1, 0], [0, 2, 0]]")), @r#"
+    m.toml:15:6: markers[2].on: the body "rocker" has no axes for a marker
+      help: give its `axes` as two directions that span a plane
+    m.toml:35:8: bodies[2].axes: the two directions are parallel
+      help: give two directions that span a plane
+    "#);
+    insta::assert_snapshot!(errors(&flat("[\"A.x\", \"-A.x\"]")), @r#"
+    m.toml:35:8: bodies[2].axes: the two directions are parallel
+      help: give two directions that span a plane
+    m.toml:60:6: joints[2].at: the marker has no place
+      help: check the marker and what it is on
+    "#);
+}
+
+/// A chain of any length is placed without recursion.
+#[test]
+fn long_chains_of_markers_are_placed() {
+    const LENGTH: usize = 20_000;
+    let mut text = BY_MARKERS.replace("at = \"C\"", "at = \"m0\"");
+    for i in 0..LENGTH {
+        let on = if i + 1 < LENGTH { format!("on = \"m{}\"\n", i + 1) } else { String::new() };
+        text += &format!("[[markers]]\nname = \"m{i}\"\nat = [0.5, 0, 0]\n{on}");
+    }
+    let model = parse(&text).unwrap().model;
+    let Joint::Spherical(ball) = &model.joints[2] else { panic!("{:?}", model.joints) };
+    assert_eq!(ball.at, [0.5 * LENGTH as f64, 0.0, 0.0]);
+    let found = parse(&(text + "on = \"m0\"\n")).unwrap_err();
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert!(found[0].message.starts_with("the place depends on itself: m0 → m1 → "), "{}", found[0].message);
+}
+
+/// Keys with three numbers that are neither points nor directions.
+const NO_PLACES: [&str; 12] = [
+    "value",
+    "velocity",
+    "angular_velocity",
+    "inertia",
+    "products_of_inertia",
+    "size",
+    "stiffness",
+    "strain",
+    "curvature",
+    "membrane",
+    "bending",
+    "sweep",
+];
+
+/// Parts of the model file without points and directions that a marker could give.
+const OTHERS: [&str; 2] = [".materials", ".markers"];
+
+/// Each key with three numbers is a point or a direction and takes markers, or is listed as neither.
+#[test]
+fn all_points_and_directions_take_markers() {
+    fn walk(root: &Value, schema: &Value, path: &str, kind: Option<Kind>, marked: &mut Vec<String>) {
+        let kind = Kind::of(schema).or(kind);
+        match wanted(root, schema) {
+            Wanted::Table(table) => {
+                let keys = table.keys().map(|key| (key, table.get(key).unwrap()));
+                keys.for_each(|(key, schema)| walk(root, schema, &format!("{path}.{key}"), None, marked));
+            }
+            Wanted::Tagged(branches) => {
+                for key in branches.iter().flat_map(|(_, table)| table.keys().map(|key| (key, *table))) {
+                    let (key, table) = key;
+                    walk(root, table.get(key).unwrap(), &format!("{path}.{key}"), None, marked);
+                }
+            }
+            Wanted::Named(items) => walk(root, items, path, kind, marked),
+            Wanted::List(items, low, high) => {
+                if !matches!(wanted(root, items), Wanted::Number) {
+                    return walk(root, items, path, kind, marked);
+                }
+                let key = path.rsplit('.').next().unwrap();
+                let place = (low, high) == (3, 3)
+                    && !NO_PLACES.contains(&key)
+                    && !OTHERS.iter().any(|other| path.starts_with(other));
+                assert_eq!(place, kind.is_some(), "{path}: is it a point or a direction?");
+                marked.extend(kind.map(|kind| format!("{path} {kind:?}")));
+            }
+            _ => {}
+        }
+    }
+    let root = schema();
+    let mut marked = Vec::new();
+    walk(&root, &root, "", None, &mut marked);
+    for one in [
+        ".bodies.at Point",
+        ".bodies.axes Direction",
+        ".joints.at Point",
+        ".joints.axis Direction",
+        ".joints.axes Direction",
+        ".joints.points Point",
+        ".springs.points Point",
+        ".torsion_springs.axis Direction",
+        ".sensors.at Point",
+        ".sensors.points Point",
+        ".sensors.axis Direction",
+        ".beams.points Point",
+        ".beams.direction Direction",
+        ".output.points.at Point",
+    ] {
+        assert!(marked.iter().any(|m| m == one), "{one}: {marked:#?}");
+    }
+    let places = serde_json::to_string(&root).unwrap();
+    assert!(places.contains(KEYWORD) && !super::super::schema_text().contains(KEYWORD));
+}
+
+proptest! {
+    #[test]
+    fn no_change_of_markers_panics(
+        changes in proptest::collection::vec((any::<prop::sample::Index>(), 0..30usize, "([a-z\\[\\]{}=.,\"0-9\né-]|\"A\"|on = |\"C\\.x\"){0,4}"), 1..5),
+    ) {
+        let mut text = BY_MARKERS.to_owned();
+        for (place, removed, inserted) in changes {
+            let letters: Vec<char> = text.chars().collect();
+            let start = place.index(letters.len() + 1);
+            let end = (start + removed).min(letters.len());
+            text = letters[..start].iter().chain(&inserted.chars().collect::<Vec<_>>()).chain(&letters[end..]).collect();
+        }
+        check(&text)?;
+    }
+}
