@@ -18,10 +18,12 @@ pub struct Bushing {
     /// or a set with one node where the bushing has no stiffness and damping of rotations.
     pub between: [String; 2],
     /// Place of the bushing in the reference configuration: the point of both sides whose distance it resists (length).
+    #[schemars(extend("x-marker" = "point"))]
     pub at: [f64; 3],
     /// Direction of the first axis, and a second direction in the plane of the first two axes, in the reference configuration; the axes
     /// of space unless given.
     #[serde(default = "axes_of_space")]
+    #[schemars(extend("x-marker" = "direction"))]
     pub axes: [[f64; 3]; 2],
     /// Stiffness of displacements [force/length] and of rotations [force·length/rad].
     #[serde(default, skip_serializing_if = "Option::is_none")]
