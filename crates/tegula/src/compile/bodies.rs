@@ -74,6 +74,7 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         torsion_spring_values(spring, &format!("torsion_springs[{i}]"), c);
     }
     super::guided_axes::keys(model, c);
+    super::couplings::keys(model, c);
 }
 
 /// Bodies of a static analysis that nothing holds.
@@ -82,13 +83,13 @@ fn held(model: &Model, c: &mut Checker) {
     let springs = model.springs.iter().flat_map(|spring| &spring.between);
     let torsion = model.torsion_springs.iter().flat_map(|spring| &spring.between);
     let sides: Vec<&String> = joints.chain(springs).chain(torsion).collect();
-    let loose = |body: &RigidBody| body.attached.is_empty() && !sides.contains(&&body.name);
+    let loose = |body: &RigidBody| !body.is_on_nodes() && !sides.contains(&&body.name);
     for (i, body) in model.bodies.iter().enumerate().filter(|(_, body)| loose(body)) {
         let message = format!("nothing holds body \"{}\" in a static or modal analysis", body.name);
         c.add(
             format!("bodies[{i}]"),
             message,
-            "connect it by a joint or a spring, attach nodes to it, or leave it out",
+            "connect it by a joint or a spring, give it `attached` or `distributed` nodes, or leave it out",
         );
     }
 }

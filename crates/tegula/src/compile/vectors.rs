@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::sections::Elements;
-use super::{bodies, patches};
+use super::{bodies, couplings, patches};
 use crate::constraint::{Joint, Spring, TorsionSpring};
 use crate::element::VectorKind;
 use crate::element::geometry::tangents;
@@ -68,8 +68,10 @@ impl Vectors {
         for attached in coordinates.attached() {
             elements.unit.remove(&attached.vector);
         }
+        let mut joints = bodies::joints(model, mesh, coordinates, issues);
+        couplings::add((model, mesh), (coordinates, elements), &mut joints, issues);
         (
-            bodies::joints(model, mesh, coordinates, issues),
+            joints,
             bodies::springs(model, mesh, coordinates, issues),
             bodies::torsion_springs(model, mesh, coordinates, issues),
         )

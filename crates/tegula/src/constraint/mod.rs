@@ -9,6 +9,7 @@
 //! 67 (2006) 499–552.
 
 mod attachment;
+pub mod distributing;
 mod foundation;
 pub mod joint;
 pub mod joints;

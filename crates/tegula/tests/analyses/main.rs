@@ -9,6 +9,7 @@ mod common;
 mod beams;
 mod composition;
 mod contracts;
+mod couplings;
 mod critical_points;
 mod drives;
 mod dynamics;

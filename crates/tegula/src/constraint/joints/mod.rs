@@ -52,7 +52,7 @@ impl End {
     }
 
     /// Axis of the end along a direction of the reference configuration; `None` for points.
-    fn axis(&self, along: &Vec3) -> Option<Attachment> {
+    pub(super) fn axis(&self, along: &Vec3) -> Option<Attachment> {
         match self {
             Self::Ground => Some(Attachment::ground(*along)),
             Self::Body { vectors: (_, directors), reference: (_, axes), .. } => {
