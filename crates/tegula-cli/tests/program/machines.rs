@@ -20,6 +20,25 @@ fn the_plate_on_a_hub_swings_as_a_physical_pendulum() {
     assert!(s["balance"]["moment"].as_f64().unwrap() < 1e-9, "{s}");
 }
 
+/// R. Bredt's formula for closed thin sections, of the circle and of the polygon of the mesh; the torque goes through the coupling.
+#[test]
+fn a_torque_turns_the_end_of_the_tube_as_a_thin_closed_section() {
+    let column = history_of("tube_torque.toml");
+    let last = |name: &str| *column(name).last().unwrap();
+    let (radius, thickness, length, corners) = (0.05_f64, 0.002, 0.5, 32.0);
+    let area = 0.5 * corners * radius * radius * (TAU / corners).sin();
+    let perimeter = 2.0 * corners * radius * (PI / corners).sin();
+    let twist = |area: f64, perimeter: f64| {
+        let constant = 4.0 * area * area * thickness / perimeter;
+        (1000.0 * length / (2.1e11 / 2.6 * constant)).to_degrees()
+    };
+    let [circle, polygon] = [twist(PI * radius * radius, TAU * radius), twist(area, perimeter)];
+    let found = last("sensor.twist.angle");
+    assert!(found > circle * 0.99 && found < polygon * 1.01, "{circle} {found} {polygon}");
+    assert!((last("joint.flange.mz") / 1000.0 - 1.0).abs() < 1e-9);
+    assert!(last("balance.moment") < 1e-9);
+}
+
 /// Runs an example and gives the columns of its history by name.
 fn history_of(name: &str) -> impl Fn(&str) -> Vec<f64> + use<> {
     let [history] = histories_of(name, [""]);

@@ -155,10 +155,11 @@ impl Constraints {
         let (end, time) = (end_of(system, motion), end_time(motion, time));
         for joint in system.joints.iter() {
             let drive = system.drive_value(joint, time);
-            let v = &of_joint(joint, &end)[..joint.vectors.len()];
-            for (i, row) in joint.multipliers().zip(&joint.rows) {
-                self.right[i] = row.value(v, drive) + product(&self.ends[i], x);
-            }
+            joint.with_vectors(&end, |v, _| {
+                for (i, row) in joint.multipliers().zip(&joint.rows) {
+                    self.right[i] = row.value(v, drive) + product(&self.ends[i], x);
+                }
+            });
         }
         self.change_by_multipliers(multipliers, x);
     }
@@ -178,22 +179,30 @@ impl Constraints {
     pub fn rates(&mut self, system: &System, (motion, time): (&Motion, f64), rates: Rates) -> &[f64] {
         let (end, time) = (end_of(system, motion), end_time(motion, time));
         for joint in system.joints.iter() {
-            let n = joint.vectors.len();
             let drive = system.drive(joint, time);
-            let q = of_joint(joint, &end);
-            let of = |field: &[Nodal]| of_joint(joint, |v| Vec3::from(field[v]));
-            for (i, row) in joint.multipliers().zip(&joint.rows) {
-                let along = |field: &[Nodal]| {
-                    let mut gradient = [Vec3::zeros(); MOST_VECTORS];
-                    row.add_gradient(1.0, &q[..n], drive.value, &mut gradient[..n]);
-                    gradient[..n].iter().zip(&of(field)).map(|(g, x)| g.dot(x)).sum::<f64>()
-                };
-                self.right[i] = match rates {
-                    Rates::First(v) => along(v) + row.driven_rate(&q[..n], drive),
-                    Rates::Second(v, a) => along(a) + row.velocity_term(&q[..n], &of(v)[..n], drive),
-                    Rates::Along(field) => along(field),
-                };
-            }
+            let of = |field: &[Nodal], v: usize| Vec3::from(field[v]);
+            joint.with_vectors(&end, |q, gradient| {
+                for (i, row) in joint.multipliers().zip(&joint.rows) {
+                    let mut along = |field: &[Nodal]| {
+                        gradient.fill(Vec3::zeros());
+                        row.add_gradient(1.0, q, drive.value, gradient);
+                        gradient
+                            .iter()
+                            .zip(&joint.vectors)
+                            .map(|(g, &v)| g.dot(&of(field, v as usize)))
+                            .sum::<f64>()
+                    };
+                    self.right[i] = match rates {
+                        Rates::First(v) => along(v) + row.driven_rate(q, drive),
+                        Rates::Second(v, a) => {
+                            let term =
+                                joint.with_vectors(|k| of(v, k), |v, _| row.velocity_term(q, v, drive));
+                            along(a) + term
+                        }
+                        Rates::Along(field) => along(field),
+                    };
+                }
+            });
         }
         &self.right
     }
@@ -310,18 +319,18 @@ impl Constraints {
         out: impl Fn(&mut Self) -> &mut Vec<Gradient>,
     ) {
         for joint in system.joints.iter() {
-            let n = joint.vectors.len();
-            let v = of_joint(joint, &value);
             let drive = system.drive_value(joint, time);
-            for (i, row) in joint.multipliers().zip(&joint.rows) {
-                let mut forces = [Vec3::zeros(); MOST_VECTORS];
-                row.add_gradient(1.0, &v[..n], drive, &mut forces[..n]);
-                let gradient = &mut out(self)[i];
-                gradient.clear();
-                for (&v, g) in joint.vectors.iter().zip(&forces).filter(|(_, g)| **g != Vec3::zeros()) {
-                    frames.reduce_one(v as usize, g, |number, x| add_entry(gradient, number, x));
+            joint.with_vectors(&value, |v, forces| {
+                for (i, row) in joint.multipliers().zip(&joint.rows) {
+                    forces.fill(Vec3::zeros());
+                    row.add_gradient(1.0, v, drive, forces);
+                    let gradient = &mut out(self)[i];
+                    gradient.clear();
+                    for (&v, g) in joint.vectors.iter().zip(&*forces).filter(|(_, g)| **g != Vec3::zeros()) {
+                        frames.reduce_one(v as usize, g, |number, x| add_entry(gradient, number, x));
+                    }
                 }
-            }
+            });
         }
     }
 
@@ -329,13 +338,16 @@ impl Constraints {
     pub fn violation(&self, system: &System, (motion, time): (&Motion, f64), limit: f64) -> Option<String> {
         let (end, time) = (end_of(system, motion), end_time(motion, time));
         for joint in system.joints.iter() {
-            let v = &of_joint(joint, &end)[..joint.vectors.len()];
             let drive = system.drive_value(joint, time);
-            if !joint.rows.iter().all(|row| row.is_on_branch(v, drive)) {
+            let (on_branch, worst) = joint.with_vectors(&end, |v, _| {
+                let values = joint.rows.iter().map(|row| row.value(v, drive).abs() / row.size);
+                let on_branch = joint.rows.iter().all(|row| row.is_on_branch(v, drive));
+                (on_branch, values.reduce(crate::norm::larger))
+            });
+            if !on_branch {
                 return Some(format!("joint \"{}\" is half a turn away from its angle", joint.name));
             }
-            let worst = joint.rows.iter().map(|row| row.value(v, drive).abs() / row.size);
-            let worst = worst.reduce(crate::norm::larger)?;
+            let worst = worst?;
             if !(worst <= limit) {
                 return Some(format!("joint \"{}\" is open by {worst:.1e} of the model's size", joint.name));
             }
@@ -358,16 +370,10 @@ fn end_time(motion: &Motion, time: f64) -> f64 {
     }
 }
 
-/// Values of the nodal vectors of a joint, in the order of its list.
-fn of_joint(joint: &Joint, value: impl Fn(usize) -> Vec3) -> [Vec3; MOST_VECTORS] {
-    let mut out = [Vec3::zeros(); MOST_VECTORS];
-    out.iter_mut().zip(&joint.vectors).for_each(|(x, &v)| *x = value(v as usize));
-    out
-}
-
-/// Adds to the entry of a number.
+/// Adds to the entry of a number. Vectors that share degrees of freedom belong to bodies, which stand at the beginning of a
+/// list; the many nodes of a coupling behind them have their own.
 fn add_entry(gradient: &mut Gradient, number: u32, x: f64) {
-    match gradient.iter_mut().find(|(n, _)| *n == number) {
+    match gradient.iter_mut().take(3 * MOST_VECTORS).find(|(n, _)| *n == number) {
         Some((_, sum)) => *sum += x,
         None => gradient.push((number, x)),
     }

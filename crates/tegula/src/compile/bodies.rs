@@ -75,6 +75,7 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
     }
     super::guided_axes::keys(model, c);
     super::bushings::keys(model, c);
+    super::couplings::keys(model, c);
 }
 
 /// Bodies of a static analysis that nothing holds.
@@ -84,13 +85,13 @@ fn held(model: &Model, c: &mut Checker) {
     let torsion = model.torsion_springs.iter().flat_map(|spring| &spring.between);
     let bushings = model.bushings.iter().flat_map(|bushing| &bushing.between);
     let sides: Vec<&String> = joints.chain(springs).chain(torsion).chain(bushings).collect();
-    let loose = |body: &RigidBody| body.attached.is_empty() && !sides.contains(&&body.name);
+    let loose = |body: &RigidBody| !body.is_on_nodes() && !sides.contains(&&body.name);
     for (i, body) in model.bodies.iter().enumerate().filter(|(_, body)| loose(body)) {
         let message = format!("nothing holds body \"{}\" in a static or modal analysis", body.name);
         c.add(
             format!("bodies[{i}]"),
             message,
-            "connect it by a joint, a spring or a bushing, attach nodes to it, or leave it out",
+            "connect it by a joint, a spring or a bushing, give it `attached` or `distributed` nodes, or leave it out",
         );
     }
 }

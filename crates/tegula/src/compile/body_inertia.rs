@@ -29,7 +29,7 @@ pub(super) fn values(body: &RigidBody, key: &str, c: &mut Checker) {
         c.add(
             format!("{key}.axes"),
             format!("body \"{name}\" is a point mass, which has no axes"),
-            "give `inertia`, a shape or `attached`, or leave the axes out",
+            "give `inertia`, a shape, `attached` or `distributed`, or leave the axes out",
         );
     }
     let wrong = match (&body.shape, body.inertia, body.mass, body.density) {
@@ -39,7 +39,7 @@ pub(super) fn values(body: &RigidBody, key: &str, c: &mut Checker) {
         (Some(BodyShape::Rod(_)), _, None, Some(_)) => {
             Some(("density", "is a rod, which has no volume", "give `mass`"))
         }
-        (None, None, None, None) if !body.attached.is_empty() => None,
+        (None, None, None, None) if body.is_on_nodes() => None,
         (_, _, None, None) => Some(("mass", "has no mass", "give `mass`")),
         _ => None,
     };

@@ -200,6 +200,9 @@ fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
         for (k, set) in body.attached.iter().enumerate() {
             c.set(mesh, format!("bodies[{i}].attached[{k}]"), set, "nodes", Mesh::nodes_on);
         }
+        for (k, set) in body.distributed.iter().enumerate() {
+            c.set(mesh, format!("bodies[{i}].distributed[{k}]"), set, "nodes", Mesh::nodes_on);
+        }
     }
     for (i, load) in model.loads.iter().enumerate() {
         let key = format!("loads[{i}].on");

@@ -11,6 +11,7 @@ mod check_material;
 mod check_modal;
 mod check_sections;
 mod congruence;
+mod couplings;
 mod force_sets;
 mod foundations;
 mod guided_axes;
@@ -299,6 +300,8 @@ impl<'a> Compiler<'a> {
         let vectors = &self.vectors;
         let supports = supports(&step.model, self.mesh, vectors, names, issues);
         issues.extend(patches::supported(&supports, &vectors.coordinates, self.mesh));
+        let at = (supports.as_slice(), &*vectors.coordinates);
+        issues.extend(couplings::held(&step.model, &self.joints, at, self.mesh));
         let current = self.current(start);
         let (triads, attached) = (vectors.coordinates.triads(), vectors.coordinates.attached());
         match LocalFrames::new(&supports, &self.unit, (&triads, &attached), &current) {

@@ -1,8 +1,10 @@
 //! Outline of the bodies, beams and springs of a model.
 //!
 //! A body with a shape has its faces, one with a surface of triangles that surface; one without is drawn by lines from its mass centre to
-//! its joints, springs and attached nodes. A beam is drawn with its cross-section, or as a line where only section constants are known.
+//! its joints, springs, and attached or distributed nodes. A beam is drawn with its cross-section, or as a line where only section constants are known.
 //! Springs and rods without mass are lines.
+
+use std::collections::BTreeSet;
 
 use super::place::{Place, ends};
 use crate::Vec3;
@@ -64,6 +66,15 @@ impl Drawing<'_> {
             let is_position = |vector: u32| kinds[vector as usize] == VectorKind::Position;
             for node in body.attached.iter().filter(|attached| is_position(attached.vector)) {
                 self.out.line([Attachment::vector(body.centre), Attachment::vector(node.vector)], owner);
+            }
+            let followed =
+                data.distributed.iter().flat_map(|set| self.place.mesh.nodes_on(set).unwrap_or_default());
+            let followed: BTreeSet<u32> = followed
+                .map(|node| self.place.coordinates.position_of[node as usize])
+                .filter(|v| *v != u32::MAX)
+                .collect();
+            for position in followed {
+                self.out.line([Attachment::vector(body.centre), Attachment::vector(position)], owner);
             }
             return;
         };

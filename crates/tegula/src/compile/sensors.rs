@@ -36,7 +36,9 @@ pub(super) fn keys(model: &Model, joints: &[model::Joint], c: &mut Checker) {
                 keys.at.iter().for_each(|x| c.finite(&format!("{key}.at"), "the point", x));
             }
             model::Sensor::Reaction(keys) => {
-                let joints: Vec<String> = joints.iter().map(|j| j.common().name().to_owned()).collect();
+                let coupled = model.bodies.iter().filter(|body| !body.distributed.is_empty());
+                let joints = joints.iter().map(|j| j.common().name().to_owned());
+                let joints: Vec<String> = joints.chain(coupled.map(|body| body.name.clone())).collect();
                 if !joints.contains(&keys.joint) {
                     c.missing(format!("{key}.joint"), "joint", &keys.joint, joints.iter());
                 }

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::sections::Elements;
-use super::{bodies, bushings, patches};
+use super::{bodies, bushings, couplings, patches};
 use crate::constraint::{Bushing, Joint, Spring, TorsionSpring};
 use crate::element::VectorKind;
 use crate::element::geometry::tangents;
@@ -80,8 +80,10 @@ impl Vectors {
         for attached in coordinates.attached() {
             elements.unit.remove(&attached.vector);
         }
+        let mut joints = bodies::joints(model, mesh, coordinates, issues);
+        couplings::add((model, mesh), (coordinates, elements), &mut joints, issues);
         Connections {
-            joints: bodies::joints(model, mesh, coordinates, issues),
+            joints,
             springs: bodies::springs(model, mesh, coordinates, issues),
             torsion_springs: bodies::torsion_springs(model, mesh, coordinates, issues),
             bushings: bushings::bushings(model, mesh, coordinates, issues),

@@ -5,11 +5,13 @@ use std::sync::Arc;
 
 use super::{Attachment, DriveValue, Quantity, Row};
 use crate::Vec3;
-use crate::element::{ElementGroup, GroupPoint, Motion, TangentRequest};
+use crate::element::{ElementGroup, GroupPoint, Motion, TangentRequest, TangentWeights};
 use crate::load::TimeFunction;
 
-/// Most nodal vectors of a joint: two rigid bodies have eight.
+/// Most nodal vectors of a joint of two bodies: two rigid bodies have eight.
 pub const MOST_VECTORS: usize = 8;
+/// Most nodal vectors of a [distributing coupling](super::distributing), whose constraints couple all of them with each other.
+pub const MOST_COUPLED_VECTORS: usize = 1024;
 
 /// Values at the nodal vectors of a joint or a spring.
 pub(super) type Few = [Vec3; MOST_VECTORS];
@@ -150,6 +152,41 @@ impl Joint {
         }
     }
 
+    /// Result of an evaluation with the values of the joint's nodal vectors and as many zeros for a gradient; both lie on the
+    /// stack, as time steps allocate nothing.
+    pub fn with_vectors<R>(
+        &self,
+        value: impl Fn(usize) -> Vec3,
+        evaluate: impl FnOnce(&[Vec3], &mut [Vec3]) -> R,
+    ) -> R {
+        if self.vectors.len() <= MOST_VECTORS {
+            self.with_arrays::<MOST_VECTORS, R>(value, evaluate)
+        } else {
+            self.with_many_vectors(value, evaluate)
+        }
+    }
+
+    /// Evaluation with the large arrays of a coupling, apart from that of all other joints.
+    #[inline(never)]
+    fn with_many_vectors<R>(
+        &self,
+        value: impl Fn(usize) -> Vec3,
+        evaluate: impl FnOnce(&[Vec3], &mut [Vec3]) -> R,
+    ) -> R {
+        self.with_arrays::<MOST_COUPLED_VECTORS, R>(value, evaluate)
+    }
+
+    fn with_arrays<const N: usize, R>(
+        &self,
+        value: impl Fn(usize) -> Vec3,
+        evaluate: impl FnOnce(&[Vec3], &mut [Vec3]) -> R,
+    ) -> R {
+        let n = self.vectors.len();
+        let (mut vectors, mut gradient) = ([Vec3::zeros(); N], [Vec3::zeros(); N]);
+        vectors.iter_mut().zip(&self.vectors).for_each(|(x, &v)| *x = value(v as usize));
+        evaluate(&vectors[..n], &mut gradient[..n])
+    }
+
     /// Numbers of the joint's constraints among those of all joints.
     pub fn multipliers(&self) -> Range<usize> {
         self.first..self.first + self.rows.len()
@@ -231,31 +268,47 @@ impl ElementGroup for JointGroup {
         mut tangent: Option<TangentRequest>,
     ) {
         let n = self.vectors;
-        let (mut vectors, mut gradients) = ([Vec3::zeros(); MOST_VECTORS], [Vec3::zeros(); MOST_VECTORS]);
-        let (v, gradient) = (&mut vectors[..n], &mut gradients[..n]);
         for (e, out) in forces.chunks_mut(3 * n).enumerate() {
             let joint = &self.joints[self.members[first + e]];
-            v.iter_mut().zip(&joint.vectors).for_each(|(v, &vector)| *v = current(k, vector));
             let size = 9 * n * (n + 1) / 2;
-            let mut blocks = tangent.as_mut().map(|t| (t.weights, &mut t.blocks[e * size..][..size]));
-            if let Some((_, blocks)) = &mut blocks {
-                blocks.fill(0.0);
+            let blocks = tangent.as_mut().map(|t| (t.weights, &mut t.blocks[e * size..][..size]));
+            joint.with_vectors(
+                |v| current(k, v as u32),
+                |v, gradient| joint.evaluate(k, (v, gradient), out, blocks),
+            );
+        }
+    }
+}
+
+impl Joint {
+    /// Forces of the constraints on the nodal vectors v, and lower blocks of their tangent; `gradient` is scratch space.
+    fn evaluate(
+        &self,
+        k: &GroupPoint,
+        (v, gradient): (&[Vec3], &mut [Vec3]),
+        out: &mut [f64],
+        mut blocks: Option<(TangentWeights, &mut [f64])>,
+    ) {
+        if let Some((_, blocks)) = &mut blocks {
+            blocks.fill(0.0);
+        }
+        out.fill(0.0);
+        let drive = self.drive_value(k.drives);
+        for (number, row) in self.multipliers().zip(&self.rows) {
+            gradient.fill(Vec3::zeros());
+            row.add_gradient(1.0, v, drive, gradient);
+            // Forces of unknown multipliers must not look like none.
+            let multiplier = k.multipliers.get(number).copied().unwrap_or(f64::NAN);
+            for (out, g) in out.chunks_exact_mut(3).zip(gradient.iter()) {
+                (0..3).for_each(|i| out[i] += multiplier * g[i]);
             }
-            out.fill(0.0);
-            let drive = joint.drive_value(k.drives);
-            for (number, row) in joint.multipliers().zip(&joint.rows) {
-                gradient.fill(Vec3::zeros());
-                row.add_gradient(1.0, v, drive, gradient);
-                // Forces of unknown multipliers must not look like none.
-                let multiplier = k.multipliers.get(number).copied().unwrap_or(f64::NAN);
-                for (out, g) in out.chunks_exact_mut(3).zip(gradient.iter()) {
-                    (0..3).for_each(|i| out[i] += multiplier * g[i]);
+            if let Some((weights, blocks)) = &mut blocks {
+                let weight = row.weight(weights);
+                if weight != 0.0 {
+                    augment(gradient, weight, blocks);
                 }
-                if let Some((weights, blocks)) = &mut blocks {
-                    augment(gradient, row.weight(weights), blocks);
-                    if weights.multiplier != 0.0 {
-                        row.add_second_derivative(weights.multiplier * multiplier, drive, blocks);
-                    }
+                if weights.multiplier != 0.0 {
+                    row.add_second_derivative(weights.multiplier * multiplier, drive, blocks);
                 }
             }
         }

@@ -11,6 +11,7 @@
 mod attachment;
 mod bushing;
 mod bushing_group;
+pub mod distributing;
 mod foundation;
 pub mod joint;
 pub mod joints;

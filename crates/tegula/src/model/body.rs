@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::surface::TriangulatedSurface;
 use crate::{Mat3, Vec3};
 
-/// A rigid body, or without `inertia`, `shape` and `attached` a point mass.
+/// A rigid body, or without `inertia`, `shape`, `attached` and `distributed` a point mass.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RigidBody {
@@ -44,6 +44,11 @@ pub struct RigidBody {
     /// no mass of its own then.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub attached: Vec<String>,
+    /// Sets of the mesh whose weighted mean motion the body follows, and to whose nodes it distributes its forces and moments: a
+    /// distributing coupling (RBE3), which does not stiffen the shell. Nodes have the lengths or areas around them as weights. The body
+    /// needs no mass of its own then.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub distributed: Vec<String>,
     /// Velocity of the mass centre at the start [length/time].
     #[serde(default)]
     pub velocity: [f64; 3],
@@ -65,6 +70,7 @@ impl RigidBody {
             density: None,
             axes: axes_of_space(),
             attached: Vec::new(),
+            distributed: Vec::new(),
             velocity: [0.0; 3],
             angular_velocity: [0.0; 3],
         }
@@ -72,7 +78,12 @@ impl RigidBody {
 
     /// Whether it is a point mass, which has no axes.
     pub fn is_point_mass(&self) -> bool {
-        self.inertia.is_none() && self.shape.is_none() && self.attached.is_empty()
+        self.inertia.is_none() && self.shape.is_none() && !self.is_on_nodes()
+    }
+
+    /// Whether nodes of the mesh are attached to it, or it follows their mean motion.
+    pub fn is_on_nodes(&self) -> bool {
+        !self.attached.is_empty() || !self.distributed.is_empty()
     }
 }
 

@@ -23,11 +23,16 @@ pub(super) struct BodyCurvature {
 impl BodyCurvature {
     /// Buffers for a system.
     pub fn new(system: &System) -> Self {
-        let most = system.groups.iter().map(|group| group.vectors_per_element()).max().unwrap_or(0);
+        // A group of one coupling of many vectors does not need room for a whole batch of them.
+        let most = |size: &dyn Fn(usize) -> usize| {
+            let of_group =
+                |group: &dyn ElementGroup| size(group.vectors_per_element()) * group.len().min(ALIGNMENT);
+            system.groups.iter().map(|group| of_group(group.as_ref())).max().unwrap_or(0)
+        };
         Self {
             sums: vec![Mat3::zeros(); system.dofs().triads.len()],
-            forces: vec![0.0; 3 * most * ALIGNMENT],
-            blocks: vec![0.0; 9 * pairs(most) * ALIGNMENT],
+            forces: vec![0.0; 3 * most(&|n| n)],
+            blocks: vec![0.0; 9 * most(&pairs)],
         }
     }
 

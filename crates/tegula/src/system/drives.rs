@@ -2,7 +2,6 @@
 
 use super::System;
 use crate::Vec3;
-use crate::constraint::joint::MOST_VECTORS;
 use crate::constraint::{DriveValue, Joint, Row};
 use crate::element::Nodal;
 use crate::norm::larger;
@@ -24,14 +23,14 @@ impl System {
     ) -> f64 {
         let mut work = 0.0;
         for joint in self.joints.iter().filter(|joint| joint.drive.is_some()) {
-            let n = joint.vectors.len();
             let drive = self.drive_value(joint, time);
-            let middle = self.vectors_of(joint, |v| (Vec3::from(old[v]) + Vec3::from(new[v])) * 0.5);
-            let mut gradient = [Vec3::zeros(); MOST_VECTORS];
-            for (number, row) in joint.multipliers().zip(&joint.rows) {
-                row.add_gradient(-multiplier(number), &middle[..n], drive, &mut gradient[..n]);
-            }
-            work += along(joint, &gradient, |v| Vec3::from(new[v]) - Vec3::from(old[v]));
+            let middle = |v| (Vec3::from(old[v]) + Vec3::from(new[v])) * 0.5;
+            work += joint.with_vectors(self.displaced(middle), |middle, gradient| {
+                for (number, row) in joint.multipliers().zip(&joint.rows) {
+                    row.add_gradient(-multiplier(number), middle, drive, gradient);
+                }
+                along(joint, gradient, |v| Vec3::from(new[v]) - Vec3::from(old[v]))
+            });
         }
         work
     }
@@ -48,11 +47,10 @@ impl System {
             let change = self.drive_value(joint, end.1) - self.drive_value(joint, start.1);
             for (u, time, multipliers) in [start, end] {
                 let drive = DriveValue { rate: change, ..self.drive(joint, time) };
-                let v = self.vectors_of(joint, |v| Vec3::from(u[v]));
                 let rows = joint.multipliers().zip(&joint.rows);
-                work += rows
-                    .map(|(i, row)| 0.5 * multipliers[i] * row.driven_rate(&v[..joint.vectors.len()], drive))
-                    .sum::<f64>();
+                work += joint.with_vectors(self.displaced(|v| Vec3::from(u[v])), |v, _| {
+                    rows.map(|(i, row)| 0.5 * multipliers[i] * row.driven_rate(v, drive)).sum::<f64>()
+                });
             }
         }
         work
@@ -91,35 +89,28 @@ impl System {
     pub fn missed_rate(&self, joint: &Joint, [u, v]: [&[Nodal]; 2], time: f64) -> Option<f64> {
         joint.drive?;
         let drive = self.drive(joint, time);
-        let (row, n) = (joint.rows.first()?, joint.vectors.len());
-        let current = self.vectors_of(joint, |v| Vec3::from(u[v]));
-        let mut gradient = [Vec3::zeros(); MOST_VECTORS];
-        row.add_gradient(1.0, &current[..n], drive.value, &mut gradient[..n]);
-        let own = along(joint, &gradient, |number| Vec3::from(v[number]));
-        Some((own + row.driven_rate(&current[..n], drive)).abs())
+        let row = joint.rows.first()?;
+        Some(self.row_rate(joint, row, [u, v], drive).abs())
     }
 
     /// Largest rate by which velocities `v` at the displacements `u` open a joint: over the length of the model for distances [1/time].
     pub fn opening_rate(&self, joint: &Joint, [u, v]: [&[Nodal]; 2], time: f64) -> f64 {
         let drive = self.drive(joint, time);
-        let n = joint.vectors.len();
-        let current = self.vectors_of(joint, |v| Vec3::from(u[v]));
-        let rate = |row: &Row| {
-            let mut gradient = [Vec3::zeros(); MOST_VECTORS];
-            row.add_gradient(1.0, &current[..n], drive.value, &mut gradient[..n]);
-            let own = along(joint, &gradient, |number| Vec3::from(v[number]));
-            (own + row.driven_rate(&current[..n], drive)).abs() / row.size
-        };
+        let rate = |row: &Row| self.row_rate(joint, row, [u, v], drive).abs() / row.size;
         joint.rows.iter().map(rate).fold(0.0, larger)
     }
 
-    /// Nodal vectors of a joint with given displacements, in the order of its list.
-    fn vectors_of(&self, joint: &Joint, displacement: impl Fn(usize) -> Vec3) -> [Vec3; MOST_VECTORS] {
-        let mut out = [Vec3::zeros(); MOST_VECTORS];
-        for (x, &v) in out.iter_mut().zip(&joint.vectors) {
-            *x = Vec3::from(self.coordinates.reference[v as usize]) + displacement(v as usize);
-        }
-        out
+    /// Rate of a constraint of a joint with velocities `v` at the displacements `u`.
+    fn row_rate(&self, joint: &Joint, row: &Row, [u, v]: [&[Nodal]; 2], drive: DriveValue) -> f64 {
+        joint.with_vectors(self.displaced(|v| Vec3::from(u[v])), |current, gradient| {
+            row.add_gradient(1.0, current, drive.value, gradient);
+            along(joint, gradient, |number| Vec3::from(v[number])) + row.driven_rate(current, drive)
+        })
+    }
+
+    /// Nodal vectors with given displacements.
+    fn displaced(&self, displacement: impl Fn(usize) -> Vec3) -> impl Fn(usize) -> Vec3 {
+        move |v| Vec3::from(self.coordinates.reference[v]) + displacement(v)
     }
 }
 

@@ -11,6 +11,7 @@ mod bushing_elements;
 mod bushings;
 mod composition;
 mod contracts;
+mod couplings;
 mod critical_points;
 mod drives;
 mod dynamics;
