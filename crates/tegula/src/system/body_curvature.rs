@@ -25,10 +25,9 @@ impl BodyCurvature {
     pub fn new(system: &System) -> Self {
         // A group of one coupling of many vectors does not need room for a whole batch of them.
         let most = |size: &dyn Fn(usize) -> usize| {
-            let of_group = |group: &Box<dyn ElementGroup>| {
-                size(group.vectors_per_element()) * group.len().min(ALIGNMENT)
-            };
-            system.groups.iter().map(of_group).max().unwrap_or(0)
+            let of_group =
+                |group: &dyn ElementGroup| size(group.vectors_per_element()) * group.len().min(ALIGNMENT);
+            system.groups.iter().map(|group| of_group(group.as_ref())).max().unwrap_or(0)
         };
         Self {
             sums: vec![Mat3::zeros(); system.dofs().triads.len()],
