@@ -50,6 +50,10 @@ fn a_step_allocates_nothing() {
             m.sections[0].retardation_time = 1e-5;
             m.conditions = vec![Condition::Spherical(on("u_min_v_min"))];
             m.loads = vec![Load::Gravity(GravityLoad { value: [0.0, 0.0, -9.81], amplitude: None })];
+            if matches!(scheme, Scheme::EnergyMomentum(_)) {
+                let rim = RigidBody::new("rim", [1.0, 0.5, 1.2], 1.0, Some([0.1; 3]));
+                m.bodies = vec![RigidBody { distributed: vec!["u_max".into()], ..rim }];
+            }
             let time_step = if explicit { None } else { Some(0.01) };
             let options = TransientAnalysis { scheme, time_step, ..TransientAnalysis::new(0.1) };
             m.analysis = Analysis::Transient(options.clone());

@@ -76,6 +76,6 @@ pub struct PointSensor {
 pub struct ReactionSensor {
     /// Name of the sensor in results.
     pub name: String,
-    /// Name of the joint; its components are columns of the history without a sensor.
+    /// Name of the joint, or of a body with `distributed` nodes; the components are columns of the history without a sensor.
     pub joint: String,
 }

@@ -237,8 +237,8 @@ fn the_rotation_is_that_of_the_best_fit_of_the_nodes() {
     let mut m = tube(0.1, 0.3);
     m.bodies = vec![follower("end", [0.0, 0.0, 0.3], &["v_max"])];
     m.loads = vec![
-        Load::Moment(vector_load("end", [10.0, 5.0, 8.0])),
-        Load::Force(vector_load("dent", [5.0, 2.5, 0.0])),
+        Load::Moment(vector_load("end", [5.0, 2.5, 4.0])),
+        Load::Force(vector_load("dent", [2.5, 1.5, 0.0])),
     ];
     let (mesh, system, outcome) = solve(&m);
     let u = &outcome.state.u;
@@ -257,7 +257,7 @@ fn the_rotation_is_that_of_the_best_fit_of_the_nodes() {
     let rotation = svd.u.unwrap() * svd.v_t.unwrap();
     let body = &system.coordinates.bodies[0];
     let found = tegula::Mat3::from_columns(&body.directors.unwrap().map(|d| now(&d)));
-    assert!((rotation - tegula::Mat3::identity()).norm() > 0.05, "it turns: {rotation}");
+    assert!((rotation - tegula::Mat3::identity()).norm() > 0.01, "it turns: {rotation}");
     assert!((found - rotation).norm() < 1e-9, "{found} {rotation}");
     assert!((now(&body.centre) - (after + rotation * (Vec3::new(0.0, 0.0, 0.3) - before))).norm() < 1e-9);
 }
