@@ -227,6 +227,30 @@ at = [0.2, 0.0, 0.0]
     assert_eq!(parse(&named).unwrap().model, parse(&text).unwrap().model);
 }
 
+/// The example is the linkage that its drawing shows, with the coordinates of its hinges.
+#[test]
+fn the_flexible_four_bar_by_markers_is_the_one_by_coordinates() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/flexible_four_bar.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let first = text.find("[[markers]]").unwrap();
+    let behind = first + text[first..].find("[[bodies]]").unwrap();
+    let mut plain = text[..first].to_owned() + &text[behind..];
+    for (name, at) in [
+        ("A", "[0.0, 0.0, 0.0]"),
+        ("B", "[0.0, 0.2, 0.0]"),
+        ("C", "[0.8, 0.2, 0.0]"),
+        ("D", "[0.8, -0.4, 0.0]"),
+    ] {
+        plain = plain.replace(&format!("at = \"{name}\""), &format!("at = {at}"));
+        plain = plain.replace(&format!("\"{name}.x\""), "[1.0, 0.0, 0.0]");
+        plain = plain.replace(&format!("\"{name}.y\""), "[0.0, 1.0, 0.0]");
+        plain = plain.replace(&format!("\"{name}.z\""), "[0.0, 0.0, 1.0]");
+    }
+    let deck = parse(&text).unwrap();
+    assert_eq!(deck.model, parse(&plain).unwrap().model);
+    assert_eq!(deck.warnings, []);
+}
+
 /// Places and axes of a chain of markers and bodies, computed by hand with rotations of the triangle 3, 4, 5.
 #[test]
 fn frames_of_markers_and_bodies_are_carried_along() {
