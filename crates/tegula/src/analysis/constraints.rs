@@ -22,8 +22,8 @@ mod complete_pivoting;
 
 use super::solver::TangentSolver;
 use crate::Vec3;
-use crate::constraint::Joint;
 use crate::constraint::joint::MOST_VECTORS;
+use crate::constraint::{Joint, Row};
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::system::evaluation_point::current_vector;
 use crate::system::{EvaluationPoint, LocalFrames, System};
@@ -69,6 +69,8 @@ pub(super) struct Constraints {
     change: Vec<f64>,
     /// Right side of their equations.
     right: Vec<f64>,
+    /// Largest violation at the last test of a step.
+    violation: f64,
     /// Components and field of a projection.
     free: Vec<f64>,
     field: Vec<Nodal>,
@@ -89,6 +91,7 @@ impl Constraints {
             schur: Schur::new(m),
             change: vec![0.0; m],
             right: vec![0.0; m],
+            violation: f64::INFINITY,
             free: vec![0.0; n],
             field: vec![[0.0; 3]; system.vectors()],
             end_frames: system.frames.clone(),
@@ -97,6 +100,7 @@ impl Constraints {
 
     /// Begins a step: the rank is decided anew.
     pub fn begin_step(&mut self) {
+        self.violation = f64::INFINITY;
         if self.schur.cut < DEPENDENT {
             self.schur.set_cut(DEPENDENT);
         }
@@ -334,26 +338,44 @@ impl Constraints {
         }
     }
 
+    /// Largest value of a constraint at the end of a motion over its size; infinite where a drive is half a turn away from its angle.
+    pub fn largest_violation(&self, system: &System, (motion, time): (&Motion, f64)) -> f64 {
+        let (end, time) = (end_of(system, motion), end_time(motion, time));
+        let of_joint = |joint: &Joint| of_joint(system, joint, &end, time);
+        system.joints.iter().map(of_joint).fold(0.0, crate::norm::larger)
+    }
+
+    /// Whether constraints that a step left open by `violation` close with further iterations: they do not where it has not halved since the
+    /// last test.
+    pub fn closes(&mut self, violation: f64) -> bool {
+        let before = std::mem::replace(&mut self.violation, violation);
+        violation < 0.5 * before
+    }
+
     /// First joint with a constraint whose value at the end of a motion over its size is above a limit, as text.
     pub fn violation(&self, system: &System, (motion, time): (&Motion, f64), limit: f64) -> Option<String> {
         let (end, time) = (end_of(system, motion), end_time(motion, time));
-        for joint in system.joints.iter() {
-            let drive = system.drive_value(joint, time);
-            let (on_branch, worst) = joint.with_vectors(&end, |v, _| {
-                let values = joint.rows.iter().map(|row| row.value(v, drive).abs() / row.size);
-                let on_branch = joint.rows.iter().all(|row| row.is_on_branch(v, drive));
-                (on_branch, values.reduce(crate::norm::larger))
-            });
-            if !on_branch {
+        system.joints.iter().find_map(|joint| {
+            let worst = of_joint(system, joint, &end, time);
+            if worst == f64::INFINITY {
                 return Some(format!("joint \"{}\" is half a turn away from its angle", joint.name));
             }
-            let worst = worst?;
-            if !(worst <= limit) {
-                return Some(format!("joint \"{}\" is open by {worst:.1e} of the model's size", joint.name));
-            }
-        }
-        None
+            let open = || format!("joint \"{}\" is open by {worst:.1e} of the model's size", joint.name);
+            (!(worst <= limit)).then(open)
+        })
     }
+}
+
+/// Largest value of a constraint of a joint over its size; infinite where its drive is half a turn away from its angle. Released joints
+/// have no constraints.
+fn of_joint(system: &System, joint: &Joint, end: impl Fn(usize) -> Vec3, time: f64) -> f64 {
+    let drive = system.drive_value(joint, time);
+    joint.with_vectors(end, |v, _| {
+        let value = |row: &Row| {
+            if row.is_on_branch(v, drive) { row.value(v, drive).abs() / row.size } else { f64::INFINITY }
+        };
+        joint.rows.iter().map(value).fold(0.0, crate::norm::larger)
+    })
 }
 
 /// Nodal vectors at the end of a motion.

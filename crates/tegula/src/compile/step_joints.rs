@@ -91,7 +91,7 @@ pub(super) fn locks(
     issues: &mut Vec<Issue>,
 ) -> Vec<Option<Lock>> {
     let reference = |v: u32| Vec3::from(place.coordinates.reference[v as usize]);
-    let mut of_joint = |joint: &mut Joint| {
+    let of_joint = |joint: &mut Joint| {
         let listed = |(i, step): (usize, &StepModel)| {
             Some((i, step.locked.iter().position(|name| *name == joint.name)?))
         };
@@ -114,7 +114,7 @@ pub(super) fn locks(
         };
         Some(Lock { keys: keys.clone(), ends, rows: rows.len() })
     };
-    joints.iter_mut().map(|joint| of_joint(joint)).collect()
+    joints.iter_mut().map(of_joint).collect()
 }
 
 /// Part that a joint has in a step.

@@ -418,7 +418,7 @@ fn unsuitable_nodes_of_couplings_are_refused_by_name() {
     refused(
         &change(&|m| {
             m.analysis =
-                Analysis::Transient(TransientAnalysis { scheme: explicit.clone(), ..steps(1.0, 0.1) })
+                Analysis::Transient(TransientAnalysis { scheme: explicit, ..steps(1.0, 0.1) })
         }),
         "analysis",
         &["energy-momentum"],

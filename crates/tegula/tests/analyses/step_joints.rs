@@ -83,7 +83,7 @@ fn at_rest() -> Analysis {
 fn schemes() -> Vec<Scheme> {
     let energy_momentum = |order| Scheme::EnergyMomentum(EnergyMomentumScheme { order });
     let generalized_alpha =
-        GeneralizedAlphaScheme { spectral_radius: 0.9, ..GeneralizedAlphaScheme::default() };
+        GeneralizedAlphaScheme { spectral_radius: 0.9 };
     vec![energy_momentum(2), energy_momentum(4), Scheme::GeneralizedAlpha(generalized_alpha)]
 }
 
@@ -128,7 +128,7 @@ fn a_bar_that_is_let_go_swings_with_the_period_of_the_pendulum() {
             Joint::Fixed(PointJoint { name: "bolt".into(), between: between("ground", "bar"), at: [0.0; 3] });
         let mut model = machine(1.0, 0.1, vec![bar], if bolted { vec![hinge, bolt] } else { vec![hinge] });
         model.loads = gravity([0.0, -G, 0.0]);
-        let swing = moving(scheme.clone(), quarter, quarter / 400.0);
+        let swing = moving(scheme, quarter, quarter / 400.0);
         model.steps = if bolted {
             vec![step("held", at_rest(), &["hinge"], &[]), step("free", swing, &["bolt"], &[])]
         } else {
@@ -214,7 +214,7 @@ fn two_free_bodies_whose_joint_locks_go_on_as_one_rigid_body() {
                 solid("a", [0.0; 3], moments[0], [1.0, -2.0, 0.5]),
                 solid("b", [1.2, 0.3, 0.1], moments[1], [-0.5, 1.0, 3.0]),
             ];
-            let run_for = |end| moving(scheme.clone(), end, 0.005);
+            let run_for = |end| moving(scheme, end, 0.005);
             let mut model = Model::of_bodies(run_for(0.4), bodies, vec![joint.clone()]);
             model.steps = vec![
                 step("free", run_for(0.4), &[], &[]),
@@ -292,7 +292,7 @@ fn two_rods_whose_elbow_locks_keep_the_angular_momentum_about_the_hinge() {
         revolute("elbow", "first", "second", [1.0, 0.0, 0.0], z),
     ];
     let scheme = Scheme::EnergyMomentum(EnergyMomentumScheme { order: 4 });
-    let run_for = |end| moving(scheme.clone(), end, 0.002);
+    let run_for = |end| moving(scheme, end, 0.002);
     let mut model = Model::of_bodies(run_for(0.2), bodies, joints);
     model.steps = vec![step("free", run_for(0.2), &[], &[]), step("locked", run_for(0.2), &[], &["elbow"])];
     let done = run(&model).unwrap();
@@ -527,7 +527,7 @@ fn a_motor_that_is_switched_off_lets_its_wheel_run_on() {
     });
     for scheme in schemes() {
         let joints = vec![revolute("hinge", "ground", "wheel", [0.0; 3], [0.0, 0.0, 1.0]), motor.clone()];
-        let run_for = |end| moving(scheme.clone(), end, 0.01);
+        let run_for = |end| moving(scheme, end, 0.01);
         let mut model = Model::of_bodies(run_for(1.0), vec![wheel.clone()], joints);
         // Undefined behind t = 2: nobody asks for it while the motor is off.
         model.amplitudes.insert(
@@ -593,7 +593,7 @@ fn bodies_fly_apart_when_the_bolt_between_them_is_gone() {
     };
     let bolt = Joint::Fixed(PointJoint { name: "bolt".into(), between: between("a", "b"), at: [0.0; 3] });
     for scheme in schemes() {
-        let run_for = |end: f64| moving(scheme.clone(), end, 1e-3);
+        let run_for = |end: f64| moving(scheme, end, 1e-3);
         let mut model = Model::of_bodies(run_for(1.0), vec![of("a", -1.0), of("b", 1.0)], vec![bolt.clone()]);
         model.steps = vec![step("one", run_for(0.5), &[], &[]), step("two", run_for(0.5), &["bolt"], &[])];
         let done = run(&model).unwrap();

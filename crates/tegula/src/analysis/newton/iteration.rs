@@ -471,23 +471,32 @@ impl<S: TangentSolver> Newton<S> {
         }
         if converged || (energy == 0.0 && norm == 0.0) {
             // Constraints are as exact as the increment that follows; a dependent one may still be open.
-            let limit = if energy == 0.0 && norm == 0.0 { OPEN } else { CLOSED };
-            match self.open_joint(system, equation, limit) {
-                None => return Ok(Some(done)),
-                Some(open) if limit == OPEN => return Err((Cause::Constraints, open)),
-                Some(_) => {
-                    if let Some(constraints) = &mut self.constraints {
-                        constraints.readmit();
-                    }
-                    return Ok(None);
-                }
+            let rests = energy == 0.0 && norm == 0.0;
+            let violation = self.violation(system, equation);
+            if violation <= if rests { OPEN } else { CLOSED } {
+                return Ok(Some(done));
             }
+            if rests && let Some(open) = self.open_joint(system, equation, OPEN) {
+                return Err((Cause::Constraints, open));
+            }
+            if let Some(constraints) = &mut self.constraints
+                && !constraints.closes(violation)
+            {
+                constraints.readmit();
+            }
+            return Ok(None);
         }
         let floor = self.at_round_off(system, relative, (norm, scale), !in_time)?;
         if floor && let Some(open) = self.open_joint(system, equation, OPEN) {
             return Err((Cause::Constraints, open));
         }
         Ok(floor.then_some(Converged { floor: true, ..done }))
+    }
+
+    /// Largest value of a constraint over its size, of an iterate; 0 without joints.
+    fn violation(&self, system: &System, equation: &dyn Equation) -> f64 {
+        let at = (&equation.motion(), equation.parts().time);
+        self.constraints.as_ref().map_or(0.0, |constraints| constraints.largest_violation(system, at))
     }
 
     /// Joint that an iterate leaves open, as text.
