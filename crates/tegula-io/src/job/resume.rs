@@ -1,5 +1,7 @@
 //! Conversion between the state of a run and the arrays of a checkpoint.
 
+mod coordinates;
+
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -83,6 +85,7 @@ impl CheckpointData {
         let path_so_far =
             [s.displacement_scale, f64::from(u8::from(s.other_form)), s.negative_pivots as f64, s.compliance];
         let met: Vec<f64> = s.watched.met.iter().map(|&condition| condition as f64).collect();
+        let coordinates = coordinates::numbers(&s.coordinates);
         let energies = [b.kinetic, b.strain, b.potential, b.work, b.dissipated, b.total];
         let momenta = [b.momentum, b.angular_momentum];
         let mut arrays: BTreeMap<String, Cow<[f64]>> = [
@@ -95,6 +98,7 @@ impl CheckpointData {
             ("history", &s.history),
             ("multipliers", &s.multipliers),
             ("angles", &s.angles),
+            ("coordinates", &coordinates),
             ("watched columns", &s.watched.values),
             ("stop condition met", &met),
             ("scalars", &scalars),
@@ -186,6 +190,7 @@ impl CheckpointData {
             history: fixed("history", history)?,
             multipliers: fixed("multipliers", system.constraints())?,
             angles,
+            coordinates: coordinates::states(checkpoint.arrays.get("coordinates").map_or(&[][..], |x| x)),
             watched,
             next_step: scalars[1],
             last_step: scalars[2],

@@ -192,7 +192,7 @@ fn a_column_on_joints_buckles_at_eulers_load() {
             between: ["ground".into(), "beam.start".into()],
             at: [0.0; 3],
             axis: [0.0, 1.0, 0.0],
-        }),
+        }.into()),
         Joint::Cylindrical(AxisJoint {
             name: "head".into(),
             between: ["ground".into(), "beam.end".into()],
@@ -312,7 +312,7 @@ fn a_beam_on_hinges_sags_under_its_weight() {
         between: ["ground".into(), "beam.start".into()],
         at: ends[0],
         axis,
-    });
+    }.into());
     let slide = Joint::Planar(AxisJoint {
         name: "slide".into(),
         between: ["ground".into(), "beam.end".into()],

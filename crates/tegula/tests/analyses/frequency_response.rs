@@ -68,7 +68,7 @@ fn a_damped_oscillator_has_the_amplitude_and_phase_of_its_closed_form() {
         between: between("ground", "mass"),
         at: [0.0; 3],
         axis: [1.0, 0.0, 0.0],
-    });
+    }.into());
     for (mass_damping, ratio) in [(0.0, 0.0), (0.7, 0.0), (0.0, 0.05)] {
         let analysis = ModalAnalysis {
             inputs: vec![input("push", vec![force("mass", [5.0, 0.0, 0.0])])],

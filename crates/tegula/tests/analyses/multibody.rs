@@ -117,7 +117,7 @@ fn axis_joint(name: &str, a: &str, b: &str, at: [f64; 3], axis: [f64; 3]) -> Axi
 }
 
 pub fn revolute(name: &str, a: &str, b: &str, at: [f64; 3], axis: [f64; 3]) -> Joint {
-    Joint::Revolute(axis_joint(name, a, b, at, axis))
+    Joint::Revolute(axis_joint(name, a, b, at, axis).into())
 }
 
 /// Point fixed in a body that is at `x` in the reference configuration.
@@ -389,10 +389,10 @@ fn a_slider_at_the_end_of_its_rod_turns_back_with_the_joints_closed() {
         ..body("crank", [0.0, -2.0, 0.0], 1.0, Some([0.1, 0.1, 0.1]))
     };
     let joints = vec![
-        Joint::Prismatic(axis_joint("guide", "ground", "slider", [0.0; 3], [1.0, 0.0, 0.0])),
+        Joint::Prismatic(axis_joint("guide", "ground", "slider", [0.0; 3], [1.0, 0.0, 0.0]).into()),
         revolute("pin", "slider", "rod", [0.0; 3], z),
         revolute("foot", "crank", "rod", [0.0, -2.0, 0.0], z),
-        Joint::Prismatic(axis_joint("well", "ground", "crank", [0.0, -2.0, 0.0], [0.0, 1.0, 0.0])),
+        Joint::Prismatic(axis_joint("well", "ground", "crank", [0.0, -2.0, 0.0], [0.0, 1.0, 0.0]).into()),
     ];
     let mut notes = Notes::default();
     let (system, state) = run(&machine(4.0, 5e-3, vec![slider, rod, crank], joints), &mut notes);

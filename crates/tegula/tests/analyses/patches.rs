@@ -187,7 +187,7 @@ fn a_stiff_strip_hinged_about_its_normal_swings_as_a_rigid_pendulum() {
             between: ["ground".into(), body.into()],
             at: [0.0; 3],
             axis: [0.0, 0.0, 1.0],
-        })
+        }.into())
     };
     let rigid = RigidBody {
         shape: Some(BodyShape::Box(BoxShape { size: [LENGTH, WIDTH, THICKNESS] })),
