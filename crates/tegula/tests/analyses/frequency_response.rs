@@ -105,7 +105,7 @@ fn masses_that_drift_respond_as_their_closed_form() {
             between: between("ground", name),
             at,
             axis: [1.0, 0.0, 0.0],
-        })
+        }.into())
     };
     let analysis = ModalAnalysis {
         inputs: vec![input("push", vec![force("a", [5.0, 0.0, 0.0])])],

@@ -34,6 +34,7 @@ mod loads_in_time;
 mod long_rotations;
 mod modes;
 mod modes_with_joints;
+mod joint_friction;
 mod multibody;
 mod nonlinear_materials;
 mod outlines;

@@ -33,7 +33,7 @@ fn slide(name: &str) -> Joint {
         between: between("ground", name),
         at: [0.0; 3],
         axis: [1.0, 0.0, 0.0],
-    })
+    }.into())
 }
 
 /// Two bodies on slides with a spring between them: they drift, or vibrate with ω² = k (1/m₁ + 1/m₂).

@@ -161,7 +161,7 @@ fn a_spatial_slider_crank_moves_as_its_ordinary_differential_equation_says() {
         revolute("A", "ground", "crank", [0.0, 0.1, 0.12], [1.0, 0.0, 0.0]),
         Joint::Spherical(PointJoint { name: "B".into(), between: between("crank", "rod"), at: pin.into() }),
         Joint::Universal(universal),
-        Joint::Prismatic(axis_joint("guide", "ground", "slider", slider.into(), [1.0, 0.0, 0.0])),
+        Joint::Prismatic(axis_joint("guide", "ground", "slider", slider.into(), [1.0, 0.0, 0.0]).into()),
     ];
     let error = |step: f64| {
         let model = machine(2.5, step, bodies.clone(), joints.clone());

@@ -114,7 +114,8 @@ impl Laws {
             let (first, count) = law.normals;
             let joint = &system.joints[law.joint];
             let Some((_, own)) = joint.law_row() else { continue };
-            let limit = own.limit(joint, k.internal.multipliers, |v| current_vector(system, &k.motion, v as usize));
+            let limit =
+                own.limit(joint, k.internal.multipliers, |v| current_vector(system, &k.motion, v as usize));
             for (i, c) in limit.gradient.iter().enumerate().take(count).filter(|(_, c)| **c != 0.0) {
                 law.gradient[i] = direction * c;
                 let (before, behind) = responses.split_at_mut(law.row * n);

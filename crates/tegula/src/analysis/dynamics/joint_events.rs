@@ -123,7 +123,10 @@ impl JointEvents {
 
     /// Whether a coordinate returns to the stop that it has left at the start of the step.
     pub fn returns(&self) -> bool {
-        self.reached.iter().zip(&self.left).any(|(reached, left)| reached.is_some_and(|side| side != 0.0) && *left)
+        self.reached
+            .iter()
+            .zip(&self.left)
+            .any(|(reached, left)| reached.is_some_and(|side| side != 0.0) && *left)
     }
 
     /// Begins an attempt at a step from a state.
@@ -132,7 +135,8 @@ impl JointEvents {
         self.changed.fill(false);
         self.reached.fill(None);
         for (k, left) in self.left.iter_mut().enumerate() {
-            let at_stop = law(system, self.joints[k]).map(|(_, _, law)| stop_at(law, state.coordinates[k].value));
+            let at_stop =
+                law(system, self.joints[k]).map(|(_, _, law)| stop_at(law, state.coordinates[k].value));
             *left = at_stop.is_some_and(|side| side != 0.0);
         }
         for (rate, &j) in self.rates.iter_mut().zip(&self.joints) {
@@ -167,9 +171,13 @@ impl JointEvents {
                 CoordinateMode::Held { stop, .. } => {
                     let most = law.limit(joint, multipliers, middle).sticking * (1.0 + EXCESS);
                     let multiplier = multipliers[row];
-                    let leaves = (stop <= 0.0 && !(multiplier <= most)) || (stop >= 0.0 && !(multiplier >= -most));
+                    let leaves =
+                        (stop <= 0.0 && !(multiplier <= most)) || (stop >= 0.0 && !(multiplier >= -most));
                     if leaves && self.changed[k] {
-                        return Review::Contradiction(format!("no motion of the joint \"{}\" fits its friction", joint.name));
+                        return Review::Contradiction(format!(
+                            "no motion of the joint \"{}\" fits its friction",
+                            joint.name
+                        ));
                     }
                     if leaves {
                         self.changed[k] = true;
@@ -179,13 +187,15 @@ impl JointEvents {
                 }
                 CoordinateMode::Moving(direction) => {
                     if direction != 0.0 {
-                        (starts[k][0], ends[k][0], limits[k][0]) = (direction * old, direction * rate, AT_REST * (direction * old).abs());
+                        (starts[k][0], ends[k][0], limits[k][0]) =
+                            (direction * old, direction * rate, AT_REST * (direction * old).abs());
                         if self.changed[k] {
                             (starts[k][0], limits[k][0]) = (f64::INFINITY, 0.0);
                         }
                     }
                     for (i, (bound, side)) in law.stops.into_iter().zip([-1.0, 1.0]).enumerate() {
-                        let (from, to) = (side * (bound - before) / law.row.size, side * (bound - value) / law.row.size);
+                        let (from, to) =
+                            (side * (bound - before) / law.row.size, side * (bound - value) / law.row.size);
                         let leaving = from <= CONTACT && side * old <= 0.0;
                         let speed = -side * old / law.row.size;
                         let (a, b, tolerance) = match leaving {
@@ -203,7 +213,9 @@ impl JointEvents {
             for i in 0..3 {
                 if violated(k, i) && starts[k][i] == f64::INFINITY {
                     let name = &system.joints[self.joints[k]].name;
-                    return Review::Contradiction(format!("no motion of the joint \"{name}\" fits its friction and stops"));
+                    return Review::Contradiction(format!(
+                        "no motion of the joint \"{name}\" fits its friction and stops"
+                    ));
                 }
             }
         }
@@ -246,7 +258,6 @@ impl JointEvents {
         }
         Review::Fits
     }
-
 }
 
 impl Bracket {
@@ -277,5 +288,11 @@ pub(super) fn moving(law: &CoordinateLaw, rate: f64) -> CoordinateMode {
 /// Stop at which a coordinate stands: −1, 1, or 0 for none.
 pub(super) fn stop_at(law: &CoordinateLaw, value: f64) -> f64 {
     let near = |bound: f64| (value - bound).abs() <= CONTACT * law.row.size;
-    if near(law.stops[0]) { -1.0 } else if near(law.stops[1]) { 1.0 } else { 0.0 }
+    if near(law.stops[0]) {
+        -1.0
+    } else if near(law.stops[1]) {
+        1.0
+    } else {
+        0.0
+    }
 }

@@ -30,8 +30,11 @@ pub(super) fn pass(
     state: &mut State,
     (reached, plastic): (&[Option<f64>], bool),
 ) -> Result<Vec<String>> {
-    let joints: Vec<_> =
-        system.joints.iter().filter_map(|joint| joint.law_row().map(|(row, law)| (row, joint, law))).collect();
+    let joints: Vec<_> = system
+        .joints
+        .iter()
+        .filter_map(|joint| joint.law_row().map(|(row, law)| (row, joint, law)))
+        .collect();
     let hits = |k: usize| reached[k].is_some_and(|side| side != 0.0);
     let struck = (0..joints.len()).any(hits);
     let old = state.v.clone();
@@ -53,7 +56,10 @@ pub(super) fn pass(
             .iter()
             .zip(&holds)
             .map(|(coordinate, hold)| CoordinateState {
-                mode: hold.map_or(CoordinateMode::Moving(0.0), |stop| CoordinateMode::Held { at: coordinate.value, stop }),
+                mode: hold.map_or(CoordinateMode::Moving(0.0), |stop| CoordinateMode::Held {
+                    at: coordinate.value,
+                    stop,
+                }),
                 ..*coordinate
             })
             .collect();
@@ -72,7 +78,8 @@ pub(super) fn pass(
         let of_row = |i: usize| joints.iter().position(|(row, ..)| *row == i).map_or(0.0, e);
         let mut free = vec![0.0; system.unknowns()];
         let impulses = constraints.impact(system, (&motion, state.time), &old, of_row, &mut free);
-        let pulls = |k: &usize| holds[*k].is_some_and(|side| side * impulses[joints[*k].0] < 0.0) && !hits(*k);
+        let pulls =
+            |k: &usize| holds[*k].is_some_and(|side| side * impulses[joints[*k].0] < 0.0) && !hits(*k);
         let opened = (0..joints.len()).find(pulls);
         let mut change = vec![[0.0; 3]; old.len()];
         assembly.frames.expand(&free, &mut change);
