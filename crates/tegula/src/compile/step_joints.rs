@@ -80,7 +80,13 @@ fn not_lockable(joint: &model::Joint) -> (String, &'static str) {
 /// Joints with friction or stops that act in a step whose analysis does not know them.
 pub(super) fn laws(step: &StepModel) -> Vec<Issue> {
     if knows_laws(&step.model.analysis) {
-        return Vec::new();
+        let with_stops = |(i, joint): (usize, &model::Joint)| {
+            let keys = joint.common();
+            keys.stops()?;
+            let message = format!("the joint \"{}\" has stops, whose impacts are not computed yet", keys.name());
+            Some(Issue::new(format!("joints[{i}].stops"), message, "leave `stops` out"))
+        };
+        return step.model.joints.iter().enumerate().filter_map(with_stops).collect();
     }
     let of_joint = |(i, joint): (usize, &model::Joint)| {
         let keys = joint.common();
