@@ -124,7 +124,7 @@ impl Constraints {
     ) -> Result<(), String> {
         let n = system.unknowns();
         let acting = |v: usize| current_vector(system, &k.motion, v);
-        self.gradients(system, (frames, k.time), acting, |this| &mut this.forces);
+        gradients(system, (frames, k.time), acting, &mut self.forces);
         self.end_gradients(system, frames, &k.motion, end_time(&k.motion, k.time));
         for joint in system.joints.iter() {
             for (i, row) in joint.multipliers().zip(&joint.rows) {
@@ -307,35 +307,10 @@ impl Constraints {
     /// Gradients at the end of a motion, with respect to rotations of the bodies there.
     fn end_gradients(&mut self, system: &System, frames: &LocalFrames, motion: &Motion, time: f64) {
         let end = end_of(system, motion);
-        let mut end_frames = std::mem::take(&mut self.end_frames);
         // Degrees of freedom of nodes count in the frames of the factor.
-        end_frames.copy_from(frames);
-        end_frames.follow_bodies(&end);
-        self.gradients(system, (&end_frames, time), end, |this| &mut this.ends);
-        self.end_frames = end_frames;
-    }
-
-    fn gradients(
-        &mut self,
-        system: &System,
-        (frames, time): (&LocalFrames, f64),
-        value: impl Fn(usize) -> Vec3,
-        out: impl Fn(&mut Self) -> &mut Vec<Gradient>,
-    ) {
-        for joint in system.joints.iter() {
-            let drive = system.drive_value(joint, time);
-            joint.with_vectors(&value, |v, forces| {
-                for (i, row) in joint.multipliers().zip(&joint.rows) {
-                    forces.fill(Vec3::zeros());
-                    row.add_gradient(1.0, v, drive, forces);
-                    let gradient = &mut out(self)[i];
-                    gradient.clear();
-                    for (&v, g) in joint.vectors.iter().zip(&*forces).filter(|(_, g)| **g != Vec3::zeros()) {
-                        frames.reduce_one(v as usize, g, |number, x| add_entry(gradient, number, x));
-                    }
-                }
-            });
-        }
+        self.end_frames.copy_from(frames);
+        self.end_frames.follow_bodies(&end);
+        gradients(system, (&self.end_frames, time), end, &mut self.ends);
     }
 
     /// Largest value of a constraint at the end of a motion over its size; infinite where a drive is half a turn away from its angle.
@@ -363,6 +338,29 @@ impl Constraints {
             let open = || format!("joint \"{}\" is open by {worst:.1e} of the model's size", joint.name);
             (!(worst <= limit)).then(open)
         })
+    }
+}
+
+/// Gradients of all constraints at the `value` of each nodal vector, with respect to the degrees of freedom of `frames`.
+fn gradients(
+    system: &System,
+    (frames, time): (&LocalFrames, f64),
+    value: impl Fn(usize) -> Vec3,
+    out: &mut [Gradient],
+) {
+    for joint in system.joints.iter() {
+        let drive = system.drive_value(joint, time);
+        joint.with_vectors(&value, |v, forces| {
+            for (i, row) in joint.multipliers().zip(&joint.rows) {
+                forces.fill(Vec3::zeros());
+                row.add_gradient(1.0, v, drive, forces);
+                let gradient = &mut out[i];
+                gradient.clear();
+                for (&v, g) in joint.vectors.iter().zip(&*forces).filter(|(_, g)| **g != Vec3::zeros()) {
+                    frames.reduce_one(v as usize, g, |number, x| add_entry(gradient, number, x));
+                }
+            }
+        });
     }
 }
 
