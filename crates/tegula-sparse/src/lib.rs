@@ -42,11 +42,12 @@
 mod assembly_tree;
 mod block_column;
 mod delayed_pivots;
-mod diagonal_block;
+pub mod dense;
 mod entry_map;
 pub mod gmres;
 pub mod lanczos;
 mod ldlt;
+mod minimum_degree;
 mod multifrontal;
 pub mod norm;
 mod numeric;
