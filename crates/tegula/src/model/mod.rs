@@ -42,7 +42,7 @@ pub(crate) use element_kind::element_types;
 pub use foundation::{AreaFoundation, Foundation, FoundationOn};
 pub(crate) use joint::joints;
 pub use joint::{
-    AxisJoint, DRIVE, DistanceJoint, DrivenAngleJoint, DrivenLengthJoint, Joint, JointDrive, JointKeys,
+    AxisJoint, DRIVE, DirectorJoint, DistanceJoint, DrivenAngleJoint, DrivenLengthJoint, Joint, JointDrive, JointKeys,
     PointJoint, TwoAxesJoint,
 };
 pub use loads::{Load, LoadStiffness, NodalLoad};
