@@ -1,6 +1,7 @@
 //! Joints of the directors of shell nodes: against supports, which are eliminated, and against beam theory.
 
 use crate::common::*;
+use crate::modes_with_joints::{modal, omegas};
 use crate::multibody::{axis_joint, between, pose};
 use crate::patches::{clamped, fixed, gravity, hub, steps, strip};
 use tegula::element::Nodal;
@@ -73,9 +74,8 @@ fn difference(a: &[Nodal], b: &[Nodal]) -> f64 {
 fn joints_of_directors_with_the_ground_are_supports() {
     use Axis::{X, Y, Z};
     let ground = |set: &str| between("ground", set);
-    let hinge = |name: String, set: &str, at| {
-        Joint::Revolute(axis_joint(&name, "ground", set, at, [0.0, 2.0, 0.0]))
-    };
+    let hinge =
+        |name: String, set: &str, at| Joint::Revolute(axis_joint(&name, "ground", set, at, [0.0, 2.0, 0.0]));
     let cross = |name: String, set: &str, at| {
         let axes = [[0.0, 1.0, 0.0], [0.0, 0.0, -1.0]];
         Joint::Universal(TwoAxesJoint { name, between: ground(set), at, axes })
@@ -88,6 +88,7 @@ fn joints_of_directors_with_the_ground_are_supports() {
         ("universal", &cross, fix("u_max", &[X, Y, Z], &[Y])),
     ];
     for element in ElementKind::ALL.iter().copied() {
+        let mut motions = Vec::new();
         for (name, joint, support) in &cases {
             let mut m = strip(element, [6, 2], 0.2);
             m.conditions = vec![clamped("u_min")];
@@ -99,6 +100,11 @@ fn joints_of_directors_with_the_ground_are_supports() {
             let d = difference(&a, &b);
             println!("{element:?} {name}: {d:e}");
             assert!(d < 1e-8, "{element:?} {name}: {d}");
+            motions.push(a);
+        }
+        for (a, b) in [(0, 1), (1, 2)] {
+            let d = difference(&motions[a], &motions[b]);
+            assert!(d > 0.1, "{element:?}: cases {a} and {b} differ by {d} only");
         }
     }
 }
@@ -147,8 +153,14 @@ fn a_moment_on_a_body_with_clamped_directors_bends_a_strip_into_a_circle() {
 /// A driven body turns a node's director by three quarters of a turn: it stays along the axis of the body, not against it.
 #[test]
 fn a_director_follows_its_axis_beyond_half_a_turn() {
-    for element in [ElementKind::Ems, ElementKind::Mitc4] {
+    let exact = Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 });
+    let damped = Scheme::GeneralizedAlpha(GeneralizedAlphaScheme { spectral_radius: 0.8 });
+    for (element, scheme) in
+        [(ElementKind::Ems, exact), (ElementKind::Mitc4, exact), (ElementKind::Ems, damped)]
+    {
         let mut m = strip(element, [4, 2], 0.0);
+        let stiff = Isotropic::new(1e3 * YOUNG, 0.0, 700.0);
+        m.materials.insert("m".into(), Material::Isotropic(stiff));
         m.bodies = vec![RigidBody::new("drum", [-0.1, 0.1, 0.0], 1.0, Some([0.1; 3]))];
         let y = [0.0, 1.0, 0.0];
         m.joints.push(Joint::Revolute(axis_joint("bearing", "ground", "drum", [-0.1, 0.1, 0.0], y)));
@@ -161,10 +173,10 @@ fn a_director_follows_its_axis_beyond_half_a_turn() {
         }));
         m.amplitudes.insert(
             "turn".into(),
-            Amplitude::Expression(ExpressionAmplitude { expression: "0.5*(1 - cos(pi*t))".into() }),
+            Amplitude::Expression(ExpressionAmplitude { expression: "0.5*(1 - cos(PI*t))".into() }),
         );
         on_edge(&mut m, 0.0, &|name, set, at| clamp(name, between("drum", set), at));
-        let options = steps(1.0, 0.01);
+        let options = TransientAnalysis { scheme, ..steps(1.0, 0.01) };
         m.analysis = Analysis::Transient(options.clone());
         let (mesh, system) = compile_named(&m);
         let mut notes = Notes::default();
@@ -174,24 +186,51 @@ fn a_director_follows_its_axis_beyond_half_a_turn() {
         let d = Vec3::from(system.coordinates.reference[v]) + Vec3::from(state.u[v]);
         // Three quarters of a turn about y take z to −x.
         assert!((d.normalize() + Vec3::x()).norm() < 1e-9, "{element:?}: {d}");
-        assert!(notes.drift() <= 1e-9 * notes.kinetic.max(1.0), "{element:?}: {}", notes.drift());
+        println!("{element:?} {scheme:?}: drift {:e} of {:e}", notes.drift(), notes.kinetic);
+        if scheme == exact {
+            assert!(notes.drift() <= 1e-9 * notes.kinetic, "{element:?}: {}", notes.drift());
+        }
     }
 }
 
-/// What nodes cannot do is refused with the reason.
+/// A strip whose edge is held by joints has the modes of one held by supports.
+#[test]
+fn a_strip_on_clamped_directors_has_the_modes_of_a_cantilever() {
+    for element in ElementKind::ALL.iter().copied() {
+        let mut m = strip(element, [6, 1], 0.0);
+        m.analysis = modal(4, false);
+        let mut jointed = m.clone();
+        for (set, y) in [("u_min_v_min", 0.0), ("u_min_v_max", WIDTH)] {
+            jointed.joints.push(clamp(set.into(), between("ground", set), [0.0, y, 0.0]));
+        }
+        m.conditions = vec![fix("u_min", &[Axis::X, Axis::Y, Axis::Z], &[Axis::X, Axis::Y])];
+        let [found, wanted] = [omegas(&jointed), omegas(&m)];
+        println!("{element:?}: {found:?} {wanted:?}");
+        assert_eq!((found.len(), wanted.len()), (4, 4));
+        for (a, b) in found.iter().zip(&wanted) {
+            assert!((a / b - 1.0).abs() < 1e-8, "{element:?}: {found:?} {wanted:?}");
+        }
+    }
+}
+
+/// Joints that need more than a director are refused with the reason.
 #[test]
 fn joints_that_directors_cannot_have_are_refused_with_the_reason() {
     let with = |joint: Joint| {
         let mut m = strip(ElementKind::Ems, [4, 2], 0.0);
         m.bodies = vec![hub("hub", [0.0, 0.1, 0.0], &["u_min"])];
         m.joints = vec![fixed("hub", [0.0, 0.1, 0.0]), joint];
+        m.loads = vec![gravity([0.0, 0.0, -1.0])];
         m
     };
     let at = [1.0, 0.0, 0.0];
     let corner = "u_max_v_min";
     let lean = [0.5, 0.0, 0.75_f64.sqrt()];
     let text = refused(&with(Joint::Revolute(axis_joint("hinge", "ground", corner, at, lean))));
-    assert!(text.contains("not perpendicular to the director") && text.contains("30.000000 degrees"), "{text}");
+    assert!(
+        text.contains("not perpendicular to the director") && text.contains("30.000000 degrees"),
+        "{text}"
+    );
     let text = refused(&with(Joint::Universal(TwoAxesJoint {
         name: "cross".into(),
         between: between("ground", corner),

@@ -11,7 +11,7 @@ use crate::element::geometry::tangents;
 /// Sine of the largest angle between directions that are parallel, or perpendicular, but for the digits of a file.
 const SAME: f64 = 1e-6;
 
-/// What the ends of a joint lack for its constraints.
+/// Property that the ends of a joint lack for its constraints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Lack {
     /// An axis of a point mass or a node.
@@ -38,7 +38,9 @@ impl Lack {
                  \"clamped-director\", \"director-alignment\" and \"revolute\" hold the director",
             ),
             Self::Director => (
-                format!("joint \"{name}\" aligns the director of a shell node, but neither of its sides is one"),
+                format!(
+                    "joint \"{name}\" aligns the director of a shell node, but neither of its sides is one"
+                ),
                 "name a set of one node of a shell, or take type = \"fixed\"",
             ),
             Self::OneDirector(number) => (

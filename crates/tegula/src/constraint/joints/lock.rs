@@ -72,9 +72,7 @@ fn moved(end: &End, motion: &Motion) -> End {
             inertia: *inertia,
         },
         // The director of a node is no axis that is fixed in a body which has moved.
-        End::Point { vector, mass, .. } => {
-            End::Point { vector: *vector, mass: *mass, directors: Vec::new() }
-        }
+        End::Point { vector, mass, .. } => End::Point { vector: *vector, mass: *mass, directors: Vec::new() },
         End::Ground => End::Ground,
     }
 }

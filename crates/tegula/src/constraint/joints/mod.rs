@@ -271,7 +271,8 @@ pub(crate) trait JointKind {
     fn held(_keys: &Self::Keys, _turned: &[Mat3; 2]) -> Vec<Held> {
         Vec::new()
     }
-    /// Keys of a joint between the bodies `a` and `b`, on which the contract of all joints is tested.
+    /// Keys of a joint between the bodies `a` and `b`, or `b` and a node of the strip of the tests, on which the contract of all joints
+    /// is tested.
     fn example() -> Self::Keys;
 }
 
