@@ -61,7 +61,7 @@ fn solve_named(m: &Model) -> (tegula::Mesh, tegula::System, tegula::analysis::St
 }
 
 fn refused(m: &Model) -> String {
-    compiler::build(m, &mesh_of(m)).err().expect("the model is wrong").to_string()
+    compiler::build(m, &mesh_of(m)).err().unwrap().to_string()
 }
 
 fn difference(a: &[Nodal], b: &[Nodal]) -> f64 {
