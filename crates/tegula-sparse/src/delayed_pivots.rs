@@ -9,7 +9,7 @@
 //! Math. Softw. 9 (1983) 302–325, delay columns in the course of one factorisation, whose structure is then never known
 //! in advance.
 
-use faer::Mat;
+use nalgebra::DMatrix;
 
 use super::FactorError;
 use super::assembly_tree::AssemblyTree;
@@ -33,14 +33,17 @@ const ALPHA: f64 = 0.640_388_203_202_208_5;
 ///
 /// # Errors
 /// Nothing is left of a column: no later front has a pivot for it either.
-pub(super) fn columns_without_pivots(mut matrix: Mat<f64>, scale: &[f64]) -> Result<Vec<u32>, FactorError> {
+pub(super) fn columns_without_pivots(
+    mut matrix: DMatrix<f64>,
+    scale: &[f64],
+) -> Result<Vec<u32>, FactorError> {
     let (rows, columns) = (matrix.nrows(), matrix.ncols());
     for j in 0..columns {
         for i in j..rows {
             matrix[(i, j)] /= scale[i] * scale[j];
         }
     }
-    let entry = |m: &Mat<f64>, i: usize, j: usize| m[(i.max(j), i.min(j))];
+    let entry = |m: &DMatrix<f64>, i: usize, j: usize| m[(i.max(j), i.min(j))];
     let mut left: Vec<usize> = (0..columns).collect();
     let mut delayed = Vec::new();
     while let Some(pivot) = largest(&matrix, &left) {
@@ -84,7 +87,7 @@ pub(super) fn columns_without_pivots(mut matrix: Mat<f64>, scale: &[f64]) -> Res
 }
 
 /// Columns of the next pivot, one column twice for a 1×1 pivot; none if no columns are left.
-fn largest(matrix: &Mat<f64>, left: &[usize]) -> Option<[usize; 2]> {
+fn largest(matrix: &DMatrix<f64>, left: &[usize]) -> Option<[usize; 2]> {
     let (mut single, mut pair) = ((-1.0, [0, 0]), (-1.0, [0, 0]));
     for (k, &j) in left.iter().enumerate() {
         for &i in &left[k..] {

@@ -4,13 +4,14 @@
 //! depends on the pattern alone and is computed once; every matrix of the pattern then needs the numeric part only. The
 //! flow is ordering → supernodes → assembly tree → numeric factorisation → solve:
 //!
-//! - `ordering`: compressed graph of supervariables (indistinguishable unknowns) and approximate minimum degree.
+//! - `ordering`, `minimum_degree`: compressed graph of supervariables (indistinguishable unknowns) and approximate
+//!   minimum degree.
 //! - `supernodes`: elimination tree, fundamental supernodes, relaxed amalgamation and the postorder that minimises the
 //!   contribution-block stack.
 //! - `assembly_tree`, `entry_map`: fronts with fully summed columns, relative indices and the entry-to-front map.
 //! - `multifrontal`, `numeric`: assembly of original entries, extend-add of contribution blocks, choice of the pivoting
 //!   strategy.
-//! - `partial_factorization`, `diagonal_block`, `trapezoid`: blocked partial factorisation of a front by Cholesky of
+//! - `partial_factorization`, `trapezoid`, [`dense`]: blocked partial factorisation of a front by Cholesky of
 //!   diagonal blocks, triangular solves (TRSM) and Schur updates (SYRK, GEMM).
 //! - `rook_pivoting`, `delayed_pivots`: 1×1 and 2×2 pivots for indefinite matrices, the inertia, threshold pivoting
 //!   with growth check and delayed columns.
@@ -42,11 +43,12 @@
 mod assembly_tree;
 mod block_column;
 mod delayed_pivots;
-mod diagonal_block;
+pub mod dense;
 mod entry_map;
 pub mod gmres;
 pub mod lanczos;
 mod ldlt;
+mod minimum_degree;
 mod multifrontal;
 pub mod norm;
 mod numeric;

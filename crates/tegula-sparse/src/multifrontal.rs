@@ -1,4 +1,4 @@
-//! Multifrontal LDLᵀ factorisation over faer's dense kernels, with tree-level and node-level parallelism.
+//! Multifrontal LDLᵀ factorisation over dense kernels, with tree-level and node-level parallelism.
 //!
 //! Every front assembles the original entries of its fully summed columns and the contribution blocks of its children
 //! (extend-add), [eliminates](super::partial_factorization) these columns and leaves the Schur complement,
@@ -204,7 +204,7 @@ impl Multifrontal {
         sequential: bool,
     ) -> Result<Self, FactorError> {
         let graph = CompressedGraph::new(pointers, rows, interface);
-        let order = graph.minimum_degree()?;
+        let order = graph.minimum_degree();
         let tree = AssemblyTree::new(&graph, &order, pointers, rows)?;
         let low_memory = tree.size >= LOW_MEMORY_ENTRIES && !sequential;
         Self::of_tree(tree, rows.len(), Mode { low_memory, sequential })

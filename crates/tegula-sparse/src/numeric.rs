@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use super::FactorError;
 use super::assembly_tree::{AssemblyTree, Front};
-use super::diagonal_block::DiagonalBlock;
+use super::dense::DiagonalBlock;
 use super::partial_factorization::{FrontPivots, PartialFactorization, half};
 use super::trapezoid::{BLOCK, Trapezoid};
 use super::workspace::{Buffer, Workspace};

@@ -6,11 +6,7 @@
 
 use std::collections::HashMap;
 
-use dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::SymbolicSparseColMat;
-use faer::sparse::linalg::amd;
-
-use super::FactorError;
+use super::minimum_degree::minimum_degree;
 
 /// Compressed graph: its vertices are supervariables, sets of indistinguishable unknowns (equal neighbours).
 pub(super) struct CompressedGraph {
@@ -97,45 +93,34 @@ impl CompressedGraph {
     ///
     /// F. Pellegrini, J. Roman, P. Amestoy, *Hybridizing nested dissection and halo approximate minimum degree for
     /// efficient sparse matrix ordering*, Concurrency: Pract. Exper. 12 (2000) 69–84.
-    pub fn minimum_degree(&self) -> Result<Vec<u32>, FactorError> {
+    pub fn minimum_degree(&self) -> Vec<u32> {
         let in_interior = |g: &u32| self.interface.binary_search(g).is_err();
         let interior: Vec<u32> = (0..self.len() as u32).filter(in_interior).collect();
         if interior.is_empty() {
-            return Ok(self.interface.clone());
+            return self.interface.clone();
         }
         let edges: usize = self.neighbours.iter().map(Vec::len).sum();
         let with_halo = self.interface.len().pow(2) <= HALO * edges;
         let halo = self.interface.iter().filter(|_| with_halo);
         let vertices: Vec<u32> = interior.iter().chain(halo).copied().collect();
-        let n = vertices.len();
         // Number of each supervariable among the vertices of the graph; without number they are left out.
-        let mut number = vec![usize::MAX; self.len()];
-        vertices.iter().enumerate().for_each(|(j, &g)| number[g as usize] = j);
+        let mut number = vec![u32::MAX; self.len()];
+        vertices.iter().enumerate().for_each(|(j, &g)| number[g as usize] = j as u32);
+        let (first, count) = (interior.len() as u32, vertices.len() as u32);
         let mut pointers = vec![0_usize];
-        let mut rows = Vec::new();
-        for (j, &g) in vertices.iter().enumerate() {
-            let neighbours = self.neighbours[g as usize].iter().map(|&i| number[i as usize]);
-            let mut above: Vec<usize> = neighbours.filter(|&i| i < j.min(interior.len())).collect();
-            above.sort_unstable();
-            rows.extend(above);
-            rows.extend(interior.len()..j);
-            rows.push(j);
-            pointers.push(rows.len());
+        let mut lists = Vec::with_capacity(edges);
+        for (j, &g) in (0..).zip(&vertices) {
+            let end = if j < first { count } else { first };
+            let start = lists.len();
+            lists
+                .extend(self.neighbours[g as usize].iter().map(|&i| number[i as usize]).filter(|&i| i < end));
+            lists[start..].sort_unstable();
+            if j >= first {
+                lists.extend((first..count).filter(|&i| i != j));
+            }
+            pointers.push(lists.len());
         }
-        let entries = rows.len();
-        let upper = SymbolicSparseColMat::new_checked(n, n, pointers, None, rows);
-        let (mut forward, mut inverse) = (vec![0; n], vec![0; n]);
-        let mut memory =
-            MemBuffer::try_new(amd::order_scratch::<usize>(n, entries)).map_err(|_| FactorError::TooLarge)?;
-        amd::order(
-            &mut forward,
-            &mut inverse,
-            upper.as_ref(),
-            Default::default(),
-            MemStack::new(&mut memory),
-        )
-        .map_err(|_| FactorError::TooLarge)?;
-        let forward = forward.into_iter().map(|j| vertices[j]).filter(in_interior);
-        Ok(forward.chain(self.interface.iter().copied()).collect())
+        let order = minimum_degree(&pointers, lists).into_iter().map(|j| vertices[j as usize]);
+        order.filter(in_interior).chain(self.interface.iter().copied()).collect()
     }
 }

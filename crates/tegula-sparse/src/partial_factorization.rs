@@ -10,14 +10,11 @@
 
 use std::ops::Range;
 
-use faer::linalg::matmul::matmul;
-use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
-use faer::prelude::ReborrowMut;
-use faer::{Accum, Mat, MatMut, MatRef, Par};
+use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 
 use super::FactorError;
 use super::delayed_pivots::{GROWTH, columns_without_pivots};
-use super::diagonal_block::DiagonalBlock;
+use super::dense::{DiagonalBlock, Part, Target, piece, piece_mut, subtract_product};
 use super::rook_pivoting::BlockPivots;
 use super::trapezoid::{BLOCK, Trapezoid};
 
@@ -153,13 +150,13 @@ impl PartialFactorization<'_> {
         let start = first * BLOCK;
         let (rows, columns) = (layout.rows - start, layout.columns - start);
         let mut matrix = self.matrix(first, panel);
-        let (upper, lower) = matrix.as_mut().split_at_row_mut(columns);
+        let (upper, lower) = matrix.rows_range_pair_mut(..columns, columns..);
         let mut pivots = BlockPivots::new(upper, lower);
         if let Some(scale) = &self.scales {
-            let below = matrix.as_ref().subrows(columns, rows - columns);
+            let below = matrix.rows(columns, rows - columns);
             let stable = pivots.as_ref().is_ok_and(|p| {
                 if self.may_delay {
-                    p.growth(below, &scale[columns..]) <= GROWTH
+                    p.growth(&below, &scale[columns..]) <= GROWTH
                 } else {
                     p.exceed_rounding(scale)
                 }
@@ -182,22 +179,20 @@ impl PartialFactorization<'_> {
         let pivots = pivots?;
         for j in 0..columns {
             let at = layout.diagonal(start + j);
-            let column = matrix.col(j).subrows(j, rows - j);
-            column.iter().zip(&mut panel[at..]).for_each(|(x, value)| *value = *x);
+            panel[at..at + rows - j].copy_from_slice(piece(&matrix.as_view(), j..rows, j));
         }
         self.pivots.blocks.push(PivotedBlocks { blocks, pivots });
         Ok(())
     }
 
     /// Copy of the lower triangle of the columns from a block on.
-    fn matrix(&self, first: usize, panel: &[f64]) -> Mat<f64> {
+    fn matrix(&self, first: usize, panel: &[f64]) -> DMatrix<f64> {
         let start = first * BLOCK;
         let (rows, columns) = (self.layout.rows - start, self.layout.columns - start);
-        let mut matrix = Mat::zeros(rows, columns);
+        let mut matrix = DMatrix::zeros(rows, columns);
         for j in 0..columns {
             let at = self.layout.diagonal(start + j);
-            let column = matrix.col_mut(j).subrows_mut(j, rows - j);
-            column.iter_mut().zip(&panel[at..]).for_each(|(x, value)| *x = *value);
+            piece_mut(&mut matrix.as_view_mut(), j..rows, j).copy_from_slice(&panel[at..at + rows - j]);
         }
         matrix
     }
@@ -207,14 +202,14 @@ impl PartialFactorization<'_> {
     fn block(&mut self, block: usize, values: &mut [f64]) -> Result<(), Stop> {
         let width = self.layout.columns_of(block).len();
         let height = self.layout.rows - block * BLOCK;
-        let matrix = MatMut::from_column_major_slice_mut(values, height, width);
-        let (mut first, second) = matrix.split_at_row_mut(width);
-        if self.diagonal_block.factor(first.rb_mut()) {
+        let mut matrix = DMatrixViewMut::from_slice(values, height, width);
+        let (mut first, second) = matrix.rows_range_pair_mut(..width, width..);
+        if self.diagonal_block.factor(first.as_view_mut()) {
             solve_rows(self.diagonal_block, second, self.parallel);
             return Ok(());
         }
-        let kept = first.to_owned();
-        match BlockPivots::new(first.rb_mut(), second) {
+        let kept = first.clone_owned();
+        match BlockPivots::new(first.as_view_mut(), second) {
             Ok(pivots) => {
                 self.pivots.blocks.push(PivotedBlocks { blocks: block..block + 1, pivots });
                 Ok(())
@@ -244,7 +239,7 @@ impl PartialFactorization<'_> {
         if blocks.len() == 1 {
             let columns = to.columns_of(blocks.start);
             let rows = to.rows - columns.start;
-            let tile = MatMut::from_column_major_slice_mut(values, rows, columns.len());
+            let tile = DMatrixViewMut::from_slice(values, rows, columns.len());
             let column = offset + columns.start;
             return self.tile(from, tile, column, column);
         }
@@ -258,10 +253,10 @@ impl PartialFactorization<'_> {
     }
 
     /// Schur update (SYRK, GEMM) of a tile whose first entry has the numbers `row` and `column` in the front.
-    fn tile(&self, from: &Source, mut tile: MatMut<'_, f64>, row: usize, column: usize) {
+    fn tile(&self, from: &Source, mut tile: DMatrixViewMut<'_, f64>, row: usize, column: usize) {
         if tile.nrows() > TILE {
             let middle = tile.nrows() / 2;
-            let (upper, lower) = tile.split_at_row_mut(middle);
+            let (upper, lower) = tile.rows_range_pair_mut(..middle, middle..);
             both(
                 self.parallel,
                 || self.tile(from, upper, row, column),
@@ -270,47 +265,25 @@ impl PartialFactorization<'_> {
             return;
         }
         let (rows, width) = (tile.nrows(), tile.ncols());
-        let diagonal_block = if row == column { width } else { 0 };
+        let part = if row == column { Part::Lower } else { Part::All };
         for block in from.blocks.clone() {
-            let accum =
-                if from.overwrite && block == from.blocks.start { Accum::Replace } else { Accum::Add };
+            let target =
+                if from.overwrite && block == from.blocks.start { Target::Replace } else { Target::Add };
             let source = from.block(self.layout, block);
             let first = block * BLOCK;
-            let left = source.subrows(row - first, rows);
-            let right = source.subrows(column - first, width);
-            let scaled;
-            let right = match self.pivots.of(block) {
-                None => right,
-                Some(pivoted) => {
-                    let start = pivoted.blocks.start * BLOCK;
-                    let columns = first - start..first - start + source.ncols();
-                    scaled = pivoted.pivots.multiply(width, columns, |i, j| {
-                        let of = (start + j) / BLOCK;
-                        from.block(self.layout, of)[(column + i - of * BLOCK, start + j - of * BLOCK)]
-                    });
-                    scaled.as_ref()
-                }
+            let left = source.rows(row - first, rows);
+            let right = source.rows(column - first, width);
+            let Some(pivoted) = self.pivots.of(block) else {
+                subtract_product(tile.as_view_mut(), left, right, part, target);
+                continue;
             };
-            if diagonal_block > 0 {
-                triangular_matmul(
-                    tile.rb_mut().subrows_mut(0, diagonal_block),
-                    BlockStructure::TriangularLower,
-                    accum,
-                    left.subrows(0, diagonal_block),
-                    BlockStructure::Rectangular,
-                    right.transpose(),
-                    BlockStructure::Rectangular,
-                    -1.0,
-                    Par::Seq,
-                );
-            }
-            if rows > diagonal_block {
-                let (to, left) = (
-                    tile.rb_mut().subrows_mut(diagonal_block, rows - diagonal_block),
-                    left.subrows(diagonal_block, rows - diagonal_block),
-                );
-                matmul(to, accum, left, right.transpose(), -1.0, Par::Seq);
-            }
+            let start = pivoted.blocks.start * BLOCK;
+            let columns = first - start..first - start + source.ncols();
+            let scaled = pivoted.pivots.multiply(width, columns, |i, j| {
+                let of = (start + j) / BLOCK;
+                from.block(self.layout, of)[(column + i - of * BLOCK, start + j - of * BLOCK)]
+            });
+            subtract_product(tile.as_view_mut(), left, scaled.as_view(), part, target);
         }
     }
 }
@@ -326,11 +299,11 @@ struct Source<'a> {
 }
 
 impl Source<'_> {
-    fn block(&self, layout: Trapezoid, block: usize) -> MatRef<'_, f64> {
+    fn block(&self, layout: Trapezoid, block: usize) -> DMatrixView<'_, f64> {
         let start = layout.start(self.first);
         let values = &self.values[layout.start(block) - start..layout.start(block + 1) - start];
         let columns = layout.columns_of(block);
-        MatRef::from_column_major_slice(values, layout.rows - columns.start, columns.len())
+        DMatrixView::from_slice(values, layout.rows - columns.start, columns.len())
     }
 }
 
@@ -342,10 +315,10 @@ pub(super) fn half(layout: Trapezoid, blocks: &Range<usize>) -> usize {
 }
 
 /// Triangular solve (TRSM) `A₂₁ L₁₁⁻ᵀ` of the rows below a diagonal block, in tiles.
-fn solve_rows(diagonal_block: &DiagonalBlock, rows: MatMut<'_, f64>, parallel: bool) {
+fn solve_rows(diagonal_block: &DiagonalBlock, mut rows: DMatrixViewMut<'_, f64>, parallel: bool) {
     if rows.nrows() > TILE {
         let middle = rows.nrows() / 2;
-        let (upper, lower) = rows.split_at_row_mut(middle);
+        let (upper, lower) = rows.rows_range_pair_mut(..middle, middle..);
         both(
             parallel,
             || solve_rows(diagonal_block, upper, parallel),

@@ -9,16 +9,9 @@
 
 use std::ops::Range;
 
-use dyn_stack::{MemBuffer, MemStack};
-use faer::diag::DiagMut;
-use faer::linalg::cholesky::lblt::factor::{
-    LbltParams, PivotingStrategy, cholesky_in_place, cholesky_in_place_scratch,
-};
-use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
-use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{Auto, Mat, MatMut, MatRef, Par};
+use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 
-use super::trapezoid::BLOCK;
+use super::dense::{Diagonal, Lblt, lblt, piece, piece_mut, solve_lower_from_right, solve_pair};
 use super::{FactorError, Inertia};
 
 /// Pivots of consecutive columns of a front: `P A Pᵀ = L B Lᵀ`. The factor L is stored in place of the columns.
@@ -36,37 +29,20 @@ impl BlockPivots {
     /// `L₂₁ = A₂₁ Pᵀ L₁₁⁻ᵀ B⁻¹`.
     ///
     /// # Errors
-    /// A pivot vanished or is not a number, or there is no memory.
-    pub fn new(mut first: MatMut<'_, f64>, mut second: MatMut<'_, f64>) -> Result<Self, FactorError> {
+    /// A pivot vanished or an entry is not a number, or there is no memory.
+    pub fn new(
+        mut first: DMatrixViewMut<'_, f64>,
+        mut second: DMatrixViewMut<'_, f64>,
+    ) -> Result<Self, FactorError> {
         let n = first.nrows();
-        if (0..n).any(|j| first.rb().col(j).subrows(j, n - j).iter().any(|x| !x.is_finite())) {
-            return Err(FactorError::Singular);
-        }
-        let mut parameters =
-            LbltParams { pivoting: PivotingStrategy::Rook, ..<LbltParams as Auto<f64>>::auto() };
-        if n <= BLOCK {
-            parameters.block_size = 0;
-        }
-        let request = cholesky_in_place_scratch::<usize, f64>(n, Par::Seq, parameters.into());
-        let mut memory = MemBuffer::try_new(request).map_err(|_| FactorError::TooLarge)?;
-        let (mut below, mut order, mut inverse) = (vec![0.0; n], vec![0; n], vec![0; n]);
-        cholesky_in_place(
-            first.rb_mut(),
-            DiagMut::from_slice_mut(&mut below),
-            &mut order,
-            &mut inverse,
-            Par::Seq,
-            MemStack::new(&mut memory),
-            parameters.into(),
-        );
-        let diagonal = (0..n).map(|j| first[(j, j)]).collect();
+        let Lblt { diagonal, below, order } = lblt(first.as_view_mut())?;
         let out = Self { diagonal, below, swaps: swaps(&order) };
         if out.inertia().zero > 0 {
             return Err(FactorError::Singular);
         }
-        let rows = Mat::from_fn(second.nrows(), n, |i, j| second[(i, order[j])]);
+        let rows = DMatrix::from_fn(second.nrows(), n, |i, j| second[(i, order[j])]);
         second.copy_from(&rows);
-        solve_unit_lower_triangular_in_place(first.rb(), second.rb_mut().transpose_mut(), Par::Seq);
+        solve_lower_from_right(first.as_view(), Diagonal::Unit, second.as_view_mut());
         out.divide_columns(second);
         Ok(out)
     }
@@ -107,9 +83,9 @@ impl BlockPivots {
 
     /// Growth of the entries below the block: the most that a pivot may change one of them, from the rows of `L₂₁` and
     /// their scales. It is the largest entry of `abs(L) abs(B) abs(Lᵀ)`, or a bound of it for a 2×2 pivot.
-    pub fn growth(&self, rows: MatRef<'_, f64>, scale: &[f64]) -> f64 {
+    pub fn growth(&self, rows: &DMatrixView<'_, f64>, scale: &[f64]) -> f64 {
         let largest = |j: usize| {
-            rows.col(j)
+            piece(rows, 0..rows.nrows(), j)
                 .iter()
                 .zip(scale)
                 .map(|(l, s)| (l / s).abs())
@@ -130,8 +106,13 @@ impl BlockPivots {
     }
 
     /// Some columns of the product `L₂₁ B`, for `rows` rows of `L₂₁` whose entries `at` returns by row and column.
-    pub fn multiply(&self, rows: usize, columns: Range<usize>, at: impl Fn(usize, usize) -> f64) -> Mat<f64> {
-        Mat::from_fn(rows, columns.len(), |i, j| {
+    pub fn multiply(
+        &self,
+        rows: usize,
+        columns: Range<usize>,
+        at: impl Fn(usize, usize) -> f64,
+    ) -> DMatrix<f64> {
+        DMatrix::from_fn(rows, columns.len(), |i, j| {
             let j = columns.start + j;
             let mut sum = self.diagonal[j] * at(i, j);
             if j + 1 < self.below.len() && self.below[j] != 0.0 {
@@ -145,9 +126,10 @@ impl BlockPivots {
     }
 
     /// Multiplies the columns of the rows below the block by `B⁻¹` from the right.
-    fn divide_columns(&self, mut rows: MatMut<'_, f64>) {
+    fn divide_columns(&self, mut rows: DMatrixViewMut<'_, f64>) {
+        let count = rows.nrows();
         self.each(|j, pivot| match pivot {
-            Pivot::Single(d) => rows.rb_mut().col_mut(j).iter_mut().for_each(|x| *x /= d),
+            Pivot::Single(d) => piece_mut(&mut rows, 0..count, j).iter_mut().for_each(|x| *x /= d),
             Pivot::Pair(block) => {
                 for i in 0..rows.nrows() {
                     [rows[(i, j)], rows[(i, j + 1)]] = solve_pair(block, [rows[(i, j)], rows[(i, j + 1)]]);
@@ -221,44 +203,56 @@ enum Pivot {
     Pair([f64; 3]),
 }
 
-/// Solution with a 2×2 pivot, `[[a, b], [b, c]]⁻¹ [x, y]`, divided by b first so that nothing overflows.
-fn solve_pair([a, b, c]: [f64; 3], [x, y]: [f64; 2]) -> [f64; 2] {
-    let (a, c, x, y) = (a / b, c / b, x / b, y / b);
-    let determinant = a * c - 1.0;
-    [(c * x - y) / determinant, (a * y - x) / determinant]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::norm::max_norm;
 
-    /// Reconstructs sparse matrices with zeros on the diagonal from their factors.
-    #[test]
-    fn factors_make_up_the_matrix() {
+    fn random() -> impl FnMut() -> f64 {
         let mut state = 1_u64;
-        let mut random = move || {
+        move || {
             state ^= state << 13;
             state ^= state >> 7;
             state ^= state << 17;
             (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        for n in (2..=140).chain([150, 200, 300]) {
+        }
+    }
+
+    /// Sparse lower triangle with zeros on the diagonal.
+    fn sparse(n: usize, density: f64, random: &mut impl FnMut() -> f64) -> DMatrix<f64> {
+        let mut matrix = DMatrix::<f64>::zeros(n, n);
+        for j in 0..n {
+            for i in j..n {
+                if random() < density && (i != j || random() < 0.5) {
+                    matrix[(i, j)] = 2.0 * random() - 1.0;
+                }
+            }
+        }
+        matrix
+    }
+
+    fn symmetric(lower: &DMatrix<f64>) -> DMatrix<f64> {
+        DMatrix::from_fn(lower.nrows(), lower.nrows(), |i, j| lower[(i.max(j), i.min(j))])
+    }
+
+    fn factor(lower: &DMatrix<f64>) -> Result<(DMatrix<f64>, BlockPivots), FactorError> {
+        let mut l = lower.clone();
+        let n = l.nrows();
+        let pivots = BlockPivots::new(l.as_view_mut(), DMatrix::zeros(0, n).as_view_mut())?;
+        let unit = DMatrix::from_fn(n, n, |i, j| if i > j { l[(i, j)] } else { f64::from(u8::from(i == j)) });
+        Ok((unit, pivots))
+    }
+
+    /// Reconstructs matrices from their factors. The entries of L are at most `1/(1 − α)`, α = (1 + √17)/8.
+    #[test]
+    fn factors_make_up_the_matrix() {
+        let mut random = random();
+        let mut factored = 0;
+        for n in (0..=140).chain([150, 200, 300]) {
             for density in [0.05, 0.1, 0.3, 0.6, 1.0] {
-                let mut matrix = Mat::<f64>::zeros(n, n);
-                for j in 0..n {
-                    for i in j..n {
-                        if random() < density && (i != j || random() < 0.5) {
-                            matrix[(i, j)] = 2.0 * random() - 1.0;
-                        }
-                    }
-                }
-                let mut l = matrix.clone();
-                let Ok(pivots) = BlockPivots::new(l.as_mut(), Mat::zeros(0, n).as_mut()) else { continue };
-                for j in 0..n {
-                    l[(j, j)] = 1.0;
-                    (0..j).for_each(|i| l[(i, j)] = 0.0);
-                }
+                let matrix = sparse(n, density, &mut random);
+                let Ok((l, pivots)) = factor(&matrix) else { continue };
+                factored += 1;
                 let lb = pivots.multiply(n, 0..n, |i, j| l[(i, j)]);
                 let product = &lb * l.transpose();
                 let mut order: Vec<f64> = (0..n).map(|i| i as f64).collect();
@@ -267,9 +261,79 @@ mod tests {
                     let (a, b) = (order[i] as usize, order[j] as usize);
                     (product[(i, j)] - matrix[(a.max(b), a.min(b))]).abs()
                 });
-                let worst = max_norm(worst);
+                let worst = max_norm(worst.chain([0.0]));
                 assert!(worst < 1e-11, "{n} {density}: {worst:e}");
+                let largest = max_norm(l.iter().copied().chain([0.0]));
+                assert!(largest <= 2.8, "{n} {density}: {largest}");
             }
         }
+        assert!(factored > 500, "{factored}");
+    }
+
+    /// Sylvester's law: the pivots have the signs of the eigenvalues.
+    #[test]
+    fn the_inertia_is_that_of_the_eigenvalues() {
+        let mut random = random();
+        for n in [1, 2, 3, 10, 63, 64, 65, 130] {
+            let matrix = sparse(n, 1.0, &mut random) + DMatrix::identity(n, n) * 1e-3;
+            let (_, pivots) = factor(&matrix).unwrap();
+            let eigenvalues = symmetric(&matrix).symmetric_eigenvalues();
+            let inertia = pivots.inertia();
+            assert_eq!(inertia.positive, eigenvalues.iter().filter(|e| **e > 0.0).count(), "{n}");
+            assert_eq!(inertia.negative, eigenvalues.iter().filter(|e| **e < 0.0).count(), "{n}");
+        }
+    }
+
+    #[test]
+    fn the_rows_below_are_those_of_the_factor_of_the_whole_matrix() {
+        let mut random = random();
+        for (n, rows) in [(1, 1), (2, 3), (64, 10), (129, 40), (200, 5)] {
+            let mut first = sparse(n, 1.0, &mut random);
+            let below = DMatrix::from_fn(rows, n, |_, _| 2.0 * random() - 1.0);
+            let mut second = below.clone();
+            let pivots = BlockPivots::new(first.as_view_mut(), second.as_view_mut()).unwrap();
+            let l = DMatrix::from_fn(
+                n,
+                n,
+                |i, j| if i > j { first[(i, j)] } else { f64::from(u8::from(i == j)) },
+            );
+            let product = pivots.multiply(rows, 0..n, |i, j| second[(i, j)]) * l.transpose();
+            let mut order: Vec<usize> = (0..n).collect();
+            pivots.permute(&mut order);
+            let errors =
+                (0..rows * n).map(|k| (k / n, k % n)).map(|(i, j)| product[(i, j)] - below[(i, order[j])]);
+            let worst = max_norm(errors);
+            assert!(worst < 1e-11, "{n} {rows}: {worst:e}");
+        }
+    }
+
+    #[test]
+    fn singular_matrices_and_numbers_that_are_none_are_refused() {
+        let mut random = random();
+        for n in [1, 2, 5, 64, 100, 200] {
+            for at in [0, n / 2, n - 1] {
+                let whole = sparse(n, 1.0, &mut random);
+                let mut zero = whole.clone();
+                zero.row_mut(at).fill(0.0);
+                zero.column_mut(at).fill(0.0);
+                assert!(matches!(factor(&zero), Err(FactorError::Singular)), "{n} {at}");
+                for bad in [f64::NAN, f64::INFINITY] {
+                    let mut matrix = whole.clone();
+                    matrix[(n - 1, at)] = bad;
+                    assert!(matches!(factor(&matrix), Err(FactorError::Singular)), "{n} {at} {bad}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_above_the_diagonal_is_neither_read_nor_written() {
+        let mut random = random();
+        let matrix = sparse(150, 0.5, &mut random);
+        let mut marked = DMatrix::from_fn(150, 150, |i, j| if i < j { f64::NAN } else { matrix[(i, j)] });
+        let mut below = DMatrix::from_fn(7, 150, |i, j| ((i + 3 * j) % 5) as f64);
+        BlockPivots::new(marked.as_view_mut(), below.as_view_mut()).unwrap();
+        assert!((0..150).all(|j| (0..150).all(|i| marked[(i, j)].is_nan() == (i < j))));
+        assert!(below.iter().all(|x| x.is_finite()));
     }
 }

@@ -10,7 +10,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use memmap2::{MmapMut, MmapOptions};
 
 use super::FactorError;
-use super::diagonal_block::DiagonalBlock;
+use super::dense::DiagonalBlock;
 
 /// Numbers (`f64`) that may be wasted in a buffer, whatever its size: 2 MB.
 const SPARE: usize = 1 << 18;

@@ -1,5 +1,6 @@
 //! Snapshots stored during the run for the picture of deformed shells.
 
+use serde::{Deserialize, Serialize};
 use tegula::analysis::State;
 use tegula::element::Nodal;
 
@@ -7,7 +8,7 @@ use tegula::element::Nodal;
 pub(super) const INSTANTS: usize = 6;
 
 /// The shell at an instant.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct StoredSnapshot {
     /// Time.
     pub time: f64,

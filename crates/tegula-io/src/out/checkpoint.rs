@@ -5,68 +5,45 @@
 //! | bytes | meaning |
 //! |---|---|
 //! | 8 | the letters `TEGULACP` |
-//! | 4 + 4 | format version, 0 |
-//! | 8 | length of the body in bytes |
-//! | body | fingerprint, step, time, notes as JSON, number of arrays, and for each its name and its values |
-//! | 8 | FNV-1a checksum of everything before it |
+//! | 4 | format version |
+//! | 8 | fingerprint of the model |
+//! | body | the data in [MessagePack](https://msgpack.org), with the names of their fields |
+//! | 4 | CRC-32 checksum of everything before it |
 //!
-//! Texts and arrays are led by their length. Numbers are stored bit by bit, so a resumed run repeats the
-//! original exactly.
+//! Numbers are stored bit by bit, so a resumed run repeats the original exactly. The names of the fields show where a
+//! program of another version stores other data.
 
-use std::borrow::Cow;
-use std::collections::BTreeMap;
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use super::file::{OutputError, write_whole};
 
 const MAGIC: &[u8; 8] = b"TEGULACP";
-const VERSION: u32 = 7;
-/// Magic, version, reserved word, length of the body.
-const HEADER: usize = 24;
+const VERSION: u32 = 8;
+/// Letters, version and fingerprint.
+const HEADER: usize = 20;
+const CHECKSUM: usize = 4;
 
-/// The state of a run at the end of a step.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Checkpoint<'a> {
-    /// [`fingerprint`] of the model's text: a checkpoint is valid for no other model.
-    pub model_fingerprint: u64,
-    /// Number of the last completed step.
-    pub step: u64,
-    /// Time at the end of that step.
-    pub time: f64,
-    /// Named arrays: positions, velocities, multipliers, history variables.
-    pub arrays: BTreeMap<String, Cow<'a, [f64]>>,
-    /// Further data, for example the number of rows of each history.
-    pub notes: serde_json::Value,
-}
-
-/// FNV-1a hash of a text or of the bytes of a file, 64 bits; the same on every machine and in every version.
+/// FNV-1a hash (Fowler, Noll, Vo) of a text or of the bytes of a file, 64 bits, with the standard basis and prime; the same
+/// on every machine and in every version.
 pub fn fingerprint(data: impl AsRef<[u8]>) -> u64 {
-    fnv1a(data.as_ref())
+    let add = |hash: u64, &byte: &u8| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+    data.as_ref().iter().fold(0xcbf2_9ce4_8422_2325, add)
 }
 
-/// Fowler–Noll–Vo hash 1a with the standard 64-bit basis and prime.
-fn fnv1a(bytes: &[u8]) -> u64 {
-    fnv1a_from(FNV_BASIS, bytes)
-}
-
-const FNV_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
-
-/// The hash with more bytes after those that gave `hash`.
-fn fnv1a_from(hash: u64, bytes: &[u8]) -> u64 {
-    bytes.iter().fold(hash, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
-}
-
-/// Passes bytes on and hashes them: the arrays of a large model are not copied.
-struct Hashing<W> {
+/// Writer that passes bytes on and computes their checksum: the arrays of a large model are not copied.
+struct Checked<W> {
     writer: W,
-    hash: u64,
+    checksum: crc32fast::Hasher,
 }
 
-impl<W: Write> Write for Hashing<W> {
+impl<W: Write> Write for Checked<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let count = self.writer.write(bytes)?;
-        self.hash = fnv1a_from(self.hash, &bytes[..count]);
+        self.checksum.update(&bytes[..count]);
         Ok(count)
     }
 
@@ -75,71 +52,55 @@ impl<W: Write> Write for Hashing<W> {
     }
 }
 
-impl Checkpoint<'_> {
-    /// Writes the checkpoint, whole or not at all.
-    pub fn save(&self, path: &Path) -> Result<(), OutputError> {
-        let notes = serde_json::to_vec(&self.notes)
-            .map_err(|e| OutputError::refused(path, format!("its notes cannot be written: {e}")))?;
-        let lengths = self.arrays.iter().map(|(name, values)| 16 + name.len() + 8 * values.len());
-        let body = 5 * 8 + notes.len() + lengths.sum::<usize>();
-        write_whole(path, |w| {
-            let (mut w, mut bytes) = (Hashing { writer: w, hash: FNV_BASIS }, Vec::new());
-            w.write_all(MAGIC)?;
-            w.write_all(&VERSION.to_le_bytes())?;
-            w.write_all(&0_u32.to_le_bytes())?;
-            for number in [body as u64, self.model_fingerprint, self.step, self.time.to_bits()] {
-                w.write_all(&number.to_le_bytes())?;
-            }
-            put_text(&mut w, &notes)?;
-            w.write_all(&(self.arrays.len() as u64).to_le_bytes())?;
-            for (name, values) in &self.arrays {
-                put_text(&mut w, name.as_bytes())?;
-                w.write_all(&(values.len() as u64).to_le_bytes())?;
-                for some in values.chunks(512) {
-                    bytes.clear();
-                    bytes.extend(some.iter().flat_map(|x| x.to_le_bytes()));
-                    w.write_all(&bytes)?;
-                }
-            }
-            let hash = w.hash;
-            w.write_all(&hash.to_le_bytes())
-        })
-    }
-
-    /// Reads a checkpoint.
-    pub fn load(path: &Path) -> Result<Checkpoint<'static>, OutputError> {
-        let bytes = std::fs::read(path).map_err(|cause| OutputError::read(path, cause))?;
-        parse(&bytes).map_err(|(problem, remedy)| OutputError::damaged(path, problem, remedy))
-    }
-
-    /// Reads a checkpoint of the model with this fingerprint, and refuses that of any other.
-    pub fn load_for(path: &Path, model_fingerprint: u64) -> Result<Checkpoint<'static>, OutputError> {
-        let checkpoint = Checkpoint::load(path)?;
-        let found = checkpoint.model_fingerprint;
-        if found != model_fingerprint {
-            let path = path.to_path_buf();
-            return Err(OutputError::OtherModel { path, found, expected: model_fingerprint });
-        }
-        Ok(checkpoint)
-    }
+/// Writes a checkpoint of the model with a [`fingerprint`], whole or not at all.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn save_checkpoint(
+    path: &Path,
+    model_fingerprint: u64,
+    data: &impl Serialize,
+) -> Result<(), OutputError> {
+    write_whole(path, |w| {
+        let checked = Checked { writer: w, checksum: crc32fast::Hasher::new() };
+        let mut w = BufWriter::new(checked);
+        w.write_all(MAGIC)?;
+        w.write_all(&VERSION.to_le_bytes())?;
+        w.write_all(&model_fingerprint.to_le_bytes())?;
+        rmp_serde::encode::write_named(&mut w, data).map_err(io::Error::other)?;
+        let Checked { writer, checksum } = w.into_inner().map_err(io::IntoInnerError::into_error)?;
+        writer.write_all(&checksum.finalize().to_le_bytes())
+    })
 }
 
-fn put_text(w: &mut impl Write, text: &[u8]) -> io::Result<()> {
-    w.write_all(&(text.len() as u64).to_le_bytes())?;
-    w.write_all(text)
+/// Reads a checkpoint of the model with a [`fingerprint`].
+///
+/// # Errors
+/// The file cannot be read, is damaged, or belongs to another model or to another version of the format.
+pub fn load_checkpoint<T: DeserializeOwned>(path: &Path, model_fingerprint: u64) -> Result<T, OutputError> {
+    let bytes = std::fs::read(path).map_err(|cause| OutputError::read(path, cause))?;
+    let (found, body) =
+        parse(&bytes).map_err(|(problem, remedy)| OutputError::damaged(path, problem, remedy))?;
+    if found != model_fingerprint {
+        let path = path.to_path_buf();
+        return Err(OutputError::OtherModel { path, found, expected: model_fingerprint });
+    }
+    rmp_serde::from_slice(body)
+        .map_err(|cause| OutputError::damaged(path, format!("its data cannot be read: {cause}"), EARLIER))
 }
 
 const EARLIER: &str = "Run without `--resume` to start anew";
 
-/// The checkpoint in these bytes, or the problem and its remedy.
-fn parse(bytes: &[u8]) -> Result<Checkpoint<'static>, (String, &'static str)> {
+/// Fingerprint and body of the checkpoint in these bytes, or the problem and its remedy.
+fn parse(bytes: &[u8]) -> Result<(u64, &[u8]), (String, &'static str)> {
     let start = &bytes[..bytes.len().min(MAGIC.len())];
     if !MAGIC.starts_with(start) || bytes.is_empty() {
         return Err(("it is not a checkpoint of tegula".into(), "Check the name"));
     }
-    let mut header = Reader { rest: bytes.get(MAGIC.len()..).unwrap_or_default() };
-    let truncated = || (format!("it is cut off after {} bytes", bytes.len()), EARLIER);
-    let version = header.u64().ok_or_else(truncated)? as u32;
+    let cut_off = || (format!("it is cut off after {} bytes", bytes.len()), EARLIER);
+    let (header, rest) = bytes.split_at_checked(HEADER).ok_or_else(cut_off)?;
+    let (version, fingerprint) = header[MAGIC.len()..].split_at(4);
+    let version = u32::from_le_bytes(version.try_into().map_err(|_| cut_off())?);
     if version != VERSION {
         let problem = format!("it has format version {version}, and this program reads version {VERSION}");
         return Err((
@@ -147,90 +108,66 @@ fn parse(bytes: &[u8]) -> Result<Checkpoint<'static>, (String, &'static str)> {
             "Use the version of tegula that wrote it, or run without `--resume` to start anew",
         ));
     }
-    let body_length = header.u64().ok_or_else(truncated)?;
-    let body = usize::try_from(body_length).ok().and_then(|n| header.take(n)).ok_or_else(truncated)?;
-    let checksum = header.u64().ok_or_else(truncated)?;
-    let damaged = || ("it is damaged (its checksum is wrong)".to_owned(), EARLIER);
-    if checksum != fnv1a(&bytes[..HEADER + body.len()]) || !header.rest.is_empty() {
-        return Err(damaged());
+    let (body, checksum) =
+        rest.len().checked_sub(CHECKSUM).map(|end| rest.split_at(end)).ok_or_else(cut_off)?;
+    if checksum != crc32fast::hash(&bytes[..bytes.len() - CHECKSUM]).to_le_bytes() {
+        return Err(("it is damaged or cut off (its checksum is wrong)".into(), EARLIER));
     }
-    parse_body(body).ok_or_else(damaged)
-}
-
-fn parse_body(body: &[u8]) -> Option<Checkpoint<'static>> {
-    let mut reader = Reader { rest: body };
-    let model_fingerprint = reader.u64()?;
-    let step = reader.u64()?;
-    let time = f64::from_bits(reader.u64()?);
-    let notes = serde_json::from_slice(reader.text()?).ok()?;
-    let count = reader.u64()?;
-    let mut arrays = BTreeMap::new();
-    for _ in 0..count {
-        let name = String::from_utf8(reader.text()?.to_vec()).ok()?;
-        let length = usize::try_from(reader.u64()?).ok()?.checked_mul(8)?;
-        let values = reader.take(length)?.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b));
-        arrays.insert(name, values.collect());
-    }
-    reader.rest.is_empty().then_some(Checkpoint { model_fingerprint, step, time, arrays, notes })
-}
-
-/// Reader that splits parts from the front of a slice; `None` when it is too short.
-struct Reader<'a> {
-    rest: &'a [u8],
-}
-
-impl<'a> Reader<'a> {
-    fn take(&mut self, length: usize) -> Option<&'a [u8]> {
-        let (piece, rest) = self.rest.split_at_checked(length)?;
-        self.rest = rest;
-        Some(piece)
-    }
-
-    fn u64(&mut self) -> Option<u64> {
-        Some(u64::from_le_bytes(self.take(8)?.try_into().ok()?))
-    }
-
-    fn text(&mut self) -> Option<&'a [u8]> {
-        let length = usize::try_from(self.u64()?).ok()?;
-        self.take(length)
-    }
+    Ok((u64::from_le_bytes(fingerprint.try_into().map_err(|_| cut_off())?), body))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde::Deserialize;
     use std::fs;
 
-    fn sample() -> Checkpoint<'static> {
-        let arrays = BTreeMap::from([
-            ("q".to_owned(), vec![0.1, -0.0, f64::INFINITY, f64::MIN_POSITIVE / 2.0].into()),
-            ("empty".to_owned(), vec![].into()),
-            ("λ".to_owned(), (0..1000).map(|i| f64::from(i).sin()).collect()),
-        ]);
-        let notes = serde_json::json!({"rows": {"energy.csv": 12}, "word": "é"});
-        Checkpoint { model_fingerprint: fingerprint("model"), step: 7, time: 0.1 + 0.2, arrays, notes }
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    struct Data {
+        step: u64,
+        time: f64,
+        field: Vec<[f64; 3]>,
+        empty: Vec<f64>,
+        values: Vec<f64>,
+        word: String,
+        met: Option<usize>,
+    }
+
+    fn sample() -> Data {
+        Data {
+            step: 7,
+            time: 0.1 + 0.2,
+            field: vec![[0.1, -0.0, f64::INFINITY], [f64::MIN_POSITIVE / 2.0, f64::MAX, 1.0]],
+            empty: vec![],
+            values: (0..1000).map(|i| f64::from(i).sin()).collect(),
+            word: "é".into(),
+            met: None,
+        }
     }
 
     #[test]
     fn everything_survives_to_the_bit() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("c");
-        let mut checkpoint = sample();
-        checkpoint.save(&path).unwrap();
-        assert_eq!(Checkpoint::load(&path).unwrap(), checkpoint);
+        let mut data = sample();
+        save_checkpoint(&path, 5, &data).unwrap();
+        let loaded: Data = load_checkpoint(&path, 5).unwrap();
+        assert_eq!(loaded, data);
+        assert_eq!(loaded.field[0][1].to_bits(), (-0.0_f64).to_bits());
         let odd_nan = f64::from_bits(0x7ff8_0000_dead_beef);
-        checkpoint.arrays.insert("q".into(), vec![odd_nan].into());
-        checkpoint.save(&path).unwrap();
-        assert_eq!(Checkpoint::load(&path).unwrap().arrays["q"][0].to_bits(), odd_nan.to_bits());
+        data.field[0][0] = odd_nan;
+        save_checkpoint(&path, 5, &data).unwrap();
+        assert_eq!(load_checkpoint::<Data>(&path, 5).unwrap().field[0][0].to_bits(), odd_nan.to_bits());
     }
 
     #[test]
     fn no_truncation_and_no_flipped_byte_goes_unseen() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("c");
-        sample().save(&path).unwrap();
+        save_checkpoint(&path, 5, &sample()).unwrap();
         let good = fs::read(&path).unwrap();
-        for length in (0..good.len()).step_by(37).chain([1, 7, 8, 23, good.len() - 1]) {
+        assert!(parse(&good).is_ok());
+        for length in (0..good.len()).step_by(37).chain([1, 7, 8, 19, 20, 23, 24, good.len() - 1]) {
             let (problem, _) = parse(&good[..length]).unwrap_err();
             assert!(length == 0 || problem.contains("cut off"), "{length}: {problem}");
         }
@@ -245,22 +182,37 @@ mod tests {
     }
 
     #[test]
+    fn data_of_another_program_are_refused() {
+        #[derive(Serialize)]
+        struct Other {
+            step: u64,
+            time: f64,
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("c");
+        save_checkpoint(&path, 5, &Other { step: 7, time: 0.3 }).unwrap();
+        let message = load_checkpoint::<Data>(&path, 5).unwrap_err().to_string();
+        assert!(message.contains("missing field `field`") && message.contains("anew"), "{message}");
+    }
+
+    #[test]
     fn messages_say_what_to_do() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("run.checkpoint");
-        let message = Checkpoint::load(&path).unwrap_err().to_string();
+        let load = |fingerprint| load_checkpoint::<Data>(&path, fingerprint);
+        let message = load(5).unwrap_err().to_string();
         assert!(message.contains("run.checkpoint"), "{message}");
         fs::write(&path, "hello, this is a letter").unwrap();
-        assert!(Checkpoint::load(&path).unwrap_err().to_string().contains("not a checkpoint"));
-        sample().save(&path).unwrap();
-        let message = Checkpoint::load_for(&path, 1).unwrap_err().to_string();
+        assert!(load(5).unwrap_err().to_string().contains("not a checkpoint"));
+        save_checkpoint(&path, fingerprint("model"), &sample()).unwrap();
+        let message = load(1).unwrap_err().to_string();
         assert!(message.contains("another model") && message.contains("anew"), "{message}");
-        assert!(Checkpoint::load_for(&path, fingerprint("model")).is_ok());
+        assert!(load(fingerprint("model")).is_ok());
         for other in [VERSION - 1, VERSION + 1] {
             let mut bytes = fs::read(&path).unwrap();
             bytes[8..12].copy_from_slice(&other.to_le_bytes());
             fs::write(&path, bytes).unwrap();
-            let message = Checkpoint::load(&path).unwrap_err().to_string();
+            let message = load(5).unwrap_err().to_string();
             assert!(message.contains(&format!("format version {other}")), "{message}");
             assert!(message.contains(&format!("reads version {VERSION}")), "{message}");
         }

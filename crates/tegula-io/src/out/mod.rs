@@ -6,7 +6,7 @@
 //! | `*.pvd` | [`pvd::PvdSeries`] | ParaView, PyVista |
 //! | `*.csv` | [`csv::HistoryWriter`] | everything, and [`csv::read`] |
 //! | `*.mtx` | [`matrix_market::write`] | Python (SciPy), MATLAB, Julia, Octave |
-//! | checkpoints | [`checkpoint::Checkpoint`] | this program |
+//! | checkpoints | [`save_checkpoint`] | this program |
 //!
 //! Every file but those that grow, histories and lists of files, is written whole or not at all
 //! ([`file::write_whole`]): a run that is stopped, or a disk that is full, leaves the last good version in place.
@@ -22,7 +22,7 @@ pub mod pvd;
 pub mod text;
 pub mod vtu;
 
-pub use checkpoint::{Checkpoint, fingerprint};
+pub use checkpoint::{fingerprint, load_checkpoint, save_checkpoint};
 pub use csv::HistoryWriter;
 pub use file::{OutputError, write_over, write_whole};
 pub use pvd::PvdSeries;

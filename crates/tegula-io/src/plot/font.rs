@@ -1,30 +1,46 @@
-//! Font: DejaVu Sans, compiled into the program and drawn by `plotters`.
+//! Font: DejaVu Sans, compiled into the program and rasterised by `ab_glyph`.
 
 use std::sync::OnceLock;
 
-use plotters::backend::{BitMapBackend, DrawingBackend};
-use plotters::style::{FontDesc, FontFamily, FontStyle, FontTransform, RGBColor, TextStyle, register_font};
+use ab_glyph::{Font as _, FontRef, PxScale, ScaleFont as _, point};
 
 use super::colour::Rgb;
 
-const FAMILY: &str = "tegula";
 static DEJAVU_SANS: &[u8] = include_bytes!("../../assets/DejaVuSans.ttf");
-/// Height of the font's line over its em: (ascent 1901 + descent 483) / 2048. `plotters` sizes by the line.
-const LINE_PER_EM: f64 = 2384.0 / 2048.0;
 
-/// The font at `em` samples per em.
-fn font(em: f64) -> FontDesc<'static> {
-    static REGISTERED: OnceLock<()> = OnceLock::new();
-    // A font that cannot be read would show in the tests; at run time the picture would lack its letters.
-    REGISTERED.get_or_init(|| register_font(FAMILY, FontStyle::Normal, DEJAVU_SANS).unwrap_or(()));
-    FontDesc::new(FontFamily::Name(FAMILY), em * LINE_PER_EM, FontStyle::Normal)
+/// The font; `None` if it cannot be read, which would show in the tests: a picture would lack its letters.
+fn font() -> Option<&'static FontRef<'static>> {
+    static FONT: OnceLock<Option<FontRef<'static>>> = OnceLock::new();
+    FONT.get_or_init(|| FontRef::try_from_slice(DEJAVU_SANS).ok()).as_ref()
+}
+
+/// Scale of `em` samples per em: `ab_glyph` counts the height of a line, from its ascent to its descent.
+fn scale(font: &FontRef, em: f64) -> PxScale {
+    let line = font.height_unscaled() / font.units_per_em().unwrap_or(1.0);
+    PxScale::from(em as f32 * line)
 }
 
 /// Width of `text` in ems.
 pub(super) fn width(text: &str) -> f64 {
-    // Measured large, because the backend rounds to whole pixels.
-    const MEASURE: f64 = 200.0;
-    font(MEASURE).layout_box(text).map_or(0.0, |((x0, _), (x1, _))| f64::from(x1 - x0) / MEASURE)
+    font().map_or(0.0, |font| {
+        let mut end = 0.0;
+        each_glyph(font, 1.0, text, |_, advanced| end = advanced);
+        f64::from(end)
+    })
+}
+
+/// Calls `take` with each glyph of a text whose baseline begins at the origin, and with the end of its advance. Pairs of
+/// glyphs have their kerning.
+fn each_glyph(font: &FontRef, em: f64, text: &str, mut take: impl FnMut(ab_glyph::Glyph, f32)) {
+    let scaled = font.as_scaled(scale(font, em));
+    let (mut end, mut last) = (0.0, None);
+    for letter in text.chars() {
+        let id = scaled.glyph_id(letter);
+        let start = end + last.map_or(0.0, |last| scaled.kern(last, id));
+        end = start + scaled.h_advance(id);
+        last = Some(id);
+        take(id.with_scale_and_position(scaled.scale(), point(start, 0.0)), end);
+    }
 }
 
 /// Draws `text` with its baseline beginning at `(x, y)`, upwards if `upright`, into a buffer of RGB samples.
@@ -37,18 +53,26 @@ pub(super) fn draw(
     upright: bool,
     colour: Rgb,
 ) {
-    if buffer.len() < size.0 as usize * size.1 as usize * 3 {
-        return;
-    }
-    let [r, g, b] = colour.bytes();
-    // The backend puts the baseline half a line below the position it is given.
-    let drop = em * LINE_PER_EM / 2.0;
-    let (transform, x, y) =
-        if upright { (FontTransform::Rotate270, x - drop, y) } else { (FontTransform::None, x, y - drop) };
-    let colour = RGBColor(r, g, b);
-    let style = TextStyle::from(font(em).transform(transform)).color(&colour);
-    let mut backend = BitMapBackend::with_buffer(buffer, size);
-    let _ = backend.draw_text(text, &style, (x.round() as i32, y.round() as i32));
+    let (columns, rows) = (i64::from(size.0), i64::from(size.1));
+    let Some(font) = font().filter(|_| buffer.len() >= (columns * rows) as usize * 3) else { return };
+    let (x, y) = (x.round() as i64, y.round() as i64);
+    let ink = colour.bytes();
+    each_glyph(font, em, text, |glyph, _| {
+        let Some(outline) = font.outline_glyph(glyph) else { return };
+        let corner = outline.px_bounds().min;
+        outline.draw(|column, row, coverage| {
+            let (right, down) = (corner.x as i64 + i64::from(column), corner.y as i64 + i64::from(row));
+            // Upright text runs along −y, and its letters stand on the left of their baseline.
+            let (column, row) = if upright { (x + down, y - 1 - right) } else { (x + right, y + down) };
+            if (0..columns).contains(&column) && (0..rows).contains(&row) {
+                let at = (row * columns + column) as usize * 3;
+                for (sample, ink) in buffer[at..at + 3].iter_mut().zip(ink) {
+                    let below = f32::from(*sample);
+                    *sample = (below + (f32::from(ink) - below) * coverage.clamp(0.0, 1.0)).round() as u8;
+                }
+            }
+        });
+    });
 }
 
 #[cfg(test)]

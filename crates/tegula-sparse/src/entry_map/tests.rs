@@ -47,7 +47,7 @@ impl Pattern {
 
     fn tree(&self) -> AssemblyTree {
         let graph = CompressedGraph::new(&self.pointers, &self.rows, &[]);
-        let order = graph.minimum_degree().unwrap();
+        let order = graph.minimum_degree();
         AssemblyTree::new(&graph, &order, &self.pointers, &self.rows).unwrap()
     }
 

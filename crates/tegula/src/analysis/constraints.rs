@@ -129,7 +129,7 @@ impl Constraints {
     ) -> Result<(), String> {
         let n = system.unknowns();
         let acting = |v: usize| current_vector(system, &k.motion, v);
-        self.gradients(system, (frames, k.time), acting, |this| &mut this.forces);
+        gradients(system, (frames, k.time), acting, &mut self.forces);
         self.end_gradients(system, frames, &k.motion, end_time(&k.motion, k.time));
         for joint in system.joints.iter() {
             for (i, row) in joint.multipliers().zip(&joint.rows) {
@@ -361,41 +361,16 @@ impl Constraints {
     /// Gradients at the end of a motion, with respect to rotations of the bodies there.
     fn end_gradients(&mut self, system: &System, frames: &LocalFrames, motion: &Motion, time: f64) {
         let end = end_of(system, motion);
-        let mut end_frames = std::mem::take(&mut self.end_frames);
         // Degrees of freedom of nodes count in the frames of the factor.
-        end_frames.copy_from(frames);
-        end_frames.follow_bodies(&end);
-        self.gradients(system, (&end_frames, time), end, |this| &mut this.ends);
-        self.end_frames = end_frames;
-    }
-
-    fn gradients(
-        &mut self,
-        system: &System,
-        (frames, time): (&LocalFrames, f64),
-        value: impl Fn(usize) -> Vec3,
-        out: impl Fn(&mut Self) -> &mut Vec<Gradient>,
-    ) {
-        for joint in system.joints.iter() {
-            let drive = system.drive_value(joint, time);
-            joint.with_vectors(&value, |v, forces| {
-                for (i, row) in joint.multipliers().zip(&joint.rows) {
-                    forces.fill(Vec3::zeros());
-                    row.add_gradient(1.0, v, drive, forces);
-                    let gradient = &mut out(self)[i];
-                    gradient.clear();
-                    for (&v, g) in joint.vectors.iter().zip(&*forces).filter(|(_, g)| **g != Vec3::zeros()) {
-                        frames.reduce_one(v as usize, g, |number, x| add_entry(gradient, number, x));
-                    }
-                }
-            });
-        }
+        self.end_frames.copy_from(frames);
+        self.end_frames.follow_bodies(&end);
+        gradients(system, (&self.end_frames, time), end, &mut self.ends);
     }
 
     /// Largest value of a constraint at the end of a motion over its size; infinite where a drive is half a turn away from its angle.
     pub fn largest_violation(&self, system: &System, (motion, time): (&Motion, f64)) -> f64 {
         let (end, time) = (end_of(system, motion), end_time(motion, time));
-        let of_joint = |joint: &Joint| self.of_joint(system, joint, &end, time);
+        let of_joint = |joint: &Joint| of_joint(system, &self.laws, joint, (&end, time));
         system.joints.iter().map(of_joint).fold(0.0, crate::norm::larger)
     }
 
@@ -410,7 +385,7 @@ impl Constraints {
     pub fn violation(&self, system: &System, (motion, time): (&Motion, f64), limit: f64) -> Option<String> {
         let (end, time) = (end_of(system, motion), end_time(motion, time));
         system.joints.iter().find_map(|joint| {
-            let worst = self.of_joint(system, joint, &end, time);
+            let worst = of_joint(system, &self.laws, joint, (&end, time));
             if worst == f64::INFINITY {
                 return Some(format!("joint \"{}\" is half a turn away from its angle", joint.name));
             }
@@ -419,19 +394,48 @@ impl Constraints {
         })
     }
 
-    /// Largest value of a constraint of a joint over its size; infinite where its drive is half a turn away from its angle. Released
-    /// joints have no constraints, and coordinates that move none.
-    fn of_joint(&self, system: &System, joint: &Joint, end: impl Fn(usize) -> Vec3, time: f64) -> f64 {
-        let drive = self.laws.target(system, joint, time);
-        joint.with_vectors(end, |v, _| {
-            let value = |(i, row): (usize, &Row)| match row.is_on_branch(v, drive) {
-                _ if self.laws.is_moving(i) => 0.0,
-                true => row.value(v, drive).abs() / row.size,
-                false => f64::INFINITY,
-            };
-            joint.multipliers().zip(&joint.rows).map(value).fold(0.0, crate::norm::larger)
-        })
+}
+
+/// Gradients of all constraints at the `value` of each nodal vector, with respect to the degrees of freedom of `frames`.
+fn gradients(
+    system: &System,
+    (frames, time): (&LocalFrames, f64),
+    value: impl Fn(usize) -> Vec3,
+    out: &mut [Gradient],
+) {
+    for joint in system.joints.iter() {
+        let drive = system.drive_value(joint, time);
+        joint.with_vectors(&value, |v, forces| {
+            for (i, row) in joint.multipliers().zip(&joint.rows) {
+                forces.fill(Vec3::zeros());
+                row.add_gradient(1.0, v, drive, forces);
+                let gradient = &mut out[i];
+                gradient.clear();
+                for (&v, g) in joint.vectors.iter().zip(&*forces).filter(|(_, g)| **g != Vec3::zeros()) {
+                    frames.reduce_one(v as usize, g, |number, x| add_entry(gradient, number, x));
+                }
+            }
+        });
     }
+}
+
+/// Largest value of a constraint of a joint over its size; infinite where its drive is half a turn away from its angle. Released joints
+/// have no constraints, and coordinates that move none.
+fn of_joint(
+    system: &System,
+    laws: &Laws,
+    joint: &Joint,
+    (end, time): (impl Fn(usize) -> Vec3, f64),
+) -> f64 {
+    let drive = laws.target(system, joint, time);
+    joint.with_vectors(end, |v, _| {
+        let value = |(i, row): (usize, &Row)| match row.is_on_branch(v, drive) {
+            _ if laws.is_moving(i) => 0.0,
+            true => row.value(v, drive).abs() / row.size,
+            false => f64::INFINITY,
+        };
+        joint.multipliers().zip(&joint.rows).map(value).fold(0.0, crate::norm::larger)
+    })
 }
 
 /// Nodal vectors at the end of a motion.

@@ -147,7 +147,7 @@ impl State {
 }
 
 /// Energies and momenta at the end of a step.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Balance {
     /// ½ v·M v.
     pub kinetic: f64,

@@ -15,9 +15,9 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use faer::linalg::solvers::{Llt, Solve as _};
-use faer::{MatMut, Side};
+use nalgebra::{DMatrix, DMatrixViewMut};
 use rayon::prelude::*;
+use tegula_sparse::dense::{Diagonal, PartialCholesky, solve_lower_from_right};
 
 use super::interface::Interface;
 use super::primal_nodes::Sharing;
@@ -123,10 +123,7 @@ impl DeluxeScaling {
                         first[i * n + j] = first[j * n + i];
                     }
                 }
-                let sum = MatMut::from_column_major_slice_mut(&mut sum, n, n);
-                let factor = Llt::new(sum.as_ref(), Side::Lower).ok()?;
-                factor.solve_in_place(MatMut::from_column_major_slice_mut(&mut first, n, n));
-                member.matrix = first;
+                member.matrix = quotient(&mut sum, &mut first, n)?;
                 Some(())
             })
             .collect();
@@ -171,6 +168,22 @@ impl DeluxeScaling {
             }
         });
     }
+}
+
+/// Quotient `S⁻¹ A` by columns for a positive definite matrix S, given by its lower triangle, and a symmetric matrix A.
+fn quotient(s: &mut [f64], a: &mut [f64], n: usize) -> Option<Vec<f64>> {
+    let mut l = DMatrixViewMut::from_slice(s, n, n);
+    if !PartialCholesky::default().factor(l.as_view_mut()) {
+        return None;
+    }
+    let mut x = DMatrixViewMut::from_slice(a, n, n);
+    solve_lower_from_right(l.as_view(), Diagonal::Stored, x.as_view_mut());
+    // The transpose of `S⁻¹ A = L⁻ᵀ (A L⁻ᵀ)ᵀ` is `A L⁻ᵀ L⁻¹`: in reversed order, L is the transpose of a lower triangle.
+    let last = n.saturating_sub(1);
+    let reversed = DMatrix::from_fn(n, n, |i, j| if i < j { 0.0 } else { l[(last - j, last - i)] });
+    let mut y = DMatrix::from_fn(n, n, |i, j| x[(i, last - j)]);
+    solve_lower_from_right(reversed.as_view(), Diagonal::Stored, y.as_view_mut());
+    Some((0..n).flat_map(|j| (0..n).map(move |i| (i, j))).map(|(i, j)| y[(j, last - i)]).collect())
 }
 
 /// Calls `datum` for all interface edges, each with its own part of the values. Recursive halving avoids allocations

@@ -1,13 +1,9 @@
 //! Dense kernels on the Schur complement `S` of a subdomain's interface: its lower triangle, and the factor of its
 //! first rows in single precision.
 
-use dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{Accum, MatMut, Par};
+use nalgebra::DMatrixViewMut;
 use tegula_sparse::FactorError;
+use tegula_sparse::dense::{Part, PartialCholesky, Target, subtract_product};
 
 /// Number of products that are summed side by side.
 const LANES: usize = 8;
@@ -66,57 +62,22 @@ fn dot_rounded(a: &[f32], b: &[f64]) -> f64 {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct NotPositive;
 
-/// Partial Cholesky factorisation of dense matrices, with its workspace.
-#[derive(Default)]
-pub(super) struct PartialCholesky(Option<(usize, MemBuffer)>);
-
-impl PartialCholesky {
-    /// Eliminates the first `width` columns of a matrix, stored by columns in `panel` with `below` rows beneath them:
-    /// `L₁₁ L₁₁ᵀ = A₁₁`, `L₂₁ = A₂₁ L₁₁⁻ᵀ`. The remaining columns, of which `out` has the lower triangle, are updated to
-    /// their Schur complement `C − L₂₁ L₂₁ᵀ`. The inner result tells whether all pivots are positive.
-    ///
-    /// # Errors
-    /// The memory does not suffice.
-    pub fn eliminate(
-        &mut self,
-        (width, below): (usize, usize),
-        panel: &mut [f64],
-        out: &mut [f64],
-    ) -> Result<Result<(), NotPositive>, FactorError> {
-        let stack = MemStack::new(self.workspace(width)?);
-        let panel = MatMut::from_column_major_slice_mut(panel, width + below, width);
-        let (mut first, mut second) = panel.split_at_row_mut(width);
-        if cholesky_in_place(first.rb_mut(), Default::default(), Par::Seq, stack, Default::default()).is_err()
-        {
-            return Ok(Err(NotPositive));
-        }
-        if below == 0 {
-            return Ok(Ok(()));
-        }
-        solve_lower_triangular_in_place(first.rb(), second.rb_mut().transpose_mut(), Par::Seq);
-        triangular_matmul(
-            MatMut::from_column_major_slice_mut(out, below, below),
-            BlockStructure::TriangularLower,
-            Accum::Add,
-            second.rb(),
-            BlockStructure::Rectangular,
-            second.rb().transpose(),
-            BlockStructure::Rectangular,
-            -1.0,
-            Par::Seq,
-        );
-        Ok(Ok(()))
+/// Eliminates the first `width` columns of a matrix, stored by columns in `panel` with `below` rows beneath them:
+/// `L₁₁ L₁₁ᵀ = A₁₁`, `L₂₁ = A₂₁ L₁₁⁻ᵀ`. The remaining columns, of which `out` has the lower triangle, are updated to their
+/// Schur complement `C − L₂₁ L₂₁ᵀ`.
+pub(super) fn eliminate(
+    cholesky: &mut PartialCholesky,
+    (width, below): (usize, usize),
+    panel: &mut [f64],
+    out: &mut [f64],
+) -> Result<(), NotPositive> {
+    let mut panel = DMatrixViewMut::from_slice(panel, width + below, width);
+    if !cholesky.factor(panel.as_view_mut()) {
+        return Err(NotPositive);
     }
-
-    /// Workspace for the elimination of `width` columns.
-    fn workspace(&mut self, width: usize) -> Result<&mut MemBuffer, FactorError> {
-        let need = cholesky_in_place_scratch::<f64>(width, Par::Seq, Default::default());
-        let size = need.unaligned_bytes_required();
-        if self.0.as_ref().is_none_or(|(have, _)| *have < size) {
-            self.0 = Some((size, MemBuffer::try_new(need).map_err(|_| FactorError::TooLarge)?));
-        }
-        self.0.as_mut().map(|(_, buffer)| buffer).ok_or(FactorError::TooLarge)
-    }
+    let second = panel.rows(width, below);
+    subtract_product(DMatrixViewMut::from_slice(out, below, below), second, second, Part::Lower, Target::Add);
+    Ok(())
 }
 
 /// Schur complement `S` of a subdomain whose first rows, the dual ones, are factored: `S_DD = L Lᵀ`, `L_CD = S_CD L⁻ᵀ`.

@@ -7,9 +7,10 @@ use std::ops::Range;
 
 use super::Terms;
 use super::assembly::{LocalAssembly, LocalVector, NONE};
-use super::schur_complement::{DenseSchurComplement, NotPositive, PartialCholesky};
+use super::schur_complement::{DenseSchurComplement, NotPositive, eliminate};
 use crate::system::LocalFrames;
 use crate::system::dof_map::CONSTRAINED;
+use tegula_sparse::dense::PartialCholesky;
 use tegula_sparse::{FactorError, SchurComplement, Workspace};
 
 /// Unknowns of a subdomain and assembly of its matrix, which do not depend on the values of the matrix.
@@ -166,7 +167,7 @@ impl Subdomain {
         factor.clear();
         factor.extend_from_slice(&square[..dual * size]);
         if dual > 0 {
-            cholesky.eliminate((dual, primal), factor, coarse)?.map_err(|NotPositive| Refused::Border)?;
+            eliminate(cholesky, (dual, primal), factor, coarse).map_err(|NotPositive| Refused::Border)?;
         }
         let schur = DenseSchurComplement::new(square, factor, (size, dual))?;
         let left = (0..primal).flat_map(|j| &coarse[j * primal + j..(j + 1) * primal]).copied().collect();

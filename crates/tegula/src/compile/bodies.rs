@@ -238,16 +238,12 @@ pub(super) fn joints(
             Some(Drive { amplitude, value: drive.value, offset: 0.0 })
         });
         match joint(data, [first, second], length, (&out, drive)) {
-            Some(made) if made.vectors.is_empty() => {}
-            Some(made) => out.push(made),
-            None => c.add(
-                format!("{key}.between"),
-                format!(
-                    "joint \"{}\" needs an axis on both sides, but a point mass or a node has none",
-                    keys.name()
-                ),
-                "connect rigid bodies and the ground, or take type = \"spherical\" or \"distance\"",
-            ),
+            Ok(made) if made.vectors.is_empty() => {}
+            Ok(made) => out.push(made),
+            Err(lack) => {
+                let (message, help) = lack.told(keys.name());
+                c.add(format!("{key}.between"), message, help);
+            }
         }
     }
     issues.append(&mut c.issues);

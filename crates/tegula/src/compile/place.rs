@@ -2,6 +2,7 @@
 
 use crate::checker::Checker;
 use crate::constraint::joints::End;
+use crate::element::VectorKind;
 use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::model::joint::GROUND;
@@ -59,6 +60,16 @@ pub(super) fn not_beside(
     }
 }
 
+/// Directors of a node with their values at the reference.
+fn directors(coordinates: &Coordinates, node: u32) -> Vec<(u32, Vec3)> {
+    let first = coordinates.position_of[node as usize] as usize;
+    let of_node = (first..coordinates.len()).take_while(|&v| coordinates.nodes[v] == node);
+    of_node
+        .filter(|&v| coordinates.kinds[v] == VectorKind::Director)
+        .map(|v| (v as u32, coordinates.reference[v].into()))
+        .collect()
+}
+
 /// Body, node or ground that a name stands for, which is the value of this key.
 pub(super) fn end(place: &Place, key: String, name: &str, c: &mut Checker) -> Option<End> {
     let Place { model, mesh, coordinates, .. } = *place;
@@ -76,7 +87,7 @@ pub(super) fn end(place: &Place, key: String, name: &str, c: &mut Checker) -> Op
             None
         }
         (Some(body), None) => Some(match body.directors {
-            None => End::Point { vector: body.centre, mass: body.mass },
+            None => End::Point { vector: body.centre, mass: body.mass, directors: Vec::new() },
             Some(directors) => {
                 let vector = |v: u32| Vec3::from(coordinates.reference[v as usize]);
                 End::Body {
@@ -89,7 +100,8 @@ pub(super) fn end(place: &Place, key: String, name: &str, c: &mut Checker) -> Op
         (None, Some(nodes)) => {
             match nodes[..] {
                 [node] if coordinates.position_of.get(node as usize).is_some_and(|&v| v != u32::MAX) => {
-                    Some(End::Point { vector: coordinates.position_of[node as usize], mass: 0.0 })
+                    let directors = directors(coordinates, node);
+                    Some(End::Point { vector: coordinates.position_of[node as usize], mass: 0.0, directors })
                 }
                 _ => {
                     c.add(

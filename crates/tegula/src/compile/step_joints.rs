@@ -72,6 +72,10 @@ fn not_lockable(joint: &model::Joint) -> (String, &'static str) {
             "prescribes a motion",
             "release the drive in this step, and lock the joint beside which it stands",
         ),
+        model::Joint::ClampedDirector(_) | model::Joint::DirectorAlignment(_) => (
+            "holds the director of a shell node, which has no other axes",
+            "take it out of the list, or attach nodes to a body and lock a joint of the body",
+        ),
         _ => ("is a rod between two points", "lock other joints of the same bodies"),
     };
     (format!("the joint \"{name}\" of the type \"{kind}\" {reason}, and cannot be locked"), help)

@@ -18,6 +18,8 @@ pub struct Row {
     constant: f64,
     /// How the constraint depends on the drive of the joint.
     driven: Driven,
+    /// Form that is positive where the constraint holds as it is meant, and negative half a turn away, where its value vanishes, too.
+    positive: Option<Box<Row>>,
     /// Size of the values of the constraint: the length of the model for distances, 1 for products of unit vectors.
     pub size: f64,
     /// Inertia that the constraint acts on \[mass for distances, mass · length² for products of unit vectors\]: weight of
@@ -87,6 +89,11 @@ impl Row {
         self.driven = Driven::Coordinate(Box::new(h));
     }
 
+    /// Excludes the configurations in which a form of the same nodal vectors is not positive.
+    pub fn keep_positive(&mut self, form: Row) {
+        self.positive = Some(Box::new(form));
+    }
+
     /// Constraint `(a − b)·e = 0` of two points along a fixed direction of space.
     pub fn coincident(vectors: &mut Vec<u32>, a: &Attachment, b: &Attachment, e: &Vec3) -> Self {
         let mut row = Self { constant: (a.constant - b.constant).dot(e), ..Self::default() };
@@ -141,8 +148,12 @@ impl Row {
         }
     }
 
-    /// Whether an angle is that of the drive, and not half a turn away from it, where the constraint vanishes, too.
+    /// Whether an angle is that of the drive, or an axis points the right way, and not half a turn away from it, where the constraint
+    /// vanishes, too.
     pub fn is_on_branch(&self, v: &[Vec3], s: f64) -> bool {
+        if self.positive.as_ref().is_some_and(|form| form.form(v) <= 0.0) {
+            return false;
+        }
         match &self.driven {
             Driven::Angle(other) => self.form(v) * s.sin() + other.form(v) * s.cos() > 0.0,
             Driven::Not | Driven::Length | Driven::Coordinate(_) => true,

@@ -25,6 +25,8 @@ macro_rules! joints {
             planar::Planar(AxisJoint): "Motion in the plane across the axis, and rotation about it.",
             driven_angle::DrivenAngle(DrivenAngleJoint): "Prescribed rotation about an axis, beside a revolute or cylindrical joint.",
             driven_length::DrivenLength(DrivenLengthJoint): "Prescribed displacement along an axis, beside a prismatic or cylindrical joint.",
+            director_alignment::DirectorAlignment(DirectorJoint): "The director of a shell node stays parallel to an axis of the other side.",
+            clamped_director::ClampedDirector(PointJoint): "The points coincide and the director of a shell node stays parallel to an axis of the other side: fixed but for drilling.",
             distance::Distance(DistanceJoint): "Rod without mass: the distance of two points is constant.",
         }
     };
@@ -216,6 +218,16 @@ pub struct TwoAxesJoint {
     pub axes: [[f64; 3]; 2],
 }
 
+/// A joint of the director of a shell node.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DirectorJoint {
+    /// Name of the joint in messages and results.
+    pub name: String,
+    /// Both sides: the name of a set with one node of a shell, and that of a body or `ground`.
+    pub between: [String; 2],
+}
+
 /// A prescribed rotation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -323,6 +335,7 @@ macro_rules! joint_keys {
 joint_keys!(PointJoint, self, [("at", self.at)], []);
 joint_keys!(AxisJoint, self, [("at", self.at)], [("axis", self.axis)]);
 joint_keys!(TwoAxesJoint, self, [("at", self.at)], [("axes[0]", self.axes[0]), ("axes[1]", self.axes[1])]);
+joint_keys!(DirectorJoint, self, [], []);
 joint_keys!(
     DrivenAngleJoint,
     self,
@@ -354,6 +367,21 @@ impl PointJoint {
     pub(crate) fn example() -> Self {
         let (between, at, _) = EXAMPLE;
         Self { name: "joint".into(), between: between.map(str::to_owned), at }
+    }
+}
+
+/// Node of the shell of the contract tests, and its position.
+const NODE: (&str, [f64; 3]) = ("u_max_v_min", [2.0, 0.0, 0.0]);
+
+impl PointJoint {
+    pub(crate) fn example_at_node() -> Self {
+        Self { name: "joint".into(), between: ["b", NODE.0].map(str::to_owned), at: NODE.1 }
+    }
+}
+
+impl DirectorJoint {
+    pub(crate) fn example() -> Self {
+        Self { name: "joint".into(), between: ["b", NODE.0].map(str::to_owned) }
     }
 }
 

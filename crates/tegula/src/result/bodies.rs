@@ -3,6 +3,7 @@
 use nalgebra::{Rotation3, UnitQuaternion};
 
 use crate::analysis::State;
+use crate::analysis::dynamics::triads::project_director_velocities;
 use crate::constraint::{BushingResponse, Joint, TorsionSpring};
 use crate::element::Nodal;
 use crate::system::coordinates::Body;
@@ -93,8 +94,8 @@ pub fn joint_reaction(system: &System, state: &State, joint: &Joint) -> (Vec3, V
 
 /// Length, and force that draws its points together, of each spring in a state.
 pub fn spring_lengths_and_forces(system: &System, state: &State) -> Vec<[f64; 2]> {
-    let value = |v: usize| current(system, &state.u, v as u32);
-    let rate = |v: usize| state.v.get(v).copied().map_or_else(Vec3::zeros, Vec3::from);
+    let (value, rates) = (|v: usize| current(system, &state.u, v as u32), rigid_rates(system, state));
+    let rate = |v: usize| rates.get(v).copied().map_or_else(Vec3::zeros, Vec3::from);
     system.springs.iter().map(|(_, spring)| spring.length_and_force(value, rate)).collect()
 }
 
@@ -110,9 +111,19 @@ pub fn torsion_angles_and_moments(system: &System, state: &State) -> Vec<[f64; 2
 
 /// Displacement, rotation, force and moment of each bushing in a state.
 pub fn bushing_responses(system: &System, state: &State) -> Vec<BushingResponse> {
-    let rate = |v: u32| state.v.get(v as usize).copied().map_or_else(Vec3::zeros, Vec3::from);
-    let value = |v: u32| current(system, &state.u, v);
+    let (value, rates) = (|v: u32| current(system, &state.u, v), rigid_rates(system, state));
+    let rate = |v: u32| rates.get(v as usize).copied().map_or_else(Vec3::zeros, Vec3::from);
     system.bushings.iter().map(|bushing| bushing.response(value, rate)).collect()
+}
+
+/// Velocities of the nodal vectors, those of bodies as rigid motions with their angular velocity. The rates of directors in the
+/// energy–momentum scheme follow a rotation over the step only to second order.
+fn rigid_rates(system: &System, state: &State) -> Vec<Nodal> {
+    let mut rates = state.v.clone();
+    if !rates.is_empty() {
+        project_director_velocities(system, &state.u, &mut rates);
+    }
+    rates
 }
 
 fn current(system: &System, u: &[Nodal], v: u32) -> Vec3 {

@@ -417,8 +417,7 @@ fn unsuitable_nodes_of_couplings_are_refused_by_name() {
     let explicit = Scheme::Newmark(NewmarkScheme::default());
     refused(
         &change(&|m| {
-            m.analysis =
-                Analysis::Transient(TransientAnalysis { scheme: explicit, ..steps(1.0, 0.1) })
+            m.analysis = Analysis::Transient(TransientAnalysis { scheme: explicit, ..steps(1.0, 0.1) })
         }),
         "analysis",
         &["energy-momentum"],

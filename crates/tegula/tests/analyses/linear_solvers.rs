@@ -302,7 +302,7 @@ fn what_belongs_to_another_mesh_is_refused() {
 }
 
 /// Entries and operations of the factor of a tangent follow from ordering and supernodes alone: what grows here makes every
-/// solution slower. They may differ by a little where the ordering of another version of faer does.
+/// solution slower.
 #[test]
 fn a_factorisation_costs_what_is_known() {
     let system = loaded_quarter_cylinder(48, ElementKind::Ems);

@@ -43,6 +43,7 @@ mod patches;
 mod reactions;
 mod sensors;
 mod sheet_to_membrane;
+mod shell_joints;
 mod statics;
 mod step_joints;
 mod steps;

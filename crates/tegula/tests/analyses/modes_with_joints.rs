@@ -8,7 +8,7 @@ use tegula::analysis::{Silent, State, statics};
 use tegula::model::*;
 use tegula::{System, compile, mesh};
 
-fn modal(modes: u32, prestressed: bool) -> Analysis {
+pub fn modal(modes: u32, prestressed: bool) -> Analysis {
     Analysis::Modal(ModalAnalysis { prestressed, ..ModalAnalysis::new(modes) })
 }
 
@@ -23,7 +23,7 @@ fn modes(model: &Model) -> (System, ModalOutcome) {
     (system, found)
 }
 
-fn omegas(model: &Model) -> Vec<f64> {
+pub fn omegas(model: &Model) -> Vec<f64> {
     modes(model).1.modes.iter().map(|mode| mode.omega).collect()
 }
 

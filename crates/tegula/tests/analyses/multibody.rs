@@ -112,7 +112,7 @@ fn a_heavy_top_precesses_and_nutates() {
     assert!(errors[2] < 1e-3, "{errors:?}");
 }
 
-fn axis_joint(name: &str, a: &str, b: &str, at: [f64; 3], axis: [f64; 3]) -> AxisJoint {
+pub fn axis_joint(name: &str, a: &str, b: &str, at: [f64; 3], axis: [f64; 3]) -> AxisJoint {
     AxisJoint { name: name.into(), between: between(a, b), at, axis }
 }
 

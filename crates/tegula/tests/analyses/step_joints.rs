@@ -82,8 +82,7 @@ fn at_rest() -> Analysis {
 
 fn schemes() -> Vec<Scheme> {
     let energy_momentum = |order| Scheme::EnergyMomentum(EnergyMomentumScheme { order });
-    let generalized_alpha =
-        GeneralizedAlphaScheme { spectral_radius: 0.9 };
+    let generalized_alpha = GeneralizedAlphaScheme { spectral_radius: 0.9 };
     vec![energy_momentum(2), energy_momentum(4), Scheme::GeneralizedAlpha(generalized_alpha)]
 }
 

@@ -21,7 +21,7 @@ pub mod schemes;
 pub mod step_control;
 mod step_end;
 mod time_steps;
-mod triads;
+pub(crate) mod triads;
 
 use super::newton::{Equation, Newton, Tolerances};
 use super::{Balance, Observer, State, Statistics, Stepper, Stopped, equilibrium, statics, stepper};

@@ -61,15 +61,29 @@ pub(super) fn keep_stretch(system: &System, u: &[Nodal], moved: &mut [Nodal]) {
     system.dofs().carry(moved);
 }
 
+/// Angular velocity of directors d from their rates, `½ Σ dᵢ × ḋᵢ`.
+fn spin(d: &Mat3, rates: &[Nodal], triad: &[u32; 3]) -> Vec3 {
+    (0..3).map(|i| d.column(i).cross(&Vec3::from(rates[triad[i] as usize]))).sum::<Vec3>() * 0.5
+}
+
+/// Projects velocities of directors d onto those of a rotation, `ω × d`; attached vectors follow.
+pub(crate) fn project_director_velocities(system: &System, u: &[Nodal], v: &mut [Nodal]) {
+    for triad in &system.dofs().triads {
+        let d = directors(system, u, triad);
+        let omega = spin(&d, v, triad);
+        for (i, &n) in triad.iter().enumerate() {
+            v[n as usize] = omega.cross(&d.column(i)).into();
+        }
+    }
+    system.dofs().carry(v);
+}
+
 /// Projects rates of directors d onto those of a rotation: velocities `ω × d`, accelerations `α × d + ω × (ω × d)`; attached
 /// vectors follow.
 pub(super) fn project_rates(system: &System, u: &[Nodal], v: &mut [Nodal], a: &mut [Nodal]) {
     for triad in &system.dofs().triads {
         let d = directors(system, u, triad);
-        let axial = |field: &[Nodal]| -> Vec3 {
-            (0..3).map(|i| d.column(i).cross(&Vec3::from(field[triad[i] as usize]))).sum::<Vec3>() * 0.5
-        };
-        let (omega, alpha) = (axial(v), axial(a));
+        let (omega, alpha) = (spin(&d, v, triad), spin(&d, a, triad));
         for (i, &n) in triad.iter().enumerate() {
             let turned = omega.cross(&d.column(i));
             v[n as usize] = turned.into();

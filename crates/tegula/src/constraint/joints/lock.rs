@@ -71,7 +71,9 @@ fn moved(end: &End, motion: &Motion) -> End {
             reference: (motion.place(place), motion.rotation * axes),
             inertia: *inertia,
         },
-        other => other.clone(),
+        // The director of a node is no axis that is fixed in a body which has moved.
+        End::Point { vector, mass, .. } => End::Point { vector: *vector, mass: *mass, directors: Vec::new() },
+        End::Ground => End::Ground,
     }
 }
 
@@ -94,7 +96,7 @@ pub fn lock(
         vectors: joint.vectors.clone(),
         rows: Vec::new(),
         length,
-        lacks_axis: false,
+        lack: None,
     };
     for constraint in held(keys, &motions.map(|motion| motion.rotation)) {
         match constraint {
@@ -102,5 +104,5 @@ pub fn lock(
             Held::InPlane(normal) => out.in_plane(&normal, at.into()),
         }
     }
-    (!out.lacks_axis && out.vectors.len() == joint.vectors.len()).then_some(out.rows)
+    (out.lack.is_none() && out.vectors.len() == joint.vectors.len()).then_some(out.rows)
 }

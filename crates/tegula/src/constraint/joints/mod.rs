@@ -5,6 +5,7 @@
 //! is in J. García de Jalón, E. Bayo, *Kinematic and dynamic simulation of multibody systems* (1994), Ch. 4. The motions that
 //! a joint leaves free are [held](lock) by further ones where an analysis step locks it.
 
+mod directors;
 mod lock;
 
 use std::f64::consts::{PI, TAU};
@@ -16,6 +17,7 @@ use crate::checker::Checker;
 use crate::model::{self, CoordinateJoint, joints};
 use crate::norm::larger;
 use crate::{Mat3, Vec3};
+pub use directors::Lack;
 use lock::Held;
 pub use lock::lock;
 
@@ -36,12 +38,14 @@ pub enum End {
         /// Mass and tr E.
         inertia: [f64; 2],
     },
-    /// A point mass, or the position of a node: it has no axes.
+    /// A point mass, or a node: it has no axes, but a node of a shell has directors.
     Point {
         /// Nodal vector of the position.
         vector: u32,
         /// Mass; 0 for nodes.
         mass: f64,
+        /// Nodal vectors of the directors, with their values at the reference.
+        directors: Vec<(u32, Vec3)>,
     },
 }
 
@@ -73,7 +77,9 @@ impl End {
         match self {
             Self::Ground => Vec::new(),
             Self::Body { vectors: (centre, directors), .. } => [&[*centre][..], directors].concat(),
-            Self::Point { vector, .. } => vec![*vector],
+            Self::Point { vector, directors, .. } => {
+                std::iter::once(*vector).chain(directors.iter().map(|d| d.0)).collect()
+            }
         }
     }
 
@@ -148,14 +154,19 @@ pub struct Constraints {
     rows: Vec<Row>,
     /// Size of the model (length).
     length: f64,
-    /// Whether an axis was wanted of an end that has none.
-    lacks_axis: bool,
+    /// First thing that a constraint wanted of an end that does not have it.
+    lack: Option<Lack>,
 }
 
 impl Constraints {
     /// Mass, and inertia of rotation, that the constraints act on.
     fn inertia(&self, of_rotation: bool) -> f64 {
         self.ends.iter().map(|end| end.inertia()[usize::from(of_rotation)]).fold(0.0, larger)
+    }
+
+    /// Notes what an end lacks.
+    fn lacks(&mut self, lack: Lack) {
+        self.lack.get_or_insert(lack);
     }
 
     fn push(&mut self, mut row: Row, size: f64, inertia: f64) {
@@ -176,8 +187,7 @@ impl Constraints {
     pub(super) fn constant_product(&mut self, a: &Vec3, b: &Vec3) {
         let axes = (self.ends[0].axis(a), self.ends[1].axis(b));
         let (Some(first), Some(second)) = axes else {
-            self.lacks_axis = true;
-            return;
+            return self.lacks(Lack::Axis);
         };
         let mut row = Row::default();
         row.add_product(&mut self.vectors, 1.0, &first, &second);
@@ -190,8 +200,7 @@ impl Constraints {
     pub(super) fn in_plane(&mut self, normal: &Vec3, at: [f64; 3]) {
         let [a, b] = [0, 1].map(|i| self.ends[i].point(&at.into()));
         let Some(n) = self.ends[0].axis(normal) else {
-            self.lacks_axis = true;
-            return;
+            return self.lacks(Lack::Axis);
         };
         let mut row = Row::default();
         row.add_product(&mut self.vectors, 1.0, &n, &b);
@@ -215,8 +224,7 @@ impl Constraints {
     /// The second end has turned by the drive's angle relative to the first one about a common axis.
     pub(super) fn driven_angle(&mut self, axis: &Vec3) {
         let Some([mut sine, cosine]) = forms_of_angle(&self.ends, axis, &mut self.vectors) else {
-            self.lacks_axis = true;
-            return;
+            return self.lacks(Lack::Axis);
         };
         sine.drive_angle(cosine);
         sine.keeps = Quantity::Axes;
@@ -227,8 +235,7 @@ impl Constraints {
     pub(super) fn driven_length(&mut self, axis: &Vec3, at: [f64; 3]) {
         let [a, b] = [0, 1].map(|i| self.ends[i].point(&at.into()));
         let Some(n) = self.ends[0].axis(&axis.normalize()) else {
-            self.lacks_axis = true;
-            return;
+            return self.lacks(Lack::Axis);
         };
         let mut row = Row::default();
         row.add_product(&mut self.vectors, 1.0, &n, &b);
@@ -378,7 +385,8 @@ pub(crate) trait JointKind {
     fn coordinate(_keys: &Self::Keys) -> Option<Coordinate> {
         None
     }
-    /// Keys of a joint between the bodies `a` and `b`, on which the contract of all joints is tested.
+    /// Keys of a joint between the bodies `a` and `b`, or `b` and a node of the strip of the tests, on which the contract of all joints
+    /// is tested.
     fn example() -> Self::Keys;
 }
 
@@ -427,14 +435,13 @@ macro_rules! kinds {
 }
 joints!(kinds);
 
-/// Constraints of a joint between two ends in a model of this size, which comes after the `others`; `None` where it needs an
-/// axis of a node or a point mass.
+/// Constraints of a joint between two ends in a model of this size, which comes after the `others`, or what its ends lack.
 pub fn joint(
     joint: &model::Joint,
     ends: [End; 2],
     length: f64,
     (others, drive): (&[Joint], Option<Drive>),
-) -> Option<Joint> {
+) -> Result<Joint, Lack> {
     let points = joint.common().points();
     let side = usize::from(ends[1] != End::Ground);
     let at = points
@@ -442,14 +449,17 @@ pub fn joint(
         .map_or_else(Vec3::zeros, |(_, x)| Vec3::from(*x));
     let point = ends[side].point(&at);
     let own = ends[0].vectors();
-    let mut out = Constraints { ends, vectors: Vec::new(), rows: Vec::new(), length, lacks_axis: false };
+    let mut out = Constraints { ends, vectors: Vec::new(), rows: Vec::new(), length, lack: None };
     constrain(joint, &mut out);
-    let law = coordinate(joint).filter(|_| !out.lacks_axis).and_then(|of| law(joint, of, &mut out)).map(Box::new);
-    let Constraints { vectors, rows, lacks_axis, .. } = out;
+    let law = coordinate(joint).filter(|_| out.lack.is_none()).and_then(|of| law(joint, of, &mut out)).map(Box::new);
+    let Constraints { vectors, rows, lack, .. } = out;
     let name = joint.common().name().to_owned();
     let of_first = vectors.iter().map(|v| own.contains(v)).collect();
     let (number, first) = (others.len(), others.last().map_or(0, |last| last.multipliers().end));
-    (!lacks_axis).then_some(Joint {
+    if let Some(lack) = lack {
+        return Err(lack);
+    }
+    Ok(Joint {
         name,
         vectors,
         of_first,

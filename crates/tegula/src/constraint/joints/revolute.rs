@@ -5,7 +5,8 @@ use crate::checker::Checker;
 use crate::model::CoordinateJoint;
 use crate::{Mat3, Vec3};
 
-/// Revolute joint: the points coincide, and the axis is common.
+/// Revolute joint: the points coincide, and the axis is common. At a node of a shell, whose rotation about its director d no
+/// stiffness resists, the axis a of the other end is perpendicular to the director: `a·d = 0`.
 pub struct Revolute;
 
 impl JointKind for Revolute {
@@ -17,7 +18,11 @@ impl JointKind for Revolute {
 
     fn constrain(keys: &CoordinateJoint, out: &mut Constraints) {
         out.coincident(keys.at);
-        out.parallel(&keys.axis.into());
+        if out.has_director() {
+            out.across_director(&keys.axis.into());
+        } else {
+            out.parallel(&keys.axis.into());
+        }
     }
 
     fn held(keys: &CoordinateJoint, turned: &[Mat3; 2]) -> Vec<Held> {

@@ -9,7 +9,7 @@ use crate::{Mat3, Vec3};
 const PERPENDICULAR: f64 = 1e-9;
 
 /// Universal joint (Cardan joint): the points coincide, and an axis of the first end stays perpendicular to one of the
-/// second end.
+/// second end. The only axis of a node of a shell is its director.
 pub struct Universal;
 
 impl JointKind for Universal {
@@ -32,7 +32,11 @@ impl JointKind for Universal {
     fn constrain(keys: &TwoAxesJoint, out: &mut Constraints) {
         out.coincident(keys.at);
         let [a, b] = keys.axes.map(|axis| Vec3::from(axis).normalize());
-        out.constant_product(&a, &b);
+        if out.has_director() {
+            out.perpendicular_to_director(&[a, b]);
+        } else {
+            out.constant_product(&a, &b);
+        }
     }
 
     /// With the axis a of the first end, b of the second one and c = a × b, rotations about a change `b_A·c_B`, those about b `c_A·a_B`.

@@ -6,17 +6,18 @@
 //! among threads in any way. At the widths of fronts, 20 to 128 columns, this is faster than the recursive kernels for
 //! large matrices.
 
-use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{ContiguousFwd, MatMut, MatRef};
+use nalgebra::{DMatrixView, DMatrixViewMut};
 use pulp::{Arch, Simd, WithSimd, bytemuck};
 
-use super::trapezoid::BLOCK;
+use super::triangular::Diagonal;
+use super::{piece, piece_mut};
+use crate::trapezoid::BLOCK;
 
 /// Number of columns of the widest strip.
 const WIDEST: usize = 8;
 
 /// Cholesky factor `L₁₁` of a diagonal block of up to [`BLOCK`] columns, prepared for triangular solves with `L₁₁⁻ᵀ`.
-pub(super) struct DiagonalBlock {
+pub(crate) struct DiagonalBlock {
     arch: Arch,
     width: usize,
     /// Strips of columns: first the entries of their rows in the columns before them, then their own triangle, with
@@ -33,15 +34,21 @@ impl DiagonalBlock {
 
     /// Factors the lower triangle of a block in place. Returns false if it is not positive definite; the block is
     /// unchanged then.
-    pub fn factor(&mut self, block: MatMut<'_, f64>) -> bool {
+    pub fn factor(&mut self, block: DMatrixViewMut<'_, f64>) -> bool {
         self.width = block.nrows();
         self.strips.clear();
-        let Some(block) = block.try_as_col_major_mut() else { return false };
         self.arch.dispatch(Factorization { strips: &mut self.strips, block })
     }
 
+    /// Takes the lower triangle of a block as the factor.
+    pub fn load(&mut self, block: DMatrixView<'_, f64>, diagonal: Diagonal) {
+        self.width = block.nrows();
+        self.strips.clear();
+        self.arch.dispatch(Loading { strips: &mut self.strips, block, diagonal });
+    }
+
     /// Triangular solve (TRSM) `A L₁₁⁻ᵀ` in place of the rows `A`.
-    pub fn solve_rows(&self, rows: MatMut<'_, f64>) {
+    pub fn solve_rows(&self, rows: DMatrixViewMut<'_, f64>) {
         debug_assert_eq!(rows.ncols(), self.width);
         if rows.nrows() > 0 {
             self.arch.dispatch(Division { strips: &self.strips, rows });
@@ -51,9 +58,6 @@ impl DiagonalBlock {
 
 /// Chunk of R · lanes rows: R vector registers for each column.
 type Chunk<S, const R: usize> = [[<S as Simd>::f64s; R]; BLOCK + WIDEST];
-
-/// Matrix whose columns are contiguous slices.
-type Columns<'a> = MatMut<'a, f64, usize, usize, ContiguousFwd>;
 
 /// Vector kernel for strips of C columns and chunks of R registers.
 struct Kernel<S, const R: usize, const C: usize> {
@@ -124,28 +128,30 @@ impl<S: Simd, const R: usize, const C: usize> Kernel<S, R, C> {
 
     /// Reads the rows from `first` on into a chunk.
     #[inline(always)]
-    fn read(&self, rows: MatRef<'_, f64>, first: usize, chunk: &mut [[S::f64s; R]]) {
+    fn read(&self, rows: &DMatrixView<'_, f64>, first: usize, chunk: &mut [[S::f64s; R]]) {
         let count = (rows.nrows() - first).min(Self::ROWS);
-        for (column, to) in rows.subrows(first, count).col_iter().zip(chunk) {
+        for (j, to) in chunk.iter_mut().enumerate().take(rows.ncols()) {
             let to: &mut [f64] = bytemuck::cast_slice_mut(to);
-            match column.try_as_col_major() {
-                Some(column) if count == Self::ROWS => to.copy_from_slice(column.as_slice()),
-                Some(column) => to[..count].copy_from_slice(column.as_slice()),
-                None => to.iter_mut().zip(column.iter()).for_each(|(to, x)| *to = *x),
+            let column = piece(rows, first..first + count, j);
+            if count == Self::ROWS {
+                to.copy_from_slice(column);
+            } else {
+                to[..count].copy_from_slice(column);
             }
         }
     }
 
     /// Writes a chunk back to the rows from `first` on.
     #[inline(always)]
-    fn write(&self, chunk: &[[S::f64s; R]], first: usize, rows: MatMut<'_, f64>) {
+    fn write(&self, chunk: &[[S::f64s; R]], first: usize, rows: &mut DMatrixViewMut<'_, f64>) {
         let count = (rows.nrows() - first).min(Self::ROWS);
-        for (mut column, from) in rows.subrows_mut(first, count).col_iter_mut().zip(chunk) {
+        for (j, from) in chunk.iter().enumerate().take(rows.ncols()) {
             let from: &[f64] = bytemuck::cast_slice(from);
-            match column.rb_mut().try_as_col_major_mut() {
-                Some(column) if count == Self::ROWS => column.as_slice_mut().copy_from_slice(from),
-                Some(column) => column.as_slice_mut().copy_from_slice(&from[..count]),
-                None => column.iter_mut().zip(from).for_each(|(x, from)| *x = *from),
+            let column = piece_mut(rows, first..first + count, j);
+            if count == Self::ROWS {
+                column.copy_from_slice(from);
+            } else {
+                column.copy_from_slice(&from[..count]);
             }
         }
     }
@@ -187,12 +193,12 @@ impl<S: Simd, const R: usize, const C: usize> Kernel<S, R, C> {
     }
 
     #[inline(always)]
-    fn factor(&self, strips: &mut Vec<f64>, block: Columns<'_>) -> bool {
+    fn factor(&self, strips: &mut Vec<f64>, mut block: DMatrixViewMut<'_, f64>) -> bool {
         let width = block.nrows();
         let mut chunk = self.chunk();
         for first in (0..width).step_by(Self::ROWS) {
             let columns = (first + Self::ROWS).min(width);
-            self.read(block.rb().subcols(0, columns).as_dyn_stride(), first, &mut chunk);
+            self.read(&block.columns(0, columns), first, &mut chunk);
             self.divide(&mut chunk, strips);
             for row in (0..Self::ROWS).step_by(C) {
                 let at = first + row;
@@ -212,16 +218,16 @@ impl<S: Simd, const R: usize, const C: usize> Kernel<S, R, C> {
                 self.solve(&mut chunk, &strips[own..], at);
             }
         }
-        self.unpack(strips, block);
+        self.unpack(strips, &mut block);
         true
     }
 
     /// Writes the factor from its strips to the block.
     #[inline(always)]
-    fn unpack(&self, strips: &[f64], block: Columns<'_>) {
+    fn unpack(&self, strips: &[f64], block: &mut DMatrixViewMut<'_, f64>) {
         let width = block.nrows();
-        for (j, column) in block.col_iter_mut().enumerate() {
-            let (first, within, column) = (j / C * C, j % C, column.as_slice_mut());
+        for j in 0..width {
+            let (first, within, column) = (j / C * C, j % C, piece_mut(block, 0..width, j));
             // The strips before this one hold C, 2C, ... rows of C entries.
             let own = &strips[first * (first + C) / 2 + C * first..][..C * C];
             column[j] = own[C * within + within].recip();
@@ -236,13 +242,37 @@ impl<S: Simd, const R: usize, const C: usize> Kernel<S, R, C> {
         }
     }
 
+    /// Makes strips of a lower triangle.
     #[inline(always)]
-    fn divide_all(&self, strips: &[f64], mut rows: MatMut<'_, f64>) {
+    fn load(&self, strips: &mut Vec<f64>, block: &DMatrixView<'_, f64>, diagonal: Diagonal) {
+        let width = block.nrows();
+        for at in (0..width).step_by(C) {
+            let end = width.min(at + C);
+            for j in 0..at {
+                let column = piece(block, at..end, j);
+                strips.extend((0..C).map(|r| column.get(r).copied().unwrap_or(0.0)));
+            }
+            for i in at..at + C {
+                strips.extend((at..at + C).map(|j| {
+                    if j > i || (i >= end && j != i) {
+                        0.0
+                    } else if i == j {
+                        if i >= end || diagonal == Diagonal::Unit { 1.0 } else { block[(i, i)].recip() }
+                    } else {
+                        block[(i, j)]
+                    }
+                }));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn divide_all(&self, strips: &[f64], mut rows: DMatrixViewMut<'_, f64>) {
         let mut chunk = self.chunk();
         for first in (0..rows.nrows()).step_by(Self::ROWS) {
-            self.read(rows.rb(), first, &mut chunk);
+            self.read(&rows.as_view(), first, &mut chunk);
             self.divide(&mut chunk, strips);
-            self.write(&chunk, first, rows.rb_mut());
+            self.write(&chunk, first, &mut rows);
         }
     }
 }
@@ -262,7 +292,7 @@ macro_rules! with_kernel {
 
 struct Factorization<'a> {
     strips: &'a mut Vec<f64>,
-    block: Columns<'a>,
+    block: DMatrixViewMut<'a, f64>,
 }
 
 impl WithSimd for Factorization<'_> {
@@ -274,9 +304,24 @@ impl WithSimd for Factorization<'_> {
     }
 }
 
+struct Loading<'a> {
+    strips: &'a mut Vec<f64>,
+    block: DMatrixView<'a, f64>,
+    diagonal: Diagonal,
+}
+
+impl WithSimd for Loading<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        with_kernel!(simd, S, load(self.strips, &self.block, self.diagonal))
+    }
+}
+
 struct Division<'a> {
     strips: &'a [f64],
-    rows: MatMut<'a, f64>,
+    rows: DMatrixViewMut<'a, f64>,
 }
 
 impl WithSimd for Division<'_> {
@@ -291,13 +336,14 @@ impl WithSimd for Division<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use faer::Mat;
+    use crate::norm::max_norm;
+    use nalgebra::DMatrix;
 
-    fn matrix(n: usize, rows: usize) -> (Mat<f64>, Mat<f64>) {
+    fn matrix(n: usize, rows: usize) -> (DMatrix<f64>, DMatrix<f64>) {
         let entry = |i: usize, j: usize| ((i * 7 + j * 13) % 17) as f64 / 17.0 - 0.4;
-        let b = Mat::from_fn(n, n, entry);
-        let a = &b * b.transpose() + Mat::<f64>::identity(n, n);
-        (a, Mat::from_fn(rows, n, |i, j| entry(i + 3, 2 * j)))
+        let b = DMatrix::from_fn(n, n, entry);
+        let a = &b * b.transpose() + DMatrix::<f64>::identity(n, n);
+        (a, DMatrix::from_fn(rows, n, |i, j| entry(i + 3, 2 * j)))
     }
 
     #[test]
@@ -310,13 +356,19 @@ mod tests {
                 for j in 1..n {
                     (0..j).for_each(|i| l[(i, j)] = f64::NAN);
                 }
-                assert!(triangle.factor(l.as_mut()), "{n}");
-                triangle.solve_rows(x.as_mut());
-                let lower = Mat::from_fn(n, n, |i, j| if i >= j { l[(i, j)] } else { 0.0 });
-                let scale = a.norm_max();
-                assert!((&lower * lower.transpose() - &a).norm_max() <= 1e-14 * n as f64 * scale, "{n}");
+                assert!(triangle.factor(l.as_view_mut()), "{n}");
+                triangle.solve_rows(x.as_view_mut());
+                let lower = DMatrix::from_fn(n, n, |i, j| if i >= j { l[(i, j)] } else { 0.0 });
+                let scale = max_norm(a.iter().copied());
+                assert!(
+                    max_norm((&lower * lower.transpose() - &a).iter().copied()) <= 1e-14 * n as f64 * scale,
+                    "{n}"
+                );
                 if rows > 0 {
-                    assert!((&x * lower.transpose() - &c).norm_max() <= 1e-14 * n as f64 * scale, "{n}");
+                    assert!(
+                        max_norm((&x * lower.transpose() - &c).iter().copied()) <= 1e-14 * n as f64 * scale,
+                        "{n}"
+                    );
                 }
                 assert!(
                     (0..n).all(|j| (0..j).all(|i| l[(i, j)].is_nan())),
@@ -332,12 +384,12 @@ mod tests {
         let run = |arch| {
             let mut triangle = DiagonalBlock { arch, ..DiagonalBlock::new() };
             let (mut l, mut x) = (a.clone(), c.clone());
-            assert!(triangle.factor(l.as_mut()));
-            triangle.solve_rows(x.as_mut());
+            assert!(triangle.factor(l.as_view_mut()));
+            triangle.solve_rows(x.as_view_mut());
             x
         };
         let (fast, plain) = (run(Arch::new()), run(Arch::Scalar));
-        assert!((&fast - &plain).norm_max() <= 1e-13 * plain.norm_max());
+        assert!(max_norm((&fast - &plain).iter().copied()) <= 1e-13 * max_norm(plain.iter().copied()));
     }
 
     #[test]
@@ -350,7 +402,7 @@ mod tests {
                     (a[(i, at)], a[(at, i)]) = (0.0, 0.0);
                 }
                 a[(at, at)] = bad;
-                assert!(!triangle.factor(a.as_mut()), "{bad} {at}");
+                assert!(!triangle.factor(a.as_view_mut()), "{bad} {at}");
             }
         }
     }

@@ -2,7 +2,7 @@
 //! unsymmetric factorisation.
 //!
 //! ```text
-//! cargo run --release --example follower_solvers
+//! cargo run --release --manifest-path benches/faer/Cargo.toml --example follower_solvers
 //! ```
 //!
 //! The model is a strip of 10 × 1 × 0.1 under a pressure that follows it, in 20 load steps. For each mesh it prints a row of a
@@ -12,7 +12,7 @@
 //! are the least of three.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../../../crates/tegula/tests/common/mod.rs"]
 mod common;
 
 use std::time::Instant;

@@ -1,0 +1,1 @@
+//! Benchmarks of tegula beside faer are in `benches` and `examples`.
