@@ -12,7 +12,7 @@ use crate::constraint::{Joint, JointGroup, Role};
 use crate::element::{ElementGroup, Nodal};
 use crate::load::{LoadFactor, TimeFunction};
 use crate::model::{
-    self, Analysis, AnalysisStep, EnergyMomentumScheme, Model, Scheme, TransientAnalysis,
+    self, Analysis, AnalysisStep, EnergyMomentumScheme, JointKeys, Model, Scheme, TransientAnalysis,
 };
 use crate::system::{DeadLoad, ForceSet, Procedure, StepStart, System};
 use crate::{Issue, Vec3};
@@ -81,17 +81,9 @@ fn not_lockable(joint: &model::Joint) -> (String, &'static str) {
     (format!("the joint \"{name}\" of the type \"{kind}\" {reason}, and cannot be locked"), help)
 }
 
-/// Joints with friction or stops that act in a step whose analysis does not know them.
+/// Joints with friction or stops that act in a step whose analysis does not know them, or beside a drive.
 pub(super) fn laws(step: &StepModel) -> Vec<Issue> {
-    if knows_laws(&step.model.analysis) {
-        let with_stops = |(i, joint): (usize, &model::Joint)| {
-            let keys = joint.common();
-            keys.stops()?;
-            let message = format!("the joint \"{}\" has stops, whose impacts are not computed yet", keys.name());
-            Some(Issue::new(format!("joints[{i}].stops"), message, "leave `stops` out"))
-        };
-        return step.model.joints.iter().enumerate().filter_map(with_stops).collect();
-    }
+    let joints = &step.model.joints;
     let of_joint = |(i, joint): (usize, &model::Joint)| {
         let keys = joint.common();
         let key = match (keys.friction(), keys.stops()) {
@@ -102,24 +94,42 @@ pub(super) fn laws(step: &StepModel) -> Vec<Issue> {
         if step.locked.iter().any(|name| name == keys.name()) {
             return None;
         }
-        let (does_not, help) = match &step.model.analysis {
-            Analysis::Transient(_) => (
-                "the scheme of this transient analysis does not compute",
-                "use `scheme = { type = \"energy-momentum\" }` of order 2 with `linear = false`",
-            ),
-            Analysis::Static(_) => (
-                "a static analysis, in which forces of friction are not unique, does not compute",
-                "list the joint in `locked` (it sticks) or `released` of this analysis step, or compute a transient analysis",
-            ),
-            Analysis::Modal(_) => (
-                "a modal analysis, which is linear, does not compute",
-                "list the joint in `locked` (it sticks) or `released` of this analysis step, or leave the key out",
-            ),
+        let (problem, help) = if let Some((does_not, help)) = ignorant(&step.model.analysis) {
+            (format!("which {does_not}"), help)
+        } else {
+            let [a, b] = keys.between();
+            let beside = |other: &&dyn JointKeys| {
+                other.drive().is_some() && [[a, b], [b, a]].contains(&other.between().each_ref())
+            };
+            let drive = joints.iter().map(model::Joint::common).find(beside)?;
+            (
+                format!("which a joint whose motion is prescribed by \"{}\" cannot have", drive.name()),
+                "leave it out, or let a load, a spring or a torsion spring drive the joint",
+            )
         };
-        let message = format!("the joint \"{}\" has {key}, which {does_not}", keys.name());
+        let message = format!("the joint \"{}\" has {key}, {problem}", keys.name());
         Some(Issue::new(format!("joints[{i}].{key}"), message, help))
     };
-    step.model.joints.iter().enumerate().filter_map(of_joint).collect()
+    joints.iter().enumerate().filter_map(of_joint).collect()
+}
+
+/// Reason why an analysis does not compute friction and stops of joints, and what to do instead.
+fn ignorant(analysis: &Analysis) -> Option<(&'static str, &'static str)> {
+    match analysis {
+        _ if knows_laws(analysis) => None,
+        Analysis::Transient(_) => Some((
+            "the scheme of this transient analysis does not compute",
+            "use `scheme = { type = \"energy-momentum\" }` of order 2 with `linear = false`",
+        )),
+        Analysis::Static(_) => Some((
+            "a static analysis, in which forces of friction are not unique, does not compute",
+            "list the joint in `locked` (it sticks) or `released` of this analysis step, or compute a transient analysis",
+        )),
+        Analysis::Modal(_) => Some((
+            "a modal analysis, which is linear, does not compute",
+            "list the joint in `locked` (it sticks) or `released` of this analysis step, or leave the key out",
+        )),
+    }
 }
 
 /// Whether an analysis computes friction and stops of joints.

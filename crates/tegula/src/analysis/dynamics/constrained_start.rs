@@ -108,7 +108,7 @@ pub(super) fn consistent_velocities(
     let before = system.kinetic_energy(&state.v);
     let Some([changed, size]) = project_velocities(system, newton, state)? else { return Ok(Vec::new()) };
     agreed(system, newton, state, Order::First)?;
-    super::joint_events::JointEvents::start(system, state);
+    super::joint_events::JointEvents::start(system, state)?;
     if let Some(constraints) = newton.constraints.as_mut().filter(|_| !state.coordinates.is_empty()) {
         constraints.set_modes(&state.coordinates);
         take_mass(system, &newton.assembly, (&mut newton.solver, constraints), state)?;

@@ -13,6 +13,7 @@ use crate::Vec3;
 use crate::analysis::State;
 use crate::constraint::{CoordinateLaw, CoordinateMode, CoordinateState, Joint};
 use crate::element::Nodal;
+use crate::error::{Error, Result};
 use crate::norm::larger;
 use crate::system::{System, VectorKind};
 
@@ -23,7 +24,9 @@ const REACHED: f64 = 1e-11;
 const CONTACT: f64 = 1e-10;
 /// Excess of a multiplier over its limit that is round-off.
 const EXCESS: f64 = 1e-9;
-/// Bracket of an event over the whole step below which it is located.
+/// Velocity over that of the fastest part of the model below which a coordinate is at rest at the start.
+const RESTING: f64 = 1e-10;
+/// Step over the one first tried below which the event at its end is located.
 const LOCATED: f64 = 1e-12;
 /// Most repeats of a step for one event.
 const MOST_REPEATS: u32 = 90;
@@ -34,38 +37,75 @@ pub(super) enum Review {
     Fits,
     /// Another mode has to be tried.
     Changed,
-    /// The step has to end at an event: its length.
-    Shorter(f64),
+    /// The step is repeated with this length, as it has to end at an event.
+    Repeat(f64),
     /// No mode fits.
     Contradiction(String),
 }
 
-/// Bracket of the first event of a step: lengths without and with a violated law, and the values of the laws there.
-struct Bracket {
-    ends: [f64; 2],
-    values: [Vec<[f64; 3]>; 2],
-    weights: [f64; 2],
-    last: Option<usize>,
-    repeats: u32,
+/// Event functions of a relative coordinate: speed along the direction of friction, distance from the lower and from the upper stop. All
+/// are positive in a step that its modes fit.
+const SPEED: usize = 0;
+const EVENTS: usize = 3;
+
+/// Stop that an event reaches: −1 the lower one, 1 the upper one, 0 for rest.
+const SIDES: [f64; EVENTS] = [0.0, -1.0, 1.0];
+
+/// Event function at the start and at the end of a step.
+#[derive(Debug, Clone, Copy)]
+struct Event {
+    /// Infinite where the event cannot be located in the step.
+    start: f64,
+    end: f64,
+    /// Size of values that count as zero.
+    tolerance: f64,
+}
+
+impl Event {
+    const NONE: Self = Self { start: f64::INFINITY, end: f64::INFINITY, tolerance: 0.0 };
+
+    fn has_passed(&self) -> bool {
+        self.end < -self.tolerance
+    }
+}
+
+/// A relative coordinate in the present step.
+struct Tracked {
+    /// Index of the joint.
+    joint: usize,
+    /// Rate at the start.
+    rate: f64,
+    /// Whether the mode has been changed in this step.
+    changed: bool,
+    /// Stop that the coordinate leaves at the start, −1 or 1; 0 for none.
+    left: f64,
+    /// Stop that the coordinate has reached at the end of the step, −1 or 1; 0 where it has come to rest.
+    reached: Option<f64>,
+    events: [Event; EVENTS],
+    /// Values of the event functions at both ends of the search.
+    bracket: [[f64; EVENTS]; 2],
+}
+
+/// Search for the end of a step at its first event: the bracket of the Illinois method.
+struct Search {
+    /// Length first tried.
     whole: f64,
+    /// Lengths without and with an event that has passed.
+    ends: [f64; 2],
+    /// Factors of the values at the ends.
+    weights: [f64; 2],
+    /// End that the last trial has replaced.
+    last: usize,
+    repeats: u32,
 }
 
 /// Relative coordinates with friction or stops in a time step.
 pub(super) struct JointEvents {
-    /// Indices of their joints.
-    joints: Vec<usize>,
+    coordinates: Vec<Tracked>,
     /// State of the coordinates at the end of the step that is tried.
     pub trial: Vec<CoordinateState>,
-    /// Rates at the start.
-    rates: Vec<f64>,
-    /// Whether the mode has been changed in this step.
-    changed: Vec<bool>,
-    /// Stop that a coordinate has reached at the end of the step, −1 or 1; 0 where it has come to rest.
-    pub reached: Vec<Option<f64>>,
-    /// Whether a coordinate has left a stop at the start of the step.
-    left: Vec<bool>,
-    bracket: Option<Bracket>,
-    /// Start of the step of the bracket.
+    search: Option<Search>,
+    /// Start of the step of the search.
     time: f64,
 }
 
@@ -77,27 +117,24 @@ fn law(system: &System, joint: usize) -> Option<(usize, &Joint, &CoordinateLaw)>
 
 impl JointEvents {
     pub fn new(system: &System) -> Self {
-        let joints: Vec<usize> =
-            (0..system.joints.len()).filter(|&i| system.joints[i].law_row().is_some()).collect();
-        let n = joints.len();
-        Self {
-            joints,
-            trial: Vec::new(),
-            rates: vec![0.0; n],
-            changed: vec![false; n],
-            reached: vec![None; n],
-            left: vec![false; n],
-            bracket: None,
-            time: f64::NAN,
-        }
+        let with_law = |joint: usize| {
+            law(system, joint)?;
+            let (events, bracket) = ([Event::NONE; EVENTS], [[0.0; EVENTS]; 2]);
+            Some(Tracked { joint, rate: 0.0, changed: false, left: 0.0, reached: None, events, bracket })
+        };
+        let coordinates = (0..system.joints.len()).filter_map(with_law).collect();
+        Self { coordinates, trial: Vec::new(), search: None, time: f64::NAN }
     }
 
     pub fn is_empty(&self) -> bool {
-        self.joints.is_empty()
+        self.coordinates.is_empty()
     }
 
     /// Modes of a state from its velocities: coordinates at rest are held where there is friction or a stop.
-    pub fn start(system: &System, state: &mut State) {
+    ///
+    /// # Errors
+    /// A joint stands beyond a stop.
+    pub fn start(system: &System, state: &mut State) -> Result<()> {
         let old = std::mem::take(&mut state.coordinates);
         let speed = |(v, kind): (&Nodal, &VectorKind)| {
             let speed = Vec3::from(*v).norm();
@@ -110,7 +147,11 @@ impl JointEvents {
             let before = old.iter().find(|c| c.joint == joint.number).map_or(now, |c| c.value);
             let value = if law.is_angle { before + wrapped(now - before) } else { now };
             let rate = system.coordinate_rate(joint, law, [&state.u, &state.v]);
-            let at_rest = !(rate.abs() > 1e-10 * scale * law.row.size);
+            let beyond = [law.stops[0] - value, value - law.stops[1]].into_iter().fold(f64::NEG_INFINITY, larger);
+            if !(beyond <= CONTACT * law.row.size) {
+                return Err(stands_beyond(joint, law, value));
+            }
+            let at_rest = !(rate.abs() > RESTING * scale * law.row.size);
             let stop = stop_at(law, value);
             let mode = if at_rest && (law.has_friction() || stop != 0.0) {
                 CoordinateMode::Held { at: value, stop }
@@ -119,160 +160,176 @@ impl JointEvents {
             };
             state.coordinates.push(CoordinateState { joint: joint.number, value, mode });
         }
+        Ok(())
+    }
+
+    /// Stop that a coordinate has reached at the end of the step, −1 or 1; 0 where it has come to rest.
+    pub fn reached(&self, coordinate: usize) -> Option<f64> {
+        self.coordinates[coordinate].reached
+    }
+
+    /// Whether an event ends the step.
+    pub fn has_event(&self) -> bool {
+        self.coordinates.iter().any(|c| c.reached.is_some())
     }
 
     /// Whether a coordinate returns to the stop that it has left at the start of the step.
     pub fn returns(&self) -> bool {
-        self.reached
-            .iter()
-            .zip(&self.left)
-            .any(|(reached, left)| reached.is_some_and(|side| side != 0.0) && *left)
+        self.coordinates.iter().any(|c| c.left != 0.0 && c.reached == Some(c.left))
+    }
+
+    /// Forgets the search for an event.
+    pub fn restart(&mut self) {
+        (self.time, self.search) = (f64::NAN, None);
     }
 
     /// Begins an attempt at a step from a state.
     pub fn begin(&mut self, system: &System, state: &State) {
         self.trial.clone_from(&state.coordinates);
-        self.changed.fill(false);
-        self.reached.fill(None);
-        for (k, left) in self.left.iter_mut().enumerate() {
-            let at_stop =
-                law(system, self.joints[k]).map(|(_, _, law)| stop_at(law, state.coordinates[k].value));
-            *left = at_stop.is_some_and(|side| side != 0.0);
-        }
-        for (rate, &j) in self.rates.iter_mut().zip(&self.joints) {
-            if let Some((_, joint, law)) = law(system, j) {
-                *rate = system.coordinate_rate(joint, law, [&state.u, &state.v]);
-            }
+        for (c, at) in self.coordinates.iter_mut().zip(&state.coordinates) {
+            let Some((_, joint, law)) = law(system, c.joint) else { continue };
+            (c.changed, c.reached) = (false, None);
+            c.rate = system.coordinate_rate(joint, law, [&state.u, &state.v]);
+            let stop = stop_at(law, at.value);
+            c.left = if stop * c.rate < 0.0 { stop } else { 0.0 };
         }
         if self.time != state.time {
-            (self.time, self.bracket) = (state.time, None);
+            (self.time, self.search) = (state.time, None);
         }
     }
 
     /// Looks at the end of a solved step of length `h` from a state.
     pub fn review(&mut self, system: &System, state: &State, scheme: &dyn Integrator, h: f64) -> Review {
-        let (u, v, multipliers) = (scheme.displacements(), scheme.velocities(), scheme.multipliers());
+        let (u, multipliers) = (scheme.displacements(), scheme.multipliers());
         let middle = |n: u32| {
             let n = n as usize;
             let mean = (Vec3::from(state.u[n]) + Vec3::from(u[n])) * 0.5;
             Vec3::from(system.coordinates.reference[n]) + mean
         };
-        let n = self.joints.len();
-        let (mut starts, mut ends) = (vec![[f64::INFINITY; 3]; n], vec![[f64::INFINITY; 3]; n]);
-        let mut limits = vec![[0.0; 3]; n];
-        for k in 0..n {
-            let Some((row, joint, law)) = law(system, self.joints[k]) else { continue };
-            let before = state.coordinates[k].value;
+        for (k, c) in self.coordinates.iter_mut().enumerate() {
+            let Some((row, joint, law)) = law(system, c.joint) else { continue };
+            let (before, trial) = (state.coordinates[k].value, &mut self.trial[k]);
             let now = system.coordinate(joint, law, u);
-            let value = if law.is_angle { before + wrapped(now - before) } else { now };
-            self.trial[k].value = value;
-            let (rate, old) = (system.coordinate_rate(joint, law, [u, v]), self.rates[k]);
-            match self.trial[k].mode {
+            trial.value = if law.is_angle { before + wrapped(now - before) } else { now };
+            c.events = [Event::NONE; EVENTS];
+            match trial.mode {
                 CoordinateMode::Held { stop, .. } => {
                     let most = law.limit(joint, multipliers, middle).sticking * (1.0 + EXCESS);
                     let multiplier = multipliers[row];
                     let leaves =
                         (stop <= 0.0 && !(multiplier <= most)) || (stop >= 0.0 && !(multiplier >= -most));
-                    if leaves && self.changed[k] {
-                        return Review::Contradiction(format!(
-                            "no motion of the joint \"{}\" fits its friction",
-                            joint.name
-                        ));
+                    if leaves && c.changed {
+                        return contradiction(joint);
                     }
                     if leaves {
-                        self.changed[k] = true;
-                        self.trial[k].mode = moving(law, multiplier);
+                        (c.changed, trial.mode) = (true, moving(law, multiplier));
                         return Review::Changed;
                     }
                 }
                 CoordinateMode::Moving(direction) => {
-                    if direction != 0.0 {
-                        (starts[k][0], ends[k][0], limits[k][0]) =
-                            (direction * old, direction * rate, AT_REST * (direction * old).abs());
-                        if self.changed[k] {
-                            (starts[k][0], limits[k][0]) = (f64::INFINITY, 0.0);
-                        }
-                    }
-                    for (i, (bound, side)) in law.stops.into_iter().zip([-1.0, 1.0]).enumerate() {
-                        let (from, to) =
-                            (side * (bound - before) / law.row.size, side * (bound - value) / law.row.size);
-                        let leaving = from <= CONTACT && side * old <= 0.0;
-                        let speed = -side * old / law.row.size;
-                        let (a, b, tolerance) = match leaving {
-                            true if speed > 0.0 => (speed, to / h, AT_REST * speed),
-                            true => (f64::INFINITY, to, REACHED),
-                            false => (from, to, REACHED),
-                        };
-                        (starts[k][i + 1], ends[k][i + 1], limits[k][i + 1]) = (a, b, tolerance);
-                    }
+                    let rate = system.coordinate_rate(joint, law, [u, scheme.velocities()]);
+                    c.find_events(law, direction, ([before, trial.value], rate), h);
                 }
             }
-        }
-        let violated = |k: usize, i: usize| ends[k][i] < -limits[k][i];
-        for k in 0..n {
-            for i in 0..3 {
-                if violated(k, i) && starts[k][i] == f64::INFINITY {
-                    let name = &system.joints[self.joints[k]].name;
-                    return Review::Contradiction(format!(
-                        "no motion of the joint \"{name}\" fits its friction and stops"
-                    ));
-                }
+            if c.events.iter().any(|event| event.has_passed() && event.start == f64::INFINITY) {
+                return contradiction(joint);
             }
         }
-        let any = (0..n).any(|k| (0..3).any(|i| violated(k, i)));
-        if any || self.bracket.is_some() {
-            let bracket = self.bracket.get_or_insert_with(|| Bracket {
-                ends: [0.0, h],
-                values: [starts, ends.clone()],
-                weights: [1.0; 2],
-                last: None,
-                repeats: 0,
-                whole: h,
-            });
-            let side = usize::from(any);
-            bracket.weights = match bracket.last {
-                Some(last) if last == side => {
-                    let mut weights = bracket.weights;
-                    weights[1 - side] *= 0.5;
-                    weights[side] = 1.0;
-                    weights
-                }
-                _ => [1.0; 2],
+        for c in &mut self.coordinates {
+            let Some((_, joint, law)) = law(system, c.joint) else { continue };
+            let rate = system.coordinate_rate(joint, law, [u, scheme.velocities()]);
+            let is_there = |(i, (event, side)): &(usize, (&Event, f64))| {
+                event.end <= event.tolerance && (*i == SPEED || side * rate > 0.0 || event.has_passed())
             };
-            (bracket.last, bracket.ends[side]) = (Some(side), h);
-            bracket.values[side].clone_from(&ends);
-            bracket.repeats += 1;
-            let width = bracket.ends[1] - bracket.ends[0];
-            if any && width > LOCATED * bracket.whole && bracket.repeats < MOST_REPEATS {
-                return Review::Shorter(bracket.next(&limits));
-            }
+            c.reached = c.events.iter().zip(SIDES).enumerate().find(is_there).map(|(_, (_, side))| side);
         }
-        for k in 0..n {
-            let Some((_, joint, law)) = law(system, self.joints[k]) else { continue };
-            let rate = system.coordinate_rate(joint, law, [u, v]);
-            for (i, side) in [0.0, -1.0, 1.0].into_iter().enumerate() {
-                if ends[k][i] <= limits[k][i] && (i == 0 || side * rate > 0.0 || violated(k, i)) {
-                    self.reached[k] = Some(side);
-                }
-            }
-        }
-        Review::Fits
+        self.search(h).map_or(Review::Fits, Review::Repeat)
     }
-}
 
-impl Bracket {
-    /// Length at the first of the secants.
-    fn next(&self, limits: &[[f64; 3]]) -> f64 {
-        let [low, high] = self.ends;
+    /// Length with which a step has to be repeated, because one of length `h` passes an event or ends before it: the first of the
+    /// secants, or the middle of the bracket. `None` where it passes none, or the event has been located.
+    fn search(&mut self, h: f64) -> Option<f64> {
+        let passes = self.coordinates.iter().flat_map(|c| &c.events).any(Event::has_passed);
+        let side = usize::from(passes);
+        match &mut self.search {
+            None if !passes => return None,
+            None => {
+                let (ends, weights) = ([0.0, h], [1.0; 2]);
+                self.search = Some(Search { whole: h, ends, weights, last: side, repeats: 0 });
+                self.coordinates.iter_mut().for_each(|c| c.bracket[0] = c.events.map(|event| event.start));
+            }
+            // The step has become shorter for another reason.
+            Some(search) if !passes && h <= search.ends[0] => {
+                self.search = None;
+                return None;
+            }
+            Some(search) => {
+                let repeated = search.last == side;
+                search.weights[1 - side] = if repeated { 0.5 * search.weights[1 - side] } else { 1.0 };
+                (search.weights[side], search.last, search.ends[side]) = (1.0, side, h);
+            }
+        }
+        self.coordinates.iter_mut().for_each(|c| c.bracket[side] = c.events.map(|event| event.end));
+        let is_there = !passes && self.has_event();
+        let search = self.search.as_mut()?;
+        search.repeats += 1;
+        let [low, high] = search.ends;
+        if is_there || high - low <= LOCATED * search.whole || search.repeats >= MOST_REPEATS {
+            return None;
+        }
         let mut next = high;
-        for ((a, b), limit) in self.values[0].iter().zip(&self.values[1]).zip(limits) {
-            for i in (0..3).filter(|&i| b[i] < -limit[i]) {
-                let (before, behind) = (self.weights[0] * a[i], self.weights[1] * b[i]);
+        for c in &self.coordinates {
+            let [before, behind] = [0, 1].map(|side| c.bracket[side].map(|x| search.weights[side] * x));
+            for (before, behind) in before.into_iter().zip(behind).filter(|(_, behind)| *behind < 0.0) {
                 next = next.min(low + (high - low) * before / (before - behind));
             }
         }
-        if next > low && next < high && self.repeats % 4 != 3 { next } else { 0.5 * (low + high) }
+        let bisects = search.repeats % 4 == 0 || !(next > low && next < high);
+        Some(if bisects { 0.5 * (low + high) } else { next })
     }
+}
+
+impl Tracked {
+    /// Values of the event functions of a coordinate that moves, whose velocity has a direction with friction, from the values at the
+    /// start and the end of a step of length `h` and the rate at its end.
+    fn find_events(&mut self, law: &CoordinateLaw, direction: f64, (values, rate): ([f64; 2], f64), h: f64) {
+        if direction != 0.0 {
+            let [start, end] = [direction * self.rate, direction * rate];
+            self.events[SPEED] = match self.changed {
+                true => Event { start: f64::INFINITY, end, tolerance: 0.0 },
+                false => Event { start, end, tolerance: AT_REST * start.abs() },
+            };
+        }
+        for (event, (bound, side)) in self.events[1..].iter_mut().zip(law.stops.into_iter().zip([-1.0, 1.0])) {
+            let [start, end] = values.map(|value| side * (bound - value) / law.row.size);
+            // Where the coordinate leaves the stop, the mean velocity has no root at the start.
+            let speed = -side * self.rate / law.row.size;
+            *event = match start <= CONTACT && speed >= 0.0 {
+                true if speed > 0.0 => Event { start: speed, end: end / h, tolerance: AT_REST * speed },
+                true => Event { start: f64::INFINITY, end, tolerance: REACHED },
+                false => Event { start, end, tolerance: REACHED },
+            };
+        }
+    }
+}
+
+/// Error of a joint that stands beyond a stop at the start.
+fn stands_beyond(joint: &Joint, law: &CoordinateLaw, value: f64) -> Error {
+    let shown = |x: f64| if law.is_angle { x.to_degrees() } else { x };
+    let [lower, upper] = law.stops.map(shown);
+    Error::model(
+        "joints",
+        format!(
+            "the joint \"{}\" stands at {} at the start, which is not between its stops {lower} and {upper}",
+            joint.name,
+            shown(value)
+        ),
+        "give `stops` that contain the displacement (angle) of the joint where it begins to act",
+    )
+}
+
+fn contradiction(joint: &Joint) -> Review {
+    Review::Contradiction(format!("no motion of the joint \"{}\" fits its friction and stops", joint.name))
 }
 
 /// Angle between −π and π.

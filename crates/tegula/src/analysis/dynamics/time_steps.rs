@@ -185,7 +185,7 @@ impl<'a> TimeSteps<'a> {
                             self.newton.restore(self.system, &self.state, true);
                             return Ok(Attempt::Repeated);
                         }
-                        Review::Shorter(dt) => {
+                        Review::Repeat(dt) => {
                             self.event = Some((self.state.time, dt));
                             self.newton.restore(self.system, &self.state, true);
                             return Ok(Attempt::Repeated);
@@ -256,8 +256,8 @@ impl<'a> TimeSteps<'a> {
             // A flight much shorter than a step is the end of an infinite number of impacts.
             let plastic = events.returns() && span.dt < SHORT_FLIGHT * state.next_step;
             state.coordinates.clone_from(&events.trial);
-            if events.reached.iter().any(Option::is_some) {
-                let found = joint_impact::pass(system, newton, state, (&events.reached, plastic))?;
+            if events.has_event() {
+                let found = joint_impact::pass(system, newton, state, (events, plastic))?;
                 found.iter().for_each(|message| observer.on_event(message));
             }
         }
@@ -360,6 +360,8 @@ impl Stepper for TimeSteps<'_> {
         self.statistics.steps = state.step;
         self.own_tangents = false;
         self.rotations.restart(&self.state.u);
+        self.events.restart();
+        (self.event, self.reviewing) = (None, false);
         self.ends.limit(end);
     }
 

@@ -5,18 +5,19 @@
 //! is in J. García de Jalón, E. Bayo, *Kinematic and dynamic simulation of multibody systems* (1994), Ch. 4. The motions that
 //! a joint leaves free are [held](lock) by further ones where an analysis step locks it.
 
+mod coordinate;
 mod directors;
 mod lock;
 
 use std::f64::consts::{PI, TAU};
-use std::ops::Range;
 
 use super::joint::MOST_VECTORS;
-use super::{Attachment, CoordinateLaw, Drive, Joint, Quantity, Role, Row};
+use super::{Attachment, Drive, Joint, Quantity, Role, Row};
 use crate::checker::Checker;
-use crate::model::{self, CoordinateJoint, joints};
+use crate::model::{self, joints};
 use crate::norm::larger;
 use crate::{Mat3, Vec3};
+pub(crate) use coordinate::{Coordinate, check_law};
 pub use directors::Lack;
 use lock::Held;
 pub use lock::lock;
@@ -259,115 +260,6 @@ impl Constraints {
     }
 }
 
-/// Relative coordinate of a joint.
-pub(crate) struct Coordinate {
-    /// Angle about the axis, or else displacement along it.
-    pub is_angle: bool,
-    /// Direction of the axis.
-    pub axis: [f64; 3],
-    /// Point of the joint.
-    pub at: [f64; 3],
-    /// Constraints of the joint whose multipliers are the components of its reaction force.
-    pub normals: Range<usize>,
-}
-
-/// Law of the coordinate of a joint with friction or stops.
-fn law(joint: &model::Joint, of: Coordinate, out: &mut Constraints) -> Option<CoordinateLaw> {
-    let keys = joint.common();
-    if keys.friction().is_none() && keys.stops().is_none() {
-        return None;
-    }
-    let own = out.rows.len();
-    if of.is_angle {
-        let [mut sine, cosine] = forms_of_angle(&out.ends, &of.axis.into(), &mut out.vectors)?;
-        sine.measure_angle(cosine);
-        sine.keeps = Quantity::Axes;
-        out.push(sine, 1.0, 0.0);
-    } else {
-        out.driven_length(&of.axis.into(), of.at);
-    }
-    let mut row = out.rows.pop().filter(|_| out.rows.len() == own)?;
-    // Friction is a force: the augmented Lagrangian must not hold the coordinate.
-    (row.inertia, row.measure) = (0.0, 0.0);
-    let friction = keys.friction().copied().unwrap_or_default();
-    let arm = if of.is_angle { friction.radius.unwrap_or(0.0) } else { 1.0 };
-    let sticking = friction.static_coefficient.unwrap_or(friction.coefficient);
-    let stops = keys.stops().copied().unwrap_or_default();
-    let unit = if of.is_angle { 1f64.to_radians() } else { 1.0 };
-    let stop = |value: Option<f64>, none: f64| value.map_or(none, |value| value * unit);
-    Some(CoordinateLaw {
-        row,
-        is_angle: of.is_angle,
-        coefficients: [friction.coefficient * arm, sticking * arm],
-        preload: friction.preload,
-        stops: [stop(stops.lower, f64::NEG_INFINITY), stop(stops.upper, f64::INFINITY)],
-        restitution: stops.restitution,
-        normals: of.normals,
-        acts: false,
-        axis: if of.is_angle { out.ends[0].axis(&of.axis.into()) } else { None },
-    })
-}
-
-/// Mistakes in the friction and the stops of a joint.
-fn check_law(keys: &CoordinateJoint, is_angle: bool, key: &str, c: &mut Checker) {
-    let name = &keys.name;
-    if let Some(friction) = &keys.friction {
-        let key = format!("{key}.friction");
-        c.not_negative(&format!("{key}.coefficient"), "the coefficient of friction", friction.coefficient);
-        c.not_negative(&format!("{key}.preload"), "the constant friction", friction.preload);
-        if let Some(sticking) = friction.static_coefficient {
-            let place = format!("{key}.static_coefficient");
-            c.not_negative(&place, "the coefficient of static friction", sticking);
-            if sticking < friction.coefficient {
-                c.add(
-                    place,
-                    format!(
-                        "the coefficient of static friction of the joint \"{name}\" is {sticking}, below that of sliding friction, {}",
-                        friction.coefficient
-                    ),
-                    "give at least `coefficient`, or leave the key out",
-                );
-            }
-        }
-        if let Some(radius) = friction.radius {
-            c.positive(&format!("{key}.radius"), "the radius of the bearing", radius);
-        }
-        let has_coefficient = friction.coefficient > 0.0 || friction.static_coefficient.is_some();
-        match (is_angle, friction.radius) {
-            (true, None) if has_coefficient => c.add(
-                &key,
-                format!("the friction torque of the revolute joint \"{name}\" needs the radius of its bearing"),
-                "give `radius`, or only `preload`, a constant torque",
-            ),
-            (false, Some(_)) => c.add(
-                format!("{key}.radius"),
-                format!("the prismatic joint \"{name}\" has no bearing radius"),
-                "leave `radius` out: the friction force is μ |N|",
-            ),
-            _ => {}
-        }
-        if !has_coefficient && friction.preload == 0.0 {
-            c.add(&key, format!("the joint \"{name}\" has no friction"), "give `coefficient` or `preload`");
-        }
-    }
-    if let Some(stops) = &keys.stops {
-        let key = format!("{key}.stops");
-        let given: Vec<f64> = stops.lower.iter().chain(&stops.upper).copied().collect();
-        c.finite(&key, "the stop", &given);
-        if given.is_empty() {
-            c.add(&key, format!("the joint \"{name}\" has no stop"), "give `lower`, `upper` or both");
-        }
-        if given.len() == 2 && !(given[0] < given[1]) {
-            let message = format!("the lower stop {} of the joint \"{name}\" is not below the upper one, {}", given[0], given[1]);
-            c.add(&key, message, "exchange the two; a joint that does not move is of the type \"fixed\"");
-        }
-        if !(0.0..=1.0).contains(&stops.restitution) {
-            let message = format!("the coefficient of restitution is {}", stops.restitution);
-            c.add(format!("{key}.restitution"), message, "give a number from 0, plastic, to 1, without loss");
-        }
-    }
-}
-
 /// Kind of joint.
 pub(crate) trait JointKind {
     /// Keys in the model file.
@@ -451,7 +343,10 @@ pub fn joint(
     let own = ends[0].vectors();
     let mut out = Constraints { ends, vectors: Vec::new(), rows: Vec::new(), length, lack: None };
     constrain(joint, &mut out);
-    let law = coordinate(joint).filter(|_| out.lack.is_none()).and_then(|of| law(joint, of, &mut out)).map(Box::new);
+    let law = match coordinate(joint) {
+        Some(of) if out.lack.is_none() => out.law(joint.common(), &of).map(Box::new),
+        _ => None,
+    };
     let Constraints { vectors, rows, lack, .. } = out;
     let name = joint.common().name().to_owned();
     let of_first = vectors.iter().map(|v| own.contains(v)).collect();
