@@ -4,8 +4,8 @@ use tegula::System;
 use tegula::analysis::State;
 use tegula::result::beams::beam_resultants;
 use tegula::result::bodies::{
-    BodyMotion, bushing_responses, coordinate_response, joint_reaction, reference_axes, spring_lengths_and_forces,
-    torsion_angles_and_moments,
+    BodyMotion, bushing_responses, coordinate_response, joint_reaction, reference_axes,
+    spring_lengths_and_forces, torsion_angles_and_moments,
 };
 use tegula::system::BeamLine;
 use tegula::system::coordinates::Body;

@@ -147,8 +147,7 @@ fn is_mean(model: &Model, column: &str) -> bool {
     let of_end = [bodies::ANGLE, bodies::DISPLACEMENT]
         .iter()
         .any(|name| column.rsplit_once('.').is_some_and(|(_, last)| last == *name));
-    scheme.order == 2
-        && ((column.starts_with("joint.") && !of_end) || model.sensors.iter().any(of_sensor))
+    scheme.order == 2 && ((column.starts_with("joint.") && !of_end) || model.sensors.iter().any(of_sensor))
 }
 
 /// The mesh, and the fingerprint of the files that the model is made of.

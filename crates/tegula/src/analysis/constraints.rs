@@ -393,7 +393,6 @@ impl Constraints {
             (!(worst <= limit)).then(open)
         })
     }
-
 }
 
 /// Gradients of all constraints at the `value` of each nodal vector, with respect to the degrees of freedom of `frames`.
@@ -421,12 +420,7 @@ fn gradients(
 
 /// Largest value of a constraint of a joint over its size; infinite where its drive is half a turn away from its angle. Released joints
 /// have no constraints, and coordinates that move none.
-fn of_joint(
-    system: &System,
-    laws: &Laws,
-    joint: &Joint,
-    (end, time): (impl Fn(usize) -> Vec3, f64),
-) -> f64 {
+fn of_joint(system: &System, laws: &Laws, joint: &Joint, (end, time): (impl Fn(usize) -> Vec3, f64)) -> f64 {
     let drive = laws.target(system, joint, time);
     joint.with_vectors(end, |v, _| {
         let value = |(i, row): (usize, &Row)| match row.is_on_branch(v, drive) {

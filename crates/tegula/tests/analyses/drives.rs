@@ -10,7 +10,9 @@ use tegula::{Mat3, Vec3, compile, mesh};
 /// A hinge of the ground about an axis through the origin, and a drive of its angle by a formula (degrees).
 fn driven_hinge(body: &str, at: [f64; 3], axis: [f64; 3]) -> Vec<Joint> {
     vec![
-        Joint::Revolute(AxisJoint { name: "hinge".into(), between: between("ground", body), at, axis }.into()),
+        Joint::Revolute(
+            AxisJoint { name: "hinge".into(), between: between("ground", body), at, axis }.into(),
+        ),
         Joint::DrivenAngle(DrivenAngleJoint {
             name: "drive".into(),
             between: between("ground", body),

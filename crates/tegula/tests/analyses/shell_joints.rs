@@ -74,8 +74,9 @@ fn difference(a: &[Nodal], b: &[Nodal]) -> f64 {
 fn joints_of_directors_with_the_ground_are_supports() {
     use Axis::{X, Y, Z};
     let ground = |set: &str| between("ground", set);
-    let hinge =
-        |name: String, set: &str, at| Joint::Revolute(axis_joint(&name, "ground", set, at, [0.0, 2.0, 0.0]).into());
+    let hinge = |name: String, set: &str, at| {
+        Joint::Revolute(axis_joint(&name, "ground", set, at, [0.0, 2.0, 0.0]).into())
+    };
     let cross = |name: String, set: &str, at| {
         let axes = [[0.0, 1.0, 0.0], [0.0, 0.0, -1.0]];
         Joint::Universal(TwoAxesJoint { name, between: ground(set), at, axes })

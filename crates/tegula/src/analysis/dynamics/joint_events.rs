@@ -147,7 +147,8 @@ impl JointEvents {
             let before = old.iter().find(|c| c.joint == joint.number).map_or(now, |c| c.value);
             let value = if law.is_angle { before + wrapped(now - before) } else { now };
             let rate = system.coordinate_rate(joint, law, [&state.u, &state.v]);
-            let beyond = [law.stops[0] - value, value - law.stops[1]].into_iter().fold(f64::NEG_INFINITY, larger);
+            let beyond =
+                [law.stops[0] - value, value - law.stops[1]].into_iter().fold(f64::NEG_INFINITY, larger);
             if !(beyond <= CONTACT * law.row.size) {
                 return Err(stands_beyond(joint, law, value));
             }
@@ -300,7 +301,8 @@ impl Tracked {
                 false => Event { start, end, tolerance: AT_REST * start.abs() },
             };
         }
-        for (event, (bound, side)) in self.events[1..].iter_mut().zip(law.stops.into_iter().zip([-1.0, 1.0])) {
+        for (event, (bound, side)) in self.events[1..].iter_mut().zip(law.stops.into_iter().zip([-1.0, 1.0]))
+        {
             let [start, end] = values.map(|value| side * (bound - value) / law.row.size);
             // Where the coordinate leaves the stop, the mean velocity has no root at the start.
             let speed = -side * self.rate / law.row.size;

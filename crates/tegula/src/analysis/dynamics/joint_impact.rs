@@ -53,9 +53,7 @@ pub(super) fn pass(
     let before = system.kinetic_energy(&old);
     let impulses = loop {
         let impulses = collide(system, newton, state, (&old, &list))?;
-        let pulls = |c: &&mut Coordinate| {
-            !c.hits && c.held.is_some_and(|side| side * impulses[c.row] < 0.0)
-        };
+        let pulls = |c: &&mut Coordinate| !c.hits && c.held.is_some_and(|side| side * impulses[c.row] < 0.0);
         match list.iter_mut().find(pulls).filter(|_| struck) {
             Some(opens) => opens.held = None,
             None => break impulses,
