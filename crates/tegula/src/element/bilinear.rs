@@ -19,9 +19,9 @@ mod operations;
 use std::collections::HashMap;
 
 use pulp::{Arch, Scalar, Simd};
-use rayon::prelude::*;
 
 use super::bilinear_kernel::{LanesTangent, Measure, StrainAndStress, Workspace, dot, strain_and_stress};
+use super::chunks::{for_each_chunk, for_each_chunk_of_two};
 use super::forms::{BASIS, Forms, MOST, QUADRATIC, VECTORS, shares};
 use super::generalized_law::energy_of_fields;
 use super::geometry::ShellGeometry;
@@ -30,8 +30,6 @@ use super::lanes::{BATCH, LaneWork, Lanes, in_batches, run};
 use super::shell::Condensed;
 use crate::Vec3;
 
-/// Elements per parallel task.
-const CHUNK: usize = 64;
 /// Number of coordinates of an element.
 pub(super) const COORDINATES: usize = 3 * VECTORS;
 /// Number of 3×3 blocks in the lower triangle of the element matrix.
@@ -383,10 +381,10 @@ impl BilinearGroup {
     }
 
     fn per_element(&self, k: &GroupPoint, wanted: Wanted, count: usize, out: &mut [f64]) {
-        out.par_chunks_mut(CHUNK * count).enumerate().for_each(|(chunk, out)| {
+        for_each_chunk(out, count, &|first, out| {
             let elements = out.len() / count;
             let work = PerElement { group: self, k, wanted, count, out };
-            run(self.arch, chunk * CHUNK, elements, work);
+            run(self.arch, first, elements, work);
         });
     }
 }
@@ -421,22 +419,17 @@ impl ElementGroup for BilinearGroup {
     }
 
     fn evaluate(&self, k: &GroupPoint, first: usize, forces: &mut [f64], tangent: Option<TangentRequest>) {
-        match tangent {
-            None => forces.par_chunks_mut(CHUNK * COORDINATES).enumerate().for_each(|(chunk, forces)| {
+        let Some(TangentRequest { weights, stress, prescribed, blocks }) = tangent else {
+            return for_each_chunk(forces, COORDINATES, &|chunk, forces| {
                 let elements = forces.len() / COORDINATES;
-                run(self.arch, first + chunk * CHUNK, elements, Forces { group: self, k, forces });
-            }),
-            Some(TangentRequest { weights, stress, prescribed, blocks }) => forces
-                .par_chunks_mut(CHUNK * COORDINATES)
-                .zip(blocks.par_chunks_mut(CHUNK * 9 * BLOCKS))
-                .enumerate()
-                .for_each(|(chunk, (forces, blocks))| {
-                    let elements = forces.len() / COORDINATES;
-                    let work =
-                        ForcesAndTangent { group: self, k, forces, weights, stress, prescribed, blocks };
-                    run(self.arch, first + chunk * CHUNK, elements, work);
-                }),
-        }
+                run(self.arch, first + chunk, elements, Forces { group: self, k, forces });
+            });
+        };
+        for_each_chunk_of_two((forces, COORDINATES), (blocks, 9 * BLOCKS), &|chunk, forces, blocks| {
+            let elements = forces.len() / COORDINATES;
+            let work = ForcesAndTangent { group: self, k, forces, weights, stress, prescribed, blocks };
+            run(self.arch, first + chunk, elements, work);
+        });
     }
 
     fn stresses(&self, k: &GroupPoint, stresses: &mut [f64]) {
@@ -486,11 +479,13 @@ impl ElementGroup for BilinearGroup {
             power.fill(0.0);
             return;
         }
-        power.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(element, power)| {
-            let l = Lanes { simd: Scalar::new(), first: element };
-            let mut rate = [0.0; MOST];
-            self.strained(l, k, Measure::Rate, &mut rate);
-            *power = self.retardation_time * dot(l, &rate, &self.multiply(l, &rate));
+        for_each_chunk(power, 1, &|first, power| {
+            for (element, power) in (first..).zip(power) {
+                let l = Lanes { simd: Scalar::new(), first: element };
+                let mut rate = [0.0; MOST];
+                self.strained(l, k, Measure::Rate, &mut rate);
+                *power = self.retardation_time * dot(l, &rate, &self.multiply(l, &rate));
+            }
         });
     }
 }

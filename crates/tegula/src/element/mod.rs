@@ -3,6 +3,7 @@
 pub mod beam;
 pub mod bilinear;
 mod bilinear_kernel;
+mod chunks;
 pub mod curved_strain;
 pub mod director_angle;
 pub mod forms;

@@ -5,17 +5,14 @@
 //! a fixed order, so results do not depend on the number of threads.
 
 use pulp::Arch;
-use rayon::prelude::*;
 
+use super::chunks::{for_each_chunk, for_each_chunk_of_two};
 use super::generalized_law::GeneralizedLaw;
 use super::group::{
     ElementGroup, GroupPoint, InternalVariables, Motion, Nodal, TangentRequest, TangentWeights,
 };
 use super::strains::{Directions, SampledStrains};
 use super::transform::NodalTransform;
-
-/// Elements per parallel task.
-const CHUNK: usize = 64;
 
 /// Connectivity, mass and nodal transformations of a group of elements.
 #[derive(Debug, Clone)]
@@ -299,47 +296,41 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
 
     fn evaluate(&self, k: &GroupPoint, first: usize, forces: &mut [f64], tangent: Option<TangentRequest>) {
         let arch = self.arch;
-        match tangent {
-            None => {
-                forces.par_chunks_mut(CHUNK * N).enumerate().for_each(|(chunk, forces)| {
-                    arch.dispatch(
-                        #[inline(always)]
-                        || {
-                            for (i, force) in forces.chunks_exact_mut(N).enumerate() {
-                                self.evaluate_one(first + chunk * CHUNK + i, k, force, None);
-                            }
-                        },
-                    );
-                });
-            }
-            Some(request) => {
-                let size = 9 * SampledStrains::<M, N, S, D>::BLOCKS;
-                let TangentRequest { weights, stress, prescribed, blocks } = request;
-                forces
-                    .par_chunks_mut(CHUNK * N)
-                    .zip(blocks.par_chunks_mut(CHUNK * size))
-                    .enumerate()
-                    .for_each(|(chunk, (forces, blocks))| {
-                        arch.dispatch(
-                            #[inline(always)]
-                            || {
-                                for (i, (force, blocks)) in
-                                    forces.chunks_exact_mut(N).zip(blocks.chunks_exact_mut(size)).enumerate()
-                                {
-                                    let tangent =
-                                        Some(OneTangent { weights: &weights, stress, prescribed, blocks });
-                                    self.evaluate_one(first + chunk * CHUNK + i, k, force, tangent);
-                                }
-                            },
-                        );
-                    });
-            }
-        }
+        let Some(request) = tangent else {
+            let work = |chunk: usize, forces: &mut [f64]| {
+                arch.dispatch(
+                    #[inline(always)]
+                    || {
+                        for (i, force) in forces.chunks_exact_mut(N).enumerate() {
+                            self.evaluate_one(first + chunk + i, k, force, None);
+                        }
+                    },
+                );
+            };
+            return for_each_chunk(forces, N, &work);
+        };
+        let size = 9 * SampledStrains::<M, N, S, D>::BLOCKS;
+        let TangentRequest { weights, stress, prescribed, blocks } = request;
+        let work = |chunk: usize, forces: &mut [f64], blocks: &mut [f64]| {
+            arch.dispatch(
+                #[inline(always)]
+                || {
+                    let each = forces.chunks_exact_mut(N).zip(blocks.chunks_exact_mut(size));
+                    for (i, (force, blocks)) in each.enumerate() {
+                        let tangent = Some(OneTangent { weights: &weights, stress, prescribed, blocks });
+                        self.evaluate_one(first + chunk + i, k, force, tangent);
+                    }
+                },
+            );
+        };
+        for_each_chunk_of_two((forces, N), (blocks, size), &work);
     }
 
     fn stresses(&self, k: &GroupPoint, stresses: &mut [f64]) {
-        stresses.par_chunks_mut(S).with_min_len(CHUNK).enumerate().for_each(|(e, n)| {
-            n.copy_from_slice(&self.stress(e, k).stress);
+        for_each_chunk(stresses, S, &|first, stresses| {
+            for (i, n) in stresses.chunks_exact_mut(S).enumerate() {
+                n.copy_from_slice(&self.stress(first + i, k).stress);
+            }
         });
     }
 
@@ -351,7 +342,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
         stresses: &mut [f64],
     ) {
         let tau = self.retardation_time;
-        stresses.par_chunks_mut(S).with_min_len(CHUNK).enumerate().for_each(|(e, out)| {
+        let one = |e: usize, out: &mut [f64]| {
             let StrainState { acting, stress, strain } = self.stress(e, k);
             let delta = self.strains.directions(&self.gather(e, increment));
             let change = self.strains.rates(&acting, &delta);
@@ -365,12 +356,17 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
                     out[i] += tau * weights.rate * product[i];
                 }
             }
+        };
+        for_each_chunk(stresses, S, &|first, stresses| {
+            stresses.chunks_exact_mut(S).enumerate().for_each(|(i, out)| one(first + i, out));
         });
     }
 
     fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {
-        energies.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(e, out)| {
-            *out = self.constitution.energy(e, &self.strain(e, k), &self.interior(e, k));
+        for_each_chunk(energies, 1, &|first, energies| {
+            for (e, out) in (first..).zip(energies) {
+                *out = self.constitution.energy(e, &self.strain(e, k), &self.interior(e, k));
+            }
         });
     }
 
@@ -405,10 +401,12 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
             power.fill(0.0);
             return;
         }
-        power.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(e, out)| {
-            let rate = self.rate(e, k);
-            let n = self.constitution.viscous(e, &rate);
-            *out = tau * rate.iter().zip(&n).map(|(a, b)| a * b).sum::<f64>();
+        for_each_chunk(power, 1, &|first, power| {
+            for (e, out) in (first..).zip(power) {
+                let rate = self.rate(e, k);
+                let n = self.constitution.viscous(e, &rate);
+                *out = tau * rate.iter().zip(&n).map(|(a, b)| a * b).sum::<f64>();
+            }
         });
     }
 }
