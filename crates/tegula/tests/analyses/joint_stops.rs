@@ -61,18 +61,13 @@ fn a_bouncing_mass_rises_and_rests_as_the_geometric_series_says() {
         for (n, impact) in impacts.iter().take(12).enumerate() {
             let behind = E.powi(n as i32 + 1) * G * first;
             let [z, v] = height(&system, impact);
-            errors.extend([impact.time - time, z + H, v - behind]);
+            // The place of an impact is found to 1e-11: so are its time times the velocity, and the energy over the weight.
+            errors.extend([(impact.time - time) * behind, z + H, (v * v - behind * behind) / (2.0 * G)]);
             time += 2.0 * behind / G;
         }
         let drift = notes.drift();
         let [z, v] = height(&system, &state);
-        println!(
-            "{step:?}: {} impacts {:e}, rest {:e} {v:e}, energy {drift:e}",
-            impacts.len(),
-            max_norm(&errors),
-            z + H
-        );
-        assert!(max_norm(&errors) < 1e-9, "{errors:?}");
+        assert!(max_norm(&errors) < 1e-10, "{errors:?}");
         assert!((z + H).abs() < 1e-9 && v.abs() < 1e-9, "{z} {v}");
         assert!(drift <= 1e-9 * notes.kinetic, "{drift}");
         assert!((state.dissipated / (2.0 * G * H) - 1.0).abs() < 1e-9, "{}", state.dissipated);
@@ -92,7 +87,6 @@ fn an_elastic_stop_keeps_the_energy() {
     let mut notes = Notes::default();
     let (system, state) = run(&ball(1.0, 20.0 * first, Some(0.01)), &mut notes);
     let [z, v] = height(&system, &state);
-    println!("{z:e} {v:e} {:e}", notes.drift());
     assert!(z.abs() < 1e-8 && v.abs() < 1e-6, "{z} {v}");
     assert!(state.dissipated.abs() < 1e-9 && notes.drift() < 1e-9 * notes.kinetic);
 }
@@ -116,7 +110,6 @@ fn a_mass_in_a_free_box_keeps_the_momentum() {
     let mut notes = Notes::default();
     let (system, state) = run(&model, &mut notes);
     let [a, b] = [0, 1].map(|i| state.v[system.coordinates.bodies[i].centre as usize][0]);
-    println!("{:e} {:e} {:e}", cart * a + m * b - m * v, b - a + E.powi(3) * v, notes.drift());
     assert!((cart * a + m * b - m * v).abs() < 1e-10);
     assert!((b - a + E.powi(3) * v).abs() < 1e-9, "{a} {b}");
     assert!(state.coordinates[0].value.abs() < 1e-8, "{:?}", state.coordinates);
@@ -142,7 +135,6 @@ fn friction_and_stop_act_in_one_joint() {
     let (system, state) = run(&model, &mut notes);
     let square = E * E * (v * v - 2.0 * mu * G * d);
     let error = pose(&system, &state, 0).0.x - (d - square / (2.0 * mu * G));
-    println!("error {error:e} energy {:e}", notes.drift());
     assert!(error.abs() < 1e-9 && state.coordinates[0].mode.is_held(), "{error}");
     assert!(notes.drift() <= 1e-9 * notes.kinetic);
 }
@@ -169,7 +161,6 @@ fn a_pendulum_rebounds_from_its_stop() {
     let values: Vec<f64> = notes.states.iter().map(|s| s.coordinates[0].value).collect();
     let hit = values.iter().position(|x| (x - std::f64::consts::FRAC_PI_2).abs() < 1e-9).unwrap();
     let top = values[hit..].windows(3).find(|w| w[0] > w[1] && w[1] <= w[2]).unwrap()[1];
-    println!("{:e}", top.sin() - (1.0 - E * E));
     assert!((top.sin() - (1.0 - E * E)).abs() < 2e-5, "{top}");
 }
 
