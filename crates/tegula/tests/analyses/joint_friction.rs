@@ -218,7 +218,7 @@ fn the_amplitude_of_a_braked_pendulum_decreases_as_its_energy_says() {
         assert_eq!(found.len(), expected.len(), "{found:?} {expected:?}");
         assert!(state.coordinates[0].mode.is_held());
         let differences = found.iter().zip(&expected).map(|(a, b)| a.abs() - b.abs());
-        max_norm(&differences.collect::<Vec<_>>())
+        max_norm(differences)
     };
     let errors = [error(8e-3), error(4e-3)];
     assert!(errors[1] < 1e-4 && errors[0] / errors[1] > 3.0, "{errors:?}");

@@ -275,7 +275,15 @@ impl JointEvents {
         let search = self.search.as_mut()?;
         search.repeats += 1;
         let [low, high] = search.ends;
-        if is_there || high - low <= LOCATED * search.whole || search.repeats >= MOST_REPEATS {
+        if is_there {
+            return None;
+        }
+        if high - low <= LOCATED * search.whole || search.repeats >= MOST_REPEATS {
+            // A step over the rest of the bracket would be one of round-off: the event is at either end.
+            for c in self.coordinates.iter_mut().filter(|c| c.reached.is_none()) {
+                c.reached =
+                    c.bracket[1].iter().zip(SIDES).find(|(value, _)| **value < 0.0).map(|(_, side)| side);
+            }
             return None;
         }
         let mut next = high;
