@@ -241,8 +241,8 @@ impl Constraints {
         let counted = system.joints.iter().map(move |joint| (&joint.name, count(joint)));
         counted.filter(|(_, count)| *count > 0).map(|(name, count)| {
             format!(
-                "joint \"{name}\": {count} of its constraints follow(s) from those of other joints; its reactions are not \
-                 unique, and those of minimum norm are computed"
+                "joint \"{name}\": {count} of its constraints follow from those of other joints and supports; its reactions \
+                 are not unique, and those of minimum norm are computed"
             )
         })
     }

@@ -207,7 +207,7 @@ fn bricards_mechanism_moves_although_it_is_overconstrained() {
     assert!(notes.drift() <= 1e-9, "{}", notes.drift());
     assert!((end - Vec3::new(0.5105015, -1.6491676, 0.1401231)).norm() < 1e-5, "{end:?}");
     assert!(
-        notes.events.iter().any(|e| e.contains("follow(s) from those of other joints")),
+        notes.events.iter().any(|e| e.contains("follow from those of other joints and supports")),
         "{:?}",
         notes.events
     );
