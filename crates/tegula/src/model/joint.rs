@@ -178,7 +178,7 @@ pub struct JointFriction {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub radius: Option<f64>,
-    /// Constant part of the friction force [force], or torque [force·length], whatever the reaction of the joint.
+    /// Constant part of the friction force (force), or torque (force·length), whatever the reaction of the joint.
     #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub preload: f64,
