@@ -6,11 +6,10 @@
 //! coordinate is held from then on, or an impact changes the velocities. F. Pfeiffer, Ch. Glocker, *Multibody dynamics with unilateral
 //! contacts* (1996); V. Acary, B. Brogliato, *Numerical methods for nonsmooth dynamical systems* (2008), Ch. 8 (event-driven schemes).
 
-use std::f64::consts::TAU;
-
 use super::Integrator;
 use crate::Vec3;
 use crate::analysis::State;
+use crate::constraint::joints::RelativeAngle;
 use crate::constraint::{CoordinateLaw, CoordinateMode, CoordinateState, Joint};
 use crate::element::Nodal;
 use crate::error::{Error, Result};
@@ -145,7 +144,7 @@ impl JointEvents {
             let Some((_, law)) = joint.law_row() else { continue };
             let now = system.coordinate(joint, law, &state.u);
             let before = old.iter().find(|c| c.joint == joint.number).map_or(now, |c| c.value);
-            let value = if law.is_angle { before + wrapped(now - before) } else { now };
+            let value = if law.is_angle { RelativeAngle::nearest(before, now) } else { now };
             let rate = system.coordinate_rate(joint, law, [&state.u, &state.v]);
             let beyond =
                 [law.stops[0] - value, value - law.stops[1]].into_iter().fold(f64::NEG_INFINITY, larger);
@@ -211,7 +210,7 @@ impl JointEvents {
             let Some((row, joint, law)) = law(system, c.joint) else { continue };
             let (before, trial) = (state.coordinates[k].value, &mut self.trial[k]);
             let now = system.coordinate(joint, law, u);
-            trial.value = if law.is_angle { before + wrapped(now - before) } else { now };
+            trial.value = if law.is_angle { RelativeAngle::nearest(before, now) } else { now };
             c.events = [Event::NONE; EVENTS];
             match trial.mode {
                 CoordinateMode::Held { stop, .. } => {
@@ -340,11 +339,6 @@ fn stands_beyond(joint: &Joint, law: &CoordinateLaw, value: f64) -> Error {
 
 fn contradiction(joint: &Joint) -> Review {
     Review::Contradiction(format!("no motion of the joint \"{}\" fits its friction and stops", joint.name))
-}
-
-/// Angle between −π and π.
-fn wrapped(angle: f64) -> f64 {
-    angle - TAU * (angle / TAU).round()
 }
 
 /// Mode of a coordinate that moves with a rate.

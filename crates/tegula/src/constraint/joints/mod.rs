@@ -133,7 +133,12 @@ impl RelativeAngle {
 
     /// Angle with these values of sine and cosine, continued from an earlier one over full turns.
     pub fn continued(earlier: f64, [sine, cosine]: [f64; 2]) -> f64 {
-        let change = sine.atan2(cosine) - earlier;
+        Self::nearest(earlier, sine.atan2(cosine))
+    }
+
+    /// Angle that differs from this one by full turns and is nearest to an earlier one.
+    pub fn nearest(earlier: f64, angle: f64) -> f64 {
+        let change = angle - earlier;
         earlier + change - TAU * ((change + PI) / TAU).floor()
     }
 
