@@ -98,6 +98,12 @@ pub struct CoordinateState {
     pub value: f64,
     /// Whether the joint moves or is held.
     pub mode: CoordinateMode,
+    /// Largest rate in the run so far, of the coordinate or of the model over its size: what is small beside it is round-off.
+    pub fastest: f64,
+    /// Whether friction has reached its limit at the end of the step, so that the joint breaks loose.
+    pub at_limit: bool,
+    /// Length of the last step in which friction held the joint, and mean excess of the friction over its limit; zeros before.
+    pub excess: [f64; 2],
 }
 
 /// Whether the coordinate of a joint moves or is held.

@@ -164,6 +164,45 @@ fn a_pendulum_rebounds_from_its_stop() {
     assert!((top.sin() - (1.0 - E * E)).abs() < 2e-5, "{top}");
 }
 
+/// After a plastic impact nothing presses on the stop: a wheel that has turned to 1000° without a load, and a pendulum whose stop is at its
+/// lowest point, stay there, held, in steps of the whole length.
+#[test]
+fn a_body_rests_at_a_stop_without_a_load() {
+    let wheel = |speed: f64, bound: f64, step: Option<f64>| {
+        let mut wheel = body("wheel", [0.0; 3], 1.0, Some([0.1; 3]));
+        wheel.angular_velocity = [0.0, speed, 0.0];
+        let stops = JointStops { upper: Some(bound), ..JointStops::default() };
+        let hinge = Joint::Revolute(CoordinateJoint {
+            name: "hinge".into(),
+            between: between("ground", "wheel"),
+            at: [0.0; 3],
+            axis: [0.0, 1.0, 0.0],
+            friction: None,
+            stops: Some(stops),
+        });
+        let mut model = machine(10.0, 0.1, vec![wheel], vec![hinge]);
+        let Analysis::Transient(options) = &mut model.analysis else { unreachable!() };
+        options.time_step = step;
+        (model, bound)
+    };
+    let pendulum = |step: Option<f64>| {
+        let (mut model, bound) = wheel(0.0, 90.0, step);
+        model.bodies[0].at = [0.5, 0.0, 0.0];
+        model.loads = gravity([0.0, 0.0, -G]);
+        (model, bound)
+    };
+    let fixed = Some(0.1);
+    let cases = [wheel(10.0, 1000.0, fixed), wheel(3.0, 720.0, Some(0.03)), wheel(1.0, 90.0, None)];
+    for (model, bound) in cases.into_iter().chain([pendulum(Some(0.01)), pendulum(None)]) {
+        let mut notes = Notes::keeping();
+        let (_, state) = run(&model, &mut notes);
+        let coordinate = &state.coordinates[0];
+        assert!((coordinate.value - bound.to_radians()).abs() < 1e-9, "{coordinate:?}");
+        assert!(coordinate.mode.is_held() && notes.states.len() < 1100, "{bound} {}", notes.states.len());
+        assert!(notes.drift() <= 1e-9 * notes.kinetic, "{}", notes.drift());
+    }
+}
+
 #[test]
 fn wrong_stops_are_refused() {
     let with = |stops: JointStops| {

@@ -3,10 +3,12 @@
 //! Each step is solved for a set of modes: a [relative coordinate](crate::constraint::coordinate_law) moves with a given sign of its
 //! velocity, or it is held. A held coordinate whose multiplier leaves its limits moves, and the step is solved again. A step in which a
 //! sliding coordinate comes to rest, or reaches a stop, is repeated with other lengths, by the Illinois method, until it ends there; the
-//! coordinate is held from then on, or an impact changes the velocities. F. Pfeiffer, Ch. Glocker, *Multibody dynamics with unilateral
+//! coordinate is held from then on, or an impact changes the velocities. Where friction reaches its limit within a step, the
+//! [break-away](super::break_away) is located too. F. Pfeiffer, Ch. Glocker, *Multibody dynamics with unilateral
 //! contacts* (1996); V. Acary, B. Brogliato, *Numerical methods for nonsmooth dynamical systems* (2008), Ch. 8 (event-driven schemes).
 
 use super::Integrator;
+use super::break_away::BreakAway;
 use crate::Vec3;
 use crate::analysis::State;
 use crate::constraint::joints::RelativeAngle;
@@ -23,7 +25,7 @@ const REACHED: f64 = 1e-11;
 const CONTACT: f64 = 1e-10;
 /// Excess of a multiplier over its limit that is round-off.
 const EXCESS: f64 = 1e-9;
-/// Velocity over that of the fastest part of the model below which a coordinate is at rest at the start.
+/// Velocity over that of the fastest part of the model so far, below which a coordinate is at rest at the start or at a stop.
 const RESTING: f64 = 1e-10;
 /// Step over the one first tried below which the event at its end is located.
 const LOCATED: f64 = 1e-12;
@@ -83,6 +85,8 @@ struct Tracked {
     events: [Event; EVENTS],
     /// Values of the event functions at both ends of the search.
     bracket: [[f64; EVENTS]; 2],
+    /// Search for the time at which friction reaches its limit.
+    break_away: Option<BreakAway>,
 }
 
 /// Search for the end of a step at its first event: the bracket of the Illinois method.
@@ -119,7 +123,16 @@ impl JointEvents {
         let with_law = |joint: usize| {
             law(system, joint)?;
             let (events, bracket) = ([Event::NONE; EVENTS], [[0.0; EVENTS]; 2]);
-            Some(Tracked { joint, rate: 0.0, changed: false, left: 0.0, reached: None, events, bracket })
+            Some(Tracked {
+                joint,
+                rate: 0.0,
+                changed: false,
+                left: 0.0,
+                reached: None,
+                events,
+                bracket,
+                break_away: None,
+            })
         };
         let coordinates = (0..system.joints.len()).filter_map(with_law).collect();
         Self { coordinates, trial: Vec::new(), search: None, time: f64::NAN }
@@ -135,15 +148,13 @@ impl JointEvents {
     /// A joint stands beyond a stop.
     pub fn start(system: &System, state: &mut State) -> Result<()> {
         let old = std::mem::take(&mut state.coordinates);
-        let speed = |(v, kind): (&Nodal, &VectorKind)| {
-            let speed = Vec3::from(*v).norm();
-            if *kind == VectorKind::Position { speed / system.length } else { speed }
-        };
-        let scale = state.v.iter().zip(&system.coordinates.kinds).map(speed).fold(0.0, larger);
+        let scale = speed(system, &state.v);
         for joint in system.joints.iter() {
             let Some((_, law)) = joint.law_row() else { continue };
             let now = system.coordinate(joint, law, &state.u);
-            let before = old.iter().find(|c| c.joint == joint.number).map_or(now, |c| c.value);
+            let earlier = old.iter().find(|c| c.joint == joint.number);
+            let before = earlier.map_or(now, |c| c.value);
+            let fastest = larger(earlier.map_or(0.0, |c| c.fastest), scale * law.row.size);
             let value = if law.is_angle { RelativeAngle::nearest(before, now) } else { now };
             let rate = system.coordinate_rate(joint, law, [&state.u, &state.v]);
             let beyond =
@@ -151,14 +162,16 @@ impl JointEvents {
             if !(beyond <= CONTACT * law.row.size) {
                 return Err(stands_beyond(joint, law, value));
             }
-            let at_rest = !(rate.abs() > RESTING * scale * law.row.size);
+            let at_rest = !(rate.abs() > RESTING * fastest);
             let stop = stop_at(law, value);
             let mode = if at_rest && (law.has_friction() || stop != 0.0) {
                 CoordinateMode::Held { at: value, stop }
             } else {
                 moving(law, rate)
             };
-            state.coordinates.push(CoordinateState { joint: joint.number, value, mode });
+            let joint = joint.number;
+            let (at_limit, excess) = (false, [0.0; 2]);
+            state.coordinates.push(CoordinateState { joint, value, mode, fastest, at_limit, excess });
         }
         Ok(())
     }
@@ -186,14 +199,23 @@ impl JointEvents {
     /// Begins an attempt at a step from a state.
     pub fn begin(&mut self, system: &System, state: &State) {
         self.trial.clone_from(&state.coordinates);
-        for (c, at) in self.coordinates.iter_mut().zip(&state.coordinates) {
+        let scale = speed(system, &state.v);
+        let begins = self.time != state.time;
+        for (c, now) in self.coordinates.iter_mut().zip(&mut self.trial) {
             let Some((_, joint, law)) = law(system, c.joint) else { continue };
             (c.changed, c.reached) = (false, None);
+            (now.at_limit, now.excess) = (false, [0.0; 2]);
+            now.fastest = larger(now.fastest, scale * law.row.size);
             c.rate = system.coordinate_rate(joint, law, [&state.u, &state.v]);
-            let stop = stop_at(law, at.value);
+            let stop = stop_at(law, now.value);
+            if stop != 0.0 && c.rate.abs() <= RESTING * now.fastest {
+                // A coordinate that round-off moves rests at its stop.
+                (c.rate, now.mode) = (0.0, CoordinateMode::Held { at: now.value, stop });
+            }
             c.left = if stop * c.rate < 0.0 { stop } else { 0.0 };
+            c.break_away = c.break_away.take().filter(|_| !begins);
         }
-        if self.time != state.time {
+        if begins {
             (self.time, self.search) = (state.time, None);
         }
     }
@@ -214,17 +236,28 @@ impl JointEvents {
             c.events = [Event::NONE; EVENTS];
             match trial.mode {
                 CoordinateMode::Held { stop, .. } => {
-                    let most = law.limit(joint, multipliers, middle).sticking * (1.0 + EXCESS);
+                    let limit = law.limit(joint, multipliers, middle).sticking;
                     let multiplier = multipliers[row];
-                    let leaves =
-                        (stop <= 0.0 && !(multiplier <= most)) || (stop >= 0.0 && !(multiplier >= -most));
+                    let over = |acts: bool, force: f64| if acts { force - limit } else { f64::NEG_INFINITY };
+                    let excess = larger(over(stop <= 0.0, multiplier), over(stop >= 0.0, -multiplier));
+                    let leaves = !(excess <= EXCESS * limit);
                     if leaves && c.changed {
                         return contradiction(joint);
+                    }
+                    if limit > 0.0 && !state.coordinates[k].at_limit {
+                        let earlier = state.coordinates[k].excess;
+                        if let Some(length) = BreakAway::look(&mut c.break_away, [h, excess], earlier, leaves)
+                        {
+                            return Review::Repeat(length);
+                        }
+                        trial.at_limit =
+                            !leaves && c.break_away.as_ref().is_some_and(|search| search.ends_at(h));
                     }
                     if leaves {
                         (c.changed, trial.mode) = (true, moving(law, multiplier));
                         return Review::Changed;
                     }
+                    trial.excess = [h, excess];
                 }
                 CoordinateMode::Moving(direction) => {
                     let rate = system.coordinate_rate(joint, law, [u, scheme.velocities()]);
@@ -235,9 +268,14 @@ impl JointEvents {
                 return contradiction(joint);
             }
         }
-        for c in &mut self.coordinates {
+        for (c, trial) in self.coordinates.iter_mut().zip(&mut self.trial) {
             let Some((_, joint, law)) = law(system, c.joint) else { continue };
             let rate = system.coordinate_rate(joint, law, [u, scheme.velocities()]);
+            let stop = stop_at(law, trial.value);
+            if c.changed && stop != 0.0 && rate.abs() <= RESTING * trial.fastest {
+                // Round-off alone has moved it.
+                trial.mode = CoordinateMode::Held { at: trial.value, stop };
+            }
             let is_there = |(i, (event, side)): &(usize, (&Event, f64))| {
                 event.end <= event.tolerance && (*i == SPEED || side * rate > 0.0 || event.has_passed())
             };
@@ -320,6 +358,15 @@ impl Tracked {
             };
         }
     }
+}
+
+/// Largest velocity of a model: of its positions over its size, and of its directors.
+fn speed(system: &System, v: &[Nodal]) -> f64 {
+    let of_vector = |(v, kind): (&Nodal, &VectorKind)| {
+        let speed = Vec3::from(*v).norm();
+        if *kind == VectorKind::Position { speed / system.length } else { speed }
+    };
+    v.iter().zip(&system.coordinates.kinds).map(of_vector).fold(0.0, larger)
 }
 
 /// Error of a joint that stands beyond a stop at the start.
