@@ -43,7 +43,7 @@ pub use foundation::{AreaFoundation, Foundation, FoundationOn};
 pub(crate) use joint::joints;
 pub use joint::{
     AxisJoint, DRIVE, DirectorJoint, DistanceJoint, DrivenAngleJoint, DrivenLengthJoint, Joint, JointDrive,
-    JointKeys, PointJoint, TwoAxesJoint,
+    JointKeys, PointJoint, ScrewJoint, TwoAxesJoint,
 };
 pub use loads::{Load, LoadStiffness, NodalLoad};
 pub use mesh_source::*;
