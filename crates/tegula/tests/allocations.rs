@@ -53,6 +53,23 @@ fn a_step_allocates_nothing() {
             if matches!(scheme, Scheme::EnergyMomentum(_)) {
                 let rim = RigidBody::new("rim", [1.0, 0.5, 1.2], 1.0, Some([0.1; 3]));
                 m.bodies = vec![RigidBody { distributed: vec!["u_max".into()], ..rim }];
+                // One that slides and one that sticks.
+                for (name, speed, coefficient) in [("slides", 1.0, 0.1), ("sticks", 0.0, 0.8)] {
+                    let block = RigidBody::new(name, [2.0, 0.0, 0.0], 1.0, Some([0.1; 3]));
+                    m.bodies.push(RigidBody { velocity: [speed, 0.0, speed], ..block });
+                    m.joints.push(Joint::Prismatic(CoordinateJoint {
+                        name: format!("{name} on the slope"),
+                        between: ["ground".into(), name.into()],
+                        at: [2.0, 0.0, 0.0],
+                        axis: [1.0, 0.0, 1.0],
+                        friction: Some(JointFriction {
+                            coefficient,
+                            static_coefficient: Some(1.2),
+                            ..JointFriction::default()
+                        }),
+                        stops: Some(JointStops { lower: Some(-1.0), upper: Some(1.0), restitution: 0.5 }),
+                    }));
+                }
             }
             let time_step = if explicit { None } else { Some(0.01) };
             let options = TransientAnalysis { scheme, time_step, ..TransientAnalysis::new(0.1) };

@@ -20,6 +20,22 @@ fn the_plate_on_a_hub_swings_as_a_physical_pendulum() {
     assert!(s["balance"]["moment"].as_f64().unwrap() < 1e-9, "{s}");
 }
 
+/// Energy of a door that friction brakes, and an impact with a coefficient of restitution: the angle at which it sticks.
+#[test]
+fn the_door_rebounds_and_sticks_where_its_energy_is_spent() {
+    let column = history_of("door.toml");
+    let (torque, restitution, end) = (2.0, 0.5_f64, 0.5 * PI);
+    let inertia = 20.0 * ((0.8_f64.powi(2) + 0.04_f64.powi(2)) / 12.0 + 0.4_f64.powi(2));
+    let struck = 0.5 * inertia * 2.0_f64.powi(2) - torque * end;
+    let back = restitution.powi(2) * struck / torque;
+    let last = |name: &str| *column(name).last().unwrap();
+    let angle = last("joint.hinge.angle");
+    // Over a turn Δθ of a step, at most 0.004 rad, the work of the torque is right to Δθ²/12: 8e-5 degrees in the end.
+    assert!((angle - (end - back).to_degrees()).abs() < 1e-4, "{angle}");
+    assert_eq!(last("joint.hinge.held"), 1.0);
+    assert!((last("dissipated") / (0.5 * inertia * 4.0) - 1.0).abs() < 1e-9);
+}
+
 /// R. Bredt's formula for closed thin sections, of the circle and of the polygon of the mesh; the torque goes through the coupling.
 #[test]
 fn a_torque_turns_the_end_of_the_tube_as_a_thin_closed_section() {

@@ -4,8 +4,8 @@ use tegula::System;
 use tegula::analysis::State;
 use tegula::result::beams::beam_resultants;
 use tegula::result::bodies::{
-    BodyMotion, bushing_responses, joint_reaction, reference_axes, spring_lengths_and_forces,
-    torsion_angles_and_moments,
+    BodyMotion, bushing_responses, coordinate_response, joint_reaction, reference_axes,
+    spring_lengths_and_forces, torsion_angles_and_moments,
 };
 use tegula::system::BeamLine;
 use tegula::system::coordinates::Body;
@@ -18,6 +18,12 @@ const OF_BODY: [&str; 16] =
 const OF_POINT: [&str; 6] = ["x", "y", "z", "vx", "vy", "vz"];
 /// Columns of a joint: force and moment of the first end on the second one.
 const OF_JOINT: [&str; 6] = ["fx", "fy", "fz", "mx", "my", "mz"];
+/// Column of the relative coordinate of a joint with friction or stops.
+pub(super) const ANGLE: &str = "angle";
+pub(super) const DISPLACEMENT: &str = "displacement";
+/// Columns of a joint with friction or stops behind its displacement or angle (degrees): friction and force of the stop on the second
+/// end along or about the axis, and 1 where the joint is held, 0 where it moves.
+const OF_COORDINATE: [&str; 3] = ["friction", "stop", "held"];
 
 /// Columns of a spring: length, and force that draws its points together.
 const OF_SPRING: [&str; 2] = ["length", "force"];
@@ -55,6 +61,10 @@ pub(super) fn names(system: &System) -> Vec<String> {
     }
     for joint in system.joints.iter() {
         out.extend(OF_JOINT.map(|column| format!("joint.{}.{column}", joint.name)));
+        if let Some((_, law)) = joint.law_row() {
+            out.push(format!("joint.{}.{}", joint.name, if law.is_angle { ANGLE } else { DISPLACEMENT }));
+            out.extend(OF_COORDINATE.map(|column| format!("joint.{}.{column}", joint.name)));
+        }
     }
     for (name, _) in system.springs.iter() {
         out.extend(OF_SPRING.map(|column| format!("spring.{name}.{column}")));
@@ -92,6 +102,10 @@ pub(super) fn row(system: &System, state: &State) -> Vec<f64> {
     for joint in system.joints.iter() {
         let (force, moment) = joint_reaction(system, state, joint);
         out.extend(force.iter().chain(moment.iter()));
+        if let Some(found) = coordinate_response(system, state, joint) {
+            let value = if found.is_angle { found.value.to_degrees() } else { found.value };
+            out.extend([value, found.friction, found.stop, f64::from(u8::from(found.is_held))]);
+        }
     }
     spring_lengths_and_forces(system, state).into_iter().for_each(|of_spring| out.extend(of_spring));
     for [angle, moment] in torsion_angles_and_moments(system, state) {

@@ -11,7 +11,7 @@ use tegula::model::{
 use tegula::result::Probe;
 use tegula::{Error, Issue, Mesh, Model, System};
 
-use super::{JobError, history};
+use super::{JobError, bodies, history};
 use crate::deck::{Deck, Diagnostic};
 use crate::memory;
 use crate::mesh::{self, FileMesh, stl};
@@ -144,7 +144,10 @@ fn is_mean(model: &Model, column: &str) -> bool {
             _ => false,
         }
     };
-    scheme.order == 2 && (column.starts_with("joint.") || model.sensors.iter().any(of_sensor))
+    let of_end = [bodies::ANGLE, bodies::DISPLACEMENT]
+        .iter()
+        .any(|name| column.rsplit_once('.').is_some_and(|(_, last)| last == *name));
+    scheme.order == 2 && ((column.starts_with("joint.") && !of_end) || model.sensors.iter().any(of_sensor))
 }
 
 /// The mesh, and the fingerprint of the files that the model is made of.

@@ -1,6 +1,7 @@
 //! Whole runs in temporary folders.
 
 mod fields;
+mod friction;
 mod inputs;
 mod mesh_parts;
 mod response;

@@ -133,11 +133,9 @@ impl Elimination<'_> {
                 return Some(Choice::Single(column));
             }
             // A search that does not find a larger entry has come back to the entry that it comes from.
-            if column != k || partner != k {
-                if row == partner || size <= largest {
-                    self.w.swap_columns(at, at + 1);
-                    return Some(Choice::Pair(partner, column));
-                }
+            if (column != k || partner != k) && (row == partner || size <= largest) {
+                self.w.swap_columns(at, at + 1);
+                return Some(Choice::Pair(partner, column));
             }
             (partner, largest) = (column, size);
             self.w.swap_columns(at, at + 1);

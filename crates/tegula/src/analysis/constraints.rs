@@ -19,15 +19,17 @@
 //! constraint that was left out and stays open is taken back for the rest of the step.
 
 mod complete_pivoting;
+mod laws;
 
 use super::solver::TangentSolver;
 use crate::Vec3;
 use crate::constraint::joint::{MOST_VECTORS, half_motion};
-use crate::constraint::{Joint, Row};
+use crate::constraint::{CoordinateState, Joint, Row};
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::system::evaluation_point::current_vector;
 use crate::system::{EvaluationPoint, LocalFrames, System};
 use complete_pivoting::CompletePivoting;
+use laws::Laws;
 
 /// Pivot of the scaled Schur complement over the largest one, below which constraints count as dependent; and its decrease
 /// where one of these constraints stays open.
@@ -65,6 +67,8 @@ pub(super) struct Constraints {
     /// `K⁻¹ Gᵀ`, column by column.
     responses: Vec<f64>,
     schur: Schur,
+    /// Friction and stops of joints.
+    laws: Laws,
     /// Change of the multipliers in the last increment.
     change: Vec<f64>,
     /// Right side of their equations.
@@ -89,6 +93,7 @@ impl Constraints {
             weights: vec![0.0; m],
             responses: vec![0.0; n * m],
             schur: Schur::new(m),
+            laws: Laws::new(system),
             change: vec![0.0; m],
             right: vec![0.0; m],
             violation: f64::INFINITY,
@@ -139,11 +144,13 @@ impl Constraints {
             }
         }
         solver.solve_tangents(&mut self.responses, self.forces.len())?;
+        self.laws.couple(system, k, &mut self.responses);
         for (row, gradient) in self.schur.matrix.chunks_mut(self.forces.len()).zip(&self.ends) {
             for (entries, responses) in row.chunks_mut(LANES).zip(self.responses.chunks(LANES * n)) {
                 products(gradient, responses, n, entries);
             }
         }
+        self.laws.separate(&mut self.schur.matrix);
         self.schur.factor();
         Ok(())
     }
@@ -157,9 +164,11 @@ impl Constraints {
         multipliers: &[f64],
         x: &mut [f64],
     ) {
+        self.laws.follow(system, motion, multipliers);
+        self.laws.add_response(&self.responses, x);
         let (end, time) = (end_of(system, motion), end_time(motion, time));
         for joint in system.joints.iter() {
-            let drive = system.drive_value(joint, time);
+            let drive = self.laws.target(system, joint, time);
             joint.with_vectors(&end, |v, _| {
                 for (i, row) in joint.multipliers().zip(&joint.rows) {
                     self.right[i] = row.value(v, drive) + product(&self.ends[i], x);
@@ -171,6 +180,7 @@ impl Constraints {
 
     /// Solves for the change of the multipliers and adds their response to the increment x.
     fn change_by_multipliers(&mut self, multipliers: &[f64], x: &mut [f64]) {
+        self.laws.clear(&mut self.right);
         self.schur.solve(&mut self.right, multipliers, &mut self.change);
         for (change, response) in self.change.iter().zip(self.responses.chunks(x.len())) {
             x.iter_mut().zip(response).for_each(|(x, z)| *x -= change * z);
@@ -178,13 +188,24 @@ impl Constraints {
         for (i, change) in self.change.iter_mut().enumerate() {
             *change += self.weights[i] * product(&self.forces[i], x);
         }
+        self.laws.complete(&mut self.change);
+    }
+
+    /// Takes the modes of the relative coordinates with friction or stops; the next tangent is that of these modes.
+    pub fn set_modes(&mut self, coordinates: &[CoordinateState]) {
+        self.laws.set_modes(coordinates);
+    }
+
+    /// Lets friction follow reactions, or not: impulses do without it.
+    pub fn set_friction(&mut self, acts: bool) {
+        self.laws.set_friction(acts);
     }
 
     /// Rates of the constraints at the end of a motion.
     pub fn rates(&mut self, system: &System, (motion, time): (&Motion, f64), rates: Rates) -> &[f64] {
         let (end, time) = (end_of(system, motion), end_time(motion, time));
         for joint in system.joints.iter() {
-            let drive = system.drive(joint, time);
+            let drive = self.laws.drive(system, joint, time);
             let of = |field: &[Nodal], v: usize| Vec3::from(field[v]);
             joint.with_vectors(&end, |q, gradient| {
                 for (i, row) in joint.multipliers().zip(&joint.rows) {
@@ -209,6 +230,7 @@ impl Constraints {
                 }
             });
         }
+        self.laws.clear(&mut self.right);
         &self.right
     }
 
@@ -220,8 +242,8 @@ impl Constraints {
         let counted = system.joints.iter().map(move |joint| (&joint.name, count(joint)));
         counted.filter(|(_, count)| *count > 0).map(|(name, count)| {
             format!(
-                "joint \"{name}\": {count} of its constraints follow(s) from those of other joints; its reactions are not \
-                 unique, and those of minimum norm are computed"
+                "joint \"{name}\": {count} of its constraints follow from those of other joints and supports; its reactions \
+                 are not unique, and those of minimum norm are computed"
             )
         })
     }
@@ -232,6 +254,38 @@ impl Constraints {
     pub fn project(&mut self, system: &System, at: (&Motion, f64), rest: Rates, x: &mut [f64]) -> &[f64] {
         self.rates(system, at, rest);
         self.project_onto(x)
+    }
+
+    /// Changes velocities by an impact: a constraint i with the rate `ġ⁻ᵢ` of the velocities `v` has the rate `−e(i) ġ⁻ᵢ` with `v + x`.
+    /// Returns the impulses.
+    pub fn impact(
+        &mut self,
+        system: &System,
+        at: (&Motion, f64),
+        v: &[Nodal],
+        restitution: impl Fn(usize) -> f64,
+        x: &mut [f64],
+    ) -> &[f64] {
+        self.rates(system, at, Rates::First(v));
+        for (i, rate) in self.right.iter_mut().enumerate() {
+            *rate *= 1.0 + restitution(i);
+        }
+        x.fill(0.0);
+        self.change_by_multipliers(&[], x);
+        &self.change
+    }
+
+    /// Changes accelerations `x` to those of the constrained motion, as [`project`](Self::project) does, with friction of the multipliers.
+    pub fn project_accelerations(
+        &mut self,
+        system: &System,
+        at: (&Motion, f64),
+        (rest, multipliers): (Rates, &[f64]),
+        x: &mut [f64],
+    ) -> &[f64] {
+        self.laws.follow(system, at.0, multipliers);
+        self.laws.add_response(&self.responses, x);
+        self.project(system, at, rest, x)
     }
 
     /// Changes an increment `x` of the free degrees of freedom to one that keeps the constraints, `G₁ x = 0`, with the least change
@@ -317,7 +371,7 @@ impl Constraints {
     /// Largest value of a constraint at the end of a motion over its size; infinite where a drive is half a turn away from its angle.
     pub fn largest_violation(&self, system: &System, (motion, time): (&Motion, f64)) -> f64 {
         let (end, time) = (end_of(system, motion), end_time(motion, time));
-        let of_joint = |joint: &Joint| of_joint(system, joint, &end, time);
+        let of_joint = |joint: &Joint| of_joint(system, &self.laws, joint, (&end, time));
         system.joints.iter().map(of_joint).fold(0.0, crate::norm::larger)
     }
 
@@ -332,7 +386,7 @@ impl Constraints {
     pub fn violation(&self, system: &System, (motion, time): (&Motion, f64), limit: f64) -> Option<String> {
         let (end, time) = (end_of(system, motion), end_time(motion, time));
         system.joints.iter().find_map(|joint| {
-            let worst = of_joint(system, joint, &end, time);
+            let worst = of_joint(system, &self.laws, joint, (&end, time));
             if worst == f64::INFINITY {
                 return Some(format!("joint \"{}\" is half a turn away from its angle", joint.name));
             }
@@ -368,14 +422,16 @@ fn gradients(
 }
 
 /// Largest value of a constraint of a joint over its size; infinite where its drive is half a turn away from its angle. Released joints
-/// have no constraints.
-fn of_joint(system: &System, joint: &Joint, end: impl Fn(usize) -> Vec3, time: f64) -> f64 {
-    let drive = system.drive_value(joint, time);
+/// have no constraints, and coordinates that move none.
+fn of_joint(system: &System, laws: &Laws, joint: &Joint, (end, time): (impl Fn(usize) -> Vec3, f64)) -> f64 {
+    let drive = laws.target(system, joint, time);
     joint.with_vectors(end, |v, _| {
-        let value = |row: &Row| {
-            if row.is_on_branch(v, drive) { row.value(v, drive).abs() / row.size } else { f64::INFINITY }
+        let value = |(i, row): (usize, &Row)| match row.is_on_branch(v, drive) {
+            _ if laws.is_moving(i) => 0.0,
+            true => row.value(v, drive).abs() / row.size,
+            false => f64::INFINITY,
         };
-        joint.rows.iter().map(value).fold(0.0, crate::norm::larger)
+        joint.multipliers().zip(&joint.rows).map(value).fold(0.0, crate::norm::larger)
     })
 }
 

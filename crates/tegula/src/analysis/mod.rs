@@ -17,6 +17,7 @@ pub mod stops;
 use serde::{Deserialize, Serialize};
 
 use crate::Result;
+use crate::constraint::CoordinateState;
 use crate::element::{Motion, Nodal};
 use crate::system::{EvaluationPoint, Internal, StepStart, System};
 use lagged_tangent::LaggedTangent;
@@ -60,6 +61,9 @@ pub struct State {
     /// Angles of sensors (rad), continued over full turns.
     #[serde(default)]
     pub angles: Vec<f64>,
+    /// Relative coordinates of the joints with friction or stops, in the order of the joints.
+    #[serde(default)]
+    pub coordinates: Vec<CoordinateState>,
     /// Length of the next time step (load step).
     pub next_step: f64,
     /// Length of the last finished time step; 0 at the start.
@@ -96,8 +100,8 @@ impl State {
         match &system.start {
             None => Self::at_rest(system),
             Some(start) => {
-                let StepStart { u, v, history, multipliers, angles } = start.clone();
-                Self { u, v, history, multipliers, angles, ..Self::default() }
+                let StepStart { u, v, history, multipliers, angles, coordinates } = start.clone();
+                Self { u, v, history, multipliers, angles, coordinates, ..Self::default() }
             }
         }
     }
@@ -137,8 +141,8 @@ impl State {
 
     /// Displacements, velocities, history variables, multipliers and angles of sensors from which the next analysis step starts.
     pub fn end_of_step(&self) -> StepStart {
-        let Self { u, v, history, multipliers, angles, .. } = self.clone();
-        StepStart { u, v, history, multipliers, angles }
+        let Self { u, v, history, multipliers, angles, coordinates, .. } = self.clone();
+        StepStart { u, v, history, multipliers, angles, coordinates }
     }
 }
 

@@ -27,7 +27,9 @@ const LONGEST_UNIT: usize = 20;
 pub fn keys(model: &Model) -> Vec<Issue> {
     let mut found = steps::issues(model);
     for step in steps::steps(model) {
-        let of_step = step.located(keys_of(&step.model, &model.joints, step.starts_from.is_some()));
+        let mut of_step = keys_of(&step.model, &model.joints, step.starts_from.is_some());
+        of_step.extend(super::step_joints::laws(&step));
+        let of_step = step.located(of_step);
         let new: Vec<Issue> = of_step.into_iter().filter(|issue| !found.contains(issue)).collect();
         found.extend(new);
     }

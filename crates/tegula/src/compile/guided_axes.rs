@@ -19,15 +19,16 @@ enum Motion {
 
 /// Joint that leaves a motion about or along its axis free, with the names of both sides.
 fn guide(joint: &Joint, motion: Motion) -> Option<(&str, &[String; 2], Vec3)> {
-    let axis = match (joint, motion) {
-        (Joint::Revolute(keys) | Joint::Planar(keys), Motion::Rotation)
-        | (Joint::Prismatic(keys), Motion::Translation)
-        | (Joint::Cylindrical(keys), _) => keys.axis,
-        (Joint::Screw(keys), _) => keys.axis,
-        _ => return None,
-    };
-    let keys = joint.common();
-    Some((keys.name(), keys.between(), axis.into()))
+    match (joint, motion) {
+        (Joint::Revolute(keys), Motion::Rotation) | (Joint::Prismatic(keys), Motion::Translation) => {
+            Some((&keys.name, &keys.between, keys.axis.into()))
+        }
+        (Joint::Planar(keys), Motion::Rotation) | (Joint::Cylindrical(keys), _) => {
+            Some((&keys.name, &keys.between, keys.axis.into()))
+        }
+        (Joint::Screw(keys), _) => Some((&keys.name, &keys.between, keys.axis.into())),
+        _ => None,
+    }
 }
 
 /// Adds drives and torsion springs whose axis is not that of the joint between the same two sides.

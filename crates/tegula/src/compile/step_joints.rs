@@ -11,7 +11,9 @@ use crate::constraint::joints::{End, lock};
 use crate::constraint::{Joint, JointGroup, Role};
 use crate::element::{ElementGroup, Nodal};
 use crate::load::{LoadFactor, TimeFunction};
-use crate::model::{self, AnalysisStep, Model};
+use crate::model::{
+    self, Analysis, AnalysisStep, EnergyMomentumScheme, JointKeys, Model, Scheme, TransientAnalysis,
+};
 use crate::system::{DeadLoad, ForceSet, Procedure, StepStart, System};
 use crate::{Issue, Vec3};
 
@@ -77,6 +79,69 @@ fn not_lockable(joint: &model::Joint) -> (String, &'static str) {
         _ => ("is a rod between two points", "lock other joints of the same bodies"),
     };
     (format!("the joint \"{name}\" of the type \"{kind}\" {reason}, and cannot be locked"), help)
+}
+
+/// Joints with friction or stops that act in a step whose analysis does not know them, or beside a drive.
+pub(super) fn laws(step: &StepModel) -> Vec<Issue> {
+    let joints = &step.model.joints;
+    let of_joint = |(i, joint): (usize, &model::Joint)| {
+        let keys = joint.common();
+        let key = match (keys.friction(), keys.stops()) {
+            (Some(_), _) => "friction",
+            (None, Some(_)) => "stops",
+            (None, None) => return None,
+        };
+        if step.locked.iter().any(|name| name == keys.name()) {
+            return None;
+        }
+        let (problem, help) = if let Some((does_not, help)) = ignorant(&step.model.analysis) {
+            (format!("which {does_not}"), help)
+        } else {
+            let [a, b] = keys.between();
+            let beside = |other: &&dyn JointKeys| {
+                other.drive().is_some() && [[a, b], [b, a]].contains(&other.between().each_ref())
+            };
+            let drive = joints.iter().map(model::Joint::common).find(beside)?;
+            (
+                format!("which a joint whose motion is prescribed by \"{}\" cannot have", drive.name()),
+                "leave it out, or let a load, a spring or a torsion spring drive the joint",
+            )
+        };
+        let message = format!("the joint \"{}\" has {key}, {problem}", keys.name());
+        Some(Issue::new(format!("joints[{i}].{key}"), message, help))
+    };
+    joints.iter().enumerate().filter_map(of_joint).collect()
+}
+
+/// Reason why an analysis does not compute friction and stops of joints, and what to do instead.
+fn ignorant(analysis: &Analysis) -> Option<(&'static str, &'static str)> {
+    match analysis {
+        _ if knows_laws(analysis) => None,
+        Analysis::Transient(_) => Some((
+            "the scheme of this transient analysis does not compute",
+            "use `scheme = { type = \"energy-momentum\" }` of order 2 with `linear = false`",
+        )),
+        Analysis::Static(_) => Some((
+            "a static analysis, in which forces of friction are not unique, does not compute",
+            "list the joint in `locked` (it sticks) or `released` of this analysis step, or compute a transient analysis",
+        )),
+        Analysis::Modal(_) => Some((
+            "a modal analysis, which is linear, does not compute",
+            "list the joint in `locked` (it sticks) or `released` of this analysis step, or leave the key out",
+        )),
+    }
+}
+
+/// Whether an analysis computes friction and stops of joints.
+fn knows_laws(analysis: &Analysis) -> bool {
+    matches!(
+        analysis,
+        Analysis::Transient(TransientAnalysis {
+            scheme: Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 }),
+            linear: false,
+            ..
+        })
+    )
 }
 
 /// Sides of a joint that some step locks.
@@ -164,19 +229,20 @@ impl StepJoints {
 pub(super) type JointGroups = Range<usize>;
 
 impl Compiler<'_> {
-    /// Number of constraints of a joint with a part in a step.
-    fn rows(&self, number: usize, role: Role) -> usize {
+    /// Number of constraints of a joint with a part in a step, in which laws act or not.
+    fn rows(&self, number: usize, role: Role, laws: bool) -> usize {
         let own = self.joints[number].rows.len();
         match role {
             Role::Released => 0,
-            Role::Acting => own,
+            Role::Acting => own + usize::from(laws && self.joints[number].law.is_some()),
             Role::Locked => own + self.locks[number].as_ref().map_or(0, |lock| lock.rows),
         }
     }
 
     /// Number of constraints in a step.
     pub(super) fn constraints_in(&self, step: &StepModel) -> usize {
-        self.joints.iter().map(|joint| self.rows(joint.number, role(step, joint))).sum()
+        let laws = knows_laws(&step.model.analysis);
+        self.joints.iter().map(|joint| self.rows(joint.number, role(step, joint), laws)).sum()
     }
 
     /// Step whose joints have the multipliers of the start of a step.
@@ -205,7 +271,9 @@ impl Compiler<'_> {
         for base in self.joints.iter() {
             let present = role(step, base);
             let earlier = before.map_or(present, |before| role(before, base));
-            let [had, has] = [earlier, present].map(|role| self.rows(base.number, role));
+            let laws = [before.unwrap_or(step), step].map(|step| knows_laws(&step.model.analysis));
+            let [had, has] = [(earlier, laws[0]), (present, laws[1])]
+                .map(|(role, laws)| self.rows(base.number, role, laws));
             let mut joint = self.with_lock(base, [earlier, present].contains(&Role::Locked), current);
             let v: Vec<Vec3> = joint.vectors.iter().map(|&v| current(v)).collect();
             let before_it = &old[first_old.min(old.len())..(first_old + had).min(old.len())];
@@ -221,6 +289,12 @@ impl Compiler<'_> {
             multipliers.extend_from_slice(&before_it[..kept]);
             multipliers.resize(joint.first + has, 0.0);
             first_old += had;
+            joint.law = joint.law.filter(|_| present == Role::Acting && laws[1]);
+            if let Some(law) = &mut joint.law {
+                law.acts = true;
+                joint.rows.truncate(base.rows.len());
+                joint.rows.push(law.row.clone());
+            }
             joint.rows.truncate(has);
             joint.drive = joint.drive.filter(|_| present != Role::Released);
             if let Some(drive) =
@@ -283,7 +357,7 @@ impl Compiler<'_> {
 
     /// Elements with the groups of these joints in the place of those of the model.
     fn groups_with(&self, joints: &Arc<Vec<Joint>>) -> Arc<Vec<Arc<dyn ElementGroup>>> {
-        if joints.iter().all(|joint| joint.role == Role::Acting) {
+        if joints.iter().all(|joint| joint.role == Role::Acting && joint.law.is_none()) {
             return Arc::clone(&self.groups);
         }
         let mut groups = (*self.groups).clone();

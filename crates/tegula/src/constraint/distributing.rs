@@ -144,6 +144,6 @@ pub fn distributing(
     let (number, first) = (others.len(), others.last().map_or(0, |last| last.multipliers().end));
     let point = body.point(place);
     let name = name.to_owned();
-    let (drive, role, engages) = (None, Role::Acting, false);
-    Some(Joint { name, vectors, of_first, point, rows, first, number, drive, role, engages })
+    let (drive, role, engages, law) = (None, Role::Acting, false, None);
+    Some(Joint { name, vectors, of_first, point, rows, first, number, drive, role, engages, law })
 }

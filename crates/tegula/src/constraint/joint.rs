@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::{Attachment, DriveValue, Quantity, Row};
+use super::{Attachment, CoordinateLaw, DriveValue, Quantity, Row};
 use crate::Vec3;
 use crate::element::{ElementGroup, GroupPoint, Motion, TangentRequest, TangentWeights};
 use crate::load::TimeFunction;
@@ -44,6 +44,8 @@ pub struct Joint {
     pub role: Role,
     /// Whether the joint has constraints that it has not had in the step before.
     pub engages: bool,
+    /// Friction and stops of its relative coordinate, whose constraint is the last one in steps in which the law acts.
+    pub law: Option<Box<CoordinateLaw>>,
 }
 
 /// Part that a joint has in an analysis step.
@@ -185,6 +187,18 @@ impl Joint {
         let (mut vectors, mut gradient) = ([Vec3::zeros(); N], [Vec3::zeros(); N]);
         vectors.iter_mut().zip(&self.vectors).for_each(|(x, &v)| *x = value(v as usize));
         evaluate(&vectors[..n], &mut gradient[..n])
+    }
+
+    /// Constraints without that of the joint's relative coordinate, which its force law decides on.
+    pub fn constraints(&self) -> &[Row] {
+        &self.rows[..self.rows.len() - usize::from(self.law_row().is_some())]
+    }
+
+    /// Law of the relative coordinate, where the joint has one in the analysis step, with the number of its constraint among those of all
+    /// joints.
+    pub fn law_row(&self) -> Option<(usize, &CoordinateLaw)> {
+        let law = self.law.as_deref().filter(|law| law.acts)?;
+        Some((self.multipliers().end.checked_sub(1)?, law))
     }
 
     /// Numbers of the joint's constraints among those of all joints.

@@ -11,6 +11,7 @@
 mod attachment;
 mod bushing;
 mod bushing_group;
+pub mod coordinate_law;
 pub mod distributing;
 mod foundation;
 pub mod joint;
@@ -25,6 +26,7 @@ mod turning;
 pub use attachment::Attachment;
 pub use bushing::{Bushing, BushingResponse, LARGEST_ROTATION};
 pub use bushing_group::BushingGroup;
+pub use coordinate_law::{CoordinateLaw, CoordinateMode, CoordinateState};
 pub use foundation::{FoundationElement, FoundationGroup};
 pub use joint::{Drive, Joint, JointGroup, Role};
 pub use row::{DriveValue, Quantity, Row};

@@ -1,5 +1,7 @@
 //! One scalar constraint: a quadratic form of nodal vectors.
 
+use std::f64::consts::TAU;
+
 use super::Attachment;
 use super::turning::Turning;
 use crate::Vec3;
@@ -54,6 +56,8 @@ enum Driven {
     Length,
     /// The form times cos s is equal to this form times sin s.
     Angle(Box<Row>),
+    /// The angle whose sine is the form, and whose cosine this form, is equal to s.
+    Coordinate(Box<Row>),
 }
 
 /// Value of a drive with its first and second rate.
@@ -87,6 +91,11 @@ impl Row {
     /// proportional to it.
     pub fn turn(&mut self, factor: f64, [sine, cosine]: [Row; 2]) {
         self.turning = Some(Box::new(Turning { factor, sine, cosine }));
+    }
+
+    /// Makes the angle `atan2(g, h)` equal to a value, with this form g.
+    pub fn measure_angle(&mut self, h: Row) {
+        self.driven = Driven::Coordinate(Box::new(h));
     }
 
     /// Excludes the configurations in which a form of the same nodal vectors is not positive.
@@ -132,6 +141,10 @@ impl Row {
             Driven::Not => form + self.turning.as_ref().map_or(0.0, |turning| turning.value(form, v)),
             Driven::Length => form - s,
             Driven::Angle(other) => form * s.cos() - other.form(v) * s.sin(),
+            Driven::Coordinate(other) => {
+                let difference = form.atan2(other.form(v)) - s;
+                difference - TAU * (difference / TAU).round()
+            }
         }
     }
 
@@ -140,7 +153,7 @@ impl Row {
         match &self.driven {
             Driven::Not => 0.0,
             Driven::Length => self.form(v),
-            Driven::Angle(other) => self.form(v).atan2(other.form(v)),
+            Driven::Angle(other) | Driven::Coordinate(other) => self.form(v).atan2(other.form(v)),
         }
     }
 
@@ -152,7 +165,7 @@ impl Row {
         }
         match &self.driven {
             Driven::Angle(other) => self.form(v) * s.sin() + other.form(v) * s.cos() > 0.0,
-            Driven::Not | Driven::Length => true,
+            Driven::Not | Driven::Length | Driven::Coordinate(_) => true,
         }
     }
 
@@ -174,6 +187,12 @@ impl Row {
             Driven::Angle(other) => {
                 self.add_form_gradient(factor * s.cos(), v, out);
                 other.add_form_gradient(-factor * s.sin(), v, out);
+            }
+            Driven::Coordinate(other) => {
+                let (g, h) = (self.form(v), other.form(v));
+                let scale = factor / (g * g + h * h);
+                self.add_form_gradient(scale * h, v, out);
+                other.add_form_gradient(-scale * g, v, out);
             }
         }
     }
@@ -209,10 +228,12 @@ impl Row {
         }
     }
 
-    /// Adds `factor · ∂²g/∂v_a∂v_b` of the quadratic forms to the lower blocks of a joint, where the drive has the value `s`.
+    /// Adds `factor · ∂²g/∂v_a∂v_b` of the quadratic forms to the lower blocks of a joint, where the drive has the value `s`. That of a
+    /// relative angle is left out: it belongs to schemes whose tangent has no such terms.
     pub fn add_second_derivative(&self, factor: f64, s: f64, blocks: &mut [f64]) {
         let cosine = match &self.driven {
             Driven::Not | Driven::Length => 1.0,
+            Driven::Coordinate(_) => return,
             Driven::Angle(other) => {
                 other.add_form_second_derivative(-factor * s.sin(), blocks);
                 s.cos()
@@ -247,7 +268,7 @@ impl Row {
     pub fn driven_rate(&self, v: &[Vec3], s: DriveValue) -> f64 {
         match &self.driven {
             Driven::Not => 0.0,
-            Driven::Length => -s.rate,
+            Driven::Length | Driven::Coordinate(_) => -s.rate,
             Driven::Angle(other) => -s.rate * (self.form(v) * s.value.sin() + other.form(v) * s.value.cos()),
         }
     }
@@ -269,6 +290,15 @@ impl Row {
                     - 2.0 * s.rate * (g_rate * sine + h_rate * cosine)
                     - s.acceleration * (g * sine + h * cosine)
                     - s.rate * s.rate * (g * cosine - h * sine)
+            }
+            Driven::Coordinate(other) => {
+                let [g, h] = [self.form(v), other.form(v)];
+                let [g_rate, h_rate] = [self.form_rate(v, rates), other.form_rate(v, rates)];
+                let square = g * g + h * h;
+                let rate = (h * g_rate - g * h_rate) / square;
+                (h * self.form_velocity_term(rates) - g * other.form_velocity_term(rates)) / square
+                    - 2.0 * rate * (g * g_rate + h * h_rate) / square
+                    - s.acceleration
             }
         }
     }

@@ -14,11 +14,14 @@ pub(super) fn for_each_chunk(out: &mut [f64], each: usize, work: &(dyn Fn(usize,
     out.par_chunks_mut(CHUNK * each).enumerate().for_each(|(chunk, out)| work(chunk * CHUNK, out));
 }
 
+/// Work on a chunk, with its first element and its parts of two lists.
+type WorkOnTwo<'a> = dyn Fn(usize, &mut [f64], &mut [f64]) + Sync + 'a;
+
 /// [`for_each_chunk`] with two lists, and the numbers per element of each.
 pub(super) fn for_each_chunk_of_two(
     (first, each_first): (&mut [f64], usize),
     (second, each_second): (&mut [f64], usize),
-    work: &(dyn Fn(usize, &mut [f64], &mut [f64]) + Sync),
+    work: &WorkOnTwo,
 ) {
     first
         .par_chunks_mut(CHUNK * each_first)

@@ -18,11 +18,11 @@ macro_rules! joints {
         $made! {
             fixed::Fixed(PointJoint): "No relative motion.",
             spherical::Spherical(PointJoint): "Ball joint: the points coincide.",
-            revolute::Revolute(AxisJoint): "Hinge: rotation about the axis.",
+            revolute::Revolute(CoordinateJoint): "Hinge: rotation about the axis.",
             universal::Universal(TwoAxesJoint): "Cardan joint: the points coincide, the two axes stay perpendicular.",
             cylindrical::Cylindrical(AxisJoint): "Rotation about the axis and sliding along it.",
             screw::Screw(ScrewJoint): "Rotation about the axis, and sliding along it by the pitch in each turn.",
-            prismatic::Prismatic(AxisJoint): "Sliding along the axis without rotation.",
+            prismatic::Prismatic(CoordinateJoint): "Sliding along the axis without rotation.",
             planar::Planar(AxisJoint): "Motion in the plane across the axis, and rotation about it.",
             driven_angle::DrivenAngle(DrivenAngleJoint): "Prescribed rotation about an axis, beside a revolute or cylindrical joint.",
             driven_length::DrivenLength(DrivenLengthJoint): "Prescribed displacement along an axis, beside a prismatic or cylindrical joint.",
@@ -77,6 +77,14 @@ pub trait JointKeys {
     fn points(&self) -> Vec<(&'static str, [f64; 3])>;
     /// Prescribed motion of a driven joint.
     fn drive(&self) -> Option<JointDrive<'_>> {
+        None
+    }
+    /// Friction of its relative motion.
+    fn friction(&self) -> Option<&JointFriction> {
+        None
+    }
+    /// Stops of its relative motion.
+    fn stops(&self) -> Option<&JointStops> {
         None
     }
 }
@@ -143,6 +151,74 @@ pub struct ScrewJoint {
     /// Displacement of the second side relative to the first one along the axis per turn, right-handed about the axis (length); negative
     /// for left-hand threads.
     pub pitch: f64,
+}
+
+/// A joint with one relative motion, along or about an axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CoordinateJoint {
+    /// Name of the joint in messages and results.
+    pub name: String,
+    /// Both sides: names of bodies or of sets with one node, or `ground`.
+    pub between: [String; 2],
+    /// Point of the joint in the reference configuration (length).
+    #[schemars(extend("x-marker" = "point"))]
+    pub at: [f64; 3],
+    /// Direction of the axis in the reference configuration.
+    #[schemars(extend("x-marker" = "direction"))]
+    pub axis: [f64; 3],
+    /// Coulomb friction of the relative motion; in transient analyses with the scheme `energy-momentum`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction: Option<JointFriction>,
+    /// Stops of the relative motion; in transient analyses with the scheme `energy-momentum`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stops: Option<JointStops>,
+}
+
+impl From<AxisJoint> for CoordinateJoint {
+    /// The joint without friction and stops.
+    fn from(AxisJoint { name, between, at, axis }: AxisJoint) -> Self {
+        Self { name, between, at, axis, friction: None, stops: None }
+    }
+}
+
+/// Coulomb friction of a joint: the friction force of a prismatic joint is at most `μ |N| + preload`, the friction torque of a revolute
+/// joint `μ r |N| + preload`, with the reaction force N of the joint across its axis.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct JointFriction {
+    /// Coefficient μ of sliding friction.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0))]
+    pub coefficient: f64,
+    /// Coefficient of static friction, not below that of sliding friction, to which it is equal unless given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub static_coefficient: Option<f64>,
+    /// Radius r of the bearing of a revolute joint (length).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub radius: Option<f64>,
+    /// Constant part of the friction force [force], or torque [force·length], whatever the reaction of the joint.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0))]
+    pub preload: f64,
+}
+
+/// Stops of a joint: limits of the displacement of the second side relative to the first one along the axis, or of its angle about the
+/// axis, both zero in the reference configuration.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct JointStops {
+    /// Smallest displacement (length), or angle (degrees); none unless given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lower: Option<f64>,
+    /// Largest displacement (length), or angle (degrees); none unless given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub upper: Option<f64>,
+    /// Coefficient of restitution e, from 0 (plastic impact) to 1: the relative velocity behind an impact is −e times that before.
+    #[serde(default)]
+    #[schemars(range(min = 0, max = 1))]
+    pub restitution: f64,
 }
 
 /// A joint with one axis in each of the two bodies.
@@ -222,6 +298,32 @@ pub struct DistanceJoint {
     /// Point of the first and point of the second one, in the reference configuration (length).
     #[schemars(extend("x-marker" = "point"))]
     pub points: [[f64; 3]; 2],
+}
+
+impl JointKeys for CoordinateJoint {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn between(&self) -> &[String; 2] {
+        &self.between
+    }
+
+    fn directions(&self) -> Vec<(&'static str, [f64; 3])> {
+        vec![("axis", self.axis)]
+    }
+
+    fn points(&self) -> Vec<(&'static str, [f64; 3])> {
+        vec![("at", self.at)]
+    }
+
+    fn friction(&self) -> Option<&JointFriction> {
+        self.friction.as_ref()
+    }
+
+    fn stops(&self) -> Option<&JointStops> {
+        self.stops.as_ref()
+    }
 }
 
 /// Implements [`JointKeys`] for keys with `name`, `between` and these points and directions.
@@ -315,6 +417,12 @@ impl ScrewJoint {
     pub(crate) fn example() -> Self {
         let (between, at, axis) = EXAMPLE;
         Self { name: "joint".into(), between: between.map(str::to_owned), at, axis, pitch: 0.8 }
+    }
+}
+
+impl CoordinateJoint {
+    pub(crate) fn example() -> Self {
+        AxisJoint::example().into()
     }
 }
 

@@ -42,8 +42,8 @@ pub(crate) use element_kind::element_types;
 pub use foundation::{AreaFoundation, Foundation, FoundationOn};
 pub(crate) use joint::joints;
 pub use joint::{
-    AxisJoint, DRIVE, DirectorJoint, DistanceJoint, DrivenAngleJoint, DrivenLengthJoint, Joint, JointDrive,
-    JointKeys, PointJoint, ScrewJoint, TwoAxesJoint,
+    AxisJoint, CoordinateJoint, DRIVE, DirectorJoint, DistanceJoint, DrivenAngleJoint, DrivenLengthJoint,
+    Joint, JointDrive, JointFriction, JointKeys, JointStops, PointJoint, ScrewJoint, TwoAxesJoint,
 };
 pub use loads::{Load, LoadStiffness, NodalLoad};
 pub use mesh_source::*;

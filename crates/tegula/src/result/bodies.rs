@@ -4,6 +4,7 @@ use nalgebra::{Rotation3, UnitQuaternion};
 
 use crate::analysis::State;
 use crate::analysis::dynamics::triads::project_director_velocities;
+use crate::constraint::coordinate_law::parts;
 use crate::constraint::{BushingResponse, Joint, TorsionSpring};
 use crate::element::Nodal;
 use crate::system::coordinates::Body;
@@ -91,6 +92,33 @@ pub fn joint_reaction(system: &System, state: &State, joint: &Joint) -> (Vec3, V
         moment += arm.cross(f) * sign;
     }
     (force, moment)
+}
+
+/// Relative coordinate of a joint with friction or stops, and the forces of these (torques of a revolute joint).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CoordinateResponse {
+    /// Displacement (length), or angle (rad), of the second side relative to the first one.
+    pub value: f64,
+    /// Whether the coordinate is an angle.
+    pub is_angle: bool,
+    /// Friction on the second side along the axis; a mean over the step.
+    pub friction: f64,
+    /// Force of the stop on the second side along the axis, without impulses; a mean over the step.
+    pub stop: f64,
+    /// Whether the joint is held: it sticks, or rests at a stop.
+    pub is_held: bool,
+}
+
+/// Response of the relative coordinate of each joint in a state; `None` for joints without friction and stops.
+pub fn coordinate_response(system: &System, state: &State, joint: &Joint) -> Option<CoordinateResponse> {
+    let (row, law) = joint.law_row()?;
+    let coordinate = state.coordinates.iter().find(|c| c.joint == joint.number)?;
+    let u = if state.middle.is_empty() { &state.u } else { &state.middle };
+    let limit = law.limit(joint, &state.multipliers, |v| current(system, u, v));
+    let multiplier = state.multipliers.get(row).copied().unwrap_or(f64::NAN);
+    let [friction, stop] = parts(&coordinate.mode, &limit, multiplier);
+    let (value, is_angle, is_held) = (coordinate.value, law.is_angle, coordinate.mode.is_held());
+    Some(CoordinateResponse { value, is_angle, friction, stop, is_held })
 }
 
 /// Length, and force that draws its points together, of each spring in a state.

@@ -2,7 +2,7 @@
 
 use super::System;
 use crate::Vec3;
-use crate::constraint::{DriveValue, Joint, Row};
+use crate::constraint::{CoordinateLaw, DriveValue, Joint, Row};
 use crate::element::Nodal;
 use crate::norm::larger;
 
@@ -56,6 +56,31 @@ impl System {
         work
     }
 
+    /// Energy that friction and stops of joints dissipate between the displacements `old` and `new`: the work of the constraint forces
+    /// `Gᵀλ` with the gradients of the relative coordinates in the middle of the motion. Coordinates that are held do no work.
+    pub fn work_against_laws(&self, [old, new]: [&[Nodal]; 2], multipliers: &[f64]) -> f64 {
+        let mut work = 0.0;
+        for joint in self.joints.iter() {
+            let Some((number, law)) = joint.law_row() else { continue };
+            let middle = |v| (Vec3::from(old[v]) + Vec3::from(new[v])) * 0.5;
+            work += joint.with_vectors(self.displaced(middle), |middle, gradient| {
+                law.row.add_gradient(multipliers[number], middle, 0.0, gradient);
+                along(joint, gradient, |v| Vec3::from(new[v]) - Vec3::from(old[v]))
+            });
+        }
+        work
+    }
+
+    /// Value of the relative coordinate of a joint at the displacements `u`; an angle lies between −π and π.
+    pub fn coordinate(&self, joint: &Joint, law: &CoordinateLaw, u: &[Nodal]) -> f64 {
+        joint.with_vectors(self.displaced(|v| Vec3::from(u[v])), |current, _| law.row.driven_value(current))
+    }
+
+    /// Rate of the relative coordinate of a joint with velocities `v` at the displacements `u`.
+    pub fn coordinate_rate(&self, joint: &Joint, law: &CoordinateLaw, [u, v]: [&[Nodal]; 2]) -> f64 {
+        self.row_rate(joint, &law.row, [u, v], DriveValue::default())
+    }
+
     /// First drive of an angle that is further away from its value at `from` than a quarter turn at a time up to `to`, as text:
     /// positions at the ends of such a step do not tell which way and how often it has turned.
     pub fn drive_turns_too_far(&self, from: f64, to: f64) -> Option<String> {
@@ -97,7 +122,7 @@ impl System {
     pub fn opening_rate(&self, joint: &Joint, [u, v]: [&[Nodal]; 2], time: f64) -> f64 {
         let drive = self.drive(joint, time);
         let rate = |row: &Row| self.row_rate(joint, row, [u, v], drive).abs() / row.size;
-        joint.rows.iter().map(rate).fold(0.0, larger)
+        joint.constraints().iter().map(rate).fold(0.0, larger)
     }
 
     /// Rate of a constraint of a joint with velocities `v` at the displacements `u`.

@@ -24,7 +24,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::Vec3;
-use crate::constraint::{Bushing, DriveValue, Joint, Sensor, Spring, TorsionSpring};
+use crate::constraint::{Bushing, CoordinateState, DriveValue, Joint, Sensor, Spring, TorsionSpring};
 use crate::element::shell::ShellElement;
 use crate::element::{ElementGroup, Nodal, ShellGeometry};
 use crate::load::{FollowerLoad, LoadFactor, LoadParameter, Signal, TimeFunction};
@@ -134,6 +134,8 @@ pub struct StepStart {
     pub multipliers: Vec<f64>,
     /// Angles of sensors (rad).
     pub angles: Vec<f64>,
+    /// Relative coordinates of joints with friction or stops.
+    pub coordinates: Vec<CoordinateState>,
 }
 
 /// The compiled model.

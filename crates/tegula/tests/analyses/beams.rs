@@ -187,12 +187,15 @@ fn a_column_on_joints_buckles_at_eulers_load() {
         ..Beam::straight("beam", [[0.0; 3], [0.0, 0.0, 2.0]], 16, [1.0, 0.0, 0.0], rectangle([0.02, 0.03]))
     };
     let joints = vec![
-        Joint::Revolute(AxisJoint {
-            name: "foot".into(),
-            between: ["ground".into(), "beam.start".into()],
-            at: [0.0; 3],
-            axis: [0.0, 1.0, 0.0],
-        }),
+        Joint::Revolute(
+            AxisJoint {
+                name: "foot".into(),
+                between: ["ground".into(), "beam.start".into()],
+                at: [0.0; 3],
+                axis: [0.0, 1.0, 0.0],
+            }
+            .into(),
+        ),
         Joint::Cylindrical(AxisJoint {
             name: "head".into(),
             between: ["ground".into(), "beam.end".into()],
@@ -307,12 +310,15 @@ fn a_beam_on_hinges_sags_under_its_weight() {
         ..Beam::straight("beam", ends, 16, [0.0, 1.0, 0.0], rectangle([0.05, 0.1]))
     };
     let axis = [0.0, 1.0, 0.0];
-    let hinge = Joint::Revolute(AxisJoint {
-        name: "hinge".into(),
-        between: ["ground".into(), "beam.start".into()],
-        at: ends[0],
-        axis,
-    });
+    let hinge = Joint::Revolute(
+        AxisJoint {
+            name: "hinge".into(),
+            between: ["ground".into(), "beam.start".into()],
+            at: ends[0],
+            axis,
+        }
+        .into(),
+    );
     let slide = Joint::Planar(AxisJoint {
         name: "slide".into(),
         between: ["ground".into(), "beam.end".into()],

@@ -10,7 +10,9 @@ use tegula::{Mat3, Vec3, compile, mesh};
 /// A hinge of the ground about an axis through the origin, and a drive of its angle by a formula (degrees).
 fn driven_hinge(body: &str, at: [f64; 3], axis: [f64; 3]) -> Vec<Joint> {
     vec![
-        Joint::Revolute(AxisJoint { name: "hinge".into(), between: between("ground", body), at, axis }),
+        Joint::Revolute(
+            AxisJoint { name: "hinge".into(), between: between("ground", body), at, axis }.into(),
+        ),
         Joint::DrivenAngle(DrivenAngleJoint {
             name: "drive".into(),
             between: between("ground", body),
@@ -93,7 +95,7 @@ fn a_driven_slide_carries_weight_and_inertia() {
     let axis = [0.0, 0.0, 2.0];
     let at = [0.3, 0.0, 0.0];
     let joints = vec![
-        Joint::Prismatic(AxisJoint { name, between: sides.clone(), at, axis }),
+        Joint::Prismatic(AxisJoint { name, between: sides.clone(), at, axis }.into()),
         Joint::DrivenLength(DrivenLengthJoint {
             name: drive,
             between: sides,

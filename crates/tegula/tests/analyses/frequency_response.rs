@@ -63,12 +63,15 @@ fn a_damped_oscillator_has_the_amplitude_and_phase_of_its_closed_form() {
         damping: c,
         length: None,
     };
-    let slide = Joint::Prismatic(AxisJoint {
-        name: "slide".into(),
-        between: between("ground", "mass"),
-        at: [0.0; 3],
-        axis: [1.0, 0.0, 0.0],
-    });
+    let slide = Joint::Prismatic(
+        AxisJoint {
+            name: "slide".into(),
+            between: between("ground", "mass"),
+            at: [0.0; 3],
+            axis: [1.0, 0.0, 0.0],
+        }
+        .into(),
+    );
     for (mass_damping, ratio) in [(0.0, 0.0), (0.7, 0.0), (0.0, 0.05)] {
         let analysis = ModalAnalysis {
             inputs: vec![input("push", vec![force("mass", [5.0, 0.0, 0.0])])],
@@ -100,12 +103,15 @@ fn a_damped_oscillator_has_the_amplitude_and_phase_of_its_closed_form() {
 fn masses_that_drift_respond_as_their_closed_form() {
     let (m, k) = ([2.0, 3.0], 600.0);
     let slide = |name: &str, at: [f64; 3]| {
-        Joint::Prismatic(AxisJoint {
-            name: format!("slide of {name}"),
-            between: between("ground", name),
-            at,
-            axis: [1.0, 0.0, 0.0],
-        })
+        Joint::Prismatic(
+            AxisJoint {
+                name: format!("slide of {name}"),
+                between: between("ground", name),
+                at,
+                axis: [1.0, 0.0, 0.0],
+            }
+            .into(),
+        )
     };
     let analysis = ModalAnalysis {
         inputs: vec![input("push", vec![force("a", [5.0, 0.0, 0.0])])],

@@ -28,12 +28,15 @@ pub fn omegas(model: &Model) -> Vec<f64> {
 }
 
 fn slide(name: &str) -> Joint {
-    Joint::Prismatic(AxisJoint {
-        name: format!("slide of {name}"),
-        between: between("ground", name),
-        at: [0.0; 3],
-        axis: [1.0, 0.0, 0.0],
-    })
+    Joint::Prismatic(
+        AxisJoint {
+            name: format!("slide of {name}"),
+            between: between("ground", name),
+            at: [0.0; 3],
+            axis: [1.0, 0.0, 0.0],
+        }
+        .into(),
+    )
 }
 
 /// Two bodies on slides with a spring between them: they drift, or vibrate with ω² = k (1/m₁ + 1/m₂).

@@ -117,7 +117,7 @@ pub fn axis_joint(name: &str, a: &str, b: &str, at: [f64; 3], axis: [f64; 3]) ->
 }
 
 pub fn revolute(name: &str, a: &str, b: &str, at: [f64; 3], axis: [f64; 3]) -> Joint {
-    Joint::Revolute(axis_joint(name, a, b, at, axis))
+    Joint::Revolute(axis_joint(name, a, b, at, axis).into())
 }
 
 /// Point fixed in a body that is at `x` in the reference configuration.
@@ -161,7 +161,7 @@ fn a_spatial_slider_crank_moves_as_its_ordinary_differential_equation_says() {
         revolute("A", "ground", "crank", [0.0, 0.1, 0.12], [1.0, 0.0, 0.0]),
         Joint::Spherical(PointJoint { name: "B".into(), between: between("crank", "rod"), at: pin.into() }),
         Joint::Universal(universal),
-        Joint::Prismatic(axis_joint("guide", "ground", "slider", slider.into(), [1.0, 0.0, 0.0])),
+        Joint::Prismatic(axis_joint("guide", "ground", "slider", slider.into(), [1.0, 0.0, 0.0]).into()),
     ];
     let error = |step: f64| {
         let model = machine(2.5, step, bodies.clone(), joints.clone());
@@ -207,7 +207,7 @@ fn bricards_mechanism_moves_although_it_is_overconstrained() {
     assert!(notes.drift() <= 1e-9, "{}", notes.drift());
     assert!((end - Vec3::new(0.5105015, -1.6491676, 0.1401231)).norm() < 1e-5, "{end:?}");
     assert!(
-        notes.events.iter().any(|e| e.contains("follow(s) from those of other joints")),
+        notes.events.iter().any(|e| e.contains("follow from those of other joints and supports")),
         "{:?}",
         notes.events
     );
@@ -389,10 +389,10 @@ fn a_slider_at_the_end_of_its_rod_turns_back_with_the_joints_closed() {
         ..body("crank", [0.0, -2.0, 0.0], 1.0, Some([0.1, 0.1, 0.1]))
     };
     let joints = vec![
-        Joint::Prismatic(axis_joint("guide", "ground", "slider", [0.0; 3], [1.0, 0.0, 0.0])),
+        Joint::Prismatic(axis_joint("guide", "ground", "slider", [0.0; 3], [1.0, 0.0, 0.0]).into()),
         revolute("pin", "slider", "rod", [0.0; 3], z),
         revolute("foot", "crank", "rod", [0.0, -2.0, 0.0], z),
-        Joint::Prismatic(axis_joint("well", "ground", "crank", [0.0, -2.0, 0.0], [0.0, 1.0, 0.0])),
+        Joint::Prismatic(axis_joint("well", "ground", "crank", [0.0, -2.0, 0.0], [0.0, 1.0, 0.0]).into()),
     ];
     let mut notes = Notes::default();
     let (system, state) = run(&machine(4.0, 5e-3, vec![slider, rod, crank], joints), &mut notes);

@@ -182,12 +182,15 @@ fn a_shell_between_two_bodies_keeps_energy_and_momenta() {
 #[test]
 fn a_stiff_strip_hinged_about_its_normal_swings_as_a_rigid_pendulum() {
     let hinge = |body: &str| {
-        Joint::Revolute(AxisJoint {
-            name: "hinge".into(),
-            between: ["ground".into(), body.into()],
-            at: [0.0; 3],
-            axis: [0.0, 0.0, 1.0],
-        })
+        Joint::Revolute(
+            AxisJoint {
+                name: "hinge".into(),
+                between: ["ground".into(), body.into()],
+                at: [0.0; 3],
+                axis: [0.0, 0.0, 1.0],
+            }
+            .into(),
+        )
     };
     let rigid = RigidBody {
         shape: Some(BodyShape::Box(BoxShape { size: [LENGTH, WIDTH, THICKNESS] })),

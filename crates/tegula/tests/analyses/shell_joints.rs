@@ -74,8 +74,9 @@ fn difference(a: &[Nodal], b: &[Nodal]) -> f64 {
 fn joints_of_directors_with_the_ground_are_supports() {
     use Axis::{X, Y, Z};
     let ground = |set: &str| between("ground", set);
-    let hinge =
-        |name: String, set: &str, at| Joint::Revolute(axis_joint(&name, "ground", set, at, [0.0, 2.0, 0.0]));
+    let hinge = |name: String, set: &str, at| {
+        Joint::Revolute(axis_joint(&name, "ground", set, at, [0.0, 2.0, 0.0]).into())
+    };
     let cross = |name: String, set: &str, at| {
         let axes = [[0.0, 1.0, 0.0], [0.0, 0.0, -1.0]];
         Joint::Universal(TwoAxesJoint { name, between: ground(set), at, axes })
@@ -163,7 +164,7 @@ fn a_director_follows_its_axis_beyond_half_a_turn() {
         m.materials.insert("m".into(), Material::Isotropic(stiff));
         m.bodies = vec![RigidBody::new("drum", [-0.1, 0.1, 0.0], 1.0, Some([0.1; 3]))];
         let y = [0.0, 1.0, 0.0];
-        m.joints.push(Joint::Revolute(axis_joint("bearing", "ground", "drum", [-0.1, 0.1, 0.0], y)));
+        m.joints.push(Joint::Revolute(axis_joint("bearing", "ground", "drum", [-0.1, 0.1, 0.0], y).into()));
         m.joints.push(Joint::DrivenAngle(DrivenAngleJoint {
             name: "motor".into(),
             between: between("ground", "drum"),
@@ -226,7 +227,7 @@ fn joints_that_directors_cannot_have_are_refused_with_the_reason() {
     let at = [1.0, 0.0, 0.0];
     let corner = "u_max_v_min";
     let lean = [0.5, 0.0, 0.75_f64.sqrt()];
-    let text = refused(&with(Joint::Revolute(axis_joint("hinge", "ground", corner, at, lean))));
+    let text = refused(&with(Joint::Revolute(axis_joint("hinge", "ground", corner, at, lean).into())));
     assert!(
         text.contains("not perpendicular to the director") && text.contains("30.000000 degrees"),
         "{text}"

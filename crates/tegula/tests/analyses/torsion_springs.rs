@@ -349,12 +349,15 @@ fn preloaded_springs_may_move_a_body_along_its_weight() {
         assert!(rest.abs() < 1e-8, "{free_angle}: {angle} {rest}");
     }
     for length in [1.1, 1.5] {
-        let slide = Joint::Prismatic(AxisJoint {
-            name: "slide".into(),
-            between: between("ground", "block"),
-            at: [0.0; 3],
-            axis: [0.0, 0.0, 1.0],
-        });
+        let slide = Joint::Prismatic(
+            AxisJoint {
+                name: "slide".into(),
+                between: between("ground", "block"),
+                at: [0.0; 3],
+                axis: [0.0, 0.0, 1.0],
+            }
+            .into(),
+        );
         let options = StaticAnalysis::default();
         let block = body("block", [0.0; 3], 1.0, Some([0.1; 3]));
         let mut model = Model::of_bodies(Analysis::Static(options.clone()), vec![block], vec![slide]);

@@ -68,11 +68,11 @@ fn deck() -> Deck {
 }
 
 /// Asks to stop in the analysis with this number, behind a number of steps.
-struct StopIn {
-    analysis: usize,
-    steps: u64,
-    begun: usize,
-    stop: Cell<bool>,
+pub(super) struct StopIn {
+    pub analysis: usize,
+    pub steps: u64,
+    pub begun: usize,
+    pub stop: Cell<bool>,
 }
 
 impl JobObserver for StopIn {
@@ -89,7 +89,7 @@ impl JobObserver for StopIn {
 }
 
 /// All files below a folder but for those with times on the clock.
-fn files(folder: &Path) -> Vec<PathBuf> {
+pub(super) fn files(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut open = vec![folder.to_owned()];
     while let Some(next) = open.pop() {

@@ -108,6 +108,11 @@ pub(super) fn consistent_velocities(
     let before = system.kinetic_energy(&state.v);
     let Some([changed, size]) = project_velocities(system, newton, state)? else { return Ok(Vec::new()) };
     agreed(system, newton, state, Order::First)?;
+    super::joint_events::JointEvents::start(system, state)?;
+    if let Some(constraints) = newton.constraints.as_mut().filter(|_| !state.coordinates.is_empty()) {
+        constraints.set_modes(&state.coordinates);
+        take_mass(system, &newton.assembly, (&mut newton.solver, constraints), state)?;
+    }
     let mut messages = Vec::new();
     if system.start.as_ref().is_some_and(|start| !start.v.is_empty()) {
         account_for_impact(system, (before, changed * changed), state);
@@ -200,7 +205,8 @@ pub(super) fn add_response(system: &System, newton: &mut Newton, forces: &[Nodal
     tegula_sparse::Factor::solve(solver, &mut free);
     let motion = Motion::State { u: &state.u, velocity: None };
     let rates = Rates::Second(&state.v, &state.a);
-    let multipliers = constraints.project(system, (&motion, state.time), rates, &mut free);
+    let given = (rates, state.multipliers.as_slice());
+    let multipliers = constraints.project_accelerations(system, (&motion, state.time), given, &mut free);
     // The forces contain those of the multipliers at the end of the step before.
     state.multipliers.iter_mut().zip(multipliers).for_each(|(multiplier, change)| *multiplier += change);
     let mut response = vec![[0.0; 3]; system.vectors()];

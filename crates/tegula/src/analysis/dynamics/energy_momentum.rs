@@ -216,6 +216,10 @@ impl Integrator for EnergyMomentum {
         &self.u
     }
 
+    fn velocities(&self) -> &[Nodal] {
+        &self.v
+    }
+
     fn finish(&mut self, _system: &System, state: &mut State) {
         state.a.copy_from_slice(&self.a);
         state.u.copy_from_slice(&self.u);
@@ -262,7 +266,10 @@ impl Integrator for EnergyMomentum {
             system.work_of_drives([&self.u_old, &self.u], self.parts().time, |i| self.multipliers[i]);
         let supports = self.work_of_supports(system, &mut internal, &mut buffer) + drives;
         (self.buffer, self.internal) = (buffer, internal);
-        StepWork { work: loads - gravity + supports, dissipated: self.dt * power }
+        StepWork {
+            work: loads - gravity + supports,
+            dissipated: self.dt * power + system.work_against_laws([&self.u_old, &self.u], &self.multipliers),
+        }
     }
 
     fn sub_steps(&self) -> &'static [f64] {

@@ -12,6 +12,8 @@ mod explicit_run;
 mod fibre_watch;
 mod generalized_alpha;
 mod impact;
+mod joint_events;
+mod joint_impact;
 pub mod newmark;
 mod predictor;
 mod rotation_watch;
@@ -42,6 +44,10 @@ pub trait Integrator: Equation {
     fn begin(&mut self, system: &System, assembly: &mut Assembly, state: &State, span: Span);
     /// Displacements at the present iterate of the end of the step.
     fn displacements(&self) -> &[Nodal];
+    /// Velocities at the present iterate of the end of the step; empty for schemes that do not compute friction and stops of joints.
+    fn velocities(&self) -> &[Nodal] {
+        &[]
+    }
     /// Changes the rates at the end of a converged step so that they satisfy the constraints. `newton` has solved the step.
     fn close_rates(&mut self, _system: &System, _newton: &mut Newton) {}
     /// Writes displacements, velocities and accelerations at the end of a converged step to the state.

@@ -3,11 +3,12 @@
 use super::amplitude_check::AmplitudeCheck;
 use super::drive_rates::DriveRates;
 use super::energy_watch::EnergyWatch;
+use super::joint_events::{JointEvents, Review};
 use super::rotation_watch::RotationWatch;
 use super::schemes::Instant;
 use super::step_control::StepControl;
 use super::step_end::{Span, StepEnds};
-use super::{Integrator, SMALLEST_STEP, balance, impact, initial_state, predictor, triads};
+use super::{Integrator, SMALLEST_STEP, balance, impact, initial_state, joint_impact, predictor, triads};
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::newton::{Cause, Converged, Diverged, Newton, Tolerances};
 use crate::analysis::statics::undefined;
@@ -30,6 +31,12 @@ pub(super) struct TimeSteps<'a> {
     control: StepControl,
     ends: StepEnds,
     check: AmplitudeCheck,
+    /// Friction and stops of joints.
+    events: JointEvents,
+    /// Length of the next trial of a step that ends at an event.
+    event: Option<(f64, f64)>,
+    /// Whether the present step is repeated with other modes of friction and stops.
+    reviewing: bool,
     drilling: DrillingWatch,
     /// The last state reached.
     pub state: State,
@@ -88,6 +95,9 @@ impl<'a> TimeSteps<'a> {
             control,
             ends: StepEnds::new(system, options),
             check: AmplitudeCheck::new(system, options),
+            events: JointEvents::new(system),
+            event: None,
+            reviewing: false,
             drilling: DrillingWatch::new(),
             drive_rates: DriveRates::new(system, state.time),
             energies: EnergyWatch::new(),
@@ -111,7 +121,10 @@ impl<'a> TimeSteps<'a> {
     fn next_span(&mut self, observer: &mut dyn Observer) -> Result<Span> {
         let Self { system, state, check, ends, .. } = self;
         state.next_step = check.shortened(system, state.time, state.next_step, state.last_step);
-        let span = ends.next(state.time, state.next_step, state.last_step);
+        let mut span = ends.next(state.time, state.next_step, state.last_step);
+        if let Some((_, dt)) = self.event.filter(|(time, dt)| *time == state.time && *dt < span.dt) {
+            span = Span { dt, end: state.time + dt };
+        }
         if let Some(found) = check.passed_over(system, state.time, span.dt) {
             observer.on_event(&found.event(system));
         }
@@ -138,7 +151,14 @@ impl<'a> TimeSteps<'a> {
         if self.scheme.sub_steps().len() > 1 {
             return self.attempt_composed(span, observer);
         }
-        let Self { system, scheme, newton, state, statistics, .. } = self;
+        if !self.events.is_empty() && !self.reviewing {
+            self.events.begin(self.system, &self.state);
+        }
+        self.reviewing = false;
+        let Self { system, scheme, newton, state, statistics, events, .. } = self;
+        if let Some(constraints) = newton.constraints.as_mut().filter(|_| !events.is_empty()) {
+            constraints.set_modes(&events.trial);
+        }
         scheme.begin(system, &mut newton.assembly, state, span);
         if !self.own_tangents {
             newton.prepare(system, (&scheme.parts(), scheme.displacements()), span.dt, state);
@@ -157,6 +177,25 @@ impl<'a> TimeSteps<'a> {
             }
             Ok(converged) => {
                 self.own_tangents = false;
+                if !self.events.is_empty() {
+                    match self.events.review(self.system, &self.state, self.scheme.as_ref(), span.dt) {
+                        Review::Fits => {}
+                        Review::Changed => {
+                            self.reviewing = true;
+                            self.newton.restore(self.system, &self.state, true);
+                            return Ok(Attempt::Repeated);
+                        }
+                        Review::Repeat(dt) => {
+                            self.event = Some((self.state.time, dt));
+                            self.newton.restore(self.system, &self.state, true);
+                            return Ok(Attempt::Repeated);
+                        }
+                        Review::Contradiction(reason) => {
+                            self.state.next_step = 0.5 * span.dt;
+                            return Ok(Attempt::TooLong(Trouble::Inaccurate, reason));
+                        }
+                    }
+                }
                 self.judge(span, converged, observer)
             }
             Err(_) if observer.interrupted() => Err(Error::Interrupted),
@@ -212,7 +251,16 @@ impl<'a> TimeSteps<'a> {
         converged: &Converged,
         observer: &mut dyn Observer,
     ) -> Result<Attempt> {
-        let Self { system, scheme, newton, state, statistics, control, drilling, .. } = self;
+        let Self { system, scheme, newton, state, statistics, control, drilling, events, .. } = self;
+        if !events.is_empty() {
+            // A flight much shorter than a step is the end of an infinite number of impacts.
+            let plastic = events.returns() && span.dt < SHORT_FLIGHT * state.next_step;
+            state.coordinates.clone_from(&events.trial);
+            if events.has_event() {
+                let found = joint_impact::pass(system, newton, state, (events, plastic))?;
+                found.iter().for_each(|message| observer.on_event(message));
+            }
+        }
         if system.has_kink(span.end) {
             let mean = self.options.scheme.instant() == Instant::Middle;
             state.work += impact::pass_kink(system, newton, mean, state)?;
@@ -312,6 +360,8 @@ impl Stepper for TimeSteps<'_> {
         self.statistics.steps = state.step;
         self.own_tangents = false;
         self.rotations.restart(&self.state.u);
+        self.events.restart();
+        (self.event, self.reviewing) = (None, false);
         self.ends.limit(end);
     }
 
@@ -365,6 +415,9 @@ pub(super) fn commit(system: &System, newton: &mut Newton, state: &mut State) {
     state.dissipated += newton.assembly.commit(system, motion, state.time, &mut state.history);
     newton.assembly.reset_stress(system, &state.point(system));
 }
+
+/// Flight between two impacts of a stop, over the time step, below which the stop stays closed.
+const SHORT_FLIGHT: f64 = 1e-3;
 
 /// Growth of the step behind which the auxiliary accelerations of the generalised-α method start anew: their difference from the
 /// accelerations, over the step, is large where a short step ends at a jump of a load. Automatic steps grow by less.

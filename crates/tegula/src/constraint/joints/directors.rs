@@ -24,6 +24,8 @@ pub enum Lack {
     Body,
     /// An axis perpendicular to the director: this is the angle between them (degrees).
     Across(f64),
+    /// Axes across its own, by which the joint's angle of rotation, on which friction and stops act, is measured.
+    Triad,
     /// An axis of the node along its director: this is the angle between them (degrees).
     Along(f64),
 }
@@ -62,6 +64,12 @@ impl Lack {
                      {angle:.6} degrees"
                 ),
                 "give an axis perpendicular to the director, or attach nodes to a body, which takes axes in all directions",
+            ),
+            Self::Triad => (
+                format!(
+                    "the joint \"{name}\" has friction or stops, but a shell node has no axes by which its angle of rotation is measured"
+                ),
+                "attach nodes to a body and connect the body, or leave `friction` and `stops` out",
             ),
             Self::Along(angle) => (
                 format!(

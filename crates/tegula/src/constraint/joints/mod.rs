@@ -5,6 +5,7 @@
 //! is in J. García de Jalón, E. Bayo, *Kinematic and dynamic simulation of multibody systems* (1994), Ch. 4. The motions that
 //! a joint leaves free are [held](lock) by further ones where an analysis step locks it.
 
+mod coordinate;
 mod directors;
 mod lock;
 
@@ -16,6 +17,7 @@ use crate::checker::Checker;
 use crate::model::{self, joints};
 use crate::norm::larger;
 use crate::{Mat3, Vec3};
+pub(crate) use coordinate::{Coordinate, check_law};
 pub use directors::Lack;
 use lock::Held;
 pub use lock::lock;
@@ -283,6 +285,10 @@ pub(crate) trait JointKind {
     fn held(_keys: &Self::Keys, _turned: &[Mat3; 2]) -> Vec<Held> {
         Vec::new()
     }
+    /// Relative coordinate on which friction and stops act; `None` for joints that have none of both.
+    fn coordinate(_keys: &Self::Keys) -> Option<Coordinate> {
+        None
+    }
     /// Keys of a joint between the bodies `a` and `b`, or `b` and a node of the strip of the tests, on which the contract of all joints
     /// is tested.
     fn example() -> Self::Keys;
@@ -301,6 +307,12 @@ macro_rules! kinds {
         fn held(joint: &model::Joint, turned: &[Mat3; 2]) -> Vec<Held> {
             match joint {
                 $(model::Joint::$kind(keys) => $file::$kind::held(keys, turned),)*
+            }
+        }
+
+        fn coordinate(joint: &model::Joint) -> Option<Coordinate> {
+            match joint {
+                $(model::Joint::$kind(keys) => $file::$kind::coordinate(keys),)*
             }
         }
 
@@ -343,6 +355,10 @@ pub fn joint(
     let own = ends[0].vectors();
     let mut out = Constraints { ends, vectors: Vec::new(), rows: Vec::new(), length, lack: None };
     constrain(joint, &mut out);
+    let law = match coordinate(joint) {
+        Some(of) if out.lack.is_none() => out.law(joint.common(), &of).map(Box::new),
+        _ => None,
+    };
     let Constraints { vectors, rows, lack, .. } = out;
     let name = joint.common().name().to_owned();
     let of_first = vectors.iter().map(|v| own.contains(v)).collect();
@@ -361,5 +377,6 @@ pub fn joint(
         drive,
         role: Role::Acting,
         engages: false,
+        law,
     })
 }

@@ -1,0 +1,365 @@
+//! Friction and stops of joints in time steps: active set within a step, event-driven between steps.
+//!
+//! Each step is solved for a set of modes: a [relative coordinate](crate::constraint::coordinate_law) moves with a given sign of its
+//! velocity, or it is held. A held coordinate whose multiplier leaves its limits moves, and the step is solved again. A step in which a
+//! sliding coordinate comes to rest, or reaches a stop, is repeated with other lengths, by the Illinois method, until it ends there; the
+//! coordinate is held from then on, or an impact changes the velocities. F. Pfeiffer, Ch. Glocker, *Multibody dynamics with unilateral
+//! contacts* (1996); V. Acary, B. Brogliato, *Numerical methods for nonsmooth dynamical systems* (2008), Ch. 8 (event-driven schemes).
+
+use std::f64::consts::TAU;
+
+use super::Integrator;
+use crate::Vec3;
+use crate::analysis::State;
+use crate::constraint::{CoordinateLaw, CoordinateMode, CoordinateState, Joint};
+use crate::element::Nodal;
+use crate::error::{Error, Result};
+use crate::norm::larger;
+use crate::system::{System, VectorKind};
+
+/// Velocity over that at the start of the step below which a sliding coordinate has come to rest.
+const AT_REST: f64 = 1e-9;
+/// Distance from a stop over the size of the coordinate at which it is reached; and up to which a coordinate stands there.
+const REACHED: f64 = 1e-11;
+const CONTACT: f64 = 1e-10;
+/// Excess of a multiplier over its limit that is round-off.
+const EXCESS: f64 = 1e-9;
+/// Velocity over that of the fastest part of the model below which a coordinate is at rest at the start.
+const RESTING: f64 = 1e-10;
+/// Step over the one first tried below which the event at its end is located.
+const LOCATED: f64 = 1e-12;
+/// Most repeats of a step for one event.
+const MOST_REPEATS: u32 = 90;
+
+/// Outcome of the look at a solved step.
+pub(super) enum Review {
+    /// The modes fit the end of the step.
+    Fits,
+    /// Another mode has to be tried.
+    Changed,
+    /// The step is repeated with this length, as it has to end at an event.
+    Repeat(f64),
+    /// No mode fits.
+    Contradiction(String),
+}
+
+/// Event functions of a relative coordinate: speed along the direction of friction, distance from the lower and from the upper stop. All
+/// are positive in a step that its modes fit.
+const SPEED: usize = 0;
+const EVENTS: usize = 3;
+
+/// Stop that an event reaches: −1 the lower one, 1 the upper one, 0 for rest.
+const SIDES: [f64; EVENTS] = [0.0, -1.0, 1.0];
+
+/// Event function at the start and at the end of a step.
+#[derive(Debug, Clone, Copy)]
+struct Event {
+    /// Infinite where the event cannot be located in the step.
+    start: f64,
+    end: f64,
+    /// Size of values that count as zero.
+    tolerance: f64,
+}
+
+impl Event {
+    const NONE: Self = Self { start: f64::INFINITY, end: f64::INFINITY, tolerance: 0.0 };
+
+    fn has_passed(&self) -> bool {
+        self.end < -self.tolerance
+    }
+}
+
+/// A relative coordinate in the present step.
+struct Tracked {
+    /// Index of the joint.
+    joint: usize,
+    /// Rate at the start.
+    rate: f64,
+    /// Whether the mode has been changed in this step.
+    changed: bool,
+    /// Stop that the coordinate leaves at the start, −1 or 1; 0 for none.
+    left: f64,
+    /// Stop that the coordinate has reached at the end of the step, −1 or 1; 0 where it has come to rest.
+    reached: Option<f64>,
+    events: [Event; EVENTS],
+    /// Values of the event functions at both ends of the search.
+    bracket: [[f64; EVENTS]; 2],
+}
+
+/// Search for the end of a step at its first event: the bracket of the Illinois method.
+struct Search {
+    /// Length first tried.
+    whole: f64,
+    /// Lengths without and with an event that has passed.
+    ends: [f64; 2],
+    /// Factors of the values at the ends.
+    weights: [f64; 2],
+    /// End that the last trial has replaced.
+    last: usize,
+    repeats: u32,
+}
+
+/// Relative coordinates with friction or stops in a time step.
+pub(super) struct JointEvents {
+    coordinates: Vec<Tracked>,
+    /// State of the coordinates at the end of the step that is tried.
+    pub trial: Vec<CoordinateState>,
+    search: Option<Search>,
+    /// Start of the step of the search.
+    time: f64,
+}
+
+/// Joint and law of a coordinate.
+fn law(system: &System, joint: usize) -> Option<(usize, &Joint, &CoordinateLaw)> {
+    let joint = &system.joints[joint];
+    joint.law_row().map(|(row, law)| (row, joint, law))
+}
+
+impl JointEvents {
+    pub fn new(system: &System) -> Self {
+        let with_law = |joint: usize| {
+            law(system, joint)?;
+            let (events, bracket) = ([Event::NONE; EVENTS], [[0.0; EVENTS]; 2]);
+            Some(Tracked { joint, rate: 0.0, changed: false, left: 0.0, reached: None, events, bracket })
+        };
+        let coordinates = (0..system.joints.len()).filter_map(with_law).collect();
+        Self { coordinates, trial: Vec::new(), search: None, time: f64::NAN }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.coordinates.is_empty()
+    }
+
+    /// Modes of a state from its velocities: coordinates at rest are held where there is friction or a stop.
+    ///
+    /// # Errors
+    /// A joint stands beyond a stop.
+    pub fn start(system: &System, state: &mut State) -> Result<()> {
+        let old = std::mem::take(&mut state.coordinates);
+        let speed = |(v, kind): (&Nodal, &VectorKind)| {
+            let speed = Vec3::from(*v).norm();
+            if *kind == VectorKind::Position { speed / system.length } else { speed }
+        };
+        let scale = state.v.iter().zip(&system.coordinates.kinds).map(speed).fold(0.0, larger);
+        for joint in system.joints.iter() {
+            let Some((_, law)) = joint.law_row() else { continue };
+            let now = system.coordinate(joint, law, &state.u);
+            let before = old.iter().find(|c| c.joint == joint.number).map_or(now, |c| c.value);
+            let value = if law.is_angle { before + wrapped(now - before) } else { now };
+            let rate = system.coordinate_rate(joint, law, [&state.u, &state.v]);
+            let beyond =
+                [law.stops[0] - value, value - law.stops[1]].into_iter().fold(f64::NEG_INFINITY, larger);
+            if !(beyond <= CONTACT * law.row.size) {
+                return Err(stands_beyond(joint, law, value));
+            }
+            let at_rest = !(rate.abs() > RESTING * scale * law.row.size);
+            let stop = stop_at(law, value);
+            let mode = if at_rest && (law.has_friction() || stop != 0.0) {
+                CoordinateMode::Held { at: value, stop }
+            } else {
+                moving(law, rate)
+            };
+            state.coordinates.push(CoordinateState { joint: joint.number, value, mode });
+        }
+        Ok(())
+    }
+
+    /// Stop that a coordinate has reached at the end of the step, −1 or 1; 0 where it has come to rest.
+    pub fn reached(&self, coordinate: usize) -> Option<f64> {
+        self.coordinates[coordinate].reached
+    }
+
+    /// Whether an event ends the step.
+    pub fn has_event(&self) -> bool {
+        self.coordinates.iter().any(|c| c.reached.is_some())
+    }
+
+    /// Whether a coordinate returns to the stop that it has left at the start of the step.
+    pub fn returns(&self) -> bool {
+        self.coordinates.iter().any(|c| c.left != 0.0 && c.reached == Some(c.left))
+    }
+
+    /// Forgets the search for an event.
+    pub fn restart(&mut self) {
+        (self.time, self.search) = (f64::NAN, None);
+    }
+
+    /// Begins an attempt at a step from a state.
+    pub fn begin(&mut self, system: &System, state: &State) {
+        self.trial.clone_from(&state.coordinates);
+        for (c, at) in self.coordinates.iter_mut().zip(&state.coordinates) {
+            let Some((_, joint, law)) = law(system, c.joint) else { continue };
+            (c.changed, c.reached) = (false, None);
+            c.rate = system.coordinate_rate(joint, law, [&state.u, &state.v]);
+            let stop = stop_at(law, at.value);
+            c.left = if stop * c.rate < 0.0 { stop } else { 0.0 };
+        }
+        if self.time != state.time {
+            (self.time, self.search) = (state.time, None);
+        }
+    }
+
+    /// Looks at the end of a solved step of length `h` from a state.
+    pub fn review(&mut self, system: &System, state: &State, scheme: &dyn Integrator, h: f64) -> Review {
+        let (u, multipliers) = (scheme.displacements(), scheme.multipliers());
+        let middle = |n: u32| {
+            let n = n as usize;
+            let mean = (Vec3::from(state.u[n]) + Vec3::from(u[n])) * 0.5;
+            Vec3::from(system.coordinates.reference[n]) + mean
+        };
+        for (k, c) in self.coordinates.iter_mut().enumerate() {
+            let Some((row, joint, law)) = law(system, c.joint) else { continue };
+            let (before, trial) = (state.coordinates[k].value, &mut self.trial[k]);
+            let now = system.coordinate(joint, law, u);
+            trial.value = if law.is_angle { before + wrapped(now - before) } else { now };
+            c.events = [Event::NONE; EVENTS];
+            match trial.mode {
+                CoordinateMode::Held { stop, .. } => {
+                    let most = law.limit(joint, multipliers, middle).sticking * (1.0 + EXCESS);
+                    let multiplier = multipliers[row];
+                    let leaves =
+                        (stop <= 0.0 && !(multiplier <= most)) || (stop >= 0.0 && !(multiplier >= -most));
+                    if leaves && c.changed {
+                        return contradiction(joint);
+                    }
+                    if leaves {
+                        (c.changed, trial.mode) = (true, moving(law, multiplier));
+                        return Review::Changed;
+                    }
+                }
+                CoordinateMode::Moving(direction) => {
+                    let rate = system.coordinate_rate(joint, law, [u, scheme.velocities()]);
+                    c.find_events(law, direction, ([before, trial.value], rate), h);
+                }
+            }
+            if c.events.iter().any(|event| event.has_passed() && event.start == f64::INFINITY) {
+                return contradiction(joint);
+            }
+        }
+        for c in &mut self.coordinates {
+            let Some((_, joint, law)) = law(system, c.joint) else { continue };
+            let rate = system.coordinate_rate(joint, law, [u, scheme.velocities()]);
+            let is_there = |(i, (event, side)): &(usize, (&Event, f64))| {
+                event.end <= event.tolerance && (*i == SPEED || side * rate > 0.0 || event.has_passed())
+            };
+            c.reached = c.events.iter().zip(SIDES).enumerate().find(is_there).map(|(_, (_, side))| side);
+        }
+        self.search(h).map_or(Review::Fits, Review::Repeat)
+    }
+
+    /// Length with which a step has to be repeated, because one of length `h` passes an event or ends before it: the first of the
+    /// secants, or the middle of the bracket. `None` where it passes none, or the event has been located.
+    fn search(&mut self, h: f64) -> Option<f64> {
+        let passes = self.coordinates.iter().flat_map(|c| &c.events).any(Event::has_passed);
+        let side = usize::from(passes);
+        match &mut self.search {
+            None if !passes => return None,
+            None => {
+                let (ends, weights) = ([0.0, h], [1.0; 2]);
+                self.search = Some(Search { whole: h, ends, weights, last: side, repeats: 0 });
+                self.coordinates.iter_mut().for_each(|c| c.bracket[0] = c.events.map(|event| event.start));
+            }
+            // The step has become shorter for another reason.
+            Some(search) if !passes && h <= search.ends[0] => {
+                self.search = None;
+                return None;
+            }
+            Some(search) => {
+                let repeated = search.last == side;
+                search.weights[1 - side] = if repeated { 0.5 * search.weights[1 - side] } else { 1.0 };
+                (search.weights[side], search.last, search.ends[side]) = (1.0, side, h);
+            }
+        }
+        self.coordinates.iter_mut().for_each(|c| c.bracket[side] = c.events.map(|event| event.end));
+        let is_there = !passes && self.has_event();
+        let search = self.search.as_mut()?;
+        search.repeats += 1;
+        let [low, high] = search.ends;
+        if is_there {
+            return None;
+        }
+        if high - low <= LOCATED * search.whole || search.repeats >= MOST_REPEATS {
+            // A step over the rest of the bracket would be one of round-off: the event is at either end.
+            for c in self.coordinates.iter_mut().filter(|c| c.reached.is_none()) {
+                c.reached =
+                    c.bracket[1].iter().zip(SIDES).find(|(value, _)| **value < 0.0).map(|(_, side)| side);
+            }
+            return None;
+        }
+        let mut next = high;
+        for c in &self.coordinates {
+            let [before, behind] = [0, 1].map(|side| c.bracket[side].map(|x| search.weights[side] * x));
+            for (before, behind) in before.into_iter().zip(behind).filter(|(_, behind)| *behind < 0.0) {
+                next = next.min(low + (high - low) * before / (before - behind));
+            }
+        }
+        let bisects = search.repeats % 4 == 0 || !(next > low && next < high);
+        Some(if bisects { 0.5 * (low + high) } else { next })
+    }
+}
+
+impl Tracked {
+    /// Values of the event functions of a coordinate that moves, whose velocity has a direction with friction, from the values at the
+    /// start and the end of a step of length `h` and the rate at its end.
+    fn find_events(&mut self, law: &CoordinateLaw, direction: f64, (values, rate): ([f64; 2], f64), h: f64) {
+        if direction != 0.0 {
+            let [start, end] = [direction * self.rate, direction * rate];
+            self.events[SPEED] = match self.changed {
+                true => Event { start: f64::INFINITY, end, tolerance: 0.0 },
+                false => Event { start, end, tolerance: AT_REST * start.abs() },
+            };
+        }
+        for (event, (bound, side)) in self.events[1..].iter_mut().zip(law.stops.into_iter().zip([-1.0, 1.0]))
+        {
+            let [start, end] = values.map(|value| side * (bound - value) / law.row.size);
+            // Where the coordinate leaves the stop, the mean velocity has no root at the start.
+            let speed = -side * self.rate / law.row.size;
+            *event = match start <= CONTACT && speed >= 0.0 {
+                true if speed > 0.0 => Event { start: speed, end: end / h, tolerance: AT_REST * speed },
+                true => Event { start: f64::INFINITY, end, tolerance: REACHED },
+                false => Event { start, end, tolerance: REACHED },
+            };
+        }
+    }
+}
+
+/// Error of a joint that stands beyond a stop at the start.
+fn stands_beyond(joint: &Joint, law: &CoordinateLaw, value: f64) -> Error {
+    let shown = |x: f64| if law.is_angle { x.to_degrees() } else { x };
+    let [lower, upper] = law.stops.map(shown);
+    Error::model(
+        "joints",
+        format!(
+            "the joint \"{}\" stands at {} at the start, which is not between its stops {lower} and {upper}",
+            joint.name,
+            shown(value)
+        ),
+        "give `stops` that contain the displacement (angle) of the joint where it begins to act",
+    )
+}
+
+fn contradiction(joint: &Joint) -> Review {
+    Review::Contradiction(format!("no motion of the joint \"{}\" fits its friction and stops", joint.name))
+}
+
+/// Angle between −π and π.
+fn wrapped(angle: f64) -> f64 {
+    angle - TAU * (angle / TAU).round()
+}
+
+/// Mode of a coordinate that moves with a rate.
+pub(super) fn moving(law: &CoordinateLaw, rate: f64) -> CoordinateMode {
+    CoordinateMode::Moving(if law.has_friction() { rate.signum() } else { 0.0 })
+}
+
+/// Stop at which a coordinate stands: −1, 1, or 0 for none.
+pub(super) fn stop_at(law: &CoordinateLaw, value: f64) -> f64 {
+    let near = |bound: f64| (value - bound).abs() <= CONTACT * law.row.size;
+    if near(law.stops[0]) {
+        -1.0
+    } else if near(law.stops[1]) {
+        1.0
+    } else {
+        0.0
+    }
+}
