@@ -78,6 +78,19 @@ fn the_nut_falls_along_the_lead_screw_with_its_inertia_of_rotation() {
     }
 }
 
+/// The rack takes part of the moment: `a = M r/(I + m r²)`; the teeth push it with `m a`.
+#[test]
+fn the_pinion_moves_the_rack_with_the_inertia_of_both() {
+    let column = history_of("rack_and_pinion.toml");
+    let (moment, radius, inertia, mass) = (1.5, 0.2, 0.09, 4.0);
+    let exact = moment * radius / (inertia + mass * radius * radius);
+    let (x, angle, force) = (column("body.rack.x"), column("sensor.turn.angle"), column("joint.teeth.fx"));
+    let last = x.len() - 1;
+    assert!((x[last] / (0.5 * exact) - 1.0).abs() < 1e-4, "{} {exact}", x[last]);
+    assert!((angle[last] + (x[last] / radius).to_degrees()).abs() < 1e-6, "{}", angle[last]);
+    assert!((force[last].abs() / (mass * exact) - 1.0).abs() < 1e-4, "{}", force[last]);
+}
+
 /// Runs an example and gives the columns of its history by name.
 fn history_of(name: &str) -> impl Fn(&str) -> Vec<f64> + use<> {
     let [history] = histories_of(name, [""]);

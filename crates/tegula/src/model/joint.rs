@@ -22,6 +22,7 @@ macro_rules! joints {
             universal::Universal(TwoAxesJoint): "Cardan joint: the points coincide, the two axes stay perpendicular.",
             cylindrical::Cylindrical(AxisJoint): "Rotation about the axis and sliding along it.",
             screw::Screw(ScrewJoint): "Rotation about the axis, and sliding along it by the pitch in each turn.",
+            rack_and_pinion::RackAndPinion(RackJoint): "The pinion, the second side, rolls on the rack, the first one: it moves along it by the radius times its angle.",
             prismatic::Prismatic(CoordinateJoint): "Sliding along the axis without rotation.",
             planar::Planar(AxisJoint): "Motion in the plane across the axis, and rotation about it.",
             driven_angle::DrivenAngle(DrivenAngleJoint): "Prescribed rotation about an axis, beside a revolute or cylindrical joint.",
@@ -221,6 +222,28 @@ pub struct JointStops {
     pub restitution: f64,
 }
 
+/// A rack, the first side, and a pinion, the second one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RackJoint {
+    /// Name of the joint in messages and results.
+    pub name: String,
+    /// Rack and pinion: names of bodies, or `ground`.
+    pub between: [String; 2],
+    /// Centre of the pinion in the reference configuration (length).
+    #[schemars(extend("x-marker" = "point"))]
+    pub at: [f64; 3],
+    /// Direction of the axis of the pinion in the reference configuration.
+    #[schemars(extend("x-marker" = "direction"))]
+    pub axis: [f64; 3],
+    /// Direction of the rack in the reference configuration, perpendicular to the axis.
+    #[schemars(extend("x-marker" = "direction"))]
+    pub direction: [f64; 3],
+    /// Radius of the pitch circle: displacement of the centre relative to the rack along its direction per radian, right-handed about the
+    /// axis (length per rad); negative where the rack lies on the other side.
+    pub radius: f64,
+}
+
 /// A joint with one axis in each of the two bodies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -355,6 +378,7 @@ macro_rules! joint_keys {
 joint_keys!(PointJoint, self, [("at", self.at)], []);
 joint_keys!(AxisJoint, self, [("at", self.at)], [("axis", self.axis)]);
 joint_keys!(ScrewJoint, self, [("at", self.at)], [("axis", self.axis)]);
+joint_keys!(RackJoint, self, [("at", self.at)], [("axis", self.axis), ("direction", self.direction)]);
 joint_keys!(TwoAxesJoint, self, [("at", self.at)], [("axes[0]", self.axes[0]), ("axes[1]", self.axes[1])]);
 joint_keys!(DirectorJoint, self, [], []);
 joint_keys!(
@@ -417,6 +441,15 @@ impl ScrewJoint {
     pub(crate) fn example() -> Self {
         let (between, at, axis) = EXAMPLE;
         Self { name: "joint".into(), between: between.map(str::to_owned), at, axis, pitch: 0.8 }
+    }
+}
+
+impl RackJoint {
+    pub(crate) fn example() -> Self {
+        let (between, at, axis) = EXAMPLE;
+        let [direction, _] = crate::element::geometry::tangents(&crate::Vec3::from(axis).normalize());
+        let between = between.map(str::to_owned);
+        Self { name: "joint".into(), between, at, axis, direction: direction.into(), radius: 0.4 }
     }
 }
 

@@ -41,6 +41,7 @@ mod nonlinear_materials;
 mod outlines;
 mod patch_refusals;
 mod patches;
+mod racks;
 mod reactions;
 mod screws;
 mod sensors;
