@@ -51,7 +51,7 @@ impl fmt::Display for Issue {
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum Error {
     /// The model contradicts itself or cannot be computed; all issues found at once.
-    #[error("the model has {} problem(s):\n{}", .0.len(), list(.0))]
+    #[error("the model has {}:\n{}", problems(.0.len()), list(.0))]
     Model(Vec<Issue>),
     /// No equilibrium was found; nothing is returned in its place.
     #[error("no equilibrium found at {at}: {reason}\n  {help}")]
@@ -98,6 +98,11 @@ impl Error {
 
 /// Result of the library.
 pub type Result<T> = std::result::Result<T, Error>;
+
+/// A number of problems in words.
+pub fn problems(count: usize) -> String {
+    if count == 1 { "1 problem".to_owned() } else { format!("{count} problems") }
+}
 
 fn list(issues: &[Issue]) -> String {
     issues.iter().map(|i| format!("  {i}")).collect::<Vec<_>>().join("\n")

@@ -119,7 +119,7 @@ impl JobObserver for Unwatched {}
 #[non_exhaustive]
 pub enum JobError {
     /// The model file or its mesh is wrong; nothing was run.
-    #[error("the model has {} problem(s):\n{}", .0.len(), list(.0))]
+    #[error("the model has {}:\n{}", tegula::error::problems(.0.len()), list(.0))]
     Model(Vec<Diagnostic>),
     /// A result could not be written, or a checkpoint not read.
     #[error(transparent)]

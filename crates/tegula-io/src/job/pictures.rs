@@ -166,7 +166,9 @@ fn step_size(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Result<(), OutputErr
 fn snapshots(recorder: &Recorder<'_>) -> Result<(), OutputError> {
     let Prepared { mesh, system, .. } = recorder.prepared;
     let kept = shown(&recorder.memory.kept);
-    if kept.is_empty() || (mesh.quads.is_empty() && system.outline.is_empty()) {
+    let bodies = drawn_outline::faces(system, mesh.positions.len());
+    // Bodies without a shape are not seen.
+    if kept.is_empty() || (mesh.quads.is_empty() && bodies.is_empty()) {
         return Ok(());
     }
     let largest = kept.iter().map(|k| largest_displacement(mesh, system, k)).fold(0.0, f64::max);
@@ -194,7 +196,7 @@ fn snapshots(recorder: &Recorder<'_>) -> Result<(), OutputError> {
         title: title(recorder, &what),
         snapshots: shots.collect(),
         quads: mesh.quads.clone(),
-        bodies: drawn_outline::faces(system, mesh.positions.len()),
+        bodies,
         color_label: with_unit("von Mises stress", units.of_stress().as_deref()),
         ..SurfacePlot::default()
     };

@@ -157,7 +157,7 @@ fn lowest_modes(
         ));
     }
     let redundant = problem.newton.constraints.iter().flat_map(|constraints| constraints.redundant(system));
-    redundant.for_each(|message| observer.on_event(&message));
+    redundant.for_each(|message| observer.on_warning(&message));
     let wanted = wanted.min(all);
     let skew = equilibrium.and_then(|state| circulatory::stiffness(system, state));
     if skew.is_some() && !system.joints.is_empty() {

@@ -114,8 +114,10 @@ pub(super) fn end(place: &Place, key: String, name: &str, c: &mut Checker) -> Op
             }
         }
         (None, None) => {
-            let known: Vec<String> =
-                model.bodies.iter().map(|body| body.name.clone()).chain([GROUND.to_owned()]).collect();
+            let bodies = model.bodies.iter().map(|body| body.name.clone());
+            let single = |set: &String| mesh.nodes_on(set).is_some_and(|nodes| nodes.len() == 1);
+            let sets = mesh.set_names().into_iter().filter(single);
+            let known: Vec<String> = bodies.chain([GROUND.to_owned()]).chain(sets).collect();
             c.missing(key, "body or set of one node", name, known.iter());
             None
         }

@@ -12,7 +12,8 @@ use crate::constraint::{Joint, JointGroup, Role};
 use crate::element::{ElementGroup, Nodal};
 use crate::load::{LoadFactor, TimeFunction};
 use crate::model::{
-    self, Analysis, AnalysisStep, EnergyMomentumScheme, JointKeys, Model, Scheme, TransientAnalysis,
+    self, Analysis, AnalysisStep, EnergyMomentumScheme, JointKeys, JointStops, Model, Scheme,
+    TransientAnalysis,
 };
 use crate::system::{DeadLoad, ForceSet, Procedure, StepStart, System};
 use crate::{Issue, Vec3};
@@ -94,8 +95,26 @@ pub(super) fn laws(step: &StepModel) -> Vec<Issue> {
         if step.locked.iter().any(|name| name == keys.name()) {
             return None;
         }
+        let beyond = |stops: &&JointStops| {
+            stops.lower.is_some_and(|lower| lower > 0.0) || stops.upper.is_some_and(|upper| upper < 0.0)
+        };
         let (problem, help) = if let Some((does_not, help)) = ignorant(&step.model.analysis) {
             (format!("which {does_not}"), help)
+        } else if let Some(stops) = keys.stops().filter(beyond).filter(|_| step.starts_from.is_none()) {
+            // Joints stand at 0 in the reference configuration.
+            let bound = |given: Option<f64>, none: &str| given.map_or(none.to_owned(), |x| x.to_string());
+            let range = [bound(stops.lower, "no lower one"), bound(stops.upper, "no upper one")];
+            let message = format!(
+                "the joint \"{}\" begins at 0, which is not between its stops, {} and {}",
+                keys.name(),
+                range[0],
+                range[1]
+            );
+            return Some(Issue::new(
+                format!("joints[{i}].stops"),
+                message,
+                "displacements and angles count from the reference configuration: give stops that contain 0",
+            ));
         } else {
             let [a, b] = keys.between();
             let beside = |other: &&dyn JointKeys| {

@@ -228,9 +228,13 @@ fn wrong_stops_are_refused() {
     assert!(one(-1.0, f64::NAN, 0.5).contains("joints[0].stops"));
     let text = one(0.5, 1.0, 0.5);
     assert!(
-        text.contains("\"guide\" stands at 0 at the start, which is not between its stops 0.5 and 1"),
+        text.contains(
+            "joints[0].stops: the joint \"guide\" begins at 0, which is not between its stops, 0.5 and 1"
+        ),
         "{text}"
     );
+    let text = with(JointStops { upper: Some(-0.5), ..JointStops::default() });
+    assert!(text.contains("not between its stops, no lower one and -0.5"), "{text}");
     let mut model = ball(E, 1.0, Some(0.01));
     let Analysis::Transient(options) = &mut model.analysis else { unreachable!() };
     options.scheme = Scheme::GeneralizedAlpha(GeneralizedAlphaScheme::default());

@@ -87,7 +87,7 @@ pub(super) fn take_mass(
     })
 }
 
-/// Projects the velocities of the first state. Returns messages about what was changed, and about redundant joints.
+/// Projects the velocities of the first state. Returns messages about what was changed.
 ///
 /// # Errors
 /// The linear solver failed, or a joint is open.
@@ -132,7 +132,6 @@ pub(super) fn consistent_velocities(
             100.0 * changed / size
         ));
     }
-    messages.extend(newton.constraints.iter().flat_map(|constraints| constraints.redundant(system)));
     Ok(messages)
 }
 

@@ -372,7 +372,8 @@ fn speed(system: &System, v: &[Nodal]) -> f64 {
 /// Error of a joint that stands beyond a stop at the start.
 fn stands_beyond(joint: &Joint, law: &CoordinateLaw, value: f64) -> Error {
     let shown = |x: f64| if law.is_angle { x.to_degrees() } else { x };
-    let [lower, upper] = law.stops.map(shown);
+    let bound = |x: f64| if x.is_finite() { shown(x).to_string() } else { "none".to_owned() };
+    let [lower, upper] = law.stops.map(bound);
     Error::model(
         "joints",
         format!(

@@ -52,6 +52,8 @@ pub(super) struct TimeSteps<'a> {
     fresh: bool,
     /// Messages about the first state.
     messages: Vec<String>,
+    /// Warnings about the start.
+    warnings: Vec<String>,
     /// Watch of the velocities of driven joints.
     drive_rates: DriveRates,
     /// Watch of the energy of schemes that do not conserve it.
@@ -73,7 +75,7 @@ impl<'a> TimeSteps<'a> {
     ) -> Result<Self> {
         let mut newton = Newton::new(system, None)?;
         let fresh = start.is_none();
-        let mut messages = Vec::new();
+        let (mut messages, mut warnings) = (Vec::new(), Vec::new());
         let mut state = match start {
             Some(state) => state,
             None => {
@@ -82,6 +84,8 @@ impl<'a> TimeSteps<'a> {
                 }
                 let (state, found) = initial_state(system, &mut newton)?;
                 messages = found;
+                let constraints = newton.constraints.iter();
+                warnings = constraints.flat_map(|constraints| constraints.redundant(system)).collect();
                 state
             }
         };
@@ -109,6 +113,7 @@ impl<'a> TimeSteps<'a> {
             between: State::default(),
             fresh,
             messages,
+            warnings,
             system,
             options,
             scheme,
@@ -337,6 +342,7 @@ impl Stepper for TimeSteps<'_> {
 
     fn begin(&mut self, observer: &mut dyn Observer) -> Result<bool> {
         self.messages.drain(..).for_each(|message| observer.on_event(&message));
+        self.warnings.drain(..).for_each(|message| observer.on_warning(&message));
         Ok(std::mem::take(&mut self.fresh))
     }
 

@@ -309,7 +309,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let Self { newton, system, state, equation, external, .. } = self;
         if state.step == 0 {
             let redundant = newton.constraints.iter().flat_map(|constraints| constraints.redundant(system));
-            redundant.for_each(|message| observer.on_event(&message));
+            redundant.for_each(|message| observer.on_warning(&message));
         }
         state.negative_pivots = converged.negative_pivots;
         state.work += follower_work(system, (&state.u, state.time), (&equation.u, target), external);
