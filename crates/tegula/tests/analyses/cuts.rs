@@ -295,7 +295,7 @@ fn the_force_at_a_cut_accelerates_the_part_beyond_it() {
             moved = max_norm(u.iter().map(|u| u[2]));
             steps += 1;
         }
-        assert!(steps > 10 && moved > 0.05, "{scheme:?}: {steps} {moved}");
+        assert!(steps >= 10 && moved > 0.05, "{scheme:?}: {steps} {moved}");
         assert!(scale > 1.0, "{scale}");
     }
 }
