@@ -5,8 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Cut along a line of the mesh, whose resultant force and moment are the columns `cut.NAME.fx` … `mz` of the history: the nodal
 /// forces of the elements of the set `of` at the nodes of the line, summed. They are the force and the moment that the rest of the model
-/// exerts on these elements across the line; with the elements on the other side of the line their signs change. Loads and inertia that the
-/// mesh has at the nodes of the line do not belong to them.
+/// exerts on these elements across the line. Supports, joints, loads and inertia at the nodes of the line belong to the rest.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Cut {

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! over positions r and directors (gradients) d, is the action of everything beyond the line on these elements, about the point c. Internal
-//! forces of an element have no resultant, so that it balances the loads less the inertia at all other nodes of the elements.
+//! forces of an element have no resultant, so that F and M balance the loads less the inertia at all other nodes of the elements. Loads,
+//! inertia, supports and constraints at the nodes of the line belong to its surroundings.
 
 use super::resultant::{Resultant, add_to, arm};
 use crate::Vec3;
