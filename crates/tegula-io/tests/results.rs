@@ -79,14 +79,14 @@ start = [0.0, 0.0, -1.0]
 radius = 1.0
 angles = [0.0, -90.0]
 length = 1.0
-grid = { elements = [40, 31] }"#;
+grid = { elements = [24, 19] }"#;
 
 const PLATE: &str = r#"type = "plate"
 origin = [0.1, 0.2, 1.3]
 u_axis = [1.0, 0.3, 0.2]
 v_axis = [-0.3, 1.0, 0.0]
 size = [1.1, 0.7]
-grid = { elements = [64, 64] }"#;
+grid = { elements = [36, 36] }"#;
 
 /// Elements of one shape share what follows from it. Which of them a thread meets first depends on the number of
 /// threads; the results do not.

@@ -104,9 +104,9 @@ fn solutions_depend_on_nothing_beside_them() {
 #[test]
 fn solutions_do_not_depend_on_the_number_of_threads() {
     for m in [
-        grid(90, 90, 6, 1e-2),
-        unstable(grid(60, 60, 6, 1e-2)),
-        constrained(60, 500, 1e-2, &mut Random::new(5)),
+        grid(64, 64, 6, 1e-2),
+        unstable(grid(45, 45, 6, 1e-2)),
+        constrained(45, 280, 1e-2, &mut Random::new(5)),
     ] {
         let run = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -55,6 +55,29 @@ fn a_torque_turns_the_end_of_the_tube_as_a_thin_closed_section() {
     assert!(last("balance.moment") < 1e-9);
 }
 
+/// The energy of the nut is `½ (m + I (2π/p)²) ż²`; without friction the moment of the thread is −F p/2π.
+#[test]
+fn the_nut_falls_along_the_lead_screw_with_its_inertia_of_rotation() {
+    let column = history_of("lead_screw.toml");
+    let (mass, inertia, pitch) = (2.0, 0.1, 0.5);
+    let (z, angle) = (column("body.nut.z"), column("sensor.turn.angle"));
+    let (force, moment) = (column("joint.thread.fz"), column("joint.thread.mz"));
+    let exact = -0.5 * mass * 9.81 / (mass + inertia * (TAU / pitch).powi(2)) * 4.0;
+    let last = z.len() - 1;
+    assert!((z[last] / exact - 1.0).abs() < 1e-3, "{} {exact}", z[last]);
+    for i in 1..=last {
+        assert!((z[i] - pitch * angle[i] / 360.0).abs() < 1e-8, "{} {}", z[i], angle[i]);
+        // Means over a step that turns by Δφ differ by Δφ²/12, which is 2.6e-4 in the last one.
+        let frictionless = -force[i] * pitch / TAU;
+        assert!(
+            force[i] > 10.0 && (moment[i] / frictionless - 1.0).abs() < 3e-4,
+            "{} {}",
+            force[i],
+            moment[i]
+        );
+    }
+}
+
 /// Runs an example and gives the columns of its history by name.
 fn history_of(name: &str) -> impl Fn(&str) -> Vec<f64> + use<> {
     let [history] = histories_of(name, [""]);

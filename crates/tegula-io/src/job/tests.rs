@@ -59,6 +59,7 @@ end = 0.1
 [output]
 points = [{ name = "corner", on = "u_max_v_max" }]
 interval = 0.02
+pictures = false
 "#;
 
 fn deck(scheme: &str) -> Deck {
@@ -92,9 +93,12 @@ fn stop_after(steps: u64) -> StopAfter {
 #[test]
 fn a_resumed_run_repeats_the_straight_one_to_the_bit() {
     for scheme in ["newmark", "energy-momentum", "hht", "generalized-alpha", "explicit"] {
+        // Drawing takes most of the time; no picture depends on the scheme.
+        let drawn = scheme == "newmark";
         let cut = "[output]\ncuts = [{ name = \"hinge\", on = \"u_min\", of = \"all\" }]";
         let text = SWING.replace("SCHEME", scheme).replace("[output]", cut);
-        let (deck, folder) = (Deck::parse("swing.toml", text).unwrap(), tempfile::tempdir().unwrap());
+        let (mut deck, folder) = (Deck::parse("swing.toml", text).unwrap(), tempfile::tempdir().unwrap());
+        deck.model.output.pictures = drawn;
         let (straight, parts) = (folder.path().join("straight"), folder.path().join("parts"));
         let whole = run(&deck, &options(&straight, false), &mut Unwatched).unwrap();
         // Explicit steps are reported by tens.
@@ -108,7 +112,8 @@ fn a_resumed_run_repeats_the_straight_one_to_the_bit() {
         }
         let resumed = run(&deck, &options(&parts, true), &mut Unwatched).unwrap();
         let read = |folder: &Path, name: &str| fs::read(folder.join(name)).unwrap();
-        for name in ["history.csv", "fields.pvd", "energy.png", "step_size.png", "snapshots.png"] {
+        let pictures = ["energy.png", "step_size.png", "snapshots.png"].into_iter().filter(|_| drawn);
+        for name in ["history.csv", "fields.pvd"].into_iter().chain(pictures) {
             assert!(read(&straight, name) == read(&parts, name), "{scheme}: {name} differs");
         }
         let series = PvdSeries::open(&parts.join("fields.pvd")).unwrap();
@@ -174,8 +179,8 @@ fn pictures_can_be_left_out() {
         files.filter(|f| f.extension().is_some_and(|e| e == "png")).count()
     };
     let text = SWING.replace("SCHEME", "newmark");
-    assert_eq!(pictures(text.replace("[output]", "[output]\npictures = false")), 0);
-    assert!(pictures(text) >= 3);
+    assert_eq!(pictures(text.clone()), 0);
+    assert!(pictures(text.replace("pictures = false", "")) >= 3);
 }
 
 #[test]

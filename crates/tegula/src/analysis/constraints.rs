@@ -23,7 +23,7 @@ mod laws;
 
 use super::solver::TangentSolver;
 use crate::Vec3;
-use crate::constraint::joint::MOST_VECTORS;
+use crate::constraint::joint::{MOST_VECTORS, half_motion};
 use crate::constraint::{CoordinateState, Joint, Row};
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::system::evaluation_point::current_vector;
@@ -129,7 +129,8 @@ impl Constraints {
     ) -> Result<(), String> {
         let n = system.unknowns();
         let acting = |v: usize| current_vector(system, &k.motion, v);
-        gradients(system, (frames, k.time), acting, &mut self.forces);
+        let half = |v: usize| half_motion(&k.motion, v);
+        gradients(system, (frames, k.time), (acting, half), &mut self.forces);
         self.end_gradients(system, frames, &k.motion, end_time(&k.motion, k.time));
         for joint in system.joints.iter() {
             for (i, row) in joint.multipliers().zip(&joint.rows) {
@@ -364,7 +365,7 @@ impl Constraints {
         // Degrees of freedom of nodes count in the frames of the factor.
         self.end_frames.copy_from(frames);
         self.end_frames.follow_bodies(&end);
-        gradients(system, (&self.end_frames, time), end, &mut self.ends);
+        gradients(system, (&self.end_frames, time), (end, |_| Vec3::zeros()), &mut self.ends);
     }
 
     /// Largest value of a constraint at the end of a motion over its size; infinite where a drive is half a turn away from its angle.
@@ -395,19 +396,21 @@ impl Constraints {
     }
 }
 
-/// Gradients of all constraints at the `value` of each nodal vector, with respect to the degrees of freedom of `frames`.
+/// Gradients of all constraints over a motion with this middle and half of the change of each nodal vector, with respect to the degrees of
+/// freedom of `frames`.
 fn gradients(
     system: &System,
     (frames, time): (&LocalFrames, f64),
-    value: impl Fn(usize) -> Vec3,
+    (middle, half): (impl Fn(usize) -> Vec3, impl Fn(usize) -> Vec3),
     out: &mut [Gradient],
 ) {
     for joint in system.joints.iter() {
         let drive = system.drive_value(joint, time);
-        joint.with_vectors(&value, |v, forces| {
+        joint.with_vectors(&middle, |v, forces| {
             for (i, row) in joint.multipliers().zip(&joint.rows) {
                 forces.fill(Vec3::zeros());
-                row.add_gradient(1.0, v, drive, forces);
+                let half = |i: usize| half(joint.vectors[i] as usize);
+                row.add_acting_gradient(1.0, (v, half), drive, forces);
                 let gradient = &mut out[i];
                 gradient.clear();
                 for (&v, g) in joint.vectors.iter().zip(&*forces).filter(|(_, g)| **g != Vec3::zeros()) {

@@ -26,6 +26,7 @@ fn guide(joint: &Joint, motion: Motion) -> Option<(&str, &[String; 2], Vec3)> {
         (Joint::Planar(keys), Motion::Rotation) | (Joint::Cylindrical(keys), _) => {
             Some((&keys.name, &keys.between, keys.axis.into()))
         }
+        (Joint::Screw(keys), _) => Some((&keys.name, &keys.between, keys.axis.into())),
         _ => None,
     }
 }

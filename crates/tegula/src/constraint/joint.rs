@@ -209,7 +209,7 @@ impl Joint {
 
 /// Joints of as many nodal vectors each. Their forces act in the configuration of the motion: in the middle of a step for
 /// the energy–momentum scheme, where constraints that do not depend on time do no work, because
-/// `G(q_mid)(q₁ − q₀) = g₁ − g₀` holds exactly for quadratic g.
+/// `G(q_mid)(q₁ − q₀) = g₁ − g₀` holds exactly for quadratic g, and for angles with their discrete gradient.
 pub struct JointGroup {
     joints: Arc<Vec<Joint>>,
     members: Vec<usize>,
@@ -250,6 +250,14 @@ pub(super) fn current(k: &GroupPoint, vector: u32) -> Vec3 {
     match k.motion {
         Motion::State { u, .. } => x + Vec3::from(u[v]),
         Motion::Step { old, new, .. } => x + (Vec3::from(old[v]) + Vec3::from(new[v])) * 0.5,
+    }
+}
+
+/// Half of the motion of a nodal vector, from the configuration in which its forces act to the end; zero for a state.
+pub fn half_motion(motion: &Motion, vector: usize) -> Vec3 {
+    match motion {
+        Motion::State { .. } => Vec3::zeros(),
+        Motion::Step { old, new, .. } => (Vec3::from(new[vector]) - Vec3::from(old[vector])) * 0.5,
     }
 }
 
@@ -310,7 +318,8 @@ impl Joint {
         let drive = self.drive_value(k.drives);
         for (number, row) in self.multipliers().zip(&self.rows) {
             gradient.fill(Vec3::zeros());
-            row.add_gradient(1.0, v, drive, gradient);
+            let half = |i: usize| half_motion(&k.motion, self.vectors[i] as usize);
+            row.add_acting_gradient(1.0, (v, half), drive, gradient);
             // Forces of unknown multipliers must not look like none.
             let multiplier = k.multipliers.get(number).copied().unwrap_or(f64::NAN);
             for (out, g) in out.chunks_exact_mut(3).zip(gradient.iter()) {
@@ -323,6 +332,7 @@ impl Joint {
                 }
                 if weights.multiplier != 0.0 {
                     row.add_second_derivative(weights.multiplier * multiplier, drive, blocks);
+                    row.add_second_derivative_of_angle(weights.multiplier * multiplier, v, blocks);
                 }
             }
         }

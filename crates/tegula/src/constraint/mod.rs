@@ -3,7 +3,7 @@
 //!
 //! The points and axes that a joint connects are fixed in bodies, in the ground, or at nodes. They are linear combinations
 //! of nodal vectors ([`Attachment`]), because a rigid body moves as `x(X) = r + X_i d_i`; so every constraint of the usual
-//! joints is a quadratic form of nodal vectors ([`Row`]), and its gradient is exact. J. García de Jalón, E. Bayo, *Kinematic
+//! joints is a quadratic form of nodal vectors ([`Row`]), and its gradient is exact; screws add a multiple of an angle. J. García de Jalón, E. Bayo, *Kinematic
 //! and dynamic simulation of multibody systems* (1994); P. Betsch, S. Leyendecker, *The discrete null space method for the
 //! energy consistent integration of constrained mechanical systems. Part II: multibody dynamics*, Int. J. Numer. Meth. Engng
 //! 67 (2006) 499–552.
@@ -21,6 +21,7 @@ mod row;
 mod sensor;
 mod spring;
 mod torsion_spring;
+mod turning;
 
 pub use attachment::Attachment;
 pub use bushing::{Bushing, BushingResponse, LARGEST_ROTATION};

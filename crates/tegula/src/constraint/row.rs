@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::Attachment;
+use super::turning::Turning;
 use crate::Vec3;
 use crate::element::TangentWeights;
 
@@ -10,7 +11,7 @@ use crate::element::TangentWeights;
 /// places in the joint's list.
 ///
 /// The constraint of a driven joint depends on the value s of its drive, too: `g(v) − s` where s is a length, and
-/// `g(v) cos s − h(v) sin s` where it is an angle, with a second form h.
+/// `g(v) cos s − h(v) sin s` where it is an angle, with a second form h. That of a screw contains a multiple of an angle: `g(v) + c φ(v)`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Row {
     products: Vec<(usize, usize, f64)>,
@@ -18,6 +19,8 @@ pub struct Row {
     constant: f64,
     /// How the constraint depends on the drive of the joint.
     driven: Driven,
+    /// Multiple of an angle beside the form.
+    turning: Option<Box<Turning>>,
     /// Form that is positive where the constraint holds as it is meant, and negative half a turn away, where its value vanishes, too.
     positive: Option<Box<Row>>,
     /// Size of the values of the constraint: the length of the model for distances, 1 for products of unit vectors.
@@ -84,6 +87,12 @@ impl Row {
         self.driven = Driven::Angle(Box::new(h));
     }
 
+    /// Adds `factor · φ` with the angle φ that has this sine and cosine and counts full turns: the form is a displacement that is
+    /// proportional to it.
+    pub fn turn(&mut self, factor: f64, [sine, cosine]: [Row; 2]) {
+        self.turning = Some(Box::new(Turning { factor, sine, cosine }));
+    }
+
     /// Makes the angle `atan2(g, h)` equal to a value, with this form g.
     pub fn measure_angle(&mut self, h: Row) {
         self.driven = Driven::Coordinate(Box::new(h));
@@ -129,7 +138,7 @@ impl Row {
     pub fn value(&self, v: &[Vec3], s: f64) -> f64 {
         let form = self.form(v);
         match &self.driven {
-            Driven::Not => form,
+            Driven::Not => form + self.turning.as_ref().map_or(0.0, |turning| turning.value(form, v)),
             Driven::Length => form - s,
             Driven::Angle(other) => form * s.cos() - other.form(v) * s.sin(),
             Driven::Coordinate(other) => {
@@ -169,7 +178,12 @@ impl Row {
     /// Adds `factor · ∂g/∂v` to the gradient of each nodal vector, where the drive has the value `s`.
     pub fn add_gradient(&self, factor: f64, v: &[Vec3], s: f64, out: &mut [Vec3]) {
         match &self.driven {
-            Driven::Not | Driven::Length => self.add_form_gradient(factor, v, out),
+            Driven::Not | Driven::Length => {
+                self.add_form_gradient(factor, v, out);
+                if let Some(turning) = &self.turning {
+                    turning.add_gradient(factor, (self, v), |_| Vec3::zeros(), out);
+                }
+            }
             Driven::Angle(other) => {
                 self.add_form_gradient(factor * s.cos(), v, out);
                 other.add_form_gradient(-factor * s.sin(), v, out);
@@ -183,13 +197,39 @@ impl Row {
         }
     }
 
+    /// Adds a multiple of the gradient by which the constraint acts over a motion with the middle `v`, which ends at `v + half` for the
+    /// vectors by their places: its product with the motion is the change of the constraint. For a quadratic form it is the gradient in
+    /// the middle.
+    pub fn add_acting_gradient(
+        &self,
+        factor: f64,
+        (v, half): (&[Vec3], impl Fn(usize) -> Vec3),
+        s: f64,
+        out: &mut [Vec3],
+    ) {
+        match &self.turning {
+            None => self.add_gradient(factor, v, s, out),
+            Some(turning) => {
+                self.add_form_gradient(factor, v, out);
+                turning.add_gradient(factor, (self, v), half, out);
+            }
+        }
+    }
+
     /// Weight γ of the constraint in the augmented Lagrangian.
     pub fn weight(&self, weights: &TangentWeights) -> f64 {
         weights.augmentation * self.inertia + weights.penalty * self.measure
     }
 
-    /// Adds `factor · ∂²g/∂v_a∂v_b` to the lower blocks of a joint, where the drive has the value `s`. That of a relative angle is left
-    /// out: it belongs to schemes whose tangent has no such terms.
+    /// Adds the second derivative of the multiple of an angle that the constraint contains.
+    pub(super) fn add_second_derivative_of_angle(&self, factor: f64, v: &[Vec3], blocks: &mut [f64]) {
+        if let Some(turning) = &self.turning {
+            turning.add_second_derivative(factor, v, blocks);
+        }
+    }
+
+    /// Adds `factor · ∂²g/∂v_a∂v_b` of the quadratic forms to the lower blocks of a joint, where the drive has the value `s`. That of a
+    /// relative angle is left out: it belongs to schemes whose tangent has no such terms.
     pub fn add_second_derivative(&self, factor: f64, s: f64, blocks: &mut [f64]) {
         let cosine = match &self.driven {
             Driven::Not | Driven::Length => 1.0,
@@ -236,7 +276,10 @@ impl Row {
     /// Part of the second rate of the constraint that follows from the velocities and the drive alone.
     pub fn velocity_term(&self, v: &[Vec3], rates: &[Vec3], s: DriveValue) -> f64 {
         match &self.driven {
-            Driven::Not => self.form_velocity_term(rates),
+            Driven::Not => {
+                let of_angle = self.turning.as_ref().map_or(0.0, |turning| turning.velocity_term(v, rates));
+                self.form_velocity_term(rates) + of_angle
+            }
             Driven::Length => self.form_velocity_term(rates) - s.acceleration,
             Driven::Angle(other) => {
                 let (sine, cosine) = s.value.sin_cos();
@@ -268,7 +311,7 @@ impl Row {
     }
 
     /// Part `2 Σ C_ab v̇_a·v̇_b` of the second rate of the quadratic form.
-    fn form_velocity_term(&self, rates: &[Vec3]) -> f64 {
+    pub(super) fn form_velocity_term(&self, rates: &[Vec3]) -> f64 {
         self.products.iter().map(|&(a, b, c)| 2.0 * c * rates[a].dot(&rates[b])).sum()
     }
 }

@@ -15,6 +15,7 @@
 
 use super::joint::{Few, MOST_VECTORS, current, few};
 use super::joints::{LARGEST_TURN, RelativeAngle};
+use super::turning::sinc;
 use crate::Vec3;
 use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest};
 
@@ -106,11 +107,6 @@ impl TorsionSpring {
         let turn = self.turn(k, k.interior.history[number]);
         [turn.angles[1], self.moment(&turn)]
     }
-}
-
-/// sin x/x.
-fn sinc(x: f64) -> f64 {
-    if x.abs() < 1e-4 { 1.0 - x * x / 6.0 } else { x.sin() / x }
 }
 
 /// Torsion springs of as many nodal vectors each.

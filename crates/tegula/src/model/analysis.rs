@@ -52,7 +52,7 @@ pub struct AnalysisStep {
     pub released: Vec<String>,
     /// Names of joints whose two sides do not move against each other in this step: they stay as they are at its start. A joint that
     /// moves there stops at once, in a plastic impact, whose loss of kinetic energy counts as dissipated. The types `revolute`,
-    /// `universal`, `spherical`, `cylindrical`, `prismatic` and `planar` can be locked.
+    /// `universal`, `spherical`, `cylindrical`, `screw`, `prismatic` and `planar` can be locked.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub locked: Vec<String>,
     /// Times (load factors) at which a step ends and a field file is written, like `output.at`.

@@ -21,6 +21,7 @@ macro_rules! joints {
             revolute::Revolute(CoordinateJoint): "Hinge: rotation about the axis.",
             universal::Universal(TwoAxesJoint): "Cardan joint: the points coincide, the two axes stay perpendicular.",
             cylindrical::Cylindrical(AxisJoint): "Rotation about the axis and sliding along it.",
+            screw::Screw(ScrewJoint): "Rotation about the axis, and sliding along it by the pitch in each turn.",
             prismatic::Prismatic(CoordinateJoint): "Sliding along the axis without rotation.",
             planar::Planar(AxisJoint): "Motion in the plane across the axis, and rotation about it.",
             driven_angle::DrivenAngle(DrivenAngleJoint): "Prescribed rotation about an axis, beside a revolute or cylindrical joint.",
@@ -131,6 +132,25 @@ pub struct AxisJoint {
     /// Direction of the axis in the reference configuration.
     #[schemars(extend("x-marker" = "direction"))]
     pub axis: [f64; 3],
+}
+
+/// A screw.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ScrewJoint {
+    /// Name of the joint in messages and results.
+    pub name: String,
+    /// Both sides: names of bodies, or `ground`.
+    pub between: [String; 2],
+    /// Point of the joint in the reference configuration (length).
+    #[schemars(extend("x-marker" = "point"))]
+    pub at: [f64; 3],
+    /// Direction of the axis in the reference configuration.
+    #[schemars(extend("x-marker" = "direction"))]
+    pub axis: [f64; 3],
+    /// Displacement of the second side relative to the first one along the axis per turn, right-handed about the axis (length); negative
+    /// for left-hand threads.
+    pub pitch: f64,
 }
 
 /// A joint with one relative motion, along or about an axis.
@@ -334,6 +354,7 @@ macro_rules! joint_keys {
 }
 joint_keys!(PointJoint, self, [("at", self.at)], []);
 joint_keys!(AxisJoint, self, [("at", self.at)], [("axis", self.axis)]);
+joint_keys!(ScrewJoint, self, [("at", self.at)], [("axis", self.axis)]);
 joint_keys!(TwoAxesJoint, self, [("at", self.at)], [("axes[0]", self.axes[0]), ("axes[1]", self.axes[1])]);
 joint_keys!(DirectorJoint, self, [], []);
 joint_keys!(
@@ -389,6 +410,13 @@ impl AxisJoint {
     pub(crate) fn example() -> Self {
         let (between, at, axis) = EXAMPLE;
         Self { name: "joint".into(), between: between.map(str::to_owned), at, axis }
+    }
+}
+
+impl ScrewJoint {
+    pub(crate) fn example() -> Self {
+        let (between, at, axis) = EXAMPLE;
+        Self { name: "joint".into(), between: between.map(str::to_owned), at, axis, pitch: 0.8 }
     }
 }
 

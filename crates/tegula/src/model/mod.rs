@@ -45,7 +45,7 @@ pub use foundation::{AreaFoundation, Foundation, FoundationOn};
 pub(crate) use joint::joints;
 pub use joint::{
     AxisJoint, CoordinateJoint, DRIVE, DirectorJoint, DistanceJoint, DrivenAngleJoint, DrivenLengthJoint,
-    Joint, JointDrive, JointFriction, JointKeys, JointStops, PointJoint, TwoAxesJoint,
+    Joint, JointDrive, JointFriction, JointKeys, JointStops, PointJoint, ScrewJoint, TwoAxesJoint,
 };
 pub use loads::{Load, LoadStiffness, NodalLoad};
 pub use mesh_source::*;

@@ -73,7 +73,8 @@ pub fn joint_reaction(system: &System, state: &State, joint: &Joint) -> (Vec3, V
     let drive = system.drive_value(joint, time);
     for (row, number) in joint.rows.iter().zip(joint.multipliers()) {
         let multiplier = state.multipliers.get(number).copied().unwrap_or(f64::NAN);
-        row.add_gradient(multiplier, &v, drive, &mut forces);
+        let half = |i: usize| current(system, &state.u, joint.vectors[i]) - v[i];
+        row.add_acting_gradient(multiplier, (&v, half), drive, &mut forces);
     }
     let point = joint.place(|n| current(system, u, n));
     // The joint acts with −Gᵀλ; what acts on the first end acts with opposite sign on the second one.

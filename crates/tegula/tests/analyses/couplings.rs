@@ -205,7 +205,7 @@ fn a_body_that_hangs_on_a_flying_shell_keeps_energy_and_momenta() {
             angular_velocity: [3.0, 1.0, -2.0],
             center: [0.0; 3],
         }];
-        let mut options = steps(0.3, 5e-3);
+        let mut options = steps(0.12, 5e-3);
         options.scheme = Scheme::EnergyMomentum(EnergyMomentumScheme { order });
         let mut notes = Notes::default();
         let (system, outcome) = move_in_time(&m, &options, &mut notes);

@@ -288,7 +288,7 @@ fn a_plastic_cycle_gives_one_answer_whatever_the_load_steps() {
         let (strain, z) = answer(64);
         println!("{amplitude:?}: plastic strain {strain:e}, tip {z:e}");
         assert!(strain > 5e-5 && z > 1e-4, "it yields");
-        for steps in [1, 2, 3, 5, 7, 10] {
+        for steps in [1, 3, 7] {
             let (s, x) = answer(steps);
             let (of_s, of_x) = ((s / strain - 1.0).abs(), (x / z - 1.0).abs());
             println!("  {steps} steps: {of_s:e} {of_x:e}");

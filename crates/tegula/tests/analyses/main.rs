@@ -43,6 +43,7 @@ mod outlines;
 mod patch_refusals;
 mod patches;
 mod reactions;
+mod screws;
 mod sensors;
 mod sheet_to_membrane;
 mod shell_joints;

@@ -102,7 +102,7 @@ fn a_patch_on_a_fixed_body_is_a_clamp() {
             joints: vec![fixed("hub", [-0.5, 0.0, 0.0])],
             ..m.clone()
         };
-        let options = steps(0.5, 0.02);
+        let options = steps(0.2, 0.02);
         let end = |m: &Model| move_in_time(m, &options, &mut Notes::default()).1.state.u;
         let d = difference(&end(&patch), &end(&clamp));
         assert!(d < 1e-9, "{element:?} {distortion}: {d}");
@@ -149,7 +149,7 @@ fn a_shell_between_two_bodies_keeps_energy_and_momenta() {
         };
         m.bodies = vec![solid, hub("second", [1.1, 0.5, 1.2], &["u_max"])];
         let mut notes = Notes::default();
-        let (system, outcome) = move_in_time(&m, &steps(0.3, 5e-3), &mut notes);
+        let (system, outcome) = move_in_time(&m, &steps(0.12, 5e-3), &mut notes);
         assert!(outcome.balance.strain > 1e-3 * notes.kinetic, "the shell deforms: {:?}", outcome.balance);
         assert!(
             notes.drift() <= 1e-9 * notes.kinetic,
@@ -196,7 +196,7 @@ fn a_stiff_strip_hinged_about_its_normal_swings_as_a_rigid_pendulum() {
         shape: Some(BodyShape::Box(BoxShape { size: [LENGTH, WIDTH, THICKNESS] })),
         ..RigidBody::new("bar", [0.5 * LENGTH, 0.5 * WIDTH, 0.0], 700.0 * LENGTH * WIDTH * THICKNESS, None)
     };
-    let options = steps(1.0, 0.01);
+    let options = steps(0.4, 0.01);
     let bar = Model::of_bodies(Analysis::Transient(options.clone()), vec![rigid], vec![hinge("bar")]);
     let bar = Model { loads: vec![gravity([0.0, -9.81, 0.0])], ..bar };
     let (system, outcome) = move_in_time(&bar, &options, &mut Notes::default());
@@ -488,7 +488,7 @@ fn a_patch_over_a_fold_keeps_energy_and_momenta() {
             RigidBody { angular_velocity: [2.0, 4.0, 1.0], ..hub("hub", [0.4, -0.1, 0.1], &["v_min"]) };
         m.bodies = vec![spun];
         let mut notes = Notes::default();
-        let (_, outcome) = move_in_time(&m, &steps(0.2, 5e-3), &mut notes);
+        let (_, outcome) = move_in_time(&m, &steps(0.1, 5e-3), &mut notes);
         assert!(outcome.balance.strain > 1e-4 * notes.kinetic, "{:?}", outcome.balance);
         assert!(notes.drift() <= 1e-9 * notes.kinetic, "{element:?}: {} {}", notes.drift(), notes.kinetic);
         let (linear, angular) = notes.momenta[0];

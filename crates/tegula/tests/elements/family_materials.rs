@@ -188,7 +188,7 @@ fn nearly_incompressible_rubber_does_not_lock() {
             assert!((0.75 * narrow..1.01 * narrow).contains(&z), "{element:?} {bulk}: {z} of {narrow}");
         }
         let blown = |bulk: f64| {
-            let mut m = model(plate([1.0, 1.0], [6, 6], 0.0), 1.0, 0.02);
+            let mut m = model(plate([1.0, 1.0], [4, 4], 0.0), 1.0, 0.02);
             let law = NeoHookean { shear: 1.0, bulk, density: 0.0, form: NeoHookeanForm::Split };
             m.materials.insert("m".into(), Material::NeoHookean(law));
             m.sections[0].element = element;

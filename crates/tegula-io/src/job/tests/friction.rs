@@ -13,6 +13,7 @@ use crate::deck::Deck;
 /// is locked and the hinge of the pendulum released.
 const MACHINE: &str = r#"
 title = "Friction and stops"
+output = { pictures = false }
 
 [[bodies]]
 name = "block"

@@ -237,6 +237,18 @@ impl Constraints {
         self.push(sine, 1.0, self.inertia(true));
     }
 
+    /// The point of the second end has moved along a direction of the first one by `ratio` times the angle by which the second end has
+    /// turned about an axis relative to the first one.
+    pub(super) fn rolling(&mut self, direction: &Vec3, axis: &Vec3, at: [f64; 3], ratio: f64) {
+        let Some(forms) = forms_of_angle(&self.ends, axis, &mut self.vectors) else {
+            return self.lacks(Lack::Axis);
+        };
+        self.in_plane(&direction.normalize(), at);
+        if let Some(row) = self.rows.last_mut() {
+            row.turn(-ratio, forms);
+        }
+    }
+
     /// The point of the second end has moved by the drive's length along an axis of the first one.
     pub(super) fn driven_length(&mut self, axis: &Vec3, at: [f64; 3]) {
         let [a, b] = [0, 1].map(|i| self.ends[i].point(&at.into()));
