@@ -135,8 +135,9 @@ fn every_mode_has_its_own_entry() {
 
 #[test]
 fn long_runs_write_two_hundred_field_files() {
-    let text =
-        SWING.replace("scheme = { type = \"SCHEME\" }", "time_step = 2e-4").replace("interval = 0.02", "");
+    let text = SWING
+        .replace("scheme = { type = \"SCHEME\" }", "time_step = 2e-4")
+        .replace("interval = 0.02", "");
     let folder = run_text(&text);
     let count = |folder: &Path| PvdSeries::open(&folder.join("fields.pvd")).unwrap().entries().len();
     assert_eq!(Summary::read(folder.path()).unwrap().steps, 1000);
