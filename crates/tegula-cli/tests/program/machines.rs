@@ -260,6 +260,21 @@ fn the_axle_on_leaf_springs_has_the_rate_and_the_frequency_of_beams() {
     let found = 200.0 / (last(&weight, "chassis") - last(&payload, "chassis"));
     assert!((found / rate - 1.0).abs() < 0.01, "{found} for {rate}");
 
+    // Section forces at the eyes of the left leaf: a quarter of chassis and shackles, beside 0.02 % for half a row of elements, and half
+    // of the payload.
+    let end = |history: &dyn Fn(&str) -> Vec<f64>, eye: &str, c: &str| {
+        *history(&format!("cut.left {eye} eye.{c}")).last().unwrap()
+    };
+    let quarter = (chassis + shackles) * gravity / 4.0;
+    for eye in ["front", "rear"] {
+        let (force, moment) = (end(&weight, eye, "fz"), end(&weight, eye, "my"));
+        assert!((force / -quarter - 1.0).abs() < 5e-4, "{eye}: {force} for {quarter}");
+        assert!(moment.abs() < 1e-6 * quarter * length, "{eye}: {moment}");
+    }
+    let both = |history: &dyn Fn(&str) -> Vec<f64>| end(history, "front", "fz") + end(history, "rear", "fz");
+    let payload_on_leaf = both(&payload) - both(&weight);
+    assert!((payload_on_leaf / -100.0 - 1.0).abs() < 1e-5, "{payload_on_leaf}");
+
     let (time, z) = (bounce("time"), bounce("body.chassis.z"));
     let middle = *weight("body.chassis.z").last().unwrap();
     let upwards: Vec<f64> = (1..time.len())

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use tegula::compile::{Compiler, StepModel, check, soft_folds, warnings, warnings_before_start};
 use tegula::mesh::generators;
 use tegula::model::{
-    Analysis, BodyShape, Scheme, Sensor, StopCondition, TransientAnalysis, TriangulatedSurface,
+    Analysis, BodyShape, Cut, Scheme, Sensor, StopCondition, TransientAnalysis, TriangulatedSurface,
 };
 use tegula::result::Probe;
 use tegula::{Error, Issue, Mesh, Model, System};
@@ -127,7 +127,7 @@ fn unknown_columns(step: &StepModel, system: &System, probes: &[Probe]) -> Vec<I
     step.located(conditions.filter_map(unknown).collect())
 }
 
-/// Whether a column is a mean over the step: reactions of joints and accelerations, with the energy–momentum scheme of second order.
+/// Whether a column is a mean over the step: section forces, reactions of joints and accelerations, with the energy–momentum scheme of second order.
 fn is_mean(model: &Model, column: &str) -> bool {
     let Analysis::Transient(TransientAnalysis { scheme: Scheme::EnergyMomentum(scheme), .. }) =
         &model.analysis
@@ -147,7 +147,10 @@ fn is_mean(model: &Model, column: &str) -> bool {
     let of_end = [bodies::ANGLE, bodies::DISPLACEMENT]
         .iter()
         .any(|name| column.rsplit_once('.').is_some_and(|(_, last)| last == *name));
-    scheme.order == 2 && ((column.starts_with("joint.") && !of_end) || model.sensors.iter().any(of_sensor))
+    let of_cut =
+        |cut: &Cut| column.rsplit_once('.').is_some_and(|(owner, _)| owner == format!("cut.{}", cut.name));
+    let of_step = (column.starts_with("joint.") && !of_end) || model.output.cuts.iter().any(of_cut);
+    scheme.order == 2 && (of_step || model.sensors.iter().any(of_sensor))
 }
 
 /// The mesh, and the fingerprint of the files that the model is made of.

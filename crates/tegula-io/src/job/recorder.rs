@@ -225,6 +225,7 @@ impl<'a> Recorder<'a> {
                 let balance;
                 (s.supports, s.loads, balance) = forces::results(system, forces);
                 s.balance = Some(balance);
+                s.cuts = forces::of_cuts(system, forces);
             }
             s.points = self.prepared.probes.iter().map(|p| (p.name.clone(), point(p))).collect();
         }

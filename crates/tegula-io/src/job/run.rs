@@ -179,6 +179,7 @@ pub(super) fn summary(deck: &Deck, prepared: &Prepared, start: &Start) -> Summar
         points: Default::default(),
         supports: Default::default(),
         loads: Default::default(),
+        cuts: Default::default(),
         balance: None,
         frequencies_hz: None,
         sturm_checked: None,

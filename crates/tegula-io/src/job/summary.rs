@@ -190,6 +190,9 @@ pub struct Summary {
     /// Loads at the end, by kind and set.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub loads: BTreeMap<String, ForceResult>,
+    /// Forces and moments of the cuts at the end: actions of the rest of the model on the elements of each.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub cuts: BTreeMap<String, ForceResult>,
     /// Balance of loads, reactions and inertia at the end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub balance: Option<BalanceResult>,

@@ -1,5 +1,6 @@
 //! Whole runs in temporary folders.
 
+mod cuts;
 mod fields;
 mod friction;
 mod inputs;
@@ -94,7 +95,9 @@ fn a_resumed_run_repeats_the_straight_one_to_the_bit() {
     for scheme in ["newmark", "energy-momentum", "hht", "generalized-alpha", "explicit"] {
         // Drawing takes most of the time; no picture depends on the scheme.
         let drawn = scheme == "newmark";
-        let (mut deck, folder) = (deck(scheme), tempfile::tempdir().unwrap());
+        let cut = "[output]\ncuts = [{ name = \"hinge\", on = \"u_min\", of = \"all\" }]";
+        let text = SWING.replace("SCHEME", scheme).replace("[output]", cut);
+        let (mut deck, folder) = (Deck::parse("swing.toml", text).unwrap(), tempfile::tempdir().unwrap());
         deck.model.output.pictures = drawn;
         let (straight, parts) = (folder.path().join("straight"), folder.path().join("parts"));
         let whole = run(&deck, &options(&straight, false), &mut Unwatched).unwrap();
@@ -126,6 +129,7 @@ fn a_resumed_run_repeats_the_straight_one_to_the_bit() {
         assert_eq!(whole.energy_error.is_some(), scheme == "explicit");
         assert!(!whole.supports.is_empty() && whole.balance.is_some());
         assert_eq!((whole.supports, whole.loads), (resumed.supports, resumed.loads), "{scheme}");
+        assert_eq!((whole.cuts.len(), &whole.cuts), (1, &resumed.cuts), "{scheme}");
 
         // To resume what is complete changes nothing.
         let before = read(&parts, "summary.json");
@@ -135,7 +139,7 @@ fn a_resumed_run_repeats_the_straight_one_to_the_bit() {
         let text = String::from_utf8(before).unwrap().replace("\"complete\"", "\"running\"");
         fs::write(parts.join("summary.json"), text).unwrap();
         let last = run(&deck, &options(&parts, true), &mut Unwatched).unwrap();
-        let forces = |s: &Summary| (s.supports.clone(), s.loads.clone(), s.balance);
+        let forces = |s: &Summary| (s.supports.clone(), s.loads.clone(), s.cuts.clone(), s.balance);
         assert!(last.status == Status::Complete && forces(&last) == forces(&again), "{scheme}");
         let explicit = |s: &Summary| (s.critical_step, s.energy_error);
         assert_eq!(explicit(&last), explicit(&again), "{scheme}");

@@ -26,6 +26,7 @@ const LONGEST_UNIT: usize = 20;
 /// Values and names that are wrong whatever the mesh.
 pub fn keys(model: &Model) -> Vec<Issue> {
     let mut found = steps::issues(model);
+    found.extend(super::cuts::keys(model));
     for step in steps::steps(model) {
         let mut of_step = keys_of(&step.model, &model.joints, step.starts_from.is_some());
         of_step.extend(super::step_joints::laws(&step));
@@ -254,6 +255,7 @@ fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
             }
         }
     }
+    super::cuts::sets(model, mesh, &mut c);
     c.issues.extend(orphan_nodes(model, mesh));
     c.issues
 }
@@ -285,6 +287,9 @@ fn orphan_nodes(model: &Model, mesh: &Mesh) -> Vec<Issue> {
         if let Some(on) = &p.on {
             names.push((format!("output.points[{i}].on"), on));
         }
+    }
+    for (i, cut) in model.output.cuts.iter().enumerate() {
+        names.push((format!("output.cuts[{i}].on"), &cut.on));
     }
     let loose = |name: &str| {
         mesh.nodes_on(name).unwrap_or_default().into_iter().find(|&n| part_of[n as usize] == u32::MAX)

@@ -12,6 +12,7 @@ mod check_modal;
 mod check_sections;
 mod congruence;
 mod couplings;
+mod cuts;
 mod force_sets;
 mod foundations;
 mod guided_axes;
@@ -48,8 +49,8 @@ use crate::model::{
 use crate::system::pattern::{BATCH, PatternBuilder};
 use crate::system::supports::Support;
 use crate::system::{
-    BeamLine, DeadLoad, GroupOffsets, LocalFrames, Outline, Pattern, PrescribedField, Procedure, Reduction,
-    Shell, ShellSection, StepStart, System, lumping,
+    BeamLine, Cut, DeadLoad, GroupOffsets, LocalFrames, Outline, Pattern, PrescribedField, Procedure,
+    Reduction, Shell, ShellSection, StepStart, System, lumping,
 };
 use crate::{Error, Issue, Result};
 use actions::{
@@ -91,6 +92,7 @@ pub struct Compiler<'a> {
     torsion_springs: Arc<Vec<(TorsionSpring, [usize; 2])>>,
     bushings: Arc<Vec<Bushing>>,
     sensors: Arc<Vec<Sensor>>,
+    cuts: Arc<Vec<Cut>>,
     outline: Arc<Outline>,
     shells: Vec<Shell>,
     sections: Arc<Vec<ShellSection>>,
@@ -180,6 +182,8 @@ impl<'a> Compiler<'a> {
         let place = Place { model, mesh, coordinates: &vectors.coordinates, length };
         let sensors = sensors::sensors(&place, &joints, &mut issues);
         let outline = outline::outline(&place, &beams);
+        let offsets = GroupOffsets::of(&elements.groups);
+        let cuts = cuts::cuts((model, mesh), &vectors.coordinates, (&elements, &offsets), &mut issues);
         vectors.mark_inextensible(&elements.unit);
         let linear = |step: &StepModel| match &step.model.analysis {
             Analysis::Static(s) => s.linear,
@@ -192,7 +196,7 @@ impl<'a> Compiler<'a> {
             steps,
             directors,
             vectors,
-            offsets: Arc::new(GroupOffsets::of(&elements.groups)),
+            offsets: Arc::new(offsets),
             groups: Arc::new(elements.groups.into_iter().map(Arc::from).collect()),
             joints,
             locks,
@@ -203,6 +207,7 @@ impl<'a> Compiler<'a> {
             torsion_springs: Arc::new(torsion_springs.into_iter().zip(places).collect()),
             bushings: Arc::new(bushings),
             sensors: Arc::new(sensors),
+            cuts: Arc::new(cuts),
             outline: Arc::new(outline),
             shells: elements.list,
             sections: Arc::new(elements.sections),
@@ -376,6 +381,7 @@ impl<'a> Compiler<'a> {
             torsion_springs: Arc::clone(&self.torsion_springs),
             bushings: Arc::clone(&self.bushings),
             sensors: Arc::clone(&self.sensors),
+            cuts: Arc::clone(&self.cuts),
             outline: Arc::clone(&self.outline),
             shells: self.shells.clone(),
             sections: Arc::clone(&self.sections),

@@ -73,6 +73,7 @@ pub fn warnings_at_start(step: &StepModel, system: &System) -> Vec<Issue> {
 
 fn independent_of_the_start(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
     let mut found = zero_loads(model);
+    found.extend(super::cuts::idle(model, mesh, system));
     found.extend(idle_switches(model));
     found.extend(seams(model, mesh));
     found.extend(prism(model, mesh, system));

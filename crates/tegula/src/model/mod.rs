@@ -9,6 +9,7 @@ mod beam;
 pub(crate) mod body;
 mod bushing;
 mod condition;
+mod cut;
 mod element_kind;
 mod foundation;
 pub mod joint;
@@ -37,6 +38,7 @@ pub use beam::{Beam, BeamSection, CircularSection, RectangularSection, SectionCo
 pub use body::*;
 pub use bushing::Bushing;
 pub use condition::*;
+pub use cut::Cut;
 pub use element_kind::ElementKind;
 pub(crate) use element_kind::element_types;
 pub use foundation::{AreaFoundation, Foundation, FoundationOn};
@@ -315,6 +317,9 @@ pub struct Output {
     /// Points whose motion is recorded at every step.
     #[serde(default)]
     pub points: Vec<OutputPoint>,
+    /// Cuts whose section forces and moments are recorded at every step.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cuts: Vec<Cut>,
     /// Fields in the VTU files; all but `ply-stress` unless given.
     #[serde(default = "all_fields")]
     pub fields: Vec<Field>,
@@ -345,6 +350,7 @@ impl Default for Output {
     fn default() -> Self {
         Self {
             points: Vec::new(),
+            cuts: Vec::new(),
             fields: all_fields(),
             interval: None,
             every: None,

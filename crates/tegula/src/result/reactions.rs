@@ -14,6 +14,8 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+use super::cuts::{CutResultant, cut_resultants};
+use super::resultant::{Resultant, add_to, arm, resultant};
 use crate::Vec3;
 use crate::analysis::State;
 use crate::analysis::dynamics::schemes::Instant;
@@ -23,16 +25,6 @@ use crate::system::supports::Support;
 use crate::system::{Assembly, EvaluationPoint, Internal, System, VectorKind};
 use tegula_sparse::norm::larger;
 
-/// Force and moment about a point.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Resultant {
-    /// Force.
-    pub force: Vec3,
-    /// Moment about the point of the set, [`ForceSet::about`](crate::system::ForceSet::about); for sums about the
-    /// origin.
-    pub moment: Vec3,
-}
-
 /// Forces on the whole model.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Equilibrium {
@@ -40,6 +32,8 @@ pub struct Equilibrium {
     pub supports: Vec<Resultant>,
     /// Loads, in the order of [`System::load_sets`].
     pub loads: Vec<Resultant>,
+    /// Section forces and moments, in the order of [`System::cuts`].
+    pub cuts: Vec<CutResultant>,
     /// Inertia and mass damping, about the origin.
     pub inertia: Resultant,
     /// Resultant force of loads, reactions and inertia over the sum of their sizes.
@@ -79,10 +73,18 @@ struct Supported {
     turns: bool,
 }
 
+/// Internal forces.
+struct Internals {
+    /// Sums on the nodal vectors.
+    nodal: Vec<Nodal>,
+    /// Forces of elements at the cuts.
+    cuts: Vec<Nodal>,
+}
+
 /// Forces that make up the balance of one instant, and the nodal vectors on which they act.
 struct Forces<'a> {
     u: Cow<'a, [Nodal]>,
-    internal: Vec<Nodal>,
+    internal: Internals,
     inertia: Vec<Nodal>,
     /// Times at which loads act, the weight of each, and the displacements there.
     loads: Vec<(f64, f64, Cow<'a, [Nodal]>)>,
@@ -128,7 +130,11 @@ impl ReactionFinder {
         weight: f64,
     ) -> Forces<'a> {
         let shares = [weight, 1.0 - weight];
-        let internal = combine(shares, &self.internal(system, old), &self.internal(system, new));
+        let [start, end] = [old, new].map(|state| self.internal(system, state));
+        let internal = Internals {
+            nodal: combine(shares, &start.nodal, &end.nodal),
+            cuts: combine(shares, &start.cuts, &end.cuts),
+        };
         let loads = [old, new].into_iter().zip(shares);
         Forces {
             internal,
@@ -145,8 +151,7 @@ impl ReactionFinder {
         let motion = Motion::Step { old: &old.u, new: &new.u, dt };
         let internal = Internal { history: &old.history, multipliers: &new.multipliers };
         let k = EvaluationPoint::new(system, motion, middle, internal);
-        let mut internal = vec![[0.0; 3]; new.u.len()];
-        self.assembly.forces(system, &k, &mut internal);
+        let internal = self.forces(system, &k);
         let (mean, rate) = ([0.5, 0.5], [-1.0 / dt, 1.0 / dt]);
         let u = combine(mean, &old.u, &new.u);
         Forces {
@@ -159,17 +164,23 @@ impl ReactionFinder {
     }
 
     /// Internal forces of a state.
-    fn internal(&mut self, system: &System, state: &State) -> Vec<Nodal> {
-        let mut out = vec![[0.0; 3]; state.u.len()];
-        self.assembly.forces(system, &state.point_with_rates(system), &mut out);
-        out
+    fn internal(&mut self, system: &System, state: &State) -> Internals {
+        self.forces(system, &state.point_with_rates(system))
+    }
+
+    /// Internal forces of a motion.
+    fn forces(&mut self, system: &System, k: &EvaluationPoint) -> Internals {
+        let mut nodal = vec![[0.0; 3]; system.vectors()];
+        self.assembly.forces(system, k, &mut nodal);
+        Internals { nodal, cuts: system.cut_forces(&self.assembly) }
     }
 
     /// Resultants and balance.
     fn sum(&mut self, system: &System, forces: &Forces, earlier: f64) -> Equilibrium {
         let u = forces.u.as_ref();
         let zero = vec![[0.0; 3]; u.len()];
-        let mut out = Equilibrium { reactions: zero.clone(), ..Equilibrium::default() };
+        let cuts = cut_resultants(system, u, &forces.internal.cuts);
+        let mut out = Equilibrium { reactions: zero.clone(), cuts, ..Equilibrium::default() };
         let mut all_loads = zero.clone();
         for (index, set) in system.load_sets.iter().enumerate() {
             let mut load = zero.clone();
@@ -179,7 +190,7 @@ impl ReactionFinder {
         }
         out.inertia = resultant(system, u, &forces.inertia, &Vec3::zeros());
         let unbalanced =
-            combine([1.0, -1.0], &combine([1.0, 1.0], &forces.internal, &forces.inertia), &all_loads);
+            combine([1.0, -1.0], &combine([1.0, 1.0], &forces.internal.nodal, &forces.inertia), &all_loads);
         out.supports = vec![Resultant::default(); system.support_sets.len()];
         for supported in &self.supported {
             let v = supported.vector;
@@ -194,7 +205,7 @@ impl ReactionFinder {
         balance.add(system, u, &out.reactions, 1.0);
         if system.acts_on_ground() {
             // Joints and springs transfer forces to the ground, with which the internal forces have a resultant.
-            balance.add(system, u, &forces.internal, -1.0);
+            balance.add(system, u, &forces.internal.nodal, -1.0);
         }
         (out.force_error, out.moment_error) = balance.errors(FORCE_FREE * earlier, system.length);
         out
@@ -285,30 +296,6 @@ fn inertia(system: &System, a: &[Nodal], v: &[Nodal]) -> Vec<Nodal> {
 /// Weighted sum of two fields.
 fn combine([a, b]: [f64; 2], x: &[Nodal], y: &[Nodal]) -> Vec<Nodal> {
     x.iter().zip(y).map(|(x, y)| std::array::from_fn(|i| a * x[i] + b * y[i])).collect()
-}
-
-/// Nodal vector on which forces act (arm of their moment): the reference one in linear models.
-fn arm(system: &System, u: &[Nodal], v: usize) -> Vec3 {
-    let reference = Vec3::from(system.coordinates.reference[v]);
-    if system.linear { reference } else { reference + Vec3::from(u[v]) }
-}
-
-fn add_to(total: &mut Resultant, system: &System, (u, v): (&[Nodal], usize), force: &Vec3, about: &Vec3) {
-    let mut x = arm(system, u, v);
-    if system.coordinates.kinds[v] == VectorKind::Position {
-        total.force += force;
-        x -= about;
-    }
-    total.moment += x.cross(force);
-}
-
-/// Force and moment about a point of generalised forces.
-fn resultant(system: &System, u: &[Nodal], forces: &[Nodal], about: &Vec3) -> Resultant {
-    let mut out = Resultant::default();
-    for (v, f) in forces.iter().enumerate().filter(|(_, f)| **f != [0.0; 3]) {
-        add_to(&mut out, system, (u, v), &Vec3::from(*f), about);
-    }
-    out
 }
 
 /// Forces over those of earlier load steps below which a state is free of forces, up to round-off.

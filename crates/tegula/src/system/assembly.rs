@@ -317,6 +317,13 @@ impl Assembly {
         curvature.add(system, frames, values);
     }
 
+    /// Force of an element on one of its nodal vectors in the last evaluation; `place` counts nodal vectors over all elements, one group
+    /// after another.
+    pub(super) fn element_force(&self, place: u32) -> Nodal {
+        let at = 3 * place as usize;
+        std::array::from_fn(|i| self.element_forces[at + i])
+    }
+
     fn gather_forces(&self, out: &mut [Nodal]) {
         out.par_iter_mut().with_min_len(256).enumerate().for_each(|(v, f)| {
             *f = [0.0; 3];

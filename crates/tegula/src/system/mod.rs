@@ -5,6 +5,7 @@ mod body_curvature;
 pub mod circulatory;
 pub mod coordinates;
 pub mod corotational_update;
+mod cut;
 pub mod dof_map;
 mod drives;
 pub mod element_frequency;
@@ -37,6 +38,7 @@ pub use circulatory::CirculatoryStiffness;
 use coordinates::Body;
 pub use coordinates::{Coordinates, VectorKind};
 pub use corotational_update::CorotationalUpdate;
+pub use cut::Cut;
 pub use dof_map::DofMap;
 use dof_map::Prescribed;
 pub use evaluation_point::{EvaluationPoint, GroupOffsets, Internal};
@@ -162,6 +164,8 @@ pub struct System {
     pub bushings: Arc<Vec<Bushing>>,
     /// Sensors.
     pub sensors: Arc<Vec<Sensor>>,
+    /// Cuts.
+    pub cuts: Arc<Vec<Cut>>,
     /// Outline of bodies, beams and springs, for pictures.
     pub outline: Arc<Outline>,
     /// Shells, one per quad that has an element.
