@@ -447,7 +447,7 @@ impl ScrewJoint {
 impl RackJoint {
     pub(crate) fn example() -> Self {
         let (between, at, axis) = EXAMPLE;
-        let [direction, _] = crate::element::geometry::tangents(&crate::Vec3::from(axis).normalize());
+        let direction = crate::Vec3::from(axis).cross(&crate::Vec3::z());
         let between = between.map(str::to_owned);
         Self { name: "joint".into(), between, at, axis, direction: direction.into(), radius: 0.4 }
     }
