@@ -52,6 +52,15 @@ impl Checker {
         }
     }
 
+    /// Refuses 0 and numbers that are not finite or of absurd size; numbers of both signs are valid.
+    pub(crate) fn not_zero(&mut self, key: &str, what: &str, value: f64, help: &str) {
+        if value == 0.0 || !value.is_finite() {
+            self.add(key, format!("{what} is {value}; it must be finite and not 0"), help);
+        } else {
+            self.positive(key, what, value.abs());
+        }
+    }
+
     /// Refuses numbers that are not finite or of absurd size.
     pub(crate) fn finite(&mut self, key: &str, what: &str, values: &[f64]) {
         if !values.iter().all(|v| v.is_finite()) {

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use tegula::compile::{Compiler, StepModel, check, soft_folds, warnings, warnings_before_start};
 use tegula::mesh::generators;
 use tegula::model::{
-    Analysis, BodyShape, Cut, Scheme, Sensor, StopCondition, TransientAnalysis, TriangulatedSurface,
+    Analysis, BodyShape, Scheme, Sensor, StopCondition, TransientAnalysis, TriangulatedSurface,
 };
 use tegula::result::Probe;
 use tegula::{Error, Issue, Mesh, Model, System};
 
-use super::{JobError, bodies, history};
+use super::{JobError, bodies, forces, history};
 use crate::deck::{Deck, Diagnostic};
 use crate::memory;
 use crate::mesh::{self, FileMesh, stl};
@@ -103,7 +103,7 @@ fn unknown_columns(step: &StepModel, system: &System, probes: &[Probe]) -> Vec<I
     let unknown = |(i, condition): (usize, &StopCondition)| {
         let name = &condition.column;
         if columns.contains(name) {
-            return is_mean(&step.model, name).then(|| {
+            return is_mean(&step.model, system, name).then(|| {
                 Issue::new(
                     format!("analysis.stop[{i}].column"),
                     format!("with `energy-momentum` of order 2 \"{name}\" is a mean over the step, and round-off in the short step to a crossing"),
@@ -127,8 +127,9 @@ fn unknown_columns(step: &StepModel, system: &System, probes: &[Probe]) -> Vec<I
     step.located(conditions.filter_map(unknown).collect())
 }
 
-/// Whether a column is a mean over the step: section forces, reactions of joints and accelerations, with the energy–momentum scheme of second order.
-fn is_mean(model: &Model, column: &str) -> bool {
+/// Whether a column is a mean over the step: reactions, loads, section forces and accelerations, with the energy–momentum scheme of
+/// second order.
+fn is_mean(model: &Model, system: &System, column: &str) -> bool {
     let Analysis::Transient(TransientAnalysis { scheme: Scheme::EnergyMomentum(scheme), .. }) =
         &model.analysis
     else {
@@ -147,9 +148,8 @@ fn is_mean(model: &Model, column: &str) -> bool {
     let of_end = [bodies::ANGLE, bodies::DISPLACEMENT]
         .iter()
         .any(|name| column.rsplit_once('.').is_some_and(|(_, last)| last == *name));
-    let of_cut =
-        |cut: &Cut| column.rsplit_once('.').is_some_and(|(owner, _)| owner == format!("cut.{}", cut.name));
-    let of_step = (column.starts_with("joint.") && !of_end) || model.output.cuts.iter().any(of_cut);
+    let of_forces = || forces::names(system).iter().any(|name| name == column);
+    let of_step = (column.starts_with("joint.") && !of_end) || of_forces();
     scheme.order == 2 && (of_step || model.sensors.iter().any(of_sensor))
 }
 

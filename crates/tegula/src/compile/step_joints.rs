@@ -77,6 +77,10 @@ fn not_lockable(joint: &model::Joint) -> (String, &'static str) {
             "holds the director of a shell node, which has no other axes",
             "take it out of the list, or attach nodes to a body and lock a joint of the body",
         ),
+        model::Joint::RackAndPinion(_) => (
+            "couples two motions that other joints leave free",
+            "lock the hinge of the pinion or the guide of the rack",
+        ),
         _ => ("is a rod between two points", "lock other joints of the same bodies"),
     };
     (format!("the joint \"{name}\" of the type \"{kind}\" {reason}, and cannot be locked"), help)
@@ -95,24 +99,13 @@ pub(super) fn laws(step: &StepModel) -> Vec<Issue> {
         if step.locked.iter().any(|name| name == keys.name()) {
             return None;
         }
-        let beyond = |stops: &&JointStops| {
-            stops.lower.is_some_and(|lower| lower > 0.0) || stops.upper.is_some_and(|upper| upper < 0.0)
-        };
         let (problem, help) = if let Some((does_not, help)) = ignorant(&step.model.analysis) {
             (format!("which {does_not}"), help)
-        } else if let Some(stops) = keys.stops().filter(beyond).filter(|_| step.starts_from.is_none()) {
-            // Joints stand at 0 in the reference configuration.
-            let bound = |given: Option<f64>, none: &str| given.map_or(none.to_owned(), |x| x.to_string());
-            let range = [bound(stops.lower, "no lower one"), bound(stops.upper, "no upper one")];
-            let message = format!(
-                "the joint \"{}\" begins at 0, which is not between its stops, {} and {}",
-                keys.name(),
-                range[0],
-                range[1]
-            );
+        } else if let Some(violated) = keys.stops().and_then(violated).filter(|_| step.starts_from.is_none())
+        {
             return Some(Issue::new(
                 format!("joints[{i}].stops"),
-                message,
+                format!("the joint \"{}\" begins at 0, {violated}", keys.name()),
                 "displacements and angles count from the reference configuration: give stops that contain 0",
             ));
         } else {
@@ -130,6 +123,15 @@ pub(super) fn laws(step: &StepModel) -> Vec<Issue> {
         Some(Issue::new(format!("joints[{i}].{key}"), message, help))
     };
     joints.iter().enumerate().filter_map(of_joint).collect()
+}
+
+/// Stop that does not admit the reference configuration, in which joints stand at 0.
+fn violated(stops: &JointStops) -> Option<String> {
+    let lower =
+        stops.lower.filter(|lower| *lower > 0.0).map(|lower| format!("below its lower stop, {lower}"));
+    let upper =
+        stops.upper.filter(|upper| *upper < 0.0).map(|upper| format!("above its upper stop, {upper}"));
+    lower.or(upper)
 }
 
 /// Reason why an analysis does not compute friction and stops of joints, and what to do instead.

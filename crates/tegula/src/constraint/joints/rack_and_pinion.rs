@@ -16,16 +16,9 @@ impl JointKind for RackAndPinion {
     type Keys = RackJoint;
 
     fn check(keys: &RackJoint, key: &str, checker: &mut Checker) {
-        if !(keys.radius.is_finite() && keys.radius != 0.0) {
-            checker.add(
-                format!("{key}.radius"),
-                format!(
-                    "the radius of the pinion \"{}\" is {}, but must be finite and not 0",
-                    keys.name, keys.radius
-                ),
-                "a negative radius is that of a pinion on the other side of the rack",
-            );
-        }
+        let what = format!("the radius of the pinion \"{}\"", keys.name);
+        let help = "a negative radius is that of a pinion on the other side of the rack";
+        checker.not_zero(&format!("{key}.radius"), &what, keys.radius, help);
         let [axis, direction] = [keys.axis, keys.direction].map(|x| Vec3::from(x).normalize());
         let cosine = axis.dot(&direction).abs();
         // Directions without length have a message of their own.

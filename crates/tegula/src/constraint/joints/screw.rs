@@ -15,16 +15,9 @@ impl JointKind for Screw {
     type Keys = ScrewJoint;
 
     fn check(keys: &ScrewJoint, key: &str, checker: &mut Checker) {
-        if !(keys.pitch.is_finite() && keys.pitch != 0.0) {
-            checker.add(
-                format!("{key}.pitch"),
-                format!(
-                    "the pitch of the screw \"{}\" is {}, but must be finite and not 0",
-                    keys.name, keys.pitch
-                ),
-                "a joint that turns without sliding is `revolute`",
-            );
-        }
+        let what = format!("the pitch of the screw \"{}\"", keys.name);
+        let help = "a joint that turns without sliding is `revolute`";
+        checker.not_zero(&format!("{key}.pitch"), &what, keys.pitch, help);
     }
 
     fn constrain(keys: &ScrewJoint, out: &mut Constraints) {
