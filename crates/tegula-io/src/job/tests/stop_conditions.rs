@@ -184,6 +184,11 @@ fn reactions_and_accelerations_of_energy_momentum_steps_are_refused() {
         let fourth = text.replace("\"energy-momentum\" }", "\"energy-momentum\", order = 4 }");
         assert!(prepare(&Deck::parse("m.toml", fourth).unwrap()).is_ok());
     }
+    let stop = "stop = [{ column = \"support.u_min.fz\", value = 1.0, direction = \"rising\" }]\n[mesh]";
+    let text = SWING.replace("SCHEME", "energy-momentum").replace("[mesh]", stop);
+    let error = prepare(&Deck::parse("m.toml", text.clone()).unwrap()).err().unwrap().to_string();
+    assert!(error.contains("\"support.u_min.fz\" is a mean over the step"), "{error}");
+    prepare(&Deck::parse("m.toml", text.replace("energy-momentum", "newmark")).unwrap()).unwrap();
 }
 
 #[test]
