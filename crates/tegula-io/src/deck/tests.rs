@@ -1,6 +1,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod editor;
+mod marker_keys;
 mod markers;
 mod messages;
 mod syntax;

@@ -49,6 +49,8 @@ mod sensors;
 mod sheet_to_membrane;
 mod shell_joints;
 mod statics;
+mod step_joint_lists;
+mod step_joint_modes;
 mod step_joints;
 mod steps;
 mod steps_with_bodies;

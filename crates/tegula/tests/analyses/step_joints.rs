@@ -1,9 +1,8 @@
 //! Joints that analysis steps release and lock: motions that go on without a joint, plastic impacts, static redistribution, modes.
 
 use crate::common::Notes;
-use crate::multibody::{between, body, gravity, machine, pose, revolute, spherical};
-use tegula::analysis::modal;
-use tegula::analysis::{Balance, Silent, State, dynamics, statics};
+use crate::multibody::{between, body, gravity, machine, pose, revolute};
+use tegula::analysis::{Balance, State, dynamics, statics};
 use tegula::model::joint::DRIVE;
 use tegula::model::*;
 use tegula::result::joint_reaction;
@@ -11,7 +10,7 @@ use tegula::result::joint_reaction;
 use tegula::{Error, Mat3, System, Vec3, compile, mesh};
 
 /// End of an analysis step.
-struct Done {
+pub struct Done {
     system: System,
     state: State,
     notes: Notes,
@@ -38,7 +37,7 @@ impl tegula::analysis::Observer for First {
 }
 
 /// Runs all static and transient steps of a model.
-fn run(model: &Model) -> Result<Vec<Done>, Error> {
+pub fn run(model: &Model) -> Result<Vec<Done>, Error> {
     let mesh = mesh::generators::generate(&model.mesh).unwrap();
     let compiler = compile::Compiler::new(model, &mesh)?;
     let (mut out, mut end) = (Vec::new(), None);
@@ -58,7 +57,7 @@ fn run(model: &Model) -> Result<Vec<Done>, Error> {
 }
 
 /// Text of the issues of a model that is refused.
-fn refused(model: &Model) -> String {
+pub fn refused(model: &Model) -> String {
     match run(model) {
         Err(Error::Model(issues)) => {
             issues.iter().map(|i| format!("{}: {}\n", i.place.key, i.message)).collect()
@@ -72,11 +71,11 @@ fn named(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| (*name).to_owned()).collect()
 }
 
-fn step(name: &str, analysis: Analysis, released: &[&str], locked: &[&str]) -> AnalysisStep {
+pub fn step(name: &str, analysis: Analysis, released: &[&str], locked: &[&str]) -> AnalysisStep {
     AnalysisStep { released: named(released), locked: named(locked), ..AnalysisStep::new(name, analysis) }
 }
 
-fn at_rest() -> Analysis {
+pub fn at_rest() -> Analysis {
     Analysis::Static(StaticAnalysis::default())
 }
 
@@ -416,100 +415,6 @@ fn a_lock_that_is_released_in_statics_hands_its_moment_over() {
     }
 }
 
-/// Frequencies of a modal step of a model, about the reference or behind a static first step.
-fn omegas(model: &Model, number: usize) -> Vec<f64> {
-    let mesh = mesh::generators::generate(&model.mesh).unwrap();
-    let compiler = compile::Compiler::new(model, &mesh).unwrap();
-    let Analysis::Modal(options) = &model.steps[number].analysis else { panic!() };
-    let mut end = None;
-    let behind = matches!(model.steps[0].analysis, Analysis::Static(_));
-    if behind {
-        let system = compiler.system(0, None).unwrap();
-        let state = statics::run(&system, &StaticAnalysis::default(), None, &mut Silent).unwrap().state;
-        end = Some(state.end_of_step());
-    }
-    let system = compiler.system(number, end).unwrap();
-    let about = behind.then(|| State { time: 1.0, ..State::first(&system) });
-    let found = modal::run(&system, options.modes as usize, about.as_ref(), &mut Silent).unwrap();
-    assert!(found.sturm_checked);
-    found.modes.iter().map(|mode| mode.omega).collect()
-}
-
-/// Modes with a locked joint are those with a fixed one, and modes with a released joint those without it: about the reference, and
-/// about an equilibrium far away from it, whose forces are in the joints.
-#[test]
-fn modes_with_locked_and_released_joints_are_those_with_fixed_ones_and_without() {
-    let modes = |count| Analysis::Modal(ModalAnalysis::new(count));
-    let spring = |name: &str, body: &str, from: [f64; 3], to: [f64; 3], stiffness| SpringDamper {
-        name: name.into(),
-        between: between("ground", body),
-        points: [from, to],
-        stiffness,
-        damping: 0.0,
-        length: None,
-    };
-    for joint in Joint::examples().into_iter().filter(Joint::can_be_locked) {
-        let mut model = Model::of_bodies(
-            modes(6),
-            vec![
-                body("a", [0.0; 3], 2.0, Some([0.4, 0.5, 0.3])),
-                body("b", [1.2, 0.3, 0.1], 2.0, Some([0.2, 0.25, 0.3])),
-            ],
-            vec![joint.clone()],
-        );
-        model.springs = vec![
-            spring("1", "a", [-1.0, 0.0, 0.0], [-0.2, 0.1, 0.0], 300.0),
-            spring("2", "a", [0.0, -1.0, 0.2], [0.1, -0.3, 0.1], 400.0),
-            spring("3", "a", [0.0, 0.1, -1.0], [0.3, 0.1, -0.2], 500.0),
-            spring("4", "b", [2.2, 0.3, 0.0], [1.4, 0.5, 0.3], 350.0),
-            spring("5", "b", [1.0, 1.3, 0.2], [1.3, 0.6, 0.1], 450.0),
-            spring("6", "b", [1.2, 0.1, 1.5], [1.1, 0.2, 0.4], 600.0),
-            spring("7", "a", [-1.0, 0.2, 0.3], [-0.1, -0.2, 0.4], 350.0),
-            spring("8", "a", [0.3, -1.0, 0.1], [-0.3, -0.2, -0.1], 250.0),
-            spring("9", "a", [0.4, 0.3, -1.0], [-0.2, 0.4, -0.1], 450.0),
-            spring("10", "b", [2.2, 0.1, 0.4], [1.3, 0.0, 0.2], 300.0),
-            spring("11", "b", [0.9, 1.3, -0.2], [1.0, 0.5, -0.3], 500.0),
-            spring("12", "b", [1.4, 0.5, 1.5], [1.5, 0.1, 0.3], 400.0),
-        ];
-        let fixed = Joint::Fixed(PointJoint {
-            name: "joint".into(),
-            between: between("a", "b"),
-            at: [0.6, 0.1, -0.2],
-        });
-        let with = |joints: Vec<Joint>, loaded: bool, released: &[&str], locked: &[&str]| {
-            let mut model = Model { joints, ..model.clone() };
-            if loaded {
-                model.loads = gravity([-20.0, 10.0, -30.0]);
-                model.steps =
-                    vec![step("load", at_rest(), released, locked), AnalysisStep::new("modes", modes(6))];
-            } else {
-                model.steps = vec![step("modes", modes(6), released, locked)];
-            }
-            omegas(&model, usize::from(loaded))
-        };
-        let compare = |what: &str, found: Vec<f64>, expected: Vec<f64>| {
-            assert_eq!(found.len(), expected.len(), "{what}");
-            for (a, b) in found.iter().zip(&expected) {
-                assert!((a / b - 1.0).abs() < 1e-9, "{what} {}: {found:?} {expected:?}", joint.word());
-            }
-        };
-        for loaded in [false, true] {
-            let held = with(vec![joint.clone()], loaded, &[], &["joint"]);
-            compare("locked", held.clone(), with(vec![fixed.clone()], loaded, &[], &[]));
-            let free = with(vec![joint.clone()], loaded, &[], &[]);
-            assert!(free.iter().zip(&held).any(|(a, b)| (a / b - 1.0).abs() > 1e-3), "{}", joint.word());
-        }
-        let spare = Joint::Spherical(PointJoint {
-            name: "spare".into(),
-            between: between("ground", "b"),
-            at: [1.2, 0.3, 0.1],
-        });
-        let mut other = Model { joints: vec![joint.clone(), spare], ..model.clone() };
-        other.steps = vec![step("modes", modes(6), &["spare"], &[]), step("modes", modes(6), &[], &[])];
-        compare("released", omegas(&other, 0), with(vec![joint.clone()], false, &[], &[]));
-    }
-}
-
 /// A wheel that a motor turns by a rate, and that runs on at it when the motor is switched off; the motor takes hold again where the
 /// wheel stands, with half the rate. The impact does the work of the motor's impulse and dissipates ½ J Δω².
 #[test]
@@ -605,74 +510,4 @@ fn bodies_fly_apart_when_the_bolt_between_them_is_gone() {
         }
         assert!(done[1].system.constraints() == 0 && done[1].first.dissipated == 0.0);
     }
-}
-
-fn listing(steps: Vec<AnalysisStep>) -> Model {
-    let bodies = vec![
-        body("a", [0.5, 0.0, 0.0], 1.0, Some([0.1; 3])),
-        body("b", [1.5, 0.0, 0.0], 1.0, Some([0.1; 3])),
-        body("bob", [2.0, 0.0, 0.0], 1.0, None),
-    ];
-    let motor = Joint::DrivenAngle(DrivenAngleJoint {
-        name: "motor".into(),
-        between: between("ground", "a"),
-        axis: [0.0, 0.0, 1.0],
-        angle: 90.0,
-        amplitude: DRIVE.into(),
-    });
-    let joints = vec![
-        revolute("hinge", "ground", "a", [0.0; 3], [0.0, 0.0, 1.0]),
-        motor,
-        Joint::Fixed(PointJoint { name: "weld".into(), between: between("a", "b"), at: [1.0, 0.0, 0.0] }),
-        spherical("b", "bob", [2.0, 0.0, 0.0]),
-        Joint::Distance(DistanceJoint {
-            name: "rod".into(),
-            between: between("ground", "bob"),
-            points: [[2.0, -1.0, 0.0], [2.0, 0.0, 0.0]],
-        }),
-    ];
-    let mut model = machine(0.1, 0.01, bodies, joints);
-    model
-        .amplitudes
-        .insert(DRIVE.into(), Amplitude::Expression(ExpressionAmplitude { expression: "t^2".into() }));
-    model.steps = steps;
-    model
-}
-
-#[test]
-fn lists_of_joints_that_make_no_sense_are_refused() {
-    let moves = || machine(0.1, 0.01, Vec::new(), Vec::new()).analysis;
-    let model = listing(vec![
-        step("first", moves(), &["hing", "weld", "weld"], &["weld", "motor", "rod"]),
-        step("second", moves(), &["weld", "hinge"], &["hinge"]),
-    ]);
-    insta::assert_snapshot!(refused(&model));
-    // The name of a spherical joint is that of its sides; a point mass has no axes to hold.
-    let name = model.joints[3].common().name().to_owned();
-    let text = refused(&listing(vec![
-        step("only", moves(), &["rod", "motor"], &[&name]),
-        step("next", moves(), &[], &[]),
-    ]));
-    assert!(text.starts_with("steps[0].locked[0]: ") && text.contains("point mass"), "{text}");
-    let modes = Analysis::Modal(ModalAnalysis::new(2));
-    let text = refused(&listing(vec![
-        step("rest", at_rest(), &["motor"], &["hinge"]),
-        step("modes", modes, &["motor"], &["hinge"]),
-    ]));
-    assert!(text.contains("steps[1].released: ") && text.contains("steps[1].locked: "), "{text}");
-}
-
-/// A body that only released joints hold, in statics.
-#[test]
-fn a_body_whose_joints_are_all_released_in_statics_is_refused() {
-    let bar = body("bar", [ARM, 0.0, 0.0], MASS, Some([0.2, 0.25, 0.3]));
-    let hinge = revolute("hinge", "ground", "bar", [0.0; 3], [0.0, 0.0, 1.0]);
-    let mut model = Model::of_bodies(at_rest(), vec![bar], vec![hinge]);
-    model.loads = gravity([0.0, -G, 0.0]);
-    model.steps = vec![step("held", at_rest(), &[], &["hinge"]), step("gone", at_rest(), &["hinge"], &[])];
-    let text = refused(&model);
-    assert!(text.contains("nothing holds body \"bar\""), "{text}");
-    // Free to turn, without a spring.
-    model.steps = vec![step("held", at_rest(), &[], &["hinge"]), step("free", at_rest(), &[], &[])];
-    assert!(run(&model).is_err());
 }
