@@ -352,6 +352,12 @@ impl<'a> Compiler<'a> {
             load_sets.push(force_sets::of_caller(name, mesh));
             followers.push(of_caller(load, step));
         }
+        let is_static = matches!(model.analysis, Analysis::Static(_));
+        if is_static {
+            let (couples, loads) = StepJoints::couples(&released, load_sets.len());
+            followers.extend(couples);
+            load_of_follower.extend(loads);
+        }
         issues.extend(drilling_components(&followers, &load_of_follower, vectors, mesh));
         let added = added_masses(model, mesh, vectors);
         let procedure = procedure(&model.analysis);
@@ -413,7 +419,6 @@ impl<'a> Compiler<'a> {
             issues.extend(lumping::lump(&mut system, &added, scheme.scale_director_inertia));
         }
         (system.dead_loads, system.load_of_dead) = dead_loads(step, mesh, &system, &names);
-        let is_static = matches!(procedure, Procedure::Static | Procedure::IterativeStatic);
         if is_static {
             StepJoints::release(released, &mut system);
             issues.extend(foundations::free_motions(model, &system));

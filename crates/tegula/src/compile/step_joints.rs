@@ -10,7 +10,7 @@ use crate::checker::Checker;
 use crate::constraint::joints::{End, lock};
 use crate::constraint::{Joint, JointGroup, Role};
 use crate::element::{ElementGroup, Nodal};
-use crate::load::{LoadFactor, TimeFunction};
+use crate::load::{FollowerLoad, LoadFactor, TimeFunction};
 use crate::model::{
     self, Analysis, AnalysisStep, EnergyMomentumScheme, JointKeys, JointStops, Model, Scheme,
     TransientAnalysis,
@@ -226,25 +226,50 @@ pub(super) struct StepJoints {
     /// Start of the step with a multiplier for each constraint of these joints.
     pub(super) start: Option<StepStart>,
     /// Forces of the constraints that the step before had, and this one has not, joint by joint.
-    released: Vec<(ForceSet, Vec<Nodal>)>,
+    released: Vec<Released>,
+}
+
+/// Forces of released constraints on both sides of a joint, with a constant direction: forces at its place, and couples.
+pub(super) struct Released {
+    set: ForceSet,
+    /// Forces on nodal vectors; those at a place of a body act on its mass centre and, by their arm, on its directors.
+    field: Vec<Nodal>,
+    /// Directors of bodies, and couples on these.
+    couples: Vec<([u32; 3], Vec3)>,
 }
 
 impl StepJoints {
     /// Lets the forces of released constraints fall to 0 with the load factor of a static step.
-    pub(super) fn release(released: Vec<(ForceSet, Vec<Nodal>)>, system: &mut System) {
-        for (set, force) in released {
-            let factor = LoadFactor { start: 1.0, released: true, ..LoadFactor::new(None) };
+    pub(super) fn release(released: Vec<Released>, system: &mut System) {
+        for Released { set, field: force, .. } in released {
             system.load_of_dead.push(system.load_sets.len());
             system.load_sets.push(set);
-            system.dead_loads.push(DeadLoad { force, factor, gravity: false });
+            system.dead_loads.push(DeadLoad { force, factor: FALLING, gravity: false });
         }
     }
 
     /// Takes the forces of released constraints out.
-    pub(super) fn take_released(&mut self) -> Vec<(ForceSet, Vec<Nodal>)> {
+    pub(super) fn take_released(&mut self) -> Vec<Released> {
         std::mem::take(&mut self.released)
     }
+
+    /// Couples of released constraints, each with the number of its load behind `loads` others.
+    pub(super) fn couples(released: &[Released], loads: usize) -> (Vec<FollowerLoad>, Vec<usize>) {
+        let of_joint = |(number, released): (usize, &Released)| {
+            let load = move |&(directors, moment): &([u32; 3], Vec3)| {
+                (FollowerLoad::BodyMoment { directors, moment, factor: FALLING }, number)
+            };
+            released.couples.iter().map(load).collect::<Vec<_>>()
+        };
+        (loads..).zip(released).flat_map(of_joint).unzip()
+    }
 }
+
+/// Factor of forces that a static step takes away.
+const FALLING: LoadFactor = LoadFactor { amplitude: None, start: 1.0, released: true };
+
+/// Couple over the moments that make it up, and sine of the angle between two forces, below which they are round-off.
+const NO_COUPLE: f64 = 1e-12;
 
 /// Groups of the joints among those of all elements.
 pub(super) type JointGroups = Range<usize>;
@@ -299,7 +324,7 @@ impl Compiler<'_> {
             let v: Vec<Vec3> = joint.vectors.iter().map(|&v| current(v)).collect();
             let before_it = &old[first_old.min(old.len())..(first_old + had).min(old.len())];
             if had > has && start.is_some() {
-                released.push(self.forces((&joint, has), &v, before_it));
+                released.push(self.forces((&joint, has), (&v, current), before_it));
             }
             if earlier == Role::Released && present != earlier {
                 issues.extend(self.open(step, base, &v));
@@ -344,18 +369,48 @@ impl Compiler<'_> {
     }
 
     /// Forces of the constraints of a joint from one of them on, with the multipliers of all.
+    ///
+    /// Director forces of a body are the force at the place of the joint, by its arm, and a couple.
     fn forces(
         &self,
         (joint, first): (&Joint, usize),
-        v: &[Vec3],
+        (v, current): (&[Vec3], impl Fn(u32) -> Vec3),
         multipliers: &[f64],
-    ) -> (ForceSet, Vec<Nodal>) {
-        let mut field = vec![[0.0; 3]; self.vectors.coordinates.len()];
+    ) -> Released {
+        let coordinates = &self.vectors.coordinates;
+        let mut field = vec![[0.0; 3]; coordinates.len()];
         for (&vector, force) in joint.vectors.iter().zip(joint.forces_from(first, v, multipliers)) {
             field[vector as usize] = force.into();
         }
-        let about = joint.place(|v| Vec3::from(self.vectors.coordinates.reference[v as usize]));
-        (ForceSet { name: format!("released.{}", joint.name), keys: Vec::new(), about }, field)
+        let place = joint.place(&current);
+        let mut couples = Vec::new();
+        for body in &coordinates.bodies {
+            let Some(directors) = body.directors.filter(|d| d.iter().any(|d| joint.vectors.contains(d)))
+            else {
+                continue;
+            };
+            let force = Vec3::from(field[body.centre as usize]);
+            let own = directors.map(|d| Vec3::from(field[d as usize]));
+            // A force at a place of the body, such as that of a rod, has parallel director forces.
+            let oblique: f64 = own.iter().map(|f| f.cross(&force).norm()).sum();
+            let size: f64 = own.iter().map(Vec3::norm).sum();
+            if force != Vec3::zeros() && oblique <= NO_COUPLE * size * force.norm() {
+                continue;
+            }
+            let arm = place - current(body.centre);
+            let mut couple = -arm.cross(&force);
+            for (director, own) in directors.into_iter().zip(own) {
+                let d = current(director);
+                couple += d.cross(&own);
+                field[director as usize] = (force * d.dot(&arm)).into();
+            }
+            if couple.norm() > NO_COUPLE * (size + arm.norm() * force.norm()) {
+                couples.push((directors, couple));
+            }
+        }
+        let about = joint.place(|v| Vec3::from(coordinates.reference[v as usize]));
+        let set = ForceSet { name: format!("released.{}", joint.name), keys: Vec::new(), about };
+        Released { set, field, couples }
     }
 
     /// Issue of a joint that acts again in a step, where its sides do not meet.

@@ -415,6 +415,58 @@ fn a_lock_that_is_released_in_statics_hands_its_moment_over() {
     }
 }
 
+/// The moment of a released drive, or of a lock, falls with the load factor whatever the angle: on a torsion spring the body turns back by
+/// `θ = θ₀ (1 − λ)` from a quarter of a turn, or to `θ = M λ/k` where the moment M was locked.
+#[test]
+fn the_moment_of_a_released_drive_or_lock_falls_with_the_load_factor_at_any_angle() {
+    let k = 2.0;
+    let axis = [1.0, 2.0, 2.0];
+    let wheel = body("wheel", [0.0; 3], MASS, Some([0.2; 3]));
+    let motor = Joint::DrivenAngle(DrivenAngleJoint {
+        name: "motor".into(),
+        between: between("ground", "wheel"),
+        axis,
+        angle: 100.0,
+        amplitude: DRIVE.into(),
+    });
+    let hinge = revolute("hinge", "ground", "wheel", [0.0; 3], axis);
+    let in_steps = || Analysis::Static(StaticAnalysis { load_steps: 10, ..StaticAnalysis::default() });
+    let with = |joints: Vec<Joint>, steps: Vec<AnalysisStep>| {
+        let mut model = Model::of_bodies(at_rest(), vec![wheel.clone()], joints);
+        let ramp = Amplitude::Expression(ExpressionAmplitude { expression: "t".into() });
+        model.amplitudes.insert(DRIVE.into(), ramp);
+        model.torsion_springs = vec![TorsionSpring {
+            name: "coil".into(),
+            between: between("ground", "wheel"),
+            axis,
+            stiffness: k,
+            damping: 0.0,
+            free_angle: 0.0,
+        }];
+        model.steps = steps;
+        model
+    };
+    let seen = |done: &Done, exact: &dyn Fn(f64) -> f64| {
+        assert!(done.notes.states.len() >= 10);
+        for state in &done.notes.states {
+            let (_, turned) = pose(&done.system, state, 0);
+            let angle = (0.5 * (turned.trace() - 1.0)).clamp(-1.0, 1.0).acos();
+            // The arccosine loses half of the digits near 0.
+            assert!((angle - exact(state.time)).abs() < 1e-7, "{}: {angle}", state.time);
+        }
+    };
+    let steps = vec![step("turned", in_steps(), &[], &[]), step("free", in_steps(), &["motor"], &[])];
+    let done = run(&with(vec![hinge.clone(), motor], steps)).unwrap();
+    seen(&done[1], &|factor| 100.0_f64.to_radians() * (1.0 - factor));
+    // Locked under a moment that would turn it by 2.5 rad.
+    let steps = vec![step("locked", at_rest(), &[], &["hinge"]), step("free", in_steps(), &[], &[])];
+    let mut model = with(vec![hinge], steps);
+    let value = (Vec3::from(axis) / 3.0 * (2.5 * k)).into();
+    model.loads = vec![Load::Moment(VectorLoad { on: "wheel".into(), value, amplitude: None })];
+    let done = run(&model).unwrap();
+    seen(&done[1], &|factor| 2.5 * factor);
+}
+
 /// A wheel that a motor turns by a rate, and that runs on at it when the motor is switched off; the motor takes hold again where the
 /// wheel stands, with half the rate. The impact does the work of the motor's impulse and dissipates ½ J Δω².
 #[test]
