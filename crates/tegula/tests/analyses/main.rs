@@ -21,6 +21,7 @@ mod explicit;
 mod explicit_models;
 mod family_dynamics;
 mod follower;
+mod friction_in_mechanisms;
 mod foundations;
 mod frequency_response;
 mod generalized_alpha;

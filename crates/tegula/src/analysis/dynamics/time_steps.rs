@@ -2,7 +2,7 @@
 
 use super::amplitude_check::AmplitudeCheck;
 use super::drive_rates::DriveRates;
-use super::energy_watch::EnergyWatch;
+use super::energy_watch::{EnergyWatch, energy_of_round_off};
 use super::joint_events::{JointEvents, Review};
 use super::rotation_watch::RotationWatch;
 use super::schemes::Instant;
@@ -37,6 +37,8 @@ pub(super) struct TimeSteps<'a> {
     event: Option<(f64, f64)>,
     /// Whether the present step is repeated with other modes of friction and stops.
     reviewing: bool,
+    /// Steps one after another that have ended at an event after no more than round-off of the time.
+    instants: u32,
     drilling: DrillingWatch,
     /// The last state reached.
     pub state: State,
@@ -102,6 +104,7 @@ impl<'a> TimeSteps<'a> {
             events: JointEvents::new(system),
             event: None,
             reviewing: false,
+            instants: 0,
             drilling: DrillingWatch::new(),
             drive_rates: DriveRates::new(system, state.time),
             energies: EnergyWatch::new(),
@@ -183,7 +186,8 @@ impl<'a> TimeSteps<'a> {
             Ok(converged) => {
                 self.own_tangents = false;
                 if !self.events.is_empty() {
-                    match self.events.review(self.system, &self.state, self.scheme.as_ref(), span.dt) {
+                    let solution = (self.scheme.as_ref(), &mut self.newton);
+                    match self.events.review(self.system, &self.state, solution, span.dt) {
                         Review::Fits => {}
                         Review::Changed => {
                             self.reviewing = true;
@@ -206,6 +210,11 @@ impl<'a> TimeSteps<'a> {
             Err(_) if observer.interrupted() => Err(Error::Interrupted),
             Err(Diverged { reason, began_with_old_factor: true, .. }) => {
                 self.repeat_with_own_tangents(span, &reason, observer);
+                Ok(Attempt::Repeated)
+            }
+            Err(_) if self.events.release() => {
+                self.reviewing = true;
+                self.newton.restore(self.system, &self.state, true);
                 Ok(Attempt::Repeated)
             }
             Err(Diverged { reason, cause, .. }) => {
@@ -256,13 +265,20 @@ impl<'a> TimeSteps<'a> {
         converged: &Converged,
         observer: &mut dyn Observer,
     ) -> Result<Attempt> {
-        let Self { system, scheme, newton, state, statistics, control, drilling, events, .. } = self;
+        let Self {
+            system, scheme, newton, state, statistics, control, drilling, events, old_velocities, ..
+        } = self;
         if !events.is_empty() {
             // A flight much shorter than a step is the end of an infinite number of impacts.
             let plastic = events.returns() && span.dt < SHORT_FLIGHT * state.next_step;
             state.coordinates.clone_from(&events.trial);
+            let instant = events.has_event() && span.dt <= INSTANT * span.end;
+            self.instants = if instant { self.instants + 1 } else { 0 };
+            if self.instants > MOST_INSTANTS {
+                return Err(no_mode(events.joints(system), state.time));
+            }
             if events.has_event() {
-                let found = joint_impact::pass(system, newton, state, (events, plastic))?;
+                let found = joint_impact::pass(system, newton, (old_velocities, state), (events, plastic))?;
                 found.iter().for_each(|message| observer.on_event(message));
             }
         }
@@ -292,7 +308,8 @@ impl<'a> TimeSteps<'a> {
         let at = (state.u.as_slice(), state.time);
         drilling.look(system, at, observer, || format!("time {:.6e}", state.time));
         if !self.options.scheme.conserves_energy() {
-            self.energies.look((&self.balance, state.energy_scale), (state.step, state.time), observer);
+            let energies = (&self.balance, state.energy_scale);
+            self.energies.look(system, energies, (state.step, span), observer);
         }
         self.rotations.look(system, at, scheme.sub_steps(), observer);
         Ok(Attempt::Accepted(converged.iterations))
@@ -425,6 +442,22 @@ pub(super) fn commit(system: &System, newton: &mut Newton, state: &mut State) {
 /// Flight between two impacts of a stop, over the time step, below which the stop stays closed.
 const SHORT_FLIGHT: f64 = 1e-3;
 
+/// Length of a step to an event over the time that is round-off of the time, and the most such steps one after another.
+const INSTANT: f64 = 1e-12;
+const MOST_INSTANTS: u32 = 200;
+
+/// Error of joints whose friction and stops come to no rest and to no motion.
+fn no_mode(joints: String, time: f64) -> Error {
+    Error::NotConverged {
+        at: format!("time {time:.6e}"),
+        reason: format!(
+            "the joint(s) {joints} come to rest and leave it again without any progress of the time: friction or stops of several joints \
+             act on one motion, or none of their motions fits"
+        ),
+        help: "Results up to this time are complete. Give the friction of one motion to one joint.".into(),
+    }
+}
+
 /// Growth of the step behind which the auxiliary accelerations of the generalised-α method start anew: their difference from the
 /// accelerations, over the step, is large where a short step ends at a jump of a load. Automatic steps grow by less.
 const MOST_GROWTH: f64 = 2.5;
@@ -461,7 +494,7 @@ fn keeps_energy(
     };
     let cause = if conserves { "" } else { "the time steps are too long for the scheme, or " };
     let (change, limit) = if conserves { (gain.abs(), LOST) } else { (gain, gained) };
-    if change <= limit * scale {
+    if change <= limit * scale || change <= energy_of_round_off(system, span.dt) {
         return Ok(());
     }
     let names: Vec<_> = drives.iter().map(|joint| format!("\"{}\"", joint.name)).collect();
