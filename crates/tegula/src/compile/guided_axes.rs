@@ -1,4 +1,4 @@
-//! Axes of drives and torsion springs against those of the joints beside which they stand.
+//! Axes of drives, gears and torsion springs against those of the joints beside which they stand.
 //!
 //! A drive of an angle about another axis than that of the hinge beside it holds an angle of projections, which is not the angle of the
 //! hinge.
@@ -31,7 +31,7 @@ fn guide(joint: &Joint, motion: Motion) -> Option<(&str, &[String; 2], Vec3)> {
     }
 }
 
-/// Adds drives and torsion springs whose axis is not that of the joint between the same two sides.
+/// Adds drives, wheels of gears and torsion springs whose axis is not that of the joint between the same two sides.
 pub(super) fn keys(model: &Model, c: &mut Checker) {
     for (i, joint) in model.joints.iter().enumerate() {
         let (axis, motion) = match joint {
@@ -41,11 +41,19 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         };
         let keys = joint.common();
         let what = format!("the drive \"{}\"", keys.name());
-        one(model, (&format!("joints[{i}]"), &what), (keys.between(), axis), motion, c);
+        one(model, (&format!("joints[{i}].axis"), &what), (keys.between(), axis), motion, c);
+    }
+    for (i, joint) in model.joints.iter().enumerate() {
+        let Joint::Gear(keys) = joint else { continue };
+        for (side, wheel) in keys.between.iter().enumerate() {
+            let what = format!("the wheel \"{wheel}\" of the gear \"{}\"", keys.name);
+            let (key, between) = (format!("joints[{i}].axes[{side}]"), [keys.carrier.clone(), wheel.clone()]);
+            one(model, (&key, &what), (&between, keys.axes[side]), Motion::Rotation, c);
+        }
     }
     for (i, spring) in model.torsion_springs.iter().enumerate() {
         let what = format!("the torsion spring \"{}\"", spring.name);
-        let key = format!("torsion_springs[{i}]");
+        let key = format!("torsion_springs[{i}].axis");
         one(model, (&key, &what), (&spring.between, spring.axis), Motion::Rotation, c);
     }
 }
@@ -63,7 +71,7 @@ fn one(
     for (name, _, guided) in guides.filter(|(_, other, _)| same(other)) {
         if axis.cross(&guided).norm() > PARALLEL * axis.norm() * guided.norm() {
             c.add(
-                format!("{key}.axis"),
+                key,
                 format!("the axis of {what} is not that of the joint \"{name}\" between the same two sides"),
                 "give both the same axis",
             );

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::Attachment;
-use super::turning::Turning;
+use super::turning::{Angle, Counted, Turning};
 use crate::Vec3;
 use crate::element::TangentWeights;
 
@@ -11,7 +11,8 @@ use crate::element::TangentWeights;
 /// places in the joint's list.
 ///
 /// The constraint of a driven joint depends on the value s of its drive, too: `g(v) − s` where s is a length, and
-/// `g(v) cos s − h(v) sin s` where it is an angle, with a second form h. That of a screw contains a multiple of an angle: `g(v) + c φ(v)`.
+/// `g(v) cos s − h(v) sin s` where it is an angle, with a second form h. That of a screw contains a multiple of an angle: `g(v) + c φ(v)`;
+/// that of a gear contains two, and s is the first angle at the end of the step before.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Row {
     products: Vec<(usize, usize, f64)>,
@@ -90,7 +91,23 @@ impl Row {
     /// Adds `factor · φ` with the angle φ that has this sine and cosine and counts full turns: the form is a displacement that is
     /// proportional to it.
     pub fn turn(&mut self, factor: f64, [sine, cosine]: [Row; 2]) {
-        self.turning = Some(Box::new(Turning { factor, sine, cosine }));
+        let angle = Angle { sine, cosine };
+        self.turning = Some(Box::new(Turning { factor, angle, counted: None }));
+    }
+
+    /// Adds `c₁ φ₁ + c₂ φ₂` with the angles that have these sines and cosines and count full turns; the turns of the first one are counted
+    /// by the state.
+    pub fn gear(&mut self, factors: [f64; 2], forms: [[Row; 2]; 2]) {
+        let [first, angle] = forms.map(|[sine, cosine]| Angle { sine, cosine });
+        let counted = Some(Counted { factor: factors[0], angle: first, offset: 0.0 });
+        self.turning = Some(Box::new(Turning { factor: factors[1], angle, counted }));
+    }
+
+    /// Lets a gear mesh where it stands, with the first angle `earlier`; nothing for other constraints.
+    pub fn mesh(&mut self, v: &[Vec3], earlier: f64) {
+        if let Some(turning) = &mut self.turning {
+            turning.mesh(v, earlier);
+        }
     }
 
     /// Makes the angle `atan2(g, h)` equal to a value, with this form g.
@@ -134,11 +151,11 @@ impl Row {
         self.constant += value;
     }
 
-    /// Value of the constraint, where its drive has the value `s`.
+    /// Value of the constraint, where its drive has the value `s`, or the first angle of a gear had it at the end of the step before.
     pub fn value(&self, v: &[Vec3], s: f64) -> f64 {
         let form = self.form(v);
         match &self.driven {
-            Driven::Not => form + self.turning.as_ref().map_or(0.0, |turning| turning.value(form, v)),
+            Driven::Not => form + self.turning.as_ref().map_or(0.0, |turning| turning.value(form, v, s)),
             Driven::Length => form - s,
             Driven::Angle(other) => form * s.cos() - other.form(v) * s.sin(),
             Driven::Coordinate(other) => {

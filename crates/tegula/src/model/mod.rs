@@ -45,7 +45,8 @@ pub use foundation::{AreaFoundation, Foundation, FoundationOn};
 pub(crate) use joint::joints;
 pub use joint::{
     AxisJoint, CoordinateJoint, DRIVE, DirectorJoint, DistanceJoint, DrivenAngleJoint, DrivenLengthJoint,
-    Joint, JointDrive, JointFriction, JointKeys, JointStops, PointJoint, RackJoint, ScrewJoint, TwoAxesJoint,
+    GearJoint, Joint, JointDrive, JointFriction, JointKeys, JointStops, PointJoint, RackJoint, ScrewJoint,
+    TwoAxesJoint,
 };
 pub use loads::{Load, LoadStiffness, NodalLoad};
 pub use mesh_source::*;

@@ -134,7 +134,7 @@ pub struct StepStart {
     pub history: Vec<f64>,
     /// Lagrange multipliers of the constraints of joints.
     pub multipliers: Vec<f64>,
-    /// Angles of sensors (rad).
+    /// Angles of sensors and gears (rad).
     pub angles: Vec<f64>,
     /// Relative coordinates of joints with friction or stops.
     pub coordinates: Vec<CoordinateState>,

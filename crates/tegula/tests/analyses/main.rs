@@ -23,6 +23,7 @@ mod family_dynamics;
 mod follower;
 mod foundations;
 mod frequency_response;
+mod gears;
 mod generalized_alpha;
 mod guided_axes;
 mod integrators;

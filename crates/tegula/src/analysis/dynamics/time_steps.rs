@@ -164,6 +164,7 @@ impl<'a> TimeSteps<'a> {
         if let Some(constraints) = newton.constraints.as_mut().filter(|_| !events.is_empty()) {
             constraints.set_modes(&events.trial);
         }
+        newton.count_turns(system, state);
         scheme.begin(system, &mut newton.assembly, state, span);
         if !self.own_tangents {
             newton.prepare(system, (&scheme.parts(), scheme.displacements()), span.dt, state);
@@ -384,6 +385,11 @@ impl Stepper for TimeSteps<'_> {
 pub(super) fn trouble(system: &System, state: &State, dt: f64, new: &[Nodal]) -> Option<(Trouble, String)> {
     if let Some(inverted) = inverted_element(system, new) {
         return Some((Trouble::Inverted, inverted));
+    }
+    let moved =
+        |v: usize, part: f64| std::array::from_fn(|i| state.u[v][i] + part * (new[v][i] - state.u[v][i]));
+    if let Some(reason) = system.gear_turns_too_far(moved, &state.angles) {
+        return Some((Trouble::Inaccurate, reason));
     }
     let body = triads::turned_too_far(system, (state, dt), new)?;
     let reason = format!("body \"{body}\" turns by more than {} rad in the step", triads::MOST_ROTATION);

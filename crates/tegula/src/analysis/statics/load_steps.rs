@@ -184,6 +184,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         equation.angles.copy_from_slice(&state.angles);
         equation.time = target;
         equation.scales = [state.energy_scale, state.displacement_scale];
+        newton.count_turns(system, state);
         match newton.solve(system, equation, &state.history, &self.tolerances, observer) {
             Ok(converged) => {
                 self.statistics.iterations += u64::from(converged.iterations);
@@ -207,7 +208,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             return Err(Failure::new(Kind::Inverted, inverted, converged.most_negative_pivots));
         }
         let negative = converged.negative_pivots;
-        if let Some(reason) = self.system.sensor_turns_too_far([&self.state.angles, &self.equation.angles]) {
+        if let Some(reason) = self.system.angle_turns_too_far([&self.state.angles, &self.equation.angles]) {
             return Err(Failure::new(Kind::Iteration(Cause::Flight), reason, negative));
         }
         let stability = self
