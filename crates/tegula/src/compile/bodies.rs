@@ -202,6 +202,8 @@ pub(super) fn extent(model: &Model, mesh: &Mesh, coordinates: &Coordinates) -> f
         return mesh.extent();
     }
     let joints = model.joints.iter().flat_map(|joint| joint.common().points()).map(|(_, x)| Vec3::from(x));
+    let curves = model.joints.iter().flat_map(|joint| joint.common().curve()).map(|x| Vec3::from(*x));
+    let joints = joints.chain(curves);
     let bodies = model.bodies.iter().map(centre);
     let points = mesh.positions.iter().copied().chain(joints).chain(bodies);
     let [low, high] = points

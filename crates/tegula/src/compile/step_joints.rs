@@ -84,6 +84,10 @@ fn not_lockable(joint: &model::Joint) -> (String, &'static str) {
         model::Joint::Gear(_) => {
             ("couples two rotations that hinges leave free", "lock the hinge of one of its wheels")
         }
+        model::Joint::PointOnCurve(_) => (
+            "lets a point move along a curve, in whose changing direction no lock is made",
+            "release it in this step, and hold the point by a joint that other steps release",
+        ),
         _ => ("is a rod between two points", "lock other joints of the same bodies"),
     };
     (format!("the joint \"{name}\" of the type \"{kind}\" {reason}, and cannot be locked"), help)

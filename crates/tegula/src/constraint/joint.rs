@@ -341,7 +341,7 @@ impl Joint {
                 }
                 if weights.multiplier != 0.0 {
                     row.add_second_derivative(weights.multiplier * multiplier, drive, blocks);
-                    row.add_second_derivative_of_angle(weights.multiplier * multiplier, v, blocks);
+                    row.add_other_second_derivatives(weights.multiplier * multiplier, v, blocks);
                 }
             }
         }

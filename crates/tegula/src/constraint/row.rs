@@ -1,8 +1,11 @@
 //! One scalar constraint: a quadratic form of nodal vectors.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use super::Attachment;
+use super::on_curve::OnCurve;
+use super::spline::Spline;
 use super::turning::{Angle, Counted, Turning};
 use crate::Vec3;
 use crate::element::TangentWeights;
@@ -12,7 +15,8 @@ use crate::element::TangentWeights;
 ///
 /// The constraint of a driven joint depends on the value s of its drive, too: `g(v) − s` where s is a length, and
 /// `g(v) cos s − h(v) sin s` where it is an angle, with a second form h. That of a screw contains a multiple of an angle: `g(v) + c φ(v)`;
-/// that of a gear contains two, and s is the first angle at the end of the step before.
+/// that of a gear contains two, and s is the first angle at the end of the step before. Those of a point on a curve have its distance from the
+/// nearest point of the curve in place of the form.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Row {
     products: Vec<(usize, usize, f64)>,
@@ -22,6 +26,8 @@ pub struct Row {
     driven: Driven,
     /// Multiple of an angle beside the form.
     turning: Option<Box<Turning>>,
+    /// Curve on which a point stays; then the form is zero.
+    curve: Option<Box<OnCurve>>,
     /// Form that is positive where the constraint holds as it is meant, and negative half a turn away, where its value vanishes, too.
     positive: Option<Box<Row>>,
     /// Size of the values of the constraint: the length of the model for distances, 1 for products of unit vectors.
@@ -110,6 +116,21 @@ impl Row {
         }
     }
 
+    /// Keeps the point with these coordinates on a curve, along one of the curve's two normals.
+    pub fn follow_curve(&mut self, curve: &Arc<Spline>, coordinates: [Row; 3], normal: usize) {
+        self.curve = Some(Box::new(OnCurve { curve: Arc::clone(curve), coordinates, normal }));
+    }
+
+    /// Whether the constraint keeps a point on a curve.
+    pub fn follows_curve(&self) -> bool {
+        self.curve.is_some()
+    }
+
+    /// Curve on which the constraint keeps a point, with the parameter of its point that is nearest now.
+    pub fn place_on_curve(&self, v: &[Vec3]) -> Option<(&Spline, f64)> {
+        self.curve.as_ref().map(|curve| (&*curve.curve, curve.parameter(v)))
+    }
+
     /// Makes the angle `atan2(g, h)` equal to a value, with this form g.
     pub fn measure_angle(&mut self, h: Row) {
         self.driven = Driven::Coordinate(Box::new(h));
@@ -153,6 +174,9 @@ impl Row {
 
     /// Value of the constraint, where its drive has the value `s`, or the first angle of a gear had it at the end of the step before.
     pub fn value(&self, v: &[Vec3], s: f64) -> f64 {
+        if let Some(curve) = &self.curve {
+            return curve.value(v);
+        }
         let form = self.form(v);
         match &self.driven {
             Driven::Not => form + self.turning.as_ref().map_or(0.0, |turning| turning.value(form, v, s)),
@@ -200,6 +224,9 @@ impl Row {
                 if let Some(turning) = &self.turning {
                     turning.add_gradient(factor, (self, v), |_| Vec3::zeros(), out);
                 }
+                if let Some(curve) = &self.curve {
+                    curve.add_gradient(factor, v, |_| Vec3::zeros(), out);
+                }
             }
             Driven::Angle(other) => {
                 self.add_form_gradient(factor * s.cos(), v, out);
@@ -224,12 +251,13 @@ impl Row {
         s: f64,
         out: &mut [Vec3],
     ) {
-        match &self.turning {
-            None => self.add_gradient(factor, v, s, out),
-            Some(turning) => {
+        match (&self.turning, &self.curve) {
+            (None, None) => self.add_gradient(factor, v, s, out),
+            (Some(turning), _) => {
                 self.add_form_gradient(factor, v, out);
                 turning.add_gradient(factor, (self, v), half, out);
             }
+            (None, Some(curve)) => curve.add_gradient(factor, v, half, out),
         }
     }
 
@@ -238,10 +266,13 @@ impl Row {
         weights.augmentation * self.inertia + weights.penalty * self.measure
     }
 
-    /// Adds the second derivative of the multiple of an angle that the constraint contains.
-    pub(super) fn add_second_derivative_of_angle(&self, factor: f64, v: &[Vec3], blocks: &mut [f64]) {
+    /// Adds the second derivative of the multiples of angles that the constraint contains, or of the curve on which it keeps a point.
+    pub(super) fn add_other_second_derivatives(&self, factor: f64, v: &[Vec3], blocks: &mut [f64]) {
         if let Some(turning) = &self.turning {
             turning.add_second_derivative(factor, v, blocks);
+        }
+        if let Some(curve) = &self.curve {
+            curve.add_second_derivative(factor, v, blocks);
         }
     }
 
@@ -292,6 +323,9 @@ impl Row {
 
     /// Part of the second rate of the constraint that follows from the velocities and the drive alone.
     pub fn velocity_term(&self, v: &[Vec3], rates: &[Vec3], s: DriveValue) -> f64 {
+        if let Some(curve) = &self.curve {
+            return curve.velocity_term(v, rates);
+        }
         match &self.driven {
             Driven::Not => {
                 let of_angle = self.turning.as_ref().map_or(0.0, |turning| turning.velocity_term(v, rates));

@@ -24,6 +24,7 @@ macro_rules! joints {
             screw::Screw(ScrewJoint): "Rotation about the axis, and sliding along it by the pitch in each turn.",
             rack_and_pinion::RackAndPinion(RackJoint): "The pinion, the second side, rolls on the rack, the first one: it moves along it by the radius times its angle.",
             gear::Gear(GearJoint): "Gears: the angles of two wheels about their axes in a carrier have a constant ratio.",
+            point_on_curve::PointOnCurve(CurveJoint): "A point of the second side moves along a smooth curve that is fixed in the first one.",
             prismatic::Prismatic(CoordinateJoint): "Sliding along the axis without rotation.",
             planar::Planar(AxisJoint): "Motion in the plane across the axis, and rotation about it.",
             driven_angle::DrivenAngle(DrivenAngleJoint): "Prescribed rotation about an axis, beside a revolute or cylindrical joint.",
@@ -84,6 +85,10 @@ pub trait JointKeys {
     /// Name of the body in which the hinges of gears lie.
     fn carrier(&self) -> Option<&str> {
         None
+    }
+    /// Points of the curve that is fixed in the first side.
+    fn curve(&self) -> &[[f64; 3]] {
+        &[]
     }
     /// Friction of its relative motion.
     fn friction(&self) -> Option<&JointFriction> {
@@ -249,6 +254,26 @@ pub struct RackJoint {
     pub radius: f64,
 }
 
+/// A curve, fixed in the first side, along which a point of the second side moves.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CurveJoint {
+    /// Name of the joint in messages and results.
+    pub name: String,
+    /// Side in which the curve is fixed, a body or `ground`, and side of the point: the name of a body or of a set with one node.
+    pub between: [String; 2],
+    /// Point of the second side in the reference configuration, on the curve (length); any of `points` is.
+    #[schemars(extend("x-marker" = "point"))]
+    pub at: [f64; 3],
+    /// Points through which the curve goes in the reference configuration, in this order (length): it is a cubic spline, whose curvature is
+    /// continuous.
+    #[schemars(extend("x-marker" = "point"))]
+    pub points: Vec<[f64; 3]>,
+    /// Whether the curve goes on from its last point to the first one, smoothly.
+    #[serde(default)]
+    pub closed: bool,
+}
+
 /// Gears: two wheels that turn about their axes in a carrier.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -264,7 +289,7 @@ pub struct GearJoint {
     /// them.
     #[schemars(extend("x-marker" = "direction"))]
     pub axes: [[f64; 3]; 2],
-    /// Radii of the pitch circles (length), of which only the ratio counts: the first angular velocity is minus the second radius over the
+    /// Radii of the pitch circles (length), or numbers of teeth, of which only the ratio counts: the first angular velocity is minus the second radius over the
     /// first one times the second one. A negative radius is that of a wheel with internal teeth. Parallel axes point in the same direction,
     /// those of bevel gears both away from their apex, or both towards it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -391,6 +416,24 @@ impl JointKeys for CoordinateJoint {
     }
 }
 
+impl JointKeys for CurveJoint {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn between(&self) -> &[String; 2] {
+        &self.between
+    }
+
+    fn points(&self) -> Vec<(&'static str, [f64; 3])> {
+        vec![("at", self.at)]
+    }
+
+    fn curve(&self) -> &[[f64; 3]] {
+        &self.points
+    }
+}
+
 impl JointKeys for GearJoint {
     fn name(&self) -> &str {
         &self.name
@@ -514,6 +557,14 @@ impl RackJoint {
         let direction = crate::Vec3::from(axis).cross(&crate::Vec3::z());
         let between = between.map(str::to_owned);
         Self { name: "joint".into(), between, at, axis, direction: direction.into(), radius: 0.4 }
+    }
+}
+
+impl CurveJoint {
+    pub(crate) fn example() -> Self {
+        let (between, at, _) = EXAMPLE;
+        let points = [[-1.8, -0.6, 0.3], [-0.3, 0.8, 0.4], at, [1.3, 0.9, 0.8], [2.9, 0.4, -0.7]].to_vec();
+        Self { name: "joint".into(), between: between.map(str::to_owned), at, points, closed: true }
     }
 }
 

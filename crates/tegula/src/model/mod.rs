@@ -44,9 +44,9 @@ pub(crate) use element_kind::element_types;
 pub use foundation::{AreaFoundation, Foundation, FoundationOn};
 pub(crate) use joint::joints;
 pub use joint::{
-    AxisJoint, CoordinateJoint, DRIVE, DirectorJoint, DistanceJoint, DrivenAngleJoint, DrivenLengthJoint,
-    GearJoint, Joint, JointDrive, JointFriction, JointKeys, JointStops, PointJoint, RackJoint, ScrewJoint,
-    TwoAxesJoint,
+    AxisJoint, CoordinateJoint, CurveJoint, DRIVE, DirectorJoint, DistanceJoint, DrivenAngleJoint,
+    DrivenLengthJoint, GearJoint, Joint, JointDrive, JointFriction, JointKeys, JointStops, PointJoint,
+    RackJoint, ScrewJoint, TwoAxesJoint,
 };
 pub use loads::{Load, LoadStiffness, NodalLoad};
 pub use mesh_source::*;

@@ -13,6 +13,7 @@ mod composition;
 mod contracts;
 mod couplings;
 mod critical_points;
+mod curves;
 mod cuts;
 mod drives;
 mod dynamics;

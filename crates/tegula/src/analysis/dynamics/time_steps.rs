@@ -16,7 +16,7 @@ use crate::analysis::stepper::Reached;
 use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched};
 use crate::element::{Motion, Nodal};
 use crate::model::TransientAnalysis;
-use crate::system::{System, inverted_element};
+use crate::system::{OffCurve, System, inverted_element};
 use crate::{Error, Result};
 use tegula_sparse::Factor as _;
 use tegula_sparse::norm::larger;
@@ -308,7 +308,8 @@ impl<'a> TimeSteps<'a> {
         observer: &mut dyn Observer,
     ) -> Result<()> {
         let Self { system, options, state, statistics, .. } = self;
-        if state.next_step < SMALLEST_STEP * options.end_time {
+        let smallest = if trouble == Trouble::LeavesCurve { LEAVING } else { SMALLEST_STEP };
+        if state.next_step < smallest * options.end_time {
             observer.on_repeat(statistics);
             return Err(Error::NotConverged {
                 at: format!("time {:.6e}", state.time + span.dt),
@@ -391,6 +392,11 @@ pub(super) fn trouble(system: &System, state: &State, dt: f64, new: &[Nodal]) ->
     if let Some(reason) = system.gear_turns_too_far(moved, &state.angles) {
         return Some((Trouble::Inaccurate, reason));
     }
+    match system.off_curve(&state.u, new) {
+        Some(OffCurve::TooFar(reason)) => return Some((Trouble::Inaccurate, reason)),
+        Some(OffCurve::PastEnd(reason)) => return Some((Trouble::LeavesCurve, reason)),
+        None => {}
+    }
     let body = triads::turned_too_far(system, (state, dt), new)?;
     let reason = format!("body \"{body}\" turns by more than {} rad in the step", triads::MOST_ROTATION);
     Some((Trouble::Inaccurate, reason))
@@ -428,6 +434,8 @@ pub(super) fn commit(system: &System, newton: &mut Newton, state: &mut State) {
     newton.assembly.reset_stress(system, &state.point(system));
 }
 
+/// Length of the last step before a point leaves its curve, over that of the analysis.
+const LEAVING: f64 = 1e-5;
 /// Flight between two impacts of a stop, over the time step, below which the stop stays closed.
 const SHORT_FLIGHT: f64 = 1e-3;
 
@@ -506,6 +514,8 @@ pub(super) enum Trouble {
     Inaccurate,
     /// Inverted element.
     Inverted,
+    /// Point that leaves the end of a curve.
+    LeavesCurve,
     /// Iteration that does not converge.
     Iteration(Cause),
 }
@@ -519,6 +529,10 @@ fn advice(system: &System, options: &TransientAnalysis, trouble: Trouble) -> Str
         }
         Trouble::Iteration(Cause::Tangent) => {
             return "Check masses and supports: some degrees of freedom may have neither mass nor stiffness."
+                .into();
+        }
+        Trouble::LeavesCurve => {
+            return "Let the curve go on as far as its point moves, or end the analysis before, by `end_time` or a stop condition."
                 .into();
         }
         Trouble::Inaccurate | Trouble::Iteration(_) => {}

@@ -11,7 +11,7 @@ use crate::analysis::stops::Stops;
 use crate::analysis::{Balance, Observer, Stability, State, Statistics, Stepper, Watched, equilibrium};
 use crate::element::{Motion, Nodal};
 use crate::model::{NewtonMethod, StaticAnalysis};
-use crate::system::{EvaluationPoint, Internal, System, inverted_element};
+use crate::system::{EvaluationPoint, Internal, OffCurve, System, inverted_element};
 use crate::{Error, Result};
 
 /// Displacement of a step over the size of the model that is round-off of directors, as where loads have not begun yet.
@@ -209,6 +209,11 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         }
         let negative = converged.negative_pivots;
         if let Some(reason) = self.system.angle_turns_too_far([&self.state.angles, &self.equation.angles]) {
+            return Err(Failure::new(Kind::Iteration(Cause::Flight), reason, negative));
+        }
+        if let Some(OffCurve::TooFar(reason) | OffCurve::PastEnd(reason)) =
+            self.system.off_curve(&self.state.u, &self.equation.u)
+        {
             return Err(Failure::new(Kind::Iteration(Cause::Flight), reason, negative));
         }
         let stability = self

@@ -10,9 +10,10 @@ mod directors;
 mod lock;
 
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use super::joint::MOST_VECTORS;
-use super::{Attachment, Drive, Joint, Quantity, Role, Row};
+use super::{Attachment, Drive, Joint, Quantity, Role, Row, Spline};
 use crate::checker::Checker;
 use crate::model::{self, joints};
 use crate::norm::larger;
@@ -250,6 +251,27 @@ impl Constraints {
         self.in_plane(&direction.normalize(), at);
         if let Some(row) = self.rows.last_mut() {
             row.turn(-ratio, forms);
+        }
+    }
+
+    /// The point of the second end at a place of the reference configuration stays on a curve that is fixed in the first one: two
+    /// constraints.
+    pub(super) fn on_curve(&mut self, points: &[[f64; 3]], closed: bool, at: [f64; 3]) {
+        let [a, b] = [0, 1].map(|i| self.ends[i].point(&at.into()));
+        let at = Vec3::from(at);
+        let curve = Arc::new(Spline::new(points.iter().map(|x| Vec3::from(*x) - at).collect(), closed));
+        let mut coordinates =
+            [Vec3::x(), Vec3::y(), Vec3::z()].map(|e| (Row::default(), self.ends[0].axis(&e)));
+        for (row, axis) in &mut coordinates {
+            let Some(axis) = axis else { return self.lacks(Lack::Curve) };
+            row.add_product(&mut self.vectors, 1.0, axis, &b);
+            row.add_product(&mut self.vectors, -1.0, axis, &a);
+        }
+        let coordinates = coordinates.map(|(row, _)| row);
+        for normal in 0..2 {
+            let mut row = Row::default();
+            row.follow_curve(&curve, coordinates.clone(), normal);
+            self.push(row, self.length, self.inertia(false));
         }
     }
 
