@@ -109,6 +109,23 @@ fn the_motor_of_the_gear_train_feels_the_reduced_inertia() {
     }
 }
 
+/// On cycloids beads are down at `t = π √(r/g)`, from whatever height.
+#[test]
+fn beads_on_cycloids_are_down_at_the_same_time() {
+    let column = history_of("tautochrone.toml");
+    let time = column("time");
+    for bead in ["high", "low"] {
+        let x = column(&format!("body.{bead}.x"));
+        let after = x.iter().position(|x| *x < 0.0).unwrap();
+        let [a, b] = [after - 1, after];
+        let down = time[a] + (time[b] - time[a]) * x[a] / (x[a] - x[b]);
+        let exact = PI * (1.0_f64 / 9.81).sqrt();
+        assert!((down - exact).abs() < 2e-4, "{bead}: {down} {exact}");
+        let z = column(&format!("body.{bead}.z"));
+        assert!(z[after].abs() < 1e-3 && x[0] > 1.0, "{bead}: {} {}", z[after], x[0]);
+    }
+}
+
 /// Runs an example and gives the columns of its history by name.
 fn history_of(name: &str) -> impl Fn(&str) -> Vec<f64> + use<> {
     let [history] = histories_of(name, [""]);

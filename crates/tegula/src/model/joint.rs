@@ -269,7 +269,7 @@ pub struct CurveJoint {
     /// continuous.
     #[schemars(extend("x-marker" = "point"))]
     pub points: Vec<[f64; 3]>,
-    /// Whether the curve goes on from its last point to the first one, smoothly.
+    /// Whether the curve is closed: a smooth piece connects its last point with the first one.
     #[serde(default)]
     pub closed: bool,
 }
