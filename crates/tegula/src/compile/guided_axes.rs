@@ -3,9 +3,9 @@
 //! A drive of an angle about another axis than that of the hinge beside it holds an angle of projections, which is not the angle of the
 //! hinge.
 
-use crate::Vec3;
 use crate::checker::Checker;
 use crate::model::{Joint, Model};
+use crate::{Issue, Vec3};
 
 /// Sine of the angle above which two axes are different.
 const PARALLEL: f64 = 1e-6;
@@ -56,6 +56,56 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         let key = format!("torsion_springs[{i}].axis");
         one(model, (&key, &what), (&spring.between, spring.axis), Motion::Rotation, c);
     }
+}
+
+/// Sides of a hinge, with a point of its axis and the direction.
+fn hinge(joint: &Joint) -> Option<(&[String; 2], [Vec3; 2])> {
+    match joint {
+        Joint::Revolute(keys) => Some((&keys.between, [keys.at.into(), keys.axis.into()])),
+        Joint::Cylindrical(keys) => Some((&keys.between, [keys.at.into(), keys.axis.into()])),
+        Joint::Screw(keys) => Some((&keys.between, [keys.at.into(), keys.axis.into()])),
+        _ => None,
+    }
+}
+
+/// Whether two axes are one line.
+fn coaxial([at, axis]: &[Vec3; 2], [other, direction]: &[Vec3; 2]) -> bool {
+    let apart = other - at;
+    axis.cross(direction).norm() <= PARALLEL * axis.norm() * direction.norm()
+        && axis.cross(&apart).norm() <= PARALLEL * axis.norm() * apart.norm()
+}
+
+/// Wheels of gears with hinges to other bodies, and none to the carrier relative to which their angle counts: none between both, and none
+/// on the axis of a hinge of the carrier.
+pub(super) fn wheels_beside_carriers(model: &Model) -> Vec<Issue> {
+    let hinges: Vec<_> = model.joints.iter().filter_map(hinge).collect();
+    let mut found = Vec::new();
+    for (i, joint) in model.joints.iter().enumerate() {
+        let Joint::Gear(keys) = joint else { continue };
+        for wheel in &keys.between {
+            let other = |between: &'_ [String; 2]| between[usize::from(between[0] == *wheel)].clone();
+            let own: Vec<_> = hinges.iter().filter(|(between, _)| between.contains(wheel)).collect();
+            let in_carrier = own.iter().any(|(between, line)| {
+                let through = other(between);
+                let joins =
+                    |between: &[String; 2]| between.contains(&through) && between.contains(&keys.carrier);
+                through == keys.carrier
+                    || hinges.iter().any(|(between, next)| joins(between) && coaxial(line, next))
+            });
+            let Some((between, _)) = own.first().filter(|_| !in_carrier) else { continue };
+            let other = other(between);
+            found.push(Issue::new(
+                format!("joints[{i}].carrier"),
+                format!(
+                    "the wheel \"{wheel}\" of the gear \"{}\" has a hinge to \"{other}\", but none to the carrier \"{}\", relative to \
+                     which its angle counts",
+                    keys.name, keys.carrier
+                ),
+                "name the body in which the hinges of both wheels lie as `carrier`",
+            ));
+        }
+    }
+    found
 }
 
 fn one(

@@ -3,6 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::curve_joint::CurveJoint;
+use super::gear_joint::GearJoint;
+
 /// The registry: one line for each joint. Calls the macro `$made` with all entries. An entry is
 ///
 /// ```text
@@ -254,63 +257,6 @@ pub struct RackJoint {
     pub radius: f64,
 }
 
-/// A curve, fixed in the first side, along which a point of the second side moves.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct CurveJoint {
-    /// Name of the joint in messages and results.
-    pub name: String,
-    /// Side in which the curve is fixed, a body or `ground`, and side of the point: the name of a body or of a set with one node.
-    pub between: [String; 2],
-    /// Point of the second side in the reference configuration, on the curve (length); any of `points` is.
-    #[schemars(extend("x-marker" = "point"))]
-    pub at: [f64; 3],
-    /// Points through which the curve goes in the reference configuration, in this order (length): it is a cubic spline, whose curvature is
-    /// continuous.
-    #[schemars(extend("x-marker" = "point"))]
-    pub points: Vec<[f64; 3]>,
-    /// Whether the curve is closed: a smooth piece connects its last point with the first one.
-    #[serde(default)]
-    pub closed: bool,
-}
-
-/// Gears: two wheels that turn about their axes in a carrier.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct GearJoint {
-    /// Name of the joint in messages and results.
-    pub name: String,
-    /// Both wheels: names of bodies, or `ground`.
-    pub between: [String; 2],
-    /// Body in which the hinges of both wheels lie, and relative to which their angles count: the name of a body, or `ground`.
-    #[serde(default = "ground")]
-    pub carrier: String,
-    /// Directions of the axes of both wheels in the reference configuration; they are fixed in the carrier. Angles are right-handed about
-    /// them.
-    #[schemars(extend("x-marker" = "direction"))]
-    pub axes: [[f64; 3]; 2],
-    /// Radii of the pitch circles (length), or numbers of teeth, of which only the ratio counts: the first angular velocity is minus the second radius over the
-    /// first one times the second one. A negative radius is that of a wheel with internal teeth. Parallel axes point in the same direction,
-    /// those of bevel gears both away from their apex, or both towards it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub radii: Option<[f64; 2]>,
-    /// Ratio of the angular velocities, that of the first wheel over that of the second one, in place of `radii`; negative where they turn
-    /// in opposite senses.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ratio: Option<f64>,
-}
-
-fn ground() -> String {
-    GROUND.to_owned()
-}
-
-impl GearJoint {
-    /// Ratio of the first angle to the second one; NaN where none is given.
-    pub fn ratio_of_angles(&self) -> f64 {
-        self.radii.map_or(self.ratio.unwrap_or(f64::NAN), |[first, second]| -second / first)
-    }
-}
-
 /// A joint with one axis in each of the two bodies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -416,46 +362,6 @@ impl JointKeys for CoordinateJoint {
     }
 }
 
-impl JointKeys for CurveJoint {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn between(&self) -> &[String; 2] {
-        &self.between
-    }
-
-    fn points(&self) -> Vec<(&'static str, [f64; 3])> {
-        vec![("at", self.at)]
-    }
-
-    fn curve(&self) -> &[[f64; 3]] {
-        &self.points
-    }
-}
-
-impl JointKeys for GearJoint {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn between(&self) -> &[String; 2] {
-        &self.between
-    }
-
-    fn directions(&self) -> Vec<(&'static str, [f64; 3])> {
-        vec![("axes[0]", self.axes[0]), ("axes[1]", self.axes[1])]
-    }
-
-    fn points(&self) -> Vec<(&'static str, [f64; 3])> {
-        Vec::new()
-    }
-
-    fn carrier(&self) -> Option<&str> {
-        Some(&self.carrier)
-    }
-}
-
 /// Implements [`JointKeys`] for keys with `name`, `between` and these points and directions.
 macro_rules! joint_keys {
     ($keys:ident, $self:ident, [$($point:expr),*], [$($direction:expr),*] $(, $drive:expr)?) => {
@@ -513,7 +419,7 @@ joint_keys!(DistanceJoint, self, [("points[0]", self.points[0]), ("points[1]", s
 pub const DRIVE: &str = "drive";
 
 /// Sides, point and axis of the joints of the contract tests.
-const EXAMPLE: ([&str; 2], [f64; 3], [f64; 3]) = (["a", "b"], [0.6, 0.1, -0.2], [1.0, 2.0, 2.0]);
+pub(super) const EXAMPLE: ([&str; 2], [f64; 3], [f64; 3]) = (["a", "b"], [0.6, 0.1, -0.2], [1.0, 2.0, 2.0]);
 
 impl PointJoint {
     pub(crate) fn example() -> Self {
@@ -557,23 +463,6 @@ impl RackJoint {
         let direction = crate::Vec3::from(axis).cross(&crate::Vec3::z());
         let between = between.map(str::to_owned);
         Self { name: "joint".into(), between, at, axis, direction: direction.into(), radius: 0.4 }
-    }
-}
-
-impl CurveJoint {
-    pub(crate) fn example() -> Self {
-        let (between, at, _) = EXAMPLE;
-        let points = [[-1.8, -0.6, 0.3], [-0.3, 0.8, 0.4], at, [1.3, 0.9, 0.8], [2.9, 0.4, -0.7]].to_vec();
-        Self { name: "joint".into(), between: between.map(str::to_owned), at, points, closed: true }
-    }
-}
-
-impl GearJoint {
-    pub(crate) fn example() -> Self {
-        let (between, _, axis) = EXAMPLE;
-        let (carrier, axes) = ("c".into(), [axis, [0.0, 1.0, 1.0]]);
-        let between = between.map(str::to_owned);
-        Self { name: "joint".into(), between, carrier, axes, radii: None, ratio: Some(-1.7) }
     }
 }
 

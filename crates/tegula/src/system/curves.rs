@@ -5,7 +5,7 @@ use crate::Vec3;
 use crate::element::Nodal;
 
 /// Largest angle by which the tangent may turn on the way of a point in a step (rad): a longer step might take a short cut.
-const MOST_TURNING: f64 = 1.0;
+const MOST_TURNING: f64 = 0.5;
 
 /// Reason why a step cannot be accepted for a point on a curve.
 #[derive(Debug, Clone, PartialEq)]

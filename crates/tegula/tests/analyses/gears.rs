@@ -361,6 +361,24 @@ fn a_gear_that_was_released_meshes_where_its_wheels_stand() {
     }
 }
 
+/// A planet on an arm, whose gear counts its angle relative to the ground, is most likely a mistake.
+#[test]
+fn wheels_with_hinges_to_other_bodies_than_the_carrier_are_told() {
+    let told = |carrier: &str| {
+        let (mut model, ..) = planetary(1.0, 0.1);
+        let Joint::Gear(keys) = &mut model.joints[3] else { panic!() };
+        keys.carrier = carrier.into();
+        let mesh = mesh::generators::generate(&model.mesh).unwrap();
+        compile::warnings(&model, &mesh, &compile::build(&model, &mesh).unwrap())
+    };
+    // The sun has its hinge in the ground, on the axis of the arm.
+    assert_eq!(told("arm"), Vec::new());
+    let found = told("ground");
+    assert_eq!(found.len(), 1);
+    let issue = &found[0];
+    assert!(issue.place.key == "joints[3].carrier" && issue.message.contains("\"arm\""), "{issue:?}");
+}
+
 #[test]
 fn gears_without_ratio_or_with_wheels_that_are_carriers_are_refused() {
     let refused = |change: &dyn Fn(&mut GearJoint)| {
