@@ -97,6 +97,7 @@ pub(super) fn consistent_velocities(
     newton: &mut Newton,
     state: &mut State,
 ) -> Result<Vec<String>> {
+    newton.count_turns(system, state);
     let motion = Motion::State { u: &state.u, velocity: None };
     let open = newton.constraints.as_ref().and_then(|c| c.violation(system, (&motion, state.time), CLOSED));
     if let Some(open) = open {

@@ -16,7 +16,7 @@ use crate::analysis::stepper::Reached;
 use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched};
 use crate::element::{Motion, Nodal};
 use crate::model::TransientAnalysis;
-use crate::system::{System, inverted_element};
+use crate::system::{OffCurve, System, inverted_element};
 use crate::{Error, Result};
 use tegula_sparse::Factor as _;
 use tegula_sparse::norm::larger;
@@ -167,6 +167,7 @@ impl<'a> TimeSteps<'a> {
         if let Some(constraints) = newton.constraints.as_mut().filter(|_| !events.is_empty()) {
             constraints.set_modes(&events.trial);
         }
+        newton.count_turns(system, state);
         scheme.begin(system, &mut newton.assembly, state, span);
         if !self.own_tangents {
             newton.prepare(system, (&scheme.parts(), scheme.displacements()), span.dt, state);
@@ -324,7 +325,8 @@ impl<'a> TimeSteps<'a> {
         observer: &mut dyn Observer,
     ) -> Result<()> {
         let Self { system, options, state, statistics, .. } = self;
-        if state.next_step < SMALLEST_STEP * options.end_time {
+        let smallest = if trouble == Trouble::LeavesCurve { LEAVING } else { SMALLEST_STEP };
+        if state.next_step < smallest * options.end_time {
             observer.on_repeat(statistics);
             return Err(Error::NotConverged {
                 at: format!("time {:.6e}", state.time + span.dt),
@@ -402,6 +404,16 @@ pub(super) fn trouble(system: &System, state: &State, dt: f64, new: &[Nodal]) ->
     if let Some(inverted) = inverted_element(system, new) {
         return Some((Trouble::Inverted, inverted));
     }
+    let moved =
+        |v: usize, part: f64| std::array::from_fn(|i| state.u[v][i] + part * (new[v][i] - state.u[v][i]));
+    if let Some(reason) = system.gear_turns_too_far(moved, &state.angles) {
+        return Some((Trouble::Inaccurate, reason));
+    }
+    match system.off_curve(&state.u, new) {
+        Some(OffCurve::TooFar(reason)) => return Some((Trouble::Inaccurate, reason)),
+        Some(OffCurve::PastEnd(reason)) => return Some((Trouble::LeavesCurve, reason)),
+        None => {}
+    }
     let body = triads::turned_too_far(system, (state, dt), new)?;
     let reason = format!("body \"{body}\" turns by more than {} rad in the step", triads::MOST_ROTATION);
     Some((Trouble::Inaccurate, reason))
@@ -439,6 +451,8 @@ pub(super) fn commit(system: &System, newton: &mut Newton, state: &mut State) {
     newton.assembly.reset_stress(system, &state.point(system));
 }
 
+/// Length of the last step before a point leaves its curve, over that of the analysis.
+const LEAVING: f64 = 1e-5;
 /// Flight between two impacts of a stop, over the time step, below which the stop stays closed.
 const SHORT_FLIGHT: f64 = 1e-3;
 
@@ -533,6 +547,8 @@ pub(super) enum Trouble {
     Inaccurate,
     /// Inverted element.
     Inverted,
+    /// Point that leaves the end of a curve.
+    LeavesCurve,
     /// Iteration that does not converge.
     Iteration(Cause),
 }
@@ -546,6 +562,10 @@ fn advice(system: &System, options: &TransientAnalysis, trouble: Trouble) -> Str
         }
         Trouble::Iteration(Cause::Tangent) => {
             return "Check masses and supports: some degrees of freedom may have neither mass nor stiffness."
+                .into();
+        }
+        Trouble::LeavesCurve => {
+            return "Let the curve go on as far as its point moves, or end the analysis before, by `end_time` or a stop condition."
                 .into();
         }
         Trouble::Inaccurate | Trouble::Iteration(_) => {}
