@@ -33,18 +33,19 @@ fn slider_crank(omega: f64, end: f64, step: f64) -> Model {
     let rod = moving("rod", [0.5 * REACH, 0.5 * CRANK, 0.0], -CRANK * omega);
     let slider = moving("slider", [REACH, 0.0, 0.0], -CRANK * omega);
     let z = [0.0, 0.0, 1.0];
-    let ball = |name: &str, a: &str, b: &str, at| {
-        Joint::Spherical(PointJoint { name: name.into(), between: between(a, b), at })
-    };
     let joints = vec![
         Joint::Revolute(coordinate("hinge", ["ground", "crank"], ([0.0; 3], z), 0.0)),
-        ball("pin", "crank", "rod", [0.0, CRANK, 0.0]),
-        // A rod on two balls would turn about itself.
         Joint::Universal(TwoAxesJoint {
-            name: "wrist".into(),
+            name: "pin".into(),
+            between: between("crank", "rod"),
+            at: [0.0, CRANK, 0.0],
+            // The rod does not turn about itself.
+            axes: [z, [CRANK, REACH, 0.0]],
+        }),
+        Joint::Spherical(PointJoint {
+            name: "ball".into(),
             between: between("slider", "rod"),
             at: [REACH, 0.0, 0.0],
-            axes: [[1.0, 0.0, 0.0], z],
         }),
         Joint::Prismatic(coordinate(
             "guide",
@@ -105,8 +106,10 @@ fn a_slider_crank_with_friction_passes_its_dead_centres_and_rests_where_its_ener
         assert!(turned[turned.len() - 1] > 3.0 * std::f64::consts::PI);
         let kinetic = notes.states.iter().map(|state| system.kinetic_energy(&state.v));
         let lost = kinetic.zip(&turned).map(|(kinetic, angle)| kinetic + FRICTION * way(*angle) - energy);
-        let rest = system.kinetic_energy(&state.v);
-        assert!(rest < 1e-10 * energy, "{rest}");
+        // The positions stand still; velocities across the joints alternate from step to step.
+        let earlier = turned[turned.len() - 100];
+        assert!((turned[turned.len() - 1] - earlier).abs() < 1e-9, "{earlier}");
+        assert!(system.kinetic_energy(&state.v) < 1e-7 * energy);
         [max_norm(lost) / energy, (turned[turned.len() - 1] - low).abs()]
     };
     // The scheme conserves energy, and the friction is constant: only the round-off of the iteration is left.

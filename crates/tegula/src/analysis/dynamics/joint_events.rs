@@ -413,6 +413,11 @@ impl JointEvents {
             };
             c.reached = c.events.iter().zip(SIDES).enumerate().find(is_there).map(|(_, (_, side))| side);
         }
+        for (c, trial) in self.coordinates.iter_mut().zip(&self.trial) {
+            // A coordinate that was to turn back has come to rest instead.
+            let rests = c.turns && trial.mode.is_held();
+            c.reached = c.reached.or(rests.then_some(0.0));
+        }
         if self.has_event() {
             // Coordinates of one motion come to rest together.
             for c in self.coordinates.iter_mut().filter(|c| c.reached.is_none()) {

@@ -13,13 +13,18 @@ use super::joint_events::{JointEvents, moving, stop_at};
 use super::{constrained_start, impact, project_rates};
 use crate::Result;
 use crate::analysis::State;
+use crate::analysis::constraints::Rates;
 use crate::analysis::newton::Newton;
 use crate::constraint::{CoordinateLaw, CoordinateMode, CoordinateState, Joint};
 use crate::element::{Motion, Nodal};
+use crate::norm::larger;
 use crate::system::System;
 
 /// Velocity behind an impact over that before it, or at the start of the step, below which a coordinate stays at rest.
 const STAYS: f64 = 1e-9;
+/// Rate of a constraint behind an impact, over the largest one before it, that is round-off; and most attempts to close all.
+const CLOSED: f64 = 1e-9;
+const MOST_ATTEMPTS: u32 = 3;
 /// Effective mass of a coordinate times the square of its rate at the start of the step, over twice the kinetic energy there, up to which
 /// friction stops it. It is at most 1 in the configuration at the start.
 const STOPPED: f64 = 10.0;
@@ -61,7 +66,7 @@ pub(super) fn pass(
     impact::factor_mass(system, newton, state)?;
     if !struck {
         turn_back(system, newton, (at_start, state), &mut list)?;
-        let stops = |k: usize| list[k].held.is_some() && !state.coordinates[k].mode.is_held();
+        let stops = |k: usize| list[k].held.is_some() && events.reached(k).is_some();
         if !(0..list.len()).any(stops) {
             settle(system, state, (&list, struck));
             return Ok(Vec::new());
@@ -202,23 +207,43 @@ fn collide(
     if let Some(constraints) = &mut newton.constraints {
         constraints.set_modes(&modes);
         constraints.set_friction(false);
+        constraints.begin_step();
     }
     let Newton { assembly, solver, constraints, .. } = newton;
     let Some(constraints) = constraints else { return Ok(Vec::new()) };
     constrained_start::take_mass(system, assembly, (solver, constraints), state)?;
     let motion = Motion::State { u: &state.u, velocity: None };
-    let restitution = |row: usize| list.iter().find(|c| c.row == row).map_or(0.0, |c| c.restitution);
     let (mut free, mut change) = (vec![0.0; system.unknowns()], vec![[0.0; 3]; old.len()]);
-    let impulses = constraints.impact(system, (&motion, state.time), old, restitution, &mut free).to_vec();
+    let mut impulses = vec![0.0; system.constraints()];
+    let hits = |row: usize| list.iter().find(|c| c.row == row && c.hits);
+    let largest = |rates: &[f64]| {
+        let closed = rates.iter().enumerate().filter(|(row, _)| hits(*row).is_none());
+        closed.map(|(_, rate)| rate.abs()).fold(0.0, larger)
+    };
+    let before = largest(constraints.rates(system, (&motion, state.time), Rates::First(old)));
+    for attempt in 0..MOST_ATTEMPTS {
+        // Behind the first attempt, coordinates that have hit their stops keep their new rates.
+        let restitution =
+            |row: usize| hits(row).map_or(0.0, |c| if attempt == 0 { c.restitution } else { -1.0 });
+        let found = constraints.impact(system, (&motion, state.time), &state.v, restitution, &mut free);
+        impulses.iter_mut().zip(found).for_each(|(sum, x)| *sum += x);
+        assembly.frames.expand(&free, &mut change);
+        super::statics::add(&mut state.v, &change);
+        if largest(constraints.rates(system, (&motion, state.time), Rates::First(&state.v)))
+            <= CLOSED * before
+        {
+            break;
+        }
+        // Constraints that were left out as dependent are open.
+        constraints.readmit();
+    }
     constraints.set_friction(true);
-    assembly.frames.expand(&free, &mut change);
-    super::statics::add(&mut state.v, &change);
     Ok(impulses)
 }
 
 /// Sets the modes behind an impact.
 fn settle(system: &System, state: &mut State, (list, struck): (&[Coordinate], bool)) {
-    let fastest = list.iter().map(|c| c.rate.abs()).fold(0.0, crate::norm::larger);
+    let fastest = list.iter().map(|c| c.rate.abs()).fold(0.0, larger);
     for (k, c) in list.iter().enumerate() {
         let rate = system.coordinate_rate(c.joint, c.law, [&state.u, &state.v]);
         let now = &mut state.coordinates[k];
