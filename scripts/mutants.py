@@ -21,6 +21,7 @@ import argparse
 import collections
 import concurrent.futures
 import datetime
+import hashlib
 import json
 import math
 import os
@@ -133,6 +134,8 @@ def copy(to, mutated):
                 text = text.replace(b"[dependencies]\n", b'[dependencies]\nmutant = { path = "../mutant" }\n', 1)
             if name == "Cargo.toml":
                 text = text.replace(b'debug = "line-tables-only"', b"debug = false")
+                # The mutants make the code of the kernels long, and the optimiser takes its time.
+                text = text.replace(b"opt-level = 2", b"opt-level = 1")
                 text = text.replace(b'members = [', b'members = ["crates/mutant", ')
             if name != "Cargo.lock" or not (to / name).exists():
                 put(to / name, text)
@@ -172,12 +175,15 @@ def compile_errors(to, environment):
 def compiling_mutants(tool, to, files, environment):
     """Writes the mutants, leaves out those that do not compile; returns the others."""
     path = to.parent / "not_compiled.json"
-    dropped = set(json.loads(path.read_text(encoding="utf-8")).get("\n".join(files), [])) if path.exists() else set()
+    known = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+    texts = "\n".join((ROOT / f).read_text(encoding="utf-8") for f in files)
+    key = hashlib.sha256(texts.encode()).hexdigest()
+    dropped = set(known.get(key, []))
     while True:
         mutants = write_mutants(tool, to, files, dropped)
         errors = compile_errors(to, environment)
         if not errors:
-            path.write_text(json.dumps({"\n".join(files): sorted(dropped)}), encoding="utf-8")
+            path.write_text(json.dumps(known | {key: sorted(dropped)}), encoding="utf-8")
             return {n: m for n, m in mutants.items() if n not in dropped}, len(dropped)
         alive, found = collections.defaultdict(list), set()
         for number, mutant in mutants.items():
@@ -263,13 +269,12 @@ def limits():
 
 
 def reach(tests, folder, jobs):
-    """Seconds of each test that passes and the mutants that it reaches, kept in a file for the same programs."""
+    """Seconds of each test that passes and the mutants that it reaches; a file keeps them for programs that stay the same."""
     stamps = {p: os.path.getmtime(p) for p in tests.programs}
     path = folder / "reach.json"
-    if path.exists():
-        known = json.loads(path.read_text(encoding="utf-8"))
-        if known["programs"] == stamps:
-            return {tuple(k): (s, set(n)) for k, s, n in known["tests"]}
+    known = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"programs": {}, "tests": []}
+    kept = [t for t in known["tests"] if known["programs"].get(t[0][0]) == stamps.get(t[0][0], 0)]
+    new = [t for t in tests.all if known["programs"].get(t[0]) != stamps[t[0]]]
 
     def one(test):
         to = folder / "reach" / str(abs(hash(test)))
@@ -281,11 +286,10 @@ def reach(tests, folder, jobs):
         shutil.rmtree(to)
         if not passed:
             print(f"fails without a mutant, does not count: {test[1]}", flush=True)
-        return test, passed, seconds, numbers
+        return [test, seconds, sorted(numbers) if passed else []]
 
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        done = [r for r in pool.map(one, tests.all) if r[1]]
-    kept = [[test, seconds, sorted(numbers)] for test, _, seconds, numbers in done if numbers]
+        kept += [r for r in pool.map(one, new) if r[2]]
     path.write_text(json.dumps({"programs": stamps, "tests": kept}), encoding="utf-8")
     return {tuple(test): (seconds, set(numbers)) for test, seconds, numbers in kept}
 
@@ -389,8 +393,8 @@ def main():
     environment = os.environ | {"CARGO_TARGET_DIR": str(out / "build"), "CARGO_INCREMENTAL": "0"}
     tool = ROOT / "scripts/mutants/Cargo.toml"
     subprocess.run(["cargo", "build", "--quiet", "--manifest-path", str(tool)], env=environment, check=True)
-    # All modules are in the copy, so that the numbers of the mutants do not depend on those that are run.
-    files = [f for module in MODULES for f in files_of(module)]
+    # Only the modules that are run have mutants: the others are compiled sooner and run at full speed.
+    files = [f for module in options.modules or MODULES for f in files_of(module)]
     copy(out / "copy", set(files))
     mutants, not_compiled = compiling_mutants(out / "build/debug/mutants", out / "copy", files, environment)
     print(f"{len(mutants)} mutants, {not_compiled} more do not compile", flush=True)

@@ -40,7 +40,7 @@ pub enum Parts {
     /// Call of an operation of a vector register, `lanes.add(a, b)`.
     Register { receiver: String, method: String, arguments: Vec<Bytes> },
     /// Body of a function with its mutants, from the first number to the last; they return a value at once. It is written twice,
-    /// with mutants and without, unless its type has no name.
+    /// with mutants and without, unless its type has no name or it is inlined always.
     Body { last: u32, twice: bool },
 }
 
@@ -151,6 +151,11 @@ impl<'a> Collector<'a> {
         let range = body.span().byte_range();
         let inside = self.text[range.start + 1..range.end - 1].trim();
         let opaque = matches!(&signature.output, ReturnType::Type(_, t) if self.source(&t.span().byte_range()).contains("impl "));
+        // Nested functions that are inlined always would double the code at each level.
+        let inlined = attributes.iter().any(|a| {
+            a.path().is_ident("inline")
+                && a.meta.require_list().is_ok_and(|list| list.tokens.to_string() == "always")
+        });
         let (first, at) = (self.next, self.sites.len());
         let mut choices = Choices::new();
         for value in defaults::of_return(&signature.output) {
@@ -165,8 +170,10 @@ impl<'a> Collector<'a> {
         visit::visit_block(self, body);
         let last = self.next - 1;
         if last >= first {
-            self.sites
-                .insert(at, Site { range, parts: Parts::Body { last, twice: !opaque }, choices, first });
+            self.sites.insert(
+                at,
+                Site { range, parts: Parts::Body { last, twice: !opaque && !inlined }, choices, first },
+            );
         }
         self.functions.pop();
     }
