@@ -279,8 +279,10 @@ def reach(tests, folder, jobs):
     def one(test):
         to = folder / "reach" / str(abs(hash(test)))
         to.mkdir(parents=True, exist_ok=True)
-        start = time.monotonic()
         passed = tests.run(test, RECORD, 900, to)
+        # Recording is slow; the time of the test is that without it.
+        start = time.monotonic()
+        passed = passed and tests.run(test, 0, 900)
         seconds = time.monotonic() - start
         numbers = {int(n) for part in to.iterdir() for n in part.read_text(encoding="utf-8").split()}
         shutil.rmtree(to)
