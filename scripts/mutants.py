@@ -136,6 +136,8 @@ def copy(to, mutated):
                 text = text.replace(b'debug = "line-tables-only"', b"debug = false")
                 # The mutants make the code of the kernels long, and the optimiser takes its time.
                 text = text.replace(b"opt-level = 2", b"opt-level = 1")
+                # One unit needs no optimisation between units, which takes longer than all the rest.
+                text += b"".join(f"\n[profile.dev.package.{c}]\ncodegen-units = 1\n".encode() for c in CRATES)
                 text = text.replace(b'members = [', b'members = ["crates/mutant", ')
             if name != "Cargo.lock" or not (to / name).exists():
                 put(to / name, text)
@@ -206,7 +208,7 @@ def build(to, environment):
         sys.exit("the copy does not compile")
     programs = {}
     for line in out.stdout.splitlines():
-        message = json.loads(line)
+        message = json.loads(line) if line.startswith("{") else {"reason": "text"}
         if message["reason"] == "compiler-artifact" and message["profile"]["test"] and message["executable"]:
             if message["target"]["name"] not in TEXTS:
                 programs[message["executable"]] = str(pathlib.Path(message["manifest_path"]).parent)
