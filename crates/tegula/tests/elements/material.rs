@@ -1,9 +1,13 @@
 //! Contract of every material law, and each law against closed forms.
 
+use std::sync::Arc;
+
 use crate::common::{Random, rotation};
 use nalgebra::{Matrix2, Matrix3, Matrix6, Vector6};
 use tegula::material::linear::{Orthotropy, isotropic, isotropic_plane_stress};
-use tegula::material::{Hyperelastic, Law, NeoHookeanForm, PlaneStressPlasticity, Plasticity, Strengths};
+use tegula::material::{
+    Hyperelastic, Law, MaterialLaw, NeoHookeanForm, OwnLaw, PlaneStressPlasticity, Plasticity, Strengths,
+};
 use tegula::model::{Isotropic, Material, MooneyRivlin, NeoHookean, Orthotropic, Plastic};
 use tegula::norm::{larger, max_norm};
 
@@ -572,6 +576,35 @@ fn laws_for_unknown_and_for_linear_materials_are_refused() {
         };
         assert!(issues.len() == 1 && issues[0].message.contains(word), "{issues:?}");
     }
+}
+
+/// A law of a caller answers as it does by itself, and is equal to nothing but itself.
+#[test]
+fn laws_of_callers_are_asked_for_everything() {
+    let mut numbers = Random::new(11);
+    let rubber = Hyperelastic::Coupled { mu: 0.8, lambda: 2.0 };
+    let steel: Arc<dyn MaterialLaw> = Arc::new(STEEL);
+    let pairs = [
+        (Law::Plastic(STEEL), Law::Own(OwnLaw(steel.clone())), 0.02),
+        (Law::Hyperelastic(rubber), Law::Own(OwnLaw(Arc::new(rubber))), 0.2),
+    ];
+    for (law, own, size) in &pairs {
+        assert_eq!(own.history(), law.history());
+        assert_eq!(own.is_hyperelastic(), law.is_hyperelastic());
+        assert!(!own.is_linear());
+        let mut committed = vec![0.0; law.history()];
+        for _ in 0..3 {
+            let strain = random(&mut numbers, *size);
+            let (expected, updated) = respond(law, &strain, &committed);
+            assert_eq!(respond(own, &strain, &committed), (expected, updated.clone()));
+            assert_eq!(own.plastic_strain(&updated), law.plastic_strain(&updated));
+            committed = updated;
+        }
+        // Not the start: the strains yield.
+        assert!(law.history() == 0 || own.plastic_strain(&committed).is_some_and(|p| p > 1e-3));
+    }
+    assert_eq!(pairs[0].1, Law::Own(OwnLaw(steel)));
+    assert_ne!(pairs[0].1, Law::Own(OwnLaw(Arc::new(STEEL))));
 }
 
 #[test]
