@@ -91,6 +91,41 @@ fn the_pinion_moves_the_rack_with_the_inertia_of_both() {
     assert!((force[last].abs() / (mass * exact) - 1.0).abs() < 1e-4, "{}", force[last]);
 }
 
+/// Two stages of gears: `φ = ½ M t²/(J₁ + J₂/i₁² + J₃/(i₁ i₂)²)`; the teeth turn the drum with `J₃ φ̈/(i₁ i₂)`.
+#[test]
+fn the_motor_of_the_gear_train_feels_the_reduced_inertia() {
+    let column = history_of("gear_train.toml");
+    let ratios = [-52.0 / 17.0, -61.0 / 15.0];
+    let whole = ratios[0] * ratios[1];
+    let exact = 1.2 / (0.004 + 0.05 / f64::powi(ratios[0], 2) + 1.2 / f64::powi(whole, 2));
+    let (motor, drum) = (column("sensor.motor.angle"), column("sensor.drum.angle"));
+    let moment = column("joint.second.mz");
+    let last = motor.len() - 1;
+    assert!(motor[last] > 5.0 * 360.0);
+    assert!((motor[last].to_radians() / (0.5 * exact) - 1.0).abs() < 5e-4, "{} {exact}", motor[last]);
+    for i in 1..=last {
+        assert!((motor[i] - whole * drum[i]).abs() < 1e-7, "{} {}", motor[i], drum[i]);
+        assert!((moment[i] * whole / (1.2 * exact) - 1.0).abs() < 1e-3, "{} {exact}", moment[i]);
+    }
+}
+
+/// On cycloids beads are down at `t = π √(r/g)`, from whatever height.
+#[test]
+fn beads_on_cycloids_are_down_at_the_same_time() {
+    let column = history_of("tautochrone.toml");
+    let time = column("time");
+    for bead in ["high", "low"] {
+        let x = column(&format!("body.{bead}.x"));
+        let after = x.iter().position(|x| *x < 0.0).unwrap();
+        let [a, b] = [after - 1, after];
+        let down = time[a] + (time[b] - time[a]) * x[a] / (x[a] - x[b]);
+        let exact = PI * (1.0_f64 / 9.81).sqrt();
+        assert!((down - exact).abs() < 2e-4, "{bead}: {down} {exact}");
+        let z = column(&format!("body.{bead}.z"));
+        assert!(z[after].abs() < 1e-3 && x[0] > 1.0, "{bead}: {} {}", z[after], x[0]);
+    }
+}
+
 /// Runs an example and gives the columns of its history by name.
 fn history_of(name: &str) -> impl Fn(&str) -> Vec<f64> + use<> {
     let [history] = histories_of(name, [""]);

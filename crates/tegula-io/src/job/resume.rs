@@ -97,7 +97,7 @@ impl CheckpointData {
             ("u", s.u.len(), n),
             ("history", s.history.len(), history),
             ("multipliers", s.multipliers.len(), system.constraints()),
-            ("angles", s.angles.len(), system.angle_sensors().count()),
+            ("angles", s.angles.len(), system.number_of_angles()),
             ("tangent u", if t.valid { t.u.len() } else { n }, n),
             ("tangent history", if t.valid { t.history.len() } else { history }, history),
         ];

@@ -3,6 +3,7 @@
 mod cuts;
 mod fields;
 mod friction;
+mod gears;
 mod inputs;
 mod mesh_parts;
 mod response;

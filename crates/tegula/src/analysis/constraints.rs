@@ -69,6 +69,8 @@ pub(super) struct Constraints {
     schur: Schur,
     /// Friction and stops of joints.
     laws: Laws,
+    /// First angles of gears at the end of the step before, joint by joint; 0 for other joints.
+    counted: Vec<f64>,
     /// Change of the multipliers in the last increment.
     change: Vec<f64>,
     /// Right side of their equations.
@@ -87,6 +89,9 @@ impl Constraints {
     pub fn new(system: &System) -> Option<Self> {
         let m = system.constraints();
         let n = system.unknowns();
+        let angles = system.start.as_ref().map_or(&[][..], |start| &start.angles);
+        let mut counted = vec![0.0; system.joints.len()];
+        count_turns(system, angles, &mut counted);
         (m > 0).then(|| Self {
             forces: vec![Vec::new(); m],
             ends: vec![Vec::new(); m],
@@ -94,6 +99,7 @@ impl Constraints {
             responses: vec![0.0; n * m],
             schur: Schur::new(m),
             laws: Laws::new(system),
+            counted,
             change: vec![0.0; m],
             right: vec![0.0; m],
             violation: f64::INFINITY,
@@ -168,10 +174,10 @@ impl Constraints {
         self.laws.add_response(&self.responses, x);
         let (end, time) = (end_of(system, motion), end_time(motion, time));
         for joint in system.joints.iter() {
-            let drive = self.laws.target(system, joint, time);
+            let target = target(system, (&self.laws, &self.counted), joint, time);
             joint.with_vectors(&end, |v, _| {
                 for (i, row) in joint.multipliers().zip(&joint.rows) {
-                    self.right[i] = row.value(v, drive) + product(&self.ends[i], x);
+                    self.right[i] = row.value(v, target) + product(&self.ends[i], x);
                 }
             });
         }
@@ -194,6 +200,11 @@ impl Constraints {
     /// Takes the modes of the relative coordinates with friction or stops; the next tangent is that of these modes.
     pub fn set_modes(&mut self, coordinates: &[CoordinateState]) {
         self.laws.set_modes(coordinates);
+    }
+
+    /// Takes the angles of a state from which a step starts: those of gears count their turns.
+    pub fn set_angles(&mut self, system: &System, angles: &[f64]) {
+        count_turns(system, angles, &mut self.counted);
     }
 
     /// Lets friction follow reactions, or not: impulses do without it.
@@ -295,6 +306,22 @@ impl Constraints {
         self.project_onto(x);
     }
 
+    /// Displacements of constraints by unit forces that act in the direction of others, at the last tangent, where all other constraints
+    /// hold: a matrix by rows.
+    pub fn compliance(&mut self, rows: &[usize]) -> Vec<f64> {
+        let n = rows.len();
+        let mut out = vec![0.0; n * n];
+        let mut free = std::mem::take(&mut self.free);
+        for (j, &row) in rows.iter().enumerate() {
+            let size = free.len();
+            free.copy_from_slice(&self.responses[row * size..][..size]);
+            self.constrain(&mut free);
+            rows.iter().enumerate().for_each(|(i, &row)| out[i * n + j] = product(&self.ends[row], &free));
+        }
+        self.free = free;
+        out
+    }
+
     /// Changes x so that `G₁ x` vanishes together with the right side.
     fn project_onto(&mut self, x: &mut [f64]) -> &[f64] {
         for (right, gradient) in self.right.iter_mut().zip(&self.ends) {
@@ -371,7 +398,7 @@ impl Constraints {
     /// Largest value of a constraint at the end of a motion over its size; infinite where a drive is half a turn away from its angle.
     pub fn largest_violation(&self, system: &System, (motion, time): (&Motion, f64)) -> f64 {
         let (end, time) = (end_of(system, motion), end_time(motion, time));
-        let of_joint = |joint: &Joint| of_joint(system, &self.laws, joint, (&end, time));
+        let of_joint = |joint: &Joint| of_joint(system, (&self.laws, &self.counted), joint, (&end, time));
         system.joints.iter().map(of_joint).fold(0.0, crate::norm::larger)
     }
 
@@ -386,7 +413,7 @@ impl Constraints {
     pub fn violation(&self, system: &System, (motion, time): (&Motion, f64), limit: f64) -> Option<String> {
         let (end, time) = (end_of(system, motion), end_time(motion, time));
         system.joints.iter().find_map(|joint| {
-            let worst = of_joint(system, &self.laws, joint, (&end, time));
+            let worst = of_joint(system, (&self.laws, &self.counted), joint, (&end, time));
             if worst == f64::INFINITY {
                 return Some(format!("joint \"{}\" is half a turn away from its angle", joint.name));
             }
@@ -421,10 +448,32 @@ fn gradients(
     }
 }
 
+/// First angles of gears from those of a state, joint by joint.
+fn count_turns(system: &System, angles: &[f64], out: &mut [f64]) {
+    let gears = angles.get(system.angle_sensors().count()..).unwrap_or_default();
+    for ((joint, _), angle) in system.counted_angles().zip(gears) {
+        out[joint.number] = *angle;
+    }
+}
+
+/// Value on which the constraints of a joint depend beside its nodal vectors: that of its drive, at which its relative coordinate is held,
+/// or of its first angle at the end of the step before.
+fn target(system: &System, (laws, counted): (&Laws, &[f64]), joint: &Joint, time: f64) -> f64 {
+    match counted.get(joint.number).filter(|_| joint.counted.is_some()) {
+        Some(angle) => *angle,
+        None => laws.target(system, joint, time),
+    }
+}
+
 /// Largest value of a constraint of a joint over its size; infinite where its drive is half a turn away from its angle. Released joints
 /// have no constraints, and coordinates that move none.
-fn of_joint(system: &System, laws: &Laws, joint: &Joint, (end, time): (impl Fn(usize) -> Vec3, f64)) -> f64 {
-    let drive = laws.target(system, joint, time);
+fn of_joint(
+    system: &System,
+    (laws, counted): (&Laws, &[f64]),
+    joint: &Joint,
+    (end, time): (impl Fn(usize) -> Vec3, f64),
+) -> f64 {
+    let drive = target(system, (laws, counted), joint, time);
     joint.with_vectors(end, |v, _| {
         let value = |(i, row): (usize, &Row)| match row.is_on_branch(v, drive) {
             _ if laws.is_moving(i) => 0.0,

@@ -58,7 +58,7 @@ pub struct State {
     /// other schemes and at the start. They are not stored: reactions of a state that was read are in the configuration at its end.
     #[serde(default, skip)]
     pub middle: Vec<Nodal>,
-    /// Angles of sensors (rad), continued over full turns.
+    /// Angles of sensors, and behind them the first angles of gears (rad), continued over full turns.
     #[serde(default)]
     pub angles: Vec<f64>,
     /// Relative coordinates of the joints with friction or stops, in the order of the joints.
@@ -113,7 +113,7 @@ impl State {
             u: vec![[0.0; 3]; system.vectors()],
             history: vec![0.0; history],
             multipliers: vec![0.0; system.constraints()],
-            angles: vec![0.0; system.angle_sensors().count()],
+            angles: vec![0.0; system.number_of_angles()],
             ..Self::default()
         }
     }

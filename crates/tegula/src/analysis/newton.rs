@@ -229,6 +229,13 @@ impl<S: TangentSolver> Newton<S> {
         self.solver.linear_iterations() + self.circulatory.as_ref().map_or(0, CirculatoryLoads::solutions)
     }
 
+    /// Takes the angles of the state from which a step starts: gears count their turns from there.
+    pub fn count_turns(&mut self, system: &System, state: &State) {
+        if let Some(constraints) = &mut self.constraints {
+            constraints.set_angles(system, &state.angles);
+        }
+    }
+
     /// Provides a factor for a time step of length `dt` from a state: the lagged tangent of an earlier step, or a new
     /// one at the state. Linear models and prescribed motions, which need a tangent anyway, and bodies and joints are skipped.
     ///

@@ -1,9 +1,9 @@
 //! Rigid bodies, point masses and joints: from the model to nodal vectors and constraints.
 
 use super::body_inertia::{self, axes, centre, direction, euler_tensor, mass};
-use super::place::{Place, ends};
+use super::place::{Place, end, ends};
 use crate::checker::Checker;
-use crate::constraint::joints::{RelativeAngle, joint};
+use crate::constraint::joints::{End, RelativeAngle, joint};
 use crate::constraint::{Drive, Joint, Spring, TorsionSpring};
 use crate::element::Nodal;
 use crate::mesh::Mesh;
@@ -202,6 +202,8 @@ pub(super) fn extent(model: &Model, mesh: &Mesh, coordinates: &Coordinates) -> f
         return mesh.extent();
     }
     let joints = model.joints.iter().flat_map(|joint| joint.common().points()).map(|(_, x)| Vec3::from(x));
+    let curves = model.joints.iter().flat_map(|joint| joint.common().curve()).map(|x| Vec3::from(*x));
+    let joints = joints.chain(curves);
     let bodies = model.bodies.iter().map(centre);
     let points = mesh.positions.iter().copied().chain(joints).chain(bodies);
     let [low, high] = points
@@ -232,12 +234,18 @@ pub(super) fn joints(
         };
         let found =
             ends(&Place { model, mesh, coordinates, length }, (&key, keys.between()), [at(0), at(1)], &mut c);
-        let Some([first, second]) = found else { continue };
+        let carrier = match keys.carrier() {
+            Some(name) => {
+                end(&Place { model, mesh, coordinates, length }, format!("{key}.carrier"), name, &mut c)
+            }
+            None => Some(End::Ground),
+        };
+        let (Some(ends), Some(carrier)) = (found, carrier) else { continue };
         let drive = keys.drive().and_then(|drive| {
             let amplitude = model.amplitudes.keys().position(|name| name == drive.amplitude)?;
             Some(Drive { amplitude, value: drive.value, offset: 0.0 })
         });
-        match joint(data, [first, second], length, (&out, drive)) {
+        match joint(data, (ends, carrier), length, (&out, drive)) {
             Ok(made) if made.vectors.is_empty() => {}
             Ok(made) => out.push(made),
             Err(lack) => {

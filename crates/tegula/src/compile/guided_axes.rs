@@ -1,11 +1,11 @@
-//! Axes of drives and torsion springs against those of the joints beside which they stand.
+//! Axes of drives, gears and torsion springs against those of the joints beside which they stand.
 //!
 //! A drive of an angle about another axis than that of the hinge beside it holds an angle of projections, which is not the angle of the
 //! hinge.
 
-use crate::Vec3;
 use crate::checker::Checker;
 use crate::model::{Joint, Model};
+use crate::{Issue, Vec3};
 
 /// Sine of the angle above which two axes are different.
 const PARALLEL: f64 = 1e-6;
@@ -31,7 +31,7 @@ fn guide(joint: &Joint, motion: Motion) -> Option<(&str, &[String; 2], Vec3)> {
     }
 }
 
-/// Adds drives and torsion springs whose axis is not that of the joint between the same two sides.
+/// Adds drives, wheels of gears and torsion springs whose axis is not that of the joint between the same two sides.
 pub(super) fn keys(model: &Model, c: &mut Checker) {
     for (i, joint) in model.joints.iter().enumerate() {
         let (axis, motion) = match joint {
@@ -41,13 +41,71 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         };
         let keys = joint.common();
         let what = format!("the drive \"{}\"", keys.name());
-        one(model, (&format!("joints[{i}]"), &what), (keys.between(), axis), motion, c);
+        one(model, (&format!("joints[{i}].axis"), &what), (keys.between(), axis), motion, c);
+    }
+    for (i, joint) in model.joints.iter().enumerate() {
+        let Joint::Gear(keys) = joint else { continue };
+        for (side, wheel) in keys.between.iter().enumerate() {
+            let what = format!("the wheel \"{wheel}\" of the gear \"{}\"", keys.name);
+            let (key, between) = (format!("joints[{i}].axes[{side}]"), [keys.carrier.clone(), wheel.clone()]);
+            one(model, (&key, &what), (&between, keys.axes[side]), Motion::Rotation, c);
+        }
     }
     for (i, spring) in model.torsion_springs.iter().enumerate() {
         let what = format!("the torsion spring \"{}\"", spring.name);
-        let key = format!("torsion_springs[{i}]");
+        let key = format!("torsion_springs[{i}].axis");
         one(model, (&key, &what), (&spring.between, spring.axis), Motion::Rotation, c);
     }
+}
+
+/// Sides of a hinge, with a point of its axis and the direction.
+fn hinge(joint: &Joint) -> Option<(&[String; 2], [Vec3; 2])> {
+    match joint {
+        Joint::Revolute(keys) => Some((&keys.between, [keys.at.into(), keys.axis.into()])),
+        Joint::Cylindrical(keys) => Some((&keys.between, [keys.at.into(), keys.axis.into()])),
+        Joint::Screw(keys) => Some((&keys.between, [keys.at.into(), keys.axis.into()])),
+        _ => None,
+    }
+}
+
+/// Whether two axes are one line.
+fn coaxial([at, axis]: &[Vec3; 2], [other, direction]: &[Vec3; 2]) -> bool {
+    let apart = other - at;
+    axis.cross(direction).norm() <= PARALLEL * axis.norm() * direction.norm()
+        && axis.cross(&apart).norm() <= PARALLEL * axis.norm() * apart.norm()
+}
+
+/// Wheels of gears with hinges to other bodies, and none to the carrier relative to which their angle counts: none between both, and none
+/// on the axis of a hinge of the carrier.
+pub(super) fn wheels_beside_carriers(model: &Model) -> Vec<Issue> {
+    let hinges: Vec<_> = model.joints.iter().filter_map(hinge).collect();
+    let mut found = Vec::new();
+    for (i, joint) in model.joints.iter().enumerate() {
+        let Joint::Gear(keys) = joint else { continue };
+        for wheel in &keys.between {
+            let other = |between: &'_ [String; 2]| between[usize::from(between[0] == *wheel)].clone();
+            let own: Vec<_> = hinges.iter().filter(|(between, _)| between.contains(wheel)).collect();
+            let in_carrier = own.iter().any(|(between, line)| {
+                let through = other(between);
+                let joins =
+                    |between: &[String; 2]| between.contains(&through) && between.contains(&keys.carrier);
+                through == keys.carrier
+                    || hinges.iter().any(|(between, next)| joins(between) && coaxial(line, next))
+            });
+            let Some((between, _)) = own.first().filter(|_| !in_carrier) else { continue };
+            let other = other(between);
+            found.push(Issue::new(
+                format!("joints[{i}].carrier"),
+                format!(
+                    "the wheel \"{wheel}\" of the gear \"{}\" has a hinge to \"{other}\", but none to the carrier \"{}\", relative to \
+                     which its angle counts",
+                    keys.name, keys.carrier
+                ),
+                "name the body in which the hinges of both wheels lie as `carrier`",
+            ));
+        }
+    }
+    found
 }
 
 fn one(
@@ -63,7 +121,7 @@ fn one(
     for (name, _, guided) in guides.filter(|(_, other, _)| same(other)) {
         if axis.cross(&guided).norm() > PARALLEL * axis.norm() * guided.norm() {
             c.add(
-                format!("{key}.axis"),
+                key,
                 format!("the axis of {what} is not that of the joint \"{name}\" between the same two sides"),
                 "give both the same axis",
             );

@@ -259,7 +259,8 @@ impl<'a> Compiler<'a> {
         let (vectors, history) =
             (self.vectors.coordinates.len(), self.offsets.last().map_or(0, |last| last.history.end));
         let constraints = self.constraints_in(self.step_before(step));
-        let angles = self.sensors.iter().filter(|sensor| sensor.angle().is_some()).count();
+        let angles =
+            self.sensor_angles() + self.joints.iter().filter(|joint| joint.counted.is_some()).count();
         let fits = |s: &StepStart| {
             s.u.len() == vectors
                 && (s.v.is_empty() || s.v.len() == vectors)
@@ -280,6 +281,11 @@ impl<'a> Compiler<'a> {
             Error::Model(issues) => named(Error::Model(step.located(issues)), self.mesh),
             other => other,
         })
+    }
+
+    /// Number of the sensors that measure an angle, whose angles stand before those of gears.
+    fn sensor_angles(&self) -> usize {
+        self.sensors.iter().filter(|sensor| sensor.angle().is_some()).count()
     }
 
     /// Nodal vectors where an analysis step starts; those of the reference where displacements are small.

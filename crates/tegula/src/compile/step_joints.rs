@@ -81,6 +81,13 @@ fn not_lockable(joint: &model::Joint) -> (String, &'static str) {
             "couples two motions that other joints leave free",
             "lock the hinge of the pinion or the guide of the rack",
         ),
+        model::Joint::Gear(_) => {
+            ("couples two rotations that hinges leave free", "lock the hinge of one of its wheels")
+        }
+        model::Joint::PointOnCurve(_) => (
+            "lets a point move along a curve, in whose changing direction no lock is made",
+            "release it in this step, and hold the point by a joint that other steps release",
+        ),
         _ => ("is a rod between two points", "lock other joints of the same bodies"),
     };
     (format!("the joint \"{name}\" of the type \"{kind}\" {reason}, and cannot be locked"), help)
@@ -349,6 +356,11 @@ impl Compiler<'_> {
                 drive.value = 0.0;
             }
             joint.start_drive(amplitudes, current);
+            if joint.counted.is_some() {
+                let counted = joints.iter().filter(|joint: &&Joint| joint.counted.is_some()).count();
+                let angle = start.as_ref().and_then(|start| start.angles.get(self.sensor_angles() + counted));
+                joint.mesh(angle.copied().unwrap_or(0.0), current);
+            }
             joints.push(joint);
         }
         if let Some(start) = &mut start {

@@ -75,6 +75,7 @@ fn independent_of_the_start(model: &Model, mesh: &Mesh, system: &System) -> Vec<
     let mut found = zero_loads(model);
     found.extend(super::cuts::idle(model, mesh, system));
     found.extend(idle_switches(model));
+    found.extend(super::guided_axes::wheels_beside_carriers(model));
     found.extend(seams(model, mesh));
     found.extend(prism(model, mesh, system));
     found.extend(coarse_steps(model, system));

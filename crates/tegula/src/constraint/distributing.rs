@@ -145,5 +145,18 @@ pub fn distributing(
     let point = body.point(place);
     let name = name.to_owned();
     let (drive, role, engages, law) = (None, Role::Acting, false, None);
-    Some(Joint { name, vectors, of_first, point, rows, first, number, drive, role, engages, law })
+    Some(Joint {
+        name,
+        vectors,
+        of_first,
+        point,
+        rows,
+        first,
+        number,
+        drive,
+        role,
+        engages,
+        law,
+        counted: None,
+    })
 }

@@ -3,13 +3,14 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::joints::RelativeAngle;
 use super::{Attachment, CoordinateLaw, DriveValue, Quantity, Row};
 use crate::Vec3;
 use crate::element::{ElementGroup, GroupPoint, Motion, TangentRequest, TangentWeights};
 use crate::load::TimeFunction;
 
-/// Most nodal vectors of a joint of two bodies: two rigid bodies have eight.
-pub const MOST_VECTORS: usize = 8;
+/// Most nodal vectors of a joint of bodies: two rigid bodies have eight, and gears contain the directors of three bodies.
+pub const MOST_VECTORS: usize = 9;
 /// Most nodal vectors of a [distributing coupling](super::distributing), whose constraints couple all of them with each other.
 pub const MOST_COUPLED_VECTORS: usize = 1024;
 
@@ -46,6 +47,8 @@ pub struct Joint {
     pub engages: bool,
     /// Friction and stops of its relative coordinate, whose constraint is the last one in steps in which the law acts.
     pub law: Option<Box<CoordinateLaw>>,
+    /// Angle of the first side of a gear, whose turns the state counts.
+    pub counted: Option<Box<RelativeAngle>>,
 }
 
 /// Part that a joint has in an analysis step.
@@ -115,6 +118,12 @@ impl Joint {
         }
     }
 
+    /// Lets gears mesh where they stand at the start of an analysis step, with the nodal vectors `current` and the first angle `earlier`.
+    pub fn mesh(&mut self, earlier: f64, current: impl Fn(u32) -> Vec3) {
+        let v: Vec<Vec3> = self.vectors.iter().map(|&v| current(v)).collect();
+        self.rows.iter_mut().for_each(|row| row.mesh(&v, earlier));
+    }
+
     /// Constraint forces `−Gᵀλ` on the nodal vectors of the joint, with the values `v` of these and the multipliers of its constraints,
     /// from the constraint `first` on. A drive has the value at which the joint stands.
     pub fn forces_from(&self, first: usize, v: &[Vec3], multipliers: &[f64]) -> Vec<Vec3> {
@@ -130,10 +139,10 @@ impl Joint {
     }
 
     /// Gap of the constraints where the nodal vectors have the values `v` \[length, rad\]: distance by which points miss each other, and
-    /// angle by which axes do. Drives begin where their joint stands and have none.
+    /// angle by which axes do. Drives begin where their joint stands, gears mesh there, and have none.
     pub fn gap(&self, v: &[Vec3]) -> [f64; 2] {
         let mut squares = [0.0; 2];
-        for row in self.rows.iter().filter(|_| self.drive.is_none()) {
+        for row in self.rows.iter().filter(|_| self.drive.is_none() && self.counted.is_none()) {
             let value = row.value(v, 0.0);
             match row.keeps {
                 Quantity::Position => squares[0] += value * value,
@@ -332,7 +341,7 @@ impl Joint {
                 }
                 if weights.multiplier != 0.0 {
                     row.add_second_derivative(weights.multiplier * multiplier, drive, blocks);
-                    row.add_second_derivative_of_angle(weights.multiplier * multiplier, v, blocks);
+                    row.add_other_second_derivatives(weights.multiplier * multiplier, v, blocks);
                 }
             }
         }

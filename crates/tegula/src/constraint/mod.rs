@@ -3,7 +3,8 @@
 //!
 //! The points and axes that a joint connects are fixed in bodies, in the ground, or at nodes. They are linear combinations
 //! of nodal vectors ([`Attachment`]), because a rigid body moves as `x(X) = r + X_i d_i`; so every constraint of the usual
-//! joints is a quadratic form of nodal vectors ([`Row`]), and its gradient is exact; screws add a multiple of an angle. J. García de Jalón, E. Bayo, *Kinematic
+//! joints is a quadratic form of nodal vectors ([`Row`]), and its gradient is exact; screws and gears add multiples of angles, and points on curves take
+//! the nearest point of a spline. J. García de Jalón, E. Bayo, *Kinematic
 //! and dynamic simulation of multibody systems* (1994); P. Betsch, S. Leyendecker, *The discrete null space method for the
 //! energy consistent integration of constrained mechanical systems. Part II: multibody dynamics*, Int. J. Numer. Meth. Engng
 //! 67 (2006) 499–552.
@@ -16,9 +17,11 @@ pub mod distributing;
 mod foundation;
 pub mod joint;
 pub mod joints;
+mod on_curve;
 mod rotation_vector;
 mod row;
 mod sensor;
+mod spline;
 mod spring;
 mod torsion_spring;
 mod turning;
@@ -31,5 +34,6 @@ pub use foundation::{FoundationElement, FoundationGroup};
 pub use joint::{Drive, Joint, JointGroup, Role};
 pub use row::{DriveValue, Quantity, Row};
 pub use sensor::{Measure, Sensor};
+pub use spline::{CurvePoint, Spline};
 pub use spring::{Spring, SpringGroup};
 pub use torsion_spring::{TorsionSpring, TorsionSpringGroup};

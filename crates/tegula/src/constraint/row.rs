@@ -1,9 +1,12 @@
 //! One scalar constraint: a quadratic form of nodal vectors.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use super::Attachment;
-use super::turning::Turning;
+use super::on_curve::OnCurve;
+use super::spline::Spline;
+use super::turning::{Angle, Counted, Turning};
 use crate::Vec3;
 use crate::element::TangentWeights;
 
@@ -11,7 +14,9 @@ use crate::element::TangentWeights;
 /// places in the joint's list.
 ///
 /// The constraint of a driven joint depends on the value s of its drive, too: `g(v) − s` where s is a length, and
-/// `g(v) cos s − h(v) sin s` where it is an angle, with a second form h. That of a screw contains a multiple of an angle: `g(v) + c φ(v)`.
+/// `g(v) cos s − h(v) sin s` where it is an angle, with a second form h. That of a screw contains a multiple of an angle: `g(v) + c φ(v)`;
+/// that of a gear contains two, and s is the first angle at the end of the step before. Those of a point on a curve have its distance from the
+/// nearest point of the curve in place of the form.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Row {
     products: Vec<(usize, usize, f64)>,
@@ -19,8 +24,8 @@ pub struct Row {
     constant: f64,
     /// How the constraint depends on the drive of the joint.
     driven: Driven,
-    /// Multiple of an angle beside the form.
-    turning: Option<Box<Turning>>,
+    /// Parts of the constraint that are no quadratic form.
+    other: Option<Box<Other>>,
     /// Form that is positive where the constraint holds as it is meant, and negative half a turn away, where its value vanishes, too.
     positive: Option<Box<Row>>,
     /// Size of the values of the constraint: the length of the model for distances, 1 for products of unit vectors.
@@ -44,6 +49,15 @@ pub enum Quantity {
     Axes,
     /// Distance of two points, by half its square less that of this distance (length).
     Distance(f64),
+}
+
+/// Part of a constraint that is no quadratic form.
+#[derive(Debug, Clone, PartialEq)]
+enum Other {
+    /// Multiples of angles beside the form.
+    Turning(Turning),
+    /// Distance from a curve in place of the form, which is zero.
+    Curve(OnCurve),
 }
 
 /// How a constraint depends on the value s of the drive of its joint.
@@ -90,7 +104,53 @@ impl Row {
     /// Adds `factor · φ` with the angle φ that has this sine and cosine and counts full turns: the form is a displacement that is
     /// proportional to it.
     pub fn turn(&mut self, factor: f64, [sine, cosine]: [Row; 2]) {
-        self.turning = Some(Box::new(Turning { factor, sine, cosine }));
+        let angle = Angle { sine, cosine };
+        self.other = Some(Box::new(Other::Turning(Turning { factor, angle, counted: None })));
+    }
+
+    /// Adds `c₁ φ₁ + c₂ φ₂` with the angles that have these sines and cosines and count full turns; the turns of the first one are counted
+    /// by the state.
+    pub fn gear(&mut self, factors: [f64; 2], forms: [[Row; 2]; 2]) {
+        let [first, angle] = forms.map(|[sine, cosine]| Angle { sine, cosine });
+        let counted = Some(Counted { factor: factors[0], angle: first, offset: 0.0 });
+        self.other = Some(Box::new(Other::Turning(Turning { factor: factors[1], angle, counted })));
+    }
+
+    /// Lets a gear mesh where it stands, with the first angle `earlier`; nothing for other constraints.
+    pub fn mesh(&mut self, v: &[Vec3], earlier: f64) {
+        if let Some(Other::Turning(turning)) = self.other.as_deref_mut() {
+            turning.mesh(v, earlier);
+        }
+    }
+
+    /// Keeps the point with these coordinates on a curve, along one of the curve's two normals.
+    pub fn follow_curve(&mut self, curve: &Arc<Spline>, coordinates: [Row; 3], normal: usize) {
+        let curve = OnCurve { curve: Arc::clone(curve), coordinates, normal };
+        self.other = Some(Box::new(Other::Curve(curve)));
+    }
+
+    fn turning(&self) -> Option<&Turning> {
+        match self.other.as_deref() {
+            Some(Other::Turning(turning)) => Some(turning),
+            _ => None,
+        }
+    }
+
+    fn curve(&self) -> Option<&OnCurve> {
+        match self.other.as_deref() {
+            Some(Other::Curve(curve)) => Some(curve),
+            _ => None,
+        }
+    }
+
+    /// Whether the constraint keeps a point on a curve.
+    pub fn follows_curve(&self) -> bool {
+        self.curve().is_some()
+    }
+
+    /// Curve on which the constraint keeps a point, with the parameter of its point that is nearest now.
+    pub fn place_on_curve(&self, v: &[Vec3]) -> Option<(&Spline, f64)> {
+        self.curve().map(|curve| (&*curve.curve, curve.parameter(v)))
     }
 
     /// Makes the angle `atan2(g, h)` equal to a value, with this form g.
@@ -134,11 +194,14 @@ impl Row {
         self.constant += value;
     }
 
-    /// Value of the constraint, where its drive has the value `s`.
+    /// Value of the constraint, where its drive has the value `s`, or the first angle of a gear had it at the end of the step before.
     pub fn value(&self, v: &[Vec3], s: f64) -> f64 {
+        if let Some(curve) = self.curve() {
+            return curve.value(v);
+        }
         let form = self.form(v);
         match &self.driven {
-            Driven::Not => form + self.turning.as_ref().map_or(0.0, |turning| turning.value(form, v)),
+            Driven::Not => form + self.turning().map_or(0.0, |turning| turning.value(form, v, s)),
             Driven::Length => form - s,
             Driven::Angle(other) => form * s.cos() - other.form(v) * s.sin(),
             Driven::Coordinate(other) => {
@@ -180,8 +243,11 @@ impl Row {
         match &self.driven {
             Driven::Not | Driven::Length => {
                 self.add_form_gradient(factor, v, out);
-                if let Some(turning) = &self.turning {
+                if let Some(turning) = self.turning() {
                     turning.add_gradient(factor, (self, v), |_| Vec3::zeros(), out);
+                }
+                if let Some(curve) = self.curve() {
+                    curve.add_gradient(factor, v, |_| Vec3::zeros(), out);
                 }
             }
             Driven::Angle(other) => {
@@ -207,12 +273,13 @@ impl Row {
         s: f64,
         out: &mut [Vec3],
     ) {
-        match &self.turning {
+        match self.other.as_deref() {
             None => self.add_gradient(factor, v, s, out),
-            Some(turning) => {
+            Some(Other::Turning(turning)) => {
                 self.add_form_gradient(factor, v, out);
                 turning.add_gradient(factor, (self, v), half, out);
             }
+            Some(Other::Curve(curve)) => curve.add_gradient(factor, v, half, out),
         }
     }
 
@@ -221,10 +288,13 @@ impl Row {
         weights.augmentation * self.inertia + weights.penalty * self.measure
     }
 
-    /// Adds the second derivative of the multiple of an angle that the constraint contains.
-    pub(super) fn add_second_derivative_of_angle(&self, factor: f64, v: &[Vec3], blocks: &mut [f64]) {
-        if let Some(turning) = &self.turning {
+    /// Adds the second derivative of the multiples of angles that the constraint contains, or of the curve on which it keeps a point.
+    pub(super) fn add_other_second_derivatives(&self, factor: f64, v: &[Vec3], blocks: &mut [f64]) {
+        if let Some(turning) = self.turning() {
             turning.add_second_derivative(factor, v, blocks);
+        }
+        if let Some(curve) = self.curve() {
+            curve.add_second_derivative(factor, v, blocks);
         }
     }
 
@@ -275,9 +345,12 @@ impl Row {
 
     /// Part of the second rate of the constraint that follows from the velocities and the drive alone.
     pub fn velocity_term(&self, v: &[Vec3], rates: &[Vec3], s: DriveValue) -> f64 {
+        if let Some(curve) = self.curve() {
+            return curve.velocity_term(v, rates);
+        }
         match &self.driven {
             Driven::Not => {
-                let of_angle = self.turning.as_ref().map_or(0.0, |turning| turning.velocity_term(v, rates));
+                let of_angle = self.turning().map_or(0.0, |turning| turning.velocity_term(v, rates));
                 self.form_velocity_term(rates) + of_angle
             }
             Driven::Length => self.form_velocity_term(rates) - s.acceleration,

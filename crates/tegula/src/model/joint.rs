@@ -3,6 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::curve_joint::CurveJoint;
+use super::gear_joint::GearJoint;
+
 /// The registry: one line for each joint. Calls the macro `$made` with all entries. An entry is
 ///
 /// ```text
@@ -23,6 +26,8 @@ macro_rules! joints {
             cylindrical::Cylindrical(AxisJoint): "Rotation about the axis and sliding along it.",
             screw::Screw(ScrewJoint): "Rotation about the axis, and sliding along it by the pitch in each turn.",
             rack_and_pinion::RackAndPinion(RackJoint): "The pinion, the second side, rolls on the rack, the first one: it moves along it by the radius times its angle.",
+            gear::Gear(GearJoint): "Gears: the angles of two wheels about their axes in a carrier have a constant ratio.",
+            point_on_curve::PointOnCurve(CurveJoint): "A point of the second side moves along a smooth curve that is fixed in the first one.",
             prismatic::Prismatic(CoordinateJoint): "Sliding along the axis without rotation.",
             planar::Planar(AxisJoint): "Motion in the plane across the axis, and rotation about it.",
             driven_angle::DrivenAngle(DrivenAngleJoint): "Prescribed rotation about an axis, beside a revolute or cylindrical joint.",
@@ -79,6 +84,14 @@ pub trait JointKeys {
     /// Prescribed motion of a driven joint.
     fn drive(&self) -> Option<JointDrive<'_>> {
         None
+    }
+    /// Name of the body in which the hinges of gears lie.
+    fn carrier(&self) -> Option<&str> {
+        None
+    }
+    /// Points of the curve that is fixed in the first side.
+    fn curve(&self) -> &[[f64; 3]] {
+        &[]
     }
     /// Friction of its relative motion.
     fn friction(&self) -> Option<&JointFriction> {
@@ -406,7 +419,7 @@ joint_keys!(DistanceJoint, self, [("points[0]", self.points[0]), ("points[1]", s
 pub const DRIVE: &str = "drive";
 
 /// Sides, point and axis of the joints of the contract tests.
-const EXAMPLE: ([&str; 2], [f64; 3], [f64; 3]) = (["a", "b"], [0.6, 0.1, -0.2], [1.0, 2.0, 2.0]);
+pub(super) const EXAMPLE: ([&str; 2], [f64; 3], [f64; 3]) = (["a", "b"], [0.6, 0.1, -0.2], [1.0, 2.0, 2.0]);
 
 impl PointJoint {
     pub(crate) fn example() -> Self {

@@ -9,9 +9,11 @@ mod beam;
 pub(crate) mod body;
 mod bushing;
 mod condition;
+mod curve_joint;
 mod cut;
 mod element_kind;
 mod foundation;
+mod gear_joint;
 pub mod joint;
 pub mod loads;
 mod mesh_source;
@@ -38,10 +40,12 @@ pub use beam::{Beam, BeamSection, CircularSection, RectangularSection, SectionCo
 pub use body::*;
 pub use bushing::Bushing;
 pub use condition::*;
+pub use curve_joint::CurveJoint;
 pub use cut::Cut;
 pub use element_kind::ElementKind;
 pub(crate) use element_kind::element_types;
 pub use foundation::{AreaFoundation, Foundation, FoundationOn};
+pub use gear_joint::GearJoint;
 pub(crate) use joint::joints;
 pub use joint::{
     AxisJoint, CoordinateJoint, DRIVE, DirectorJoint, DistanceJoint, DrivenAngleJoint, DrivenLengthJoint,

@@ -60,7 +60,8 @@ pub fn reference_axes(system: &System, body: &Body) -> Mat3 {
     body.directors.map_or_else(Mat3::identity, |d| Mat3::from_columns(&d.map(at)))
 }
 
-/// Force and moment of the first end of a joint on the second one, at the point of the joint, along the axes of space; for the
+/// Force and moment of the first end of a joint (of gears: and the carrier) on the second one, at the point of the joint, along the axes of
+/// space; for the
 /// energy–momentum scheme of second order the means over the last step, in the configuration in its middle.
 pub fn joint_reaction(system: &System, state: &State, joint: &Joint) -> (Vec3, Vec3) {
     let (u, time) = if state.middle.is_empty() {
@@ -78,7 +79,9 @@ pub fn joint_reaction(system: &System, state: &State, joint: &Joint) -> (Vec3, V
     }
     let point = joint.place(|n| current(system, u, n));
     // The joint acts with −Gᵀλ; what acts on the first end acts with opposite sign on the second one.
-    let from_first = joint.of_first.contains(&true);
+    // The carrier of gears, which may be the ground, takes a part: their wheels do not act with opposite moments on each other.
+    let from_second = joint.counted.is_some() && joint.of_first.contains(&false);
+    let from_first = joint.of_first.contains(&true) && !from_second;
     let sign = if from_first { 1.0 } else { -1.0 };
     let (mut force, mut moment) = (Vec3::zeros(), Vec3::zeros());
     for (i, f) in forces.iter().enumerate().filter(|(i, _)| joint.of_first[*i] == from_first) {

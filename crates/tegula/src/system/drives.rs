@@ -81,6 +81,22 @@ impl System {
         self.row_rate(joint, &law.row, [u, v], DriveValue::default())
     }
 
+    /// Second rate of the relative coordinate of a joint with velocities `v` and accelerations `a` at the displacements `u`.
+    pub fn coordinate_acceleration(
+        &self,
+        joint: &Joint,
+        law: &CoordinateLaw,
+        [u, v, a]: [&[Nodal]; 3],
+    ) -> f64 {
+        let drive = DriveValue::default();
+        let along_accelerations = self.row_rate(joint, &law.row, [u, a], drive);
+        let displaced = self.displaced(|v| Vec3::from(u[v]));
+        let rate = |k: usize| Vec3::from(v[k]);
+        joint.with_vectors(displaced, |q, _| {
+            along_accelerations + joint.with_vectors(rate, |rates, _| law.row.velocity_term(q, rates, drive))
+        })
+    }
+
     /// First drive of an angle that is further away from its value at `from` than a quarter turn at a time up to `to`, as text:
     /// positions at the ends of such a step do not tell which way and how often it has turned.
     pub fn drive_turns_too_far(&self, from: f64, to: f64) -> Option<String> {

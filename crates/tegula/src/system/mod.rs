@@ -5,6 +5,7 @@ mod body_curvature;
 pub mod circulatory;
 pub mod coordinates;
 pub mod corotational_update;
+mod curves;
 mod cut;
 pub mod dof_map;
 mod drives;
@@ -38,6 +39,7 @@ pub use circulatory::CirculatoryStiffness;
 use coordinates::Body;
 pub use coordinates::{Coordinates, VectorKind};
 pub use corotational_update::CorotationalUpdate;
+pub use curves::OffCurve;
 pub use cut::Cut;
 pub use dof_map::DofMap;
 use dof_map::Prescribed;
@@ -134,7 +136,7 @@ pub struct StepStart {
     pub history: Vec<f64>,
     /// Lagrange multipliers of the constraints of joints.
     pub multipliers: Vec<f64>,
-    /// Angles of sensors (rad).
+    /// Angles of sensors and gears (rad).
     pub angles: Vec<f64>,
     /// Relative coordinates of joints with friction or stops.
     pub coordinates: Vec<CoordinateState>,

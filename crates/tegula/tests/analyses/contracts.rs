@@ -234,10 +234,14 @@ fn every_joint_keeps_energy_and_momenta_of_two_free_bodies() {
             angular_velocity,
             ..RigidBody::new(name, at, 2.0, Some(inertia))
         };
-        let bodies = vec![
+        let mut bodies = vec![
             solid("a", [0.0; 3], [0.4, 0.5, 0.3], [1.0, -2.0, 0.5]),
             solid("b", [1.2, 0.3, 0.1], [0.2, 0.25, 0.3], [-0.5, 1.0, 3.0]),
         ];
+        // The carrier of gears flies, too.
+        if let Some(carrier) = joint.common().carrier() {
+            bodies.push(solid(carrier, [0.5, -0.2, 0.3], [0.3, 0.2, 0.25], [0.4, -0.3, 0.6]));
+        }
         let scheme = Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 });
         let options = options(scheme, 1.0, Some(0.01));
         let mut model = Model::of_bodies(Analysis::Transient(options.clone()), bodies, vec![joint.clone()]);

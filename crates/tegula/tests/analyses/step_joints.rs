@@ -11,9 +11,9 @@ use tegula::{Error, Mat3, System, Vec3, compile, mesh};
 
 /// End of an analysis step.
 pub struct Done {
-    system: System,
-    state: State,
-    notes: Notes,
+    pub system: System,
+    pub state: State,
+    pub notes: Notes,
     /// Energies and momenta at the start of a transient step.
     first: Balance,
 }

@@ -10,8 +10,11 @@
 //! the first step where λ grows linearly; the step then ends there, and the joint moves from there on.
 //! R. P. Brent, *Algorithms for minimization without derivatives* (1973), Ch. 5.
 
-/// Length over that first tried, below which the limit is exceeded from the start of the step on.
-const EARLIEST: f64 = 1e-3;
+/// Length over that first tried, below which the limit is exceeded from the start of the step on. In much shorter steps, errors of the
+/// velocities make large forces.
+const EARLIEST: f64 = 1e-2;
+/// Factor of the next length while no length without excess is known.
+const SHORTER: f64 = 0.25;
 /// Change of the length over itself below which the minimum is found.
 const CLOSE: f64 = 1e-4;
 /// Most interpolations.
@@ -31,28 +34,33 @@ pub(super) struct BreakAway {
     interpolations: u32,
     /// Length at which the step ends.
     end: Option<f64>,
+    /// Whether the limit is exceeded from the start of the step on.
+    at_start: bool,
 }
 
 impl BreakAway {
     /// Looks at a step, of the length and mean excess of the friction over its limit `step`, which the joint `leaves` or not, behind an
     /// `earlier` step. Returns the length with which the step is repeated; `None` where the step stays, or the joint moves from its
-    /// start on.
+    /// start on, over the length first tried.
     pub fn look(search: &mut Option<Self>, step: [f64; 2], earlier: [f64; 2], leaves: bool) -> Option<f64> {
         let h = step[0];
         let point = [h, h * step[1]];
         let Some(search) = search else {
-            let next = if leaves { 0.5 * h } else { expected(earlier, step)? };
+            let next = if leaves { SHORTER * h } else { expected(earlier, step)? };
             let (low, interpolations) = ([0.0; 2], 0);
-            *search = Some(Self { whole: h, low, best: None, high: point, interpolations, end: None });
+            let (end, at_start) = (None, false);
+            *search = Some(Self { whole: h, low, best: None, high: point, interpolations, end, at_start });
             return Some(next);
         };
-        if search.end.is_some() {
+        if search.end.is_some() || search.at_start {
             return None;
         }
         match search.best {
             None if leaves => {
                 search.high = point;
-                return Some(0.5 * h).filter(|next| *next >= EARLIEST * search.whole);
+                let next = SHORTER * h;
+                search.at_start = next < EARLIEST * search.whole;
+                return Some(if search.at_start { search.whole } else { next });
             }
             None if point[1] < search.high[1] => search.best = Some(point),
             None => {

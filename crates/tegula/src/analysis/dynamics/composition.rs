@@ -63,6 +63,7 @@ impl TimeSteps<'_> {
             let end = if i + 1 == parts.len() { span.end } else { between.time + dt };
             let sub = Span { dt, end };
             scheme.begin(system, &mut newton.assembly, between, sub);
+            newton.count_turns(system, between);
             let result = newton.solve(system, scheme.as_mut(), &between.history, &self.tolerances, observer);
             statistics.factorizations = newton.solver.factorizations() as u64;
             statistics.linear_iterations = newton.linear_iterations();

@@ -6,11 +6,12 @@
 //! [ G  0  ] [ λ ] = [ −Ġ v      ].
 //! ```
 
+use super::joint_events::moving;
 use super::project_rates;
 use crate::analysis::State;
 use crate::analysis::constraints::{Constraints, Rates};
 use crate::analysis::newton::Newton;
-use crate::constraint::Joint;
+use crate::constraint::{CoordinateMode, Joint};
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::error::{Error, Result};
 use crate::norm::larger;
@@ -96,6 +97,7 @@ pub(super) fn consistent_velocities(
     newton: &mut Newton,
     state: &mut State,
 ) -> Result<Vec<String>> {
+    newton.count_turns(system, state);
     let motion = Motion::State { u: &state.u, velocity: None };
     let open = newton.constraints.as_ref().and_then(|c| c.violation(system, (&motion, state.time), CLOSED));
     if let Some(open) = open {
@@ -192,6 +194,49 @@ pub(super) fn agreed(system: &System, newton: &mut Newton, state: &State, order:
         ),
         "leave out drives of the same motion, or joints that prevent it",
     ))
+}
+
+/// Accelerations and multipliers at the start from the `forces` on all nodal vectors. Coordinates that friction holds move where drives make
+/// them: their directions are those of the accelerations without friction.
+///
+/// # Errors
+/// Drives contradict each other, or the linear solver failed.
+pub(super) fn accelerate(
+    system: &System,
+    newton: &mut Newton,
+    forces: &[Nodal],
+    state: &mut State,
+) -> Result<()> {
+    let first = (state.a.clone(), state.multipliers.clone());
+    add_response(system, newton, forces, state);
+    let Err(contradiction) = agreed(system, newton, state, Order::Second) else { return Ok(()) };
+    let held: Vec<_> = (0..state.coordinates.len())
+        .filter(|&k| matches!(state.coordinates[k].mode, CoordinateMode::Held { stop: 0.0, .. }))
+        .collect();
+    if held.is_empty() {
+        return Err(contradiction);
+    }
+    for _ in 0..2 {
+        // First without friction, then with that of the directions found.
+        for &k in &held {
+            let c = &mut state.coordinates[k];
+            let joint = &system.joints[c.joint];
+            let Some((_, law)) = joint.law_row() else { continue };
+            c.mode = match c.mode {
+                CoordinateMode::Held { .. } => CoordinateMode::Moving(0.0),
+                _ => moving(law, system.coordinate_acceleration(joint, law, [&state.u, &state.v, &state.a])),
+            };
+        }
+        let Newton { assembly, solver, constraints, .. } = newton;
+        let Some(constraints) = constraints else { break };
+        constraints.set_modes(&state.coordinates);
+        take_mass(system, assembly, (solver, constraints), state)?;
+        state.a.clone_from(&first.0);
+        state.multipliers.clone_from(&first.1);
+        add_response(system, newton, forces, state);
+        agreed(system, newton, state, Order::Second)?;
+    }
+    Ok(())
 }
 
 /// Adds the response of the constrained masses to forces on all nodal vectors to the accelerations of the first state, and

@@ -3,7 +3,9 @@
 //! Newmark's method, HHT and generalised-α are stable for linear models. Where stiff parts rotate fast, they may gain energy in every step
 //! (J. C. Simo, N. Tarnow, ZAMP 43 (1992) 757–792), and constant steps go on with it.
 
+use super::step_end::Span;
 use crate::analysis::{Balance, Observer};
+use crate::system::System;
 use tegula_sparse::norm::larger;
 
 /// Gain of energy over the largest energy that triggers the first report, and growth of it that triggers the next one.
@@ -12,6 +14,14 @@ const GROWTH: f64 = 2.0;
 
 /// Number of first steps that are not judged: from rest, the error is as large as the energy.
 const FIRST_STEPS: u64 = 20;
+
+/// Round-off of a position over the size of the model, some units in the last place.
+const ROUND_OFF: f64 = 1e-14;
+
+/// Kinetic energy of a model at rest whose positions change by round-off in a step: energies below are none.
+pub(super) fn energy_of_round_off(system: &System, dt: f64) -> f64 {
+    0.5 * system.total_mass() * (ROUND_OFF * system.length / dt).powi(2)
+}
 
 /// Reports that a motion gains energy, each time that the gain has grown.
 pub(super) struct EnergyWatch {
@@ -30,14 +40,18 @@ impl EnergyWatch {
     /// Looks at the energies at the end of a step with this number; `scale` is the largest energy so far.
     pub fn look(
         &mut self,
+        system: &System,
         (balance, scale): (&Balance, f64),
-        (step, time): (u64, f64),
+        (step, Span { end: time, dt }): (u64, Span),
         observer: &mut dyn Observer,
     ) {
         self.lowest = self.lowest.min(balance.total);
         let scale = larger(scale, larger(balance.kinetic, balance.strain));
         let gain = (balance.total - self.lowest) / scale;
         if step <= FIRST_STEPS || scale == 0.0 || gain <= self.next {
+            return;
+        }
+        if gain * scale <= energy_of_round_off(system, dt) {
             return;
         }
         self.next = GROWTH * gain;

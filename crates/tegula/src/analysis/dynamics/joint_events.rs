@@ -9,8 +9,10 @@
 
 use super::Integrator;
 use super::break_away::BreakAway;
+use super::stick_slip;
 use crate::Vec3;
 use crate::analysis::State;
+use crate::analysis::newton::Newton;
 use crate::constraint::joints::RelativeAngle;
 use crate::constraint::{CoordinateLaw, CoordinateMode, CoordinateState, Joint};
 use crate::element::Nodal;
@@ -20,6 +22,8 @@ use crate::system::{System, VectorKind};
 
 /// Velocity over that at the start of the step below which a sliding coordinate has come to rest.
 const AT_REST: f64 = 1e-9;
+/// Factor of this limit where another coordinate comes to rest at the same time.
+const TOGETHER: f64 = 100.0;
 /// Distance from a stop over the size of the coordinate at which it is reached; and up to which a coordinate stands there.
 const REACHED: f64 = 1e-11;
 const CONTACT: f64 = 1e-10;
@@ -29,6 +33,8 @@ const EXCESS: f64 = 1e-9;
 const RESTING: f64 = 1e-10;
 /// Step over the one first tried below which the event at its end is located.
 const LOCATED: f64 = 1e-12;
+/// Most looks for the joints that slide, of those at rest, in one attempt at a step: the limits follow the reactions.
+const MOST_ROUNDS: u32 = 8;
 /// Most repeats of a step for one event.
 const MOST_REPEATS: u32 = 90;
 
@@ -76,8 +82,19 @@ struct Tracked {
     joint: usize,
     /// Rate at the start.
     rate: f64,
+    /// Whether the coordinate turns back at the start: it goes on against the direction in which it has come there.
+    turns: bool,
     /// Whether the mode has been changed in this step.
     changed: bool,
+    /// Whether it is at rest at the start, where friction alone decides about its motion.
+    at_rest: bool,
+    /// Whether it has been chosen to stick and may yet be found at its limit: of several joints on one motion, which share the force that
+    /// holds it in no unique way.
+    shares: bool,
+    /// Friction at its limit at the last look.
+    limit: f64,
+    /// Mean rate in the step without friction, beside which the round-off of a coordinate that others hold is small.
+    free_rate: f64,
     /// Stop that the coordinate leaves at the start, −1 or 1; 0 for none.
     left: f64,
     /// Stop that the coordinate has reached at the end of the step, −1 or 1; 0 where it has come to rest.
@@ -105,9 +122,13 @@ struct Search {
 /// Relative coordinates with friction or stops in a time step.
 pub(super) struct JointEvents {
     coordinates: Vec<Tracked>,
+    /// Velocities at the end of the step that is tried, which keep the joints closed.
+    velocities: Vec<Nodal>,
     /// State of the coordinates at the end of the step that is tried.
     pub trial: Vec<CoordinateState>,
     search: Option<Search>,
+    /// Times that coordinates at rest have been released in this step.
+    rounds: u32,
     /// Start of the step of the search.
     time: f64,
 }
@@ -126,7 +147,12 @@ impl JointEvents {
             Some(Tracked {
                 joint,
                 rate: 0.0,
+                turns: false,
                 changed: false,
+                at_rest: false,
+                shares: false,
+                limit: f64::NAN,
+                free_rate: 0.0,
                 left: 0.0,
                 reached: None,
                 events,
@@ -135,7 +161,8 @@ impl JointEvents {
             })
         };
         let coordinates = (0..system.joints.len()).filter_map(with_law).collect();
-        Self { coordinates, trial: Vec::new(), search: None, time: f64::NAN }
+        let velocities = vec![[0.0; 3]; system.vectors()];
+        Self { coordinates, velocities, trial: Vec::new(), search: None, rounds: 0, time: f64::NAN }
     }
 
     pub fn is_empty(&self) -> bool {
@@ -181,9 +208,74 @@ impl JointEvents {
         self.coordinates[coordinate].reached
     }
 
+    /// Rate of a coordinate at the start of the step.
+    pub fn rate_before(&self, coordinate: usize) -> f64 {
+        self.coordinates[coordinate].rate
+    }
+
+    /// Lets the coordinates that are at rest at the start move without friction: from this solution of the step follows
+    /// [which of them slide](Self::choose). Returns whether there are any.
+    pub fn release(&mut self) -> bool {
+        let Self { coordinates, trial, rounds, .. } = self;
+        let at_rest = || coordinates.iter().map(|c| c.at_rest);
+        if *rounds >= MOST_ROUNDS || !at_rest().any(|at_rest| at_rest) {
+            return false;
+        }
+        *rounds += 1;
+        for (now, _) in trial.iter_mut().zip(at_rest()).filter(|(_, at_rest)| *at_rest) {
+            now.mode = CoordinateMode::Moving(0.0);
+        }
+        true
+    }
+
+    /// Finds the modes of coordinates that were at rest at the start from the solution of a step in which they are
+    /// [released](Self::release).
+    fn choose(
+        &mut self,
+        system: &System,
+        state: &State,
+        (scheme, newton): (&dyn Integrator, &mut Newton),
+        h: f64,
+    ) {
+        let (u, multipliers) = (scheme.displacements(), scheme.multipliers());
+        let middle = middle(system, state, u);
+        let [mut displacements, mut limits] = [Vec::new(), Vec::new()];
+        let [mut rows, mut chosen] = [Vec::new(), Vec::new()];
+        for (k, c) in self.coordinates.iter_mut().enumerate().filter(|(_, c)| c.at_rest) {
+            let Some((row, joint, law)) = law(system, c.joint) else { continue };
+            let before = state.coordinates[k].value;
+            let now = system.coordinate(joint, law, u);
+            let value = if law.is_angle { RelativeAngle::nearest(before, now) } else { now };
+            if c.limit.is_nan() {
+                c.limit = law.limit(joint, multipliers, &middle).sticking;
+            }
+            c.free_rate = (value - before).abs() / h;
+            displacements.push(value - before);
+            limits.push(c.limit);
+            rows.push(row);
+            chosen.push(k);
+        }
+        let Some(constraints) = &mut newton.constraints else { return };
+        let directions = stick_slip::directions(&displacements, &constraints.compliance(&rows), &limits);
+        for (k, direction) in chosen.into_iter().zip(directions) {
+            let at = state.coordinates[k].value;
+            (self.coordinates[k].changed, self.coordinates[k].shares) = (true, direction == 0.0);
+            self.trial[k].mode = match direction {
+                0.0 => CoordinateMode::Held { at, stop: 0.0 },
+                _ => CoordinateMode::Moving(direction),
+            };
+        }
+    }
+
     /// Whether an event ends the step.
     pub fn has_event(&self) -> bool {
         self.coordinates.iter().any(|c| c.reached.is_some())
+    }
+
+    /// Names of the joints with an event at the end of the step.
+    pub fn joints(&self, system: &System) -> String {
+        let with_event = self.coordinates.iter().filter(|c| c.reached.is_some());
+        with_event.map(|c| format!("\"{}\"", system.joints[c.joint].name)).collect::<Vec<_>>().join(", ")
     }
 
     /// Whether a coordinate returns to the stop that it has left at the start of the step.
@@ -199,6 +291,7 @@ impl JointEvents {
     /// Begins an attempt at a step from a state.
     pub fn begin(&mut self, system: &System, state: &State) {
         self.trial.clone_from(&state.coordinates);
+        self.rounds = 0;
         let scale = speed(system, &state.v);
         let begins = self.time != state.time;
         for (c, now) in self.coordinates.iter_mut().zip(&mut self.trial) {
@@ -213,6 +306,9 @@ impl JointEvents {
                 (c.rate, now.mode) = (0.0, CoordinateMode::Held { at: now.value, stop });
             }
             c.left = if stop * c.rate < 0.0 { stop } else { 0.0 };
+            c.turns = matches!(now.mode, CoordinateMode::Moving(direction) if direction * c.rate < 0.0);
+            c.at_rest = c.turns || matches!(now.mode, CoordinateMode::Held { stop: 0.0, .. });
+            (c.shares, c.limit, c.free_rate) = (false, f64::NAN, 0.0);
             c.break_away = c.break_away.take().filter(|_| !begins);
         }
         if begins {
@@ -221,13 +317,45 @@ impl JointEvents {
     }
 
     /// Looks at the end of a solved step of length `h` from a state.
-    pub fn review(&mut self, system: &System, state: &State, scheme: &dyn Integrator, h: f64) -> Review {
+    pub fn review(
+        &mut self,
+        system: &System,
+        state: &State,
+        (scheme, newton): (&dyn Integrator, &mut Newton),
+        h: f64,
+    ) -> Review {
+        let released =
+            |(c, now): (&Tracked, &CoordinateState)| c.at_rest && now.mode == CoordinateMode::Moving(0.0);
+        if self.coordinates.iter().zip(&self.trial).any(released) {
+            self.choose(system, state, (scheme, newton), h);
+            return Review::Changed;
+        }
         let (u, multipliers) = (scheme.displacements(), scheme.multipliers());
-        let middle = |n: u32| {
-            let n = n as usize;
-            let mean = (Vec3::from(state.u[n]) + Vec3::from(u[n])) * 0.5;
-            Vec3::from(system.coordinates.reference[n]) + mean
-        };
+        // Velocities of schemes that conserve energy keep the joints closed up to the error of the step only.
+        let mut velocities = std::mem::take(&mut self.velocities);
+        velocities.clone_from_slice(scheme.velocities());
+        if let Some(constraints) = &mut newton.constraints {
+            // The tangent is that of an earlier iterate: the second projection closes what the first has left.
+            for _ in 0..2 {
+                constraints.project_velocities(system, (u, state.time + h), &mut velocities);
+            }
+        }
+        let outcome = self.look(system, state, (u, &velocities, multipliers), h);
+        self.velocities = velocities;
+        match outcome {
+            Review::Contradiction(_) if self.release() => Review::Changed,
+            outcome => outcome,
+        }
+    }
+
+    fn look(
+        &mut self,
+        system: &System,
+        state: &State,
+        (u, velocities, multipliers): (&[Nodal], &[Nodal], &[f64]),
+        h: f64,
+    ) -> Review {
+        let middle = middle(system, state, u);
         for (k, c) in self.coordinates.iter_mut().enumerate() {
             let Some((row, joint, law)) = law(system, c.joint) else { continue };
             let (before, trial) = (state.coordinates[k].value, &mut self.trial[k]);
@@ -236,15 +364,16 @@ impl JointEvents {
             c.events = [Event::NONE; EVENTS];
             match trial.mode {
                 CoordinateMode::Held { stop, .. } => {
-                    let limit = law.limit(joint, multipliers, middle).sticking;
+                    let limit = law.limit(joint, multipliers, &middle).sticking;
+                    c.limit = limit;
                     let multiplier = multipliers[row];
                     let over = |acts: bool, force: f64| if acts { force - limit } else { f64::NEG_INFINITY };
                     let excess = larger(over(stop <= 0.0, multiplier), over(stop >= 0.0, -multiplier));
                     let leaves = !(excess <= EXCESS * limit);
-                    if leaves && c.changed {
+                    if leaves && c.changed && !c.shares {
                         return contradiction(joint);
                     }
-                    if limit > 0.0 && !state.coordinates[k].at_limit {
+                    if limit > 0.0 && !c.changed && !state.coordinates[k].at_limit {
                         let earlier = state.coordinates[k].excess;
                         if let Some(length) = BreakAway::look(&mut c.break_away, [h, excess], earlier, leaves)
                         {
@@ -254,14 +383,16 @@ impl JointEvents {
                             !leaves && c.break_away.as_ref().is_some_and(|search| search.ends_at(h));
                     }
                     if leaves {
-                        (c.changed, trial.mode) = (true, moving(law, multiplier));
+                        (c.changed, c.shares, trial.mode) = (true, false, moving(law, multiplier));
                         return Review::Changed;
                     }
                     trial.excess = [h, excess];
                 }
                 CoordinateMode::Moving(direction) => {
-                    let rate = system.coordinate_rate(joint, law, [u, scheme.velocities()]);
-                    c.find_events(law, direction, ([before, trial.value], rate), h);
+                    let rate = system.coordinate_rate(joint, law, [u, velocities]);
+                    let rests = c.rests_below(trial);
+                    c.limit = law.limit(joint, multipliers, &middle).sticking;
+                    c.find_events(law, (direction, rests), ([before, trial.value], rate), h);
                 }
             }
             if c.events.iter().any(|event| event.has_passed() && event.start == f64::INFINITY) {
@@ -270,16 +401,24 @@ impl JointEvents {
         }
         for (c, trial) in self.coordinates.iter_mut().zip(&mut self.trial) {
             let Some((_, joint, law)) = law(system, c.joint) else { continue };
-            let rate = system.coordinate_rate(joint, law, [u, scheme.velocities()]);
+            let rate = system.coordinate_rate(joint, law, [u, velocities]);
             let stop = stop_at(law, trial.value);
-            if c.changed && stop != 0.0 && rate.abs() <= RESTING * trial.fastest {
-                // Round-off alone has moved it.
-                trial.mode = CoordinateMode::Held { at: trial.value, stop };
+            let rests = !trial.mode.is_held() && rate.abs() <= c.rests_below(trial);
+            if c.changed && rests && (stop != 0.0 || law.has_friction()) {
+                // Round-off alone has moved it, or others hold it while its friction is at the limit.
+                (trial.at_limit, trial.mode) = (stop == 0.0, CoordinateMode::Held { at: trial.value, stop });
             }
             let is_there = |(i, (event, side)): &(usize, (&Event, f64))| {
                 event.end <= event.tolerance && (*i == SPEED || side * rate > 0.0 || event.has_passed())
             };
             c.reached = c.events.iter().zip(SIDES).enumerate().find(is_there).map(|(_, (_, side))| side);
+        }
+        if self.has_event() {
+            // Coordinates of one motion come to rest together.
+            for c in self.coordinates.iter_mut().filter(|c| c.reached.is_none()) {
+                let speed = c.events[SPEED];
+                c.reached = (speed.end <= TOGETHER * speed.tolerance).then_some(0.0);
+            }
         }
         self.search(h).map_or(Review::Fits, Review::Repeat)
     }
@@ -336,13 +475,24 @@ impl JointEvents {
 }
 
 impl Tracked {
+    /// Rate at the end of the step that is that of rest.
+    fn rests_below(&self, trial: &CoordinateState) -> f64 {
+        RESTING * larger(trial.fastest, self.free_rate)
+    }
+
     /// Values of the event functions of a coordinate that moves, whose velocity has a direction with friction, from the values at the
-    /// start and the end of a step of length `h` and the rate at its end.
-    fn find_events(&mut self, law: &CoordinateLaw, direction: f64, (values, rate): ([f64; 2], f64), h: f64) {
+    /// start and the end of a step of length `h` and the rate at its end, which is 0 where it is below `rests`.
+    fn find_events(
+        &mut self,
+        law: &CoordinateLaw,
+        (direction, rests): (f64, f64),
+        (values, rate): ([f64; 2], f64),
+        h: f64,
+    ) {
         if direction != 0.0 {
             let [start, end] = [direction * self.rate, direction * rate];
-            self.events[SPEED] = match self.changed {
-                true => Event { start: f64::INFINITY, end, tolerance: 0.0 },
+            self.events[SPEED] = match self.changed || self.turns {
+                true => Event { start: f64::INFINITY, end, tolerance: rests },
                 false => Event { start, end, tolerance: AT_REST * start.abs() },
             };
         }
@@ -357,6 +507,15 @@ impl Tracked {
                 false => Event { start, end, tolerance: REACHED },
             };
         }
+    }
+}
+
+/// Nodal vectors in the middle of a step from a state to the displacements `u`.
+fn middle<'a>(system: &'a System, state: &'a State, u: &'a [Nodal]) -> impl Fn(u32) -> Vec3 + 'a {
+    move |n: u32| {
+        let n = n as usize;
+        let mean = (Vec3::from(state.u[n]) + Vec3::from(u[n])) * 0.5;
+        Vec3::from(system.coordinates.reference[n]) + mean
     }
 }
 

@@ -6,6 +6,7 @@
 //!
 //! with impulses in all joints. Stops that are closed take part and open where they would pull. Impulses make no friction. The kinetic
 //! energy changes by `−½ Σ Λ (ġ⁻ + ġ⁺)`: a stop dissipates `½ (1 − e) ṡ⁻ Λ`, and the rest is work of drives and prescribed motions.
+//! A coordinate that comes to rest only for an instant, like the slider of a crank at its dead centre, turns back without an impact.
 //! Ch. Glocker, *Set-valued force laws* (2001); F. Pfeiffer, Ch. Glocker, *Multibody dynamics with unilateral contacts* (1996).
 
 use super::joint_events::{JointEvents, moving, stop_at};
@@ -17,8 +18,11 @@ use crate::constraint::{CoordinateLaw, CoordinateMode, CoordinateState, Joint};
 use crate::element::{Motion, Nodal};
 use crate::system::System;
 
-/// Velocity behind an impact over that before it, below which a coordinate that friction holds stays at rest.
+/// Velocity behind an impact over that before it, or at the start of the step, below which a coordinate stays at rest.
 const STAYS: f64 = 1e-9;
+/// Effective mass of a coordinate times the square of its rate at the start of the step, over twice the kinetic energy there, up to which
+/// friction stops it. It is at most 1 in the configuration at the start.
+const STOPPED: f64 = 10.0;
 
 /// A relative coordinate in an impact.
 struct Coordinate<'a> {
@@ -26,7 +30,8 @@ struct Coordinate<'a> {
     law: &'a CoordinateLaw,
     /// Number of its constraint.
     row: usize,
-    /// Rate before the impact.
+    /// Rates at the start of the step, and before the impact.
+    rate_at_start: f64,
     rate: f64,
     /// Stop at which it is held during the impact, 0 for rest; `None` where it is free.
     held: Option<f64>,
@@ -34,25 +39,48 @@ struct Coordinate<'a> {
     hits: bool,
     /// Coefficient of restitution; 0 where it does not hit.
     restitution: f64,
+    /// Whether it turns back at once where it comes to rest.
+    turns: bool,
 }
 
-/// Passes the events at the end of a step: changes velocities and modes, and accounts for the energy. `plastic` impacts are so whatever
-/// the coefficient of restitution. Returns the messages.
+/// Passes the events at the end of a step: changes velocities, which were `at_start` at the start of the step, and modes, and accounts for
+/// the energy. `plastic` impacts are so whatever the coefficient of restitution. Returns the messages.
 ///
 /// # Errors
 /// The mass matrix is singular.
 pub(super) fn pass(
     system: &System,
     newton: &mut Newton,
-    state: &mut State,
+    (at_start, state): (&[Nodal], &mut State),
     (events, plastic): (&JointEvents, bool),
 ) -> Result<Vec<String>> {
     let mut list = coordinates(system, state, (events, plastic));
     let struck = list.iter().any(|c| c.hits);
+    newton.forget(state);
+    newton.assembly.follow(system, &state.point_with_rates(system));
+    impact::factor_mass(system, newton, state)?;
+    if !struck {
+        turn_back(system, newton, (at_start, state), &mut list)?;
+        let stops = |k: usize| list[k].held.is_some() && !state.coordinates[k].mode.is_held();
+        if !(0..list.len()).any(stops) {
+            settle(system, state, (&list, struck));
+            return Ok(Vec::new());
+        }
+    }
+    // Velocities of schemes that conserve energy keep the joints closed up to the error of the step only; here they are closed.
     let old = state.v.clone();
-    let before = system.kinetic_energy(&old);
+    let held: Vec<_> = list.iter().map(|c| c.held).collect();
+    for (c, now) in list.iter_mut().zip(&state.coordinates) {
+        c.held = c.held.filter(|_| now.mode.is_held());
+    }
+    collide(system, newton, state, (&old, &list))?;
+    let closed = state.v.clone();
+    list.iter_mut().zip(held).for_each(|(c, held)| c.held = held);
+    for c in &mut list {
+        c.rate = system.coordinate_rate(c.joint, c.law, [&state.u, &closed]);
+    }
     let impulses = loop {
-        let impulses = collide(system, newton, state, (&old, &list))?;
+        let impulses = collide(system, newton, state, (&closed, &list))?;
         let pulls = |c: &&mut Coordinate| !c.hits && c.held.is_some_and(|side| side * impulses[c.row] < 0.0);
         match list.iter_mut().find(pulls).filter(|_| struck) {
             Some(opens) => opens.held = None,
@@ -63,8 +91,12 @@ pub(super) fn pass(
     project_rates(system, u, v, a);
     let lost = |c: &Coordinate| 0.5 * (1.0 - c.restitution) * c.rate * impulses[c.row];
     let dissipated: f64 = list.iter().filter(|c| c.held.is_some()).map(lost).sum();
-    state.dissipated += dissipated;
-    state.work += system.kinetic_energy(&state.v) - before + dissipated;
+    let loss = system.kinetic_energy(&old) - system.kinetic_energy(&state.v);
+    let supplied =
+        system.joints.iter().any(|joint| joint.drive.is_some()) || !system.dofs().prescribed.is_empty();
+    let of_impacts = if supplied { dissipated } else { loss };
+    state.dissipated += of_impacts;
+    state.work += of_impacts - loss;
     settle(system, state, (&list, struck));
     let message = |c: &Coordinate| {
         format!(
@@ -94,16 +126,63 @@ fn coordinates<'a>(
             joint,
             law,
             row,
+            rate_at_start: events.rate_before(k),
             rate: system.coordinate_rate(joint, law, [&state.u, &state.v]),
             held,
             hits: hits(k),
             restitution: if plastic || !hits(k) { 0.0 } else { law.restitution },
+            turns: false,
         }
     };
     with_laws().enumerate().map(of).collect()
 }
 
-/// Changes the velocities from `old` ones by the impulses of all joints, which are returned.
+/// Finds the coordinates that come to rest only for an instant, like the slider of a crank at its dead centre. Their gradients vanish along
+/// the motion of the mechanism: the [effective mass](effective_mass) `1/(g M⁻¹ gᵀ)` becomes infinite, and friction that stops them would
+/// stop the whole mechanism. They go on in the other direction.
+fn turn_back(
+    system: &System,
+    newton: &mut Newton,
+    (at_start, state): (&[Nodal], &mut State),
+    list: &mut [Coordinate],
+) -> Result<()> {
+    let energy = 2.0 * system.kinetic_energy(at_start);
+    let rests = |k: &usize| list[*k].held.is_some() && !state.coordinates[*k].mode.is_held();
+    let resting: Vec<_> = (0..list.len()).filter(rests).collect();
+    for k in resting {
+        let inertia = effective_mass(system, newton, (at_start, state), (list, k))?;
+        if !(inertia * list[k].rate_at_start.powi(2) <= STOPPED * energy) {
+            (list[k].held, list[k].turns) = (None, true);
+        }
+    }
+    Ok(())
+}
+
+/// Impulse that stops a coordinate over its rate, where no friction holds others, found from any velocities along it; infinite where no
+/// impulse stops it.
+fn effective_mass(
+    system: &System,
+    newton: &mut Newton,
+    (along, state): (&[Nodal], &mut State),
+    (list, k): (&mut [Coordinate], usize),
+) -> Result<f64> {
+    let held: Vec<_> = list.iter().map(|c| c.held).collect();
+    list.iter_mut().for_each(|c| c.held = c.held.filter(|side| *side != 0.0));
+    list[k].held = None;
+    let (joint, law, row) = (list[k].joint, list[k].law, list[k].row);
+    let old = state.v.clone();
+    collide(system, newton, state, (along, list))?;
+    let closed = state.v.clone();
+    let rate = system.coordinate_rate(joint, law, [&state.u, &closed]);
+    list[k].held = Some(0.0);
+    let impulse = collide(system, newton, state, (&closed, list))?[row];
+    let moves_on = !(system.coordinate_rate(joint, law, [&state.u, &state.v]).abs() < 0.5 * rate.abs());
+    state.v.copy_from_slice(&old);
+    list.iter_mut().zip(held).for_each(|(c, held)| c.held = held);
+    Ok(if moves_on { f64::INFINITY } else { (impulse / rate).abs() })
+}
+
+/// Changes the velocities from `old` ones by the impulses of all joints, which are returned. The mass matrix is factored.
 fn collide(
     system: &System,
     newton: &mut Newton,
@@ -120,13 +199,10 @@ fn collide(
         .map(|(now, c)| CoordinateState { mode: mode(c, now.value), ..*now })
         .collect();
     state.v.copy_from_slice(old);
-    newton.forget(state);
-    newton.assembly.follow(system, &state.point_with_rates(system));
     if let Some(constraints) = &mut newton.constraints {
         constraints.set_modes(&modes);
         constraints.set_friction(false);
     }
-    impact::factor_mass(system, newton, state)?;
     let Newton { assembly, solver, constraints, .. } = newton;
     let Some(constraints) = constraints else { return Ok(Vec::new()) };
     constrained_start::take_mass(system, assembly, (solver, constraints), state)?;
@@ -146,11 +222,16 @@ fn settle(system: &System, state: &mut State, (list, struck): (&[Coordinate], bo
     for (k, c) in list.iter().enumerate() {
         let rate = system.coordinate_rate(c.joint, c.law, [&state.u, &state.v]);
         let now = &mut state.coordinates[k];
+        let at = now.value;
         now.mode = match (c.held, now.mode) {
-            (Some(_), held @ CoordinateMode::Held { .. }) => held,
-            (Some(_), _) if c.restitution == 0.0 => {
-                CoordinateMode::Held { at: now.value, stop: stop_at(c.law, now.value) }
+            (None, CoordinateMode::Moving(direction)) if c.turns => CoordinateMode::Moving(-direction),
+            (None, CoordinateMode::Moving(_))
+                if c.law.has_friction() && rate.abs() <= STAYS * c.rate_at_start.abs() =>
+            {
+                CoordinateMode::Held { at, stop: stop_at(c.law, at) }
             }
+            (Some(_), held @ CoordinateMode::Held { .. }) => held,
+            (Some(_), _) if c.restitution == 0.0 => CoordinateMode::Held { at, stop: stop_at(c.law, at) },
             (None, held @ CoordinateMode::Held { .. }) if rate.abs() <= STAYS * fastest => held,
             (None, moves @ CoordinateMode::Moving(_)) if !struck => moves,
             _ => moving(c.law, rate),

@@ -21,6 +21,7 @@ mod rotation_watch;
 pub mod schemes;
 pub mod step_control;
 mod step_end;
+mod stick_slip;
 mod time_steps;
 pub(crate) mod triads;
 
@@ -141,8 +142,7 @@ fn initial_state(system: &System, newton: &mut Newton) -> Result<(State, Vec<Str
     if newton.constraints.is_none() {
         impact::add_free_response(system, newton, &rest, &mut state.a);
     } else {
-        constrained_start::add_response(system, newton, &rest, &mut state);
-        constrained_start::agreed(system, newton, &state, constrained_start::Order::Second)?;
+        constrained_start::accelerate(system, newton, &rest, &mut state)?;
     }
     state.energy_scale = larger(system.kinetic_energy(&state.v), state.dissipated);
     if system.start.is_some() {

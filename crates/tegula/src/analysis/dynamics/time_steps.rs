@@ -2,7 +2,7 @@
 
 use super::amplitude_check::AmplitudeCheck;
 use super::drive_rates::DriveRates;
-use super::energy_watch::EnergyWatch;
+use super::energy_watch::{EnergyWatch, energy_of_round_off};
 use super::joint_events::{JointEvents, Review};
 use super::rotation_watch::RotationWatch;
 use super::schemes::Instant;
@@ -16,7 +16,7 @@ use crate::analysis::stepper::Reached;
 use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched};
 use crate::element::{Motion, Nodal};
 use crate::model::TransientAnalysis;
-use crate::system::{System, inverted_element};
+use crate::system::{OffCurve, System, inverted_element};
 use crate::{Error, Result};
 use tegula_sparse::Factor as _;
 use tegula_sparse::norm::larger;
@@ -37,6 +37,8 @@ pub(super) struct TimeSteps<'a> {
     event: Option<(f64, f64)>,
     /// Whether the present step is repeated with other modes of friction and stops.
     reviewing: bool,
+    /// Steps one after another that have ended at an event after no more than round-off of the time.
+    instants: u32,
     drilling: DrillingWatch,
     /// The last state reached.
     pub state: State,
@@ -102,6 +104,7 @@ impl<'a> TimeSteps<'a> {
             events: JointEvents::new(system),
             event: None,
             reviewing: false,
+            instants: 0,
             drilling: DrillingWatch::new(),
             drive_rates: DriveRates::new(system, state.time),
             energies: EnergyWatch::new(),
@@ -164,6 +167,7 @@ impl<'a> TimeSteps<'a> {
         if let Some(constraints) = newton.constraints.as_mut().filter(|_| !events.is_empty()) {
             constraints.set_modes(&events.trial);
         }
+        newton.count_turns(system, state);
         scheme.begin(system, &mut newton.assembly, state, span);
         if !self.own_tangents {
             newton.prepare(system, (&scheme.parts(), scheme.displacements()), span.dt, state);
@@ -183,7 +187,8 @@ impl<'a> TimeSteps<'a> {
             Ok(converged) => {
                 self.own_tangents = false;
                 if !self.events.is_empty() {
-                    match self.events.review(self.system, &self.state, self.scheme.as_ref(), span.dt) {
+                    let solution = (self.scheme.as_ref(), &mut self.newton);
+                    match self.events.review(self.system, &self.state, solution, span.dt) {
                         Review::Fits => {}
                         Review::Changed => {
                             self.reviewing = true;
@@ -206,6 +211,11 @@ impl<'a> TimeSteps<'a> {
             Err(_) if observer.interrupted() => Err(Error::Interrupted),
             Err(Diverged { reason, began_with_old_factor: true, .. }) => {
                 self.repeat_with_own_tangents(span, &reason, observer);
+                Ok(Attempt::Repeated)
+            }
+            Err(_) if self.events.release() => {
+                self.reviewing = true;
+                self.newton.restore(self.system, &self.state, true);
                 Ok(Attempt::Repeated)
             }
             Err(Diverged { reason, cause, .. }) => {
@@ -256,13 +266,20 @@ impl<'a> TimeSteps<'a> {
         converged: &Converged,
         observer: &mut dyn Observer,
     ) -> Result<Attempt> {
-        let Self { system, scheme, newton, state, statistics, control, drilling, events, .. } = self;
+        let Self {
+            system, scheme, newton, state, statistics, control, drilling, events, old_velocities, ..
+        } = self;
         if !events.is_empty() {
             // A flight much shorter than a step is the end of an infinite number of impacts.
             let plastic = events.returns() && span.dt < SHORT_FLIGHT * state.next_step;
             state.coordinates.clone_from(&events.trial);
+            let instant = events.has_event() && span.dt <= INSTANT * span.end;
+            self.instants = if instant { self.instants + 1 } else { 0 };
+            if self.instants > MOST_INSTANTS {
+                return Err(no_mode(events.joints(system), state.time));
+            }
             if events.has_event() {
-                let found = joint_impact::pass(system, newton, state, (events, plastic))?;
+                let found = joint_impact::pass(system, newton, (old_velocities, state), (events, plastic))?;
                 found.iter().for_each(|message| observer.on_event(message));
             }
         }
@@ -292,7 +309,8 @@ impl<'a> TimeSteps<'a> {
         let at = (state.u.as_slice(), state.time);
         drilling.look(system, at, observer, || format!("time {:.6e}", state.time));
         if !self.options.scheme.conserves_energy() {
-            self.energies.look((&self.balance, state.energy_scale), (state.step, state.time), observer);
+            let energies = (&self.balance, state.energy_scale);
+            self.energies.look(system, energies, (state.step, span), observer);
         }
         self.rotations.look(system, at, scheme.sub_steps(), observer);
         Ok(Attempt::Accepted(converged.iterations))
@@ -307,7 +325,8 @@ impl<'a> TimeSteps<'a> {
         observer: &mut dyn Observer,
     ) -> Result<()> {
         let Self { system, options, state, statistics, .. } = self;
-        if state.next_step < SMALLEST_STEP * options.end_time {
+        let smallest = if trouble == Trouble::LeavesCurve { LEAVING } else { SMALLEST_STEP };
+        if state.next_step < smallest * options.end_time {
             observer.on_repeat(statistics);
             return Err(Error::NotConverged {
                 at: format!("time {:.6e}", state.time + span.dt),
@@ -385,6 +404,16 @@ pub(super) fn trouble(system: &System, state: &State, dt: f64, new: &[Nodal]) ->
     if let Some(inverted) = inverted_element(system, new) {
         return Some((Trouble::Inverted, inverted));
     }
+    let moved =
+        |v: usize, part: f64| std::array::from_fn(|i| state.u[v][i] + part * (new[v][i] - state.u[v][i]));
+    if let Some(reason) = system.gear_turns_too_far(moved, &state.angles) {
+        return Some((Trouble::Inaccurate, reason));
+    }
+    match system.off_curve(&state.u, new) {
+        Some(OffCurve::TooFar(reason)) => return Some((Trouble::Inaccurate, reason)),
+        Some(OffCurve::PastEnd(reason)) => return Some((Trouble::LeavesCurve, reason)),
+        None => {}
+    }
     let body = triads::turned_too_far(system, (state, dt), new)?;
     let reason = format!("body \"{body}\" turns by more than {} rad in the step", triads::MOST_ROTATION);
     Some((Trouble::Inaccurate, reason))
@@ -422,8 +451,26 @@ pub(super) fn commit(system: &System, newton: &mut Newton, state: &mut State) {
     newton.assembly.reset_stress(system, &state.point(system));
 }
 
+/// Length of the last step before a point leaves its curve, over that of the analysis.
+const LEAVING: f64 = 1e-5;
 /// Flight between two impacts of a stop, over the time step, below which the stop stays closed.
 const SHORT_FLIGHT: f64 = 1e-3;
+
+/// Length of a step to an event over the time that is round-off of the time, and the most such steps one after another.
+const INSTANT: f64 = 1e-12;
+const MOST_INSTANTS: u32 = 200;
+
+/// Error of joints whose friction and stops come to no rest and to no motion.
+fn no_mode(joints: String, time: f64) -> Error {
+    Error::NotConverged {
+        at: format!("time {time:.6e}"),
+        reason: format!(
+            "the joint(s) {joints} come to rest and leave it again without any progress of the time: friction or stops of several joints \
+             act on one motion, or none of their motions fits"
+        ),
+        help: "Results up to this time are complete. Give the friction of one motion to one joint.".into(),
+    }
+}
 
 /// Growth of the step behind which the auxiliary accelerations of the generalised-α method start anew: their difference from the
 /// accelerations, over the step, is large where a short step ends at a jump of a load. Automatic steps grow by less.
@@ -461,7 +508,7 @@ fn keeps_energy(
     };
     let cause = if conserves { "" } else { "the time steps are too long for the scheme, or " };
     let (change, limit) = if conserves { (gain.abs(), LOST) } else { (gain, gained) };
-    if change <= limit * scale {
+    if change <= limit * scale || change <= energy_of_round_off(system, span.dt) {
         return Ok(());
     }
     let names: Vec<_> = drives.iter().map(|joint| format!("\"{}\"", joint.name)).collect();
@@ -500,6 +547,8 @@ pub(super) enum Trouble {
     Inaccurate,
     /// Inverted element.
     Inverted,
+    /// Point that leaves the end of a curve.
+    LeavesCurve,
     /// Iteration that does not converge.
     Iteration(Cause),
 }
@@ -513,6 +562,10 @@ fn advice(system: &System, options: &TransientAnalysis, trouble: Trouble) -> Str
         }
         Trouble::Iteration(Cause::Tangent) => {
             return "Check masses and supports: some degrees of freedom may have neither mass nor stiffness."
+                .into();
+        }
+        Trouble::LeavesCurve => {
+            return "Let the curve go on as far as its point moves, or end the analysis before, by `end_time` or a stop condition."
                 .into();
         }
         Trouble::Inaccurate | Trouble::Iteration(_) => {}

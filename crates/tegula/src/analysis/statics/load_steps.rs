@@ -11,7 +11,7 @@ use crate::analysis::stops::Stops;
 use crate::analysis::{Balance, Observer, Stability, State, Statistics, Stepper, Watched, equilibrium};
 use crate::element::{Motion, Nodal};
 use crate::model::{NewtonMethod, StaticAnalysis};
-use crate::system::{EvaluationPoint, Internal, System, inverted_element};
+use crate::system::{EvaluationPoint, Internal, OffCurve, System, inverted_element};
 use crate::{Error, Result};
 
 /// Displacement of a step over the size of the model that is round-off of directors, as where loads have not begun yet.
@@ -184,6 +184,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         equation.angles.copy_from_slice(&state.angles);
         equation.time = target;
         equation.scales = [state.energy_scale, state.displacement_scale];
+        newton.count_turns(system, state);
         match newton.solve(system, equation, &state.history, &self.tolerances, observer) {
             Ok(converged) => {
                 self.statistics.iterations += u64::from(converged.iterations);
@@ -207,7 +208,12 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             return Err(Failure::new(Kind::Inverted, inverted, converged.most_negative_pivots));
         }
         let negative = converged.negative_pivots;
-        if let Some(reason) = self.system.sensor_turns_too_far([&self.state.angles, &self.equation.angles]) {
+        if let Some(reason) = self.system.angle_turns_too_far([&self.state.angles, &self.equation.angles]) {
+            return Err(Failure::new(Kind::Iteration(Cause::Flight), reason, negative));
+        }
+        if let Some(OffCurve::TooFar(reason) | OffCurve::PastEnd(reason)) =
+            self.system.off_curve(&self.state.u, &self.equation.u)
+        {
             return Err(Failure::new(Kind::Iteration(Cause::Flight), reason, negative));
         }
         let stability = self

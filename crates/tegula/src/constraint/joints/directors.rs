@@ -16,6 +16,8 @@ const SAME: f64 = 1e-6;
 pub enum Lack {
     /// An axis of a point mass or a node.
     Axis,
+    /// Axes of the first end, in which a curve is fixed.
+    Curve,
     /// A node of a shell among both ends.
     Director,
     /// One director: sheets meet at the node, which has as many.
@@ -38,6 +40,12 @@ impl Lack {
                 format!("joint \"{name}\" needs an axis on both sides, but a point mass or a node has none"),
                 "connect rigid bodies and the ground, or take type = \"spherical\" or \"distance\"; of a node of a shell \
                  \"clamped-director\", \"director-alignment\" and \"revolute\" hold the director",
+            ),
+            Self::Curve => (
+                format!(
+                    "the first side of the joint \"{name}\", in which its curve is fixed, is a point mass or a node, which has no axes"
+                ),
+                "name a body or the ground first, and behind it what moves along the curve",
             ),
             Self::Director => (
                 format!(

@@ -97,6 +97,8 @@ pub fn lock(
         rows: Vec::new(),
         length,
         lack: None,
+        carrier: End::Ground,
+        counted: None,
     };
     for constraint in held(keys, &motions.map(|motion| motion.rotation)) {
         match constraint {

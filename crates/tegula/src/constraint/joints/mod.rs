@@ -10,9 +10,10 @@ mod directors;
 mod lock;
 
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use super::joint::MOST_VECTORS;
-use super::{Attachment, Drive, Joint, Quantity, Role, Row};
+use super::{Attachment, Drive, Joint, Quantity, Role, Row, Spline};
 use crate::checker::Checker;
 use crate::model::{self, joints};
 use crate::norm::larger;
@@ -156,12 +157,16 @@ impl RelativeAngle {
 /// Constraints of a joint in the making.
 pub struct Constraints {
     ends: [End; 2],
+    /// Body in which the hinges of gears lie.
+    carrier: End,
     vectors: Vec<u32>,
     rows: Vec<Row>,
     /// Size of the model (length).
     length: f64,
     /// First thing that a constraint wanted of an end that does not have it.
     lack: Option<Lack>,
+    /// Angle whose turns the state counts.
+    counted: Option<Box<RelativeAngle>>,
 }
 
 impl Constraints {
@@ -247,6 +252,39 @@ impl Constraints {
         if let Some(row) = self.rows.last_mut() {
             row.turn(-ratio, forms);
         }
+    }
+
+    /// The point of the second end at a place of the reference configuration stays on a curve that is fixed in the first one: two
+    /// constraints.
+    pub(super) fn on_curve(&mut self, points: &[[f64; 3]], closed: bool, at: [f64; 3]) {
+        let [a, b] = [0, 1].map(|i| self.ends[i].point(&at.into()));
+        let at = Vec3::from(at);
+        let curve = Arc::new(Spline::new(points.iter().map(|x| Vec3::from(*x) - at).collect(), closed));
+        let mut coordinates =
+            [Vec3::x(), Vec3::y(), Vec3::z()].map(|e| (Row::default(), self.ends[0].axis(&e)));
+        for (row, axis) in &mut coordinates {
+            let Some(axis) = axis else { return self.lacks(Lack::Curve) };
+            row.add_product(&mut self.vectors, 1.0, axis, &b);
+            row.add_product(&mut self.vectors, -1.0, axis, &a);
+        }
+        let coordinates = coordinates.map(|(row, _)| row);
+        for normal in 0..2 {
+            let mut row = Row::default();
+            row.follow_curve(&curve, coordinates.clone(), normal);
+            self.push(row, self.length, self.inertia(false));
+        }
+    }
+
+    /// The angles by which both ends have turned about their axes relative to the carrier satisfy `c₁ φ₁ + c₂ φ₂ = 0`.
+    pub(super) fn geared(&mut self, axes: &[Vec3; 2], factors: [f64; 2]) {
+        let of_end = |i: usize| [self.carrier.clone(), self.ends[i].clone()];
+        let mut forms = |i: usize| forms_of_angle(&of_end(i), &axes[i], &mut self.vectors);
+        let (Some(first), Some(second)) = (forms(0), forms(1)) else { return self.lacks(Lack::Axis) };
+        self.counted = RelativeAngle::new(&of_end(0), &axes[0]).map(Box::new);
+        let mut row = Row::default();
+        row.gear(factors, [first, second]);
+        row.keeps = Quantity::Axes;
+        self.push(row, 1.0, self.inertia(true));
     }
 
     /// The point of the second end has moved by the drive's length along an axis of the first one.
@@ -344,10 +382,11 @@ macro_rules! kinds {
 }
 joints!(kinds);
 
-/// Constraints of a joint between two ends in a model of this size, which comes after the `others`, or what its ends lack.
+/// Constraints of a joint between two ends in a model of this size, which comes after the `others`, or what its ends lack. The angles of
+/// gears are relative to a carrier.
 pub fn joint(
     joint: &model::Joint,
-    ends: [End; 2],
+    (ends, carrier): ([End; 2], End),
     length: f64,
     (others, drive): (&[Joint], Option<Drive>),
 ) -> Result<Joint, Lack> {
@@ -357,14 +396,16 @@ pub fn joint(
         .get(side.min(points.len().saturating_sub(1)))
         .map_or_else(Vec3::zeros, |(_, x)| Vec3::from(*x));
     let point = ends[side].point(&at);
-    let own = ends[0].vectors();
-    let mut out = Constraints { ends, vectors: Vec::new(), rows: Vec::new(), length, lack: None };
+    // The carrier of gears counts to the first end.
+    let own = [ends[0].vectors(), carrier.vectors()].concat();
+    let (vectors, rows) = (Vec::new(), Vec::new());
+    let mut out = Constraints { ends, carrier, vectors, rows, length, lack: None, counted: None };
     constrain(joint, &mut out);
     let law = match coordinate(joint) {
         Some(of) if out.lack.is_none() => out.law(joint.common(), &of).map(Box::new),
         _ => None,
     };
-    let Constraints { vectors, rows, lack, .. } = out;
+    let Constraints { vectors, rows, lack, counted, .. } = out;
     let name = joint.common().name().to_owned();
     let of_first = vectors.iter().map(|v| own.contains(v)).collect();
     let (number, first) = (others.len(), others.last().map_or(0, |last| last.multipliers().end));
@@ -383,5 +424,6 @@ pub fn joint(
         role: Role::Acting,
         engages: false,
         law,
+        counted,
     })
 }
