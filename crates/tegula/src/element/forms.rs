@@ -183,7 +183,7 @@ impl Forms {
         }
         let mut terms = terms();
         // `2 A` of each form, lower triangle; for a ≠ b the list holds both orders.
-        let mut columns = DMatrix::zeros(VECTORS * (VECTORS + 1) / 2, MOST);
+        let mut columns = DMatrix::<f64>::zeros(VECTORS * (VECTORS + 1) / 2, MOST);
         for &(form, left, right) in &terms {
             let (p, q) = (shares(left), shares(right));
             let lower = (0..VECTORS).flat_map(|a| (0..=a).map(move |b| (a, b)));
@@ -192,7 +192,7 @@ impl Forms {
             }
         }
         let inverse = (columns.transpose() * &columns).cholesky()?;
-        let mut samples = DMatrix::zeros(S, MOST);
+        let mut samples = DMatrix::<f64>::zeros(S, MOST);
         for k in 0..S {
             let wanted = DVector::from_column_slice(strains.form(k));
             let mut shares = inverse.solve(&(columns.transpose() * &wanted));

@@ -13,6 +13,7 @@ mod element_contract;
 mod family_materials;
 mod folds;
 mod free_edges;
+mod geometry;
 mod harness;
 mod kernel;
 mod material;

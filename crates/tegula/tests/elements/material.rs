@@ -1,9 +1,13 @@
 //! Contract of every material law, and each law against closed forms.
 
+use std::sync::Arc;
+
 use crate::common::{Random, rotation};
 use nalgebra::{Matrix2, Matrix3, Matrix6, Vector6};
 use tegula::material::linear::{Orthotropy, isotropic, isotropic_plane_stress};
-use tegula::material::{Hyperelastic, Law, NeoHookeanForm, PlaneStressPlasticity, Plasticity};
+use tegula::material::{
+    Hyperelastic, Law, MaterialLaw, NeoHookeanForm, OwnLaw, PlaneStressPlasticity, Plasticity, Strengths,
+};
 use tegula::model::{Isotropic, Material, MooneyRivlin, NeoHookean, Orthotropic, Plastic};
 use tegula::norm::{larger, max_norm};
 
@@ -149,6 +153,21 @@ fn hyperelastic_laws_are_linear_for_small_strains() {
                 "{size}"
             );
         }
+    }
+}
+
+/// Shear modulus μ and bulk modulus κ of the model file are those of small strains, E = 9κμ/(3κ + μ) and
+/// ν = (3κ − 2μ)/(2(3κ + μ)), whichever energy is chosen; those of Mooney–Rivlin are μ = 2 (c10 + c01).
+#[test]
+fn keys_of_rubber_are_the_moduli_of_small_strains() {
+    let (shear, bulk) = (0.8, 3.0);
+    let neo = |form| Material::NeoHookean(NeoHookean { shear, bulk, density: 1.0, form });
+    let mooney = Material::MooneyRivlin(MooneyRivlin { c10: 0.3, c01: 0.1, bulk, density: 1.0 });
+    let sum = 3.0 * bulk + shear;
+    let c = isotropic(9.0 * bulk * shear / sum, (3.0 * bulk - 2.0 * shear) / (2.0 * sum));
+    for material in [neo(NeoHookeanForm::Split), neo(NeoHookeanForm::Coupled), mooney] {
+        let (r, _) = respond(&material.law_3d(), &Vector6::zeros(), &[]);
+        assert!(max_norm(&(r.tangent - c)) <= 1e-12 * max_norm(&c), "{material:?}: {}", r.tangent);
     }
 }
 
@@ -321,6 +340,37 @@ fn plane_stress_is_the_law_with_a_relaxed_thickness() {
             assert!((a - b).abs() < 1e-9 * (a.abs() + 1e-3));
         }
         states = [new, other];
+    }
+}
+
+/// Transverse shears follow G = E/(2(1 + ν)) and the thickness E, whatever yields in the plane; their energies ½Gγ² and
+/// ½Eε² come on top.
+#[test]
+fn transverse_strains_stay_elastic_under_plane_stress() {
+    let law = Law::PlaneStressPlastic(PlaneStressPlasticity(STEEL));
+    let moduli = [2e5, 2e5 / 2.6, 2e5 / 2.6];
+    for in_plane in [[0.0; 3], [5e-4, -2e-4, 3e-4], [0.01, -0.004, 0.006]] {
+        let plane = Vector6::new(in_plane[0], in_plane[1], in_plane[2], 0.0, 0.0, 0.0);
+        let (without, plastic) = respond(&law, &plane, &[0.0; 13]);
+        let transverse = [1.5e-3, -2e-3, 7e-4];
+        let strain = plane + Vector6::new(0.0, 0.0, 0.0, transverse[0], transverse[1], transverse[2]);
+        let (r, history) = respond(&law, &strain, &[0.0; 13]);
+        assert_eq!(history, plastic);
+        assert_eq!(law.plastic_strain(&history), Some(history[12]));
+        let mut energy = 0.0;
+        for (i, (modulus, e)) in moduli.into_iter().zip(transverse).enumerate() {
+            let row = 3 + i;
+            assert!((r.stress[row] / (modulus * e) - 1.0).abs() < 1e-14, "{}", r.stress);
+            for j in 0..6 {
+                let expected = if j == row { modulus } else { 0.0 };
+                for entry in [r.tangent[(row, j)], r.tangent[(j, row)]] {
+                    assert!((entry - expected).abs() <= 1e-14 * modulus, "{}", r.tangent);
+                }
+            }
+            energy += 0.5 * modulus * e * e;
+        }
+        assert!(((r.energy - without.energy) / energy - 1.0).abs() < 1e-12, "{}", r.energy);
+        assert_eq!(r.dissipation, without.dissipation);
     }
 }
 
@@ -528,6 +578,35 @@ fn laws_for_unknown_and_for_linear_materials_are_refused() {
     }
 }
 
+/// A law of a caller answers as it does by itself, and is equal to nothing but itself.
+#[test]
+fn laws_of_callers_are_asked_for_everything() {
+    let mut numbers = Random::new(11);
+    let rubber = Hyperelastic::Coupled { mu: 0.8, lambda: 2.0 };
+    let steel: Arc<dyn MaterialLaw> = Arc::new(STEEL);
+    let pairs = [
+        (Law::Plastic(STEEL), Law::Own(OwnLaw(steel.clone())), 0.02),
+        (Law::Hyperelastic(rubber), Law::Own(OwnLaw(Arc::new(rubber))), 0.2),
+    ];
+    for (law, own, size) in &pairs {
+        assert_eq!(own.history(), law.history());
+        assert_eq!(own.is_hyperelastic(), law.is_hyperelastic());
+        assert!(!own.is_linear());
+        let mut committed = vec![0.0; law.history()];
+        for _ in 0..3 {
+            let strain = random(&mut numbers, *size);
+            let (expected, updated) = respond(law, &strain, &committed);
+            assert_eq!(respond(own, &strain, &committed), (expected, updated.clone()));
+            assert_eq!(own.plastic_strain(&updated), law.plastic_strain(&updated));
+            committed = updated;
+        }
+        // Not the start: the strains yield.
+        assert!(law.history() == 0 || own.plastic_strain(&committed).is_some_and(|p| p > 1e-3));
+    }
+    assert_eq!(pairs[0].1, Law::Own(OwnLaw(steel)));
+    assert_ne!(pairs[0].1, Law::Own(OwnLaw(Arc::new(STEEL))));
+}
+
 #[test]
 fn every_material_is_read_as_it_is_written_and_has_the_word_of_the_model_file() {
     for material in Material::examples() {
@@ -538,4 +617,29 @@ fn every_material_is_read_as_it_is_written_and_has_the_word_of_the_model_file() 
         assert_eq!(tegula::compile::check::material(&material, "m"), [], "{material:?}");
         assert_eq!(material.law_3d().is_linear(), material.is_linear(), "{material:?}");
     }
+}
+
+/// A strength is a positive number, and the Tsai–Wu surface is closed for |F12*| < 1 only (Tsai and Wu 1971, eq. 11).
+#[test]
+fn strengths_at_the_end_of_their_range_are_refused() {
+    let good = Strengths::new(1500.0, 1200.0, 50.0, 250.0, 70.0);
+    assert_eq!(good.mistakes(), []);
+    let keys = |s: Strengths| s.mistakes().iter().map(|m| m.0).collect::<Vec<_>>();
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        assert_eq!(keys(Strengths { xt: bad, ..good }), ["xt"], "{bad}");
+        assert_eq!(keys(Strengths { xc: bad, ..good }), ["xc"], "{bad}");
+        assert_eq!(keys(Strengths { yt: bad, ..good }), ["yt"], "{bad}");
+        assert_eq!(keys(Strengths { yc: bad, ..good }), ["yc"], "{bad}");
+        assert_eq!(keys(Strengths { s12: bad, ..good }), ["s12"], "{bad}");
+    }
+    for (interaction, refused) in
+        [(-1.0, true), (1.0, true), (f64::NAN, true), (-0.999, false), (0.999, false)]
+    {
+        let found = keys(Strengths { tsai_wu_interaction: interaction, ..good });
+        assert_eq!(!found.is_empty(), refused, "{interaction}");
+    }
+    // The usual interaction, F12* = −1/2, also where the model file does not give one.
+    assert_eq!(good.tsai_wu_interaction, -0.5);
+    let read = serde_json::json!({ "xt": 1500.0, "xc": 1200.0, "yt": 50.0, "yc": 250.0, "s12": 70.0 });
+    assert_eq!(serde_json::from_value::<Strengths>(read).unwrap(), good);
 }
