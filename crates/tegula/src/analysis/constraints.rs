@@ -19,6 +19,7 @@
 //! constraint that was left out and stays open is taken back for the rest of the step.
 
 mod complete_pivoting;
+mod compliance;
 mod laws;
 
 use super::solver::TangentSolver;
@@ -304,22 +305,6 @@ impl Constraints {
     pub fn constrain(&mut self, x: &mut [f64]) {
         self.right.fill(0.0);
         self.project_onto(x);
-    }
-
-    /// Displacements of constraints by unit forces that act in the direction of others, at the last tangent, where all other constraints
-    /// hold: a matrix by rows.
-    pub fn compliance(&mut self, rows: &[usize]) -> Vec<f64> {
-        let n = rows.len();
-        let mut out = vec![0.0; n * n];
-        let mut free = std::mem::take(&mut self.free);
-        for (j, &row) in rows.iter().enumerate() {
-            let size = free.len();
-            free.copy_from_slice(&self.responses[row * size..][..size]);
-            self.constrain(&mut free);
-            rows.iter().enumerate().for_each(|(i, &row)| out[i * n + j] = product(&self.ends[row], &free));
-        }
-        self.free = free;
-        out
     }
 
     /// Changes x so that `G₁ x` vanishes together with the right side.

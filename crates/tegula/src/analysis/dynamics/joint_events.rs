@@ -9,7 +9,7 @@
 
 use super::Integrator;
 use super::break_away::BreakAway;
-use super::stick_slip;
+use super::{stick_slip, triads};
 use crate::Vec3;
 use crate::analysis::State;
 use crate::analysis::newton::Newton;
@@ -29,6 +29,8 @@ const REACHED: f64 = 1e-11;
 const CONTACT: f64 = 1e-10;
 /// Excess of a multiplier over its limit that is round-off.
 const EXCESS: f64 = 1e-9;
+/// Force over its limit from which on it is asked how several coordinates that friction holds share their forces.
+const NEAR_LIMIT: f64 = 0.8;
 /// Velocity over that of the fastest part of the model so far, below which a coordinate is at rest at the start or at a stop.
 const RESTING: f64 = 1e-10;
 /// Step over the one first tried below which the event at its end is located.
@@ -91,8 +93,9 @@ struct Tracked {
     /// Whether it has been chosen to stick and may yet be found at its limit: of several joints on one motion, which share the force that
     /// holds it in no unique way.
     shares: bool,
-    /// Friction at its limit at the last look.
+    /// Friction at its limit at the last look, and the force that holds the coordinate.
     limit: f64,
+    force: f64,
     /// Mean rate in the step without friction, beside which the round-off of a coordinate that others hold is small.
     free_rate: f64,
     /// Stop that the coordinate leaves at the start, −1 or 1; 0 for none.
@@ -152,6 +155,7 @@ impl JointEvents {
                 at_rest: false,
                 shares: false,
                 limit: f64::NAN,
+                force: 0.0,
                 free_rate: 0.0,
                 left: 0.0,
                 reached: None,
@@ -307,7 +311,12 @@ impl JointEvents {
             }
             c.left = if stop * c.rate < 0.0 { stop } else { 0.0 };
             c.turns = matches!(now.mode, CoordinateMode::Moving(direction) if direction * c.rate < 0.0);
-            c.at_rest = c.turns || matches!(now.mode, CoordinateMode::Held { stop: 0.0, .. });
+            // Where several come to rest at nearly the same time, the last ones have no velocity left that a shorter step could take.
+            let hardly_moves = law.has_friction() && c.rate.abs() <= RESTING * now.fastest;
+            c.at_rest = match now.mode {
+                CoordinateMode::Moving(_) => c.turns || hardly_moves,
+                CoordinateMode::Held { stop, .. } => stop == 0.0,
+            };
             (c.shares, c.limit, c.free_rate) = (false, f64::NAN, 0.0);
             c.break_away = c.break_away.take().filter(|_| !begins);
         }
@@ -331,16 +340,18 @@ impl JointEvents {
             return Review::Changed;
         }
         let (u, multipliers) = (scheme.displacements(), scheme.multipliers());
-        // Velocities of schemes that conserve energy keep the joints closed up to the error of the step only.
+        // Velocities of schemes that conserve energy keep bodies rigid and joints closed up to the error of the step only.
         let mut velocities = std::mem::take(&mut self.velocities);
         velocities.clone_from_slice(scheme.velocities());
+        triads::project_velocities(system, u, &mut velocities);
         if let Some(constraints) = &mut newton.constraints {
             // The tangent is that of an earlier iterate: the second projection closes what the first has left.
             for _ in 0..2 {
                 constraints.project_velocities(system, (u, state.time + h), &mut velocities);
             }
         }
-        let outcome = self.look(system, state, (u, &velocities, multipliers), h);
+        self.find_forces(system, state, (u, multipliers), newton);
+        let outcome = self.look(system, state, (u, &velocities), h);
         self.velocities = velocities;
         match outcome {
             Review::Contradiction(_) if self.release() => Review::Changed,
@@ -348,33 +359,69 @@ impl JointEvents {
         }
     }
 
+    /// Finds the forces that hold coordinates, and their friction at its limit. Where friction holds several of them, the multipliers of a
+    /// solution are not the only ones: the forces are then [those of Coulomb's law](stick_slip::holding_forces).
+    fn find_forces(
+        &mut self,
+        system: &System,
+        state: &State,
+        (u, multipliers): (&[Nodal], &[f64]),
+        newton: &Newton,
+    ) {
+        let middle = middle(system, state, u);
+        let [mut held, mut rows] = [Vec::new(), Vec::new()];
+        let mut near_limit = false;
+        for (k, (c, trial)) in self.coordinates.iter_mut().zip(&self.trial).enumerate() {
+            let Some((row, joint, law)) = law(system, c.joint) else { continue };
+            c.limit = law.limit(joint, multipliers, &middle).sticking;
+            c.force = multipliers[row];
+            if c.limit > 0.0 && matches!(trial.mode, CoordinateMode::Held { stop: 0.0, .. }) {
+                near_limit |= !(c.force.abs() < NEAR_LIMIT * c.limit);
+                held.push(k);
+                rows.push(row);
+            }
+        }
+        let Some(constraints) = newton.constraints.as_ref().filter(|_| near_limit && held.len() > 1) else {
+            return;
+        };
+        let compliance = constraints.compliance_of_held(&rows);
+        let displacement =
+            |row: &[f64]| row.iter().zip(&held).map(|(w, k)| w * self.coordinates[*k].force).sum::<f64>();
+        let displacements: Vec<f64> = compliance.chunks(held.len()).map(displacement).collect();
+        let limits: Vec<f64> = held.iter().map(|k| self.coordinates[*k].limit).collect();
+        let forces = stick_slip::holding_forces(&displacements, &compliance, &limits);
+        for (k, force) in held.into_iter().zip(forces) {
+            self.coordinates[k].force = force;
+        }
+    }
+
     fn look(
         &mut self,
         system: &System,
         state: &State,
-        (u, velocities, multipliers): (&[Nodal], &[Nodal], &[f64]),
+        (u, velocities): (&[Nodal], &[Nodal]),
         h: f64,
     ) -> Review {
-        let middle = middle(system, state, u);
+        let mut leave = false;
         for (k, c) in self.coordinates.iter_mut().enumerate() {
-            let Some((row, joint, law)) = law(system, c.joint) else { continue };
+            let Some((_, joint, law)) = law(system, c.joint) else { continue };
             let (before, trial) = (state.coordinates[k].value, &mut self.trial[k]);
             let now = system.coordinate(joint, law, u);
             trial.value = if law.is_angle { RelativeAngle::nearest(before, now) } else { now };
             c.events = [Event::NONE; EVENTS];
             match trial.mode {
                 CoordinateMode::Held { stop, .. } => {
-                    let limit = law.limit(joint, multipliers, &middle).sticking;
-                    c.limit = limit;
-                    let multiplier = multipliers[row];
+                    let Tracked { force, limit, .. } = *c;
                     let over = |acts: bool, force: f64| if acts { force - limit } else { f64::NEG_INFINITY };
-                    let excess = larger(over(stop <= 0.0, multiplier), over(stop >= 0.0, -multiplier));
+                    let excess = larger(over(stop <= 0.0, force), over(stop >= 0.0, -force));
                     let leaves = !(excess <= EXCESS * limit);
                     if leaves && c.changed && !c.shares {
                         return contradiction(joint);
                     }
-                    if limit > 0.0 && !c.changed && !state.coordinates[k].at_limit {
-                        let earlier = state.coordinates[k].excess;
+                    let CoordinateState { at_limit: breaks_away, excess: earlier, .. } = state.coordinates[k];
+                    // Others hold the coordinate while its friction is at the limit.
+                    let held_by_others = !leaves && excess >= -EXCESS * limit;
+                    if limit > 0.0 && !c.changed && !breaks_away && !held_by_others {
                         if let Some(length) = BreakAway::look(&mut c.break_away, [h, excess], earlier, leaves)
                         {
                             return Review::Repeat(length);
@@ -383,21 +430,24 @@ impl JointEvents {
                             !leaves && c.break_away.as_ref().is_some_and(|search| search.ends_at(h));
                     }
                     if leaves {
-                        (c.changed, c.shares, trial.mode) = (true, false, moving(law, multiplier));
-                        return Review::Changed;
+                        (c.changed, c.shares, trial.mode) = (true, false, moving(law, force));
+                        leave = true;
+                        continue;
                     }
                     trial.excess = [h, excess];
                 }
                 CoordinateMode::Moving(direction) => {
                     let rate = system.coordinate_rate(joint, law, [u, velocities]);
                     let rests = c.rests_below(trial);
-                    c.limit = law.limit(joint, multipliers, &middle).sticking;
                     c.find_events(law, (direction, rests), ([before, trial.value], rate), h);
                 }
             }
             if c.events.iter().any(|event| event.has_passed() && event.start == f64::INFINITY) {
                 return contradiction(joint);
             }
+        }
+        if leave {
+            return Review::Changed;
         }
         for (c, trial) in self.coordinates.iter_mut().zip(&mut self.trial) {
             let Some((_, joint, law)) = law(system, c.joint) else { continue };
@@ -406,7 +456,8 @@ impl JointEvents {
             let rests = !trial.mode.is_held() && rate.abs() <= c.rests_below(trial);
             if c.changed && rests && (stop != 0.0 || law.has_friction()) {
                 // Round-off alone has moved it, or others hold it while its friction is at the limit.
-                (trial.at_limit, trial.mode) = (stop == 0.0, CoordinateMode::Held { at: trial.value, stop });
+                trial.mode = CoordinateMode::Held { at: trial.value, stop };
+                trial.excess = [if stop == 0.0 { h } else { 0.0 }, 0.0];
             }
             let is_there = |(i, (event, side)): &(usize, (&Event, f64))| {
                 event.end <= event.tolerance && (*i == SPEED || side * rate > 0.0 || event.has_passed())
@@ -496,9 +547,9 @@ impl Tracked {
     ) {
         if direction != 0.0 {
             let [start, end] = [direction * self.rate, direction * rate];
-            self.events[SPEED] = match self.changed || self.turns {
+            self.events[SPEED] = match self.changed || self.at_rest {
                 true => Event { start: f64::INFINITY, end, tolerance: rests },
-                false => Event { start, end, tolerance: AT_REST * start.abs() },
+                false => Event { start, end, tolerance: larger(AT_REST * start.abs(), rests) },
             };
         }
         for (event, (bound, side)) in self.events[1..].iter_mut().zip(law.stops.into_iter().zip([-1.0, 1.0]))

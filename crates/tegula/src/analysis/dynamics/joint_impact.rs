@@ -10,7 +10,7 @@
 //! Ch. Glocker, *Set-valued force laws* (2001); F. Pfeiffer, Ch. Glocker, *Multibody dynamics with unilateral contacts* (1996).
 
 use super::joint_events::{JointEvents, moving, stop_at};
-use super::{constrained_start, impact, project_rates};
+use super::{constrained_start, impact, project_rates, triads};
 use crate::Result;
 use crate::analysis::State;
 use crate::analysis::constraints::Rates;
@@ -72,13 +72,14 @@ pub(super) fn pass(
             return Ok(Vec::new());
         }
     }
-    // Velocities of schemes that conserve energy keep the joints closed up to the error of the step only; here they are closed.
+    // Velocities of schemes that conserve energy keep bodies rigid and joints closed up to the error of the step only; here they do so.
     let old = state.v.clone();
+    let rigid = rigid_velocities(system, state, &old);
     let held: Vec<_> = list.iter().map(|c| c.held).collect();
     for (c, now) in list.iter_mut().zip(&state.coordinates) {
         c.held = c.held.filter(|_| now.mode.is_held());
     }
-    collide(system, newton, state, (&old, &list))?;
+    collide(system, newton, state, (&rigid, &list))?;
     let closed = state.v.clone();
     list.iter_mut().zip(held).for_each(|(c, held)| c.held = held);
     for c in &mut list {
@@ -176,7 +177,8 @@ fn effective_mass(
     list[k].held = None;
     let (joint, law, row) = (list[k].joint, list[k].law, list[k].row);
     let old = state.v.clone();
-    collide(system, newton, state, (along, list))?;
+    let along = rigid_velocities(system, state, along);
+    collide(system, newton, state, (&along, list))?;
     let closed = state.v.clone();
     let rate = system.coordinate_rate(joint, law, [&state.u, &closed]);
     list[k].held = Some(0.0);
@@ -185,6 +187,13 @@ fn effective_mass(
     state.v.copy_from_slice(&old);
     list.iter_mut().zip(held).for_each(|(c, held)| c.held = held);
     Ok(if moves_on { f64::INFINITY } else { (impulse / rate).abs() })
+}
+
+/// Velocities that keep bodies rigid at the displacements of a state.
+fn rigid_velocities(system: &System, state: &State, v: &[Nodal]) -> Vec<Nodal> {
+    let mut v = v.to_vec();
+    triads::project_velocities(system, &state.u, &mut v);
+    v
 }
 
 /// Changes the velocities from `old` ones by the impulses of all joints, which are returned. The mass matrix is factored.

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! (principle of maximum dissipation). W is singular where several joints act on one motion: the forces are not unique then, but the motion
-//! is. J. J. Moreau, *Unilateral contact and dry friction in finite freedom dynamics* (1988); the projected Gauss–Seidel method as in M. Jean,
-//! Comput. Methods Appl. Mech. Engrg. 177 (1999) 235–257.
+//! is. A joint whose force is at its limit sticks where others hold it. J. J. Moreau, *Unilateral contact and dry friction in finite freedom
+//! dynamics* (1988); the projected Gauss–Seidel method as in M. Jean, Comput. Methods Appl. Mech. Engrg. 177 (1999) 235–257.
 
 use crate::norm::larger;
 
@@ -18,20 +18,24 @@ use crate::norm::larger;
 const MOST_SWEEPS: u32 = 5000;
 const CLOSE: f64 = 1e-12;
 
-/// Signs of the forces that reach their limits: the directions of sliding, and 0 for joints that stick. `displacements` are those without
-/// friction, `compliance` is W by rows.
-pub(super) fn directions(displacements: &[f64], compliance: &[f64], limits: &[f64]) -> Vec<f64> {
+/// Force over its limit, less 1, that is round-off of the sweeps.
+const STICKS: f64 = 1e-9;
+
+/// Forces that hold the joints, or would hold those that slide: the friction and the force of the displacement that is left,
+/// `λᵢ + sᵢ/Wᵢᵢ`. Joints whose force exceeds its limit slide. `displacements` are those without friction, `compliance` is W by rows.
+pub(super) fn holding_forces(displacements: &[f64], compliance: &[f64], limits: &[f64]) -> Vec<f64> {
     let n = displacements.len();
+    let acts = |i: usize| compliance[i * n + i] > 0.0 && limits[i] > 0.0;
     let mut forces = vec![0.0; n];
+    let wanted = |forces: &[f64], i: usize| {
+        let row = &compliance[i * n..][..n];
+        let slip = displacements[i] - row.iter().zip(forces).map(|(w, x)| w * x).sum::<f64>();
+        forces[i] + slip / row[i]
+    };
     for _ in 0..MOST_SWEEPS {
         let mut change = 0.0;
-        for i in 0..n {
-            let row = &compliance[i * n..][..n];
-            let slip = displacements[i] - row.iter().zip(&forces).map(|(w, x)| w * x).sum::<f64>();
-            if !(row[i] > 0.0 && limits[i] > 0.0) {
-                continue;
-            }
-            let new = (forces[i] + slip / row[i]).clamp(-limits[i], limits[i]);
+        for i in (0..n).filter(|&i| acts(i)) {
+            let new = wanted(&forces, i).clamp(-limits[i], limits[i]);
             change = larger(change, (new - forces[i]).abs() / limits[i]);
             forces[i] = new;
         }
@@ -39,9 +43,18 @@ pub(super) fn directions(displacements: &[f64], compliance: &[f64], limits: &[f6
             break;
         }
     }
+    let with_rest = |i: usize| if acts(i) { wanted(&forces, i) } else { forces[i] };
+    (0..n).map(with_rest).collect()
+}
+
+/// Directions in which the joints slide, and 0 for those that stick: signs of the [forces](holding_forces) that exceed their limits.
+pub(super) fn directions(displacements: &[f64], compliance: &[f64], limits: &[f64]) -> Vec<f64> {
+    let n = displacements.len();
+    let forces = holding_forces(displacements, compliance, limits);
     let direction = |i: usize| {
         let without_friction = !(compliance[i * n + i] > 0.0 && limits[i] > 0.0);
-        match forces[i].abs() >= limits[i] {
+        let slides = forces[i].abs() - limits[i] > STICKS * larger(limits[i], forces[i].abs());
+        match slides {
             _ if without_friction => displacements[i].signum(),
             true => forces[i].signum(),
             false => 0.0,
