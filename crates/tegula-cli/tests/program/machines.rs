@@ -109,6 +109,38 @@ fn the_motor_of_the_gear_train_feels_the_reduced_inertia() {
     }
 }
 
+/// Whirl of a rotor in the fixed frame at 60 rad/s (O. Bauchau and others, Multibody Syst. Dyn. 37 (2016) 29–48, with the disc centred): the
+/// forward and backward frequencies of both bending pairs, and the table of modes at the last speed.
+#[test]
+fn the_rotor_whirls_as_in_the_benchmark() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let output = tegula(&["run", text(&example("rotor_campbell.toml")), "--out", text(&out), "--quiet"]);
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", errors(&output));
+    let rows = |file: &str| -> Vec<Vec<f64>> {
+        let text = fs::read_to_string(out.join(file)).unwrap();
+        let lines = text.lines().skip(1);
+        lines.map(|line| line.split(',').map(|x| x.parse().unwrap()).collect()).collect()
+    };
+    let campbell = rows("campbell.csv");
+    assert_eq!(campbell.len(), 9 * 6);
+    let at_60: Vec<f64> = campbell.iter().filter(|row| row[0] == 60.0).map(|row| row[4]).collect();
+    for expected in [56.85, -56.85, 291.7, -285.2] {
+        let nearest =
+            at_60.iter().map(|omega| (omega / expected - 1.0).abs()).min_by(f64::total_cmp).unwrap();
+        assert!(nearest < 1e-3, "{expected}: {at_60:?}");
+    }
+    for row in &campbell {
+        assert_eq!(row[3], 0.0);
+        assert!((row[5] * TAU - row[4].abs()).abs() <= 1e-12 * row[4].abs());
+    }
+    let modes = rows("modes.csv");
+    for (mode, row) in modes.iter().zip(campbell.iter().filter(|row| row[0] == 150.0)) {
+        assert_eq!([mode[0], mode[2], mode[5], mode[6]], [row[1], row[2], row[3], row[4]]);
+    }
+    assert!(out.join("campbell.png").is_file());
+}
+
 /// On cycloids beads are down at `t = π √(r/g)`, from whatever height.
 #[test]
 fn beads_on_cycloids_are_down_at_the_same_time() {

@@ -5,19 +5,21 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::summary::Summary;
-use super::{JobError, Status, response, series};
+use super::{JobError, Status, campbell, response, series};
 use crate::deck::STANDARD_INPUT;
 use crate::out::{OutputError, PvdSeries, printable, vtu};
 
 /// Names of the files that a run leaves, beside the numbered field files and the pictures of
 /// points.
-const OWN: [&str; 20] = [
+const OWN: [&str; 22] = [
     "fields.pvd",
     "bodies.pvd",
     "mode_bodies.pvd",
     "modes.pvd",
     "history.csv",
     "modes.csv",
+    campbell::TABLE,
+    campbell::PICTURE,
     response::TABLE,
     response::PICTURE,
     response::STATE_SPACE,

@@ -6,6 +6,7 @@
 //! | `fields.pvd`, `fields/NNNN.vtu` | displacements, resultants, stresses |
 //! | `history.csv` | motion of the points, energies, momenta, reactions: a row a step |
 //! | `modes.csv`, `modes.pvd`, `modes/NNNN.vtu` | natural frequencies and mode shapes |
+//! | `campbell.csv` | frequencies of a model over the angular velocity with which it turns |
 //! | `frequency_response.csv`, `state_space*` | response to the inputs of a modal analysis |
 //! | `*.png` | pictures of all that |
 //! | `checkpoint.bin` | restart file, read by `run --resume` |
@@ -18,6 +19,7 @@
 //! Nothing is printed: a [`JobObserver`] receives all events.
 
 mod bodies;
+mod campbell;
 mod drawn_outline;
 mod fields;
 mod folder;

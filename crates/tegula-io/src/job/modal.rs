@@ -2,11 +2,12 @@
 
 use std::time::Instant;
 
+use tegula::Error;
 use tegula::analysis::modal::{self, ModalOutcome, Response};
 use tegula::analysis::{Observer, State, Statistics, Step};
 use tegula::model::ModalAnalysis;
-use tegula::{Error, System};
 
+use super::campbell::{self, Campbell};
 use super::run::{claim, start, summary};
 use super::{
     JobError, JobObserver, JobOptions, Prepared, Progress, ResultFolder, Start, Status, Summary, process,
@@ -41,7 +42,7 @@ pub(super) fn run(
         forward.log(&format!("warning: {warning}"));
         forward.watch.on_warning(&warning.to_string());
     }
-    let outcome = spectrum(analysis, &prepared.system, &mut forward);
+    let outcome = spectrum(analysis, prepared, &mut forward);
     let (before, mut failed) = (forward.before, forward.failed);
     let result = match outcome {
         Ok(found) => {
@@ -79,7 +80,15 @@ fn opening(summary: &Summary, start: &Start) -> String {
 }
 
 /// The modes, and the state about which they are: the equilibrium under the loads where that is wanted.
-fn spectrum(analysis: &ModalAnalysis, system: &System, forward: &mut Forward<'_>) -> tegula::Result<Found> {
+fn spectrum(
+    analysis: &ModalAnalysis,
+    prepared: &Prepared,
+    forward: &mut Forward<'_>,
+) -> tegula::Result<Found> {
+    if let (campbell, Some((about, outcome))) = campbell::run(prepared, analysis, forward)? {
+        return Ok(Found { about, outcome, response: None, campbell: Some(campbell) });
+    }
+    let system = &prepared.system;
     let mut equilibrium: Option<State> = None;
     if analysis.prestressed {
         let outcome = modal::prestress(system, forward)?;
@@ -91,7 +100,8 @@ fn spectrum(analysis: &ModalAnalysis, system: &System, forward: &mut Forward<'_>
         equilibrium = Some(State { time: 1.0, ..State::first(system) });
     }
     let (outcome, response) = modal::run_with_inputs(system, analysis, equilibrium.as_ref(), forward)?;
-    Ok(Found { about: equilibrium.unwrap_or_else(|| State::at_rest(system)), outcome, response })
+    let about = equilibrium.unwrap_or_else(|| State::at_rest(system));
+    Ok(Found { about, outcome, response, campbell: None })
 }
 
 /// Result of a modal analysis.
@@ -100,6 +110,7 @@ struct Found {
     about: State,
     outcome: ModalOutcome,
     response: Option<Response>,
+    campbell: Option<Campbell>,
 }
 
 /// Writes what was found.
@@ -109,7 +120,7 @@ fn record(
     folder: &mut ResultFolder,
     summary: &mut Summary,
     before: &Statistics,
-    Found { about, outcome, response }: &Found,
+    Found { about, outcome, response, campbell }: &Found,
 ) -> Result<(), OutputError> {
     let rows = outcome.modes.as_slice();
     modes::write(folder, prepared, &deck.model.output, about, rows)?;
@@ -119,6 +130,15 @@ fn record(
         && let Err(problem) = drawn()
     {
         folder.log(&format!("a picture is missing: {problem}"))?;
+    }
+    if let Some(campbell) = campbell {
+        campbell::write(folder, campbell)?;
+        let drawn = || campbell::picture(folder, campbell, (&deck.model.title, unit.as_deref()));
+        if deck.model.output.pictures
+            && let Err(problem) = drawn()
+        {
+            folder.log(&format!("a picture is missing: {problem}"))?;
+        }
     }
     summary.frequencies_hz = Some(rows.iter().map(|m| m.frequency_hz).collect());
     summary.sturm_checked = Some(outcome.sturm_checked);

@@ -34,18 +34,33 @@ pub(super) fn write(
     modes: &[Mode],
 ) -> Result<(), OutputError> {
     let Prepared { mesh, system, .. } = prepared;
-    let names = ["mode", "frequency_hz", "omega", "rigid", "residual"];
-    let mut table = HistoryWriter::create(&folder.file("modes.csv"), &names)?;
+    let turns = modes.iter().any(|mode| mode.whirl.is_some());
+    let names = ["mode", "frequency_hz", "omega", "rigid", "residual", "growth", "fixed_frame_omega"];
+    let names = if turns { &names[..] } else { &names[..5] };
+    let mut table = HistoryWriter::create(&folder.file("modes.csv"), names)?;
     let mut series = FieldSeries::create(folder, prepared, MODES)?;
     let fields = output.fields.iter().copied().filter(|f| !WITHOUT.contains(f)).collect();
     let output = Output { fields, ..output.clone() };
+    let mut written = 0;
     for (i, mode) in modes.iter().enumerate() {
         let rigid = f64::from(u8::from(mode.rigid));
         let number = (i + 1) as f64;
-        table.append(&[number, mode.frequency_hz, mode.omega, rigid, mode.residual])?;
-        let frame = fields::Frame { state: about, small: Some(&mode.shape), forces: None, time: number };
-        let results = recovery::shells(&frame.snapshot(system));
-        series.write(folder, (mesh, system, &output), (i + 1, &frame), &results)?;
+        let mut row = vec![number, mode.frequency_hz, mode.omega, rigid, mode.residual];
+        let mut shapes = vec![(number, mode.shape.clone())];
+        if let Some(whirl) = &mode.whirl {
+            row.extend([whirl.growth, whirl.fixed_frame.unwrap_or(f64::NAN)]);
+            // A quarter period later the motion has the shape −quadrature.
+            shapes.push((number + 0.25, whirl.quadrature.iter().map(|x| x.map(|x| -x)).collect()));
+        } else if turns {
+            row.extend([0.0, mode.omega]);
+        }
+        table.append(&row)?;
+        for (time, shape) in &shapes {
+            let frame = fields::Frame { state: about, small: Some(shape), forces: None, time: *time };
+            let results = recovery::shells(&frame.snapshot(system));
+            written += 1;
+            series.write(folder, (mesh, system, &output), (written, &frame), &results)?;
+        }
     }
     table.sync()
 }

@@ -12,10 +12,12 @@
 mod circulatory;
 mod dense;
 mod frequency_response;
+mod isotropy;
 mod problem;
 mod reduced_model;
 mod rigid;
 mod search;
+mod spinning;
 
 use super::statics::{self, StaticOutcome};
 use super::{Observer, State, Statistics};
@@ -28,6 +30,8 @@ pub use reduced_model::ReducedModel;
 use reduced_model::Reduction;
 use rigid::RigidModes;
 use search::Search;
+use spinning::Spin;
+pub use spinning::Whirl;
 use tegula_sparse::Factor as _;
 use tegula_sparse::lanczos::RitzPair;
 
@@ -58,6 +62,8 @@ pub struct Mode {
     /// dense solver found all modes. Of a rigid mode: ω² by its strain energy over that of the softest degree of
     /// freedom.
     pub residual: f64,
+    /// Of a model that turns: the rest of its complex mode, whose real part is the shape; `None` for models that do not.
+    pub whirl: Option<Whirl>,
 }
 
 /// Modes in ascending order.
@@ -93,7 +99,7 @@ pub fn run(
     observer: &mut dyn Observer,
 ) -> Result<ModalOutcome> {
     let mut problem = Problem::new(system, equilibrium)?;
-    Ok(lowest_modes(&mut problem, wanted, equilibrium, observer)?.0)
+    Ok(modes_about(&mut problem, wanted, equilibrium, observer)?.0)
 }
 
 /// Finds the modes of an analysis and the response to its inputs; `None` where it has none.
@@ -107,9 +113,16 @@ pub fn run_with_inputs(
     observer: &mut dyn Observer,
 ) -> Result<(ModalOutcome, Option<Response>)> {
     let mut problem = Problem::new(system, equilibrium)?;
-    let (mut outcome, all) = lowest_modes(&mut problem, analysis.modes as usize, equilibrium, observer)?;
+    let (mut outcome, all) = modes_about(&mut problem, analysis.modes as usize, equilibrium, observer)?;
     if analysis.inputs.is_empty() {
         return Ok((outcome, None));
+    }
+    if outcome.modes.iter().any(|mode| mode.whirl.is_some()) {
+        return Err(Error::model(
+            "analysis.inputs",
+            "the response of a model that turns is not computed",
+            "leave the inputs or the centrifugal load out",
+        ));
     }
     if equilibrium.and_then(|state| circulatory::stiffness(system, state)).is_some() {
         return Err(circulatory::with_inputs());
@@ -138,6 +151,21 @@ pub fn run_with_inputs(
     outcome.statistics.iterations += problem.applications - before;
     outcome.statistics.factorizations = problem.newton.solver.factorizations() as u64;
     Ok((outcome, Some(Response { reduced, frequencies })))
+}
+
+/// The `wanted` lowest modes, complex ones of a model that turns, and whether these are all.
+fn modes_about(
+    problem: &mut Problem,
+    wanted: usize,
+    equilibrium: Option<&State>,
+    observer: &mut dyn Observer,
+) -> Result<(ModalOutcome, bool)> {
+    let spin =
+        equilibrium.and_then(|state| Spin::of(problem.system, state.time)).filter(|spin| spin.omega != 0.0);
+    match spin {
+        Some(spin) => Ok((spinning::modes(problem, (wanted, spin), equilibrium, observer)?, false)),
+        None => lowest_modes(problem, wanted, equilibrium, observer),
+    }
 }
 
 /// The `wanted` lowest modes, and whether these are all.
@@ -197,7 +225,10 @@ fn lowest_modes(
 /// # Errors
 /// No equilibrium was found; where parts of the model move freely, the error says so.
 pub fn prestress(system: &System, observer: &mut dyn Observer) -> Result<StaticOutcome> {
-    statics::run(system, &StaticAnalysis::default(), None, observer).map_err(|error| {
+    // Above a critical speed, Coriolis forces may hold what centrifugal forces alone would tear away.
+    let options =
+        StaticAnalysis { allow_unstable: !system.centrifugal.is_empty(), ..StaticAnalysis::default() };
+    statics::run(system, &options, None, observer).map_err(|error| {
         let rigid = rigid_motions(system);
         match error {
             Error::NotConverged { at, .. } if rigid > 0 => Error::Singular {
@@ -305,7 +336,7 @@ fn rigid_modes(problem: &mut Problem, wanted: usize) -> Vec<Mode> {
         let energy = problem.small_strain_energy(&shape);
         let group = problem.groups.iter().find(|g| g.rigid.contains(&index));
         let residual = 2.0 * energy / group.map_or(f64::NAN, |g| g.lowest);
-        modes.push(Mode { frequency_hz: 0.0, omega: 0.0, rigid: true, shape, residual });
+        modes.push(Mode { frequency_hz: 0.0, omega: 0.0, rigid: true, shape, residual, whirl: None });
     }
     modes
 }
@@ -343,5 +374,6 @@ fn mode(problem: &mut Problem, lambda: f64, mut pair: RitzPair) -> Result<Mode> 
         rigid: free,
         shape,
         residual: pair.residual,
+        whirl: None,
     })
 }

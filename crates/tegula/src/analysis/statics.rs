@@ -253,7 +253,7 @@ fn follower_work(
     (to, end): (&[Nodal], f64),
     force: &mut [Nodal],
 ) -> f64 {
-    if system.followers.is_empty() {
+    if !system.has_follower_loads() {
         return 0.0;
     }
     force.fill([0.0; 3]);

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use super::{StepModel, Vectors, pair};
 use crate::element::Nodal;
 use crate::element::geometry::{ShellGeometry, nodal_areas, shell_mass, tangents};
-use crate::load::{FollowerLoad, LoadFactor, OwnLoad};
+use crate::load::{CentrifugalLoad, FollowerLoad, LoadFactor, OwnLoad};
 use crate::mesh::Mesh;
 use crate::model::loads::{Action, LoadedMesh};
 use crate::model::supports::{Constraints, Direction, SupportedNode};
-use crate::model::{AddedMass, Condition, Model};
+use crate::model::{AddedMass, Condition, InitialVelocity, Model};
 use crate::section::SectionInertia;
 use crate::system::coordinates::Body;
 use crate::system::supports::{Conflict, Support};
@@ -141,7 +141,7 @@ pub(super) fn follower_loads(
                     out.push(FollowerLoad::Pressure { vectors, pressure, factor });
                 }
                 Action::Follower(load) => out.push(FollowerLoad::Own { load: OwnLoad(load), factor }),
-                Action::Force { .. } | Action::Gravity(_) => {}
+                Action::Force { .. } | Action::Gravity(_) | Action::Centrifugal { .. } => {}
             }
         }
         load_of.resize(out.len(), number);
@@ -214,6 +214,28 @@ pub(super) fn drilling_components(
     )]
 }
 
+/// Centrifugal loads, and the number of the load of the model that each belongs to.
+pub(super) fn centrifugal_loads(
+    step: &StepModel,
+    mesh: &Mesh,
+    coordinates: &Coordinates,
+    amplitudes: &BTreeMap<String, usize>,
+) -> (Vec<CentrifugalLoad>, Vec<usize>) {
+    let loaded = Loaded { mesh, coordinates };
+    let (mut out, mut load_of) = (Vec::new(), Vec::new());
+    for (number, (load, continued)) in step.model.loads.iter().zip(&step.loads).enumerate() {
+        let amplitude = load.amplitude().as_ref().and_then(|a| amplitudes.get(a).copied());
+        for action in load.actions(&loaded) {
+            if let Action::Centrifugal { axis, at, velocity, with_ground } = action {
+                let factor = continued.factor(amplitude);
+                out.push(CentrifugalLoad { axis, at, velocity, with_ground, factor });
+                load_of.push(number);
+            }
+        }
+    }
+    (out, load_of)
+}
+
 /// Loads of constant direction, and the number of the load of the model that each belongs to.
 pub(super) fn dead_loads(
     step: &StepModel,
@@ -250,6 +272,7 @@ pub(super) fn dead_loads(
                 Action::Moment { .. }
                 | Action::EdgeMoment { .. }
                 | Action::Pressure { .. }
+                | Action::Centrifugal { .. }
                 | Action::Follower(_) => {}
             }
         }
@@ -317,6 +340,11 @@ pub(super) fn consistent_quad(geometry: &ShellGeometry) -> [f64; 10] {
     std::array::from_fn(|i| matrix[i])
 }
 
+/// Whether initial velocities are those of the whole model.
+pub(super) fn moves_model(initial: &InitialVelocity, mesh: &Mesh) -> bool {
+    initial.on == "model" && mesh.nodes_on("model").is_none()
+}
+
 /// Velocities of rigid motions of sets where an analysis step starts, with the nodal vectors `current`; empty where there are none.
 pub(super) fn initial_velocity(
     model: &Model,
@@ -333,13 +361,26 @@ pub(super) fn initial_velocity(
     for initial in &model.initial_velocities {
         let (v, omega) = (Vec3::from(initial.velocity), Vec3::from(initial.angular_velocity));
         let center = Vec3::from(initial.center);
-        for node in mesh.nodes_on(&initial.on).unwrap_or_default() {
+        let whole = moves_model(initial, mesh);
+        for node in mesh.nodes_on(if whole { "all" } else { &initial.on }).unwrap_or_default() {
             let p = vectors.coordinates.position_of[node as usize];
             if p != u32::MAX {
                 let x = Vec3::from(current[p as usize]);
                 out[p as usize] = (v + omega.cross(&(x - center))).into();
             }
             for &d in [&directors, &gradients].into_iter().filter_map(|l| l.get(&node)).flatten() {
+                out[d as usize] = omega.cross(&Vec3::from(current[d as usize])).into();
+            }
+        }
+        let of_beam = |name: &str| {
+            name.strip_prefix(initial.on.as_str()).is_some_and(|rest| rest.starts_with('.'))
+                && model.beams.iter().any(|beam| beam.name == initial.on)
+        };
+        let moved = |body: &&Body| whole || body.name == initial.on || of_beam(&body.name);
+        for body in vectors.coordinates.bodies.iter().filter(moved) {
+            let x = Vec3::from(current[body.centre as usize]);
+            out[body.centre as usize] = (v + omega.cross(&(x - center))).into();
+            for &d in body.directors.iter().flatten() {
                 out[d as usize] = omega.cross(&Vec3::from(current[d as usize])).into();
             }
         }

@@ -3,13 +3,19 @@
 use std::collections::BTreeMap;
 
 pub use super::check_material::issues as material;
-use super::{amplitudes, check_material, steps};
+use super::{StepModel, amplitudes, check_material, steps};
 use crate::checker::Checker;
 use crate::mesh::Mesh;
 use crate::model::loads::LoadedPart;
-use crate::model::{AddedMass, Analysis, Joint, LinearSolver, Load, Model, StopCondition};
+use crate::model::{
+    AddedMass, Analysis, CentrifugalLoad, InitialVelocity, Joint, LinearSolver, Load, Model, StopCondition,
+};
+use crate::norm::larger;
 use crate::system::System;
 use crate::{Issue, Vec3};
+
+/// Angle between two axes, and their distance over that from the origin, up to which they are one.
+const SAME_AXIS: f64 = 1e-9;
 
 /// Longest name of a point (characters). It becomes part of file names, which most systems limit to 255 bytes.
 const LONGEST_NAME: usize = 60;
@@ -234,7 +240,7 @@ fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
         }
     }
     super::foundations::sets(model, mesh, &mut c);
-    for (i, v) in model.initial_velocities.iter().enumerate() {
+    for (i, v) in model.initial_velocities.iter().enumerate().filter(|(_, v)| !of_bodies(model, mesh, v)) {
         drop(c.set(mesh, format!("initial_velocities[{i}].on"), &v.on, "nodes", Mesh::nodes_on));
     }
     for (i, p) in model.output.points.iter().enumerate() {
@@ -260,6 +266,14 @@ fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
     c.issues
 }
 
+/// Whether initial velocities are those of a body, of a beam or of the whole model, in place of a set.
+fn of_bodies(model: &Model, mesh: &Mesh, initial: &InitialVelocity) -> bool {
+    let named = |name: &String| *name == initial.on;
+    super::actions::moves_model(initial, mesh)
+        || model.bodies.iter().map(|body| &body.name).any(named)
+        || model.beams.iter().map(|beam| &beam.name).any(named)
+}
+
 /// Sets in use that hold orphan nodes: these have no degrees of freedom to support, load or record.
 fn orphan_nodes(model: &Model, mesh: &Mesh) -> Vec<Issue> {
     let part_of = mesh.parts();
@@ -280,7 +294,7 @@ fn orphan_nodes(model: &Model, mesh: &Mesh) -> Vec<Issue> {
     for (i, foundation) in model.foundations.iter().enumerate() {
         names.push((format!("foundations[{i}].on"), foundation.on()));
     }
-    for (i, v) in model.initial_velocities.iter().enumerate() {
+    for (i, v) in model.initial_velocities.iter().enumerate().filter(|(_, v)| !of_bodies(model, mesh, v)) {
         names.push((format!("initial_velocities[{i}].on"), &v.on));
     }
     for (i, p) in model.output.points.iter().enumerate() {
@@ -307,13 +321,57 @@ fn orphan_nodes(model: &Model, mesh: &Mesh) -> Vec<Issue> {
         .collect()
 }
 
+/// Centrifugal loads that an analysis step cannot have.
+pub(super) fn centrifugal(step: &StepModel) -> Vec<Issue> {
+    let mut c = Checker::default();
+    let mut first: Option<&CentrifugalLoad> = None;
+    for (i, (load, continued)) in step.model.loads.iter().zip(&step.loads).enumerate() {
+        let Load::Centrifugal(keys) = load else { continue };
+        let key = format!("loads[{i}]");
+        let [axis, at] = [keys.axis, keys.at].map(Vec3::from);
+        if !(axis.norm() > 0.0) {
+            c.add(format!("{key}.axis"), "the axis has no direction", "give a vector that is not zero");
+        }
+        let other = *first.get_or_insert(keys);
+        let apart =
+            axis.cross(&Vec3::from(other.axis)).norm() / (axis.norm() * Vec3::from(other.axis).norm());
+        let offset = (at - Vec3::from(other.at)).cross(&axis.normalize());
+        if apart > SAME_AXIS || offset.norm() > SAME_AXIS * larger(at.norm(), Vec3::from(other.at).norm()) {
+            c.add(&key, "the model turns about two axes", "leave one of the centrifugal loads out");
+        }
+        let analysis = &step.model.analysis;
+        let iterative = matches!(analysis, Analysis::Static(s) if s.linear_solver == LinearSolver::Iterative);
+        if matches!(analysis, Analysis::Modal(modal) if !modal.prestressed && step.starts_from.is_none()) {
+            c.add(
+                &key,
+                "modes of a model that turns are those about its equilibrium under centrifugal forces",
+                "say `prestressed = true` in the analysis, or leave the load out",
+            );
+        }
+        if matches!(analysis, Analysis::Transient(_)) && !continued.released {
+            c.add(
+                &key,
+                "a transient analysis describes motions in the fixed frame, which has no centrifugal forces",
+                "leave the load out and give initial velocities; a static step before may have the load",
+            );
+        } else if iterative {
+            c.add(
+                &key,
+                "the linear solver \"iterative\" has no centrifugal forces",
+                "take the linear solver \"direct\", or leave the load out",
+            );
+        }
+    }
+    c.issues
+}
+
 /// Masses that an analysis needs and the model does not have.
 pub fn masses(model: &Model, system: &System) -> Vec<Issue> {
     let mut c = Checker::default();
     let needed = match &model.analysis {
         Analysis::Modal(_) => Some("a modal analysis"),
         Analysis::Transient(_) => Some("a transient analysis"),
-        Analysis::Static(_) => model.loads.iter().any(Load::needs_mass).then_some("gravity"),
+        Analysis::Static(_) => model.loads.iter().find(|load| load.needs_mass()).map(Load::kind),
     };
     if let Some(what) = needed {
         for (i, s) in model.sections.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Checks of a modal analysis and of the response to its inputs.
 
 use crate::checker::Checker;
-use crate::model::{Beam, FrequencyResponse, ModalAnalysis, Model, Spacing};
+use crate::model::{Beam, FrequencyResponse, Load, ModalAnalysis, Model, Spacing};
 
 /// Longest name of an input (characters). It becomes part of file names.
 const LONGEST_NAME: usize = 60;
@@ -24,6 +24,7 @@ pub(super) fn modal(model: &Model, modal: &ModalAnalysis, c: &mut Checker) {
             "give a part of the critical damping, at least 0 and below 1, such as 0.02",
         );
     }
+    speeds(model, modal, c);
     inputs(model, modal, c);
     if let Some(response) = &modal.frequency_response {
         frequencies(response, c);
@@ -39,6 +40,32 @@ pub(super) fn modal(model: &Model, modal: &ModalAnalysis, c: &mut Checker) {
             "analysis.damping_ratio",
             "modes have no damping: it acts in the response to inputs only",
             "add [[analysis.inputs]], or leave `damping_ratio` out",
+        );
+    }
+}
+
+/// Adds the mistakes of the angular velocities of a Campbell diagram.
+fn speeds(model: &Model, modal: &ModalAnalysis, c: &mut Checker) {
+    for (i, speed) in modal.speeds.iter().enumerate().filter(|(_, speed)| !speed.is_finite()) {
+        c.add(
+            format!("analysis.speeds[{i}]"),
+            format!("the angular velocity is {speed}"),
+            "give a finite number",
+        );
+    }
+    let turns = model.loads.iter().any(|load| matches!(load, Load::Centrifugal(_)));
+    if !modal.speeds.is_empty() && !turns {
+        c.add(
+            "analysis.speeds",
+            "the model has no centrifugal load, whose angular velocity they are",
+            "add a load of the type \"centrifugal\", which gives the axis, or leave `speeds` out",
+        );
+    }
+    if !modal.speeds.is_empty() && !modal.inputs.is_empty() {
+        c.add(
+            "analysis.speeds",
+            "the response of a model that turns is not computed",
+            "leave out `inputs` or `speeds`",
         );
     }
 }

@@ -54,7 +54,8 @@ use crate::system::{
 };
 use crate::{Error, Issue, Result};
 use actions::{
-    added_masses, contradictions, dead_loads, drilling_components, follower_loads, initial_velocity, supports,
+    added_masses, centrifugal_loads, contradictions, dead_loads, drilling_components, follower_loads,
+    initial_velocity, supports,
 };
 use place::Place;
 use sections::Elements;
@@ -358,6 +359,8 @@ impl<'a> Compiler<'a> {
             load_sets.push(force_sets::of_caller(name, mesh));
             followers.push(of_caller(load, step));
         }
+        let (centrifugal, load_of_centrifugal) = centrifugal_loads(step, mesh, &vectors.coordinates, &names);
+        issues.extend(check::centrifugal(step));
         let is_static = matches!(model.analysis, Analysis::Static(_));
         if is_static {
             let (couples, loads) = StepJoints::couples(&released, load_sets.len());
@@ -400,11 +403,13 @@ impl<'a> Compiler<'a> {
             prescribed_strains: self.prescribed_fields(step, &names),
             dead_loads: Vec::new(),
             followers,
+            centrifugal,
             supports,
             support_sets: force_sets::of_conditions(model, mesh),
             load_sets,
             load_of_dead: Vec::new(),
             load_of_follower,
+            load_of_centrifugal,
             inputs: inputs(model),
             amplitudes,
             pattern,

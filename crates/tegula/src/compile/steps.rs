@@ -349,6 +349,13 @@ fn modal_step(
     (step, number): (&AnalysisStep, usize),
     (model, modal): (&Model, &ModalAnalysis),
 ) {
+    if !modal.speeds.is_empty() {
+        c.add(
+            format!("{key}.analysis.speeds"),
+            "a modal step vibrates about the state of the step before, at its angular velocity",
+            "give `speeds` in a model without steps, with `prestressed = true`",
+        );
+    }
     if modal.prestressed {
         c.add(
             format!("{key}.analysis.prestressed"),

@@ -2,6 +2,7 @@
 
 pub mod amplitude;
 mod breaks;
+mod centrifugal;
 pub mod factor;
 pub mod follower;
 mod formula;
@@ -11,6 +12,7 @@ mod spline;
 
 pub use crate::model::NodalLoad;
 pub use amplitude::TimeFunction;
+pub use centrifugal::CentrifugalLoad;
 pub use factor::{LoadFactor, LoadParameter};
 pub use follower::FollowerLoad;
 pub use formula::Formula;

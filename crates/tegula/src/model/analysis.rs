@@ -183,6 +183,10 @@ pub struct ModalAnalysis {
     /// Vibrate about the equilibrium under the loads instead of the reference configuration.
     #[serde(default)]
     pub prestressed: bool,
+    /// Angular velocities of a model that turns, in place of that of its centrifugal load [rad/time]: the modes at each of them make a
+    /// Campbell diagram, and those at the last one are the result.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub speeds: Vec<f64>,
     /// Modal damping: ratio of the damping of each mode to its critical one, beside `[damping]` and dampers. It acts in the response to
     /// `inputs`, not on the modes.
     #[schemars(range(min = 0.0))]
@@ -200,7 +204,14 @@ pub struct ModalAnalysis {
 impl ModalAnalysis {
     /// The lowest modes about the reference configuration.
     pub fn new(modes: u32) -> Self {
-        Self { modes, prestressed: false, damping_ratio: 0.0, inputs: Vec::new(), frequency_response: None }
+        Self {
+            modes,
+            prestressed: false,
+            speeds: Vec::new(),
+            damping_ratio: 0.0,
+            inputs: Vec::new(),
+            frequency_response: None,
+        }
     }
 }
 

@@ -140,6 +140,39 @@ pub struct GravityLoad {
     pub amplitude: Option<String>,
 }
 
+/// Motion of the ground of a model that turns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ground {
+    /// It stands still, as a bearing.
+    #[default]
+    Stands,
+    /// It turns with the model, as a hub.
+    Turns,
+}
+
+/// Centrifugal forces: the model turns about an axis at a constant angular velocity Ω, and is described in the frame that turns with it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CentrifugalLoad {
+    /// Direction of the axis.
+    #[schemars(extend("x-marker" = "direction"))]
+    pub axis: [f64; 3],
+    /// Point of the axis (length).
+    #[serde(default)]
+    #[schemars(extend("x-marker" = "point"))]
+    pub at: [f64; 3],
+    /// Angular velocity Ω [rad/time].
+    pub velocity: f64,
+    /// Whether supports, the ground of joints and that of springs stand still, or turn with the model. Modes about an equilibrium need a
+    /// ground that turns, or one that holds the model on its axis in the same way in all directions.
+    #[serde(default)]
+    pub ground: Ground,
+    /// Name of an amplitude, by which the forces, and so Ω², are multiplied.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub amplitude: Option<String>,
+}
+
 /// Mass in addition to that of the sections; it moves with the mid-surface.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "kebab-case")]
@@ -163,11 +196,12 @@ pub struct MassOn {
     pub value: f64,
 }
 
-/// Velocity field at time 0: that of a rigid motion of the nodes of a set.
+/// Velocity field at time 0: that of a rigid motion of the nodes of a set, of a body, of a beam or of the model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct InitialVelocity {
-    /// Name of a node, edge or quad set, or `"all"`.
+    /// Name of a node, edge or quad set, of a body or of a beam; `"all"` are all nodes of the mesh, `"model"` all of these and all bodies
+    /// and beams.
     #[serde(default = "all")]
     pub on: String,
     /// Translation [length/time].

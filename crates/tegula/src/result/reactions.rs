@@ -280,6 +280,12 @@ fn add_load_set(system: &System, set: usize, times: &[(f64, f64, Cow<[Nodal]>)],
                 (0..3).for_each(|i| out[v as usize][i] += factor * f[i]);
             }
         }
+        let at = (&Motion::State { u, velocity: None }, *time);
+        for (load, _) in
+            system.centrifugal.iter().zip(&system.load_of_centrifugal).filter(|(_, of)| **of == set)
+        {
+            system.add_centrifugal_load(load, at, *share, out);
+        }
     }
 }
 

@@ -139,6 +139,9 @@ impl Assembly {
                 batch += 1;
             });
             system.pattern.add_body_inertia(parts.mass, &self.frames, &mut self.values);
+            if !k.linear {
+                system.add_centrifugal_tangent(parts, &self.frames, &mut self.values);
+            }
             self.gather_forces(out);
         };
         rayon::join(work, || ());
@@ -514,7 +517,7 @@ fn current(system: &System, motion: &Motion, vectors: &[u32], x: &mut [Vec3; 4])
     }
 }
 
-/// Adds the follower loads at a time, times `factor`.
+/// Adds the follower loads and the centrifugal forces at a time, times `factor`.
 pub fn add_follower_loads(system: &System, motion: &Motion, time: f64, factor: f64, out: &mut [Nodal]) {
     for load in &system.followers {
         let mut x = [Vec3::zeros(); 4];
@@ -529,6 +532,7 @@ pub fn add_follower_loads(system: &System, motion: &Motion, time: f64, factor: f
             }
         }
     }
+    system.add_centrifugal(motion, time, factor, out);
 }
 
 /// Adds the change of the follower loads in an increment of the motion, `∂f/∂x Δ`, with the weights of a tangent.
@@ -542,6 +546,7 @@ pub fn add_follower_stiffness(
     if system.linear {
         return;
     }
+    system.add_centrifugal_stiffness(parts, increment, out);
     let direction = parts.weights.force * parts.weights.direction;
     for load in &system.followers {
         let vectors = load.vectors();

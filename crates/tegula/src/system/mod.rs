@@ -2,6 +2,7 @@
 
 pub mod assembly;
 mod body_curvature;
+mod centrifugal;
 pub mod circulatory;
 pub mod coordinates;
 pub mod corotational_update;
@@ -29,7 +30,7 @@ use crate::Vec3;
 use crate::constraint::{Bushing, CoordinateState, DriveValue, Joint, Sensor, Spring, TorsionSpring};
 use crate::element::shell::ShellElement;
 use crate::element::{ElementGroup, Nodal, ShellGeometry};
-use crate::load::{FollowerLoad, LoadFactor, LoadParameter, Signal, TimeFunction};
+use crate::load::{CentrifugalLoad, FollowerLoad, LoadFactor, LoadParameter, Signal, TimeFunction};
 use crate::mesh::Labels;
 use crate::mesh::folds::Folds;
 use crate::model::PrescribedStrain;
@@ -180,6 +181,8 @@ pub struct System {
     pub dead_loads: Vec<DeadLoad>,
     /// Follower loads.
     pub followers: Vec<FollowerLoad>,
+    /// Centrifugal forces.
+    pub centrifugal: Vec<CentrifugalLoad>,
     /// Supports as the model has them, condition by condition.
     pub supports: Vec<Support>,
     /// Sets on which the supports act.
@@ -190,6 +193,8 @@ pub struct System {
     pub load_of_dead: Vec<usize>,
     /// Index of the load that each of the follower loads belongs to.
     pub load_of_follower: Vec<usize>,
+    /// Index of the load that each of the centrifugal loads belongs to.
+    pub load_of_centrifugal: Vec<usize>,
     /// Loads of each input of a modal analysis, by their index; they act in the response to the input only.
     pub inputs: Vec<Range<usize>>,
     /// Functions of time.
@@ -315,6 +320,11 @@ impl System {
         format!("{owner}, at ({:.4}, {:.4}, {:.4})", p[0], p[1], p[2])
     }
 
+    /// Whether loads follow the motion.
+    pub fn has_follower_loads(&self) -> bool {
+        !self.followers.is_empty() || !self.centrifugal.is_empty()
+    }
+
     /// Number of shell elements.
     pub fn elements(&self) -> usize {
         self.shells.len()
@@ -343,7 +353,8 @@ impl System {
     fn load_factors(&self) -> impl Iterator<Item = &LoadFactor> {
         let dead = self.dead_loads.iter().map(|load| &load.factor);
         let followers = self.followers.iter().map(FollowerLoad::factor);
-        dead.chain(followers).chain(self.prescribed_strains.iter().map(|p| &p.factor))
+        let centrifugal = self.centrifugal.iter().map(|load| &load.factor);
+        dead.chain(followers).chain(centrifugal).chain(self.prescribed_strains.iter().map(|p| &p.factor))
     }
 
     /// Whether loads, prescribed strains and motions do not all grow in proportion.

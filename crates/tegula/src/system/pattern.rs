@@ -344,7 +344,31 @@ impl Pattern {
             return;
         }
         for mass in &self.of_bodies {
-            let k = mass.tangent(factor, frames);
+            let k = mass.tangent(&(Mat3::identity() * factor), frames);
+            let column = self.column(mass.place()[1] as usize, frames, 0);
+            self.put(&column, Target::new(mass.block, false, false), by_rows(&k), frames, values);
+        }
+    }
+
+    /// Adds the mass of every pair of nodal vectors times a symmetric matrix.
+    pub fn add_mass_along(&self, matrix: &Mat3, frames: &LocalFrames, values: &mut [f64]) {
+        for j in 0..self.vectors() {
+            let column = self.column(j, frames, 0);
+            for block in self.blocks(j) {
+                let m = self.mass(block);
+                if m != 0.0 {
+                    self.put(
+                        &column,
+                        Target::new(block, false, false),
+                        by_rows(&(matrix * m)),
+                        frames,
+                        values,
+                    );
+                }
+            }
+        }
+        for mass in &self.of_bodies {
+            let k = mass.tangent(matrix, frames);
             let column = self.column(mass.place()[1] as usize, frames, 0);
             self.put(&column, Target::new(mass.block, false, false), by_rows(&k), frames, values);
         }

@@ -51,6 +51,7 @@ mod screws;
 mod sensors;
 mod sheet_to_membrane;
 mod shell_joints;
+mod spinning;
 mod statics;
 mod step_joint_lists;
 mod step_joint_modes;

@@ -127,6 +127,9 @@ pub(super) struct JointEvents {
     coordinates: Vec<Tracked>,
     /// Velocities at the end of the step that is tried, which keep the joints closed.
     velocities: Vec<Nodal>,
+    /// Coordinates that friction holds, and the numbers of their constraints.
+    held: Vec<usize>,
+    rows: Vec<usize>,
     /// State of the coordinates at the end of the step that is tried.
     pub trial: Vec<CoordinateState>,
     search: Option<Search>,
@@ -164,9 +167,19 @@ impl JointEvents {
                 break_away: None,
             })
         };
-        let coordinates = (0..system.joints.len()).filter_map(with_law).collect();
+        let coordinates: Vec<_> = (0..system.joints.len()).filter_map(with_law).collect();
         let velocities = vec![[0.0; 3]; system.vectors()];
-        Self { coordinates, velocities, trial: Vec::new(), search: None, rounds: 0, time: f64::NAN }
+        let [held, rows] = [(); 2].map(|()| Vec::with_capacity(coordinates.len()));
+        Self {
+            coordinates,
+            velocities,
+            held,
+            rows,
+            trial: Vec::new(),
+            search: None,
+            rounds: 0,
+            time: f64::NAN,
+        }
     }
 
     pub fn is_empty(&self) -> bool {
@@ -369,9 +382,11 @@ impl JointEvents {
         newton: &Newton,
     ) {
         let middle = middle(system, state, u);
-        let [mut held, mut rows] = [Vec::new(), Vec::new()];
+        let Self { coordinates, trial, held, rows, .. } = self;
+        held.clear();
+        rows.clear();
         let mut near_limit = false;
-        for (k, (c, trial)) in self.coordinates.iter_mut().zip(&self.trial).enumerate() {
+        for (k, (c, trial)) in coordinates.iter_mut().zip(&*trial).enumerate() {
             let Some((row, joint, law)) = law(system, c.joint) else { continue };
             c.limit = law.limit(joint, multipliers, &middle).sticking;
             c.force = multipliers[row];
@@ -384,14 +399,14 @@ impl JointEvents {
         let Some(constraints) = newton.constraints.as_ref().filter(|_| near_limit && held.len() > 1) else {
             return;
         };
-        let compliance = constraints.compliance_of_held(&rows);
-        let displacement =
-            |row: &[f64]| row.iter().zip(&held).map(|(w, k)| w * self.coordinates[*k].force).sum::<f64>();
+        let compliance = constraints.compliance_of_held(rows);
+        let force = |k: &usize| coordinates[*k].force;
+        let displacement = |row: &[f64]| row.iter().zip(&*held).map(|(w, k)| w * force(k)).sum::<f64>();
         let displacements: Vec<f64> = compliance.chunks(held.len()).map(displacement).collect();
-        let limits: Vec<f64> = held.iter().map(|k| self.coordinates[*k].limit).collect();
+        let limits: Vec<f64> = held.iter().map(|k| coordinates[*k].limit).collect();
         let forces = stick_slip::holding_forces(&displacements, &compliance, &limits);
-        for (k, force) in held.into_iter().zip(forces) {
-            self.coordinates[k].force = force;
+        for (k, force) in held.iter().zip(forces) {
+            coordinates[*k].force = force;
         }
     }
 

@@ -316,7 +316,7 @@ fn is_preloaded(system: &System, state: &State) -> bool {
 }
 
 /// Energy ½ φ·K φ of a group by its tangent K.
-fn tangent_energy(group: &dyn ElementGroup, k: &GroupPoint, shape: &[Nodal]) -> f64 {
+pub(super) fn tangent_energy(group: &dyn ElementGroup, k: &GroupPoint, shape: &[Nodal]) -> f64 {
     let n = group.vectors_per_element();
     let size = 9 * n * (n + 1) / 2;
     let (mut forces, mut blocks) = (vec![0.0; 3 * n * group.len()], vec![0.0; size * group.len()]);

@@ -56,7 +56,7 @@ pub(super) fn released_energy(
 ) -> f64 {
     let elastic = system.without_internal_variables() && system.prescribed_strains.is_empty();
     let driven = system.joints.iter().any(|joint| joint.drive.is_some());
-    if !elastic || driven || !system.followers.is_empty() || !system.dofs().prescribed.is_empty() {
+    if !elastic || driven || system.has_follower_loads() || !system.dofs().prescribed.is_empty() {
         return 0.0;
     }
     // Loads at the middle of the step: in proportion, they are the mean of those at its ends.

@@ -248,7 +248,7 @@ fn past_the_limit(system: &System) -> String {
         let loaded = load.force.iter().filter(|f| dot(&[**f], &[**f]) > 0.0).count();
         !load.gravity && FEW * loaded <= load.force.len()
     };
-    if system.followers.is_empty() && system.dead_loads.iter().all(few) {
+    if !system.has_follower_loads() && system.dead_loads.iter().all(few) {
         "To pass it prescribe the displacement where the load acts (`prescribe`) instead of the force, or follow the snap \
          with a transient analysis with some damping."
             .into()

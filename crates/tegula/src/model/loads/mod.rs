@@ -10,7 +10,7 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{GravityLoad, PressureLoad, VectorLoad};
+use super::{CentrifugalLoad, GravityLoad, PressureLoad, VectorLoad};
 use crate::{Mat3, Vec3};
 
 /// Load stiffness: blocks `−∂f_a/∂x_b` of a follower load.
@@ -67,6 +67,17 @@ pub enum Action {
     },
     /// Acceleration on all masses [length/time²].
     Gravity(Vec3),
+    /// Centrifugal forces on all masses, in a frame that turns with the model.
+    Centrifugal {
+        /// Direction of the axis; of length 1, or zero where the model gives none.
+        axis: Vec3,
+        /// Point of the axis (length).
+        at: Vec3,
+        /// Angular velocity [rad/time].
+        velocity: f64,
+        /// Whether supports and the ground turn with the model.
+        with_ground: bool,
+    },
     /// Moment on the first director of a node, constant in space (force·length).
     Moment {
         /// Node.
@@ -240,4 +251,5 @@ loads! {
     traction::Traction(VectorLoad): "A force per reference area, constant in direction.",
     pressure::Pressure(PressureLoad): "A pressure that follows the surface; positive pushes against the director.",
     gravity::Gravity(GravityLoad): "Gravity on all masses.",
+    centrifugal::Centrifugal(CentrifugalLoad): "Centrifugal forces on all masses of a model that turns at a constant angular velocity, for static and modal\nanalyses in the frame that turns with it.",
 }

@@ -137,29 +137,20 @@ impl BodyMass {
         }
     }
 
-    /// Block in the tangent, `Σ m_ij P_iᵀ P_j`, with `P_i = −[d_i]×` for directors and the unit matrix for other vectors.
-    pub fn tangent(&self, factor: f64, frames: &LocalFrames) -> Mat3 {
-        let m = |i: usize, j: usize| factor * self.masses[3 * i + j];
-        let arms = |triad: u32| frames.triad(triad as usize);
-        match self.sides {
-            [Side::Triad(a, _), Side::Triad(b, _)] => {
-                let (a, b) = (arms(a), arms(b));
-                let mut k = Mat3::zeros();
-                for i in 0..3 {
-                    for j in 0..3 {
-                        let (a, b) = (a.column(i), b.column(j));
-                        k += (Mat3::identity() * a.dot(&b) - b * a.transpose()) * m(i, j);
-                    }
-                }
-                k
+    /// Block in the tangent, `Σ m_ij P_iᵀ S P_j`, with `P_i = −[d_i]×` for directors and the unit matrix for other vectors, and a
+    /// symmetric matrix S.
+    pub fn tangent(&self, matrix: &Mat3, frames: &LocalFrames) -> Mat3 {
+        let arms = |side: &Side, i: usize| match side {
+            Side::Triad(body, _) => -frames.triad(*body as usize).column(i).into_owned().cross_matrix(),
+            Side::Vector(_) => Mat3::identity(),
+        };
+        let [rows, columns] = [&self.sides[0], &self.sides[1]];
+        let mut k = Mat3::zeros();
+        for i in 0..rows.vectors().len() {
+            for j in 0..columns.vectors().len() {
+                k += arms(rows, i).tr_mul(&(matrix * arms(columns, j))) * self.masses[3 * i + j];
             }
-            [Side::Triad(a, _), Side::Vector(_)] => {
-                (0..3).map(|i| arms(a).column(i).into_owned().cross_matrix() * m(i, 0)).sum()
-            }
-            [Side::Vector(_), Side::Triad(b, _)] => {
-                (0..3).map(|j| arms(b).column(j).into_owned().cross_matrix() * -m(0, j)).sum()
-            }
-            [Side::Vector(_), Side::Vector(_)] => Mat3::identity() * m(0, 0),
         }
+        k
     }
 }
