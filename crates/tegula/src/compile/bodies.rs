@@ -1,6 +1,7 @@
 //! Rigid bodies, point masses and joints: from the model to nodal vectors and constraints.
 
 use super::body_inertia::{self, axes, centre, direction, euler_tensor, mass};
+use super::inner_point::Corners;
 use super::place::{Place, end, ends};
 use crate::checker::Checker;
 use crate::constraint::joints::{End, RelativeAngle, joint};
@@ -217,7 +218,7 @@ pub(super) fn extent(model: &Model, mesh: &Mesh, coordinates: &Coordinates) -> f
 /// Joints of the model, or what is wrong with their ends.
 pub(super) fn joints(
     model: &Model,
-    mesh: &Mesh,
+    (mesh, corners): (&Mesh, &Corners),
     coordinates: &Coordinates,
     issues: &mut Vec<Issue>,
 ) -> Vec<Joint> {
@@ -232,12 +233,19 @@ pub(super) fn joints(
             let (point, at) = points.get(side).or_else(|| points.first())?;
             Some((format!("{key}.{point}"), *at))
         };
-        let found =
-            ends(&Place { model, mesh, coordinates, length }, (&key, keys.between()), [at(0), at(1)], &mut c);
+        let found = ends(
+            &Place { model, mesh, coordinates, length, corners },
+            (&key, keys.between()),
+            [at(0), at(1)],
+            &mut c,
+        );
         let carrier = match keys.carrier() {
-            Some(name) => {
-                end(&Place { model, mesh, coordinates, length }, format!("{key}.carrier"), name, &mut c)
-            }
+            Some(name) => end(
+                &Place { model, mesh, coordinates, length, corners },
+                format!("{key}.carrier"),
+                name,
+                &mut c,
+            ),
             None => Some(End::Ground),
         };
         let (Some(ends), Some(carrier)) = (found, carrier) else { continue };
@@ -261,7 +269,7 @@ pub(super) fn joints(
 /// Springs of the model, or what is wrong with their ends.
 pub(super) fn springs(
     model: &Model,
-    mesh: &Mesh,
+    (mesh, corners): (&Mesh, &Corners),
     coordinates: &Coordinates,
     issues: &mut Vec<Issue>,
 ) -> Vec<Spring> {
@@ -271,7 +279,7 @@ pub(super) fn springs(
     for (i, data) in model.springs.iter().enumerate() {
         let key = format!("springs[{i}]");
         let at = |side: usize| Some((format!("{key}.points[{side}]"), data.points[side]));
-        let place = Place { model, mesh, coordinates, length: size };
+        let place = Place { model, mesh, coordinates, length: size, corners };
         let Some([first, second]) = ends(&place, (&key, &data.between), [at(0), at(1)], &mut c) else {
             continue;
         };
@@ -288,12 +296,12 @@ pub(super) fn springs(
 /// Torsion springs of the model, or what is wrong with their ends.
 pub(super) fn torsion_springs(
     model: &Model,
-    mesh: &Mesh,
+    (mesh, corners): (&Mesh, &Corners),
     coordinates: &Coordinates,
     issues: &mut Vec<Issue>,
 ) -> Vec<TorsionSpring> {
     let mut c = Checker::default();
-    let place = Place { model, mesh, coordinates, length: extent(model, mesh, coordinates) };
+    let place = Place { model, mesh, coordinates, length: extent(model, mesh, coordinates), corners };
     let mut out = Vec::new();
     for (i, data) in model.torsion_springs.iter().enumerate() {
         let key = format!("torsion_springs[{i}]");

@@ -4,6 +4,7 @@ use nalgebra::{Matrix6, Vector6};
 
 use super::bodies::{extent, names, not_with_itself};
 use super::body_inertia::{frame, two_directions};
+use super::inner_point::Corners;
 use super::place::{Place, ends};
 use crate::checker::Checker;
 use crate::constraint::joints::End;
@@ -135,12 +136,12 @@ fn effect(bushing: &model::Bushing, (key, what): (&str, &str), c: &mut Checker) 
 /// Bushings of the model, or what is wrong with their ends.
 pub(super) fn bushings(
     model: &Model,
-    mesh: &Mesh,
+    (mesh, corners): (&Mesh, &Corners),
     coordinates: &Coordinates,
     issues: &mut Vec<Issue>,
 ) -> Vec<Bushing> {
     let mut c = Checker::default();
-    let place = Place { model, mesh, coordinates, length: extent(model, mesh, coordinates) };
+    let place = Place { model, mesh, coordinates, length: extent(model, mesh, coordinates), corners };
     let mut out = Vec::new();
     for (i, data) in model.bushings.iter().enumerate() {
         let key = format!("bushings[{i}]");
@@ -162,7 +163,7 @@ pub(super) fn bushings(
 /// A bushing between ends without the axes that it needs.
 fn lacks_axes(data: &model::Bushing, ends: &[End; 2], key: &str, c: &mut Checker) {
     let [first, second] = &data.between;
-    if matches!(ends[0], End::Point { .. }) {
+    if matches!(ends[0], End::Point { .. } | End::Interior { .. }) {
         c.add(
             format!("{key}.between[0]"),
             format!(

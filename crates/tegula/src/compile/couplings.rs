@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::inner_point::Corners;
 use super::place::{Place, end};
 use super::sections::Elements;
 use crate::checker::Checker;
@@ -60,7 +61,8 @@ pub(super) fn add(
     let mut c = Checker::default();
     let length = super::bodies::extent(model, mesh, coordinates);
     let shares = Shares::new((mesh, coordinates), elements);
-    let place = Place { model, mesh, coordinates, length };
+    let corners = &Corners::default();
+    let place = Place { model, mesh, coordinates, length, corners };
     for (i, body) in model.bodies.iter().enumerate().filter(|(_, body)| !body.distributed.is_empty()) {
         let key = format!("bodies[{i}].distributed");
         let Some(of_body) = end(&place, format!("bodies[{i}].name"), &body.name, &mut c) else { continue };

@@ -16,6 +16,7 @@ mod cuts;
 mod force_sets;
 mod foundations;
 mod guided_axes;
+mod inner_point;
 mod mechanism;
 mod outline;
 mod patches;
@@ -57,6 +58,7 @@ use actions::{
     added_masses, centrifugal_loads, contradictions, dead_loads, drilling_components, follower_loads,
     initial_velocity, supports,
 };
+use inner_point::Corners;
 use place::Place;
 use sections::Elements;
 use step_joints::{JointGroups, Lock, StepJoints};
@@ -163,7 +165,8 @@ impl<'a> Compiler<'a> {
         let Connections { mut joints, springs, torsion_springs, bushings } =
             vectors.add_bodies((model, mesh), &mut elements, &mut issues);
         let length = bodies::extent(model, mesh, &vectors.coordinates);
-        let place = Place { model, mesh, coordinates: &vectors.coordinates, length };
+        let corners = Corners::new(model, mesh, &elements);
+        let place = Place { model, mesh, coordinates: &vectors.coordinates, length, corners: &corners };
         let locks = step_joints::locks(&place, &steps, &mut joints, &mut issues);
         let joints = Arc::new(joints);
         let (of_beams, mut beams) = beams::elements(model, &vectors.coordinates);
@@ -180,7 +183,7 @@ impl<'a> Compiler<'a> {
         elements.groups.extend(BushingGroup::groups(&bushings));
         let foundations = foundations::elements(model, mesh, &vectors.coordinates);
         elements.groups.extend(FoundationGroup::groups(&foundations));
-        let place = Place { model, mesh, coordinates: &vectors.coordinates, length };
+        let place = Place { model, mesh, coordinates: &vectors.coordinates, length, corners: &corners };
         let sensors = sensors::sensors(&place, &joints, &mut issues);
         let outline = outline::outline(&place, &beams);
         let offsets = GroupOffsets::of(&elements.groups);

@@ -1,5 +1,6 @@
 //! Sides of joints and springs: the bodies, nodes or the ground that names stand for.
 
+use super::inner_point::Corners;
 use crate::checker::Checker;
 use crate::constraint::joints::End;
 use crate::element::VectorKind;
@@ -22,6 +23,8 @@ pub(super) struct Place<'a> {
     pub(super) coordinates: &'a Coordinates,
     /// Size of the model (length).
     pub(super) length: f64,
+    /// Corners of the shells.
+    pub(super) corners: &'a Corners,
 }
 
 /// Both sides of a joint or spring, which must not lie beside the node or the point mass that they name; `None` where one does not
@@ -32,7 +35,10 @@ pub(super) fn ends(
     points: [Option<(String, [f64; 3])>; 2],
     c: &mut Checker,
 ) -> Option<[End; 2]> {
-    let [first, second] = [0, 1].map(|side| end(place, format!("{key}.between[{side}]"), &between[side], c));
+    let [first, second] = [0, 1].map(|side| {
+        let at = points[side].as_ref().map(|(key, at)| (key.as_str(), *at));
+        end_at(place, (format!("{key}.between[{side}]"), &between[side]), at, c)
+    });
     let ends = [first?, second?];
     for ((end, name), point) in ends.iter().zip(between).zip(points) {
         if let Some((key, at)) = point {
@@ -72,6 +78,16 @@ fn directors(coordinates: &Coordinates, node: u32) -> Vec<(u32, Vec3)> {
 
 /// Body, node or ground that a name stands for, which is the value of this key.
 pub(super) fn end(place: &Place, key: String, name: &str, c: &mut Checker) -> Option<End> {
+    end_at(place, (key, name), None, c)
+}
+
+/// Body, node, ground or point of a shell that a name stands for, which is the value of a key. The point is the value of another one.
+pub(super) fn end_at(
+    place: &Place,
+    (key, name): (String, &str),
+    point: Option<(&str, [f64; 3])>,
+    c: &mut Checker,
+) -> Option<End> {
     let Place { model, mesh, coordinates, .. } = *place;
     if name == GROUND {
         return Some(End::Ground);
@@ -97,22 +113,29 @@ pub(super) fn end(place: &Place, key: String, name: &str, c: &mut Checker) -> Op
                 }
             }
         }),
-        (None, Some(nodes)) => {
-            match nodes[..] {
-                [node] if coordinates.position_of.get(node as usize).is_some_and(|&v| v != u32::MAX) => {
-                    let directors = directors(coordinates, node);
-                    Some(End::Point { vector: coordinates.position_of[node as usize], mass: 0.0, directors })
-                }
-                _ => {
-                    c.add(
-                    key,
-                    format!("set \"{name}\" holds {} nodes, and a joint connects one that belongs to an element", nodes.len()),
-                    "name a set of one node",
-                );
-                    None
-                }
+        (None, Some(nodes)) => match nodes[..] {
+            [node] if coordinates.position_of.get(node as usize).is_some_and(|&v| v != u32::MAX) => {
+                let directors = directors(coordinates, node);
+                Some(End::Point { vector: coordinates.position_of[node as usize], mass: 0.0, directors })
             }
-        }
+            _ => {
+                let quads = mesh.quads_on(name).filter(|quads| !quads.is_empty());
+                if let (Some(quads), Some((key, at))) = (quads, point) {
+                    let reference = |v: u32| Vec3::from(coordinates.reference[v as usize]);
+                    let found = place.corners.end(&quads, &at.into(), (reference, place.length));
+                    return found.map_err(|(message, help)| c.add(key, message, help)).ok();
+                }
+                c.add(
+                        key,
+                        format!(
+                            "set \"{name}\" holds {} nodes, and a joint connects one that belongs to an element, or a point of a set of elements",
+                            nodes.len()
+                        ),
+                        "name a set of one node, or a set of elements and a point in one of them",
+                    );
+                None
+            }
+        },
         (None, None) => {
             let bodies = model.bodies.iter().map(|body| body.name.clone());
             let single = |set: &String| mesh.nodes_on(set).is_some_and(|nodes| nodes.len() == 1);

@@ -2,7 +2,7 @@
 
 use super::bodies::{names, not_with_itself};
 use super::body_inertia::direction;
-use super::place::{Place, end, ends, not_beside};
+use super::place::{Place, end_at, ends, not_beside};
 use crate::Issue;
 use crate::checker::Checker;
 use crate::constraint::joints::{End, RelativeAngle};
@@ -104,7 +104,9 @@ fn distance(place: &Place, (key, keys): (&str, &DistanceSensor), c: &mut Checker
 }
 
 fn point(place: &Place, (key, keys): (&str, &PointSensor), c: &mut Checker) -> Option<Measure> {
-    let end = end(place, format!("{key}.on"), &keys.on, c)?;
+    let point_key = format!("{key}.at");
+    let at = keys.at.map(|at| (point_key.as_str(), at));
+    let end = end_at(place, (format!("{key}.on"), &keys.on), at, c)?;
     if let Some(at) = keys.at {
         not_beside(place, &end, (format!("{key}.at"), &keys.on, at), c);
     }
@@ -121,6 +123,8 @@ fn point(place: &Place, (key, keys): (&str, &PointSensor), c: &mut Checker) -> O
         (End::Body { vectors: (vector, _), .. } | End::Point { vector, .. }, None) => {
             Attachment::vector(*vector)
         }
+        // Without a place there is no point inside an element.
+        (End::Interior { .. }, None) => return None,
     };
     Some(Measure::Point(point))
 }

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use super::inner_point::Corners;
 use super::sections::Elements;
 use super::{bodies, bushings, couplings, patches};
 use crate::constraint::{Bushing, Joint, Spring, TorsionSpring};
@@ -80,13 +81,15 @@ impl Vectors {
         for attached in coordinates.attached() {
             elements.unit.remove(&attached.vector);
         }
-        let mut joints = bodies::joints(model, mesh, coordinates, issues);
+        let corners = Corners::new(model, mesh, elements);
+        let surface = (mesh, &corners);
+        let mut joints = bodies::joints(model, surface, coordinates, issues);
         couplings::add((model, mesh), (coordinates, elements), &mut joints, issues);
         Connections {
             joints,
-            springs: bodies::springs(model, mesh, coordinates, issues),
-            torsion_springs: bodies::torsion_springs(model, mesh, coordinates, issues),
-            bushings: bushings::bushings(model, mesh, coordinates, issues),
+            springs: bodies::springs(model, surface, coordinates, issues),
+            torsion_springs: bodies::torsion_springs(model, surface, coordinates, issues),
+            bushings: bushings::bushings(model, surface, coordinates, issues),
         }
     }
 

@@ -72,7 +72,7 @@ joints!(joint);
 pub trait JointKeys {
     /// Name of the joint in messages and results.
     fn name(&self) -> &str;
-    /// Both sides: names of bodies or of sets with one node, or `ground`.
+    /// Both sides: names of bodies, of sets with one node or of sets of elements (the point of one of them), or `ground`.
     fn between(&self) -> &[String; 2];
     /// Directions that it needs, each with its key.
     fn directions(&self) -> Vec<(&'static str, [f64; 3])> {
@@ -125,7 +125,7 @@ pub const GROUND: &str = "ground";
 pub struct PointJoint {
     /// Name of the joint in messages and results.
     pub name: String,
-    /// Both sides: names of bodies or of sets with one node, or `ground`.
+    /// Both sides: names of bodies, of sets with one node or of sets of elements (the point of one of them), or `ground`.
     pub between: [String; 2],
     /// Point of the joint in the reference configuration (length).
     #[schemars(extend("x-marker" = "point"))]
@@ -138,7 +138,7 @@ pub struct PointJoint {
 pub struct AxisJoint {
     /// Name of the joint in messages and results.
     pub name: String,
-    /// Both sides: names of bodies or of sets with one node, or `ground`.
+    /// Both sides: names of bodies, of sets with one node or of sets of elements (the point of one of them), or `ground`.
     pub between: [String; 2],
     /// Point of the joint in the reference configuration (length).
     #[schemars(extend("x-marker" = "point"))]
@@ -173,7 +173,7 @@ pub struct ScrewJoint {
 pub struct CoordinateJoint {
     /// Name of the joint in messages and results.
     pub name: String,
-    /// Both sides: names of bodies or of sets with one node, or `ground`.
+    /// Both sides: names of bodies, of sets with one node or of sets of elements (the point of one of them), or `ground`.
     pub between: [String; 2],
     /// Point of the joint in the reference configuration (length).
     #[schemars(extend("x-marker" = "point"))]
@@ -263,7 +263,7 @@ pub struct RackJoint {
 pub struct TwoAxesJoint {
     /// Name of the joint in messages and results.
     pub name: String,
-    /// Both sides: names of bodies or of sets with one node, or `ground`.
+    /// Both sides: names of bodies, of sets with one node or of sets of elements (the point of one of them), or `ground`.
     pub between: [String; 2],
     /// Point of the joint in the reference configuration (length).
     #[schemars(extend("x-marker" = "point"))]
@@ -308,7 +308,7 @@ pub struct DrivenAngleJoint {
 pub struct DrivenLengthJoint {
     /// Name of the joint in messages and results.
     pub name: String,
-    /// Both sides: names of bodies or of sets with one node, or `ground`.
+    /// Both sides: names of bodies, of sets with one node or of sets of elements (the point of one of them), or `ground`.
     pub between: [String; 2],
     /// Point of both sides in the reference configuration (length).
     #[schemars(extend("x-marker" = "point"))]
@@ -329,7 +329,7 @@ pub struct DrivenLengthJoint {
 pub struct DistanceJoint {
     /// Name of the joint in messages and results.
     pub name: String,
-    /// Both sides: names of bodies or of sets with one node, or `ground`.
+    /// Both sides: names of bodies, of sets with one node or of sets of elements (the point of one of them), or `ground`.
     pub between: [String; 2],
     /// Point of the first and point of the second one, in the reference configuration (length).
     #[schemars(extend("x-marker" = "point"))]

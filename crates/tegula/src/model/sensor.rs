@@ -35,7 +35,7 @@ impl Sensor {
 pub struct DistanceSensor {
     /// Name of the sensor in results.
     pub name: String,
-    /// Both sides: names of bodies or of sets with one node, or `ground`.
+    /// Both sides: names of bodies, of sets with one node or of sets of elements (the point of one of them), or `ground`.
     pub between: [String; 2],
     /// Point of the first and point of the second one, in the reference configuration (length).
     #[schemars(extend("x-marker" = "point"))]
@@ -62,7 +62,7 @@ pub struct AngleSensor {
 pub struct PointSensor {
     /// Name of the sensor in results.
     pub name: String,
-    /// Name of a body or of a set with one node.
+    /// Name of a body, of a set with one node or of a set of elements.
     pub on: String,
     /// Point of the body in the reference configuration (length); its mass centre unless given.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub struct SpringDamper {
     /// Name of the spring in messages.
     pub name: String,
-    /// Both sides: names of bodies or of sets with one node, or `ground`.
+    /// Both sides: names of bodies, of sets with one node or of sets of elements (the point of one of them), or `ground`.
     pub between: [String; 2],
     /// Point of the first and point of the second one, in the reference configuration (length).
     #[schemars(extend("x-marker" = "point"))]

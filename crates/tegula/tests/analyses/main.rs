@@ -28,6 +28,7 @@ mod friction_in_mechanisms;
 mod gears;
 mod generalized_alpha;
 mod guided_axes;
+mod inner_points;
 mod integrators;
 mod iterative_statics;
 mod joint_friction;

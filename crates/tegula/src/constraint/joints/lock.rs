@@ -48,7 +48,7 @@ impl Motion {
                 let rotation = Mat3::from_columns(&directors.map(current)) * axes.transpose();
                 Self { rotation, shift: current(*centre) - rotation * place }
             }
-            End::Point { .. } => Self::none(),
+            End::Point { .. } | End::Interior { .. } => Self::none(),
         }
     }
 
@@ -73,7 +73,7 @@ fn moved(end: &End, motion: &Motion) -> End {
         },
         // The director of a node is no axis that is fixed in a body which has moved.
         End::Point { vector, mass, .. } => End::Point { vector: *vector, mass: *mass, directors: Vec::new() },
-        End::Ground => End::Ground,
+        End::Interior { .. } | End::Ground => end.clone(),
     }
 }
 

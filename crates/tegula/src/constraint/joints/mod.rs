@@ -49,6 +49,11 @@ pub enum End {
         /// Nodal vectors of the directors, with their values at the reference.
         directors: Vec<(u32, Vec3)>,
     },
+    /// A point inside a shell element: it has no axes.
+    Interior {
+        /// Nodal vectors of the element with their weights.
+        terms: Vec<(u32, f64)>,
+    },
 }
 
 impl End {
@@ -60,6 +65,7 @@ impl End {
                 Attachment::point(*centre, *directors, &(axes.transpose() * (at - place)))
             }
             Self::Point { vector, .. } => Attachment::vector(*vector),
+            Self::Interior { terms } => Attachment { terms: terms.clone(), constant: Vec3::zeros() },
         }
     }
 
@@ -70,7 +76,7 @@ impl End {
             Self::Body { vectors: (_, directors), reference: (_, axes), .. } => {
                 Some(Attachment::axis(*directors, &(axes.transpose() * along)))
             }
-            Self::Point { .. } => None,
+            Self::Point { .. } | Self::Interior { .. } => None,
         }
     }
 
@@ -82,6 +88,7 @@ impl End {
             Self::Point { vector, directors, .. } => {
                 std::iter::once(*vector).chain(directors.iter().map(|d| d.0)).collect()
             }
+            Self::Interior { terms } => terms.iter().map(|term| term.0).collect(),
         }
     }
 
@@ -91,6 +98,7 @@ impl End {
             Self::Ground => [0.0; 2],
             Self::Body { inertia, .. } => *inertia,
             Self::Point { mass, .. } => [*mass, 0.0],
+            Self::Interior { .. } => [0.0; 2],
         }
     }
 }

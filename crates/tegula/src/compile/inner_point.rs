@@ -1,0 +1,113 @@
+//! Points inside shell elements, to which joints and force elements connect.
+//!
+//! A point of an element moves as `x = Σ N_a (r_a + z d_a)` with the shape functions N at its place and its height z over the mid-surface:
+//! linear in the nodal vectors, as all points of bodies are.
+
+use super::sections::Elements;
+use crate::constraint::joints::End;
+use crate::mesh::{Mesh, show};
+use crate::model::Model;
+use crate::{Mat3, Vec3};
+
+/// Distance from the surface over the size of the model that is round-off.
+const ROUND_OFF: f64 = 1e-9;
+/// Part of an element by which a point may lie outside of it.
+const BESIDE: f64 = 1e-9;
+/// Iterations for the place in an element; four are enough in one that is nearly flat.
+const ITERATIONS: usize = 12;
+
+/// Nodal vectors and thickness of the shells of a model, quad by quad.
+#[derive(Default)]
+pub(super) struct Corners {
+    /// Positions and directors of the corners; `None` where the element has other nodal vectors, or none.
+    vectors: Vec<Option<[u32; 8]>>,
+    /// Half the thickness (length).
+    half: Vec<f64>,
+}
+
+impl Corners {
+    /// Corners of all elements.
+    pub(super) fn new(model: &Model, mesh: &Mesh, elements: &Elements) -> Self {
+        let mut out = Self { vectors: vec![None; mesh.quads.len()], half: vec![0.0; mesh.quads.len()] };
+        for shell in &elements.list {
+            let vectors = elements.groups[shell.groups.start].vectors(shell.member);
+            out.vectors[shell.quad as usize] = vectors.try_into().ok();
+            let section = model.sections.get(shell.section);
+            out.half[shell.quad as usize] = section.map_or(0.0, |section| 0.5 * section.whole_thickness());
+        }
+        out
+    }
+
+    /// Point of one of the quads, at a place of the reference configuration.
+    ///
+    /// # Errors
+    /// No quad contains the point: a message and what to do.
+    pub(super) fn end(
+        &self,
+        quads: &[u32],
+        at: &Vec3,
+        (reference, length): (impl Fn(u32) -> Vec3, f64),
+    ) -> Result<End, (String, String)> {
+        let mut nearest: Option<(f64, End, Vec3)> = None;
+        let mut known = false;
+        for &quad in quads {
+            let Some(vectors) = self.vectors[quad as usize] else { continue };
+            known = true;
+            let corners = vectors.map(&reference);
+            let Some([xi, eta, height]) = place(&corners, at) else { continue };
+            let shapes = shapes(xi, eta);
+            let foot = (0..4).map(|a| corners[a] * shapes[a]).sum::<Vec3>();
+            let limit = self.half[quad as usize] * (1.0 + BESIDE) + ROUND_OFF * length;
+            let beside = (height.abs() * corners[4].norm() - limit).max(0.0);
+            if nearest.as_ref().is_none_or(|(least, ..)| beside < *least) {
+                let height = if height.abs() > ROUND_OFF * length { height } else { 0.0 };
+                let terms =
+                    (0..8).map(|k| (vectors[k], if k < 4 { shapes[k] } else { height * shapes[k - 4] }));
+                let terms = terms.filter(|(_, weight)| *weight != 0.0).collect();
+                nearest = Some((beside, End::Interior { terms }, foot));
+            }
+        }
+        match nearest {
+            Some((beside, end, _)) if beside <= 0.0 => Ok(end),
+            Some((beside, _, foot)) => Err((
+                format!(
+                    "the point lies {beside:.3e} above or below the shell, whose nearest point is {}",
+                    show(foot)
+                ),
+                "give a point in the shell, or connect a body whose `attached` set is on the shell".into(),
+            )),
+            None if known => Err((
+                format!("the point {} lies beside all elements of the set", show(*at)),
+                "give a point in the shell".into(),
+            )),
+            None => Err((
+                "the elements of the set have gradients, or none exist there".into(),
+                "connect a node, or take another type of element".into(),
+            )),
+        }
+    }
+}
+
+/// Bilinear shape functions, of ξ and η from 0 to 1.
+fn shapes(xi: f64, eta: f64) -> [f64; 4] {
+    [(1.0 - xi) * (1.0 - eta), xi * (1.0 - eta), xi * eta, (1.0 - xi) * eta]
+}
+
+/// Place ξ, η in an element and height z in units of its directors with `Σ N_a (r_a + z d_a) = x`, by Newton's method; `None` where the
+/// place is beside the element.
+fn place(corners: &[Vec3; 8], x: &Vec3) -> Option<[f64; 3]> {
+    let mut at = Vec3::new(0.5, 0.5, 0.0);
+    for _ in 0..ITERATIONS {
+        let [xi, eta, z] = [at.x, at.y, at.z];
+        let sum =
+            |weights: [f64; 4]| (0..4).map(|a| (corners[a] + corners[4 + a] * z) * weights[a]).sum::<Vec3>();
+        let director = (0..4).map(|a| corners[4 + a] * shapes(xi, eta)[a]).sum::<Vec3>();
+        let columns = [sum([eta - 1.0, 1.0 - eta, eta, -eta]), sum([xi - 1.0, -xi, xi, 1.0 - xi]), director];
+        at += Mat3::from_columns(&columns).try_inverse()? * (x - sum(shapes(xi, eta)));
+        // A start far beside the element must not run away.
+        at.x = at.x.clamp(-2.0, 3.0);
+        at.y = at.y.clamp(-2.0, 3.0);
+    }
+    let inside = [at.x, at.y].iter().all(|t| (-BESIDE..=1.0 + BESIDE).contains(t));
+    inside.then_some([at.x, at.y, at.z])
+}
