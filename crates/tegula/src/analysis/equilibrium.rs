@@ -11,6 +11,10 @@ use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::system::dof_map::CONSTRAINED;
 use crate::system::{Assembly, EvaluationPoint, LocalFrames, Procedure, System, VectorKind};
 use tegula_sparse::SymmetricPattern;
+use tegula_sparse::norm::larger;
+
+/// Weight of the augmented Lagrangian over the largest force and the size of a model that has no stiffness but that of its loads.
+const STIFFER: f64 = 10.0;
 
 /// Local frames of a state: they transform fields of nodal vectors to free degrees of freedom and back.
 pub fn frames(system: &System, state: &State) -> LocalFrames {
@@ -89,7 +93,13 @@ pub(super) fn penalty(system: &System, assembly: &mut Assembly, state: &State) -
             count += 1;
         }
     }
-    if sum > 0.0 { sum / f64::from(count) } else { 1.0 }
+    if sum > 0.0 {
+        return sum / f64::from(count);
+    }
+    // Of bodies without springs loads alone make the stiffness. That of centrifugal forces, up to −Ω² M, must not cancel this weight.
+    let forces = external(system, &EvaluationPoint::at_rest(system, &state.u, 1.0, state.internal()));
+    let largest = forces.as_flattened().iter().map(|x| x.abs()).fold(0.0, larger);
+    if largest > 0.0 && !system.centrifugal.is_empty() { STIFFER * largest / system.length } else { 1.0 }
 }
 
 /// Unbalanced forces `F − f_int(u, v) − M (a + α v)` of a state on all nodal vectors. The assembly's local frames follow the

@@ -43,6 +43,8 @@ const COUPLED: usize = 4;
 const PLACES: [f64; 4] = [0.5, 0.35, 0.65, 0.2];
 /// Part of the round-off of the assembled stiffness up to which the strain energy of a motion is round-off.
 const RESOLVED: f64 = 1e-2;
+/// Shift below zero over the softening by centrifugal forces.
+const SOFTENING: f64 = 1.05;
 /// Difference of a mode's strain energy from the eigenvalue of the assembled stiffness, over its value, above which
 /// round-off of the stiffness hides the mode.
 const HIDDEN: f64 = 1e-2;
@@ -252,6 +254,8 @@ pub fn rigid_motions(system: &System) -> usize {
 /// Factors with the shifts of all groups. Where no stress can make the configuration unstable, shifts whose matrix is
 /// not positive definite are lost in round-off and are moved further below zero.
 fn settle(problem: &mut Problem) -> Result<()> {
+    let softening = SOFTENING * problem.softening;
+    problem.groups.iter_mut().for_each(|g| g.shift = g.shift.min(-softening));
     let attempts = if problem.stress_free { ROUNDS } else { 1 };
     for _ in 0..attempts {
         if problem.factor_shifted() {

@@ -16,18 +16,19 @@ use crate::system::coordinates::Body;
 use crate::{Issue, Vec3};
 
 /// Longest name of a body or a joint (characters): it becomes part of file names.
-const LONGEST_NAME: usize = 60;
+pub(super) const LONGEST_NAME: usize = 60;
 
 /// Mistakes in the values of bodies and joints.
 pub(super) fn keys(model: &Model, c: &mut Checker) {
-    if model.bodies.is_empty() && model.beams.is_empty() && model.joints.is_empty() && !model.has_springs() {
+    let none = model.bodies.is_empty() && model.beams.is_empty() && model.joints.is_empty();
+    if none && model.ties.is_empty() && !model.has_springs() {
         return;
     }
     let transient = matches!(&model.analysis, Analysis::Transient(t) if t.scheme.moves_bodies() && !t.linear);
     if !transient && !super::patches::solved_at_rest(model) {
         c.add(
             "analysis",
-            "bodies, beams, joints, springs and bushings move in nonlinear transient analyses with the schemes \"energy-momentum\" and \
+            "bodies, beams, joints, ties, springs and bushings move in nonlinear transient analyses with the schemes \"energy-momentum\" and \
              \"generalized-alpha\" only; nonlinear static analyses with the direct solver and modal analyses take them, too",
             "give `type = \"transient\"` and `scheme = { type = \"energy-momentum\" }`, or for numerical damping as of `hht` \
              `scheme = { type = \"generalized-alpha\" }`",

@@ -8,7 +8,8 @@ use crate::checker::Checker;
 use crate::mesh::Mesh;
 use crate::model::loads::LoadedPart;
 use crate::model::{
-    AddedMass, Analysis, CentrifugalLoad, InitialVelocity, Joint, LinearSolver, Load, Model, StopCondition,
+    AddedMass, Analysis, CentrifugalLoad, Ground, InitialVelocity, Joint, LinearSolver, Load, Model,
+    StopCondition,
 };
 use crate::norm::larger;
 use crate::system::System;
@@ -88,6 +89,7 @@ fn keys_of(model: &Model, joints: &[Joint], continues: bool) -> Vec<Issue> {
         c.not_negative(&format!("masses[{i}].value"), "the mass", m.value);
     }
     super::foundations::keys(model, &mut c);
+    super::ties::keys(model, &mut c);
     for (i, v) in model.initial_velocities.iter().enumerate() {
         let key = format!("initial_velocities[{i}]");
         c.finite(&format!("{key}.velocity"), "the velocity", &v.velocity);
@@ -240,6 +242,7 @@ fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
         }
     }
     super::foundations::sets(model, mesh, &mut c);
+    super::ties::sets(model, mesh, &mut c);
     for (i, v) in model.initial_velocities.iter().enumerate().filter(|(_, v)| !of_bodies(model, mesh, v)) {
         drop(c.set(mesh, format!("initial_velocities[{i}].on"), &v.on, "nodes", Mesh::nodes_on));
     }
@@ -325,6 +328,17 @@ fn orphan_nodes(model: &Model, mesh: &Mesh) -> Vec<Issue> {
 pub(super) fn centrifugal(step: &StepModel) -> Vec<Issue> {
     let mut c = Checker::default();
     let mut first: Option<&CentrifugalLoad> = None;
+    let turning = step.model.loads.iter().zip(&step.loads).find_map(|(load, continued)| match load {
+        Load::Centrifugal(keys) if !continued.released => Some(keys),
+        _ => None,
+    });
+    let loads = || {
+        step.model.loads.iter().zip(&step.loads).enumerate().filter(|(_, (_, continued))| !continued.released)
+    };
+    for (i, (load, _)) in turning.into_iter().flat_map(|_| loads()) {
+        let Some(turning) = turning else { continue };
+        c.issues.extend(across_the_axis(load, turning, &format!("loads[{i}]")));
+    }
     for (i, (load, continued)) in step.model.loads.iter().zip(&step.loads).enumerate() {
         let Load::Centrifugal(keys) = load else { continue };
         let key = format!("loads[{i}]");
@@ -363,6 +377,37 @@ pub(super) fn centrifugal(step: &StepModel) -> Vec<Issue> {
         }
     }
     c.issues
+}
+
+/// A load that does not keep its direction in the frame of a model that turns.
+fn across_the_axis(load: &Load, turning: &CentrifugalLoad, key: &str) -> Option<Issue> {
+    let (value, is_gravity) = match load {
+        Load::Gravity(keys) => (keys.value, true),
+        Load::Force(keys)
+        | Load::Moment(keys)
+        | Load::Edge(keys)
+        | Load::EdgeMoment(keys)
+        | Load::Traction(keys) => (keys.value, false),
+        Load::Pressure(_) | Load::Centrifugal(_) => return None,
+    };
+    let [value, axis] = [value, turning.axis].map(Vec3::from);
+    if value.cross(&axis).norm() <= SAME_AXIS * value.norm() * axis.norm() {
+        return None;
+    }
+    if is_gravity {
+        return Some(Issue::new(
+            key,
+            "gravity across the axis turns round in the frame of a model that turns, in which it is described",
+            "leave out gravity or its part across the axis, or compute a transient analysis in the fixed frame",
+        ));
+    }
+    (turning.ground == Ground::Stands).then(|| {
+        Issue::new(
+            key,
+            "a load across the axis of a model that turns would turn with it",
+            "where it does, say `ground = \"turns\"` in the load \"centrifugal\"; else compute a transient analysis in the fixed frame",
+        )
+    })
 }
 
 /// Masses that an analysis needs and the model does not have.

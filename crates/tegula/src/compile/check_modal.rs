@@ -61,6 +61,16 @@ fn speeds(model: &Model, modal: &ModalAnalysis, c: &mut Checker) {
             "add a load of the type \"centrifugal\", which gives the axis, or leave `speeds` out",
         );
     }
+    let centrifugal = || model.loads.iter().filter(|load| matches!(load, Load::Centrifugal(_)));
+    if !modal.speeds.is_empty()
+        && (centrifugal().count() > 1 || centrifugal().any(|load| load.amplitude().is_some()))
+    {
+        c.add(
+            "analysis.speeds",
+            "they take the place of the angular velocity of one centrifugal load without an amplitude",
+            "keep one such load, and leave its `amplitude` out",
+        );
+    }
     if !modal.speeds.is_empty() && !modal.inputs.is_empty() {
         c.add(
             "analysis.speeds",

@@ -5,6 +5,7 @@
 
 use super::sections::Elements;
 use crate::constraint::joints::End;
+use crate::constraint::{Attachment, FollowedPoint};
 use crate::mesh::{Mesh, show};
 use crate::model::Model;
 use crate::{Mat3, Vec3};
@@ -38,7 +39,7 @@ impl Corners {
         out
     }
 
-    /// Point of one of the quads, at a place of the reference configuration.
+    /// Point of one of the quads, at a place of the reference configuration, as the end of a joint.
     ///
     /// # Errors
     /// No quad contains the point: a message and what to do.
@@ -46,29 +47,38 @@ impl Corners {
         &self,
         quads: &[u32],
         at: &Vec3,
-        (reference, length): (impl Fn(u32) -> Vec3, f64),
+        model: (impl Fn(u32) -> Vec3, f64),
     ) -> Result<End, (String, String)> {
-        let mut nearest: Option<(f64, End, Vec3)> = None;
+        self.point(quads, at, model).map(|followed| End::Interior { terms: followed.point.terms })
+    }
+
+    /// Point of one of the quads, at a place of the reference configuration, with the material vectors there.
+    ///
+    /// # Errors
+    /// No quad contains the point: a message and what to do.
+    pub(super) fn point(
+        &self,
+        quads: &[u32],
+        at: &Vec3,
+        (reference, length): (impl Fn(u32) -> Vec3, f64),
+    ) -> Result<FollowedPoint, (String, String)> {
+        let mut nearest: Option<(f64, FollowedPoint, Vec3)> = None;
         let mut known = false;
         for &quad in quads {
             let Some(vectors) = self.vectors[quad as usize] else { continue };
             known = true;
             let corners = vectors.map(&reference);
             let Some([xi, eta, height]) = place(&corners, at) else { continue };
-            let shapes = shapes(xi, eta);
-            let foot = (0..4).map(|a| corners[a] * shapes[a]).sum::<Vec3>();
+            let foot = (0..4).map(|a| corners[a] * shapes(xi, eta)[a]).sum::<Vec3>();
             let limit = self.half[quad as usize] * (1.0 + BESIDE) + ROUND_OFF * length;
             let beside = (height.abs() * corners[4].norm() - limit).max(0.0);
             if nearest.as_ref().is_none_or(|(least, ..)| beside < *least) {
                 let height = if height.abs() > ROUND_OFF * length { height } else { 0.0 };
-                let terms =
-                    (0..8).map(|k| (vectors[k], if k < 4 { shapes[k] } else { height * shapes[k - 4] }));
-                let terms = terms.filter(|(_, weight)| *weight != 0.0).collect();
-                nearest = Some((beside, End::Interior { terms }, foot));
+                nearest = Some((beside, followed(&vectors, &corners, [xi, eta, height]), foot));
             }
         }
         match nearest {
-            Some((beside, end, _)) if beside <= 0.0 => Ok(end),
+            Some((beside, point, _)) if beside <= 0.0 => Ok(point),
             Some((beside, _, foot)) => Err((
                 format!(
                     "the point lies {beside:.3e} above or below the shell, whose nearest point is {}",
@@ -88,9 +98,35 @@ impl Corners {
     }
 }
 
+/// Point of an element at a place and height, with its material vectors.
+fn followed(vectors: &[u32; 8], corners: &[Vec3; 8], [xi, eta, height]: [f64; 3]) -> FollowedPoint {
+    let combined = |weights: [f64; 8]| -> (Attachment, Vec3) {
+        let terms = vectors.iter().copied().zip(weights).filter(|(_, weight)| *weight != 0.0).collect();
+        let value = corners.iter().zip(weights).map(|(x, weight)| x * weight).sum();
+        (Attachment { terms, constant: Vec3::zeros() }, value)
+    };
+    let of = |positions: [f64; 4], directors: [f64; 4]| {
+        combined(std::array::from_fn(|k| if k < 4 { positions[k] } else { directors[k - 4] }))
+    };
+    let n = shapes(xi, eta);
+    let (point, _) = of(n, n.map(|n| height * n));
+    let base = [of(along_xi(eta), [0.0; 4]), of(along_eta(xi), [0.0; 4]), of([0.0; 4], n)];
+    FollowedPoint { point, base }
+}
+
 /// Bilinear shape functions, of ξ and η from 0 to 1.
 fn shapes(xi: f64, eta: f64) -> [f64; 4] {
     [(1.0 - xi) * (1.0 - eta), xi * (1.0 - eta), xi * eta, (1.0 - xi) * eta]
+}
+
+/// Derivatives of the shape functions by ξ.
+fn along_xi(eta: f64) -> [f64; 4] {
+    [eta - 1.0, 1.0 - eta, eta, -eta]
+}
+
+/// Derivatives of the shape functions by η.
+fn along_eta(xi: f64) -> [f64; 4] {
+    [xi - 1.0, -xi, xi, 1.0 - xi]
 }
 
 /// Place ξ, η in an element and height z in units of its directors with `Σ N_a (r_a + z d_a) = x`, by Newton's method; `None` where the

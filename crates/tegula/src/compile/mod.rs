@@ -25,6 +25,7 @@ mod sections;
 mod sensors;
 mod step_joints;
 mod steps;
+mod ties;
 mod vectors;
 mod warnings;
 

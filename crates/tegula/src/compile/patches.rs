@@ -16,7 +16,8 @@ const SAME: f64 = 1e-9;
 
 /// Whether a model of bodies can be solved by statics, or by a modal analysis.
 pub(super) fn solved_at_rest(model: &Model) -> bool {
-    let constrained = !model.joints.is_empty() || super::couplings::has_couplings(model);
+    let constrained =
+        !model.joints.is_empty() || !model.ties.is_empty() || super::couplings::has_couplings(model);
     let patches_alone = !constrained && !model.has_springs() && model.beams.is_empty();
     match &model.analysis {
         Analysis::Static(s) => s.linear_solver == LinearSolver::Direct && (!s.linear || patches_alone),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::inner_point::Corners;
 use super::sections::Elements;
-use super::{bodies, bushings, couplings, patches};
+use super::{bodies, bushings, couplings, patches, ties};
 use crate::constraint::{Bushing, Joint, Spring, TorsionSpring};
 use crate::element::VectorKind;
 use crate::element::geometry::tangents;
@@ -85,6 +85,8 @@ impl Vectors {
         let surface = (mesh, &corners);
         let mut joints = bodies::joints(model, surface, coordinates, issues);
         couplings::add((model, mesh), (coordinates, elements), &mut joints, issues);
+        let length = bodies::extent(model, mesh, coordinates);
+        ties::add(model, surface, (coordinates, length), &mut joints, issues);
         Connections {
             joints,
             springs: bodies::springs(model, surface, coordinates, issues),

@@ -23,6 +23,7 @@ mod row;
 mod sensor;
 mod spline;
 mod spring;
+mod tied_node;
 mod torsion_spring;
 mod turning;
 
@@ -36,4 +37,5 @@ pub use row::{DriveValue, Quantity, Row};
 pub use sensor::{Measure, Sensor};
 pub use spline::{CurvePoint, Spline};
 pub use spring::{Spring, SpringGroup};
+pub use tied_node::FollowedPoint;
 pub use torsion_spring::{TorsionSpring, TorsionSpringGroup};

@@ -25,6 +25,7 @@ mod sensor;
 mod spring;
 pub mod supports;
 pub mod surface;
+mod tie;
 mod units;
 
 use std::collections::BTreeMap;
@@ -62,6 +63,7 @@ pub use sensor::{AngleSensor, DistanceSensor, PointSensor, ReactionSensor, Senso
 pub use spring::{SpringDamper, TorsionSpring};
 pub use supports::Condition;
 pub use surface::TriangulatedSurface;
+pub use tie::Tie;
 pub use units::Units;
 
 /// A whole model: mesh, materials, sections, conditions, loads, analysis, output.
@@ -111,6 +113,9 @@ pub struct Model {
     /// Bushings: stiffness and damping of all six relative motions of two bodies.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bushings: Vec<Bushing>,
+    /// Ties of meshes whose nodes do not match.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ties: Vec<Tie>,
     /// Elastic foundations.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub foundations: Vec<Foundation>,
@@ -153,6 +158,7 @@ impl Model {
             springs: Vec::new(),
             torsion_springs: Vec::new(),
             bushings: Vec::new(),
+            ties: Vec::new(),
             foundations: Vec::new(),
             sensors: Vec::new(),
             conditions: Vec::new(),

@@ -331,3 +331,34 @@ fn a_held_body_rests_under_a_moment() {
         assert!((place - Vec3::new(0.5, 0.0, 0.0)).norm() < 1e-9, "{place}");
     }
 }
+
+/// A parallelogram of two cranks and a rod, with friction in all four hinges, rests under a moment below the sum of their limits, which is
+/// 4 · 0.5 as all hinges turn alike, and moves under one above.
+#[test]
+fn a_parallelogram_rests_up_to_the_sum_of_the_friction_of_its_hinges() {
+    let z = [0.0, 0.0, 1.0];
+    let hinge =
+        |name: &str, sides: [&str; 2], at: [f64; 3]| Joint::Revolute(coordinate(name, sides, (at, z), 0.5));
+    for (moment, holds) in [(0.5, true), (1.99, true), (2.1, false)] {
+        let bodies = vec![
+            body("left", [0.0, 0.2, 0.0], 1.0, Some([0.02; 3])),
+            body("right", [1.0, 0.2, 0.0], 1.0, Some([0.02; 3])),
+            body("rod", [0.5, 0.4, 0.0], 2.0, Some([0.2; 3])),
+        ];
+        let joints = vec![
+            hinge("a", ["ground", "left"], [0.0; 3]),
+            hinge("b", ["ground", "right"], [1.0, 0.0, 0.0]),
+            hinge("c", ["left", "rod"], [0.0, 0.4, 0.0]),
+            hinge("d", ["right", "rod"], [1.0, 0.4, 0.0]),
+        ];
+        let mut model = machine(0.5, 5e-3, bodies, joints);
+        model.loads =
+            vec![Load::Moment(VectorLoad { on: "left".into(), value: [0.0, 0.0, moment], amplitude: None })];
+        let (_, state) = run(&model, &mut Notes::default());
+        let turned = state.coordinates[0].value;
+        // Cranks of the inertia 0.02 + 0.04, the rod moves on a circle of the radius 0.4.
+        let expected = if holds { 0.0 } else { 0.5 * (moment - 2.0) / (2.0 * 0.06 + 2.0 * 0.16) * 0.25 };
+        assert!((turned - expected).abs() < 1e-6 * (1.0 + expected), "{moment}: {turned} {expected}");
+        assert_eq!(state.coordinates.iter().all(|c| c.mode.is_held()), holds, "{moment}");
+    }
+}

@@ -60,4 +60,5 @@ mod step_joints;
 mod steps;
 mod steps_with_bodies;
 mod surfaces;
+mod ties;
 mod torsion_springs;

@@ -1,6 +1,6 @@
 //! Models that turn at a constant angular velocity: centrifugal forces, relative equilibria, complex modes and whirl.
 
-use crate::common::{Notes, compile, model, plate, static_options};
+use crate::common::{Notes, compile, model, plate, static_options, vector_load};
 use crate::modes_with_joints::modal;
 use crate::multibody::{between, body, gravity, machine, revolute};
 use tegula::analysis::modal::{self, ModalOutcome};
@@ -211,6 +211,78 @@ fn a_turning_pendulum_stands_out_at_the_angle_of_a_governor() {
     let found = spin(&governor).unwrap();
     let expected = speed * sine * (d / (m * l * l + j2)).sqrt();
     assert!((found.modes[0].omega / expected - 1.0).abs() < 1e-9, "{found:?} {expected}");
+}
+
+/// Above many times its critical speed the rotor of Jeffcott keeps its frequencies, whatever the number of modes.
+#[test]
+fn a_rotor_far_above_its_critical_speed_has_its_modes() {
+    for (speed, modes) in [(35.0, 2), (600.0, 6), (1e4, 3)] {
+        let disc = body("disc", [0.0; 3], 2.0, Some([0.3, 0.3, 0.5]));
+        let mut model = Model::of_bodies(modal(modes, true), vec![disc], Vec::new());
+        model.bushings =
+            vec![Bushing { stiffness: Some([800.0, 800.0, 4e3, 300.0, 300.0, 1200.0]), ..hub() }];
+        model.loads = vec![turning([0.0, 0.0, 1.0], speed, Ground::Turns)];
+        let found = spin(&model).unwrap();
+        let [first, second] = [(20.0 - speed).abs(), 20.0 + speed];
+        let has = |omega: f64| found.modes.iter().any(|mode| (mode.omega / omega - 1.0).abs() < 1e-8);
+        // The others are those of tilting, torsion and translation along the axis.
+        assert!(has(first) || has(second) || modes < 6, "{speed}: {found:?}");
+        assert!(found.modes.iter().all(|mode| mode.whirl.as_ref().unwrap().growth == 0.0), "{speed}");
+    }
+}
+
+/// Springs beside the axis wind up, and gravity across it turns round: there is no relative equilibrium.
+#[test]
+fn springs_beside_the_axis_and_loads_across_it_are_refused() {
+    let disc = || {
+        Model::of_bodies(modal(2, true), vec![body("disc", [0.0; 3], 2.0, Some([0.3, 0.3, 0.5]))], Vec::new())
+    };
+    let z = [0.0, 0.0, 1.0];
+    let mut model = disc();
+    let beside = |y: f64| Bushing {
+        name: format!("at {y}"),
+        at: [0.0, y, 0.0],
+        stiffness: Some([1e3, 1e3, 1e3, 0.0, 0.0, 0.0]),
+        ..hub()
+    };
+    model.bushings = vec![beside(0.3), beside(-0.3)];
+    model.loads = vec![turning(z, 1.0, Ground::Stands)];
+    let error = spin(&model).unwrap_err().to_string();
+    assert!(error.contains("wind up"), "{error}");
+    for (load, ground, refused) in [
+        (gravity([0.0, -9.81, 0.0]).remove(0), Ground::Turns, true),
+        (gravity([0.0, 0.0, -9.81]).remove(0), Ground::Stands, false),
+        (Load::Force(vector_load("disc", [1.0, 0.0, 0.0])), Ground::Stands, true),
+        (Load::Force(vector_load("disc", [1.0, 0.0, 0.0])), Ground::Turns, false),
+        (Load::Moment(vector_load("disc", [0.0, 1.0, 0.0])), Ground::Stands, true),
+        (Load::Moment(vector_load("disc", [0.0, 0.0, 1.0])), Ground::Turns, false),
+    ] {
+        let mut model = disc();
+        model.bushings = vec![Bushing { stiffness: Some([1e3, 1e3, 1e3, 50.0, 50.0, 50.0]), ..hub() }];
+        model.loads = vec![turning(z, 1.0, ground), load.clone()];
+        let mesh = mesh::generators::generate(&model.mesh).unwrap();
+        let built = tegula::compile::build(&model, &mesh);
+        assert_eq!(built.is_err(), refused, "{load:?} {ground:?}");
+        if let Err(Error::Model(issues)) = built {
+            assert!(issues[0].place.to_string().contains("loads[1]"), "{issues:?}");
+        }
+    }
+}
+
+/// A body on a hinge that turns with it has no stiffness but that of centrifugal forces: the units of mass and time do not matter.
+#[test]
+fn a_rod_on_a_hinge_stands_out_in_any_units() {
+    for (speed, m) in [(1.0, 1.0), (10.0, 0.01), (0.5_f64.sqrt(), 2.0), (2.0, 1.0)] {
+        let rod = body("rod", [0.6, 0.0, 0.0], m, Some([0.001 * m, 0.12 * m, 0.12 * m]));
+        let hinge = revolute("hinge", "ground", "rod", [0.1, 0.0, 0.0], [0.0, 1.0, 0.0]);
+        let mut model = Model::of_bodies(modal(1, true), vec![rod], vec![hinge]);
+        model.loads = vec![turning([0.0, 0.0, 1.0], speed, Ground::Turns)];
+        let found = spin(&model).unwrap();
+        // Flapping: Ω² (1 + m e l/J) about the hinge at the distance e from the axis, J of the rod about it without that about its axis.
+        let about = m * 0.25 + 0.12 * m;
+        let expected = speed * ((m * 0.25 + 0.12 * m - 0.001 * m + m * 0.1 * 0.5) / about).sqrt();
+        assert!((found.modes[0].omega / expected - 1.0).abs() < 1e-8, "{speed} {m}: {found:?} {expected}");
+    }
 }
 
 /// Transient analyses describe motions in the fixed frame.

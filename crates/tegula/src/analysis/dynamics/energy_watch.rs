@@ -4,8 +4,10 @@
 //! (J. C. Simo, N. Tarnow, ZAMP 43 (1992) 757–792), and constant steps go on with it.
 
 use super::step_end::Span;
-use crate::analysis::{Balance, Observer};
-use crate::system::System;
+use crate::Vec3;
+use crate::analysis::{Balance, Observer, State, equilibrium};
+use crate::element::Nodal;
+use crate::system::{System, VectorKind};
 use tegula_sparse::norm::larger;
 
 /// Gain of energy over the largest energy that triggers the first report, and growth of it that triggers the next one.
@@ -21,6 +23,16 @@ const ROUND_OFF: f64 = 1e-14;
 /// Kinetic energy of a model at rest whose positions change by round-off in a step: energies below are none.
 pub(super) fn energy_of_round_off(system: &System, dt: f64) -> f64 {
     0.5 * system.total_mass() * (ROUND_OFF * system.length / dt).powi(2)
+}
+
+/// Work of the loads on a model whose positions and directors change by round-off: of one that is held at rest there is no other.
+pub(super) fn work_of_round_off(system: &System, state: &State) -> f64 {
+    let loads = equilibrium::external(system, &state.point(system));
+    let work = |(force, kind): (&Nodal, &VectorKind)| {
+        let size = if *kind == VectorKind::Position { system.length } else { 1.0 };
+        Vec3::from(*force).norm() * size
+    };
+    ROUND_OFF * loads.iter().zip(&system.coordinates.kinds).map(work).sum::<f64>()
 }
 
 /// Reports that a motion gains energy, each time that the gain has grown.

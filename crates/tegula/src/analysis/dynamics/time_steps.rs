@@ -2,7 +2,7 @@
 
 use super::amplitude_check::AmplitudeCheck;
 use super::drive_rates::DriveRates;
-use super::energy_watch::{EnergyWatch, energy_of_round_off};
+use super::energy_watch::{EnergyWatch, energy_of_round_off, work_of_round_off};
 use super::joint_events::{JointEvents, Review};
 use super::rotation_watch::RotationWatch;
 use super::schemes::Instant;
@@ -299,7 +299,7 @@ impl<'a> TimeSteps<'a> {
             let conserves = self.options.scheme.conserves_energy();
             let scale = scheme.energy_scale(system, &mut newton.assembly, &state.history);
             let scale = larger(scale, state.energy_scale);
-            keeps_energy(system, (span, state.step), [&before, &self.balance], (scale, conserves))?;
+            keeps_energy(system, (span, state), [&before, &self.balance], (scale, conserves))?;
             if let Some(message) = self.drive_rates.look(system, state, conserves)? {
                 observer.on_event(&format!("time {:.6e}: {message}", state.time));
             }
@@ -490,7 +490,7 @@ const FIRST_STEPS: u64 = 20;
 /// branch.
 fn keeps_energy(
     system: &System,
-    (span, step): (Span, u64),
+    (span, state): (Span, &State),
     [before, after]: [&Balance; 2],
     (scale, conserves): (f64, bool),
 ) -> Result<()> {
@@ -501,14 +501,18 @@ fn keeps_energy(
     }
     let (gain, scale) = (after.total - before.total, larger(scale, after.kinetic));
     // From rest, what strong damping dissipates is known to a multiple of the energy only.
-    let gained = match (step <= FIRST_STEPS, system.groups.iter().any(|group| group.has_rate_damping())) {
+    let gained = match (state.step <= FIRST_STEPS, system.groups.iter().any(|group| group.has_rate_damping()))
+    {
         (false, _) => GAINED,
         (true, true) if !conserves => return Ok(()),
         (true, _) => GAINED_AT_FIRST,
     };
     let cause = if conserves { "" } else { "the time steps are too long for the scheme, or " };
     let (change, limit) = if conserves { (gain.abs(), LOST) } else { (gain, gained) };
-    if change <= limit * scale || change <= energy_of_round_off(system, span.dt) {
+    if change <= limit * scale
+        || change <= energy_of_round_off(system, span.dt)
+        || change <= work_of_round_off(system, state)
+    {
         return Ok(());
     }
     let names: Vec<_> = drives.iter().map(|joint| format!("\"{}\"", joint.name)).collect();

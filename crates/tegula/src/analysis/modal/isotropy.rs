@@ -134,15 +134,17 @@ fn joint(problem: &mut Problem, spin: &Spin) -> Option<String> {
     None
 }
 
-/// Springs, bushings or foundations on the ground whose energy differs in directions across the axis.
+/// Springs, bushings or foundations on the ground whose forces or stiffness do not turn with the model.
 fn springs(problem: &mut Problem, spin: &Spin) -> Option<String> {
     let Problem { system, state, .. } = problem;
     let (u, rotation) = turned(system, spin, state);
     let after = State { u, ..state.clone() };
     let factors: Vec<f64> = system.factors(state.time).collect();
-    for (number, group, _) in
-        system.numbered_groups().filter(|(_, group, _)| group.acts_on_ground() && group.name() != "joint")
-    {
+    for (number, group, _) in system.numbered_groups().filter(|(_, group, _)| group.acts_on_ground()) {
+        if group.name() == "joint" {
+            continue;
+        }
+        let mut stiffness = 0.0;
         for sample in samples(3 * system.vectors()) {
             let (vectors, _) = sample.as_chunks::<3>();
             let rotated: Vec<Nodal> = vectors.iter().map(|x| (rotation * Vec3::from(*x)).into()).collect();
@@ -150,14 +152,27 @@ fn springs(problem: &mut Problem, spin: &Spin) -> Option<String> {
                 tangent_energy(group, &state.point(system).of_group(system, number, &factors), field)
             };
             let [first, second] = [energy(state, vectors), energy(&after, &rotated)];
-            if !((first - second).abs() <= SAME * larger(first.abs(), second.abs()))
-                && group.name() != "joint"
-            {
+            stiffness = larger(stiffness, larger(first.abs(), second.abs()));
+            if !((first - second).abs() <= SAME * stiffness) {
                 return Some(format!(
-                    "elements of the kind \"{}\" hold it to the ground in some of the directions across the axis only",
+                    "elements of the kind \"{}\" do not hold it to the ground in the same way in all directions across the axis",
                     group.name()
                 ));
             }
+        }
+        let forces = |state: &State| {
+            let mut out = vec![0.0; 3 * group.vectors_per_element() * group.len()];
+            group.evaluate(&state.point(system).of_group(system, number, &factors), 0, &mut out, None);
+            out
+        };
+        let [first, second] = [forces(state), forces(&after)];
+        let pairs = first.as_chunks::<3>().0.iter().zip(second.as_chunks::<3>().0);
+        let changes = pairs.map(|(a, b)| (rotation * Vec3::from(*a) - Vec3::from(*b)).norm());
+        if !(tegula_sparse::norm::max_norm(changes) <= SAME * stiffness * system.length) {
+            return Some(format!(
+                "elements of the kind \"{}\" between it and the ground wind up, as they act beside the axis or about it",
+                group.name()
+            ));
         }
     }
     None

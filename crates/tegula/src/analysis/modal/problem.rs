@@ -81,6 +81,8 @@ pub(super) struct Problem<'a> {
     pub state: State,
     /// Weight of the augmented Lagrangian of joints, which is part of the stiffness.
     penalty: f64,
+    /// Most that centrifugal forces take from an eigenvalue without them: shifts are below it.
+    pub softening: f64,
     /// Applications of the inverse so far.
     pub applications: u64,
     /// Group of each free degree of freedom.
@@ -128,6 +130,7 @@ impl<'a> Problem<'a> {
             sprung,
             state,
             penalty,
+            softening: 0.0,
             applications: 0,
         };
         out.split()?;

@@ -17,7 +17,7 @@ use nalgebra::{Complex, DMatrix, DVector, Schur};
 
 use super::problem::{Problem, go_on};
 use super::{ModalOutcome, Mode, isotropy, lowest_modes};
-use crate::analysis::{Observer, State, Statistics};
+use crate::analysis::{Observer, State, Statistics, Step};
 use crate::element::Nodal;
 use crate::norm::larger;
 use crate::system::{System, VectorKind};
@@ -26,6 +26,8 @@ use tegula_sparse::Factor as _;
 
 /// Size of a preconditioned residual over that of its mode at which the mode is found.
 const FOUND: f64 = 1e-8;
+/// Residual at which a mode is taken where round-off stops the iteration; its eigenvalue has the square of this error.
+const TAKEN: f64 = 1e-6;
 /// Size of a new vector behind its projection, over that before, below which the basis has it.
 const DEPENDENT: f64 = 1e-10;
 /// Modes of the first basis beyond twice the wanted ones; vectors of the basis, over the wanted modes, beyond which it starts anew.
@@ -33,6 +35,8 @@ const MORE: usize = 6;
 const MOST_VECTORS: usize = 16;
 /// Most growths of the basis.
 const MOST_ROUNDS: usize = 200;
+/// Most growths of the basis one after another that do not halve the largest residual.
+const MOST_STAGNATIONS: u32 = 20;
 /// Eigenvalue over the real shift λ₀ below which it is zero: that of the free rotation is double, and known to the root of round-off.
 const ZERO: f64 = 1e-6;
 /// Difference of eigenvalues over their size below which they belong to one space.
@@ -41,6 +45,8 @@ const CLUSTER: f64 = 1e-6;
 /// motion across the axis in the whole one.
 const PURE: f64 = 0.99;
 const ACROSS: f64 = 1e-6;
+/// Distance from the axis over the size of the model from which on a point is beside it.
+const BESIDE: f64 = 1e-3;
 
 /// Rotation of the model about an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -108,7 +114,15 @@ pub(super) fn modes(
     equilibrium: Option<&State>,
     observer: &mut dyn Observer,
 ) -> Result<ModalOutcome> {
-    let (real, _) = lowest_modes(problem, 2 * wanted + MORE, equilibrium, observer)?;
+    // Centrifugal forces soften by no more than Ω² M.
+    problem.softening = spin.omega * spin.omega;
+    let (real, _) = lowest_modes(problem, 2 * wanted + MORE, equilibrium, &mut Quiet(observer))?;
+    if wanted > real.modes.len() {
+        observer.on_event(&format!(
+            "{wanted} modes are wanted, but supports and joints leave the model {} only",
+            real.modes.len()
+        ));
+    }
     let wanted = wanted.min(real.modes.len());
     let lowest =
         real.modes.iter().map(|mode| mode.omega).filter(|omega| *omega > 0.0).fold(f64::INFINITY, f64::min);
@@ -129,6 +143,7 @@ pub(super) fn modes(
         basis.add(problem, &spin, free.clone());
     }
     let mut found = Vec::new();
+    let (mut least, mut stagnates) = (f64::INFINITY, 0);
     for _ in 0..MOST_ROUNDS {
         go_on(observer)?;
         found = basis.eigenvectors(wanted, scale);
@@ -148,17 +163,26 @@ pub(super) fn modes(
                 basis.add(problem, &spin, vector.clone());
             }
         }
+        let before = basis.vectors.len();
         for vector in residuals.into_iter().flatten() {
             basis.add(problem, &spin, vector);
         }
+        let worst = found.iter().map(|mode| mode.residual).fold(0.0, larger);
+        stagnates = if worst < 0.5 * least { 0 } else { stagnates + 1 };
+        least = if worst < least { worst } else { least };
+        if basis.vectors.len() == before || stagnates > MOST_STAGNATIONS {
+            break;
+        }
     }
     if let Some(worst) =
-        found.iter().map(|mode| mode.residual).reduce(larger).filter(|worst| !(*worst <= FOUND))
+        found.iter().map(|mode| mode.residual).reduce(larger).filter(|worst| !(*worst <= TAKEN))
     {
         return Err(Error::NotConverged {
-            at: format!("the modes of the model that turns at {}", spin.omega),
+            at: format!("an angular velocity of {}", spin.omega),
             reason: format!("the residual of a mode is {worst:.1e}"),
-            help: "Ask for a few modes more or less.".into(),
+            help: "Ask for a few modes more or less. A model that may move freely across the axis has double eigenvalues, which are not found: \
+                   support it."
+                .into(),
         });
     }
     let modes: Vec<Mode> = found.iter().map(|mode| whirl(problem, &spin, mode, scale)).collect();
@@ -176,6 +200,23 @@ pub(super) fn modes(
         ..Statistics::default()
     };
     Ok(ModalOutcome { modes, statistics, sturm_checked: false })
+}
+
+/// Observer of the modes without Coriolis forces, whose number is not the one that is wanted.
+struct Quiet<'a>(&'a mut dyn Observer);
+
+impl Observer for Quiet<'_> {
+    fn on_step(&mut self, _: &Step) -> Result<()> {
+        Ok(())
+    }
+
+    fn on_warning(&mut self, message: &str) {
+        self.0.on_warning(message);
+    }
+
+    fn interrupted(&self) -> bool {
+        self.0.interrupted()
+    }
 }
 
 impl Basis {
@@ -373,6 +414,8 @@ fn fixed_frame(problem: &Problem, spin: &Spin, shape: [&[Nodal]; 2], omega: f64)
     let first = spin.axis.cross(&Vec3::ith(spin.axis.iamin(), 1.0)).normalize();
     let axes = [first, spin.axis.cross(&first), spin.axis];
     let [mut forward, mut backward, mut along] = [0.0; 3];
+    // Motions along the axis of points beside it: sums, sum of squares, number.
+    let mut beside = [0.0; 4];
     let mut count = |motion: [Vec3; 2]| {
         let [x, y] = motion.map(|u| axes.map(|e| e.dot(&u)));
         // a = (u₁ + i u₂)/2 and b* = (u₁ − i u₂)/2 with the complex amplitudes u = x + i y.
@@ -381,7 +424,15 @@ fn fixed_frame(problem: &Problem, spin: &Spin, shape: [&[Nodal]; 2], omega: f64)
         along += x[2].powi(2) + y[2].powi(2);
     };
     for v in (0..system.vectors()).filter(|v| system.coordinates.kinds[*v] == VectorKind::Position) {
-        count(shape.map(|field| field[v].into()));
+        let motion = shape.map(|field| Vec3::from(field[v]));
+        count(motion);
+        let arm = Vec3::from(system.coordinates.reference[v]) + Vec3::from(problem.state.u[v]) - spin.at;
+        if spin.axis.cross(&arm).norm() > BESIDE * system.length {
+            let [x, y] = motion.map(|u| spin.axis.dot(&u));
+            for (sum, term) in beside.iter_mut().zip([x, y, x * x + y * y, 1.0]) {
+                *sum += term;
+            }
+        }
     }
     for (directors, arms) in newton.assembly.frames.triads() {
         let turned = |field: &[Nodal]| {
@@ -391,6 +442,12 @@ fn fixed_frame(problem: &Problem, spin: &Spin, shape: [&[Nodal]; 2], omega: f64)
         count(shape.map(turned));
     }
     let across = forward + backward;
+    let [x, y, squares, number] = beside;
+    // Nodal diameters: the pattern around the axis, which turns with the model, decides about the frequency.
+    let uniform = x * x + y * y >= PURE * number * squares;
+    if squares > (1.0 - PURE) * (across + along) && !uniform {
+        return None;
+    }
     let whirls = across > ACROSS * (across + along);
     let turn = spin.omega.abs();
     match whirls {

@@ -25,6 +25,8 @@ const STALLED: f64 = 1e-16;
 
 /// Increment over the size of the model that is round-off of places.
 const PLACES: f64 = 1e-14;
+/// Iterations after which bodies whose places change by round-off alone are held.
+const HELD: u32 = 5;
 
 /// Rotation of a body in an increment (rad), beyond which the iteration diverges.
 const SPUN: f64 = 3.0;
@@ -469,7 +471,9 @@ impl<S: TangentSolver> Newton<S> {
             // The first tangent does not know the forces of joints yet.
             return Ok(None);
         }
-        if converged || (energy == 0.0 && norm == 0.0) {
+        // Bodies that loads and joints hold where they are: the increments are round-off, and there is no energy to compare with.
+        let held = self.constraints.is_some() && setting.number > HELD && norm <= PLACES && scale <= PLACES;
+        if converged || held || (energy == 0.0 && norm == 0.0) {
             // Constraints are as exact as the increment that follows; a dependent one may still be open.
             let rests = energy == 0.0 && norm == 0.0;
             let violation = self.violation(system, equation);
