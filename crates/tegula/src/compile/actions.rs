@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::{StepModel, Vectors, pair};
 use crate::element::Nodal;
 use crate::element::geometry::{ShellGeometry, nodal_areas, shell_mass, tangents};
-use crate::load::{CentrifugalLoad, FollowerLoad, LoadFactor, OwnLoad};
+use crate::load::{FollowerLoad, LoadFactor, OwnLoad};
 use crate::mesh::Mesh;
 use crate::model::loads::{Action, LoadedMesh};
 use crate::model::supports::{Constraints, Direction, SupportedNode};
@@ -214,28 +214,6 @@ pub(super) fn drilling_components(
     )]
 }
 
-/// Centrifugal loads, and the number of the load of the model that each belongs to.
-pub(super) fn centrifugal_loads(
-    step: &StepModel,
-    mesh: &Mesh,
-    coordinates: &Coordinates,
-    amplitudes: &BTreeMap<String, usize>,
-) -> (Vec<CentrifugalLoad>, Vec<usize>) {
-    let loaded = Loaded { mesh, coordinates };
-    let (mut out, mut load_of) = (Vec::new(), Vec::new());
-    for (number, (load, continued)) in step.model.loads.iter().zip(&step.loads).enumerate() {
-        let amplitude = load.amplitude().as_ref().and_then(|a| amplitudes.get(a).copied());
-        for action in load.actions(&loaded) {
-            if let Action::Centrifugal { axis, at, velocity, with_ground } = action {
-                let factor = continued.factor(amplitude);
-                out.push(CentrifugalLoad { axis, at, velocity, with_ground, factor });
-                load_of.push(number);
-            }
-        }
-    }
-    (out, load_of)
-}
-
 /// Loads of constant direction, and the number of the load of the model that each belongs to.
 pub(super) fn dead_loads(
     step: &StepModel,
@@ -389,9 +367,9 @@ pub(super) fn initial_velocity(
 }
 
 /// Mesh as its loads see it.
-struct Loaded<'a> {
-    mesh: &'a Mesh,
-    coordinates: &'a Coordinates,
+pub(super) struct Loaded<'a> {
+    pub mesh: &'a Mesh,
+    pub coordinates: &'a Coordinates,
 }
 
 impl Loaded<'_> {

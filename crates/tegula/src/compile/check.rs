@@ -3,20 +3,13 @@
 use std::collections::BTreeMap;
 
 pub use super::check_material::issues as material;
-use super::{StepModel, amplitudes, check_material, steps};
+use super::{amplitudes, check_material, steps};
 use crate::checker::Checker;
 use crate::mesh::Mesh;
 use crate::model::loads::LoadedPart;
-use crate::model::{
-    AddedMass, Analysis, CentrifugalLoad, Ground, InitialVelocity, Joint, LinearSolver, Load, Model,
-    StopCondition,
-};
-use crate::norm::larger;
+use crate::model::{AddedMass, Analysis, InitialVelocity, Joint, LinearSolver, Load, Model, StopCondition};
 use crate::system::System;
 use crate::{Issue, Vec3};
-
-/// Angle between two axes, and their distance over that from the origin, up to which they are one.
-const SAME_AXIS: f64 = 1e-9;
 
 /// Longest name of a point (characters). It becomes part of file names, which most systems limit to 255 bytes.
 const LONGEST_NAME: usize = 60;
@@ -322,92 +315,6 @@ fn orphan_nodes(model: &Model, mesh: &Mesh) -> Vec<Issue> {
             ))
         })
         .collect()
-}
-
-/// Centrifugal loads that an analysis step cannot have.
-pub(super) fn centrifugal(step: &StepModel) -> Vec<Issue> {
-    let mut c = Checker::default();
-    let mut first: Option<&CentrifugalLoad> = None;
-    let turning = step.model.loads.iter().zip(&step.loads).find_map(|(load, continued)| match load {
-        Load::Centrifugal(keys) if !continued.released => Some(keys),
-        _ => None,
-    });
-    let loads = || {
-        step.model.loads.iter().zip(&step.loads).enumerate().filter(|(_, (_, continued))| !continued.released)
-    };
-    for (i, (load, _)) in turning.into_iter().flat_map(|_| loads()) {
-        let Some(turning) = turning else { continue };
-        c.issues.extend(across_the_axis(load, turning, &format!("loads[{i}]")));
-    }
-    for (i, (load, continued)) in step.model.loads.iter().zip(&step.loads).enumerate() {
-        let Load::Centrifugal(keys) = load else { continue };
-        let key = format!("loads[{i}]");
-        let [axis, at] = [keys.axis, keys.at].map(Vec3::from);
-        if !(axis.norm() > 0.0) {
-            c.add(format!("{key}.axis"), "the axis has no direction", "give a vector that is not zero");
-        }
-        let other = *first.get_or_insert(keys);
-        let apart =
-            axis.cross(&Vec3::from(other.axis)).norm() / (axis.norm() * Vec3::from(other.axis).norm());
-        let offset = (at - Vec3::from(other.at)).cross(&axis.normalize());
-        if apart > SAME_AXIS || offset.norm() > SAME_AXIS * larger(at.norm(), Vec3::from(other.at).norm()) {
-            c.add(&key, "the model turns about two axes", "leave one of the centrifugal loads out");
-        }
-        let analysis = &step.model.analysis;
-        let iterative = matches!(analysis, Analysis::Static(s) if s.linear_solver == LinearSolver::Iterative);
-        if matches!(analysis, Analysis::Modal(modal) if !modal.prestressed && step.starts_from.is_none()) {
-            c.add(
-                &key,
-                "modes of a model that turns are those about its equilibrium under centrifugal forces",
-                "say `prestressed = true` in the analysis, or leave the load out",
-            );
-        }
-        if matches!(analysis, Analysis::Transient(_)) && !continued.released {
-            c.add(
-                &key,
-                "a transient analysis describes motions in the fixed frame, which has no centrifugal forces",
-                "leave the load out and give initial velocities; a static step before may have the load",
-            );
-        } else if iterative {
-            c.add(
-                &key,
-                "the linear solver \"iterative\" has no centrifugal forces",
-                "take the linear solver \"direct\", or leave the load out",
-            );
-        }
-    }
-    c.issues
-}
-
-/// A load that does not keep its direction in the frame of a model that turns.
-fn across_the_axis(load: &Load, turning: &CentrifugalLoad, key: &str) -> Option<Issue> {
-    let (value, is_gravity) = match load {
-        Load::Gravity(keys) => (keys.value, true),
-        Load::Force(keys)
-        | Load::Moment(keys)
-        | Load::Edge(keys)
-        | Load::EdgeMoment(keys)
-        | Load::Traction(keys) => (keys.value, false),
-        Load::Pressure(_) | Load::Centrifugal(_) => return None,
-    };
-    let [value, axis] = [value, turning.axis].map(Vec3::from);
-    if value.cross(&axis).norm() <= SAME_AXIS * value.norm() * axis.norm() {
-        return None;
-    }
-    if is_gravity {
-        return Some(Issue::new(
-            key,
-            "gravity across the axis turns round in the frame of a model that turns, in which it is described",
-            "leave out gravity or its part across the axis, or compute a transient analysis in the fixed frame",
-        ));
-    }
-    (turning.ground == Ground::Stands).then(|| {
-        Issue::new(
-            key,
-            "a load across the axis of a model that turns would turn with it",
-            "where it does, say `ground = \"turns\"` in the load \"centrifugal\"; else compute a transient analysis in the fixed frame",
-        )
-    })
 }
 
 /// Masses that an analysis needs and the model does not have.

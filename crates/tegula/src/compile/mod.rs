@@ -26,6 +26,7 @@ mod sensors;
 mod step_joints;
 mod steps;
 mod ties;
+mod turning;
 mod vectors;
 mod warnings;
 
@@ -56,8 +57,7 @@ use crate::system::{
 };
 use crate::{Error, Issue, Result};
 use actions::{
-    added_masses, centrifugal_loads, contradictions, dead_loads, drilling_components, follower_loads,
-    initial_velocity, supports,
+    added_masses, contradictions, dead_loads, drilling_components, follower_loads, initial_velocity, supports,
 };
 use inner_point::Corners;
 use place::Place;
@@ -363,8 +363,10 @@ impl<'a> Compiler<'a> {
             load_sets.push(force_sets::of_caller(name, mesh));
             followers.push(of_caller(load, step));
         }
-        let (centrifugal, load_of_centrifugal) = centrifugal_loads(step, mesh, &vectors.coordinates, &names);
-        issues.extend(check::centrifugal(step));
+        let (centrifugal, load_of_centrifugal) =
+            turning::centrifugal_loads(step, mesh, &vectors.coordinates, &names);
+        issues.extend(turning::centrifugal(step));
+        issues.extend(turning::loads_across_the_axis(step, mesh, &vectors.coordinates));
         let is_static = matches!(model.analysis, Analysis::Static(_));
         if is_static {
             let (couples, loads) = StepJoints::couples(&released, load_sets.len());
