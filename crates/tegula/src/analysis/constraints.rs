@@ -22,6 +22,7 @@ mod complete_pivoting;
 mod compliance;
 mod laws;
 
+use super::State;
 use super::solver::TangentSolver;
 use crate::Vec3;
 use crate::constraint::joint::{MOST_VECTORS, half_motion};
@@ -44,7 +45,7 @@ const ROUNDING: f64 = 1e-10;
 const LANES: usize = 4;
 
 /// Gradient of a constraint with respect to the free degrees of freedom: numbers and values.
-type Gradient = Vec<(u32, f64)>;
+pub(super) type Gradient = Vec<(u32, f64)>;
 
 /// Rates of constraints.
 #[derive(Debug, Clone, Copy)]
@@ -431,6 +432,17 @@ fn gradients(
             }
         });
     }
+}
+
+/// Gradients of all constraints in a state, with respect to the degrees of freedom of `frames`; those of friction and stops are empty.
+pub(super) fn gradients_at(system: &System, frames: &LocalFrames, state: &State) -> Vec<Gradient> {
+    let mut out = vec![Gradient::new(); system.constraints()];
+    let motion = Motion::State { u: &state.u, velocity: None };
+    gradients(system, (frames, state.time), (end_of(system, &motion), |_| Vec3::zeros()), &mut out);
+    for (number, _) in system.joints.iter().filter_map(Joint::law_row) {
+        out[number].clear();
+    }
+    out
 }
 
 /// First angles of gears from those of a state, joint by joint.

@@ -6,6 +6,7 @@ mod drilling;
 pub mod dynamics;
 pub mod equilibrium;
 pub mod lagged_tangent;
+mod mobility;
 pub mod modal;
 pub mod newton;
 pub mod solver;

@@ -24,6 +24,7 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
     if none && model.ties.is_empty() && !model.has_springs() {
         return;
     }
+    let kinematic = matches!(&model.analysis, Analysis::Transient(t) if t.scheme.is_kinematic());
     let transient = matches!(&model.analysis, Analysis::Transient(t) if t.scheme.moves_bodies() && !t.linear);
     if !transient && !super::patches::solved_at_rest(model) {
         c.add(
@@ -45,7 +46,7 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
     names(model.springs.iter().map(|spring| &spring.name), "springs", &[], c);
     names(model.torsion_springs.iter().map(|spring| &spring.name), "torsion_springs", &[], c);
     for (i, body) in model.bodies.iter().enumerate() {
-        body_inertia::values(body, &format!("bodies[{i}]"), c);
+        body_inertia::values(body, &format!("bodies[{i}]"), kinematic, c);
     }
     for (i, joint) in model.joints.iter().enumerate() {
         let (keys, place) = (joint.common(), format!("joints[{i}]"));

@@ -9,8 +9,8 @@ use crate::{Issue, Mat3, Vec3};
 /// Cosine of the angle between directions, and ratio of moments of inertia, that are the same but for round-off.
 const SAME: f64 = 1e-9;
 
-/// Mistakes in the values of a body.
-pub(super) fn values(body: &RigidBody, key: &str, c: &mut Checker) {
+/// Mistakes in the values of a body, which may be without mass in kinematic analyses.
+pub(super) fn values(body: &RigidBody, key: &str, kinematic: bool, c: &mut Checker) {
     c.finite(&format!("{key}.at"), "the position", &body.at);
     c.finite(&format!("{key}.velocity"), "the velocity", &body.velocity);
     c.finite(&format!("{key}.angular_velocity"), "the angular velocity", &body.angular_velocity);
@@ -39,7 +39,7 @@ pub(super) fn values(body: &RigidBody, key: &str, c: &mut Checker) {
         (Some(BodyShape::Rod(_)), _, None, Some(_)) => {
             Some(("density", "is a rod, which has no volume", "give `mass`"))
         }
-        (None, None, None, None) if body.is_on_nodes() => None,
+        (None, None, None, None) if body.is_on_nodes() || kinematic => None,
         (_, _, None, None) => Some(("mass", "has no mass", "give `mass`")),
         _ => None,
     };

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::surface::TriangulatedSurface;
 use crate::{Mat3, Vec3};
 
-/// A rigid body, or without `inertia`, `shape`, `attached` and `distributed` a point mass.
+/// A rigid body, or with `mass` alone, without `inertia`, `shape`, `attached` and `distributed`, a point mass.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RigidBody {
@@ -18,7 +18,7 @@ pub struct RigidBody {
     /// the mass centre follows (length).
     #[schemars(extend("x-marker" = "point"))]
     pub at: [f64; 3],
-    /// Mass; of a body with a shape this or `density`.
+    /// Mass; of a body with a shape this or `density`. Kinematic analyses need none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub mass: Option<f64>,
@@ -78,7 +78,7 @@ impl RigidBody {
 
     /// Whether it is a point mass, which has no axes.
     pub fn is_point_mass(&self) -> bool {
-        self.inertia.is_none() && self.shape.is_none() && !self.is_on_nodes()
+        self.mass.is_some() && self.inertia.is_none() && self.shape.is_none() && !self.is_on_nodes()
     }
 
     /// Whether nodes of the mesh are attached to it, or it follows their mean motion.

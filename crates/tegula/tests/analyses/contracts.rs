@@ -179,7 +179,7 @@ fn options(scheme: Scheme, end_time: f64, time_step: Option<f64>) -> TransientAn
 #[test]
 fn every_scheme_moves_a_free_body_straight_on() {
     let velocity = [1.0, 2.0, -3.0];
-    for scheme in Scheme::examples() {
+    for scheme in Scheme::examples().into_iter().filter(|s| !s.is_kinematic()) {
         println!("contract: scheme {}", word(&scheme));
         assert_eq!(word(&scheme), scheme.name());
         let mut m = strip(0.0);
@@ -204,7 +204,7 @@ fn every_scheme_moves_a_free_body_straight_on() {
 fn every_implicit_scheme_converges_with_the_step() {
     let mut m = strip(0.0);
     m.loads = vec![Load::Edge(VectorLoad::new("u_max", [0.0, 0.0, 1.0]))];
-    for scheme in Scheme::examples().into_iter().filter(|s| !s.is_explicit()) {
+    for scheme in Scheme::examples().into_iter().filter(|s| !s.is_explicit() && !s.is_kinematic()) {
         let at = |steps: u32| {
             let o = options(scheme, 0.02, Some(0.02 / f64::from(steps)));
             move_in_time(&m, &o, &mut Notes::default()).1.state.u

@@ -29,19 +29,26 @@ const CLOSED: f64 = 1e-9;
 const DISAGREED: f64 = 1e-6;
 
 /// Weights of the mass matrix with the augmented Lagrangian of the constraints, `M + Gᵀ γ G`.
-const MASS: TangentWeights = TangentWeights {
-    stress: 0.0,
-    direction: 0.0,
-    force: 0.0,
-    rate: 0.0,
-    augmentation: 1.0,
-    penalty: 0.0,
-    multiplier: 0.0,
-};
+pub(super) fn mass_weights(system: &System) -> TangentWeights {
+    // Bodies without mass move in kinematic analyses, which have no elastic parts.
+    let bodies = &system.coordinates.bodies;
+    let massless = system.sections.is_empty() && bodies.iter().any(|body| body.mass == 0.0);
+    let total = system.total_mass();
+    let penalty = if massless { if total > 0.0 { total } else { 1.0 } } else { 0.0 };
+    TangentWeights {
+        stress: 0.0,
+        direction: 0.0,
+        force: 0.0,
+        rate: 0.0,
+        augmentation: 1.0,
+        penalty,
+        multiplier: 0.0,
+    }
+}
 
 /// Assembles the mass matrix with the augmented Lagrangian of the constraints at a state.
 pub(super) fn assemble_mass(system: &System, newton: &mut Newton, state: &State) {
-    let parts = TangentCoefficients { weights: MASS, mass: 1.0, time: state.time };
+    let parts = TangentCoefficients { weights: mass_weights(system), mass: 1.0, time: state.time };
     let mut forces = vec![[0.0; 3]; system.vectors()];
     newton.assembly.forces_and_tangent(system, &state.point(system), &parts, false, None, &mut forces);
 }
@@ -81,7 +88,8 @@ pub(super) fn take_mass(
     (solver, constraints): (&mut SparseLdlt, &mut Constraints),
     state: &State,
 ) -> Result<()> {
-    let taken = constraints.take(system, (&state.point(system), &MASS), &assembly.frames, solver);
+    let taken =
+        constraints.take(system, (&state.point(system), &mass_weights(system)), &assembly.frames, solver);
     taken.map_err(|reason| Error::Singular {
         what: format!("The velocities of the joints were not found: {reason}."),
         help: "Check masses, inertia and joints.".into(),

@@ -15,6 +15,7 @@ mod generalized_alpha;
 mod impact;
 mod joint_events;
 mod joint_impact;
+pub mod kinematics;
 pub mod newmark;
 mod predictor;
 mod rotation_watch;
@@ -51,7 +52,12 @@ pub trait Integrator: Equation {
         &[]
     }
     /// Changes the rates at the end of a converged step so that they satisfy the constraints. `newton` has solved the step.
-    fn close_rates(&mut self, _system: &System, _newton: &mut Newton) {}
+    ///
+    /// # Errors
+    /// The linear solver failed, or constraints do not determine what a scheme asks of them.
+    fn close_rates(&mut self, _system: &System, _newton: &mut Newton) -> Result<()> {
+        Ok(())
+    }
     /// Writes displacements, velocities and accelerations at the end of a converged step to the state.
     fn finish(&mut self, system: &System, state: &mut State);
     /// Local error: root mean square error of position of the step over the model's length. `newton` has solved the step.

@@ -4,6 +4,7 @@ use super::amplitude_check::AmplitudeCheck;
 use super::drive_rates::DriveRates;
 use super::energy_watch::{EnergyWatch, energy_of_round_off, work_of_round_off};
 use super::joint_events::{JointEvents, Review};
+use super::kinematics::determined;
 use super::rotation_watch::RotationWatch;
 use super::schemes::Instant;
 use super::step_control::StepControl;
@@ -86,6 +87,9 @@ impl<'a> TimeSteps<'a> {
                 }
                 let (state, found) = initial_state(system, &mut newton)?;
                 messages = found;
+                if options.scheme.is_kinematic() {
+                    determined(system, &newton, &state)?;
+                }
                 let constraints = newton.constraints.iter();
                 warnings = constraints.flat_map(|constraints| constraints.redundant(system)).collect();
                 state
@@ -249,7 +253,7 @@ impl<'a> TimeSteps<'a> {
         let error = larger(error, self.system.error_of_drives(self.state.time, span.end));
         if self.control.accepts(error) {
             let Self { system, scheme, newton, state, old_velocities, .. } = self;
-            finish(system, (scheme.as_mut(), newton), (old_velocities, state), span);
+            finish(system, (scheme.as_mut(), newton), (old_velocities, state), span)?;
             return self.accept(span, error, &converged, observer);
         }
         let next = self.control.next(span.dt, span.dt, error, converged.tangents);
@@ -421,15 +425,18 @@ pub(super) fn trouble(system: &System, state: &State, dt: f64, new: &[Nodal]) ->
 
 /// Makes the end of a solved step the state: motion, work, dissipation, and the prediction of the next step. History variables are
 /// [committed](commit) later.
+///
+/// # Errors
+/// The rates at the end of the step were not found.
 pub(super) fn finish(
     system: &System,
     (scheme, newton): (&mut dyn Integrator, &mut Newton),
     (old_velocities, state): (&mut [Nodal], &mut State),
     span: Span,
-) {
+) -> Result<()> {
     let (end, State { u, angles, .. }) = (scheme.displacements(), &mut *state);
     system.continue_angles(|v, part| std::array::from_fn(|i| u[v][i] + part * (end[v][i] - u[v][i])), angles);
-    scheme.close_rates(system, newton);
+    scheme.close_rates(system, newton)?;
     let step_work = scheme.step_work(system, &mut newton.assembly, state);
     let after = (scheme.displacements(), span.end);
     let strains =
@@ -442,6 +449,7 @@ pub(super) fn finish(
         predictor::remember(old_velocities, span.dt, state);
     }
     (state.last_step, state.time) = (span.dt, span.end);
+    Ok(())
 }
 
 /// Commits the history variables at the end of a step, and begins the next one with the stress there.

@@ -4,6 +4,7 @@ use super::connection::{SOFTER, Speeds, released_energy};
 use super::failure::{CriticalPoint, Failure, Kind};
 use super::{StaticEquation, energies, follower_work, reactions, reactions_at, undefined};
 use crate::analysis::drilling::DrillingWatch;
+use crate::analysis::mobility;
 use crate::analysis::newton::{Cause, Converged, Newton, Tolerances};
 use crate::analysis::solver::TangentSolver;
 use crate::analysis::stepper::Reached;
@@ -380,6 +381,10 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let rounding =
             self.negative_pivots_at_rest(failure).map(|pivots| Failure::of_rounding(self.system, pivots));
         let failure = rounding.as_ref().unwrap_or(failure);
+        let free = mobility::free_motions(self.system, &self.state);
+        if !free.is_empty() {
+            return of_mechanism(&self.state, target, (&free, failure));
+        }
         let critical = self.critical_point(target, failure);
         let (system, options, state) = (self.system, self.options, &self.state);
         Error::NotConverged {
@@ -493,6 +498,25 @@ impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
 
     fn watch(&mut self, watched: &Watched) {
         self.state.watched.clone_from(watched);
+    }
+}
+
+/// Error of a mechanism whose free motions come to no stable equilibrium under its loads.
+fn of_mechanism(state: &State, target: f64, (free, failure): (&[String], &Failure)) -> Error {
+    Error::NotConverged {
+        at: format!("load factor {target:.6}"),
+        reason: format!(
+            "the model is a mechanism: joints, springs and supports leave {} motion(s) free: {}. Under its loads it has found no stable \
+             equilibrium: {}",
+            free.len(),
+            free.join("; "),
+            failure.reason
+        ),
+        help: format!(
+            "The last equilibrium was at load factor {:.6}. Hold the free motions by joints, drives or springs; or begin nearer to the \
+             equilibrium, or let a transient analysis with damping find it.",
+            state.time
+        ),
     }
 }
 

@@ -44,6 +44,10 @@ pub(crate) trait SchemeKeys: Copy + Default {
     fn moves_bodies(&self) -> bool {
         false
     }
+    /// True if positions follow from joints and drives alone: nothing is integrated, and bodies need no mass.
+    fn is_kinematic(&self) -> bool {
+        false
+    }
 }
 
 /// Declares the files of the schemes and hands the questions to their keys.
@@ -98,6 +102,13 @@ macro_rules! dispatch {
             pub fn moves_bodies(self) -> bool {
                 match self {
                     $(Self::$kind(keys) => keys.moves_bodies(),)*
+                }
+            }
+
+            /// True if positions follow from joints and drives alone: nothing is integrated, and bodies need no mass.
+            pub fn is_kinematic(self) -> bool {
+                match self {
+                    $(Self::$kind(keys) => keys.is_kinematic(),)*
                 }
             }
 

@@ -1,0 +1,225 @@
+//! Free motions of mechanisms: the null space of their joints, described by bodies and axes.
+//!
+//! A velocity of the degrees of freedom is a free motion where it keeps all joints closed, `G v = 0`, and nothing else resists it,
+//! `K v = 0` for the stiffness K of springs and elastic parts. The null space is that of the singular values which are round-off; a basis
+//! in which each motion moves few bodies follows by elimination with complete pivoting.
+
+use nalgebra::DMatrix;
+
+use super::State;
+use super::constraints::gradients_at;
+use crate::Vec3;
+use crate::element::{Nodal, TangentRequest, TangentWeights, VectorKind};
+use crate::system::dof_map::CONSTRAINED;
+use crate::system::{Assembly, LocalFrames, System};
+use tegula_sparse::norm::larger;
+
+/// Largest number of degrees of freedom of which the null space is computed: the matrix is dense.
+const MOST: usize = 600;
+/// Singular value over the largest one that is round-off.
+const ROUND_OFF: f64 = 1e-9;
+/// Part of a motion, over the largest one, that is round-off.
+const NOTHING: f64 = 1e-7;
+
+/// Motions that joints, supports, springs and elastic parts leave free in a state, each as text; none where the model is too large for the
+/// search.
+pub(super) fn free_motions(system: &System, state: &State) -> Vec<String> {
+    let n = system.unknowns();
+    if n == 0 || n > MOST || system.coordinates.bodies.is_empty() {
+        return Vec::new();
+    }
+    let mut assembly = Assembly::for_forces(system);
+    assembly.follow(system, &state.point(system));
+    let frames = &assembly.frames;
+    let lengths = lengths(system);
+    let mut rows: Vec<Vec<f64>> = gradients_at(system, frames, state)
+        .into_iter()
+        .map(|gradient| {
+            let mut row = vec![0.0; n];
+            gradient.into_iter().for_each(|(number, x)| row[number as usize] += x);
+            row
+        })
+        .collect();
+    rows.extend(stiffness_rows(system, state, frames));
+    for row in &mut rows {
+        row.iter_mut().zip(&lengths).for_each(|(x, length)| *x *= length);
+        let size = row.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if size > 0.0 {
+            row.iter_mut().for_each(|x| *x /= size);
+        }
+    }
+    // As many rows as columns at least: the decomposition has the whole null space then.
+    let matrix = DMatrix::from_fn(rows.len().max(n), n, |i, j| rows.get(i).map_or(0.0, |row| row[j]));
+    let svd = matrix.svd(false, true);
+    let largest = svd.singular_values.iter().copied().fold(0.0, larger);
+    let Some(right) = svd.v_t else { return Vec::new() };
+    let free: Vec<usize> = (0..n).filter(|&i| svd.singular_values[i] <= ROUND_OFF * largest).collect();
+    let mut basis = DMatrix::from_fn(n, free.len(), |i, j| right[(free[j], i)]);
+    eliminate(&mut basis);
+    let describe_column = |column: usize| {
+        let free: Vec<f64> = (0..n).map(|i| basis[(i, column)] * lengths[i]).collect();
+        let mut field = vec![[0.0; 3]; system.vectors()];
+        frames.expand(&free, &mut field);
+        describe(system, &state.u, &field)
+    };
+    (0..free.len()).filter_map(describe_column).collect()
+}
+
+/// Sizes of unit motions of the degrees of freedom: those of positions are multiplied by the length of the model.
+fn lengths(system: &System) -> Vec<f64> {
+    let mut out = vec![1.0; system.unknowns()];
+    for (v, kind) in system.coordinates.kinds.iter().enumerate() {
+        for number in system.dofs().of(v).into_iter().filter(|n| *n != CONSTRAINED) {
+            if *kind == VectorKind::Position {
+                out[number as usize] = system.length;
+            }
+        }
+    }
+    out
+}
+
+/// Rows of the material stiffness of springs and elastic parts that are not joints.
+fn stiffness_rows(system: &System, state: &State, frames: &LocalFrames) -> Vec<Vec<f64>> {
+    let n = system.unknowns();
+    let (factors, point): (Vec<f64>, _) = (system.factors(state.time).collect(), state.point(system));
+    let mut out = vec![vec![0.0; n]; n];
+    let weights = TangentWeights { direction: 0.0, multiplier: 0.0, ..TangentWeights::STATIC };
+    for (number, group, _) in system.numbered_groups() {
+        let vectors = group.vectors_per_element();
+        let size = 9 * vectors * (vectors + 1) / 2;
+        let mut forces = vec![0.0; 3 * vectors * group.len()];
+        let mut blocks = vec![0.0; size * group.len()];
+        let request = TangentRequest { weights, stress: None, prescribed: None, blocks: &mut blocks };
+        group.evaluate(&point.of_group(system, number, &factors), 0, &mut forces, Some(request));
+        for element in 0..group.len() {
+            let (list, blocks) = (group.vectors(element), &blocks[element * size..(element + 1) * size]);
+            let mut block = blocks.chunks_exact(9);
+            for a in 0..vectors {
+                for b in 0..=a {
+                    let Some(block) = block.next() else { continue };
+                    let entry = |i: usize, j: usize| block[3 * i + j];
+                    add_block(frames, (list[a], list[b]), entry, &mut out);
+                    if a != b {
+                        add_block(frames, (list[b], list[a]), |i, j| entry(j, i), &mut out);
+                    }
+                }
+            }
+        }
+    }
+    out.retain(|row| row.iter().any(|x| *x != 0.0));
+    out
+}
+
+/// Adds a block of the stiffness to rows of the degrees of freedom.
+fn add_block(
+    frames: &LocalFrames,
+    (a, b): (u32, u32),
+    entry: impl Fn(usize, usize) -> f64,
+    rows: &mut [Vec<f64>],
+) {
+    for i in 0..3 {
+        let mut unit = Vec3::zeros();
+        unit[i] = 1.0;
+        let force = Vec3::from_fn(|j, _| entry(i, j));
+        frames.reduce_one(a as usize, &unit, |row, x| {
+            frames.reduce_one(b as usize, &force, |column, y| rows[row as usize][column as usize] += x * y);
+        });
+    }
+}
+
+/// Changes the basis of a null space so that each of its vectors has as few entries as elimination with complete pivoting leaves.
+fn eliminate(basis: &mut DMatrix<f64>) {
+    let columns = basis.ncols();
+    let mut used = vec![false; basis.nrows()];
+    for k in 0..columns {
+        let mut pivot = (0, k, 0.0);
+        for j in k..columns {
+            for (i, _) in used.iter().enumerate().filter(|(_, used)| !**used) {
+                if basis[(i, j)].abs() > pivot.2 {
+                    pivot = (i, j, basis[(i, j)].abs());
+                }
+            }
+        }
+        let (row, column, size) = pivot;
+        if size == 0.0 {
+            return;
+        }
+        used[row] = true;
+        basis.swap_columns(k, column);
+        let scale = 1.0 / basis[(row, k)];
+        basis.column_mut(k).scale_mut(scale);
+        for j in (0..columns).filter(|&j| j != k) {
+            let factor = basis[(row, j)];
+            let change = basis.column(k) * factor;
+            let mut column = basis.column_mut(j);
+            column -= change;
+        }
+    }
+}
+
+/// Motion of the body that a field of velocities moves most, and the other bodies that move with it; `None` where no body moves.
+pub(super) fn describe(system: &System, u: &[Nodal], field: &[Nodal]) -> Option<String> {
+    let at = |v: usize| Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v]);
+    let velocity = |v: u32| Vec3::from(field[v as usize]);
+    let moves = |body: &crate::system::coordinates::Body| {
+        let spin = body.directors.map_or(Vec3::zeros(), |directors| {
+            directors.iter().map(|&d| at(d as usize).cross(&velocity(d))).sum::<Vec3>() * 0.5
+        });
+        (velocity(body.centre), spin)
+    };
+    let size = |(t, w): &(Vec3, Vec3)| t.norm() / system.length + w.norm();
+    let bodies = &system.coordinates.bodies;
+    let largest = bodies.iter().max_by(|a, b| size(&moves(a)).total_cmp(&size(&moves(b))))?;
+    let motion = moves(largest);
+    let others = field.iter().enumerate().filter(|(v, _)| system.coordinates.body_of(*v).is_none());
+    let elsewhere = others.map(|(v, x)| {
+        let x = Vec3::from(*x).norm();
+        if system.coordinates.kinds[v] == VectorKind::Position { x / system.length } else { x }
+    });
+    if !(size(&motion) > elsewhere.fold(0.0, larger)) {
+        return None;
+    }
+    let (t, w) = motion;
+    let how = if w.norm() * system.length <= NOTHING * t.norm() {
+        let t = axis(t);
+        format!("moves along ({}, {}, {})", number(t.x), number(t.y), number(t.z))
+    } else {
+        let p = at(largest.centre as usize) + w.cross(&t) / w.norm_squared();
+        let along = t.dot(&w) / w.norm_squared();
+        let a = axis(w);
+        let pitch = if along.abs() > NOTHING * system.length {
+            format!(", moving along it by {along:.4} per radian")
+        } else {
+            String::new()
+        };
+        format!(
+            "turns about the axis through ({}, {}, {}) along ({}, {}, {}){pitch}",
+            number(p.x),
+            number(p.y),
+            number(p.z),
+            number(a.x),
+            number(a.y),
+            number(a.z)
+        )
+    };
+    let with: Vec<String> = bodies
+        .iter()
+        .filter(|body| body.name != largest.name && size(&moves(body)) > NOTHING * size(&motion))
+        .map(|body| format!("\"{}\"", body.name))
+        .collect();
+    let with = if with.is_empty() { String::new() } else { format!(", and with it {}", with.join(", ")) };
+    Some(format!("body \"{}\" {how}{with}", largest.name))
+}
+
+/// Direction of a vector, with a positive first component.
+fn axis(v: Vec3) -> Vec3 {
+    let v = v.normalize();
+    let first = v.iter().copied().find(|x| x.abs() > NOTHING).unwrap_or(1.0);
+    v * first.signum()
+}
+
+/// Number with four digits, without the sign of a zero that is round-off.
+fn number(x: f64) -> String {
+    let text = format!("{x:.4}");
+    if text == "-0.0000" { "0.0000".into() } else { text }
+}
