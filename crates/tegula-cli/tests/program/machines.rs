@@ -158,6 +158,28 @@ fn beads_on_cycloids_are_down_at_the_same_time() {
     }
 }
 
+/// The slider is where the length of the rod puts it, and the power of the motor is the rate of the energy.
+#[test]
+fn the_driven_slider_follows_from_the_length_of_its_rod() {
+    let column = history_of("spatial_slider_crank.toml");
+    let [time, x, v] = ["time", "body.slider.x", "body.slider.vx"].map(&column);
+    let energy: Vec<f64> = column("kinetic").iter().zip(column("potential")).map(|(k, p)| k + p).collect();
+    let moment = column("joint.motor.mx");
+    let last = time.len() - 1;
+    assert_eq!(last, 100);
+    let largest = moment.iter().copied().map(f64::abs).fold(0.0, larger);
+    for i in 1..last {
+        let (sin, cos) = (TAU * time[i]).sin_cos();
+        let (y, z) = (0.1 - 0.08 * sin, 0.12 + 0.08 * cos);
+        let exact = (0.09 - y * y - z * z).sqrt();
+        assert!((x[i] - exact).abs() < 1e-14, "{}: {} {exact}", time[i], x[i]);
+        let rate = TAU * 0.08 * (y * cos + z * sin) / exact;
+        assert!((v[i] - rate).abs() < 1e-12, "{}: {} {rate}", time[i], v[i]);
+        let power = (energy[i + 1] - energy[i - 1]) / (time[i + 1] - time[i - 1]);
+        assert!((moment[i] * TAU - power).abs() < 0.01 * largest * TAU, "{}: {} {power}", time[i], moment[i]);
+    }
+}
+
 /// Runs an example and gives the columns of its history by name.
 fn history_of(name: &str) -> impl Fn(&str) -> Vec<f64> + use<> {
     let [history] = histories_of(name, [""]);

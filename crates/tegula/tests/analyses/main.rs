@@ -34,6 +34,7 @@ mod iterative_statics;
 mod joint_friction;
 mod joint_reactions;
 mod joint_stops;
+mod kinematics;
 mod lagged_tangent;
 mod linear_solvers;
 mod load_paths;

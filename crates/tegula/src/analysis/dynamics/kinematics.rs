@@ -20,6 +20,10 @@ use crate::error::{Error, Result};
 use crate::system::assembly::TangentCoefficients;
 use crate::system::{Assembly, System};
 
+/// Singular value of the gradients of the constraints, over the largest one, that counts as 0: in a singular position the coordinates
+/// are known to the square root of round-off, and the rank is that of the products of the gradients.
+const SINGULAR: f64 = 1e-5;
+
 /// Positions, rates and multipliers at the end of a step.
 pub struct Kinematics {
     /// Displacements, rates and multipliers, with the work of loads and drives.
@@ -143,7 +147,7 @@ impl Integrator for Kinematics {
     }
 
     fn tolerances(&self, max_iterations: u32) -> Tolerances {
-        Tolerances { energy: 1e-20, increment: 1e-8, max_iterations }
+        Tolerances { energy: 1e-20, increment: 1e-11, max_iterations }
     }
 }
 
@@ -156,18 +160,16 @@ pub(super) fn determined(system: &System, newton: &Newton, state: &State) -> Res
     if independent >= system.unknowns() {
         return Ok(());
     }
-    let free = mobility::free_motions(system, state);
-    if free.is_empty() {
-        return Ok(());
-    }
+    let free = mobility::free_motions(system, state, SINGULAR);
     let at = if state.time > 0.0 {
         format!("time {:.6e}: in this singular position", state.time)
     } else {
         "at the start".into()
     };
+    let named = if free.is_empty() { String::new() } else { format!(": {}", free.join("; ")) };
     Err(Error::model(
         "joints",
-        format!("{at} joints and drives leave {} motion(s) free: {}", free.len(), free.join("; ")),
+        format!("{at} joints and drives leave {} motion(s) free{named}", system.unknowns() - independent),
         "drive them by joints `driven-angle` or `driven-length`, hold them by joints, or use the scheme \"energy-momentum\"",
     ))
 }
