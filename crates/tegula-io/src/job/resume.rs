@@ -107,6 +107,8 @@ impl CheckpointData {
             ("mean a", s.mean_a.len()),
             ("scheme v", s.scheme_v.len()),
             ("acceleration lag", s.acceleration_lag.len()),
+            ("mean velocities", s.mean_rates[0].len()),
+            ("mean accelerations", s.mean_rates[1].len()),
             ("tangent v", t.v.len()),
             ("reactions", self.forces.1.len()),
         ];

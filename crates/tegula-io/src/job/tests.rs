@@ -226,6 +226,7 @@ fn distinct(system: &System) -> CheckpointData {
     ] {
         *nodal = field(n);
     }
+    state.mean_rates = [field(n), field(n)];
     state.history = field(history).into_flattened()[..history].to_vec();
     [state.time, state.next_step, state.last_step] = field(1)[0];
     [state.work, state.dissipated, state.energy_scale] = field(1)[0];

@@ -50,6 +50,10 @@ pub struct State {
     /// before its first step and for other schemes.
     #[serde(default)]
     pub acceleration_lag: Vec<Nodal>,
+    /// Mean velocities and mean accelerations of the last finished step of BDF2; empty at its start, behind a jump of the velocities, and
+    /// for other schemes.
+    #[serde(default)]
+    pub mean_rates: [Vec<Nodal>; 2],
     /// Enhanced parameters and internal variables of the materials.
     pub history: Vec<f64>,
     /// Lagrange multipliers of the constraints of joints, in the order of the joints.

@@ -22,6 +22,7 @@ macro_rules! schemes {
             energy_momentum::EnergyMomentumScheme as EnergyMomentum: "Conserves energy and momenta exactly (Simo–Tarnow).",
             hht::HhtScheme as Hht: "Hilber–Hughes–Taylor α method: second order with numerical damping.",
             generalized_alpha::GeneralizedAlphaScheme as GeneralizedAlpha: "Generalised-α method: second order with numerical damping, also with bodies and joints.",
+            bdf2::Bdf2Scheme as Bdf2: "Backward differentiation formula of second order: strong numerical damping, for motions that settle.",
             kinematic::KinematicScheme as Kinematic: "Kinematic analysis of rigid bodies: positions from joints and drives alone, forces by inverse dynamics.",
             explicit::ExplicitScheme as Explicit: "Central differences with lumped mass: no equations are solved, steps are small.",
         }

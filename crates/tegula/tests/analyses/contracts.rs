@@ -209,7 +209,7 @@ fn every_implicit_scheme_converges_with_the_step() {
             let o = options(scheme, 0.02, Some(0.02 / f64::from(steps)));
             move_in_time(&m, &o, &mut Notes::default()).1.state.u
         };
-        let states = [100, 200, 400].map(at);
+        let states = [200, 400, 800].map(at);
         let [coarse, fine] = [distance(&states[0], &states[1]), distance(&states[1], &states[2])];
         let size = max_norm(states[2].as_flattened());
         assert!(coarse < 0.1 * size && fine < 0.6 * coarse, "{scheme:?}: {coarse:e} {fine:e} of {size:e}");

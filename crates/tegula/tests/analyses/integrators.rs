@@ -13,6 +13,7 @@ const NEWMARK: Scheme = Scheme::Newmark(NewmarkScheme { beta: 0.25, gamma: 0.5 }
 const HHT: Scheme = Scheme::Hht(HhtScheme { alpha: -0.1 });
 const ENERGY_MOMENTUM: Scheme = Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 });
 const GENERALIZED_ALPHA: Scheme = Scheme::GeneralizedAlpha(GeneralizedAlphaScheme { spectral_radius: 0.8 });
+const BDF2: Scheme = Scheme::Bdf2(Bdf2Scheme {});
 const EXPLICIT: Scheme = Scheme::Explicit(ExplicitScheme { scale_director_inertia: true });
 
 fn options(scheme: Scheme, end_time: f64, time_step: Option<f64>) -> TransientAnalysis {
@@ -65,6 +66,8 @@ fn positions_and_velocities_of_large_motions_converge_at_the_order_of_the_scheme
         (ENERGY_MOMENTUM, &free, &second),
         (GENERALIZED_ALPHA, &free, &second),
         (GENERALIZED_ALPHA, &both, &second),
+        (BDF2, &free, &second),
+        (BDF2, &both, &second),
         (damped_newmark, &free, &first),
         (EXPLICIT, &free, &second),
         (NEWMARK, &both, &second),
@@ -290,7 +293,7 @@ fn step(system: &System, scheme: Scheme, state: &State, dt: f64) -> (State, f64)
 fn local_errors_are_estimated_as_they_are() {
     let m = soft_plate();
     let (dt, before) = (5e-4, 0.05);
-    for (scheme, most) in [(NEWMARK, 1.15), (HHT, 2.0), (ENERGY_MOMENTUM, 1.15)] {
+    for (scheme, most) in [(NEWMARK, 1.15), (HHT, 2.0), (ENERGY_MOMENTUM, 1.15), (BDF2, 1.15)] {
         // A smooth state with the acceleration of the scheme, from short steps; the last one is as long as the next.
         let (system, outcome) = move_in_time(&m, &options(scheme, before, Some(dt)), &mut Notes::default());
         let start = outcome.state;
@@ -317,7 +320,7 @@ fn local_errors_are_estimated_as_they_are() {
 fn automatic_steps_keep_the_error_in_proportion_to_the_tolerance() {
     let m = soft_plate();
     let exact = move_in_time(&m, &options(NEWMARK, 0.3, Some(0.3 / 8192.0)), &mut Notes::default()).1.state;
-    for scheme in [NEWMARK, HHT, ENERGY_MOMENTUM] {
+    for scheme in [NEWMARK, HHT, ENERGY_MOMENTUM, BDF2] {
         let run = |tolerance: f64| {
             let o = TransientAnalysis { tolerance, ..options(scheme, 0.3, None) };
             let (_, outcome) = move_in_time(&m, &o, &mut Notes::default());

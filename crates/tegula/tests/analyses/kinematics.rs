@@ -8,7 +8,7 @@ use crate::common::Notes;
 use crate::multibody::{axis_joint, between, body, gravity, machine, revolute, run};
 use tegula::analysis::{State, dynamics, statics};
 use tegula::model::*;
-use tegula::norm::larger;
+use tegula::norm::{larger, max_norm};
 use tegula::result::bodies::BodyMotion;
 use tegula::result::joint_reaction;
 use tegula::{System, Vec3, compile, mesh};
@@ -180,7 +180,7 @@ fn a_four_bar_linkage_moves_by_its_loop_equation() {
 fn the_drive_of_a_kinematic_analysis_has_the_moment_of_inverse_dynamics() {
     let mut notes = Notes::keeping();
     let (system, _) = run(&four_bar(2.0, 0.05, true), &mut notes);
-    let largest = notes.states.iter().map(|s| moment(drive(s.time)).abs()).fold(0.0, f64::max);
+    let largest = max_norm(notes.states.iter().map(|s| moment(drive(s.time))));
     for state in &notes.states {
         let (_, found) = joint_reaction(&system, state, &system.joints[4]);
         let expected = moment(drive(state.time));
@@ -301,14 +301,12 @@ fn a_static_mechanism_without_equilibrium_is_named_by_body_and_axis() {
 /// A kinematic analysis refuses what it does not know, with the body or the joint.
 #[test]
 fn a_kinematic_analysis_refuses_velocities_friction_and_missing_drives() {
-    let fast = |m: &mut Model| m.bodies[1].velocity = [1.0, 0.0, 0.0];
-    let undriven = |m: &mut Model| m.joints.truncate(4);
-    let cases: [(&dyn Fn(&mut Model), &str); 2] =
-        [(&fast, "\"coupler\" has a velocity"), (&undriven, "no joint is driven")];
-    for (change, words) in cases {
-        let mut model = four_bar(1.0, 0.1, true);
-        change(&mut model);
-        let text = refusal(&model);
+    let mut fast = four_bar(1.0, 0.1, true);
+    fast.bodies[1].velocity = [1.0, 0.0, 0.0];
+    let mut undriven = four_bar(1.0, 0.1, true);
+    undriven.joints.truncate(4);
+    for (model, words) in [(&fast, "\"coupler\" has a velocity"), (&undriven, "no joint is driven")] {
+        let text = refusal(model);
         assert!(text.contains(words), "{text}");
     }
 }

@@ -1,6 +1,7 @@
 //! Transient dynamics: consistent start, step control, energy balance; one file per integrator.
 
 mod amplitude_check;
+pub mod bdf2;
 mod break_away;
 mod composition;
 mod constrained_start;

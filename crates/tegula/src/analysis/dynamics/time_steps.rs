@@ -290,6 +290,11 @@ impl<'a> TimeSteps<'a> {
         if system.has_kink(span.end) {
             let mean = self.options.scheme.instant() == Instant::Middle;
             state.work += impact::pass_kink(system, newton, mean, state)?;
+            if !state.mean_rates[0].is_empty() {
+                // The formula starts anew, from the velocities behind the jump.
+                state.mean_rates.iter_mut().for_each(Vec::clear);
+                state.scheme_v.clear();
+            }
         }
         state.step += 1;
         state.next_step = control.next(span.dt, state.next_step, error, converged.tangents);

@@ -1,0 +1,208 @@
+//! Backward differentiation formula of second order (BDF2), also for motions with constraints.
+//!
+//! With the mean rates of the step and those of the step before
+//!
+//! ```text
+//! V₁ = (u₁ − u₀)/Δt,   A₁ = (v₁ − v₀)/Δt,   ω = Δt/Δt₀
+//! v₁ = c V₁ − w V₀,    a₁ = c A₁ − w A₀,     c = (1 + 2ω)/(1 + ω),  w = ω/(1 + ω)
+//! M a₁ + C v₁ + f₁ − F₁ + G₁ᵀλ₁ = 0,         g(u₁) = 0
+//! ```
+//!
+//! The first step, and one that is much longer than the step before, is a backward Euler step (c = 1, w = 0). Motions that the step does not
+//! resolve vanish (L-stability); with automatic steps of any length a structure settles in its equilibrium. For
+//! constraints K. E. Brenan, S. L. Campbell, L. R. Petzold, *Numerical solution of initial-value problems in differential-algebraic
+//! equations* (1996), Sect. 3.2; variable steps E. Hairer, S. P. Nørsett, G. Wanner, *Solving ordinary differential equations I* (1993),
+//! Sect. III.5, where the formula is stable for ω < 1 + √2.
+//!
+//! **Rates.** Velocities are differences of positions, which satisfy the constraints; across the constraints they are of second order, and
+//! no error adds up. The velocities of the state are their projections; the scheme goes on with its own, because those make the
+//! multipliers of second order.
+
+use super::newmark::Newmark;
+use super::{Integrator, Span, StepWork, project_rates, triads};
+use crate::analysis::State;
+use crate::analysis::newton::{Equation, Newton, Tolerances};
+use crate::element::{Motion, Nodal};
+use crate::error::Result;
+use crate::system::assembly::TangentCoefficients;
+use crate::system::{Assembly, System};
+
+/// Largest ratio of a step to the one before with which the formula goes on; it is below 1 + √2.
+const LARGEST_RATIO: f64 = 2.0;
+
+/// BDF2 integrator.
+pub struct Bdf2 {
+    /// The step, with β = 1/c² and γ = 1/c: increments δ of the positions change the velocities by c δ/Δt and the accelerations by c² δ/Δt².
+    newmark: Newmark,
+    /// Weights c and w of the mean rates.
+    weights: [f64; 2],
+    /// Length of the step over that of the one before; `None` for backward Euler steps.
+    ratio: Option<f64>,
+    /// Velocities at the start of the step, and those at its end on the constraints.
+    velocities: Vec<Nodal>,
+    projected: Vec<Nodal>,
+    /// Local error of the nodal vectors, and scratch space.
+    error: Vec<Nodal>,
+    scratch: Vec<Nodal>,
+    /// Whether convergence is judged as sharply as joints and bodies need it.
+    sharp: bool,
+}
+
+impl Bdf2 {
+    /// Integrator of a system.
+    pub fn new(system: &System) -> Self {
+        let zero = vec![[0.0; 3]; system.vectors()];
+        Self {
+            newmark: Newmark::new(system, 1.0, 1.0, 0.0),
+            weights: [1.0, 0.0],
+            ratio: None,
+            velocities: zero.clone(),
+            projected: zero.clone(),
+            error: zero.clone(),
+            scratch: zero,
+            sharp: system.constraints() > 0 || !system.dofs().triads.is_empty(),
+        }
+    }
+
+    /// Velocities and accelerations that belong to the displacements.
+    fn rates(&mut self, system: &System, state: &State) {
+        let Self { newmark, weights: [c, w], velocities, .. } = self;
+        let [mean_v, mean_a] = &state.mean_rates;
+        let before = |of: &[Nodal], n: usize| of.get(n).copied().unwrap_or_default();
+        for n in 0..velocities.len() {
+            let (v_before, a_before) = (before(mean_v, n), before(mean_a, n));
+            for i in 0..3 {
+                let moved = newmark.u[n][i] - state.u[n][i];
+                let v = *c * (moved / newmark.dt) - *w * v_before[i];
+                newmark.v[n][i] = v;
+                newmark.a[n][i] = *c * ((v - velocities[n][i]) / newmark.dt) - *w * a_before[i];
+            }
+        }
+        // Prescribed motions are known exactly, with their rates.
+        system.prescribe_velocity_before(newmark.time, &mut newmark.v);
+        system.prescribe_acceleration(newmark.time, &mut newmark.a);
+    }
+}
+
+impl Equation for Bdf2 {
+    fn motion(&self) -> Motion<'_> {
+        self.newmark.motion()
+    }
+
+    fn parts(&self) -> TangentCoefficients {
+        let mut parts = self.newmark.parts();
+        parts.weights.augmentation = 1.0 / (self.newmark.beta * self.newmark.dt * self.newmark.dt);
+        parts
+    }
+
+    fn external_minus_inertia(&self, system: &System, out: &mut [Nodal]) {
+        self.newmark.external_minus_inertia(system, out);
+    }
+
+    fn apply(&mut self, system: &System, increment: &[Nodal]) {
+        self.newmark.apply(system, increment);
+    }
+
+    fn multipliers(&self) -> &[f64] {
+        self.newmark.multipliers()
+    }
+
+    fn change_multipliers(&mut self, change: &[f64]) {
+        self.newmark.change_multipliers(change);
+    }
+
+    fn prescribed(&self, system: &System, increment: &mut [Nodal]) -> bool {
+        self.newmark.prescribed(system, increment)
+    }
+
+    fn energy_scale(&self, system: &System, assembly: &mut Assembly, history: &[f64]) -> f64 {
+        self.newmark.energy_scale(system, assembly, history)
+    }
+
+    fn displacement_scale(&self, system: &System) -> f64 {
+        self.newmark.displacement_scale(system)
+    }
+
+    fn error_limit(&self, first: f64) -> f64 {
+        self.newmark.error_limit(first)
+    }
+}
+
+impl Integrator for Bdf2 {
+    fn begin(&mut self, system: &System, _assembly: &mut Assembly, state: &State, span: Span) {
+        let ratio = span.dt / state.last_step;
+        self.ratio = (!state.mean_rates[0].is_empty() && ratio <= LARGEST_RATIO).then_some(ratio);
+        self.weights = self.ratio.map_or([1.0, 0.0], |w| [(1.0 + 2.0 * w) / (1.0 + w), w / (1.0 + w)]);
+        let c = self.weights[0];
+        (self.newmark.beta, self.newmark.gamma) = (1.0 / (c * c), 1.0 / c);
+        self.newmark.a_old.copy_from_slice(&state.a);
+        self.velocities.copy_from_slice(state.velocities_of_scheme());
+        self.newmark.start(system, state, span);
+        self.rates(system, state);
+    }
+
+    fn displacements(&self) -> &[Nodal] {
+        self.newmark.displacements()
+    }
+
+    /// Finds the velocities of the state, which satisfy the constraints.
+    fn close_rates(&mut self, system: &System, newton: &mut Newton) -> Result<()> {
+        let Self { newmark, projected, .. } = self;
+        projected.copy_from_slice(&newmark.v);
+        triads::project_velocities(system, &newmark.u, projected);
+        if let Some(constraints) = &mut newton.constraints {
+            constraints.project_velocities(system, (&newmark.u, newmark.time), projected);
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, system: &System, state: &mut State) {
+        let Self { newmark, velocities, projected, scratch, .. } = self;
+        let [mean_v, mean_a] = &mut state.mean_rates;
+        for (mean, end, start) in [(mean_v, &newmark.u, &state.u), (mean_a, &newmark.v, velocities)] {
+            mean.resize(end.len(), [0.0; 3]);
+            for ((mean, end), start) in mean.iter_mut().zip(end).zip(start) {
+                *mean = std::array::from_fn(|i| (end[i] - start[i]) / newmark.dt);
+            }
+        }
+        scratch.fill([0.0; 3]);
+        project_rates(system, &newmark.u, projected, scratch);
+        state.u.copy_from_slice(&newmark.u);
+        state.v.copy_from_slice(projected);
+        state.a.copy_from_slice(&newmark.a);
+        state.scheme_v.clone_from(&newmark.v);
+        state.multipliers.copy_from_slice(&newmark.multipliers);
+    }
+
+    /// Leading term of the error of position that a step adds, `(1 + ω)/(6 ω) Δt² (a₁ − a₀)`, and `½ Δt² a₁` for backward Euler. Its part
+    /// across the constraints is left out: positions satisfy them.
+    fn local_error(&mut self, system: &System, newton: &mut Newton, _state: &State) -> f64 {
+        let Self { newmark, error, scratch, ratio, .. } = self;
+        let Newmark { dt, a, a_old, u, .. } = &*newmark;
+        let [end, start] = ratio.map_or([0.5, 0.0], |w| [(1.0 + w) / (6.0 * w); 2]);
+        for ((error, new), old) in error.iter_mut().zip(a).zip(a_old) {
+            *error = std::array::from_fn(|i| dt * dt * (end * new[i] - start * old[i]));
+        }
+        if !system.linear {
+            scratch.fill([0.0; 3]);
+            triads::project_rates(system, u, error, scratch);
+        }
+        if let Some(constraints) = &mut newton.constraints {
+            let at = (&newmark.motion(), newmark.parts().time);
+            constraints.take_tangential_part(system, at, error);
+        }
+        system.position_rms(|v| error[v])
+    }
+
+    fn step_work(&mut self, system: &System, assembly: &mut Assembly, state: &State) -> StepWork {
+        self.newmark.step_work(system, assembly, state)
+    }
+
+    fn tolerances(&self, max_iterations: u32) -> Tolerances {
+        if self.sharp {
+            Tolerances { energy: 1e-20, increment: 1e-8, max_iterations }
+        } else {
+            self.newmark.tolerances(max_iterations)
+        }
+    }
+}

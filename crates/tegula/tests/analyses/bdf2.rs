@@ -1,0 +1,219 @@
+//! The backward differentiation formula of second order: its recurrence on an oscillator, order with joints, settling, spin, jumps.
+
+use crate::common::{Notes, distance, move_in_time};
+use crate::composition::{errors_of_pendulum, hung, pendulum};
+use crate::family_dynamics::soft_plate;
+use crate::multibody::{between, body, gravity, machine, pose, revolute, run, spherical};
+use tegula::Vec3;
+use tegula::analysis::{State, statics};
+use tegula::model::*;
+use tegula::norm::max_norm;
+use tegula::result::{BodyMotion, joint_reaction};
+
+const BDF2: Scheme = Scheme::Bdf2(Bdf2Scheme {});
+
+/// The model with steps of this length, up to `end`.
+fn stepped(model: &Model, end: f64, step: f64) -> Model {
+    let options = TransientAnalysis { scheme: BDF2, time_step: Some(step), ..TransientAnalysis::new(end) };
+    Model { analysis: Analysis::Transient(options), ..model.clone() }
+}
+
+/// A point mass on a spring of no length: `ẍ = −ω² x` from x = 1 at rest.
+fn oscillator(omega: f64) -> Model {
+    let spring = SpringDamper {
+        name: "spring".into(),
+        between: between("ground", "mass"),
+        points: [[0.0; 3], [1.0, 0.0, 0.0]],
+        stiffness: omega * omega,
+        damping: 0.0,
+        length: Some(0.0),
+    };
+    Model {
+        springs: vec![spring],
+        ..machine(1.0, 0.1, vec![body("mass", [1.0, 0.0, 0.0], 1.0, None)], Vec::new())
+    }
+}
+
+/// Positions and velocities of the formula itself, for steps that end at these times.
+fn recurrence(omega: f64, times: &[f64]) -> Vec<[f64; 2]> {
+    let (mut t, mut x) = (vec![0.0], vec![[1.0, 0.0]]);
+    for &end in times {
+        let n = x.len() - 1;
+        let dt = end - t[n];
+        // u₁ (1 + 2ω)/(1 + ω) − u₀ (1 + ω) + u₋₁ ω²/(1 + ω) = Δt u₁′
+        let [c0, c1, c2] = if n == 0 {
+            [1.0, 1.0, 0.0]
+        } else {
+            let r = dt / (t[n] - t[n - 1]);
+            [(1.0 + 2.0 * r) / (1.0 + r), 1.0 + r, r * r / (1.0 + r)]
+        };
+        let before = if n == 0 { [0.0; 2] } else { x[n - 1] };
+        let known: [f64; 2] = std::array::from_fn(|i| c1 * x[n][i] - c2 * before[i]);
+        // c0 u − Δt v = known₀ and c0 v + Δt ω² u = known₁
+        let det = c0 * c0 + dt * dt * omega * omega;
+        let u = (c0 * known[0] + dt * known[1]) / det;
+        let v = (c0 * known[1] - dt * omega * omega * known[0]) / det;
+        x.push([u, v]);
+        t.push(end);
+    }
+    x
+}
+
+/// Steps of a fifth of a radian and of a hundred radians, the first one by backward Euler; a stop makes two of them unequal.
+#[test]
+fn an_oscillator_follows_the_recurrence_of_the_formula() {
+    for omega in [2.0, 1000.0] {
+        let mut model = stepped(&oscillator(omega), 1.0, 0.1);
+        model.output.at = vec![0.44];
+        let mut notes = Notes::keeping();
+        let (system, _) = run(&model, &mut notes);
+        let times: Vec<f64> = notes.states[1..].iter().map(|s| s.time).collect();
+        assert!(times.iter().any(|t| (t - 0.44).abs() < 1e-12), "{times:?}");
+        let expected = recurrence(omega, &times);
+        for (state, [x, v]) in notes.states.iter().zip(expected) {
+            let motion = BodyMotion::new(&system, state, &system.coordinates.bodies[0]);
+            assert!(
+                (motion.position.x - x).abs() < 1e-10,
+                "{omega} {}: {} {x}",
+                state.time,
+                motion.position.x
+            );
+            assert!(
+                (motion.velocity.x - v).abs() < 1e-8,
+                "{omega} {}: {} {v}",
+                state.time,
+                motion.velocity.x
+            );
+        }
+    }
+}
+
+/// Position, velocity and tension of the pendulum at 2 s: exact by elliptic functions (IFToMM benchmark A01).
+#[test]
+fn a_pendulum_converges_with_the_square_of_the_step_in_position_velocity_and_reaction() {
+    let (place, turning) = (Vec3::new(-0.7935661953, -0.6084839304, 0.0), -3.4552068991);
+    let errors = [1e-3, 5e-4, 2.5e-4].map(|step| {
+        let found = run(&stepped(&pendulum(), 2.0, step), &mut Notes::default());
+        errors_of_pendulum(&found, place, turning)
+    });
+    for i in 0..3 {
+        let ratios = [errors[0][i] / errors[1][i], errors[1][i] / errors[2][i]];
+        assert!(ratios.iter().all(|r| (3.7..4.3).contains(r)), "{i}: {ratios:?} {errors:?}");
+    }
+}
+
+/// Positions, velocities and multipliers of successively halved steps: ratios of their differences.
+fn ratios(model: &Model, end: f64, steps: u32) -> [f64; 3] {
+    let states =
+        [0, 1, 2].map(|k| run(&stepped(model, end, end / f64::from(steps << k)), &mut Notes::default()).1);
+    let apart = |i: usize| {
+        let (a, b): (&State, &State) = (&states[i], &states[i + 1]);
+        let force = max_norm(a.multipliers.iter().zip(&b.multipliers).map(|(x, y)| x - y));
+        [distance(&a.u, &b.u), distance(&a.v, &b.v), force]
+    };
+    let (coarse, fine) = (apart(0), apart(1));
+    std::array::from_fn(|i| coarse[i] / fine[i])
+}
+
+/// Geradin and Cardona's top on a ball joint, and a body on the corner of a shell with free and with inextensible directors.
+#[test]
+fn motions_with_joints_converge_with_the_square_of_the_step() {
+    let omega = [0.0, 150.0, -4.61538];
+    let top = RigidBody {
+        angular_velocity: omega,
+        velocity: Vec3::from(omega).cross(&Vec3::y()).into(),
+        ..body("top", [0.0, 1.0, 0.0], 15.0, Some([0.234375, 0.46875, 0.234375]))
+    };
+    let model = machine(0.1, 1e-4, vec![top], vec![spherical("ground", "top", [0.0; 3])]);
+    let top = Model { loads: gravity([0.0, 0.0, -9.81]), ..model };
+    let shell = |element| {
+        let mut model = hung();
+        model.sections[0].element = element;
+        model
+    };
+    for (model, end, steps) in
+        [(top, 0.04, 800), (shell(ElementKind::Ems), 0.256, 512), (shell(ElementKind::Mitc4), 0.256, 512)]
+    {
+        let found = ratios(&model, end, steps);
+        println!("{found:?}");
+        assert!(found.iter().all(|r| (3.6..4.4).contains(r)), "{found:?}");
+    }
+}
+
+/// A plate that falls into its supports settles in the static equilibrium: automatic steps grow over its periods.
+#[test]
+fn a_plate_settles_in_its_equilibrium_under_gravity() {
+    let model = soft_plate(ElementKind::Ems);
+    let (_, system) = crate::common::compile(&model);
+    let rest = statics::run(&system, &StaticAnalysis::default(), None, &mut Notes::default()).unwrap().state;
+    let options = TransientAnalysis { scheme: BDF2, tolerance: 1e-2, ..TransientAnalysis::new(1000.0) };
+    let mut notes = Notes::default();
+    let (_, outcome) = move_in_time(&model, &options, &mut notes);
+    let size = max_norm(rest.u.iter().flatten());
+    let apart = distance(&outcome.state.u, &rest.u);
+    assert!(size > 0.05 && apart < 1e-6 * size, "{apart} {size}");
+    assert!(
+        max_norm(outcome.state.v.iter().flatten()) < 1e-6 && outcome.statistics.steps < 400,
+        "{}",
+        outcome.statistics.steps
+    );
+}
+
+/// A free ball keeps its spin within the damping of the scheme, without gain, and so does an arm on a hinge.
+#[test]
+fn bodies_that_turn_fast_gain_no_spin() {
+    for (angle, least) in [(0.05, 0.99), (0.1, 0.96), (0.2, 0.75)] {
+        let ball = RigidBody {
+            angular_velocity: [0.0, 0.0, 100.0],
+            ..body("ball", [0.0; 3], 1.0, Some([0.004; 3]))
+        };
+        let arm = RigidBody {
+            angular_velocity: [0.0, 0.0, 100.0],
+            velocity: [0.0, 50.0, 0.0],
+            ..body("arm", [0.5, 0.0, 0.0], 1.0, Some([0.01, 0.02, 0.02]))
+        };
+        let hinge = revolute("hinge", "ground", "arm", [0.0; 3], [0.0, 0.0, 1.0]);
+        for (body, joints) in [(ball, Vec::new()), (arm, vec![hinge])] {
+            let model = machine(1.0, 0.1, vec![body], joints);
+            let (system, state) = run(&stepped(&model, 5.0 * angle, angle / 100.0), &mut Notes::default());
+            let spin = BodyMotion::new(&system, &state, &system.coordinates.bodies[0]).angular_velocity.z;
+            println!("{angle}: {spin}");
+            assert!(spin > 100.0 * least && spin < 100.0 * (1.0 + 1e-9), "{angle}: {spin}");
+        }
+    }
+}
+
+/// A drive that sets off and stops at once, in a ramp: the arm goes on at its speed behind the kink, not with a mean of both speeds.
+#[test]
+fn a_jump_of_the_velocity_starts_the_formula_anew() {
+    let arm = body("arm", [0.5, 0.0, 0.0], 1.0, Some([0.1; 3]));
+    let drive = Joint::DrivenAngle(DrivenAngleJoint {
+        name: "drive".into(),
+        between: between("ground", "arm"),
+        axis: [0.0, 0.0, 1.0],
+        angle: 1.0,
+        amplitude: "turn".into(),
+    });
+    let joints = vec![revolute("hinge", "ground", "arm", [0.0; 3], [0.0, 0.0, 1.0]), drive];
+    let mut model = machine(1.0, 0.05, vec![arm], joints);
+    let (times, values) = (vec![0.0, 0.3, 0.6, 1.0], vec![0.0, 0.0, 90.0, 90.0]);
+    model.amplitudes.insert("turn".into(), Amplitude::Table(TableAmplitude { times, values }));
+    let mut notes = Notes::keeping();
+    let (system, _) = run(&stepped(&model, 1.0, 0.05), &mut notes);
+    for state in &notes.states {
+        let motion = BodyMotion::new(&system, state, &system.coordinates.bodies[0]);
+        let moves = state.time > 0.3 - 1e-9 && state.time < 0.6 - 1e-9;
+        let speed = if moves { 0.5 * std::f64::consts::PI / 0.3 } else { 0.0 };
+        assert!(
+            (motion.angular_velocity.z - speed).abs() < 1e-9,
+            "{}: {}",
+            state.time,
+            motion.angular_velocity.z
+        );
+        let (_, moment) = joint_reaction(&system, state, &system.joints[1]);
+        let still = state.time < 0.29 || state.time > 0.61;
+        assert!(!still || moment.norm() < 1e-8, "{}: {moment}", state.time);
+        let (place, _) = pose(&system, state, 0);
+        assert!((place.norm() - 0.5).abs() < 1e-12);
+    }
+}
