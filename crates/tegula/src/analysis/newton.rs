@@ -23,9 +23,11 @@ pub use stability::Stability;
 use crate::Result;
 use crate::element::{Motion, Nodal};
 use crate::model::NewtonMethod;
+use crate::norm::max_norm;
 use crate::system::assembly::TangentCoefficients;
 use crate::system::{
-    Assembly, CorotationalUpdate, EvaluationPoint, Internal, LocalFrames, System, VectorKind, dot,
+    Assembly, Coordinates, CorotationalUpdate, EvaluationPoint, Internal, LocalFrames, System, VectorKind,
+    dot,
 };
 use tegula_sparse::SparseLdlt;
 
@@ -162,6 +164,8 @@ pub struct Newton<S = SparseLdlt> {
     circulatory: Option<CirculatoryLoads>,
     /// Constraints of joints, where there are some.
     pub(super) constraints: Option<Constraints>,
+    /// Round-off of the positions over the model's length, which grows with the distance of the model from the origin.
+    round_off: f64,
     /// Iterations of the present step.
     iterations: u32,
     /// Largest number of negative pivots of a tangent of the present step.
@@ -192,6 +196,16 @@ impl Newton {
     }
 }
 
+/// Round-off of a position over its distance from the origin: that of the sums behind a constraint.
+const ROUND_OFF_OF_POSITIONS: f64 = 4.0 * f64::EPSILON;
+
+/// Round-off of the positions over the model's length.
+fn round_off_of_positions(system: &System) -> f64 {
+    let Coordinates { reference, kinds, .. } = &*system.coordinates;
+    let positions = reference.iter().zip(kinds).filter(|(_, kind)| **kind == VectorKind::Position);
+    ROUND_OFF_OF_POSITIONS * max_norm(positions.flat_map(|(x, _)| x.iter().copied())) / system.length
+}
+
 impl<S: TangentSolver> Newton<S> {
     /// Newton solver with a given linear solver. `None` selects the form of Newton's method that suits the materials.
     pub fn with_solver(system: &System, method: Option<NewtonMethod>, solver: S) -> Self {
@@ -219,6 +233,7 @@ impl<S: TangentSolver> Newton<S> {
             price,
             circulatory: CirculatoryLoads::new(system),
             constraints: Constraints::new(system),
+            round_off: round_off_of_positions(system),
             iterations: 0,
             most_negative_pivots: 0,
         }

@@ -10,8 +10,9 @@ use crate::mesh::directors::FOLD_ANGLE_DEGREES;
 use crate::mesh::{Mesh, show};
 use crate::model::supports::PrescribedMotion;
 use crate::model::{Analysis, Load, Model, NodalVector, PrescribedStrain};
+use crate::norm::max_norm;
 use crate::system::dof_map::Prescribed;
-use crate::system::{Procedure, ShellSection, System};
+use crate::system::{Procedure, ShellSection, System, VectorKind};
 use crate::{Issue, Vec3};
 
 /// Thickness over the size of the largest element, above which units are most likely mixed up.
@@ -20,6 +21,9 @@ const THICK: f64 = 10.0;
 /// Distance of two displacements over the size of the model below which they are the same place: equilibria are found up to
 /// this accuracy.
 const SAME_PLACE: f64 = 1e-8;
+
+/// Distance of a model from the origin over its size, above which positions have less than ten digits within it.
+const FAR: f64 = 1e6;
 
 /// Seams that are written out, and nodes of each.
 const SHOWN: usize = 10;
@@ -32,6 +36,25 @@ pub fn warnings(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
     found.extend(shortened_directors(model, system));
     found.extend(independent_of_the_start(model, mesh, system));
     found
+}
+
+/// A model whose distance from the origin takes the digits that the positions within it need.
+fn far_from_the_origin(system: &System) -> Option<Issue> {
+    let coordinates = &system.coordinates;
+    let positions = coordinates.reference.iter().zip(&coordinates.kinds);
+    let positions = positions.filter(|(_, kind)| **kind == VectorKind::Position);
+    let distance = max_norm(positions.flat_map(|(x, _)| x.iter().copied()));
+    (distance > FAR * system.length).then(|| {
+        Issue::new(
+            "",
+            format!(
+                "the model has the size {:.3e} and lies {distance:.3e} from the origin: positions within it are known to {:.0e} of its size",
+                system.length,
+                f64::EPSILON * distance / system.length
+            ),
+            "give coordinates near the origin",
+        )
+    })
 }
 
 /// Warnings of an analysis step whose start is not known yet, at the keys of the model file.
@@ -79,6 +102,7 @@ fn independent_of_the_start(model: &Model, mesh: &Mesh, system: &System) -> Vec<
     found.extend(seams(model, mesh));
     found.extend(prism(model, mesh, system));
     found.extend(coarse_steps(model, system));
+    found.extend(far_from_the_origin(system));
     found.extend(shared_thickness_strains(model, system));
     for (i, section) in model.sections.iter().enumerate() {
         let shells = || system.shells.iter().filter(|shell| shell.section == i);

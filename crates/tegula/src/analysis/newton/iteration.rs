@@ -9,6 +9,7 @@ use crate::analysis::lagged_tangent::{self, Increment};
 use crate::analysis::solver::{Linearization, SINGULAR, TangentSolver};
 use crate::element::{Motion, Nodal};
 use crate::model::NewtonMethod;
+use crate::norm::larger;
 use crate::system::assembly::{TangentCoefficients, add_follower_stiffness};
 use crate::system::{EvaluationPoint, LocalFrames, System, VectorKind, dot};
 use crate::{Mat3, Vec3};
@@ -456,7 +457,7 @@ impl<S: TangentSolver> Newton<S> {
         let error = self.increments.contraction().powi(2).min(1.0) * energy;
         let left = if rest < 1.0 { error } else { energy };
         let converged = energy <= tolerances.energy * energy_scale
-            && norm <= tolerances.increment * scale
+            && norm <= larger(tolerances.increment * scale, self.round_off)
             && left <= rest * tolerances.energy * energy_scale
             && error <= limit;
         let done = Converged {
@@ -471,13 +472,14 @@ impl<S: TangentSolver> Newton<S> {
             // The first tangent does not know the forces of joints yet.
             return Ok(None);
         }
+        let places = larger(PLACES, self.round_off);
         // Bodies that loads and joints hold where they are: the increments are round-off, and there is no energy to compare with.
-        let held = self.constraints.is_some() && setting.number > HELD && norm <= PLACES && scale <= PLACES;
+        let held = self.constraints.is_some() && setting.number > HELD && norm <= places && scale <= places;
         if converged || held || (energy == 0.0 && norm == 0.0) {
             // Constraints are as exact as the increment that follows; a dependent one may still be open.
             let rests = energy == 0.0 && norm == 0.0;
             let violation = self.violation(system, equation);
-            if violation <= if rests { OPEN } else { CLOSED } {
+            if violation <= if rests { OPEN } else { larger(CLOSED, self.round_off).min(OPEN) } {
                 return Ok(Some(done));
             }
             if rests && let Some(open) = self.open_joint(system, equation, OPEN) {
@@ -529,7 +531,8 @@ impl<S: TangentSolver> Newton<S> {
         // Near a rigid motion there is next to no energy to compare with: increments at round-off suffice then.
         // Increments whose energy is round-off beside that of self-equilibrated stresses suffice, too: there
         // the displacement itself vanishes.
-        let rounding = norm <= 1e-10 * scale || relative <= ROUND_OFF || norm <= PLACES;
+        let rounding =
+            norm <= 1e-10 * scale || relative <= ROUND_OFF || norm <= larger(PLACES, self.round_off);
         // Bodies in motion converge linearly, in long steps slowly: increments that decrease little are no round-off there.
         let exact = self.constraints.is_none() && (is_static || system.dofs().triads.is_empty());
         if rounding || (exact && relative <= 1e-9 && norm <= 1e-5 * scale) {
