@@ -181,7 +181,9 @@ fn lowest_modes(
     problem.first_shift(&*observer)?;
     let groups = 0..problem.groups.len();
     let all = problem.rigid.len() + groups.clone().map(|group| problem.modes_of(group)).sum::<usize>();
-    if wanted > all {
+    if all == 0 {
+        observer.on_warning("supports and joints hold the whole model: it has no modes");
+    } else if wanted > all {
         observer.on_event(&format!(
             "{wanted} modes are wanted, but supports and joints leave the model {all} only"
         ));

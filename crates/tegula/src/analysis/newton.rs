@@ -13,6 +13,7 @@
 //! format in geometrically nonlinear analysis of beams and shells using solid finite elements*,
 //! Int. J. Numer. Meth. Engng 109 (2017) 1237–1262).
 
+mod convergence;
 mod iteration;
 mod response;
 mod stability;

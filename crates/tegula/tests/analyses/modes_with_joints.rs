@@ -528,3 +528,20 @@ fn a_soft_mode_of_a_stiff_beam_is_not_taken_for_a_mechanism() {
         }
     }
 }
+
+/// A body that is fixed in the ground has no modes, and the analysis says so.
+#[test]
+fn a_model_that_joints_hold_altogether_has_no_modes_and_says_so() {
+    let keys = PointJoint { name: "f".into(), between: between("ground", "a"), at: [0.0; 3] };
+    let model = Model::of_bodies(
+        modal(3, false),
+        vec![body("a", [0.5, 0.0, 0.0], 1.0, Some([0.1; 3]))],
+        vec![Joint::Fixed(keys)],
+    );
+    let mesh = mesh::generators::generate(&model.mesh).unwrap();
+    let system = compile::build(&model, &mesh).unwrap();
+    let Analysis::Modal(options) = &model.analysis else { panic!() };
+    let mut notes = crate::common::Notes::default();
+    let outcome = modal::run(&system, options.modes as usize, None, &mut notes).unwrap();
+    assert!(outcome.modes.is_empty() && notes.events[0].contains("it has no modes"), "{:?}", notes.events);
+}

@@ -1,15 +1,11 @@
-//! Newton iteration of one step: residual, tangent, increment with step limiter, and convergence criteria.
+//! Newton iteration of one step: residual, tangent, and increment with step limiter.
 
-use super::{
-    Cause, Converged, Equation, FactoredTangent, Newton, ROUND_OFF, Tolerances, expand_free, largest, point,
-};
+use super::{Cause, Converged, Equation, FactoredTangent, Newton, Tolerances, expand_free, largest, point};
 use crate::analysis::Observer;
 use crate::analysis::circulatory::Purpose;
-use crate::analysis::lagged_tangent::{self, Increment};
 use crate::analysis::solver::{Linearization, SINGULAR, TangentSolver};
 use crate::element::{Motion, Nodal};
 use crate::model::NewtonMethod;
-use crate::norm::larger;
 use crate::system::assembly::{TangentCoefficients, add_follower_stiffness};
 use crate::system::{EvaluationPoint, LocalFrames, System, VectorKind, dot};
 use crate::{Mat3, Vec3};
@@ -17,36 +13,24 @@ use crate::{Mat3, Vec3};
 /// Largest increment over the size of the model; beyond it the iteration diverges.
 const FLIGHT: f64 = 1e4;
 
-/// Value of a constraint over its size, to which iterations go on, and above which a joint counts as open where they cannot.
-const CLOSED: f64 = 1e-12;
-const OPEN: f64 = 1e-9;
-
-/// Energy of increments over that of the model, below which they may stall: displacements are then right to eight digits.
-const STALLED: f64 = 1e-16;
-
-/// Increment over the size of the model that is round-off of places.
-const PLACES: f64 = 1e-14;
-/// Iterations after which bodies whose places change by round-off alone are held.
-const HELD: u32 = 5;
-
 /// Rotation of a body in an increment (rad), beyond which the iteration diverges.
 const SPUN: f64 = 3.0;
 
 /// Failure of a step: its cause, and the message with its place.
-type Failed = (Cause, String);
+pub(super) type Failed = (Cause, String);
 
 /// Bookkeeping of the iterations of a step.
-struct Progress {
+pub(super) struct Progress {
     /// Number of tangents.
-    tangents: u32,
+    pub(super) tangents: u32,
     /// Negative pivots of the last tangent.
-    negative_pivots: usize,
+    pub(super) negative_pivots: usize,
     /// Norm of the first increment, before the step limiter.
-    first_increment: f64,
+    pub(super) first_increment: f64,
     /// Whether the stress of the iterate is extrapolated from the last increment (mixed form).
-    extrapolated: bool,
+    pub(super) extrapolated: bool,
     /// Limit of the error's energy, from the estimate of a time step's error.
-    limit: f64,
+    pub(super) limit: f64,
 }
 
 /// Multiple of the mass, relative to the largest ratio of stiffness to mass, that is added to the tangent of an unloaded model that is
@@ -55,25 +39,25 @@ const HANGING: f64 = 1e-8;
 
 /// Setting of one iteration.
 #[derive(Clone, Copy)]
-struct Setting {
+pub(super) struct Setting {
     /// Number of the iteration, from 1.
-    number: u32,
-    coefficients: TangentCoefficients,
+    pub(super) number: u32,
+    pub(super) coefficients: TangentCoefficients,
     /// Mixed form: the stress of the tangent is extrapolated.
-    mixed: bool,
+    pub(super) mixed: bool,
     /// Whether the increment holds changes of prescribed values.
-    prescribed: bool,
+    pub(super) prescribed: bool,
     /// Whether the present factor gives the increment (modified Newton).
-    reuse: bool,
+    pub(super) reuse: bool,
 }
 
 /// Increment of an iteration by its energy and norm.
 #[derive(Clone, Copy)]
-struct Size {
-    energy: f64,
-    norm: f64,
+pub(super) struct Size {
+    pub(super) energy: f64,
+    pub(super) norm: f64,
     /// Energy scale of the equation.
-    scale: f64,
+    pub(super) scale: f64,
 }
 
 impl<S: TangentSolver> Newton<S> {
@@ -141,7 +125,7 @@ impl<S: TangentSolver> Newton<S> {
                 return Ok(done);
             }
         }
-        if let Some(open) = self.open_joint(system, equation, OPEN) {
+        if let Some(open) = self.open_joint(system, equation) {
             return Err((Cause::Constraints, open));
         }
         let place = largest(system, &self.assembly.frames, &self.residual);
@@ -417,137 +401,6 @@ impl<S: TangentSolver> Newton<S> {
             return Err((Cause::Flight, reason));
         }
         Ok(norm)
-    }
-
-    /// Test of convergence: energy and norm of the increment against the scales of the model, and the estimated error
-    /// against the limit of a time step. `None` asks for another iteration.
-    fn converged(
-        &mut self,
-        system: &System,
-        equation: &mut dyn Equation,
-        (setting, tolerances): (&Setting, &Tolerances),
-        Size { energy, norm, scale: energy_scale }: Size,
-        progress: &mut Progress,
-        observer: &mut dyn Observer,
-    ) -> Result<Option<Converged>, Failed> {
-        self.solver.note_energy(energy_scale);
-        let scale = equation.displacement_scale(system);
-        let relative = energy / energy_scale.max(f64::MIN_POSITIVE);
-        observer.on_iteration(setting.number, relative, norm / scale.max(f64::MIN_POSITIVE));
-        let in_time = setting.coefficients.mass != 0.0;
-        // The tangent of rigid bodies and joints leaves terms out, too: its convergence is linear.
-        let approximate = setting.reuse || self.constraints.is_some() || !system.dofs().triads.is_empty();
-        let rest = if approximate && !system.linear { lagged_tangent::rest(in_time) } else { 1.0 };
-        if setting.number == 1 && !system.linear {
-            progress.limit = equation.error_limit(energy);
-        }
-        let limit = progress.limit.max(ROUND_OFF * energy_scale);
-        let excess = (relative / (rest * tolerances.energy))
-            .max(energy / limit)
-            .sqrt()
-            .max(norm / (scale * tolerances.increment));
-        self.increments.push(Increment {
-            energy: relative,
-            size: norm / scale,
-            excess,
-            fresh: !setting.reuse,
-            absolute: [energy, norm],
-        });
-        // The error behind an increment is the increment times the contraction.
-        let error = self.increments.contraction().powi(2).min(1.0) * energy;
-        let left = if rest < 1.0 { error } else { energy };
-        let converged = energy <= tolerances.energy * energy_scale
-            && norm <= larger(tolerances.increment * scale, self.round_off)
-            && left <= rest * tolerances.energy * energy_scale
-            && error <= limit;
-        let done = Converged {
-            iterations: setting.number,
-            tangents: progress.tangents,
-            negative_pivots: progress.negative_pivots,
-            most_negative_pivots: self.most_negative_pivots,
-            first_increment: progress.first_increment,
-            floor: false,
-        };
-        if setting.number == 1 && !in_time && self.constraints.is_some() {
-            // The first tangent does not know the forces of joints yet.
-            return Ok(None);
-        }
-        let places = larger(PLACES, self.round_off);
-        // Bodies that loads and joints hold where they are: the increments are round-off, and there is no energy to compare with.
-        let held = self.constraints.is_some() && setting.number > HELD && norm <= places && scale <= places;
-        if converged || held || (energy == 0.0 && norm == 0.0) {
-            // Constraints are as exact as the increment that follows; a dependent one may still be open.
-            let rests = energy == 0.0 && norm == 0.0;
-            let violation = self.violation(system, equation);
-            if violation <= if rests { OPEN } else { larger(CLOSED, self.round_off).min(OPEN) } {
-                return Ok(Some(done));
-            }
-            if rests && let Some(open) = self.open_joint(system, equation, OPEN) {
-                return Err((Cause::Constraints, open));
-            }
-            if let Some(constraints) = &mut self.constraints
-                && !constraints.closes(violation)
-            {
-                constraints.readmit();
-            }
-            return Ok(None);
-        }
-        let floor = self.at_round_off(system, relative, (norm, scale), !in_time)?;
-        if floor && let Some(open) = self.open_joint(system, equation, OPEN) {
-            return Err((Cause::Constraints, open));
-        }
-        Ok(floor.then_some(Converged { floor: true, ..done }))
-    }
-
-    /// Largest value of a constraint over its size, of an iterate; 0 without joints.
-    fn violation(&self, system: &System, equation: &dyn Equation) -> f64 {
-        let at = (&equation.motion(), equation.parts().time);
-        self.constraints.as_ref().map_or(0.0, |constraints| constraints.largest_violation(system, at))
-    }
-
-    /// Joint that an iterate leaves open, as text.
-    fn open_joint(&mut self, system: &System, equation: &dyn Equation, limit: f64) -> Option<String> {
-        let open = self.constraints.as_mut()?.violation(
-            system,
-            (&equation.motion(), equation.parts().time),
-            limit,
-        )?;
-        Some(format!("{open}: its constraints contradict those of other joints"))
-    }
-
-    /// Whether the increments stagnate at round-off, which is accepted. `relative` is the energy of the increment over that
-    /// of the model; its norm and the scale of displacements follow.
-    ///
-    /// # Errors
-    /// The iteration stagnates above round-off.
-    fn at_round_off(
-        &self,
-        system: &System,
-        relative: f64,
-        (norm, scale): (f64, f64),
-        is_static: bool,
-    ) -> Result<bool, Failed> {
-        let Some(floor) = self.increments.stagnation() else { return Ok(false) };
-        // Near a rigid motion there is next to no energy to compare with: increments at round-off suffice then.
-        // Increments whose energy is round-off beside that of self-equilibrated stresses suffice, too: there
-        // the displacement itself vanishes.
-        let rounding =
-            norm <= 1e-10 * scale || relative <= ROUND_OFF || norm <= larger(PLACES, self.round_off);
-        // Bodies in motion converge linearly, in long steps slowly: increments that decrease little are no round-off there.
-        let exact = self.constraints.is_none() && (is_static || system.dofs().triads.is_empty());
-        if rounding || (exact && relative <= 1e-9 && norm <= 1e-5 * scale) {
-            return Ok(true);
-        }
-        // A motion that begins smoothly from an equilibrium moves less than the round-off of the stresses there.
-        if floor && !is_static && relative <= STALLED {
-            return Ok(true);
-        }
-        if floor {
-            let place = largest(system, &self.assembly.frames, &self.residual);
-            let energy = format!("energy of the increment {relative:.1e} of the model's");
-            return Err((Cause::Stagnation, format!("the iteration stagnates ({energy}); {place}")));
-        }
-        Ok(false)
     }
 }
 
