@@ -7,15 +7,13 @@ use super::SchemeKeys;
 use crate::analysis::dynamics::Integrator;
 use crate::analysis::dynamics::generalized_alpha::GeneralizedAlpha;
 use crate::checker::Checker;
-use crate::model::{Model, TransientAnalysis};
 use crate::system::System;
 
 /// Generalised-α method (Chung–Hulbert; Arnold–Brüls for joints).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GeneralizedAlphaScheme {
-    /// Spectral radius ρ at high frequencies: 0 damps motions that the step does not resolve at once, 1 not at all. Bodies and
-    /// joints need ρ < 1.
+    /// Spectral radius ρ at high frequencies: 0 damps motions that the step does not resolve at once, 1 (trapezoidal rule) not at all.
     #[serde(default = "recommended")]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub spectral_radius: f64,
@@ -36,17 +34,6 @@ impl SchemeKeys for GeneralizedAlphaScheme {
                 format!("{key}.spectral_radius"),
                 format!("ρ is {}; it must lie in 0…1", self.spectral_radius),
                 "use 0.8 for light damping",
-            );
-        }
-    }
-
-    fn check_model(&self, key: &str, model: &Model, _options: &TransientAnalysis, c: &mut Checker) {
-        let jointed = !model.bodies.is_empty() || !model.joints.is_empty();
-        if jointed && self.spectral_radius >= 1.0 {
-            c.add(
-                format!("{key}.spectral_radius"),
-                "without numerical damping (ρ = 1) the constraint forces of bodies and joints grow without bound",
-                "use 0.8, or the scheme \"energy-momentum\"",
             );
         }
     }
