@@ -15,7 +15,7 @@
 //! Sect. III.5, where the formula is stable for ω < 1 + √2.
 //!
 //! **Rates.** Velocities are differences of positions, which satisfy the constraints; across the constraints they are of second order, and
-//! no error adds up. The velocities of the state are their projections; the scheme goes on with its own, because those make the
+//! no error adds up. The velocities of the state are their projections; the scheme continues with its own, because those make the
 //! multipliers of second order.
 
 use super::newmark::Newmark;
@@ -27,7 +27,7 @@ use crate::error::Result;
 use crate::system::assembly::TangentCoefficients;
 use crate::system::{Assembly, System};
 
-/// Largest ratio of a step to the one before with which the formula goes on; it is below 1 + √2.
+/// Largest ratio of a step to the one before with which the formula continues; it is below 1 + √2.
 const LARGEST_RATIO: f64 = 2.0;
 
 /// BDF2 integrator.
