@@ -75,6 +75,8 @@ pub struct GroupPoint<'a> {
     pub inextensible: &'a [bool],
     /// Lagrange multipliers of all constraints.
     pub multipliers: &'a [f64],
+    /// Time (load factor) at which forces act; not before 0.
+    pub time: f64,
     /// Value of the drive of each joint at the time at which forces act; 0 for joints without one.
     pub drives: &'a [f64],
 }
@@ -114,6 +116,10 @@ pub trait ElementGroup: Send + Sync {
     /// Whether an element resists rigid motions of its nodal vectors: the ground holds it.
     fn is_grounded(&self, element: usize) -> bool {
         let _ = element;
+        false
+    }
+    /// Whether forces depend on the time by themselves: springs with a formula in the time, which supply energy.
+    fn has_actuators(&self) -> bool {
         false
     }
     /// Number of nodal vectors per element.
@@ -189,6 +195,11 @@ pub trait ElementGroup: Send + Sync {
     fn dissipation(&self, k: &GroupPoint, power: &mut [f64]) {
         let _ = k;
         power.fill(0.0);
+    }
+    /// Work that actuators do on the model in a step.
+    fn work_of_actuators(&self, k: &GroupPoint) -> f64 {
+        let _ = k;
+        0.0
     }
 }
 

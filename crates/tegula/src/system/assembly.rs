@@ -467,6 +467,17 @@ impl Assembly {
         self.energies.iter().sum()
     }
 
+    /// Work that actuators do on the model in a step.
+    pub fn work_of_actuators(&self, system: &System, k: &EvaluationPoint) -> f64 {
+        if !system.has_actuators() {
+            return 0.0;
+        }
+        let of = |(g, group, _): (usize, &dyn ElementGroup, &GroupOffsets)| {
+            group.work_of_actuators(&k.of_group(system, g, &self.factors))
+        };
+        system.numbered_groups().map(of).sum()
+    }
+
     /// Power that rate damping dissipates.
     pub fn dissipated_power(&mut self, system: &System, k: &EvaluationPoint) -> f64 {
         for (g, group, offsets) in system.numbered_groups() {

@@ -61,6 +61,7 @@ fn a_damped_oscillator_has_the_amplitude_and_phase_of_its_closed_form() {
         points: [[-1.0, 0.0, 0.0], [0.0; 3]],
         stiffness: k,
         damping: c,
+        force: None,
         length: None,
     };
     let slide = Joint::Prismatic(
@@ -128,6 +129,7 @@ fn masses_that_drift_respond_as_their_closed_form() {
         points: [[0.0; 3], [1.0, 0.0, 0.0]],
         stiffness: k,
         damping: 0.0,
+        force: None,
         length: None,
     }];
     let (system, _, response) = respond(&model).unwrap();
@@ -303,6 +305,7 @@ fn joints_balance_what_the_modes_leave_of_a_load() {
             points: [[1.0, 0.0, 1.0], [1.0, 0.0, 0.0]],
             stiffness: 200.0,
             damping: 0.0,
+            force: None,
             length: None,
         }];
         let (system, _, response) = respond(&model).unwrap();
@@ -341,6 +344,7 @@ fn a_damper_on_a_nodal_line_is_no_damping_of_the_mode() {
             points: [end, [0.0; 3]],
             stiffness: 16.0 * (1.0 + axis as f64),
             damping,
+            force: None,
             length: None,
         }
     };
@@ -367,6 +371,7 @@ fn an_undamped_resonance_is_refused() {
             points: [end, [0.0; 3]],
             stiffness: 16.0,
             damping: 0.0,
+            force: None,
             length: None,
         }
     };
