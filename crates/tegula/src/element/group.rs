@@ -161,7 +161,7 @@ pub trait ElementGroup: Send + Sync {
     ) {
         let _ = (k, increment, weights, stresses);
     }
-    /// Reason why an element has no finite forces in a motion, as a sentence without a full stop; `None` where its forces are finite or
+    /// Reason why an element has no finite forces or tangent in a motion, as a sentence without a full stop; `None` where they are finite or
     /// the cause lies elsewhere.
     fn reason_without_forces(&self, k: &GroupPoint, element: usize) -> Option<String> {
         let _ = (k, element);

@@ -4,6 +4,7 @@ use crate::common::{Notes, vector_load};
 use crate::multibody::{axis_joint, between, body, gravity, machine, pose, revolute, run};
 use tegula::analysis::{Silent, modal, statics};
 use tegula::model::*;
+use tegula::norm::max_norm;
 use tegula::result::bodies::{spring_lengths_and_forces, torsion_angles_and_moments};
 use tegula::{Error, compile, mesh};
 
@@ -327,7 +328,24 @@ fn a_force_without_a_value_ends_the_motion_with_its_reason() {
     }
 }
 
-/// A load that a static actuator holds, and a spring whose formula has no potential at x = 0.
+/// A load that no elongation in the range of the formula balances.
+#[test]
+fn a_static_force_without_a_value_is_told() {
+    let error = solved(&hanging("10 - 10*sqrt(1 - x)", 0.0, 20.0)).err().unwrap().to_string();
+    assert!(error.contains("\"10 - 10*sqrt(1 - x)\" of the spring \"soft\""), "{error}");
+}
+
+/// The example of the book is a formula without force at rest.
+#[test]
+fn the_formula_of_the_book_is_taken() {
+    let book = include_str!("../../../../book/src/bodies-and-joints.md");
+    let line = book.lines().find_map(|line| line.strip_prefix("force = \"")).unwrap();
+    let law = line.split('"').next().unwrap();
+    let (system, state) = run(&oscillator((1e-3, 1), (law, 0.0, 0.0)), &mut Silent);
+    assert!(law.contains("min") && spring_lengths_and_forces(&system, &state) == [[2.0, 0.0]]);
+}
+
+/// A gas spring, whose formula has no value at x = 0.
 #[test]
 fn gas_springs_store_energy_from_their_start() {
     // p A = 3 at the start, 0.5 above the bottom: F = −3 (0.5/s)^1.4 with s = x, which has no value at x = 0.
@@ -376,7 +394,7 @@ fn tangents_are_derivatives_of_the_forces() {
         let (_, tangent) = evaluate(u, weights, aslant);
         let rates = if aslant { TangentWeights::STATIC } else { *weights };
         let (_, plain) = evaluate(u, &rates, aslant);
-        let size = tangent.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let size = max_norm(tangent);
         for j in 0..3 {
             let h = 1e-6;
             let moved = |d: f64| {

@@ -28,7 +28,7 @@ pub(super) enum Operator {
 }
 
 impl Operator {
-    /// Whether the first of two numbers is the value of [`Operator::Min`] or [`Operator::Max`]; NaN is passed on.
+    /// Whether the first of two numbers is the value of [`Operator::Min`] or [`Operator::Max`]; NaN is the value wherever it stands.
     pub fn takes_first(self, first: f64, second: f64) -> bool {
         first.is_nan() || if self == Self::Min { first <= second } else { first >= second }
     }
