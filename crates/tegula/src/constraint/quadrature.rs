@@ -135,7 +135,7 @@ mod tests {
             let exact = part(c) + part(1.0 - c);
             let [found] = mean(|x| [f(x)], Some(&sides));
             assert!((found - exact).abs() < 1e-15, "{c}: {found} {exact}");
-            let found = integral(|x| f(x), Some(&sides), [1.0, 0.0]);
+            let found = integral(f, Some(&sides), [1.0, 0.0]);
             assert!((found + exact).abs() < 1e-15, "{c}: {found} {exact}");
         }
     }

@@ -73,7 +73,12 @@ fn a_damped_oscillator_has_the_amplitude_and_phase_of_its_closed_form() {
         }
         .into(),
     );
-    for (mass_damping, ratio) in [(0.0, 0.0), (0.7, 0.0), (0.0, 0.05)] {
+    // Formulas act with their slopes at the state.
+    let law = format!("{k}*x + {c}*v + 90*x^3 - 7*v*abs(v)");
+    let formula = SpringDamper { stiffness: 0.0, damping: 0.0, force: Some(law), ..spring.clone() };
+    for (spring, mass_damping, ratio) in
+        [(&spring, 0.0, 0.0), (&spring, 0.7, 0.0), (&spring, 0.0, 0.05), (&formula, 0.0, 0.0)]
+    {
         let analysis = ModalAnalysis {
             inputs: vec![input("push", vec![force("mass", [5.0, 0.0, 0.0])])],
             frequency_response: range(0.1, 30.0, 40),

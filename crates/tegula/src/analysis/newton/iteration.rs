@@ -108,9 +108,9 @@ impl<S: TangentSolver> Newton<S> {
                 progress.tangents += 1;
                 progress.negative_pivots = prepared.map_err(|reason| {
                     // A force law may have a value where it has no slope.
-                    let lawless =
+                    let without =
                         self.assembly.reason_without_forces(system, &point(system, equation, history));
-                    lawless.map_or((Cause::Tangent, reason), |reason| (Cause::Flight, reason))
+                    without.map_or((Cause::Tangent, reason), |reason| (Cause::Flight, reason))
                 })?;
                 self.take_constraints(system, equation, history)?;
                 let moving = setting.coefficients.mass != 0.0;
