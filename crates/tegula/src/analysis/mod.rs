@@ -160,8 +160,8 @@ pub struct Balance {
     pub strain: f64,
     /// Potential of gravity, 0 at the start; in statics that of all loads of constant direction, −F·u.
     pub potential: f64,
-    /// Work of all other loads, of prescribed motions and of prescribed strains that change with time since the start;
-    /// in statics of follower loads and of prescribed motions.
+    /// Work of all other loads, of actuators, of prescribed motions and of prescribed strains that change with time since the start;
+    /// in statics of follower loads, actuators and prescribed motions.
     pub work: f64,
     /// Energy dissipated since the start.
     pub dissipated: f64,

@@ -4,12 +4,12 @@ use super::body_inertia::{self, axes, centre, direction, euler_tensor, mass};
 use super::inner_point::Corners;
 use super::place::{Place, end, ends};
 use crate::checker::Checker;
-use crate::constraint::joints::{End, RelativeAngle, joint};
-use crate::constraint::{Drive, Joint, Spring, TorsionSpring};
+use crate::constraint::joints::{End, joint};
+use crate::constraint::{Drive, Joint};
 use crate::element::Nodal;
 use crate::mesh::Mesh;
 use crate::model::joint::GROUND;
-use crate::model::{self, Analysis, Load, Model, RigidBody, SpringDamper};
+use crate::model::{Analysis, Load, Model, RigidBody};
 use crate::norm::larger;
 use crate::system::Coordinates;
 use crate::system::coordinates::Body;
@@ -70,12 +70,7 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
             }
         }
     }
-    for (i, spring) in model.springs.iter().enumerate() {
-        spring_values(spring, &format!("springs[{i}]"), c);
-    }
-    for (i, spring) in model.torsion_springs.iter().enumerate() {
-        torsion_spring_values(spring, &format!("torsion_springs[{i}]"), c);
-    }
+    super::springs::keys(model, c);
     super::guided_axes::keys(model, c);
     super::bushings::keys(model, c);
     super::couplings::keys(model, c);
@@ -96,37 +91,6 @@ fn held(model: &Model, c: &mut Checker) {
             message,
             "connect it by a joint, a spring or a bushing, give it `attached` or `distributed` nodes, or leave it out",
         );
-    }
-}
-
-fn spring_values(spring: &SpringDamper, key: &str, c: &mut Checker) {
-    c.not_negative(&format!("{key}.stiffness"), "the stiffness", spring.stiffness);
-    c.not_negative(&format!("{key}.damping"), "the damping", spring.damping);
-    c.not_negative(&format!("{key}.length"), "the length", spring.length.unwrap_or(0.0));
-    spring.points.iter().for_each(|point| c.finite(&format!("{key}.points"), "the point", point));
-    not_with_itself((&format!("the spring \"{}\"", spring.name), &spring.between), key, c);
-    if spring.stiffness == 0.0 && spring.damping == 0.0 {
-        let message = format!("the spring \"{}\" does nothing", spring.name);
-        c.add(key, message, "give `stiffness`, `damping` or both");
-    }
-    if spring.points[0] == spring.points[1] && spring.length.is_some_and(|length| length > 0.0) {
-        c.add(
-            format!("{key}.points"),
-            format!("the spring \"{}\" has no direction: its points coincide", spring.name),
-            "move one of its points, or give `length = 0`",
-        );
-    }
-}
-
-fn torsion_spring_values(spring: &model::TorsionSpring, key: &str, c: &mut Checker) {
-    c.not_negative(&format!("{key}.stiffness"), "the stiffness", spring.stiffness);
-    c.not_negative(&format!("{key}.damping"), "the damping", spring.damping);
-    c.finite(&format!("{key}.free_angle"), "the free angle", &[spring.free_angle]);
-    direction(&format!("{key}.axis"), spring.axis, c);
-    not_with_itself((&format!("the torsion spring \"{}\"", spring.name), &spring.between), key, c);
-    if spring.stiffness == 0.0 && spring.damping == 0.0 {
-        let message = format!("the torsion spring \"{}\" does nothing", spring.name);
-        c.add(key, message, "give `stiffness`, `damping` or both");
     }
 }
 
@@ -262,68 +226,6 @@ pub(super) fn joints(
                 let (message, help) = lack.told(keys.name());
                 c.add(format!("{key}.between"), message, help);
             }
-        }
-    }
-    issues.append(&mut c.issues);
-    out
-}
-
-/// Springs of the model, or what is wrong with their ends.
-pub(super) fn springs(
-    model: &Model,
-    (mesh, corners): (&Mesh, &Corners),
-    coordinates: &Coordinates,
-    issues: &mut Vec<Issue>,
-) -> Vec<Spring> {
-    let mut c = Checker::default();
-    let size = extent(model, mesh, coordinates);
-    let mut out = Vec::new();
-    for (i, data) in model.springs.iter().enumerate() {
-        let key = format!("springs[{i}]");
-        let at = |side: usize| Some((format!("{key}.points[{side}]"), data.points[side]));
-        let place = Place { model, mesh, coordinates, length: size, corners };
-        let Some([first, second]) = ends(&place, (&key, &data.between), [at(0), at(1)], &mut c) else {
-            continue;
-        };
-        let points = data.points.map(Vec3::from);
-        let distance = (points[0] - points[1]).norm();
-        let length = data.length.unwrap_or(distance);
-        let [a, b] = [first.point(&points[0]), second.point(&points[1])];
-        out.push(Spring::new([&a, &b], [data.stiffness, data.damping], length));
-    }
-    issues.append(&mut c.issues);
-    out
-}
-
-/// Torsion springs of the model, or what is wrong with their ends.
-pub(super) fn torsion_springs(
-    model: &Model,
-    (mesh, corners): (&Mesh, &Corners),
-    coordinates: &Coordinates,
-    issues: &mut Vec<Issue>,
-) -> Vec<TorsionSpring> {
-    let mut c = Checker::default();
-    let place = Place { model, mesh, coordinates, length: extent(model, mesh, coordinates), corners };
-    let mut out = Vec::new();
-    for (i, data) in model.torsion_springs.iter().enumerate() {
-        let key = format!("torsion_springs[{i}]");
-        let Some(ends) = ends(&place, (&key, &data.between), [None, None], &mut c) else { continue };
-        match RelativeAngle::new(&ends, &data.axis.into()) {
-            Some(angle) => out.push(TorsionSpring {
-                name: data.name.clone(),
-                angle,
-                stiffness: data.stiffness,
-                damping: data.damping,
-                free_angle: data.free_angle.to_radians(),
-            }),
-            None => c.add(
-                format!("{key}.between"),
-                format!(
-                    "the torsion spring \"{}\" needs an axis on both sides, but a point mass or a node has none",
-                    data.name
-                ),
-                "connect rigid bodies, nodes of beams and the ground",
-            ),
         }
     }
     issues.append(&mut c.issues);

@@ -23,6 +23,7 @@ mod patches;
 mod place;
 mod sections;
 mod sensors;
+mod springs;
 mod step_joints;
 mod steps;
 mod ties;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::inner_point::Corners;
 use super::sections::Elements;
-use super::{bodies, bushings, couplings, patches, ties};
+use super::{bodies, bushings, couplings, patches, springs, ties};
 use crate::constraint::{Bushing, Joint, Spring, TorsionSpring};
 use crate::element::VectorKind;
 use crate::element::geometry::tangents;
@@ -89,8 +89,8 @@ impl Vectors {
         ties::add(model, surface, (coordinates, length), &mut joints, issues);
         Connections {
             joints,
-            springs: bodies::springs(model, surface, coordinates, issues),
-            torsion_springs: bodies::torsion_springs(model, surface, coordinates, issues),
+            springs: springs::springs(model, surface, coordinates, issues),
+            torsion_springs: springs::torsion_springs(model, surface, coordinates, issues),
             bushings: bushings::bushings(model, surface, coordinates, issues),
         }
     }

@@ -8,11 +8,13 @@
 //! F = [k (L₀ + L₁ − 2 l) + 2 d (L₁ − L₀)/Δt] / (L₀ + L₁) · x
 //! ```
 //!
-//! does the work V₁ − V₀ + d (L₁ − L₀)²/Δt exactly.
+//! does the work V₁ − V₀ + d (L₁ − L₀)²/Δt exactly. With the mean force F̄ of another [law](SpringLaw) over the step the force is
+//! `2 F̄/(L₀ + L₁) · x`, of which this is the linear case.
 
-use super::Attachment;
+use super::{Attachment, SpringLaw};
 use crate::Vec3;
 use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest, TangentWeights};
+use crate::load::Partials;
 
 /// Spring with a damper between two points.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,17 +26,12 @@ pub struct Spring {
     constant: Vec3,
     /// Whether one of the points is in the ground.
     grounded: bool,
-    /// Stiffness k [force/length].
-    stiffness: f64,
-    /// Damping d [force·time/length].
-    damping: f64,
-    /// Length l without force.
-    length: f64,
+    law: SpringLaw,
 }
 
 impl Spring {
-    /// Spring between two points of bodies, nodes or the ground, with this length at zero force.
-    pub fn new([a, b]: [&Attachment; 2], [stiffness, damping]: [f64; 2], length: f64) -> Self {
+    /// Spring between two points of bodies, nodes or the ground, with this force law in its length.
+    pub fn new([a, b]: [&Attachment; 2], law: SpringLaw) -> Self {
         let (mut vectors, mut weights): (Vec<u32>, Vec<f64>) = (Vec::new(), Vec::new());
         for (terms, sign) in [(&a.terms, 1.0), (&b.terms, -1.0)] {
             for &(v, w) in terms {
@@ -48,7 +45,7 @@ impl Spring {
             }
         }
         let grounded = a.terms.is_empty() || b.terms.is_empty();
-        Self { vectors, weights, constant: a.constant - b.constant, grounded, stiffness, damping, length }
+        Self { vectors, weights, constant: a.constant - b.constant, grounded, law }
     }
 
     /// Vector between the points for given nodal vectors.
@@ -77,22 +74,27 @@ impl Spring {
         }
     }
 
-    /// Length, and force that draws the points together, for given nodal vectors and their rates.
-    pub fn length_and_force(&self, value: impl Fn(usize) -> Vec3, rate: impl Fn(usize) -> Vec3) -> [f64; 2] {
+    /// Length, and force that draws the points together, for given nodal vectors and their rates at a time.
+    pub fn length_and_force(
+        &self,
+        value: impl Fn(usize) -> Vec3,
+        rate: impl Fn(usize) -> Vec3,
+        time: f64,
+    ) -> [f64; 2] {
         let x = self.between(value);
         let length = x.norm();
         let speed = self.between(rate) - self.constant;
         let lengthening = if length > 0.0 { speed.dot(&x) / length } else { 0.0 };
-        [length, self.stiffness * (length - self.length) + self.damping * lengthening]
+        [length, self.law.force([length; 2], lengthening, time).value]
     }
 
-    /// Force per vector between the points.
-    fn intensity(&self, [before, after]: [f64; 2], rate: f64) -> f64 {
+    /// Force `force` per vector between the points; where they coincide, its limit.
+    fn intensity(&self, [before, after]: [f64; 2], force: &Partials) -> f64 {
         let sum = before + after;
         if sum > 0.0 {
-            (self.stiffness * (sum - 2.0 * self.length) + 2.0 * self.damping * rate) / sum
-        } else if self.length == 0.0 {
-            self.stiffness
+            2.0 * force.value / sum
+        } else if self.law.free() == 0.0 && force.value == 0.0 {
+            force.by_position
         } else {
             f64::NAN
         }
@@ -144,7 +146,11 @@ impl ElementGroup for SpringGroup {
     }
 
     fn has_rate_damping(&self) -> bool {
-        self.members.iter().any(|spring| spring.damping != 0.0)
+        self.members.iter().any(|spring| spring.law.depends_on_rate())
+    }
+
+    fn has_actuators(&self) -> bool {
+        self.members.iter().any(|spring| spring.law.depends_on_time())
     }
 
     fn vectors_per_element(&self) -> usize {
@@ -162,7 +168,8 @@ impl ElementGroup for SpringGroup {
         for (e, out) in forces.chunks_mut(3 * n).enumerate() {
             let spring = &self.members[first + e];
             let (lengths, rate, x) = spring.motion(k);
-            let intensity = spring.intensity(lengths, rate);
+            let spring_force = spring.law.force(lengths, rate, k.time);
+            let intensity = spring.intensity(lengths, &spring_force);
             for (out, w) in out.chunks_mut(3).zip(&spring.weights) {
                 out.copy_from_slice((x * (intensity * w)).as_slice());
             }
@@ -171,7 +178,7 @@ impl ElementGroup for SpringGroup {
             let axis = x.try_normalize(0.0).unwrap_or_else(Vec3::zeros);
             let along = axis * axis.transpose();
             let across = crate::Mat3::identity() - along;
-            let stiffness = along * (stress * spring.stiffness + rate * spring.damping)
+            let stiffness = along * (stress * spring_force.by_position + rate * spring_force.by_rate)
                 + across * (direction * intensity);
             let size = 9 * n * (n + 1) / 2;
             let mut blocks = request.blocks[e * size..(e + 1) * size].chunks_mut(9);
@@ -189,14 +196,28 @@ impl ElementGroup for SpringGroup {
     fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {
         for (spring, energy) in self.members.iter().zip(energies) {
             let ([_, length], ..) = spring.motion(k);
-            *energy = 0.5 * spring.stiffness * (length - spring.length).powi(2);
+            *energy = spring.law.energy(length);
         }
     }
 
     fn dissipation(&self, k: &GroupPoint, power: &mut [f64]) {
         for (spring, power) in self.members.iter().zip(power) {
-            let (_, rate, _) = spring.motion(k);
-            *power = spring.damping * rate * rate;
+            let (lengths, rate, _) = spring.motion(k);
+            *power = spring.law.dissipation(lengths, rate, k.time);
         }
+    }
+
+    fn work_of_actuators(&self, k: &GroupPoint) -> f64 {
+        let of = |spring: &Spring| {
+            let (lengths, rate, _) = spring.motion(k);
+            spring.law.work(lengths, rate, k.time)
+        };
+        self.members.iter().filter(|spring| spring.law.depends_on_time()).map(of).sum()
+    }
+
+    fn reason_without_forces(&self, k: &GroupPoint, element: usize) -> Option<String> {
+        let spring = &self.members[element];
+        let (lengths, rate, _) = spring.motion(k);
+        spring.law.reason_without_force(lengths, rate, k.time)
     }
 }

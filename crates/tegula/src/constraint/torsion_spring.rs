@@ -1,7 +1,7 @@
 //! Torsion springs with dampers about the common axis of two bodies.
 //!
 //! The angle is `θ = atan2(g, h)` of two quadratic forms of nodal vectors, `g = e₂ᴬ·e₁ᴮ` and `h = e₁ᴬ·e₁ᴮ`, continued beyond ±π by the
-//! angle at the end of the step before, which is the history variable of the spring. The moment is `M = k (θ − θ₀) + d θ̇`, the
+//! angle at the end of the step before, which is the history variable of the spring. The moment is `M = k (θ − θ₀) + d θ̇`, or a formula; the
 //! forces are `M ∂θ/∂q`. In the energy–momentum scheme, with the forms at the ends of a step and their gradients in its middle,
 //!
 //! ```text
@@ -9,15 +9,17 @@
 //! f = [k (½ (θ₀ + θ₁) − θ₀₀) + d Δθ/Δt] Δθ/(ρ₀ ρ₁ sin Δθ) w
 //! ```
 //!
-//! with the free angle θ₀₀: the force does the work `V₁ − V₀ + d Δθ²/Δt` exactly, a discrete gradient (O. Gonzalez, *Time integration
+//! with the free angle θ₀₀ (in general with the mean moment of another [law](SpringLaw) over the step): the force does the work `V₁ − V₀ + d Δθ²/Δt` exactly, a discrete gradient (O. Gonzalez, *Time integration
 //! and discrete Hamiltonian systems*, J. Nonlinear Sci. 6 (1996) 449–467). The forms do not change in rigid motions, so that momenta
 //! are conserved.
 
 use super::joint::{Few, MOST_VECTORS, current, few};
 use super::joints::{LARGEST_TURN, RelativeAngle};
+use super::spring_law::SpringLaw;
 use super::turning::sinc;
 use crate::Vec3;
 use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest};
+use crate::load::Partials;
 
 /// Torsion spring with a damper.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,12 +28,8 @@ pub struct TorsionSpring {
     pub name: String,
     /// Angle of the second end relative to the first one.
     pub angle: RelativeAngle,
-    /// Stiffness k [force·length/rad].
-    pub stiffness: f64,
-    /// Damping d [force·length·time/rad].
-    pub damping: f64,
-    /// Angle without moment (rad).
-    pub free_angle: f64,
+    /// Moment by the angle (rad), its rate and the time.
+    pub law: SpringLaw,
 }
 
 /// Motion of a spring.
@@ -97,15 +95,14 @@ impl TorsionSpring {
         }
     }
 
-    fn moment(&self, turn: &Turn) -> f64 {
-        let angle = 0.5 * (turn.angles[0] + turn.angles[1]);
-        self.stiffness * (angle - self.free_angle) + self.damping * turn.rate
+    fn moment(&self, turn: &Turn, time: f64) -> Partials {
+        self.law.force(turn.angles, turn.rate, time)
     }
 
     /// Angle (rad) and moment in a state.
     pub fn angle_and_moment(&self, k: &GroupPoint, number: usize) -> [f64; 2] {
         let turn = self.turn(k, k.interior.history[number]);
-        [turn.angles[1], self.moment(&turn)]
+        [turn.angles[1], self.moment(&turn, k.time).value]
     }
 }
 
@@ -164,7 +161,11 @@ impl ElementGroup for TorsionSpringGroup {
     }
 
     fn has_rate_damping(&self) -> bool {
-        self.members.iter().any(|spring| spring.damping != 0.0)
+        self.members.iter().any(|spring| spring.law.depends_on_rate())
+    }
+
+    fn has_actuators(&self) -> bool {
+        self.members.iter().any(|spring| spring.law.depends_on_time())
     }
 
     fn vectors_per_element(&self) -> usize {
@@ -186,13 +187,13 @@ impl ElementGroup for TorsionSpringGroup {
         for (e, out) in forces.chunks_mut(3 * n).enumerate() {
             let spring = &self.members[first + e];
             let turn = spring.turn(k, k.interior.history[first + e]);
-            let moment = spring.moment(&turn);
+            let Partials { value: moment, by_position, by_rate } = spring.moment(&turn, k.time);
             for (out, w) in out.chunks_exact_mut(3).zip(&turn.gradient) {
                 out.copy_from_slice((w * moment).as_slice());
             }
             let Some(request) = &mut tangent else { continue };
             let weights = request.weights;
-            let along = weights.force * (weights.stress * spring.stiffness + weights.rate * spring.damping);
+            let along = weights.force * (weights.stress * by_position + weights.rate * by_rate);
             let size = 9 * n * (n + 1) / 2;
             let blocks = &mut request.blocks[e * size..(e + 1) * size];
             blocks.fill(0.0);
@@ -222,7 +223,7 @@ impl ElementGroup for TorsionSpringGroup {
     fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {
         for (number, (spring, energy)) in self.members.iter().zip(energies).enumerate() {
             let [_, angle] = spring.turn(k, k.interior.history[number]).angles;
-            *energy = 0.5 * spring.stiffness * (angle - spring.free_angle).powi(2);
+            *energy = spring.law.energy(angle);
         }
     }
 
@@ -235,8 +236,23 @@ impl ElementGroup for TorsionSpringGroup {
 
     fn dissipation(&self, k: &GroupPoint, power: &mut [f64]) {
         for (number, (spring, power)) in self.members.iter().zip(power).enumerate() {
-            let rate = spring.turn(k, k.interior.history[number]).rate;
-            *power = spring.damping * rate * rate;
+            let Turn { angles, rate, .. } = spring.turn(k, k.interior.history[number]);
+            *power = spring.law.dissipation(angles, rate, k.time);
         }
+    }
+
+    fn work_of_actuators(&self, k: &GroupPoint) -> f64 {
+        let of = |(spring, committed): (&TorsionSpring, &f64)| {
+            let Turn { angles, rate, .. } = spring.turn(k, *committed);
+            spring.law.work(angles, rate, k.time)
+        };
+        let all = self.members.iter().zip(k.interior.history);
+        all.filter(|(spring, _)| spring.law.depends_on_time()).map(of).sum()
+    }
+
+    fn reason_without_forces(&self, k: &GroupPoint, element: usize) -> Option<String> {
+        let spring = &self.members[element];
+        let Turn { angles, rate, .. } = spring.turn(k, k.interior.history[element]);
+        spring.law.reason_without_force(angles, rate, k.time)
     }
 }

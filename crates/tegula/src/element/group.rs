@@ -75,6 +75,8 @@ pub struct GroupPoint<'a> {
     pub inextensible: &'a [bool],
     /// Lagrange multipliers of all constraints.
     pub multipliers: &'a [f64],
+    /// Time (load factor) at which forces act; not before 0.
+    pub time: f64,
     /// Value of the drive of each joint at the time at which forces act; 0 for joints without one.
     pub drives: &'a [f64],
 }
@@ -116,6 +118,10 @@ pub trait ElementGroup: Send + Sync {
         let _ = element;
         false
     }
+    /// Whether forces depend on the time by themselves: springs with a formula in the time, which supply energy.
+    fn has_actuators(&self) -> bool {
+        false
+    }
     /// Number of nodal vectors per element.
     fn vectors_per_element(&self) -> usize;
     /// Number of generalised stresses per element, work-conjugate to its strains.
@@ -155,7 +161,7 @@ pub trait ElementGroup: Send + Sync {
     ) {
         let _ = (k, increment, weights, stresses);
     }
-    /// Reason why an element has no finite forces in a motion, as a sentence without a full stop; `None` where its forces are finite or
+    /// Reason why an element has no finite forces or tangent in a motion, as a sentence without a full stop; `None` where they are finite or
     /// the cause lies elsewhere.
     fn reason_without_forces(&self, k: &GroupPoint, element: usize) -> Option<String> {
         let _ = (k, element);
@@ -189,6 +195,11 @@ pub trait ElementGroup: Send + Sync {
     fn dissipation(&self, k: &GroupPoint, power: &mut [f64]) {
         let _ = k;
         power.fill(0.0);
+    }
+    /// Work that actuators do on the model in a step.
+    fn work_of_actuators(&self, k: &GroupPoint) -> f64 {
+        let _ = k;
+        0.0
     }
 }
 

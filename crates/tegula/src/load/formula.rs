@@ -1,16 +1,24 @@
-//! Amplitude formulas in `t`: evaluation with first and second derivatives, and messages for invalid formulas.
+//! Formulas: amplitudes in `t` with first and second derivatives, force laws of springs in `x`, `v` and `t` with partial derivatives,
+//! and messages for invalid formulas.
 //!
 //! A formula is compiled to a short program, which is evaluated on numbers that carry their derivatives (forward
 //! automatic differentiation). Nothing is differentiated symbolically, so time and memory grow with the length of the
 //! formula only.
 
+mod branches;
+mod force;
+mod gradient;
 mod jet;
 mod parse;
 
+pub use force::{ForceFormula, Partials};
 use jet::{Function, Jet};
-use parse::{Instruction, LONGEST, evaluate, parse};
+use parse::{Instruction, LONGEST, Names, evaluate, parse};
 
 use super::TimeFunction;
+
+/// Names in formulas of amplitudes.
+const OF_AMPLITUDES: Names = Names { variables: &["t"], kinks: false };
 
 /// Formula in `t`, compiled for evaluation.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,7 +29,7 @@ pub struct Formula {
 impl Formula {
     /// Value at a time; NaN where the formula is undefined.
     pub fn value(&self, t: f64) -> f64 {
-        evaluate(&self.program, t)
+        evaluate(&self.program, [t])
     }
 
     /// First derivative at a time.
@@ -35,7 +43,7 @@ impl Formula {
     }
 
     fn jet(&self, t: f64) -> Jet {
-        evaluate(&self.program, Jet::variable(t))
+        evaluate(&self.program, [Jet::variable(t)])
     }
 }
 
@@ -45,25 +53,13 @@ impl Formula {
 /// The text is not a valid formula: description of the mistake, and remedy.
 pub(super) fn read(text: &str) -> Result<TimeFunction, (String, String)> {
     let remedy = || {
-        let names: Vec<&str> = Function::NAMED.iter().map(|(name, _)| *name).collect();
         format!(
             "write a formula in `t`, such as \"1 - cos(2*PI*t)\", with the operators + - * / ^ and the functions {}",
-            names.join(", ")
+            functions().join(", ")
         )
     };
-    if text.trim().is_empty() {
-        return Err(("the expression is empty".into(), remedy()));
-    }
-    let length = text.chars().count();
-    if length > LONGEST {
-        return Err((
-            format!("the expression has {length} characters; at most {LONGEST} are taken"),
-            "give a table of times and values instead, such as `type = \"table\"`, or split the load into several"
-                .into(),
-        ));
-    }
-    let program =
-        parse(text).map_err(|problem| (format!("the expression {} {problem}", quoted(text)), remedy()))?;
+    let shorter = "give a table of times and values instead, such as `type = \"table\"`, or split the load into several";
+    let program = program(text, OF_AMPLITUDES, (remedy, shorter))?;
     let formula = Formula { program: program.into() };
     if formula.value(0.0).is_finite() {
         Ok(TimeFunction::Formula(formula))
@@ -74,6 +70,33 @@ pub(super) fn read(text: &str) -> Result<TimeFunction, (String, String)> {
                 .into(),
         ))
     }
+}
+
+/// Names of the smooth functions.
+fn functions() -> Vec<&'static str> {
+    Function::NAMED.iter().map(|(name, _)| *name).collect()
+}
+
+/// Program of a formula with these names; remedies for invalid formulas and for those that are too long.
+///
+/// # Errors
+/// The text is not a valid formula: description of the mistake, and remedy.
+fn program(
+    text: &str,
+    names: Names,
+    (remedy, shorter): (impl Fn() -> String, &str),
+) -> Result<Vec<Instruction>, (String, String)> {
+    if text.trim().is_empty() {
+        return Err(("the expression is empty".into(), remedy()));
+    }
+    let length = text.chars().count();
+    if length > LONGEST {
+        return Err((
+            format!("the expression has {length} characters; at most {LONGEST} are taken"),
+            shorter.into(),
+        ));
+    }
+    parse(text, names).map_err(|problem| (format!("the expression {} {problem}", quoted(text)), remedy()))
 }
 
 /// Formula as quoted in messages: whole, or its beginning.

@@ -181,8 +181,8 @@ impl Model {
 
     /// Whether springs may exert forces in the reference configuration.
     pub fn has_preloaded_springs(&self) -> bool {
-        self.springs.iter().any(|spring| spring.length.is_some())
-            || self.torsion_springs.iter().any(|spring| spring.free_angle != 0.0)
+        self.springs.iter().any(|spring| spring.length.is_some() || spring.force.is_some())
+            || self.torsion_springs.iter().any(|spring| spring.free_angle != 0.0 || spring.moment.is_some())
             || self.bushings.iter().any(|bushing| bushing.free != [0.0; 6])
     }
 

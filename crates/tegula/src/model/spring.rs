@@ -22,7 +22,11 @@ pub struct SpringDamper {
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub damping: f64,
-    /// Length at which the spring has no force; the distance of the points unless given.
+    /// Force that draws the points together, as a formula in the elongation `x` (length), its rate `v` and the time `t`, in place of
+    /// `stiffness` and `damping`. A formula in `t` is an actuator.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force: Option<String>,
+    /// Length from which the elongation counts, without force where `stiffness` acts; the distance of the points unless given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0))]
     pub length: Option<f64>,
@@ -47,8 +51,12 @@ pub struct TorsionSpring {
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub damping: f64,
-    /// Angle without moment, of the second side relative to the first one and right-handed about the axis (degrees); 0 is the reference
-    /// configuration.
+    /// Moment that turns the sides back, as a formula in the angle `x` from the free angle (rad), its rate `v` (rad/time) and the time `t`, in
+    /// place of `stiffness` and `damping`. A formula in `t` is an actuator.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moment: Option<String>,
+    /// Angle from which that of the spring counts, without moment where `stiffness` acts: of the second side relative to the first one and
+    /// right-handed about the axis (degrees); 0 is the reference configuration.
     #[serde(default)]
     pub free_angle: f64,
 }

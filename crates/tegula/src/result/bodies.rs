@@ -128,7 +128,11 @@ pub fn coordinate_response(system: &System, state: &State, joint: &Joint) -> Opt
 pub fn spring_lengths_and_forces(system: &System, state: &State) -> Vec<[f64; 2]> {
     let (value, rates) = (|v: usize| current(system, &state.u, v as u32), rigid_rates(system, state));
     let rate = |v: usize| rates.get(v).copied().map_or_else(Vec3::zeros, Vec3::from);
-    system.springs.iter().map(|(_, spring)| spring.length_and_force(value, rate)).collect()
+    system
+        .springs
+        .iter()
+        .map(|(_, spring)| spring.length_and_force(value, rate, state.time.max(0.0)))
+        .collect()
 }
 
 /// Angle (rad), continued over full turns, and moment of each torsion spring in a state.

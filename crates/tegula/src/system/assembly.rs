@@ -354,13 +354,11 @@ impl Assembly {
         None
     }
 
-    /// Reason why a spring or bushing has no finite forces in the motion of the last ones, if one of them is the cause.
+    /// Reason why a spring or bushing has no finite forces or tangent in a motion, if one of them is the cause.
     pub fn reason_without_forces(&self, system: &System, k: &EvaluationPoint) -> Option<String> {
         let factors: Vec<f64> = system.factors(k.time).collect();
-        let of_group = |(g, group, offsets): (usize, &dyn ElementGroup, &GroupOffsets)| {
-            let forces = self.element_forces[offsets.forces.clone()].chunks(3 * group.vectors_per_element());
-            let mut broken = forces.enumerate().filter(|(_, f)| !f.iter().all(|f| f.is_finite()));
-            broken.find_map(|(e, _)| group.reason_without_forces(&k.of_group(system, g, &factors), e))
+        let of_group = |(g, group, _): (usize, &dyn ElementGroup, _)| {
+            (0..group.len()).find_map(|e| group.reason_without_forces(&k.of_group(system, g, &factors), e))
         };
         system.numbered_groups().find_map(of_group)
     }
@@ -465,6 +463,17 @@ impl Assembly {
             group.energies(&k.of_group(system, g, &self.factors), energies);
         }
         self.energies.iter().sum()
+    }
+
+    /// Work that actuators do on the model in a step.
+    pub fn work_of_actuators(&self, system: &System, k: &EvaluationPoint) -> f64 {
+        if !system.has_actuators() {
+            return 0.0;
+        }
+        let of = |(g, group, _): (usize, &dyn ElementGroup, &GroupOffsets)| {
+            group.work_of_actuators(&k.of_group(system, g, &self.factors))
+        };
+        system.numbered_groups().map(of).sum()
     }
 
     /// Power that rate damping dissipates.

@@ -40,7 +40,7 @@ pub struct EvaluationPoint<'a> {
     pub motion: Motion<'a>,
     /// Geometrically linear analysis: strains linear in the displacement.
     pub linear: bool,
-    /// Time (load factor) at which prescribed strains act.
+    /// Time (load factor) at which prescribed strains and actuators act.
     pub time: f64,
     /// History variables and multipliers.
     pub internal: Internal<'a>,
@@ -69,6 +69,7 @@ impl<'a> EvaluationPoint<'a> {
             interior: InternalVariables { history, factors },
             inextensible: &system.coordinates.inextensible,
             multipliers: self.internal.multipliers,
+            time: self.time.max(0.0),
             drives,
         }
     }

@@ -446,6 +446,11 @@ impl System {
         self.write_prescribed(v, rate);
     }
 
+    /// Whether springs have formulas in the time.
+    pub fn has_actuators(&self) -> bool {
+        self.groups.iter().any(|g| g.has_actuators())
+    }
+
     /// Whether elements have strain-rate damping, or springs dampers.
     pub fn has_rate_damping(&self) -> bool {
         self.groups.iter().any(|g| g.has_rate_damping())

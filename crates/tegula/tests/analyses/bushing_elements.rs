@@ -50,6 +50,7 @@ fn point<'a>(system: &'a System, motion: Motion<'a>, history: &'a [f64]) -> Grou
         interior: InternalVariables { history, factors: &[] },
         inextensible: &[],
         multipliers: &[],
+        time: 0.0,
         drives: &[],
     }
 }

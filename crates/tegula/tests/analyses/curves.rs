@@ -184,6 +184,7 @@ fn tied(at: [f64; 3], stiffness: f64) -> SpringDamper {
         points: [at; 2],
         stiffness,
         damping: 0.0,
+        force: None,
         length: Some(0.0),
     }
 }

@@ -61,6 +61,7 @@ fn a_damped_oscillator_has_the_amplitude_and_phase_of_its_closed_form() {
         points: [[-1.0, 0.0, 0.0], [0.0; 3]],
         stiffness: k,
         damping: c,
+        force: None,
         length: None,
     };
     let slide = Joint::Prismatic(
@@ -72,7 +73,12 @@ fn a_damped_oscillator_has_the_amplitude_and_phase_of_its_closed_form() {
         }
         .into(),
     );
-    for (mass_damping, ratio) in [(0.0, 0.0), (0.7, 0.0), (0.0, 0.05)] {
+    // Formulas act with their slopes at the state.
+    let law = format!("{k}*x + {c}*v + 90*x^3 - 7*v*abs(v)");
+    let formula = SpringDamper { stiffness: 0.0, damping: 0.0, force: Some(law), ..spring.clone() };
+    for (spring, mass_damping, ratio) in
+        [(&spring, 0.0, 0.0), (&spring, 0.7, 0.0), (&spring, 0.0, 0.05), (&formula, 0.0, 0.0)]
+    {
         let analysis = ModalAnalysis {
             inputs: vec![input("push", vec![force("mass", [5.0, 0.0, 0.0])])],
             frequency_response: range(0.1, 30.0, 40),
@@ -128,6 +134,7 @@ fn masses_that_drift_respond_as_their_closed_form() {
         points: [[0.0; 3], [1.0, 0.0, 0.0]],
         stiffness: k,
         damping: 0.0,
+        force: None,
         length: None,
     }];
     let (system, _, response) = respond(&model).unwrap();
@@ -303,6 +310,7 @@ fn joints_balance_what_the_modes_leave_of_a_load() {
             points: [[1.0, 0.0, 1.0], [1.0, 0.0, 0.0]],
             stiffness: 200.0,
             damping: 0.0,
+            force: None,
             length: None,
         }];
         let (system, _, response) = respond(&model).unwrap();
@@ -341,6 +349,7 @@ fn a_damper_on_a_nodal_line_is_no_damping_of_the_mode() {
             points: [end, [0.0; 3]],
             stiffness: 16.0 * (1.0 + axis as f64),
             damping,
+            force: None,
             length: None,
         }
     };
@@ -367,6 +376,7 @@ fn an_undamped_resonance_is_refused() {
             points: [end, [0.0; 3]],
             stiffness: 16.0,
             damping: 0.0,
+            force: None,
             length: None,
         }
     };

@@ -52,7 +52,15 @@ fn pair(end: f64, step: f64, radii: [f64; 2]) -> Model {
 
 fn spring(name: &str, ends: [&str; 2], stiffness: f64, free_angle: f64) -> TorsionSpring {
     let between = between(ends[0], ends[1]);
-    TorsionSpring { name: name.into(), between, axis: AXIS, stiffness, damping: 0.0, free_angle }
+    TorsionSpring {
+        name: name.into(),
+        between,
+        axis: AXIS,
+        stiffness,
+        damping: 0.0,
+        moment: None,
+        free_angle,
+    }
 }
 
 /// Angle of a rotation about an axis, up to full turns.

@@ -149,6 +149,7 @@ fn a_damped_spring_follows_its_closed_form() {
         points: [[0.0; 3], [1.0, 0.0, 0.0]],
         stiffness: mass * omega * omega,
         damping: 2.0 * xi * omega * mass,
+        force: None,
         length: None,
     };
     let model = Model { springs: vec![spring], ..machine(1.0, 1e-3, vec![speed], Vec::new()) };

@@ -23,6 +23,7 @@ fn drives_and_torsion_springs_about_another_axis_than_their_hinge_are_refused() 
         axis,
         stiffness: 1.0,
         damping: 0.0,
+        moment: None,
         free_angle: 0.0,
     };
     let issues = |axis: [f64; 3], with_drive: bool| {

@@ -48,6 +48,7 @@ fn a_point_at_a_corner_of_an_element_is_the_node() {
             points: [[1.0, 0.5, -1.0], [1.0, 0.5, 0.0]],
             stiffness: 3.0,
             damping: 0.0,
+            force: None,
             length: None,
         }];
         solve(&m).2.state

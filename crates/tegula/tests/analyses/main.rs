@@ -55,6 +55,7 @@ mod sensors;
 mod sheet_to_membrane;
 mod shell_joints;
 mod spinning;
+mod spring_formulas;
 mod statics;
 mod step_joint_lists;
 mod step_joint_modes;

@@ -51,6 +51,7 @@ fn two_bodies_on_slides_drift_and_vibrate_against_their_spring() {
         points: [[0.0; 3], [1.0, 0.0, 0.0]],
         stiffness: 600.0,
         damping: 0.0,
+        force: None,
         length: None,
     }];
     let found = omegas(&model);
@@ -59,7 +60,7 @@ fn two_bodies_on_slides_drift_and_vibrate_against_their_spring() {
 
 fn to_ground(name: &str, body: &str, points: [[f64; 3]; 2], stiffness: f64) -> SpringDamper {
     let between = between("ground", body);
-    SpringDamper { name: name.into(), between, points, stiffness, damping: 0.0, length: None }
+    SpringDamper { name: name.into(), between, points, stiffness, damping: 0.0, force: None, length: None }
 }
 
 /// A point mass and a body on three springs to the ground: ω² = k/m along each; rotations of the body are free.
@@ -124,6 +125,7 @@ fn separate_mechanisms_of_unlike_stiffness_keep_their_own_modes() {
         points: [[0.0; 3], [1.0, 0.0, 0.0]],
         stiffness,
         damping: 0.0,
+        force: None,
         length: None,
     };
     model.springs = vec![spring("a", "b", 100.0), spring("c", "d", 1e8)];
@@ -310,6 +312,7 @@ fn a_body_that_stands_on_a_hinge_needs_a_spring_of_m_g_over_l() {
             points: [[-1.0, 0.0, 0.4], [0.0, 0.0, 0.4]],
             stiffness,
             damping: 0.0,
+            force: None,
             length: None,
         }];
         model

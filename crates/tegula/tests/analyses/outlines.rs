@@ -106,6 +106,7 @@ fn bodies_without_a_shape_reach_from_their_mass_centre_to_their_joints() {
         points: [[0.0, 3.0, 0.0], [1.0, 0.0, 0.0]],
         stiffness: 1.0,
         damping: 0.0,
+        force: None,
         length: None,
     }];
     let (system, state) = run(&model, &mut crate::common::Notes::default());

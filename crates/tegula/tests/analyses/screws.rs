@@ -137,6 +137,7 @@ fn a_torsion_spring_holds_the_nut_after_more_than_one_turn() {
         axis: AXIS,
         stiffness,
         damping: 0.0,
+        moment: None,
         free_angle: 0.0,
     }];
     let mesh = mesh::generators::generate(&model.mesh).unwrap();
@@ -159,6 +160,7 @@ fn a_nut_on_a_spring_vibrates_with_its_inertia_of_rotation() {
         points: [far, [0.0; 3]],
         stiffness: 600.0,
         damping: 0.0,
+        force: None,
         length: None,
     }];
     let exact = (600.0 * acceleration(PITCH) / (MASS * 9.81)).sqrt();

@@ -179,6 +179,7 @@ fn an_oscillator_ends_at_angles_beyond_full_turns() {
         axis: [0.0, 0.0, 1.0],
         stiffness: 2.0,
         damping: 0.0,
+        moment: None,
         free_angle: 810.0,
     };
     let model = machine(5.0, 1e-3, vec![wheel], vec![hinge]);
@@ -248,6 +249,7 @@ fn load_steps_that_would_lose_a_turn_are_cut_back() {
             axis,
             stiffness,
             damping,
+            moment: None,
             free_angle,
         });
         let load = VectorLoad { on: on.into(), value: [0.0, 0.0, value], amplitude: None };
@@ -328,6 +330,7 @@ fn load_steps_end_at_the_load_factor_of_a_value() {
         axis: [0.0, 0.0, 1.0],
         stiffness: 2.0,
         damping: 0.0,
+        moment: None,
         free_angle: 0.0,
     };
     let moment = 2.0 * 500_f64.to_radians();

@@ -36,6 +36,7 @@ fn modes_with_locked_and_released_joints_are_those_with_fixed_ones_and_without()
         points: [from, to],
         stiffness,
         damping: 0.0,
+        force: None,
         length: None,
     };
     for joint in Joint::examples().into_iter().filter(Joint::can_be_locked) {

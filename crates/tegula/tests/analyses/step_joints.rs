@@ -345,6 +345,7 @@ fn a_prop_that_is_released_hands_its_force_over_to_the_spring() {
         axis: [0.0, 0.0, 1.0],
         stiffness: k,
         damping: 0.0,
+        moment: None,
         free_angle: 0.0,
     }];
     model.loads = gravity([0.0, -G, 0.0]);
@@ -394,6 +395,7 @@ fn a_lock_that_is_released_in_statics_hands_its_moment_over() {
         axis: [0.0, 0.0, 1.0],
         stiffness: k,
         damping: 0.0,
+        moment: None,
         free_angle: 0.0,
     }];
     model.loads = gravity([0.0, -G, 0.0]);
@@ -441,6 +443,7 @@ fn the_moment_of_a_released_drive_or_lock_falls_with_the_load_factor_at_any_angl
             axis,
             stiffness: k,
             damping: 0.0,
+            moment: None,
             free_angle: 0.0,
         }];
         model.steps = steps;

@@ -24,6 +24,7 @@ fn a_second_motion_begins_with_the_velocities_at_the_end_of_the_first_one() {
         axis: [0.0, 0.0, 1.0],
         stiffness: 5.0,
         damping: 0.0,
+        moment: None,
         free_angle: 20.0,
     }];
     let moves = model.analysis.clone();

@@ -11,7 +11,15 @@ use tegula::{Error, System, Vec3, compile, mesh};
 
 fn spring(ends: [&str; 2], stiffness: f64, damping: f64, free_angle: f64) -> TorsionSpring {
     let between = between(ends[0], ends[1]);
-    TorsionSpring { name: "clock".into(), between, axis: [0.0, 0.0, 2.0], stiffness, damping, free_angle }
+    TorsionSpring {
+        name: "clock".into(),
+        between,
+        axis: [0.0, 0.0, 2.0],
+        stiffness,
+        damping,
+        moment: None,
+        free_angle,
+    }
 }
 
 /// A wheel on a hinge with a torsion spring to the ground, without gravity.
@@ -165,10 +173,15 @@ fn discs_on_torsion_springs_vibrate_as_a_chain() {
 /// The tangent is the derivative of the forces, at a large angle and under a moment.
 #[test]
 fn the_tangent_is_the_derivative_of_the_forces() {
+    tangent_is_derivative(spring(["ground", "wheel"], 2.0, 0.0, 40.0));
+    tangent_is_derivative(crate::spring_formulas::torsion("2*sin(x) + 0.3*x^2*cos(t) + v", 40.0));
+}
+
+fn tangent_is_derivative(spring: TorsionSpring) {
     use tegula::element::{
         ElementGroup, GroupPoint, InternalVariables, Motion, TangentRequest, TangentWeights,
     };
-    let model = wheel(1.0, 0.1, spring(["ground", "wheel"], 2.0, 0.0, 40.0));
+    let model = wheel(1.0, 0.1, spring);
     let mesh = mesh::generators::generate(&model.mesh).unwrap();
     let system = compile::build(&model, &mesh).unwrap();
     let (_, [group, _]) = system.torsion_springs[0];
@@ -191,6 +204,7 @@ fn the_tangent_is_the_derivative_of_the_forces() {
             interior: InternalVariables { history: &history, factors: &[] },
             inextensible: &[],
             multipliers: &[],
+            time: 0.0,
             drives: &[],
         };
         group.evaluate(&k, 0, &mut forces, request);
@@ -258,6 +272,7 @@ fn a_moment_winds_a_spring_in_few_load_steps_with_the_work_of_its_turns() {
             axis: [0.0, 0.0, 1.0],
             stiffness: 1.0,
             damping: 0.0,
+            moment: None,
             free_angle: 0.0,
         }];
         model.loads = vec![Load::Moment(crate::common::vector_load("wheel", [0.0, 0.0, moment]))];
@@ -317,6 +332,7 @@ fn a_static_drive_does_the_work_that_a_spring_stores() {
         axis: [0.0, 0.0, 1.0],
         stiffness: 2.0,
         damping: 0.0,
+        moment: None,
         free_angle: 0.0,
     }];
     let system = compile::build(&model, &mesh::generators::generate(&model.mesh).unwrap()).unwrap();
@@ -367,6 +383,7 @@ fn preloaded_springs_may_move_a_body_along_its_weight() {
             points: [[0.0, 0.0, 1.0], [0.0; 3]],
             stiffness: 100.0,
             damping: 0.0,
+            force: None,
             length: Some(length),
         }];
         model.loads = weight();

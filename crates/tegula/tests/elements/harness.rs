@@ -129,6 +129,7 @@ impl Element {
             interior: InternalVariables { history: &history, factors: &self.factors },
             inextensible: &[],
             multipliers: &[],
+            time: 0.0,
             drives: &[],
         })
     }

@@ -178,6 +178,7 @@ fn both_kernels_agree() {
                         interior,
                         inextensible,
                         multipliers: &[],
+                        time: 0.0,
                         drives: &[],
                     };
                     let pairs = everything(e.fast.as_ref(), &k, &w).into_iter().zip(everything(
@@ -215,6 +216,7 @@ fn parts_are_evaluated_alike() {
         interior,
         inextensible: &[],
         multipliers: &[],
+        time: 0.0,
         drives: &[],
     };
     let mut whole = vec![0.0; 30 * 24];

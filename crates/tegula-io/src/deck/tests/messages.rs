@@ -239,3 +239,18 @@ fn values_have_to_be_of_the_right_kind() {
       help: Lengths along u and v (length).
     "#);
 }
+
+#[test]
+fn springs_and_torsion_springs_have_formulas_of_their_own() {
+    let spring = |keys: &str| {
+        let table = format!(
+            "[[springs]]\nname = \"mount\"\nbetween = [\"ground\", \"u_max_v_max\"]\npoints = [[0.0, 0.0, 1.0], [1.0, 1.0, 0.0]]\n{keys}"
+        );
+        with("[output]\ninterval = 0.1", &table)
+    };
+    assert_eq!(spring("force = \"20*x\""), "");
+    insta::assert_snapshot!(spring("moment = \"20*x\""), @r#"
+    m.toml:29:1: springs[0].moment: unknown key "moment"
+      help: "moment" is a key of "torsion_springs"; here there are "name", "between", "points", "stiffness", "damping", "force", "length"
+    "#);
+}

@@ -259,6 +259,7 @@ impl Integrator for EnergyMomentum {
         );
         let power = assembly.dissipated_power(system, &k)
             + 2.0 * system.mass_damping * system.kinetic_energy(&buffer);
+        let actuators = assembly.work_of_actuators(system, &k);
         if !system.dofs().prescribed.is_empty() {
             assembly.forces(system, &k, &mut internal);
         }
@@ -267,7 +268,7 @@ impl Integrator for EnergyMomentum {
         let supports = self.work_of_supports(system, &mut internal, &mut buffer) + drives;
         (self.buffer, self.internal) = (buffer, internal);
         StepWork {
-            work: loads - gravity + supports,
+            work: loads - gravity + supports + actuators,
             dissipated: self.dt * power + system.work_against_laws([&self.u_old, &self.u], &self.multipliers),
         }
     }

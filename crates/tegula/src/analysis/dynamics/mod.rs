@@ -34,7 +34,7 @@ use crate::model::TransientAnalysis;
 use crate::norm::larger;
 use crate::system::dof_map::CONSTRAINED;
 use crate::system::{Assembly, Procedure, System, VectorKind, dot, dot3};
-use crate::{Result, Vec3};
+use crate::{Error, Result, Vec3};
 pub use amplitude_check::{PassedOver, passed_over};
 use explicit_run::ExplicitSteps;
 pub use step_end::Span;
@@ -63,7 +63,7 @@ pub trait Integrator: Equation {
     fn finish(&mut self, system: &System, state: &mut State);
     /// Local error: root mean square error of position of the step over the model's length. `newton` has solved the step.
     fn local_error(&mut self, system: &System, newton: &mut Newton, state: &State) -> f64;
-    /// External work (of loads other than constant gravity, and of prescribed motions) and dissipation of the step.
+    /// External work (of loads other than constant gravity, of actuators, and of prescribed motions) and dissipation of the step.
     fn step_work(&mut self, system: &System, assembly: &mut Assembly, state: &State) -> StepWork;
     /// Lengths of the sub-steps of which a step is composed, over the length of the step.
     fn sub_steps(&self) -> &'static [f64] {
@@ -80,7 +80,7 @@ pub trait Integrator: Equation {
 /// External work and dissipation of a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct StepWork {
-    /// Work of loads other than constant gravity, and of prescribed motions.
+    /// Work of loads other than constant gravity, of actuators, and of prescribed motions.
     pub work: f64,
     /// Energy dissipated by damping.
     pub dissipated: f64,
@@ -146,6 +146,15 @@ fn initial_state(system: &System, newton: &mut Newton) -> Result<(State, Vec<Str
     impact::share_jump(system, newton, &given_velocities(system), &mut state);
     let messages = constrained_start::consistent_velocities(system, newton, &mut state)?;
     let rest = equilibrium::unbalanced(system, &mut newton.assembly, &state);
+    if !rest.as_flattened().iter().all(|force| force.is_finite())
+        && let Some(reason) = newton.assembly.reason_without_forces(system, &state.point_with_rates(system))
+    {
+        return Err(Error::NotConverged {
+            at: format!("time {:.6e}", state.time),
+            reason,
+            help: "Look at the formula, and at the velocities at the start.".into(),
+        });
+    }
     if newton.constraints.is_none() {
         impact::add_free_response(system, newton, &rest, &mut state.a);
     } else {

@@ -305,10 +305,12 @@ impl Integrator for Newmark {
         let power =
             assembly.dissipated_power(system, &k) + 2.0 * system.mass_damping * system.kinetic_energy(&loads);
         self.buffer = loads;
+        let middle = EvaluationPoint { time: self.time - 0.5 * self.dt, ..k };
+        let actuators = assembly.work_of_actuators(system, &middle);
         let prescribed = self.work_of_supports(system, assembly, state);
         let before = (self.u_old.as_slice(), self.time - self.dt, state.multipliers.as_slice());
         let drives = system.work_of_driven_motions(before, (&self.u, self.time, &self.multipliers));
-        StepWork { work: trapezoid - gravity + prescribed + drives, dissipated: self.dt * power }
+        StepWork { work: trapezoid - gravity + prescribed + drives + actuators, dissipated: self.dt * power }
     }
 
     fn tolerances(&self, max_iterations: u32) -> Tolerances {

@@ -304,18 +304,18 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Whether springs store energy in a state, so that their forces act on its stiffness.
+/// Whether springs have forces in a state, which act on its stiffness.
 fn is_preloaded(system: &System, state: &State) -> bool {
     let factors: Vec<f64> = system.factors(state.time).collect();
     let (point, springs) =
         (state.point(system), |group: &dyn ElementGroup| OF_SPRINGS.contains(&group.name()));
-    let stored =
+    let forces =
         system.numbered_groups().filter(|(_, group, _)| springs(*group)).flat_map(|(number, group, _)| {
-            let mut energies = vec![0.0; group.len()];
-            group.energies(&point.of_group(system, number, &factors), &mut energies);
-            energies
+            let mut forces = vec![0.0; 3 * group.vectors_per_element() * group.len()];
+            group.evaluate(&point.of_group(system, number, &factors), 0, &mut forces, None);
+            forces
         });
-    stored.into_iter().any(|energy| energy != 0.0)
+    forces.into_iter().any(|force| force != 0.0)
 }
 
 /// Energy ½ φ·K φ of a group by its tangent K.

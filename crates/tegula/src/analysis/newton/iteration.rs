@@ -91,7 +91,12 @@ impl<S: TangentSolver> Newton<S> {
             self.reduce_residual(system, equation, history, &setting)?;
             if !setting.reuse {
                 progress.tangents += 1;
-                progress.negative_pivots = prepared.map_err(|reason| (Cause::Tangent, reason))?;
+                progress.negative_pivots = prepared.map_err(|reason| {
+                    // A force law may have a value where it has no slope.
+                    let without =
+                        self.assembly.reason_without_forces(system, &point(system, equation, history));
+                    without.map_or((Cause::Tangent, reason), |reason| (Cause::Flight, reason))
+                })?;
                 self.take_constraints(system, equation, history)?;
                 let moving = setting.coefficients.mass != 0.0;
                 if let Some(constraints) =

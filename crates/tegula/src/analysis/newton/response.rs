@@ -144,7 +144,7 @@ impl<S: TangentSolver> Newton<S> {
         Ok(negative)
     }
 
-    /// Adds the change of the internal forces f due to prescribed strains, between two equations with equal
+    /// Adds the change of the internal forces f due to prescribed strains and actuators, between two equations with equal
     /// displacements, to the residual: f(`first`) − f(`second`).
     fn change_of_forces(
         &mut self,
@@ -152,7 +152,7 @@ impl<S: TangentSolver> Newton<S> {
         (first, second): (&dyn Equation, &dyn Equation),
         history: &[f64],
     ) {
-        if system.prescribed_strains.is_empty() {
+        if system.prescribed_strains.is_empty() && !system.has_actuators() {
             return;
         }
         for (equation, sign) in [(first, 1.0), (second, -1.0)] {

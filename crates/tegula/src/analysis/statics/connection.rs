@@ -46,7 +46,7 @@ pub(super) const SOFTER: f64 = 1.1;
 const ROUNDING: f64 = 1e-9;
 
 /// Energy released in a step, over the bound ΔF·(u(1) − u(0)) of stable paths; 0 where the bound holds or does not
-/// apply: to follower loads, prescribed motions and strains, loads that do not grow in proportion, and materials that
+/// apply: to follower loads, actuators, prescribed motions and strains, loads that do not grow in proportion, and materials that
 /// dissipate.
 pub(super) fn released_energy(
     system: &System,
@@ -54,7 +54,9 @@ pub(super) fn released_energy(
     (before, after, history): (&StaticEquation, &StaticEquation, &[f64]),
     [first, last, change]: [&mut [Nodal]; 3],
 ) -> f64 {
-    let elastic = system.without_internal_variables() && system.prescribed_strains.is_empty();
+    let elastic = system.without_internal_variables()
+        && system.prescribed_strains.is_empty()
+        && !system.has_actuators();
     let driven = system.joints.iter().any(|joint| joint.drive.is_some());
     if !elastic || driven || system.has_follower_loads() || !system.dofs().prescribed.is_empty() {
         return 0.0;

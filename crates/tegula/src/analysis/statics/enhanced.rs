@@ -25,6 +25,7 @@ pub(super) fn share(system: &System, u: &[Nodal], mode: &[Nodal]) -> Option<f64>
         motion: Motion::State { u, velocity: Some(mode) },
         linear: system.linear,
         interior: InternalVariables { history: &[], factors: &[] },
+        time: 0.0,
         drives: &[],
         inextensible: &system.coordinates.inextensible,
         multipliers: &[],

@@ -330,6 +330,10 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             }
             self.reactions = after;
         }
+        // A step without rates, in the middle of which actuators act.
+        let motion = Motion::Step { old: &state.u, new: &equation.u, dt: f64::INFINITY };
+        let middle = EvaluationPoint::new(system, motion, 0.5 * (state.time + target), &state.history);
+        state.work += newton.assembly.work_of_actuators(system, &middle);
         let before = (state.u.as_slice(), state.time, state.multipliers.as_slice());
         state.work += system.work_of_driven_motions(before, (&equation.u, target, &equation.multipliers));
         state.multipliers.copy_from_slice(&equation.multipliers);

@@ -21,9 +21,20 @@ pub(super) enum Operator {
     Multiply,
     Divide,
     Power,
+    /// The smaller of two numbers.
+    Min,
+    /// The larger one.
+    Max,
 }
 
-/// Functions of one number, smooth where they are defined.
+impl Operator {
+    /// Whether the first of two numbers is the value of [`Operator::Min`] or [`Operator::Max`]; NaN is the value wherever it stands.
+    pub fn takes_first(self, first: f64, second: f64) -> bool {
+        first.is_nan() || if self == Self::Min { first <= second } else { first >= second }
+    }
+}
+
+/// Functions of one number, smooth where they are defined but for the kink of the absolute value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Function {
     Negate,
@@ -44,6 +55,7 @@ pub(super) enum Function {
     Log2,
     Log10,
     Sqrt,
+    Abs,
 }
 
 impl Function {
@@ -70,7 +82,7 @@ impl Function {
     ];
 
     /// Value at `x`.
-    fn value(self, x: f64) -> f64 {
+    pub fn value(self, x: f64) -> f64 {
         match self {
             Self::Negate => -x,
             Self::Sin => x.sin(),
@@ -90,6 +102,7 @@ impl Function {
             Self::Log2 => x.log2(),
             Self::Log10 => x.log10(),
             Self::Sqrt => x.sqrt(),
+            Self::Abs => x.abs(),
         }
     }
 
@@ -108,7 +121,7 @@ impl Function {
     }
 
     /// First and second derivative at `x`, where the value is `y`.
-    fn derivatives(self, x: f64, y: f64) -> [f64; 2] {
+    pub fn derivatives(self, x: f64, y: f64) -> [f64; 2] {
         match self {
             Self::Negate => [-1.0, 0.0],
             Self::Sin => [x.cos(), -y],
@@ -155,6 +168,7 @@ impl Function {
                 let d = 0.5 / y;
                 [d, -0.5 * d / x]
             }
+            Self::Abs => [if x >= 0.0 { 1.0 } else { -1.0 }, 0.0],
         }
     }
 }
@@ -177,6 +191,13 @@ impl Number for f64 {
             Operator::Multiply => left * right,
             Operator::Divide => left / right,
             Operator::Power => left.powf(right),
+            Operator::Min | Operator::Max => {
+                if operator.takes_first(left, right) {
+                    left
+                } else {
+                    right
+                }
+            }
         }
     }
 
@@ -273,6 +294,13 @@ impl Number for Jet {
                 Self { value, rate, second: (a.second - 2.0 * rate * b.rate - value * b.second) / b.value }
             }
             Operator::Power => a.to_the(b),
+            Operator::Min | Operator::Max => {
+                if operator.takes_first(a.value, b.value) {
+                    a
+                } else {
+                    b
+                }
+            }
         }
     }
 

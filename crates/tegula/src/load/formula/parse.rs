@@ -33,16 +33,16 @@ const CONSTANTS: [(&str, f64); 6] = [
 pub(super) enum Instruction {
     /// A number.
     Constant(f64),
-    /// The variable `t`.
-    Variable,
+    /// A variable, by its number.
+    Variable(u8),
     /// Function of the last operand.
     Apply(Function),
     /// Operator between the last two operands.
     Combine(Operator),
 }
 
-/// Value of a program at the variable `t`; the parser guarantees that its operands fit on the stack.
-pub(super) fn evaluate<N: Number>(program: &[Instruction], t: N) -> N {
+/// Value of a program at these variables; the parser guarantees that its operands fit on the stack and that there are no other variables.
+pub(super) fn evaluate<N: Number, const V: usize>(program: &[Instruction], variables: [N; V]) -> N {
     let mut stack = [N::constant(0.0); DEEPEST];
     let mut height = 0;
     for instruction in program {
@@ -51,8 +51,8 @@ pub(super) fn evaluate<N: Number>(program: &[Instruction], t: N) -> N {
                 stack[height] = N::constant(value);
                 height += 1;
             }
-            Instruction::Variable => {
-                stack[height] = t;
+            Instruction::Variable(number) => {
+                stack[height] = variables[usize::from(number)];
                 height += 1;
             }
             Instruction::Apply(function) => stack[height - 1] = N::apply(function, stack[height - 1]),
@@ -65,11 +65,28 @@ pub(super) fn evaluate<N: Number>(program: &[Instruction], t: N) -> N {
     stack[0]
 }
 
+/// Names that a formula may use.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Names {
+    /// Variables, by number.
+    pub variables: &'static [&'static str],
+    /// Whether functions with kinks, [`KINKED`] and [`EXTREMES`], are taken.
+    pub kinks: bool,
+}
+
+/// Functions of one number that are continuous and have a kink.
+pub(super) const KINKED: [(&str, Function); 1] = [("abs", Function::Abs)];
+/// Functions of two numbers that are continuous and have a kink.
+pub(super) const EXTREMES: [(&str, Operator); 2] = [("min", Operator::Min), ("max", Operator::Max)];
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Token {
     Number(f64),
-    Variable,
+    Variable(u8),
     Function(Function),
+    /// Function of two numbers.
+    Extreme(Operator),
+    Comma,
     Operator(char),
     Open,
     Close,
@@ -79,15 +96,20 @@ enum Token {
 ///
 /// # Errors
 /// The text is not a valid formula: the reason, which continues the sentence *the expression …*.
-pub(super) fn parse(text: &str) -> Result<Vec<Instruction>, String> {
-    let tokens = tokens(text)?;
+pub(super) fn parse(text: &str, names: Names) -> Result<Vec<Instruction>, String> {
+    let tokens = tokens(text, names)?;
     let mut parser = Parser { tokens: &tokens, at: 0, program: Vec::new(), operands: 0 };
     parser.sum(0)?;
     match parser.peek() {
         None => Ok(parser.program),
         Some(Token::Close) => Err("closes a bracket that was not opened".into()),
+        Some(Token::Comma) => Err(stray_comma()),
         Some(_) => Err(incomplete()),
     }
+}
+
+fn stray_comma() -> String {
+    "has a comma; write a point for decimals".into()
 }
 
 fn incomplete() -> String {
@@ -98,7 +120,7 @@ fn too_deep() -> String {
     format!("has more than {DEEPEST} brackets, signs or powers within each other")
 }
 
-fn tokens(text: &str) -> Result<Vec<Token>, String> {
+fn tokens(text: &str, names: Names) -> Result<Vec<Token>, String> {
     let mut out = Vec::new();
     let mut rest = text;
     while let Some(c) = rest.chars().next() {
@@ -126,11 +148,15 @@ fn tokens(text: &str) -> Result<Vec<Token>, String> {
             c if c.is_alphabetic() || c == '_' => {
                 let length = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
                 let (name, behind) = rest.split_at(length);
-                out.push(named(name, behind)?);
+                out.push(named(name, behind, names)?);
                 length
             }
             c if c.is_whitespace() => c.len_utf8(),
-            ',' => return Err("has a comma; write a point for decimals".into()),
+            ',' if out.iter().any(|token| matches!(token, Token::Extreme(_))) => {
+                out.push(Token::Comma);
+                1
+            }
+            ',' => return Err(stray_comma()),
             c => return Err(format!("holds the character {c:?}, which has no meaning in a formula")),
         };
         rest = &rest[length..];
@@ -155,9 +181,17 @@ fn number(text: &str) -> usize {
     end
 }
 
-fn named(name: &str, behind: &str) -> Result<Token, String> {
-    if name == "t" {
-        return Ok(Token::Variable);
+fn named(name: &str, behind: &str, names: Names) -> Result<Token, String> {
+    if let Some(number) = (0..).zip(names.variables).find_map(|(i, known)| (*known == name).then_some(i)) {
+        return Ok(Token::Variable(number));
+    }
+    if names.kinks {
+        if let Some((_, function)) = KINKED.into_iter().find(|(known, _)| *known == name) {
+            return Ok(Token::Function(function));
+        }
+        if let Some((_, extreme)) = EXTREMES.into_iter().find(|(known, _)| *known == name) {
+            return Ok(Token::Extreme(extreme));
+        }
     }
     if let Some((_, function)) = Function::NAMED.into_iter().find(|(known, _)| *known == name) {
         return Ok(Token::Function(function));
@@ -198,9 +232,18 @@ impl Parser<'_> {
         }
     }
 
+    /// Consumes a token, or ends with this problem.
+    fn expect(&mut self, token: Token, problem: &str) -> Result<(), String> {
+        if self.peek() != Some(token) {
+            return Err(problem.into());
+        }
+        self.at += 1;
+        Ok(())
+    }
+
     fn emit(&mut self, instruction: Instruction) -> Result<(), String> {
         match instruction {
-            Instruction::Constant(_) | Instruction::Variable => self.operands += 1,
+            Instruction::Constant(_) | Instruction::Variable(_) => self.operands += 1,
             Instruction::Combine(_) => self.operands -= 1,
             Instruction::Apply(_) => {}
         }
@@ -258,7 +301,16 @@ impl Parser<'_> {
         self.at += 1;
         match token {
             Some(Token::Number(value)) => self.emit(Instruction::Constant(value)),
-            Some(Token::Variable) => self.emit(Instruction::Variable),
+            Some(Token::Variable(number)) => self.emit(Instruction::Variable(number)),
+            Some(Token::Extreme(operator)) => {
+                let pair = "writes \"min\" or \"max\" without two arguments in brackets, as in max(x, 0)";
+                self.expect(Token::Open, pair)?;
+                self.sum(depth + 1)?;
+                self.expect(Token::Comma, pair)?;
+                self.sum(depth + 1)?;
+                self.expect(Token::Close, pair)?;
+                self.emit(Instruction::Combine(operator))
+            }
             Some(Token::Function(function)) => {
                 let mut negative = false;
                 while let Some(sign) = self.accept("+-") {
@@ -280,6 +332,7 @@ impl Parser<'_> {
                         Ok(())
                     }
                     None => Err("leaves a bracket open".into()),
+                    Some(Token::Comma) => Err(stray_comma()),
                     Some(_) => Err(incomplete()),
                 }
             }

@@ -7,6 +7,7 @@ use super::{Instant, SchemeKeys};
 use crate::analysis::dynamics::Integrator;
 use crate::analysis::dynamics::energy_momentum::EnergyMomentum;
 use crate::checker::Checker;
+use crate::load::ForceFormula;
 use crate::model::{Amplitude, Bushing, Condition, Model, TransientAnalysis};
 use crate::system::System;
 
@@ -71,12 +72,6 @@ impl SchemeKeys for EnergyMomentumScheme {
             let what = format!("the retardation time of beam \"{}\"", beam.name);
             refuse(damped(&what), "use `order = 2`, or drop it");
         }
-        if let Some(spring) = model.torsion_springs.iter().find(|spring| spring.damping != 0.0) {
-            refuse(
-                damped(&format!("the damper of \"{}\"", spring.name)),
-                "use `order = 2`, or drop its damping",
-            );
-        }
         let has_damper = |bushing: &&Bushing| bushing.damping() != nalgebra::Matrix6::zeros();
         if let Some(bushing) = model.bushings.iter().find(has_damper) {
             refuse(
@@ -96,11 +91,8 @@ impl SchemeKeys for EnergyMomentumScheme {
             );
             refuse(message, "give the motion a formula or a spline, or use `order = 2`");
         }
-        if let Some(spring) = model.springs.iter().find(|spring| spring.damping != 0.0) {
-            refuse(
-                damped(&format!("the damper of \"{}\"", spring.name)),
-                "use `order = 2`, or drop its damping",
-            );
+        if let Some(name) = spring_with_damper(model) {
+            refuse(damped(&format!("the damper of \"{name}\"")), "use `order = 2`, or drop its damping");
         }
     }
 
@@ -120,6 +112,18 @@ impl SchemeKeys for EnergyMomentumScheme {
     fn moves_bodies(&self) -> bool {
         true
     }
+}
+
+/// Name of the first spring or torsion spring whose force depends on its rate.
+fn spring_with_damper(model: &Model) -> Option<&String> {
+    // Invalid formulas are refused elsewhere.
+    let acts = |damping: f64, formula: Option<&String>| {
+        damping != 0.0
+            || formula.is_some_and(|text| ForceFormula::read(text).is_ok_and(|law| law.depends_on_rate()))
+    };
+    let springs = model.springs.iter().map(|s| (&s.name, acts(s.damping, s.force.as_ref())));
+    let torsion = model.torsion_springs.iter().map(|s| (&s.name, acts(s.damping, s.moment.as_ref())));
+    springs.chain(torsion).find_map(|(name, acts)| acts.then_some(name))
 }
 
 /// Whether a prescribed motion or a drive follows an amplitude with kinks.

@@ -1,0 +1,169 @@
+//! Springs and torsion springs: their values, and from the model to force elements.
+
+use super::bodies::{extent, not_with_itself};
+use super::body_inertia::direction;
+use super::inner_point::Corners;
+use super::place::{Place, ends};
+use crate::checker::Checker;
+use crate::constraint::joints::RelativeAngle;
+use crate::constraint::{Spring, SpringLaw, TorsionSpring};
+use crate::mesh::Mesh;
+use crate::model::{self, Model, SpringDamper};
+use crate::system::Coordinates;
+use crate::{Issue, Vec3};
+
+/// Mistakes in the values of springs.
+pub(super) fn keys(model: &Model, c: &mut Checker) {
+    for (i, spring) in model.springs.iter().enumerate() {
+        spring_values(spring, &format!("springs[{i}]"), c);
+    }
+    for (i, spring) in model.torsion_springs.iter().enumerate() {
+        torsion_spring_values(spring, &format!("torsion_springs[{i}]"), c);
+    }
+}
+
+/// Force law of a spring.
+///
+/// # Errors
+/// The formula is invalid: description of the mistake, and remedy.
+fn law(spring: &SpringDamper) -> Result<SpringLaw, (String, String)> {
+    let distance = (Vec3::from(spring.points[0]) - Vec3::from(spring.points[1])).norm();
+    let length = spring.length.unwrap_or(distance);
+    match &spring.force {
+        Some(text) => SpringLaw::formula(&named(&spring.name), text, [length, distance]),
+        None => Ok(SpringLaw::linear([spring.stiffness, spring.damping], length)),
+    }
+}
+
+/// Moment of a torsion spring by its angle.
+///
+/// # Errors
+/// The formula is invalid: description of the mistake, and remedy.
+fn torsion_law(spring: &model::TorsionSpring) -> Result<SpringLaw, (String, String)> {
+    let free = spring.free_angle.to_radians();
+    match &spring.moment {
+        Some(text) => SpringLaw::formula(&torsion_named(&spring.name), text, [free, 0.0]),
+        None => Ok(SpringLaw::linear([spring.stiffness, spring.damping], free)),
+    }
+}
+
+fn named(name: &str) -> String {
+    format!("the spring \"{name}\"")
+}
+
+fn torsion_named(name: &str) -> String {
+    format!("the torsion spring \"{name}\"")
+}
+
+/// A spring with neither a formula nor stiffness and damping, or with both.
+fn acts(
+    (what, key, name): (&str, &str, &str),
+    ([stiffness, damping], formula): ([f64; 2], Option<&str>),
+    c: &mut Checker,
+) {
+    let is_linear = stiffness != 0.0 || damping != 0.0;
+    match formula {
+        None if !is_linear => c.add(
+            key,
+            format!("{what} does nothing"),
+            format!("give `stiffness`, `damping` or both, or a formula as `{name}`"),
+        ),
+        Some(text) if is_linear => c.add(
+            format!("{key}.{name}"),
+            format!("{what} has the formula \"{text}\" beside `stiffness` or `damping`"),
+            format!("write them into `{name}`, as {stiffness}*x + {damping}*v, or leave `{name}` out"),
+        ),
+        _ => {}
+    }
+}
+
+fn spring_values(spring: &SpringDamper, key: &str, c: &mut Checker) {
+    c.not_negative(&format!("{key}.stiffness"), "the stiffness", spring.stiffness);
+    c.not_negative(&format!("{key}.damping"), "the damping", spring.damping);
+    c.not_negative(&format!("{key}.length"), "the length", spring.length.unwrap_or(0.0));
+    spring.points.iter().for_each(|point| c.finite(&format!("{key}.points"), "the point", point));
+    let what = named(&spring.name);
+    not_with_itself((&what, &spring.between), key, c);
+    acts((&what, key, "force"), ([spring.stiffness, spring.damping], spring.force.as_deref()), c);
+    if let Err((problem, help)) = law(spring) {
+        c.add(format!("{key}.force"), problem, help);
+    }
+    if spring.points[0] == spring.points[1] && spring.length.is_some_and(|length| length > 0.0) {
+        c.add(
+            format!("{key}.points"),
+            format!("the spring \"{}\" has no direction: its points coincide", spring.name),
+            "move one of its points, or give `length = 0`",
+        );
+    }
+}
+
+fn torsion_spring_values(spring: &model::TorsionSpring, key: &str, c: &mut Checker) {
+    c.not_negative(&format!("{key}.stiffness"), "the stiffness", spring.stiffness);
+    c.not_negative(&format!("{key}.damping"), "the damping", spring.damping);
+    c.finite(&format!("{key}.free_angle"), "the free angle", &[spring.free_angle]);
+    direction(&format!("{key}.axis"), spring.axis, c);
+    let what = torsion_named(&spring.name);
+    not_with_itself((&what, &spring.between), key, c);
+    acts((&what, key, "moment"), ([spring.stiffness, spring.damping], spring.moment.as_deref()), c);
+    if let Err((problem, help)) = torsion_law(spring) {
+        c.add(format!("{key}.moment"), problem, help);
+    }
+}
+
+/// Springs of the model, or what is wrong with their ends.
+pub(super) fn springs(
+    model: &Model,
+    (mesh, corners): (&Mesh, &Corners),
+    coordinates: &Coordinates,
+    issues: &mut Vec<Issue>,
+) -> Vec<Spring> {
+    let mut c = Checker::default();
+    let size = extent(model, mesh, coordinates);
+    let mut out = Vec::new();
+    for (i, data) in model.springs.iter().enumerate() {
+        let key = format!("springs[{i}]");
+        let at = |side: usize| Some((format!("{key}.points[{side}]"), data.points[side]));
+        let place = Place { model, mesh, coordinates, length: size, corners };
+        let Some([first, second]) = ends(&place, (&key, &data.between), [at(0), at(1)], &mut c) else {
+            continue;
+        };
+        let points = data.points.map(Vec3::from);
+        let [a, b] = [first.point(&points[0]), second.point(&points[1])];
+        // Invalid formulas are mistakes of the keys.
+        out.extend(law(data).ok().map(|law| Spring::new([&a, &b], law)));
+    }
+    issues.append(&mut c.issues);
+    out
+}
+
+/// Torsion springs of the model, or what is wrong with their ends.
+pub(super) fn torsion_springs(
+    model: &Model,
+    (mesh, corners): (&Mesh, &Corners),
+    coordinates: &Coordinates,
+    issues: &mut Vec<Issue>,
+) -> Vec<TorsionSpring> {
+    let mut c = Checker::default();
+    let place = Place { model, mesh, coordinates, length: extent(model, mesh, coordinates), corners };
+    let mut out = Vec::new();
+    for (i, data) in model.torsion_springs.iter().enumerate() {
+        let key = format!("torsion_springs[{i}]");
+        let Some(ends) = ends(&place, (&key, &data.between), [None, None], &mut c) else { continue };
+        match RelativeAngle::new(&ends, &data.axis.into()) {
+            Some(angle) => {
+                let with = |law| TorsionSpring { name: data.name.clone(), angle, law };
+                out.extend(torsion_law(data).ok().map(with));
+            }
+            None => c.add(
+                format!("{key}.between"),
+                format!(
+                    "the torsion spring \"{}\" needs an axis on both sides, but a point mass or a node has none",
+                    data.name
+                ),
+                "connect rigid bodies, nodes of beams and the ground",
+            ),
+        }
+    }
+    issues.append(&mut c.issues);
+    out
+}
