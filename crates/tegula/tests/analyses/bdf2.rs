@@ -27,6 +27,7 @@ fn oscillator(omega: f64) -> Model {
         stiffness: omega * omega,
         damping: 0.0,
         length: Some(0.0),
+        force: None,
     };
     Model {
         springs: vec![spring],
