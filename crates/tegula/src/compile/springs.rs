@@ -85,14 +85,20 @@ fn spring_values(spring: &SpringDamper, key: &str, c: &mut Checker) {
     let what = named(&spring.name);
     not_with_itself((&what, &spring.between), key, c);
     acts((&what, key, "force"), ([spring.stiffness, spring.damping], spring.force.as_deref()), c);
-    if let Err((problem, help)) = law(spring) {
-        c.add(format!("{key}.force"), problem, help);
+    // Within its clearance a spring needs no direction.
+    let mut is_free = false;
+    match law(spring) {
+        Ok(law) => {
+            let first = law.force([0.0; 2], 0.0, 0.0);
+            is_free = spring.force.is_some() && [first.value, first.by_position] == [0.0; 2];
+        }
+        Err((problem, help)) => c.add(format!("{key}.force"), problem, help),
     }
-    if spring.points[0] == spring.points[1] && spring.length.is_some_and(|length| length > 0.0) {
+    if spring.points[0] == spring.points[1] && spring.length.is_some_and(|length| length > 0.0) && !is_free {
         c.add(
             format!("{key}.points"),
             format!("the spring \"{}\" has no direction: its points coincide", spring.name),
-            "move one of its points, or give `length = 0`",
+            "move one of its points, give `length = 0`, or a `force` that vanishes there, as in a clearance",
         );
     }
 }

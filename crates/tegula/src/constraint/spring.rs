@@ -93,7 +93,7 @@ impl Spring {
         let sum = before + after;
         if sum > 0.0 {
             2.0 * force.value / sum
-        } else if self.law.free() == 0.0 && force.value == 0.0 {
+        } else if force.value == 0.0 && (self.law.free() == 0.0 || force.by_position == 0.0) {
             force.by_position
         } else {
             f64::NAN

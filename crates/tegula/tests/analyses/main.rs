@@ -10,6 +10,7 @@ mod bdf2;
 mod beams;
 mod bushing_elements;
 mod bushings;
+mod clearance;
 mod composition;
 mod contracts;
 mod couplings;

@@ -46,7 +46,10 @@ impl SchemeKeys for KinematicScheme {
             if keys.friction().is_some() || keys.stops().is_some() {
                 refuse(
                     format!("joints[{i}]"),
-                    format!("joint \"{}\" has friction or stops, which a kinematic analysis does not know", keys.name()),
+                    format!(
+                        "joint \"{}\" has friction or stops, which a kinematic analysis does not know",
+                        keys.name()
+                    ),
                     "leave them out, or use the scheme \"energy-momentum\"",
                 );
             }
