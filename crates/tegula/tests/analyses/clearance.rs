@@ -24,7 +24,7 @@ fn journal(velocity: [f64; 3], end: f64, step: f64) -> Model {
         length: Some(GAP),
         force: Some(format!("{STIFFNESS}*max(x, 0)^1.5")),
     };
-    Model { springs: vec![contact], ..machine(end, step, vec![journal], vec![Joint::Planar(guide.into())]) }
+    Model { springs: vec![contact], ..machine(end, step, vec![journal], vec![Joint::Planar(guide)]) }
 }
 
 /// The depth of an impact along the radius is that of Hertz, `½ m v² = k δ^2.5/2.5`, and the journal crosses the clearance again and
