@@ -16,14 +16,14 @@ use tegula_sparse::norm::larger;
 
 /// Largest number of degrees of freedom of which the null space is computed: the matrix is dense.
 const MOST: usize = 600;
-/// Singular value over the largest one that is round-off in a configuration that is known to full precision.
-pub(super) const ROUND_OFF: f64 = 1e-9;
+/// Singular value over the largest one that is round-off.
+const ROUND_OFF: f64 = 1e-9;
 /// Part of a motion, over the largest one, that is round-off.
 const NOTHING: f64 = 1e-7;
 
 /// Motions that joints, supports, springs and elastic parts leave free in a state, each as text; none where the model is too large for the
-/// search. Singular values up to `round_off` times the largest one count as 0.
-pub(super) fn free_motions(system: &System, state: &State, round_off: f64) -> Vec<String> {
+/// search. Where their `number` is known, they are those of the smallest singular values.
+pub(super) fn free_motions(system: &System, state: &State, number: Option<usize>) -> Vec<String> {
     let n = system.unknowns();
     if n == 0 || n > MOST || system.coordinates.bodies.is_empty() {
         return Vec::new();
@@ -53,7 +53,10 @@ pub(super) fn free_motions(system: &System, state: &State, round_off: f64) -> Ve
     let svd = matrix.svd(false, true);
     let largest = svd.singular_values.iter().copied().fold(0.0, larger);
     let Some(right) = svd.v_t else { return Vec::new() };
-    let free: Vec<usize> = (0..n).filter(|&i| svd.singular_values[i] <= round_off * largest).collect();
+    let mut free: Vec<usize> = (0..n).collect();
+    free.sort_by(|&i, &j| svd.singular_values[i].total_cmp(&svd.singular_values[j]));
+    let round_off = |i: &usize| svd.singular_values[*i] <= ROUND_OFF * largest;
+    free.truncate(number.unwrap_or_else(|| free.iter().filter(|i| round_off(i)).count()));
     let mut basis = DMatrix::from_fn(n, free.len(), |i, j| right[(free[j], i)]);
     eliminate(&mut basis);
     let describe_column = |column: usize| {

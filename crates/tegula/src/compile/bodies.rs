@@ -29,8 +29,8 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
     if !transient && !super::patches::solved_at_rest(model) {
         c.add(
             "analysis",
-            "bodies, beams, joints, ties, springs and bushings move in nonlinear transient analyses with the schemes \"energy-momentum\" and \
-             \"generalized-alpha\" only; nonlinear static analyses with the direct solver and modal analyses take them, too",
+            "bodies, beams, joints, ties, springs and bushings move in nonlinear transient analyses with the schemes \"energy-momentum\", \
+             \"generalized-alpha\", \"bdf2\" and \"kinematic\" only; nonlinear static analyses with the direct solver and modal analyses take them, too",
             "give `type = \"transient\"` and `scheme = { type = \"energy-momentum\" }`, or for numerical damping as of `hht` \
              `scheme = { type = \"generalized-alpha\" }`",
         );

@@ -345,3 +345,126 @@ fn a_kinematic_analysis_refuses_velocities_friction_and_missing_drives() {
         assert!(text.contains(words), "{text}");
     }
 }
+
+/// One arm on a hinge, which a drive turns by this formula or table (degrees).
+fn driven_arm(amplitude: Amplitude, time_step: Option<f64>) -> Model {
+    let arm = body("arm", [0.5, 0.0, 0.0], 2.0, Some([0.1, 0.2, 0.3]));
+    let joints = vec![revolute("hinge", "ground", "arm", [0.0; 3], Z), motor("arm")];
+    let mut model = kinematic(machine(1.0, 0.05, vec![arm], joints));
+    model.amplitudes.insert("turn".into(), amplitude);
+    if let Analysis::Transient(options) = &mut model.analysis {
+        options.time_step = time_step;
+    }
+    model
+}
+
+/// Crank, coupler and rocker of 0.3, 0.8 and 0.81 on a ground of 0.32 come close to their other branch: a step of 21° would jump there.
+#[test]
+fn long_steps_stay_on_the_branch_of_the_mechanism() {
+    let [d, a, b, c] = [0.32_f64, 0.3, 0.8, 0.81];
+    let end_of = |crank: f64| {
+        let pin = C::new(0.0, crank).exp() * a;
+        let to_hinge = C::new(d, 0.0) - pin;
+        let apart = to_hinge.norm();
+        let along = (apart * apart + b * b - c * c) / (2.0 * apart);
+        pin + to_hinge / apart * C::new(along, (b * b - along * along).sqrt())
+    };
+    let at = |z: C| [z.re, z.im, 0.0];
+    let start = 0.7;
+    let (pin, end) = (C::new(0.0, start).exp() * a, end_of(start));
+    let hinge = C::new(d, 0.0);
+    let bodies = [("crank", pin * 0.5), ("coupler", (pin + end) * 0.5), ("rocker", (hinge + end) * 0.5)]
+        .map(|(name, place)| body(name, at(place), 1.0, Some([0.1; 3])));
+    let joints = vec![
+        revolute("O", "ground", "crank", [0.0; 3], Z),
+        revolute("A", "crank", "coupler", at(pin), Z),
+        revolute("B", "coupler", "rocker", at(end), Z),
+        revolute("C", "ground", "rocker", at(hinge), Z),
+        motor("crank"),
+    ];
+    for step in [0.25, 0.15, 0.05] {
+        let mut model = kinematic(machine(12.0, step, bodies.to_vec(), joints.clone()));
+        model.amplitudes.insert("turn".into(), formula("1.5*t*180/PI"));
+        let mut notes = Notes::keeping();
+        let (system, _) = run(&model, &mut notes);
+        let apart = max_norm(notes.states.iter().map(|state| {
+            let place = BodyMotion::new(&system, state, &system.coordinates.bodies[2]).position;
+            (complex(place) - (hinge + end_of(start + 1.5 * state.time)) * 0.5).norm()
+        }));
+        assert!(apart < 1e-10, "{step}: {apart}");
+        let shortened = notes.states.len() > (12.0_f64 / step).round() as usize + 1;
+        assert_eq!(shortened, step > 0.1, "{step}: {}", notes.states.len());
+    }
+}
+
+/// Drives that come to rest, set off slowly, or hold for a while: round-off of positions is no failure, in steps of any length.
+#[test]
+fn drives_at_rest_and_slow_ones_are_followed() {
+    for angle in [40.0, 90.0, 270.0] {
+        for expression in
+            [format!("{angle}*tanh(8*t)"), format!("{angle}*t^3"), format!("{angle}*t^2*(3 - 2*t)")]
+        {
+            for time_step in [None, Some(0.05), Some(1e-3)] {
+                let (system, state) =
+                    run(&driven_arm(formula(&expression), time_step), &mut Notes::default());
+                let place = BodyMotion::new(&system, &state, &system.coordinates.bodies[0]).position;
+                let last = if expression.contains("tanh") { 8f64.tanh() } else { 1.0 };
+                let expected = C::new(0.0, (angle * last).to_radians()).exp() * 0.5;
+                assert!((complex(place) - expected).norm() < 1e-12, "{expression} {time_step:?}: {place}");
+            }
+        }
+    }
+}
+
+/// A drive that starts and stops at once takes up the kinetic energy as work: the balance is closed at each step, and steps end there.
+#[test]
+fn jumps_of_the_speed_of_a_drive_are_its_work() {
+    let (times, values) = (vec![0.0, 0.35, 0.5, 1.0], vec![0.0, 0.0, 90.0, 45.0]);
+    for time_step in [None, Some(0.1)] {
+        let table = TableAmplitude { times: times.clone(), values: values.clone() };
+        let mut notes = Notes::default();
+        run(&driven_arm(Amplitude::Table(table), time_step), &mut notes);
+        assert!(notes.kinetic > 40.0 && notes.drift() < 1e-10 * notes.kinetic, "{}", notes.drift());
+        let met = |at: f64| notes.totals.iter().any(|(t, _)| (t - at).abs() < 1e-12);
+        assert!(met(0.35) && met(0.5), "{:?}", notes.totals);
+    }
+}
+
+/// A torsion spring counts full turns: its moment is that of the drive, over two turns.
+#[test]
+fn a_torsion_spring_is_wound_up_by_full_turns() {
+    let mut model = driven_arm(formula("720*t"), Some(0.01));
+    model.torsion_springs = vec![TorsionSpring {
+        name: "coil".into(),
+        between: between("ground", "arm"),
+        axis: Z,
+        stiffness: 5.0,
+        damping: 0.0,
+        free_angle: 0.0,
+        moment: None,
+    }];
+    let mut notes = Notes::keeping();
+    let (system, _) = run(&model, &mut notes);
+    for state in &notes.states[1..] {
+        let (_, moment) = joint_reaction(&system, state, &system.joints[1]);
+        let expected = 5.0 * 2.0 * TAU * state.time;
+        assert!((moment.z - expected).abs() < 1e-9, "{}: {moment} {expected}", state.time);
+    }
+}
+
+/// A crank that is too long for its linkage: the analysis ends where it locks, and says so.
+#[test]
+fn a_mechanism_that_locks_ends_the_analysis_with_this_reason() {
+    let mut model = four_bar(3.0, 0.02, true);
+    let drives = Joint::DrivenAngle(DrivenAngleJoint {
+        name: "motor".into(),
+        between: between("ground", "rocker"),
+        axis: Z,
+        angle: 1.0,
+        amplitude: "turn".into(),
+    });
+    model.joints[4] = drives;
+    let text = refusal(&model);
+    assert!(text.contains("no position next to the one before") || text.contains("would jump"), "{text}");
+    assert!(text.contains("locks"), "{text}");
+}

@@ -17,12 +17,16 @@ use crate::analysis::mobility;
 use crate::analysis::newton::{Equation, Newton, Tolerances};
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::error::{Error, Result};
+use crate::norm::larger;
 use crate::system::assembly::TangentCoefficients;
 use crate::system::{Assembly, System};
 
-/// Singular value of the gradients of the constraints, over the largest one, that counts as 0: in a singular position the coordinates
-/// are known to the square root of round-off, and the rank is that of the products of the gradients.
-const SINGULAR: f64 = 1e-5;
+/// Time before a kink of a drive, over the step, at which its rate is taken.
+const BEFORE: f64 = 1e-9;
+/// Difference between a displacement and its integral from the rates, over the way, above which the positions have jumped, and its
+/// round-off over the size of the model.
+const PART: f64 = 0.1;
+const ROUND_OFF: f64 = 1e-8;
 
 /// Positions, rates and multipliers at the end of a step.
 pub struct Kinematics {
@@ -87,8 +91,9 @@ impl Equation for Kinematics {
         1.0
     }
 
-    fn displacement_scale(&self, system: &System) -> f64 {
-        self.end.displacement_scale(system)
+    /// The size of the model: positions are found to a part of it, however short the step.
+    fn displacement_scale(&self, _system: &System) -> f64 {
+        1.0
     }
 }
 
@@ -103,15 +108,25 @@ impl Integrator for Kinematics {
         self.predicted.copy_from_slice(&self.end.u);
         self.state.coordinates.clone_from(&state.coordinates);
         self.state.angles.clone_from(&state.angles);
+        self.state.history.clone_from(&state.history);
     }
 
     fn displacements(&self) -> &[Nodal] {
         &self.end.u
     }
 
-    fn close_rates(&mut self, system: &System, newton: &mut Newton) -> Result<()> {
+    /// Finds the rates and the multipliers, and compares the displacement with its integral from the rates at both ends (trapezoidal rule,
+    /// with the correction of Euler and Maclaurin): behind a jump to another position that the joints admit they do not fit.
+    fn interruption(
+        &mut self,
+        system: &System,
+        newton: &mut Newton,
+        start: &State,
+    ) -> Result<Option<String>> {
         let Self { end, state, .. } = self;
-        state.time = end.time;
+        // Before a kink of a drive its rate is that of the piece that ends there.
+        let earlier = if system.has_kink(end.time) { BEFORE * end.dt } else { 0.0 };
+        state.time = end.time - earlier;
         state.u.copy_from_slice(&end.u);
         state.v.fill([0.0; 3]);
         state.a.fill([0.0; 3]);
@@ -129,7 +144,26 @@ impl Integrator for Kinematics {
         end.v.copy_from_slice(&state.v);
         end.a.copy_from_slice(&state.a);
         end.multipliers.copy_from_slice(&state.multipliers);
-        Ok(())
+        // Where an acceleration jumps, as that of a drive that sets off, the rule without accelerations is the better one.
+        let dt = end.dt;
+        let mut differences = [0.0, dt * dt / 12.0].map(|weight| {
+            for (n, apart) in self.predicted.iter_mut().enumerate() {
+                *apart = std::array::from_fn(|i| {
+                    let mean = 0.5 * dt * (start.v[n][i] + end.v[n][i]);
+                    end.u[n][i] - start.u[n][i] - mean + weight * (end.a[n][i] - start.a[n][i])
+                });
+            }
+            system.norm(&self.predicted)
+        });
+        differences.sort_by(f64::total_cmp);
+        let [apart, _] = differences;
+        let [before, behind] = [&start.v, &end.v].map(|field| system.norm(field));
+        let way = 0.5 * dt * (before + behind);
+        Ok((!(apart <= larger(PART * way, ROUND_OFF))).then(|| {
+            "positions at the end of the step do not follow from those at its start: the mechanism would jump, or reaches a position \
+             beyond which its drives cannot move it"
+                .into()
+        }))
     }
 
     fn finish(&mut self, system: &System, state: &mut State) {
@@ -161,7 +195,8 @@ pub(super) fn determined(system: &System, newton: &Newton, state: &State) -> Res
     if independent >= system.unknowns() {
         return Ok(());
     }
-    let free = mobility::free_motions(system, state, SINGULAR);
+    let missing = system.unknowns() - independent;
+    let free = mobility::free_motions(system, state, Some(missing));
     let at = if state.time > 0.0 {
         format!("time {:.6e}: in this singular position", state.time)
     } else {
@@ -170,7 +205,7 @@ pub(super) fn determined(system: &System, newton: &Newton, state: &State) -> Res
     let named = if free.is_empty() { String::new() } else { format!(": {}", free.join("; ")) };
     Err(Error::model(
         "joints",
-        format!("{at} joints and drives leave {} motion(s) free{named}", system.unknowns() - independent),
+        format!("{at} joints and drives leave {missing} motion(s) free{named}"),
         "drive them by joints `driven-angle` or `driven-length`, hold them by joints, or use the scheme \"energy-momentum\"",
     ))
 }

@@ -59,6 +59,18 @@ pub trait Integrator: Equation {
     fn close_rates(&mut self, _system: &System, _newton: &mut Newton) -> Result<()> {
         Ok(())
     }
+    /// Reason why the end of a converged step does not continue the motion at its start; the step is repeated with half of its length.
+    ///
+    /// # Errors
+    /// The linear solver failed, or constraints do not determine the motion.
+    fn interruption(
+        &mut self,
+        _system: &System,
+        _newton: &mut Newton,
+        _start: &State,
+    ) -> Result<Option<String>> {
+        Ok(None)
+    }
     /// Writes displacements, velocities and accelerations at the end of a converged step to the state.
     fn finish(&mut self, system: &System, state: &mut State);
     /// Local error: root mean square error of position of the step over the model's length. `newton` has solved the step.

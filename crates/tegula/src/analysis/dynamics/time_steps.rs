@@ -112,7 +112,11 @@ impl<'a> TimeSteps<'a> {
             drilling: DrillingWatch::new(),
             drive_rates: DriveRates::new(system, state.time),
             energies: EnergyWatch::new(),
-            rotations: RotationWatch::new(system, options.time_step.is_some(), &state.u),
+            rotations: RotationWatch::new(
+                system,
+                options.time_step.is_some() && !options.scheme.is_kinematic(),
+                &state.u,
+            ),
             balance: balance(system, &mut newton.assembly, &state),
             statistics: Statistics { steps: state.step, ..Statistics::default() },
             old_velocities: vec![[0.0; 3]; system.vectors()],
@@ -225,6 +229,8 @@ impl<'a> TimeSteps<'a> {
             Err(Diverged { reason, cause, .. }) => {
                 self.own_tangents = false;
                 self.state.next_step = 0.5 * span.dt;
+                let kinematic = self.options.scheme.is_kinematic();
+                let reason = if kinematic { NO_POSITION.into() } else { reason };
                 Ok(Attempt::TooLong(Trouble::Iteration(cause), reason))
             }
         }
@@ -250,6 +256,11 @@ impl<'a> TimeSteps<'a> {
             return Ok(Attempt::TooLong(trouble, reason));
         }
         let error = self.scheme.local_error(self.system, &mut self.newton, &self.state);
+        if let Some(reason) = self.scheme.interruption(self.system, &mut self.newton, &self.state)? {
+            self.newton.restore(self.system, &self.state, true);
+            self.state.next_step = 0.5 * span.dt;
+            return Ok(Attempt::TooLong(Trouble::Inaccurate, reason));
+        }
         let error = larger(error, self.system.error_of_drives(self.state.time, span.end));
         if self.control.accepts(error) {
             let Self { system, scheme, newton, state, old_velocities, .. } = self;
@@ -317,7 +328,7 @@ impl<'a> TimeSteps<'a> {
         statistics.steps = state.step;
         let at = (state.u.as_slice(), state.time);
         drilling.look(system, at, observer, || format!("time {:.6e}", state.time));
-        if !self.options.scheme.conserves_energy() {
+        if !self.options.scheme.conserves_energy() && !self.options.scheme.is_kinematic() {
             let energies = (&self.balance, state.energy_scale);
             self.energies.look(system, energies, (state.step, span), observer);
         }
@@ -547,6 +558,9 @@ fn keeps_energy(
     })
 }
 
+/// Reason why a step of a kinematic analysis fails.
+const NO_POSITION: &str = "joints and drives admit no position next to the one before";
+
 /// Outcome of an attempt at a time step.
 pub(super) enum Attempt {
     /// The end of the step is the state; number of iterations.
@@ -572,6 +586,10 @@ pub(super) enum Trouble {
 
 /// Advice for a motion whose cut-backs reach the smallest step: it fits the last failure, and is not in use already.
 fn advice(system: &System, options: &TransientAnalysis, trouble: Trouble) -> String {
+    if options.scheme.is_kinematic() {
+        return "The mechanism locks there, or drives contradict each other or other joints. Change the drives, or end the analysis before."
+            .into();
+    }
     match trouble {
         Trouble::Inverted | Trouble::Iteration(Cause::Material) => {
             return "Look at the loads, the thickness and the material of this element, and at their units."

@@ -385,7 +385,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let rounding =
             self.negative_pivots_at_rest(failure).map(|pivots| Failure::of_rounding(self.system, pivots));
         let failure = rounding.as_ref().unwrap_or(failure);
-        let free = mobility::free_motions(self.system, &self.state, mobility::ROUND_OFF);
+        let free = mobility::free_motions(self.system, &self.state, None);
         if !free.is_empty() {
             return of_mechanism(&self.state, target, (&free, failure));
         }

@@ -41,6 +41,13 @@ impl SchemeKeys for KinematicScheme {
                 );
             }
         }
+        if !model.initial_velocities.is_empty() {
+            refuse(
+                "initial_velocities".into(),
+                "drives alone move the bodies of a kinematic analysis".into(),
+                "leave the velocities at the start out",
+            );
+        }
         for (i, joint) in model.joints.iter().enumerate() {
             let keys = joint.common();
             if keys.friction().is_some() || keys.stops().is_some() {
