@@ -23,7 +23,6 @@ use super::{Integrator, Span, StepWork, project_rates, triads};
 use crate::analysis::State;
 use crate::analysis::newton::{Equation, Newton, Tolerances};
 use crate::element::{Motion, Nodal};
-use crate::error::Result;
 use crate::system::assembly::TangentCoefficients;
 use crate::system::{Assembly, System};
 
@@ -146,14 +145,13 @@ impl Integrator for Bdf2 {
     }
 
     /// Finds the velocities of the state, which satisfy the constraints.
-    fn close_rates(&mut self, system: &System, newton: &mut Newton) -> Result<()> {
+    fn close_rates(&mut self, system: &System, newton: &mut Newton) {
         let Self { newmark, projected, .. } = self;
         projected.copy_from_slice(&newmark.v);
         triads::project_velocities(system, &newmark.u, projected);
         if let Some(constraints) = &mut newton.constraints {
             constraints.project_velocities(system, (&newmark.u, newmark.time), projected);
         }
-        Ok(())
     }
 
     fn finish(&mut self, system: &System, state: &mut State) {

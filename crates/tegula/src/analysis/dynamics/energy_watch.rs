@@ -7,6 +7,7 @@ use super::step_end::Span;
 use crate::Vec3;
 use crate::analysis::{Balance, Observer, State, equilibrium};
 use crate::element::Nodal;
+use crate::error::{Error, Result};
 use crate::system::{System, VectorKind};
 use tegula_sparse::norm::larger;
 
@@ -17,16 +18,24 @@ const GROWTH: f64 = 2.0;
 /// Number of first steps that are not judged: from rest, the error is as large as the energy.
 const FIRST_STEPS: u64 = 20;
 
+/// Change of the total energy in a step, over the largest energy so far, above which the step has lost its way; and the gain of a
+/// scheme that does not conserve it.
+const LOST: f64 = 1e-3;
+const GAINED: f64 = 1e-2;
+
+/// Part of the energy that a scheme may gain in the first steps from rest, where the error is as large as the energy.
+const GAINED_AT_FIRST: f64 = 1.0;
+
 /// Round-off of a position over the size of the model, some units in the last place.
 const ROUND_OFF: f64 = 1e-14;
 
 /// Kinetic energy of a model at rest whose positions change by round-off in a step: energies below are none.
-pub(super) fn energy_of_round_off(system: &System, dt: f64) -> f64 {
+fn energy_of_round_off(system: &System, dt: f64) -> f64 {
     0.5 * system.total_mass() * (ROUND_OFF * system.length / dt).powi(2)
 }
 
 /// Work of the loads on a model whose positions and directors change by round-off: of one that is held at rest there is no other.
-pub(super) fn work_of_round_off(system: &System, state: &State) -> f64 {
+fn work_of_round_off(system: &System, state: &State) -> f64 {
     let loads = equilibrium::external(system, &state.point(system));
     let work = |(force, kind): (&Nodal, &VectorKind)| {
         let size = if *kind == VectorKind::Position { system.length } else { 1.0 };
@@ -73,4 +82,52 @@ impl EnergyWatch {
             100.0 * gain
         ));
     }
+}
+
+/// Refuses a step of a mechanism that does not keep the energy: near a singular position of its joints the motion has left its
+/// branch.
+pub(super) fn keeps_energy(
+    system: &System,
+    (span, state): (Span, &State),
+    [before, after]: [&Balance; 2],
+    (scale, conserves): (f64, bool),
+) -> Result<()> {
+    let drives: Vec<_> = system.joints.iter().filter(|joint| joint.drive.is_some()).collect();
+    // The work of drives is exact in schemes that conserve energy only.
+    if !conserves && !drives.is_empty() {
+        return Ok(());
+    }
+    let (gain, scale) = (after.total - before.total, larger(scale, after.kinetic));
+    // From rest, what strong damping dissipates is known to a multiple of the energy only.
+    let gained = match (state.step <= FIRST_STEPS, system.groups.iter().any(|group| group.has_rate_damping()))
+    {
+        (false, _) => GAINED,
+        (true, true) if !conserves => return Ok(()),
+        (true, _) => GAINED_AT_FIRST,
+    };
+    let cause = if conserves { "" } else { "the time steps are too long for the scheme, or " };
+    let (change, limit) = if conserves { (gain.abs(), LOST) } else { (gain, gained) };
+    if change <= limit * scale
+        || change <= energy_of_round_off(system, span.dt)
+        || change <= work_of_round_off(system, state)
+    {
+        return Ok(());
+    }
+    let names: Vec<_> = drives.iter().map(|joint| format!("\"{}\"", joint.name)).collect();
+    let contradiction = if names.is_empty() {
+        String::new()
+    } else {
+        format!(", or the drives ({}) contradict each other or other joints", names.join(", "))
+    };
+    Err(Error::NotConverged {
+        at: format!("time {:.6e}", span.end),
+        reason: format!(
+            "the total energy changed by {change:.2e} in a step, {:.1e} of the largest energy: {cause}the joints are near a singular \
+             position, in which parts of the mechanism may move although they seem to be held{contradiction}",
+            change / scale
+        ),
+        help: "Results up to the step before are complete. Change the position of joints that lie in one line or plane, or take a \
+               smaller step."
+            .into(),
+    })
 }

@@ -30,7 +30,6 @@ use super::{Integrator, Span, StepWork, project_rates, triads};
 use crate::analysis::State;
 use crate::analysis::newton::{Equation, Newton, Tolerances};
 use crate::element::{Motion, Nodal};
-use crate::error::Result;
 use crate::system::assembly::TangentCoefficients;
 use crate::system::{Assembly, System};
 
@@ -179,7 +178,7 @@ impl Integrator for GeneralizedAlpha {
     }
 
     /// Changes auxiliary accelerations and multipliers so that the velocities at the end of the step satisfy the constraints.
-    fn close_rates(&mut self, system: &System, newton: &mut Newton) -> Result<()> {
+    fn close_rates(&mut self, system: &System, newton: &mut Newton) {
         let share = self.share();
         let Self { newmark, acceleration, error: old, .. } = self;
         let Newmark { u, v, a, dt, beta, gamma, time, multipliers, .. } = newmark;
@@ -202,7 +201,6 @@ impl Integrator for GeneralizedAlpha {
                 acceleration[n][i] += share * change;
             }
         }
-        Ok(())
     }
 
     fn finish(&mut self, system: &System, state: &mut State) {

@@ -53,12 +53,7 @@ pub trait Integrator: Equation {
         &[]
     }
     /// Changes the rates at the end of a converged step so that they satisfy the constraints. `newton` has solved the step.
-    ///
-    /// # Errors
-    /// The linear solver failed, or constraints do not determine what a scheme asks of them.
-    fn close_rates(&mut self, _system: &System, _newton: &mut Newton) -> Result<()> {
-        Ok(())
-    }
+    fn close_rates(&mut self, _system: &System, _newton: &mut Newton) {}
     /// Reason why the end of a converged step does not continue the motion at its start; the step is repeated with half of its length.
     ///
     /// # Errors

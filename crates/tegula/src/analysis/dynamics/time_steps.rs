@@ -2,7 +2,7 @@
 
 use super::amplitude_check::AmplitudeCheck;
 use super::drive_rates::DriveRates;
-use super::energy_watch::{EnergyWatch, energy_of_round_off, work_of_round_off};
+use super::energy_watch::{EnergyWatch, keeps_energy};
 use super::joint_events::{JointEvents, Review};
 use super::kinematics::determined;
 use super::rotation_watch::RotationWatch;
@@ -264,7 +264,7 @@ impl<'a> TimeSteps<'a> {
         let error = larger(error, self.system.error_of_drives(self.state.time, span.end));
         if self.control.accepts(error) {
             let Self { system, scheme, newton, state, old_velocities, .. } = self;
-            finish(system, (scheme.as_mut(), newton), (old_velocities, state), span)?;
+            finish(system, (scheme.as_mut(), newton), (old_velocities, state), span);
             return self.accept(span, error, &converged, observer);
         }
         let next = self.control.next(span.dt, span.dt, error, converged.tangents);
@@ -441,18 +441,15 @@ pub(super) fn trouble(system: &System, state: &State, dt: f64, new: &[Nodal]) ->
 
 /// Makes the end of a solved step the state: motion, work, dissipation, and the prediction of the next step. History variables are
 /// [committed](commit) later.
-///
-/// # Errors
-/// The rates at the end of the step were not found.
 pub(super) fn finish(
     system: &System,
     (scheme, newton): (&mut dyn Integrator, &mut Newton),
     (old_velocities, state): (&mut [Nodal], &mut State),
     span: Span,
-) -> Result<()> {
+) {
     let (end, State { u, angles, .. }) = (scheme.displacements(), &mut *state);
     system.continue_angles(|v, part| std::array::from_fn(|i| u[v][i] + part * (end[v][i] - u[v][i])), angles);
-    scheme.close_rates(system, newton)?;
+    scheme.close_rates(system, newton);
     let step_work = scheme.step_work(system, &mut newton.assembly, state);
     let after = (scheme.displacements(), span.end);
     let strains =
@@ -465,7 +462,6 @@ pub(super) fn finish(
         predictor::remember(old_velocities, span.dt, state);
     }
     (state.last_step, state.time) = (span.dt, span.end);
-    Ok(())
 }
 
 /// Commits the history variables at the end of a step, and begins the next one with the stress there.
@@ -499,64 +495,6 @@ fn no_mode(joints: String, time: f64) -> Error {
 /// Growth of the step behind which the auxiliary accelerations of the generalised-α method start anew: their difference from the
 /// accelerations, over the step, is large where a short step ends at a jump of a load. Automatic steps grow by less.
 const MOST_GROWTH: f64 = 2.5;
-
-/// Change of the total energy in a step, over the largest energy so far, above which the step has lost its way; and the gain of a
-/// scheme that does not conserve it.
-const LOST: f64 = 1e-3;
-const GAINED: f64 = 1e-2;
-
-/// Part of the energy that a scheme may gain in the first steps from rest, where the error is as large as the energy.
-const GAINED_AT_FIRST: f64 = 1.0;
-/// Number of first steps.
-const FIRST_STEPS: u64 = 20;
-
-/// Refuses a step of a mechanism that does not keep the energy: near a singular position of its joints the motion has left its
-/// branch.
-fn keeps_energy(
-    system: &System,
-    (span, state): (Span, &State),
-    [before, after]: [&Balance; 2],
-    (scale, conserves): (f64, bool),
-) -> Result<()> {
-    let drives: Vec<_> = system.joints.iter().filter(|joint| joint.drive.is_some()).collect();
-    // The work of drives is exact in schemes that conserve energy only.
-    if !conserves && !drives.is_empty() {
-        return Ok(());
-    }
-    let (gain, scale) = (after.total - before.total, larger(scale, after.kinetic));
-    // From rest, what strong damping dissipates is known to a multiple of the energy only.
-    let gained = match (state.step <= FIRST_STEPS, system.groups.iter().any(|group| group.has_rate_damping()))
-    {
-        (false, _) => GAINED,
-        (true, true) if !conserves => return Ok(()),
-        (true, _) => GAINED_AT_FIRST,
-    };
-    let cause = if conserves { "" } else { "the time steps are too long for the scheme, or " };
-    let (change, limit) = if conserves { (gain.abs(), LOST) } else { (gain, gained) };
-    if change <= limit * scale
-        || change <= energy_of_round_off(system, span.dt)
-        || change <= work_of_round_off(system, state)
-    {
-        return Ok(());
-    }
-    let names: Vec<_> = drives.iter().map(|joint| format!("\"{}\"", joint.name)).collect();
-    let contradiction = if names.is_empty() {
-        String::new()
-    } else {
-        format!(", or the drives ({}) contradict each other or other joints", names.join(", "))
-    };
-    Err(Error::NotConverged {
-        at: format!("time {:.6e}", span.end),
-        reason: format!(
-            "the total energy changed by {change:.2e} in a step, {:.1e} of the largest energy: {cause}the joints are near a singular \
-             position, in which parts of the mechanism may move although they seem to be held{contradiction}",
-            change / scale
-        ),
-        help: "Results up to the step before are complete. Change the position of joints that lie in one line or plane, or take a \
-               smaller step."
-            .into(),
-    })
-}
 
 /// Reason why a step of a kinematic analysis fails.
 const NO_POSITION: &str = "joints and drives admit no position next to the one before";
