@@ -179,7 +179,8 @@ pub(super) fn describe(system: &System, u: &[Nodal], field: &[Nodal]) -> Option<
         let x = Vec3::from(*x).norm();
         if system.coordinates.kinds[v] == VectorKind::Position { x / system.length } else { x }
     });
-    if !(size(&motion) > elsewhere.fold(0.0, larger)) {
+    let elsewhere = elsewhere.fold(0.0, larger);
+    if !(size(&motion) > NOTHING * elsewhere) {
         return None;
     }
     let (t, w) = motion;
@@ -205,11 +206,14 @@ pub(super) fn describe(system: &System, u: &[Nodal], field: &[Nodal]) -> Option<
             number(a.z)
         )
     };
-    let with: Vec<String> = bodies
+    let mut with: Vec<String> = bodies
         .iter()
         .filter(|body| body.name != largest.name && size(&moves(body)) > NOTHING * size(&motion))
         .map(|body| format!("\"{}\"", body.name))
         .collect();
+    if elsewhere > NOTHING * size(&motion) {
+        with.push("nodes of the mesh".into());
+    }
     let with = if with.is_empty() { String::new() } else { format!(", and with it {}", with.join(", ")) };
     Some(format!("body \"{}\" {how}{with}", largest.name))
 }

@@ -333,6 +333,26 @@ fn a_static_mechanism_without_equilibrium_is_named_by_body_and_axis() {
     assert!(error.contains(axis), "{error}");
 }
 
+/// A plate on a hub that nothing holds about its hinge falls: the message names the hub and its axis.
+#[test]
+fn a_shell_that_turns_freely_on_a_hinge_is_named_by_its_hub() {
+    let mut model = crate::common::model(crate::common::plate([1.0, 0.2], [4, 2], 0.0), 2.1e11, 0.005);
+    let options = StaticAnalysis::default();
+    model.analysis = Analysis::Static(options.clone());
+    model.conditions.clear();
+    let hub =
+        RigidBody { mass: None, attached: vec!["u_min".into()], ..body("hub", [0.0, 0.1, 0.0], 1.0, None) };
+    model.bodies = vec![hub];
+    model.joints = vec![revolute("hinge", "ground", "hub", [0.0, 0.1, 0.0], [0.0, 1.0, 0.0])];
+    model.loads = vec![Load::Edge(VectorLoad::new("u_max", [0.0, 0.0, -1.0]))];
+    let (_, system) = crate::common::compile(&model);
+    let error = statics::run(&system, &options, None, &mut Notes::default()).err().unwrap().to_string();
+    let axis =
+        "body \"hub\" turns about the axis through (0.0000, 0.1000, 0.0000) along (0.0000, 1.0000, 0.0000)";
+    assert!(error.contains("1 motion(s) free") && error.contains(axis), "{error}");
+    assert!(error.contains("nodes of the mesh"), "{error}");
+}
+
 /// A kinematic analysis refuses what it does not know, with the body or the joint.
 #[test]
 fn a_kinematic_analysis_refuses_velocities_friction_and_missing_drives() {

@@ -48,19 +48,6 @@ impl SchemeKeys for KinematicScheme {
                 "leave the velocities at the start out",
             );
         }
-        for (i, joint) in model.joints.iter().enumerate() {
-            let keys = joint.common();
-            if keys.friction().is_some() || keys.stops().is_some() {
-                refuse(
-                    format!("joints[{i}]"),
-                    format!(
-                        "joint \"{}\" has friction or stops, which a kinematic analysis does not know",
-                        keys.name()
-                    ),
-                    "leave them out, or use the scheme \"energy-momentum\"",
-                );
-            }
-        }
         if !model.joints.iter().any(|joint| joint.common().drive().is_some()) {
             refuse(
                 key.into(),
