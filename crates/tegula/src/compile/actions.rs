@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{StepModel, Vectors, pair};
+use super::{StepModel, Vectors};
 use crate::element::Nodal;
 use crate::element::geometry::{ShellGeometry, nodal_areas, shell_mass, tangents};
 use crate::load::{FollowerLoad, LoadFactor, OwnLoad};
@@ -422,4 +422,10 @@ impl LoadedMesh for Loaded<'_> {
             }
         }
     }
+}
+
+/// Place of a pair in a lower triangle.
+fn pair(a: usize, b: usize) -> usize {
+    let (i, j) = (a.max(b), a.min(b));
+    i * (i + 1) / 2 + j
 }

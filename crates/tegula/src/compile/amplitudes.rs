@@ -1,5 +1,7 @@
 //! Checks of the amplitudes of a model over the whole time of its analysis.
 
+use std::collections::BTreeMap;
+
 use crate::Issue;
 use crate::load::TimeFunction;
 use crate::model::{Amplitude, Analysis, Condition, Model};
@@ -96,4 +98,23 @@ fn undefined_interval(model: &Model, name: &str, function: &TimeFunction) -> Opt
         )
     };
     Some((message, help))
+}
+
+/// Amplitudes of a model as functions of time, and their numbers by name; what is wrong with them becomes an issue.
+pub(super) fn time_functions(
+    model: &Model,
+    issues: &mut Vec<Issue>,
+) -> (Vec<TimeFunction>, BTreeMap<String, usize>) {
+    let mut functions = Vec::new();
+    let mut names = BTreeMap::new();
+    for (name, amplitude) in &model.amplitudes {
+        match TimeFunction::new(amplitude) {
+            Ok(f) => {
+                names.insert(name.clone(), functions.len());
+                functions.push(f);
+            }
+            Err((message, help)) => issues.push(Issue::new(key(name, amplitude), message, help)),
+        }
+    }
+    (functions, names)
 }

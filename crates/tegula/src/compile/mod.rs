@@ -41,7 +41,7 @@ use crate::constraint::{
     TorsionSpringGroup,
 };
 use crate::element::{ElementGroup, Nodal, director_angle};
-use crate::load::{FollowerLoad, LoadFactor, NodalLoad, OwnLoad, TimeFunction};
+use crate::load::{FollowerLoad, LoadFactor, NodalLoad, OwnLoad};
 use crate::material::{MaterialLaw, OwnLaw};
 use crate::mesh::directors::Directors;
 use crate::mesh::folds::Folds;
@@ -223,7 +223,7 @@ impl<'a> Compiler<'a> {
         };
         for step in &compiler.steps {
             let mut found = Vec::new();
-            let (_, names) = time_functions(&step.model, &mut found);
+            let (_, names) = amplitudes::time_functions(&step.model, &mut found);
             compiler.frames(step, &names, None, &mut found);
             issues.extend(
                 step.located(found).into_iter().filter(|issue| !issues.contains(issue)).collect::<Vec<_>>(),
@@ -338,7 +338,7 @@ impl<'a> Compiler<'a> {
     fn compile(&self, step: &StepModel, start: Option<StepStart>) -> Result<System> {
         let (model, mesh, vectors) = (&step.model, self.mesh, &self.vectors);
         let mut issues = Vec::new();
-        let (amplitudes, names) = time_functions(model, &mut issues);
+        let (amplitudes, names) = amplitudes::time_functions(model, &mut issues);
         let numbered = self.frames(step, &names, start.as_ref(), &mut issues);
         let Some((supports, frames)) = numbered.filter(|_| issues.is_empty()) else {
             return Err(Error::Model(issues));
@@ -457,7 +457,7 @@ impl<'a> Compiler<'a> {
     /// Whether a step has all supports of the step before: then its first state needs no other forces than its own.
     fn keeps_supports(&self, step: &StepModel, supports_now: &[Support]) -> bool {
         let Some(before) = step.starts_from.and_then(|index| self.steps.get(index)) else { return false };
-        let (_, names) = time_functions(&before.model, &mut Vec::new());
+        let (_, names) = amplitudes::time_functions(&before.model, &mut Vec::new());
         let place = |s: &Support| (s.vector, [s.direction.x, s.direction.y, s.direction.z].map(f64::to_bits));
         let now: BTreeSet<_> = supports_now.iter().map(place).collect();
         let before = supports(&before.model, self.mesh, &self.vectors, &names, &mut Vec::new());
@@ -596,25 +596,4 @@ fn named(error: Error, mesh: &Mesh) -> Error {
         }
         other => other,
     }
-}
-
-/// Place of a pair in a lower triangle.
-fn pair(a: usize, b: usize) -> usize {
-    let (i, j) = (a.max(b), a.min(b));
-    i * (i + 1) / 2 + j
-}
-
-fn time_functions(model: &Model, issues: &mut Vec<Issue>) -> (Vec<TimeFunction>, BTreeMap<String, usize>) {
-    let mut functions = Vec::new();
-    let mut names = BTreeMap::new();
-    for (name, amplitude) in &model.amplitudes {
-        match TimeFunction::new(amplitude) {
-            Ok(f) => {
-                names.insert(name.clone(), functions.len());
-                functions.push(f);
-            }
-            Err((message, help)) => issues.push(Issue::new(amplitudes::key(name, amplitude), message, help)),
-        }
-    }
-    (functions, names)
 }

@@ -6,7 +6,7 @@
 //! [ G  0  ] [ λ ] = [ −Ġ v      ].
 //! ```
 
-use super::joint_events::moving;
+use super::joint_modes::moving;
 use super::project_rates;
 use crate::analysis::State;
 use crate::analysis::constraints::{Constraints, Rates};

@@ -9,6 +9,7 @@
 
 use super::Integrator;
 use super::break_away::BreakAway;
+use super::joint_modes::{CONTACT, moving, stands_beyond, stop_at};
 use super::{stick_slip, triads};
 use crate::Vec3;
 use crate::analysis::State;
@@ -16,7 +17,7 @@ use crate::analysis::newton::Newton;
 use crate::constraint::joints::RelativeAngle;
 use crate::constraint::{CoordinateLaw, CoordinateMode, CoordinateState, Joint};
 use crate::element::Nodal;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::norm::larger;
 use crate::system::{System, VectorKind};
 
@@ -24,9 +25,8 @@ use crate::system::{System, VectorKind};
 const AT_REST: f64 = 1e-9;
 /// Factor of this limit where another coordinate comes to rest at the same time.
 const TOGETHER: f64 = 100.0;
-/// Distance from a stop over the size of the coordinate at which it is reached; and up to which a coordinate stands there.
+/// Distance from a stop over the size of the coordinate at which it is reached.
 const REACHED: f64 = 1e-11;
-const CONTACT: f64 = 1e-10;
 /// Excess of a multiplier over its limit that is round-off.
 const EXCESS: f64 = 1e-9;
 /// Force over its limit from which on it is asked how several coordinates that friction holds share their forces.
@@ -599,39 +599,6 @@ fn speed(system: &System, v: &[Nodal]) -> f64 {
     v.iter().zip(&system.coordinates.kinds).map(of_vector).fold(0.0, larger)
 }
 
-/// Error of a joint that stands beyond a stop at the start.
-fn stands_beyond(joint: &Joint, law: &CoordinateLaw, value: f64) -> Error {
-    let shown = |x: f64| if law.is_angle { x.to_degrees() } else { x };
-    let bound = |x: f64| if x.is_finite() { shown(x).to_string() } else { "none".to_owned() };
-    let [lower, upper] = law.stops.map(bound);
-    Error::model(
-        "joints",
-        format!(
-            "the joint \"{}\" stands at {} at the start, which is not between its stops {lower} and {upper}",
-            joint.name,
-            shown(value)
-        ),
-        "give `stops` that contain the displacement (angle) of the joint where it begins to act",
-    )
-}
-
 fn contradiction(joint: &Joint) -> Review {
     Review::Contradiction(format!("no motion of the joint \"{}\" fits its friction and stops", joint.name))
-}
-
-/// Mode of a coordinate that moves with a rate.
-pub(super) fn moving(law: &CoordinateLaw, rate: f64) -> CoordinateMode {
-    CoordinateMode::Moving(if law.has_friction() { rate.signum() } else { 0.0 })
-}
-
-/// Stop at which a coordinate stands: −1, 1, or 0 for none.
-pub(super) fn stop_at(law: &CoordinateLaw, value: f64) -> f64 {
-    let near = |bound: f64| (value - bound).abs() <= CONTACT * law.row.size;
-    if near(law.stops[0]) {
-        -1.0
-    } else if near(law.stops[1]) {
-        1.0
-    } else {
-        0.0
-    }
 }

@@ -9,7 +9,8 @@
 //! A coordinate that comes to rest only for an instant, like the slider of a crank at its dead centre, turns back without an impact.
 //! Ch. Glocker, *Set-valued force laws* (2001); F. Pfeiffer, Ch. Glocker, *Multibody dynamics with unilateral contacts* (1996).
 
-use super::joint_events::{JointEvents, moving, stop_at};
+use super::joint_events::JointEvents;
+use super::joint_modes::{moving, stop_at};
 use super::{constrained_start, impact, project_rates, triads};
 use crate::Result;
 use crate::analysis::State;

@@ -16,6 +16,7 @@ mod generalized_alpha;
 mod impact;
 mod joint_events;
 mod joint_impact;
+mod joint_modes;
 pub mod kinematics;
 pub mod newmark;
 mod predictor;
