@@ -16,6 +16,8 @@ const PIECES: usize = 32;
 /// Panels at the beginning of adaptive quadrature, and their largest number.
 const PANELS: usize = 4;
 const MOST_PANELS: usize = 2000;
+/// Largest number of panels that wait: halves of halves, down to round-off of the interval.
+const WAITING: usize = 128;
 /// Error of a panel over the integral of the absolute value.
 const ACCURACY: f64 = 1e-14;
 
@@ -83,16 +85,19 @@ pub(super) fn integral(f: impl Fn(f64) -> f64, sides: Sides, [a, b]: [f64; 2]) -
         let value = f(x);
         [value, value.abs()]
     };
-    let (mut panels, mut scale) = (Vec::new(), 0.0);
+    // On the stack: energies are computed in each time step.
+    let (mut panels, mut waiting, mut scale) = ([([0.0; 2], 0.0); WAITING], PANELS, 0.0);
     let end = |i: usize| if i == PANELS { b } else { a + (b - a) * i as f64 / PANELS as f64 };
-    for i in 0..PANELS {
+    for (i, place) in panels.iter_mut().take(PANELS).enumerate() {
         let ends = [end(i), end(i + 1)];
         let [whole, size] = panel(both, ends);
-        panels.push((ends, whole));
+        *place = (ends, whole);
         scale += size.abs();
     }
     let (mut total, mut left) = (0.0, MOST_PANELS);
-    while let Some(([a, b], whole)) = panels.pop() {
+    while waiting > 0 {
+        waiting -= 1;
+        let ([a, b], whole) = panels[waiting];
         let middle = a + 0.5 * (b - a);
         let kink = kink(sides, [a, b]);
         let parts = match kink {
@@ -103,11 +108,14 @@ pub(super) fn integral(f: impl Fn(f64) -> f64, sides: Sides, [a, b]: [f64; 2]) -
         let error = (halves[0] + halves[1] - whole).abs();
         // Behind a kink there may be another one, however small the error.
         let resolved = kink.is_none() && error <= ACCURACY * scale;
-        if error.is_nan() || resolved || left == 0 {
+        if error.is_nan() || resolved || left == 0 || waiting + 2 > WAITING {
             total += halves[0] + halves[1];
         } else {
             left -= 1;
-            panels.extend(parts.into_iter().zip(halves));
+            for (part, half) in parts.into_iter().zip(halves) {
+                panels[waiting] = (part, half);
+                waiting += 1;
+            }
         }
     }
     total

@@ -220,8 +220,8 @@ mod tests {
                 let found = law.force(ends, rate, time);
                 let n = 20_000;
                 let at = |i: i32| (f64::from(i) + 0.5) / f64::from(n) * (ends[1] - ends[0]) + ends[0] - 1.0;
-                let sum: f64 = (0..n).map(|i| formula.value([at(i), rate, time])).sum();
-                assert!((found.value - sum / f64::from(n)).abs() < 1e-7 * (1.0 + sum.abs()), "{text}");
+                let mean = (0..n).map(|i| formula.value([at(i), rate, time])).sum::<f64>() / f64::from(n);
+                assert!((found.value - mean).abs() < 1e-7 * (1.0 + mean.abs()), "{text}");
                 let h = 1e-5;
                 let moved = |d: f64, of_rate: f64| {
                     let start = if ends[0] == ends[1] { ends[0] + d } else { ends[0] };

@@ -18,7 +18,7 @@
 //! no error adds up. The velocities of the state are their projections; the scheme continues with its own, because those make the
 //! multipliers of second order.
 
-use super::newmark::Newmark;
+use super::newmark::{Newmark, forwards_to_newmark};
 use super::{Integrator, Span, StepWork, project_rates, triads};
 use crate::analysis::State;
 use crate::analysis::newton::{Equation, Newton, Tolerances};
@@ -84,9 +84,7 @@ impl Bdf2 {
 }
 
 impl Equation for Bdf2 {
-    fn motion(&self) -> Motion<'_> {
-        self.newmark.motion()
-    }
+    forwards_to_newmark!();
 
     fn parts(&self) -> TangentCoefficients {
         let mut parts = self.newmark.parts();
@@ -100,30 +98,6 @@ impl Equation for Bdf2 {
 
     fn apply(&mut self, system: &System, increment: &[Nodal]) {
         self.newmark.apply(system, increment);
-    }
-
-    fn multipliers(&self) -> &[f64] {
-        self.newmark.multipliers()
-    }
-
-    fn change_multipliers(&mut self, change: &[f64]) {
-        self.newmark.change_multipliers(change);
-    }
-
-    fn prescribed(&self, system: &System, increment: &mut [Nodal]) -> bool {
-        self.newmark.prescribed(system, increment)
-    }
-
-    fn energy_scale(&self, system: &System, assembly: &mut Assembly, history: &[f64]) -> f64 {
-        self.newmark.energy_scale(system, assembly, history)
-    }
-
-    fn displacement_scale(&self, system: &System) -> f64 {
-        self.newmark.displacement_scale(system)
-    }
-
-    fn error_limit(&self, first: f64) -> f64 {
-        self.newmark.error_limit(first)
     }
 }
 
@@ -176,20 +150,12 @@ impl Integrator for Bdf2 {
     /// across the constraints is left out: positions satisfy them.
     fn local_error(&mut self, system: &System, newton: &mut Newton, _state: &State) -> f64 {
         let Self { newmark, error, scratch, ratio, .. } = self;
-        let Newmark { dt, a, a_old, u, .. } = &*newmark;
+        let Newmark { dt, a, a_old, .. } = &*newmark;
         let [end, start] = ratio.map_or([0.5, 0.0], |w| [(1.0 + w) / (6.0 * w); 2]);
         for ((error, new), old) in error.iter_mut().zip(a).zip(a_old) {
             *error = std::array::from_fn(|i| dt * dt * (end * new[i] - start * old[i]));
         }
-        if !system.linear {
-            scratch.fill([0.0; 3]);
-            triads::project_rates(system, u, error, scratch);
-        }
-        if let Some(constraints) = &mut newton.constraints {
-            let at = (&newmark.motion(), newmark.parts().time);
-            constraints.take_tangential_part(system, at, error);
-        }
-        system.position_rms(|v| error[v])
+        newmark.tangential_error(system, newton, (error, scratch))
     }
 
     fn step_work(&mut self, system: &System, assembly: &mut Assembly, state: &State) -> StepWork {

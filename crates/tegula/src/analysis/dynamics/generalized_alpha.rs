@@ -25,7 +25,7 @@
 //! free: a free body that turns by 0.1 rad a step gains energy exponentially for ρ = 0.9. Inextensible directors, whose inertia is small,
 //! keep theirs for ρ < 1.
 
-use super::newmark::Newmark;
+use super::newmark::{Newmark, forwards_to_newmark};
 use super::{Integrator, Span, StepWork, project_rates, triads};
 use crate::analysis::State;
 use crate::analysis::newton::{Equation, Newton, Tolerances};
@@ -97,9 +97,7 @@ impl GeneralizedAlpha {
 }
 
 impl Equation for GeneralizedAlpha {
-    fn motion(&self) -> Motion<'_> {
-        self.newmark.motion()
-    }
+    forwards_to_newmark!();
 
     fn parts(&self) -> TangentCoefficients {
         let mut parts = self.newmark.parts();
@@ -117,30 +115,6 @@ impl Equation for GeneralizedAlpha {
     fn apply(&mut self, system: &System, increment: &[Nodal]) {
         self.newmark.apply(system, increment);
         self.accelerations(system);
-    }
-
-    fn multipliers(&self) -> &[f64] {
-        self.newmark.multipliers()
-    }
-
-    fn change_multipliers(&mut self, change: &[f64]) {
-        self.newmark.change_multipliers(change);
-    }
-
-    fn prescribed(&self, system: &System, increment: &mut [Nodal]) -> bool {
-        self.newmark.prescribed(system, increment)
-    }
-
-    fn energy_scale(&self, system: &System, assembly: &mut Assembly, history: &[f64]) -> f64 {
-        self.newmark.energy_scale(system, assembly, history)
-    }
-
-    fn displacement_scale(&self, system: &System) -> f64 {
-        self.newmark.displacement_scale(system)
-    }
-
-    fn error_limit(&self, first: f64) -> f64 {
-        self.newmark.error_limit(first)
     }
 }
 
@@ -226,20 +200,12 @@ impl Integrator for GeneralizedAlpha {
     fn local_error(&mut self, system: &System, newton: &mut Newton, _state: &State) -> f64 {
         let lag = self.lag();
         let Self { newmark, error, scratch, .. } = self;
-        let Newmark { beta, dt, a, a_old, u, .. } = &*newmark;
+        let Newmark { beta, dt, a, a_old, .. } = &*newmark;
         let factor = (beta + 0.5 * lag - 1.0 / 6.0) * dt * dt;
         for ((error, new), old) in error.iter_mut().zip(a).zip(a_old) {
             *error = std::array::from_fn(|i| factor * (new[i] - old[i]));
         }
-        if !system.linear {
-            scratch.fill([0.0; 3]);
-            triads::project_rates(system, u, error, scratch);
-        }
-        if let Some(constraints) = &mut newton.constraints {
-            let at = (&newmark.motion(), newmark.parts().time);
-            constraints.take_tangential_part(system, at, error);
-        }
-        system.position_rms(|v| error[v])
+        newmark.tangential_error(system, newton, (error, scratch))
     }
 
     fn step_work(&mut self, system: &System, assembly: &mut Assembly, state: &State) -> StepWork {

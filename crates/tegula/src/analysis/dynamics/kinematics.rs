@@ -34,7 +34,7 @@ pub struct Kinematics {
     end: Newmark,
     /// State at the end of the step, of which the rates are found.
     state: State,
-    /// Predicted displacements.
+    /// Predicted displacements; behind the estimate of the error scratch space.
     predicted: Vec<Nodal>,
     no_multipliers: Vec<f64>,
     weights: TangentWeights,

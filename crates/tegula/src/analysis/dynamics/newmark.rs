@@ -17,7 +17,7 @@
 use super::predictor::{mean_acceleration, predict};
 use super::{
     AT_REST, Integrator, RESOLUTION, Span, StepWork, energy_at_rest, hold_supported, project_rates,
-    step_size, work,
+    step_size, triads, work,
 };
 use crate::analysis::State;
 use crate::analysis::newton::{Equation, Newton, Tolerances};
@@ -34,6 +34,40 @@ const SHARE: f64 = 1.0 / 60.0;
 const LARGEST_PART: f64 = 1e-4;
 /// Error of the iteration over the first increment in the very first step, which begins without an acceleration.
 const FIRST_STEP: f64 = 1e-7;
+
+/// Methods of an [`Equation`] that has a [`Newmark`] as `newmark` and only other relations of the rates.
+macro_rules! forwards_to_newmark {
+    () => {
+        fn motion(&self) -> Motion<'_> {
+            self.newmark.motion()
+        }
+
+        fn multipliers(&self) -> &[f64] {
+            self.newmark.multipliers()
+        }
+
+        fn change_multipliers(&mut self, change: &[f64]) {
+            self.newmark.change_multipliers(change);
+        }
+
+        fn prescribed(&self, system: &System, increment: &mut [Nodal]) -> bool {
+            self.newmark.prescribed(system, increment)
+        }
+
+        fn energy_scale(&self, system: &System, assembly: &mut Assembly, history: &[f64]) -> f64 {
+            self.newmark.energy_scale(system, assembly, history)
+        }
+
+        fn displacement_scale(&self, system: &System) -> f64 {
+            self.newmark.displacement_scale(system)
+        }
+
+        fn error_limit(&self, first: f64) -> f64 {
+            self.newmark.error_limit(first)
+        }
+    };
+}
+pub(super) use forwards_to_newmark;
 
 /// Newmark and HHT integrator.
 pub struct Newmark {
@@ -173,6 +207,23 @@ impl Newmark {
         }
         system.pattern.add_mass_product(-1.0, accelerations, out);
         system.pattern.add_mass_product(-share * system.mass_damping, &self.v, out);
+    }
+
+    /// Local error of position from that of the nodal vectors, whose part across the constraints is left out: positions satisfy them.
+    pub(super) fn tangential_error(
+        &self,
+        system: &System,
+        newton: &mut Newton,
+        (error, scratch): (&mut [Nodal], &mut [Nodal]),
+    ) -> f64 {
+        if !system.linear {
+            scratch.fill([0.0; 3]);
+            triads::project_rates(system, &self.u, error, scratch);
+        }
+        if let Some(constraints) = &mut newton.constraints {
+            constraints.take_tangential_part(system, (&self.motion(), self.time), error);
+        }
+        system.position_rms(|v| error[v])
     }
 
     pub(super) fn loads(&self, system: &System, time: f64, u: &[Nodal], out: &mut [Nodal]) {
