@@ -38,6 +38,7 @@ fn a_step_allocates_nothing() {
             Scheme::default(),
             Scheme::Hht(HhtScheme { alpha: -0.1 }),
             Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 }),
+            Scheme::Bdf2(Bdf2Scheme {}),
             Scheme::Explicit(ExplicitScheme { scale_director_inertia: true }),
         ] {
             let explicit = matches!(scheme, Scheme::Explicit(_));
@@ -70,6 +71,17 @@ fn a_step_allocates_nothing() {
                         stops: Some(JointStops { lower: Some(-1.0), upper: Some(1.0), restitution: 0.5 }),
                     }));
                 }
+            }
+            if !m.bodies.is_empty() {
+                m.springs = vec![SpringDamper {
+                    name: "bump stop".into(),
+                    between: ["ground".into(), "slides".into()],
+                    points: [[0.0; 3], [2.0, 0.0, 0.0]],
+                    stiffness: 0.0,
+                    damping: 0.0,
+                    length: None,
+                    force: Some("0.5*x*exp(x) + 5*max(x - 0.01, 0)^1.5 + v*abs(v)".into()),
+                }];
             }
             let time_step = if explicit { None } else { Some(0.01) };
             let options = TransientAnalysis { scheme, time_step, ..TransientAnalysis::new(0.1) };
