@@ -53,6 +53,17 @@ impl Spring {
         self.vectors.iter().zip(&self.weights).fold(self.constant, |x, (&v, w)| x + value(v as usize) * *w)
     }
 
+    /// Whether the points pass each other between two configurations, where a force acts between coinciding points: it turns round.
+    pub fn turns_round(
+        &self,
+        before: impl Fn(usize) -> Vec3,
+        after: impl Fn(usize) -> Vec3,
+        time: f64,
+    ) -> bool {
+        let pulls = self.law.force([0.0; 2], 0.0, time).value != 0.0;
+        pulls && self.between(before).dot(&self.between(after)) < 0.0
+    }
+
     /// Lengths at both ends of the motion, rate of the length, and vector between the points on which the force acts.
     fn motion(&self, k: &GroupPoint) -> ([f64; 2], f64, Vec3) {
         let at = |u: &[Nodal]| self.between(|v| Vec3::from(k.reference[v]) + Vec3::from(u[v]));

@@ -411,3 +411,54 @@ fn tangents_are_derivatives_of_the_forces() {
         }
     }
 }
+
+/// A mass on a slide, 1 m from the anchor of a spring by a formula.
+fn on_slide(force: &str, analysis: Analysis) -> Model {
+    let mass = body("m", [1.0, 0.0, 0.0], 1.0, Some([1.0; 3]));
+    let slide = crate::multibody::axis_joint("slide", "ground", "m", [1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    let spring = SpringDamper {
+        name: "s".into(),
+        between: between("ground", "m"),
+        points: [[0.0; 3], [1.0, 0.0, 0.0]],
+        stiffness: 0.0,
+        damping: 0.0,
+        length: Some(1.0),
+        force: Some(force.into()),
+    };
+    let joints = vec![Joint::Prismatic(slide.into())];
+    Model { springs: vec![spring], ..Model::of_bodies(analysis, vec![mass], joints) }
+}
+
+/// Beyond its limit load of 9.62 N the spring has no equilibrium near; that on the other side of the anchor is none of the path.
+#[test]
+fn a_spring_that_softens_does_not_jump_beyond_its_anchor() {
+    for (load, steps) in [(12.0, 2), (12.0, 5), (12.0, 10), (30.0, 5), (30.0, 50)] {
+        let options = StaticAnalysis { load_steps: steps, ..StaticAnalysis::default() };
+        let mut model = on_slide("100*x - 300*x^2 + 200*x^3", Analysis::Static(options.clone()));
+        model.loads = vec![Load::Force(crate::common::vector_load("m", [load, 0.0, 0.0]))];
+        let mesh = tegula::mesh::generators::generate(&model.mesh).unwrap();
+        let system = tegula::compile::build(&model, &mesh).unwrap();
+        if let Ok(outcome) = tegula::analysis::statics::run(&system, &options, None, &mut Notes::default()) {
+            let x = outcome.state.u[system.coordinates.bodies[0].centre as usize][0];
+            assert!(x > 0.0, "{load} {steps}: {x}");
+        }
+    }
+}
+
+/// An actuator whose force has a pole at the end of a step ends the analysis there.
+#[test]
+fn an_actuator_without_a_force_at_the_end_of_a_step_is_named() {
+    for force in ["100*x + 1/(t - 0.5)", "100*x + 0*log(0.5 - t)"] {
+        let options = TransientAnalysis {
+            scheme: Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 }),
+            time_step: Some(1.0 / 64.0),
+            ..TransientAnalysis::new(1.0)
+        };
+        let model = on_slide(force, Analysis::Transient(options.clone()));
+        let mesh = tegula::mesh::generators::generate(&model.mesh).unwrap();
+        let system = tegula::compile::build(&model, &mesh).unwrap();
+        let found = tegula::analysis::dynamics::run(&system, &options, None, &mut Notes::default());
+        let text = found.err().unwrap().to_string();
+        assert!(text.contains("the spring \"s\" has no finite value"), "{text}");
+    }
+}

@@ -255,6 +255,10 @@ impl<'a> TimeSteps<'a> {
             self.state.next_step = 0.5 * span.dt;
             return Ok(Attempt::TooLong(trouble, reason));
         }
+        if let Some(reason) = self.actuator_without_force(span) {
+            self.state.next_step = 0.5 * span.dt;
+            return Ok(Attempt::TooLong(Trouble::Iteration(Cause::Flight), reason));
+        }
         let error = self.scheme.local_error(self.system, &mut self.newton, &self.state);
         if let Some(reason) = self.scheme.interruption(self.system, &mut self.newton, &self.state)? {
             self.newton.restore(self.system, &self.state, true);
@@ -271,6 +275,16 @@ impl<'a> TimeSteps<'a> {
         self.state.next_step = next.min(0.5 * span.dt);
         let reason = format!("its error {error:.1e} is above the tolerance {:.1e}", self.options.tolerance);
         Ok(Attempt::TooLong(Trouble::Inaccurate, reason))
+    }
+
+    /// Spring by a formula in the time that has no force at the end of a step, as text: schemes may take forces in its middle only.
+    fn actuator_without_force(&self, span: Span) -> Option<String> {
+        if !self.system.has_actuators() {
+            return None;
+        }
+        let (u, internal) = (self.scheme.displacements(), self.state.internal());
+        let end = crate::system::EvaluationPoint::at_rest(self.system, u, span.end, internal);
+        self.newton.assembly.reason_without_forces(self.system, &end)
     }
 
     /// Accepts the state at the end of a step.

@@ -3,6 +3,7 @@
 use super::connection::{SOFTER, Speeds, released_energy};
 use super::failure::{CriticalPoint, Failure, Kind};
 use super::{StaticEquation, energies, follower_work, reactions, reactions_at, undefined};
+use crate::Vec3;
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::mobility;
 use crate::analysis::newton::{Cause, Converged, Newton, Tolerances};
@@ -214,6 +215,10 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         }
         if let Some(OffCurve::TooFar(reason) | OffCurve::PastEnd(reason)) =
             self.system.off_curve(&self.state.u, &self.equation.u)
+        {
+            return Err(Failure::new(Kind::Iteration(Cause::Flight), reason, negative));
+        }
+        if let Some(reason) = spring_that_turns_round(self.system, [&self.state.u, &self.equation.u], target)
         {
             return Err(Failure::new(Kind::Iteration(Cause::Flight), reason, negative));
         }
@@ -503,6 +508,17 @@ impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
     fn watch(&mut self, watched: &Watched) {
         self.state.watched.clone_from(watched);
     }
+}
+
+/// Spring whose direction changes by more than 90° between two configurations, as text: its points may have passed each other, and the
+/// equilibrium be that of the other side.
+fn spring_that_turns_round(system: &System, u: [&[Nodal]; 2], time: f64) -> Option<String> {
+    let at = |u: &[Nodal], v: usize| Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v]);
+    let (name, _) = system
+        .springs
+        .iter()
+        .find(|(_, spring)| spring.turns_round(|v| at(u[0], v), |v| at(u[1], v), time))?;
+    Some(format!("the spring \"{name}\" turns by more than 90° in the step, or its points pass each other"))
 }
 
 /// Error of a mechanism whose free motions come to no stable equilibrium under its loads.
