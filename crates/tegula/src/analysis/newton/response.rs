@@ -39,12 +39,12 @@ impl<S: TangentSolver> Newton<S> {
             // The assembly of the tangent also gives its product with a prescribed motion.
             self.linearize(system, after, history, Some(before))?;
         } else {
-            after.external_minus_inertia(system, &mut self.residual);
-            before.external_minus_inertia(system, &mut self.internal);
+            before.external_minus_inertia(system, &mut self.residual);
+            after.external_minus_inertia(system, &mut self.internal);
             subtract(&mut self.residual, &self.internal);
-            self.change_of_forces(system, (before, after), history);
+            self.change_of_forces(system, (after, before), history);
         }
-        self.find_response(system, moved, true)
+        self.find_response(system, (after, before.parts().time), moved, true)
     }
 
     /// Factors the tangent of an equilibrium and finds its linear response to a change of the loads from there to
@@ -66,7 +66,7 @@ impl<S: TangentSolver> Newton<S> {
             subtract(&mut self.residual, &self.internal);
             self.change_of_forces(system, (equilibrium, loaded), history);
         }
-        let response = self.find_response(system, moved, true)?;
+        let response = self.find_response(system, (equilibrium, loaded.parts().time), moved, true)?;
         let answer = self.increment.clone();
         let work: f64 =
             self.residual.as_flattened().iter().zip(answer.as_flattened()).map(|(f, u)| f * u).sum();
@@ -79,7 +79,7 @@ impl<S: TangentSolver> Newton<S> {
         for _ in 0..INVERSE_ITERATIONS {
             self.residual.copy_from_slice(&shape);
             apply_metric(system, &mut self.residual);
-            let size = self.find_response(system, false, false)?;
+            let size = self.find_response(system, (equilibrium, equilibrium.parts().time), false, false)?;
             compliance = size;
             for (x, y) in shape.as_flattened_mut().iter_mut().zip(self.increment.as_flattened()) {
                 *x = y / size;
@@ -127,7 +127,7 @@ impl<S: TangentSolver> Newton<S> {
         }
         let prescribed = moved.then_some(self.increment.as_slice());
         let at = Linearization { system, point: &k, parts: &parts, extrapolated: false, prescribed };
-        let negative = loop {
+        let mut negative = loop {
             solver.assemble(assembly, &at, internal);
             solver.add_curvature(assembly, &at, &self.residual);
             if let Some(done) = solver.prepare(assembly).transpose() {
@@ -135,6 +135,10 @@ impl<S: TangentSolver> Newton<S> {
             }
         };
         self.frames.copy_from(&self.assembly.frames);
+        if let Some(constraints) = &mut self.constraints {
+            constraints.take(system, (&k, &parts.weights), &self.assembly.frames, &mut self.solver)?;
+            negative = negative.saturating_sub(constraints.negative_eigenvalues());
+        }
         if let Some(loaded) = loaded.filter(|_| moved) {
             loaded.external_minus_inertia(system, &mut self.residual);
             add_follower_stiffness(system, &k.motion, &parts, &self.increment, &mut self.residual);
@@ -163,13 +167,24 @@ impl<S: TangentSolver> Newton<S> {
         }
     }
 
-    /// Solves for the residual, with the unsymmetric tangent if it is `whole`; prescribed degrees of freedom keep their
-    /// increment if they have `moved`, else they are at rest. Returns the norm of the increment.
-    fn find_response(&mut self, system: &System, moved: bool, whole: bool) -> Result<f64, String> {
+    /// Solves for the residual on the constraints of joints, whose drives move from an equilibrium to their places at a
+    /// `time`, and with the unsymmetric tangent if it is `whole`; prescribed degrees of freedom keep their increment if they
+    /// have `moved`, else they are at rest. Returns the norm of the increment.
+    fn find_response(
+        &mut self,
+        system: &System,
+        (equilibrium, time): (&dyn Equation, f64),
+        moved: bool,
+        whole: bool,
+    ) -> Result<f64, String> {
         self.frames.reduce(&self.residual, &mut self.solution);
         self.solver.solve_tangent(&mut self.solution)?;
         if let Some(loads) = self.circulatory.as_mut().filter(|_| whole) {
             loads.correct(&mut self.solver, &self.frames, &mut self.solution, Purpose::Increment)?;
+        }
+        if let Some(constraints) = &mut self.constraints {
+            let at = (&equilibrium.motion(), time);
+            constraints.correct(system, at, equilibrium.multipliers(), &mut self.solution);
         }
         expand_free(&self.frames, &self.solution, moved, &mut self.increment);
         Ok(system.norm(&self.increment))

@@ -288,7 +288,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
                 "the step releases energy, {released:.2} times the work of its load increment, where a stable path \
                  releases none"
             ))
-        } else if system.joints.is_empty() && speeds.need_the_end() {
+        } else if speeds.need_the_end() {
             let unloaded = StaticEquation { u: equation.u.clone(), ..before };
             let end = newton.response(system, (&unloaded, &*equation), &state.history).unwrap_or(0.0);
             speeds.doubt(end)
