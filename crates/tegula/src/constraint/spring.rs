@@ -231,4 +231,15 @@ impl ElementGroup for SpringGroup {
         let (lengths, rate, _) = spring.motion(k);
         spring.law.reason_without_force(lengths, rate, k.time)
     }
+
+    fn falling_force(&self, k: &GroupPoint) -> Option<String> {
+        self.members.iter().find_map(|spring| spring.law.falls(spring.motion(k).0[1], k.time))
+    }
+
+    fn pole_in_step(&self, k: &GroupPoint, start: f64) -> Option<String> {
+        self.members.iter().find_map(|spring| {
+            let (lengths, rate, _) = spring.motion(k);
+            spring.law.pole(lengths, rate, [start, k.time])
+        })
+    }
 }

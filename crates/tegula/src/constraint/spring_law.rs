@@ -160,8 +160,37 @@ impl SpringLaw {
             formula.spring
         ))
     }
+
+    /// Whether a formula has no positive stiffness at a length or angle, as text; `None` where it has.
+    pub fn falls(&self, position: f64, time: f64) -> Option<String> {
+        let Kind::Formula(formula) = &self.kind else { return None };
+        let x = position - self.free;
+        let Partials { value, by_position, .. } = formula.formula.partials([x, 0.0, time]);
+        let flat = if x == 0.0 { 0.0 } else { FLAT * (value / x).abs() };
+        (by_position <= flat).then(|| {
+            format!(
+                "the force law {} of {} has the stiffness {by_position:.3e} at x = {x:.6e}: its force does not grow there",
+                formula.formula.quoted(),
+                formula.spring
+            )
+        })
+    }
+
+    /// A pole of the force between two lengths or angles at two times, as text, which a step must not jump over; `None` where there is none.
+    pub fn pole(&self, ends: [f64; 2], rate: f64, times: [f64; 2]) -> Option<String> {
+        let Kind::Formula(formula) = &self.kind else { return None };
+        let places = [0, 1].map(|i| [ends[i] - self.free, rate, times[i]]);
+        let [x, v, t] = formula.formula.pole(places)?;
+        Some(format!(
+            "the force law {} of {} has no finite value within the step, at x = {x:.6e}, v = {v:.6e}, t = {t:.6e}",
+            formula.formula.quoted(),
+            formula.spring
+        ))
+    }
 }
 
+/// Stiffness over the mean one of the way from the free length below which a force is constant.
+const FLAT: f64 = 1e-6;
 /// Parts of a step whose ends are looked at for a place without a force.
 const SAMPLES: u8 = 64;
 

@@ -255,4 +255,16 @@ impl ElementGroup for TorsionSpringGroup {
         let Turn { angles, rate, .. } = spring.turn(k, k.interior.history[element]);
         spring.law.reason_without_force(angles, rate, k.time)
     }
+
+    fn falling_force(&self, k: &GroupPoint) -> Option<String> {
+        let mut members = self.members.iter().zip(k.interior.history);
+        members.find_map(|(spring, committed)| spring.law.falls(spring.turn(k, *committed).angles[1], k.time))
+    }
+
+    fn pole_in_step(&self, k: &GroupPoint, start: f64) -> Option<String> {
+        self.members.iter().zip(k.interior.history).find_map(|(spring, committed)| {
+            let Turn { angles, rate, .. } = spring.turn(k, *committed);
+            spring.law.pole(angles, rate, [start, k.time])
+        })
+    }
 }

@@ -167,6 +167,17 @@ pub trait ElementGroup: Send + Sync {
         let _ = (k, element);
         None
     }
+    /// An element whose force does not grow with the elongation in a state, as a sentence without a full stop; `None` where there is none.
+    fn falling_force(&self, k: &GroupPoint) -> Option<String> {
+        let _ = k;
+        None
+    }
+    /// A pole of the force law of an element between the ends of a motion, which starts at a time, as a sentence without a full stop; `None`
+    /// where there is none.
+    fn pole_in_step(&self, k: &GroupPoint, start: f64) -> Option<String> {
+        let _ = (k, start);
+        None
+    }
     /// Stored energy of each element (at the end of a step); `½ sᵀHs` for linear materials.
     fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {
         let _ = k;

@@ -10,6 +10,7 @@ mod force;
 mod gradient;
 mod jet;
 mod parse;
+mod poles;
 
 pub use force::{ForceFormula, Partials};
 use jet::{Function, Jet};

@@ -468,3 +468,63 @@ fn an_actuator_without_a_force_at_the_end_of_a_step_is_named() {
         assert!(text.contains("the spring \"s\" has no finite value"), "{text}");
     }
 }
+
+/// A step across a pole of a force is none: the energy barrier of 1/(0.3 − x)² has no end, and an infinite impulse no sense.
+#[test]
+fn poles_within_a_step_are_not_jumped_over() {
+    let schemes = [
+        Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 }),
+        ORDER_4,
+        ALPHA,
+        Scheme::Bdf2(Bdf2Scheme {}),
+    ];
+    for scheme in schemes {
+        for (force, speed) in [("100*x + 1/(t - 0.3)", 0.0), ("1/(0.3 - x)^2", 6.0), ("1e-3/(0.3 - x)", 6.0)]
+        {
+            let options = TransientAnalysis {
+                scheme,
+                time_step: Some(1.0 / 64.0),
+                ..TransientAnalysis::new(1.0)
+            };
+            let mut model = on_slide(force, Analysis::Transient(options.clone()));
+            model.bodies[0].velocity = [speed, 0.0, 0.0];
+            let mesh = mesh::generators::generate(&model.mesh).unwrap();
+            let system = compile::build(&model, &mesh).unwrap();
+            match tegula::analysis::dynamics::run(&system, &options, None, &mut Notes::default()) {
+                Err(error) => {
+                    let text = error.to_string();
+                    let told = ["no finite value within the step", "a spring is too stiff for a step"];
+                    assert!(told.iter().any(|told| text.contains(told)), "{scheme:?} {text}");
+                }
+                Ok(outcome) => {
+                    let x = outcome.state.u[system.coordinates.bodies[0].centre as usize][0];
+                    // The barrier of 1/(0.3 − x)² takes more energy than there is.
+                    assert!(force == "1/(0.3 - x)^2" && x < 0.3, "{scheme:?} {force}: {x}");
+                }
+            }
+        }
+    }
+}
+
+/// Statics names springs without positive stiffness, at the start or where the load exceeds what they hold.
+#[test]
+fn springs_whose_force_does_not_grow_are_named() {
+    for (force, load, part) in [
+        ("-100*x + 30*x^3", 1.0, "does not grow there"),
+        ("50*tanh(10*x)", 60.0, "does not grow there"),
+        ("10/(1 - x)", 1000.0, "no finite value"),
+    ] {
+        let mut model = on_slide(force, Analysis::Static(StaticAnalysis::default()));
+        model.loads = vec![Load::Force(vector_load("m", [load, 0.0, 0.0]))];
+        match solved(&model) {
+            Err(error) => assert!(error.to_string().contains(part), "{force}: {error}"),
+            Ok((_, outcome)) => {
+                let x = outcome.state.u[0][0];
+                assert!(
+                    part.starts_with("no finite") && x < 1.0 && (10.0 / (1.0 - x) / load - 1.0).abs() < 1e-9,
+                    "{x}"
+                );
+            }
+        }
+    }
+}

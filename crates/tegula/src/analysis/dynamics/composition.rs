@@ -12,10 +12,10 @@
 //! end of the step. All are of fourth order.
 
 use super::step_end::Span;
-use super::time_steps::{Attempt, TimeSteps, Trouble, commit, finish, trouble};
+use super::time_steps::{Attempt, TimeSteps, Trouble, commit, finish, spring_without_force, trouble};
 use super::{constrained_start, impact, project_rates};
 use crate::analysis::constraints::Rates;
-use crate::analysis::newton::{Converged, Diverged, Newton};
+use crate::analysis::newton::{Cause, Converged, Diverged, Newton};
 use crate::analysis::{Observer, State, equilibrium};
 use crate::element::Motion;
 use crate::system::System;
@@ -78,6 +78,10 @@ impl TimeSteps<'_> {
             statistics.iterations += u64::from(converged.iterations);
             if let Some(trouble) = trouble(system, between, dt.abs(), scheme.displacements()) {
                 return Ok(Err(trouble));
+            }
+            if let Some(reason) = spring_without_force(system, newton, between, (scheme.displacements(), sub))
+            {
+                return Ok(Err((Trouble::Iteration(Cause::Flight), reason)));
             }
             finish(system, (scheme.as_mut(), newton), (old_velocities, between), sub);
             if i + 1 < parts.len() {

@@ -113,6 +113,11 @@ pub(super) fn keeps_energy(
     {
         return Ok(());
     }
+    let springs = if system.springs.is_empty() && system.torsion_springs.is_empty() {
+        ""
+    } else {
+        ", or a spring is too stiff for a step of this length"
+    };
     let names: Vec<_> = drives.iter().map(|joint| format!("\"{}\"", joint.name)).collect();
     let contradiction = if names.is_empty() {
         String::new()
@@ -123,7 +128,7 @@ pub(super) fn keeps_energy(
         at: format!("time {:.6e}", span.end),
         reason: format!(
             "the total energy changed by {change:.2e} in a step, {:.1e} of the largest energy: {cause}the joints are near a singular \
-             position, in which parts of the mechanism may move although they seem to be held{contradiction}",
+             position, in which parts of the mechanism may move although they seem to be held{springs}{contradiction}",
             change / scale
         ),
         help: "Results up to the step before are complete. Change the position of joints that lie in one line or plane, or take a \

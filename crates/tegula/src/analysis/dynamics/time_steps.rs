@@ -17,7 +17,7 @@ use crate::analysis::stepper::Reached;
 use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched};
 use crate::element::{Motion, Nodal};
 use crate::model::TransientAnalysis;
-use crate::system::{OffCurve, System, inverted_element};
+use crate::system::{EvaluationPoint, OffCurve, System, inverted_element};
 use crate::{Error, Result};
 use tegula_sparse::Factor as _;
 use tegula_sparse::norm::larger;
@@ -255,7 +255,8 @@ impl<'a> TimeSteps<'a> {
             self.state.next_step = 0.5 * span.dt;
             return Ok(Attempt::TooLong(trouble, reason));
         }
-        if let Some(reason) = self.actuator_without_force(span) {
+        let step = (self.scheme.displacements(), span);
+        if let Some(reason) = spring_without_force(self.system, &self.newton, &self.state, step) {
             self.state.next_step = 0.5 * span.dt;
             return Ok(Attempt::TooLong(Trouble::Iteration(Cause::Flight), reason));
         }
@@ -275,16 +276,6 @@ impl<'a> TimeSteps<'a> {
         self.state.next_step = next.min(0.5 * span.dt);
         let reason = format!("its error {error:.1e} is above the tolerance {:.1e}", self.options.tolerance);
         Ok(Attempt::TooLong(Trouble::Inaccurate, reason))
-    }
-
-    /// Spring by a formula in the time that has no force at the end of a step, as text: schemes may take forces in its middle only.
-    fn actuator_without_force(&self, span: Span) -> Option<String> {
-        if !self.system.has_actuators() {
-            return None;
-        }
-        let (u, internal) = (self.scheme.displacements(), self.state.internal());
-        let end = crate::system::EvaluationPoint::at_rest(self.system, u, span.end, internal);
-        self.newton.assembly.reason_without_forces(self.system, &end)
     }
 
     /// Accepts the state at the end of a step.
@@ -451,6 +442,27 @@ pub(super) fn trouble(system: &System, state: &State, dt: f64, new: &[Nodal]) ->
     let body = triads::turned_too_far(system, (state, dt), new)?;
     let reason = format!("body \"{body}\" turns by more than {} rad in the step", triads::MOST_ROTATION);
     Some((Trouble::Inaccurate, reason))
+}
+
+/// Spring by a formula that has a pole within a step to given displacements, or by one in the time that has no force at its end, as
+/// text: schemes take forces at few places of a step only.
+pub(super) fn spring_without_force(
+    system: &System,
+    newton: &Newton,
+    state: &State,
+    (end, span): (&[Nodal], Span),
+) -> Option<String> {
+    let motion = Motion::Step { old: &state.u, new: end, dt: span.dt };
+    let step = EvaluationPoint::new(system, motion, span.end, state.internal());
+    if let Some(pole) = newton.assembly.pole_in_step(system, &step, state.time) {
+        return Some(pole);
+    }
+    if !system.has_actuators() {
+        return None;
+    }
+    newton
+        .assembly
+        .reason_without_forces(system, &EvaluationPoint::at_rest(system, end, span.end, state.internal()))
 }
 
 /// Makes the end of a solved step the state: motion, work, dissipation, and the prediction of the next step. History variables are

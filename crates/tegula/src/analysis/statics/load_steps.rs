@@ -222,6 +222,11 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         {
             return Err(Failure::new(Kind::Iteration(Cause::Flight), reason, negative));
         }
+        let motion = Motion::Step { old: &self.state.u, new: &self.equation.u, dt: f64::INFINITY };
+        let step = EvaluationPoint::new(self.system, motion, target, &self.state.history);
+        if let Some(reason) = self.newton.assembly.pole_in_step(self.system, &step, self.state.time) {
+            return Err(Failure::new(Kind::Iteration(Cause::Flight), reason, negative));
+        }
         let stability = self
             .newton
             .stability(self.system, negative)
@@ -396,6 +401,13 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         }
         let critical = self.critical_point(target, failure);
         let (system, options, state) = (self.system, self.options, &self.state);
+        let unknown = critical.is_none() && matches!(failure.kind, Kind::Rounding | Kind::Iteration(_));
+        if let Some(spring) = [&state.u, &self.equation.u].into_iter().filter(|_| unknown).find_map(|u| {
+            let at = EvaluationPoint::at_rest(system, u, target, &state.history);
+            self.newton.assembly.falling_force(system, &at)
+        }) {
+            return of_falling_force(state, target, (&spring, failure));
+        }
         Error::NotConverged {
             at: format!("load factor {target:.6}"),
             reason: failure.told(system, state, target, critical.as_ref()),
@@ -535,6 +547,19 @@ fn of_mechanism(state: &State, target: f64, (free, failure): (&[String], &Failur
         help: format!(
             "The last equilibrium was at load factor {:.6}. Hold the free motions by joints, drives or springs; or begin nearer to the \
              equilibrium, or let a transient analysis with damping find it.",
+            state.time
+        ),
+    }
+}
+
+/// Error of a model that a spring without positive stiffness leaves without a stable equilibrium.
+fn of_falling_force(state: &State, target: f64, (spring, failure): (&str, &Failure)) -> Error {
+    Error::NotConverged {
+        at: format!("load factor {target:.6}"),
+        reason: format!("{spring}. {}", failure.reason),
+        help: format!(
+            "The last equilibrium was at load factor {:.6}. Look at the sign of the force, which is positive where the spring pulls its points \
+             together, and at the largest load that it can hold; a transient analysis needs no stiffness.",
             state.time
         ),
     }

@@ -19,7 +19,8 @@ impl Branched {
         Self { value, sides: 0 }
     }
 
-    fn on(self, is_first: bool) -> Self {
+    /// The number, with the side of one more kink.
+    pub fn on(self, is_first: bool) -> Self {
         Self { sides: (self.sides ^ if is_first { 1 } else { 2 }).wrapping_mul(SPREAD), ..self }
     }
 }

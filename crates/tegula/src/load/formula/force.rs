@@ -3,6 +3,7 @@
 use super::branches::Branched;
 use super::gradient::Gradient;
 use super::parse::{EXTREMES, Instruction, KINKED, Names, evaluate};
+use super::poles;
 use super::{functions, program, quoted};
 
 const OF_SPRINGS: Names = Names { variables: &["x", "v", "t"], kinks: true };
@@ -82,6 +83,11 @@ impl ForceFormula {
     /// Sides of its kinks on which the formula is evaluated at `[x, v, t]`: between places with different sides lies a kink.
     pub fn sides(&self, at: [f64; 3]) -> u64 {
         evaluate(&self.program, at.map(Branched::variable)).sides
+    }
+
+    /// A place between two others, each `[x, v, t]`, where the formula grows beyond all bounds or is undefined, if there is one.
+    pub fn pole(&self, ends: [[f64; 3]; 2]) -> Option<[f64; 3]> {
+        poles::pole(&self.program, ends)
     }
 
     /// The formula, as quoted in messages.
