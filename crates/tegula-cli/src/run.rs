@@ -129,6 +129,12 @@ pub fn print(summary: &Summary, folder: &Path) {
             say!("    moment about ({a}, {b}, {c}): ({mx:.6e}, {my:.6e}, {mz:.6e})");
         }
     }
+    if let Some(found) = &s.acceleration {
+        let [x, y, z] = found.linear;
+        let [rx, ry, rz] = found.angular;
+        say!("  inertia relief: acceleration ({x:.6e}, {y:.6e}, {z:.6e}) of the centre of mass");
+        say!("    angular acceleration ({rx:.6e}, {ry:.6e}, {rz:.6e})");
+    }
     if let Some(balance) = &s.balance {
         say!(
             "  balance of loads, reactions and inertia: {:.1e} of the forces, {:.1e} of the moments",

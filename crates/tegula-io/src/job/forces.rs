@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use tegula::element::Nodal;
 use tegula::result::{CutResultant, Equilibrium, Resultant};
-use tegula::system::{Cut, ForceSet};
+use tegula::system::{Cut, ForceSet, RigidAcceleration};
 use tegula::{System, Vec3};
 
 use super::summary::{number, vector};
@@ -22,6 +22,26 @@ pub struct ForceResult {
     /// Mean of the set's nodes at the reference; of cuts the point in the configuration on which the forces act (length).
     #[serde(deserialize_with = "vector")]
     pub about: [f64; 3],
+}
+
+/// Acceleration of a model with inertia relief at the end of the run, in which it is at rest.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct AccelerationResult {
+    /// Acceleration of the centre of mass [length/time²].
+    #[serde(deserialize_with = "vector")]
+    pub linear: [f64; 3],
+    /// Angular acceleration [rad/time²].
+    #[serde(deserialize_with = "vector")]
+    pub angular: [f64; 3],
+    /// Centre of mass (length).
+    #[serde(deserialize_with = "vector")]
+    pub centre: [f64; 3],
+}
+
+impl From<RigidAcceleration> for AccelerationResult {
+    fn from(RigidAcceleration { linear, angular, centre }: RigidAcceleration) -> Self {
+        Self { linear: linear.into(), angular: angular.into(), centre: centre.into() }
+    }
 }
 
 /// Resultant of loads, reactions and inertia at the end of the run, over the sum of their sizes: 0 in perfect balance.

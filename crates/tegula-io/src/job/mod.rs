@@ -46,7 +46,7 @@ use crate::deck::Diagnostic;
 use crate::out::OutputError;
 
 pub use folder::{Claim, ResultFolder};
-pub use forces::{BalanceResult, ForceResult};
+pub use forces::{AccelerationResult, BalanceResult, ForceResult};
 pub use prepare::{Prepared, prepare};
 pub use run::run;
 pub use summary::{Energy, PointResult, Status, StepSummary, StopResult, Summary};

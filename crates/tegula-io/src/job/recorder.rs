@@ -217,6 +217,7 @@ impl<'a> Recorder<'a> {
         s.energy = (&self.memory.balance).into();
         if !self.memory.state.u.is_empty() {
             let (system, state) = (&self.prepared.system, &self.memory.state);
+            s.acceleration = system.relief_acceleration(&state.u, state.time).map(Into::into);
             let point = |p: &tegula::result::Probe| PointResult {
                 position: p.position(system, state),
                 displacement: p.displacement(state),

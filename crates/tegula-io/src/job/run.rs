@@ -181,6 +181,7 @@ pub(super) fn summary(deck: &Deck, prepared: &Prepared, start: &Start) -> Summar
         loads: Default::default(),
         cuts: Default::default(),
         balance: None,
+        acceleration: None,
         frequencies_hz: None,
         sturm_checked: None,
         analyses: Vec::new(),

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Deserializer, Serialize};
 use tegula::analysis::{Balance, Stopped};
 
-use super::forces::{BalanceResult, ForceResult};
+use super::forces::{AccelerationResult, BalanceResult, ForceResult};
 use crate::out::{OutputError, write_over, write_whole};
 
 /// A number; NaN and infinity are written as `null`.
@@ -196,6 +196,9 @@ pub struct Summary {
     /// Balance of loads, reactions and inertia at the end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub balance: Option<BalanceResult>,
+    /// Rigid acceleration of a model with inertia relief.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub acceleration: Option<AccelerationResult>,
     /// Natural frequencies [1/time] of a modal analysis, rigid modes included.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frequencies_hz: Option<Vec<f64>>,

@@ -1,6 +1,6 @@
 //! Sets of the mesh whose forces are recovered: those of supports and prescribed motions, and the loads.
 
-use super::body_inertia;
+use super::{body_inertia, relief};
 use crate::Vec3;
 use crate::mesh::Mesh;
 use crate::model::Model;
@@ -34,6 +34,11 @@ pub(super) fn of_loads(model: &Model, mesh: &Mesh) -> Vec<ForceSet> {
         out.push(ForceSet { name, keys: vec![format!("loads[{number}]")], about });
     }
     out
+}
+
+/// Supports that inertia relief adds, whose reactions vanish.
+pub(super) fn of_relief(mesh: &Mesh) -> ForceSet {
+    ForceSet { name: relief::NAME.into(), keys: vec![relief::KEY.into()], about: centre(mesh, "all") }
 }
 
 /// Load of the caller.

@@ -21,6 +21,7 @@ mod mechanism;
 mod outline;
 mod patches;
 mod place;
+mod relief;
 mod sections;
 mod sensors;
 mod springs;
@@ -53,8 +54,8 @@ use crate::model::{
 use crate::system::pattern::{BATCH, PatternBuilder};
 use crate::system::supports::Support;
 use crate::system::{
-    BeamLine, Cut, DeadLoad, GroupOffsets, LocalFrames, Outline, Pattern, PrescribedField, Procedure,
-    Reduction, Shell, ShellSection, StepStart, System, lumping,
+    BeamLine, Cut, DeadLoad, GroupOffsets, InertiaRelief, LocalFrames, Outline, Pattern, PrescribedField,
+    Procedure, Reduction, Shell, ShellSection, StepStart, System, lumping,
 };
 use crate::{Error, Issue, Result};
 use actions::{
@@ -313,20 +314,28 @@ impl<'a> Compiler<'a> {
         names: &BTreeMap<String, usize>,
         start: Option<&StepStart>,
         issues: &mut Vec<Issue>,
-    ) -> Option<(Vec<Support>, LocalFrames)> {
+    ) -> Option<(Vec<Support>, LocalFrames, Option<InertiaRelief>)> {
         let vectors = &self.vectors;
-        let supports = supports(&step.model, self.mesh, vectors, names, issues);
+        let mut supports = supports(&step.model, self.mesh, vectors, names, issues);
         issues.extend(patches::supported(&supports, &vectors.coordinates, self.mesh));
         let at = (supports.as_slice(), &*vectors.coordinates);
         issues.extend(couplings::held(&step.model, &self.joints, at, self.mesh));
         let current = self.current(start);
+        let relief = if relief::is_asked(&step.model) {
+            let found = relief::relief(&supports, &vectors.coordinates, (&current, self.length));
+            let (relief, added) = found.map_err(|issue| issues.push(issue)).ok()?;
+            supports.extend(added);
+            Some(relief)
+        } else {
+            None
+        };
         let (triads, attached) = (vectors.coordinates.triads(), vectors.coordinates.attached());
         match LocalFrames::new(&supports, &self.unit, (&triads, &attached), &current) {
             Ok(mut frames) => {
                 if let Some(start) = start {
                     frames.start_at(&current, &start.u);
                 }
-                Some((supports, frames))
+                Some((supports, frames, relief))
             }
             Err(conflicts) => {
                 issues.extend(contradictions(&conflicts, vectors, self.mesh));
@@ -340,7 +349,7 @@ impl<'a> Compiler<'a> {
         let mut issues = Vec::new();
         let (amplitudes, names) = amplitudes::time_functions(model, &mut issues);
         let numbered = self.frames(step, &names, start.as_ref(), &mut issues);
-        let Some((supports, frames)) = numbered.filter(|_| issues.is_empty()) else {
+        let Some((supports, frames, mut inertia_relief)) = numbered.filter(|_| issues.is_empty()) else {
             return Err(Error::Model(issues));
         };
         issues.extend(unmovable(&frames));
@@ -364,6 +373,13 @@ impl<'a> Compiler<'a> {
             load_sets.push(force_sets::of_caller(name, mesh));
             followers.push(of_caller(load, step));
         }
+        let mut support_sets = force_sets::of_conditions(model, mesh);
+        if let Some(relief) = &mut inertia_relief {
+            relief.load_set = load_sets.len();
+            load_sets.push(force_sets::of_caller(relief::NAME, mesh));
+            support_sets.push(force_sets::of_relief(mesh));
+        }
+        issues.extend(relief::refused(step));
         let (centrifugal, load_of_centrifugal) =
             turning::centrifugal_loads(step, mesh, &vectors.coordinates, &names);
         issues.extend(turning::centrifugal(step));
@@ -411,8 +427,9 @@ impl<'a> Compiler<'a> {
             dead_loads: Vec::new(),
             followers,
             centrifugal,
+            inertia_relief,
             supports,
-            support_sets: force_sets::of_conditions(model, mesh),
+            support_sets,
             load_sets,
             load_of_dead: Vec::new(),
             load_of_follower,

@@ -101,6 +101,9 @@ pub struct StaticAnalysis {
     /// Accept an equilibrium at which the structure would buckle (tangent with negative pivots).
     #[serde(default)]
     pub allow_unstable: bool,
+    /// Balance the loads of a model that supports do not hold by the inertia forces of its rigid acceleration.
+    #[serde(default)]
+    pub inertia_relief: bool,
     /// Solver of the linear systems.
     #[serde(default)]
     pub linear_solver: LinearSolver,
@@ -156,6 +159,7 @@ impl Default for StaticAnalysis {
             max_iterations: thirty(),
             max_cutbacks: twelve(),
             allow_unstable: false,
+            inertia_relief: false,
             linear_solver: LinearSolver::Direct,
             stop: Vec::new(),
         }

@@ -286,6 +286,9 @@ fn add_load_set(system: &System, set: usize, times: &[(f64, f64, Cow<[Nodal]>)],
         {
             system.add_centrifugal_load(load, at, *share, out);
         }
+        if system.inertia_relief.as_ref().is_some_and(|relief| relief.load_set == set) {
+            system.add_inertia_relief(at.0, at.1, *share, out);
+        }
     }
 }
 

@@ -541,8 +541,20 @@ fn current(system: &System, motion: &Motion, vectors: &[u32], x: &mut [Vec3; 4])
     }
 }
 
-/// Adds the follower loads and the centrifugal forces at a time, times `factor`.
+/// Adds the follower loads, the centrifugal forces and those of inertia relief at a time, times `factor`.
 pub fn add_follower_loads(system: &System, motion: &Motion, time: f64, factor: f64, out: &mut [Nodal]) {
+    add_applied_follower_loads(system, motion, time, factor, out);
+    system.add_inertia_relief(motion, time, factor, out);
+}
+
+/// Adds the follower loads and the centrifugal forces at a time, times `factor`.
+pub(super) fn add_applied_follower_loads(
+    system: &System,
+    motion: &Motion,
+    time: f64,
+    factor: f64,
+    out: &mut [Nodal],
+) {
     for load in &system.followers {
         let mut x = [Vec3::zeros(); 4];
         current(system, motion, load.vectors(), &mut x);

@@ -12,6 +12,7 @@ pub mod dof_map;
 mod drives;
 pub mod element_frequency;
 pub mod evaluation_point;
+mod inertia_relief;
 mod inverted_element;
 mod local_frames;
 pub mod lumping;
@@ -45,6 +46,7 @@ pub use cut::Cut;
 pub use dof_map::DofMap;
 use dof_map::Prescribed;
 pub use evaluation_point::{EvaluationPoint, GroupOffsets, Internal};
+pub use inertia_relief::{InertiaRelief, RigidAcceleration};
 pub use inverted_element::inverted_element;
 pub use local_frames::LocalFrames;
 pub use outline::Outline;
@@ -183,6 +185,8 @@ pub struct System {
     pub followers: Vec<FollowerLoad>,
     /// Centrifugal forces.
     pub centrifugal: Vec<CentrifugalLoad>,
+    /// Inertia forces that balance the loads of a model without supports.
+    pub inertia_relief: Option<InertiaRelief>,
     /// Supports as the model has them, condition by condition.
     pub supports: Vec<Support>,
     /// Sets on which the supports act.
@@ -322,7 +326,7 @@ impl System {
 
     /// Whether loads follow the motion.
     pub fn has_follower_loads(&self) -> bool {
-        !self.followers.is_empty() || !self.centrifugal.is_empty()
+        !self.followers.is_empty() || !self.centrifugal.is_empty() || self.inertia_relief.is_some()
     }
 
     /// Number of shell elements.

@@ -30,6 +30,7 @@ mod friction_in_mechanisms;
 mod gears;
 mod generalized_alpha;
 mod guided_axes;
+mod inertia_relief;
 mod inner_points;
 mod integrators;
 mod iterative_statics;

@@ -481,11 +481,8 @@ fn poles_within_a_step_are_not_jumped_over() {
     for scheme in schemes {
         for (force, speed) in [("100*x + 1/(t - 0.3)", 0.0), ("1/(0.3 - x)^2", 6.0), ("1e-3/(0.3 - x)", 6.0)]
         {
-            let options = TransientAnalysis {
-                scheme,
-                time_step: Some(1.0 / 64.0),
-                ..TransientAnalysis::new(1.0)
-            };
+            let options =
+                TransientAnalysis { scheme, time_step: Some(1.0 / 64.0), ..TransientAnalysis::new(1.0) };
             let mut model = on_slide(force, Analysis::Transient(options.clone()));
             model.bodies[0].velocity = [speed, 0.0, 0.0];
             let mesh = mesh::generators::generate(&model.mesh).unwrap();
