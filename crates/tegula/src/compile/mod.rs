@@ -473,7 +473,7 @@ impl<'a> Compiler<'a> {
     }
 
     /// Sparsity pattern of the tangent, and the consistent mass. Explicit steps have but the diagonal, for the lumped
-    /// mass; the iterative solver takes the elements' own blocks.
+    /// mass, and the inertia of rigid bodies; the iterative solver takes the elements' own blocks.
     fn pattern(
         &self,
         procedure: Procedure,
@@ -482,6 +482,12 @@ impl<'a> Compiler<'a> {
         added: &[(u32, u32, f64)],
     ) -> Result<Pattern> {
         let mut builder = PatternBuilder::new(procedure.has_tangent_pattern());
+        for body in &self.vectors.coordinates.bodies {
+            builder.mass(body.centre, body.centre, body.mass);
+            if let Some(directors) = body.directors {
+                builder.body(directors, &body.euler);
+            }
+        }
         if procedure != Procedure::Explicit {
             for (group, reduction) in self.groups.iter().zip(reductions) {
                 for first in (0..group.len()).step_by(BATCH) {
@@ -497,12 +503,6 @@ impl<'a> Compiler<'a> {
                         builder.reduced(vectors);
                     }
                     builder.end_batch();
-                }
-            }
-            for body in &self.vectors.coordinates.bodies {
-                builder.mass(body.centre, body.centre, body.mass);
-                if let Some(directors) = body.directors {
-                    builder.body(directors, &body.euler);
                 }
             }
             for load in followers {

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use super::System;
 use super::VectorKind;
 use super::assembly::{ElementBlocks, pairs};
+use super::connection_frequency::{body_of, is_connection};
 use crate::Vec3;
 use crate::element::{ElementGroup, Nodal};
 
@@ -39,7 +40,7 @@ impl MassShares {
     pub fn new(system: &System) -> Self {
         let n = system.vectors();
         let mut out = Self { own: vec![0.0; n], massless: vec![0; n], loads: vec![0; n] };
-        for group in system.groups.iter() {
+        for group in system.groups.iter().filter(|group| !is_connection(group.as_ref())) {
             for e in 0..group.len() {
                 let vectors = group.vectors(e);
                 let own = row_sums(&system.coordinates.kinds, vectors, group.mass(e));
@@ -50,10 +51,33 @@ impl MassShares {
                 }
             }
         }
+        out.massless_connections(system);
         for load in &system.followers {
             load.vectors().iter().for_each(|&v| out.loads[v as usize] += 1);
         }
         out
+    }
+
+    /// Counts connections at the nodal vectors that they contain: springs, bushings, joints. Those of a rigid body count once, at all
+    /// vectors that are attached to it.
+    fn massless_connections(&mut self, system: &System) {
+        let mut loaded = vec![false; system.dofs().triads.len()];
+        for group in system.groups.iter().filter(|group| is_connection(group.as_ref())) {
+            for &v in (0..group.len()).flat_map(|e| group.vectors(e)) {
+                match body_of(system, v) {
+                    Some(body) => loaded[body] = true,
+                    None => self.massless[v as usize] += 1,
+                }
+            }
+        }
+        for attached in system.dofs().attached.iter().filter(|attached| loaded[attached.triad as usize]) {
+            self.massless[attached.vector as usize] += 1;
+        }
+    }
+
+    /// Share of one massless element in the mass of a nodal vector.
+    pub(super) fn of_massless(&self, vector: usize) -> f64 {
+        0.5 / f64::from(self.massless[vector].max(1))
     }
 
     /// Sum of the elements' own masses of a nodal vector.
@@ -116,7 +140,7 @@ pub fn of_elements(
             arch.dispatch(
                 #[inline(always)]
                 || {
-                    let mut square = Square::new();
+                    let mut square = Square::<LARGEST>::new();
                     for (i, (out, blocks)) in out.iter_mut().zip(blocks.chunks_exact(size)).enumerate() {
                         let element = first + chunk * CHUNK + i;
                         let mass = shares.of(system, group, element, mass);
@@ -149,7 +173,7 @@ pub fn of_part(
             arch.dispatch(
                 #[inline(always)]
                 || {
-                    let (mut square, mut highest) = (Square::new(), 0.0_f64);
+                    let (mut square, mut highest) = (Square::<LARGEST>::new(), 0.0_f64);
                     for (i, blocks) in blocks.chunks_exact(size).enumerate() {
                         let element = first + chunk * CHUNK + i;
                         let mass = shares.of(system, group, element, mass);
@@ -168,7 +192,7 @@ pub fn of_followers(system: &System, shares: &MassShares, mass: &[f64], u: &[Nod
     if system.linear {
         return 0.0;
     }
-    let mut square = Square::new();
+    let mut square = Square::<LARGEST>::new();
     let mut highest = 0.0_f64;
     for load in &system.followers {
         let n = load.vectors().len();
@@ -189,20 +213,20 @@ pub fn of_followers(system: &System, shares: &MassShares, mass: &[f64], u: &[Nod
 }
 
 /// Larger of two values; NaN if one of them is NaN.
-fn larger(a: f64, b: f64) -> f64 {
+pub(super) fn larger(a: f64, b: f64) -> f64 {
     if b.is_nan() { b } else { a.max(b) }
 }
 
 /// Symmetric matrix of one element, with space for its square.
-struct Square {
-    a: [[f64; LARGEST]; LARGEST],
-    squared: [[f64; LARGEST]; LARGEST],
-    size: usize,
+pub(super) struct Square<const N: usize> {
+    pub(super) a: [[f64; N]; N],
+    squared: [[f64; N]; N],
+    pub(super) size: usize,
 }
 
-impl Square {
-    fn new() -> Self {
-        Self { a: [[0.0; LARGEST]; LARGEST], squared: [[0.0; LARGEST]; LARGEST], size: 0 }
+impl<const N: usize> Square<N> {
+    pub(super) fn new() -> Self {
+        Self { a: [[0.0; N]; N], squared: [[0.0; N]; N], size: 0 }
     }
 
     /// Sets `M^(−½) K M^(−½)` of the vectors that `wanted` selects.
@@ -232,7 +256,7 @@ impl Square {
 
     /// Bound of the largest eigenvalue; it need not be tight where it is not above `enough`.
     #[inline(always)]
-    fn bound(&mut self, enough: f64) -> f64 {
+    pub(super) fn bound(&mut self, enough: f64) -> f64 {
         let n = self.size;
         let mut bound = 1.0;
         for squaring in 0..=SQUARINGS {
@@ -247,7 +271,7 @@ impl Square {
                 row.iter_mut().for_each(|x| *x *= scale);
             }
             for (out, left) in self.squared.iter_mut().zip(&self.a[..n]) {
-                let mut sum = [0.0; LARGEST];
+                let mut sum = [0.0; N];
                 for (factor, row) in left.iter().zip(&self.a[..n]) {
                     for (s, x) in sum.iter_mut().zip(row) {
                         *s += factor * x;
@@ -263,7 +287,7 @@ impl Square {
     /// Frobenius norm; columns beyond the size are zero.
     #[inline(always)]
     fn norm(&self) -> f64 {
-        let mut sum = [0.0; LARGEST];
+        let mut sum = [0.0; N];
         for row in &self.a[..self.size] {
             for (s, x) in sum.iter_mut().zip(row) {
                 *s += x * x;
@@ -280,7 +304,7 @@ mod tests {
     /// −1, 2, −1 has the eigenvalues 2 − 2 cos(kπ/(n+1)); the bound is above the largest one, by (Σ (λ/λ₁)³²)^(1/32).
     #[test]
     fn the_largest_eigenvalue_of_a_chain() {
-        let mut square = Square::new();
+        let mut square = Square::<LARGEST>::new();
         square.size = 9;
         for i in 0..9 {
             square.a[i][i] = 2.0;
