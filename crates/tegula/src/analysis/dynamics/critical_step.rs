@@ -41,8 +41,10 @@ impl CriticalStep {
         let loads = of_followers(system, &self.shares, mass, &state.u, state.time);
         let bounds = self.connections.bounds(system, (&self.shares, mass), (&k, &state.u));
         let omega = (larger(highest, bounds.stiffness) + loads).sqrt();
-        // ξ ω: what damping, over twice the mass, is at most.
-        let rate = 0.5 * larger(self.retardation * highest, bounds.damping);
-        2.0 / ((omega * omega + rate * rate).sqrt() + rate)
+        if omega == 0.0 {
+            return 2.0 / bounds.damping;
+        }
+        let xi = 0.5 * larger(self.retardation * omega, bounds.damping / omega);
+        2.0 / omega / ((1.0 + xi * xi).sqrt() + xi)
     }
 }

@@ -241,9 +241,15 @@ impl<'a> Explicit<'a> {
 
     /// Changes velocities and accelerations of a state to those that the joints allow, and finds its multipliers.
     fn constrain(&mut self, state: &mut State, side: Side) {
-        let Some(joints) = &mut self.joints else { return };
-        joints.project_velocities(self.system, &self.bodies, state, side);
-        joints.constrain_accelerations(self.system, &self.bodies, state, side);
+        let (system, bodies) = (self.system, &self.bodies);
+        if let Some(joints) = &mut self.joints {
+            joints.project_velocities(system, bodies, state, side);
+        }
+        // Those of bodies depend on the velocities that the joints allow.
+        bodies.write_accelerations(system, system.mass_damping, &state.v, &mut state.a);
+        if let Some(joints) = &mut self.joints {
+            joints.constrain_accelerations(system, bodies, state, side);
+        }
     }
 
     /// Work of the drives of joints in a step.
@@ -306,10 +312,7 @@ impl<'a> Explicit<'a> {
         if !self.bodies.is_empty() {
             let (loads, forces) = (&self.loads, &self.forces);
             let rest = |v: usize| Vec3::from(loads[v]) - Vec3::from(forces[v]);
-            let State { v, a, .. } = state;
-            self.bodies.kick_by_forces(self.system, rest, (0.5 * dt, damping, alpha), (v, a));
-            self.system.dofs().carry(&mut state.v);
-            self.system.dofs().carry(&mut state.a);
+            self.bodies.kick_by_forces(self.system, rest, (0.5 * dt, damping), &mut state.v);
         }
     }
 

@@ -168,27 +168,46 @@ impl Bodies {
     }
 
     /// Changes the momenta by the `forces` on all nodal vectors over the time `dt`, divides them by `damping`, and writes the
-    /// velocities, and the accelerations less those of mass damping α, to the fields.
+    /// velocities.
     pub fn kick_by_forces(
         &mut self,
         system: &System,
         forces: impl Fn(usize) -> Vec3,
-        (dt, damping, alpha): (f64, f64, f64),
-        (v, a): (&mut [Nodal], &mut [Nodal]),
+        (dt, damping): (f64, f64),
+        v: &mut [Nodal],
     ) {
         self.find_wrenches(system, forces);
         for (body, [force, moment]) in self.list.iter_mut().zip(&self.wrenches) {
             let offset = body.axes * body.inertia.offset;
-            let moment = moment - offset.cross(force);
-            let acceleration = force / body.inertia.mass;
-            body.velocity = (body.velocity + acceleration * dt) / damping;
-            body.momentum = (body.momentum + moment * dt) / damping;
+            body.velocity = (body.velocity + force * (dt / body.inertia.mass)) / damping;
+            body.momentum = (body.momentum + (moment - offset.cross(force)) * dt) / damping;
             let omega = body.inverse * body.momentum;
-            let gyroscopic = omega.cross(&body.momentum);
-            let second = body.inverse * (moment - gyroscopic - body.momentum * alpha);
-            let acceleration = acceleration - body.velocity * alpha;
-            body.write_rates((omega, second, acceleration), (v, a));
+            v[body.inertia.centre as usize] = (body.velocity - omega.cross(&offset)).into();
+            for (i, n) in body.inertia.directors.into_iter().enumerate() {
+                v[n as usize] = omega.cross(&body.axes.column(i)).into();
+            }
         }
+        system.dofs().carry(v);
+    }
+
+    /// Writes the accelerations of the bodies at velocities `v` under the forces of the last [kick](Self::kick_by_forces), and under mass
+    /// damping α.
+    pub fn write_accelerations(&self, system: &System, alpha: f64, v: &[Nodal], a: &mut [Nodal]) {
+        for (body, [force, moment]) in self.list.iter().zip(&self.wrenches) {
+            let offset = body.axes * body.inertia.offset;
+            let omega = body.spin(v);
+            let momentum = body.inertia.inertia(&body.axes) * omega;
+            let moment = moment - offset.cross(force) - omega.cross(&momentum) - momentum * alpha;
+            let second = body.inverse * moment;
+            let relative = |arm: Vec3| second.cross(&arm) + omega.cross(&omega.cross(&arm));
+            let centre = body.inertia.centre as usize;
+            let velocity = Vec3::from(v[centre]) + omega.cross(&offset);
+            a[centre] = (force / body.inertia.mass - velocity * alpha - relative(offset)).into();
+            for (i, n) in body.inertia.directors.into_iter().enumerate() {
+                a[n as usize] = relative(body.axes.column(i).into_owned()).into();
+            }
+        }
+        system.dofs().carry(a);
     }
 
     /// Resultant forces and moments about the positions of the bodies of forces on all nodal vectors.
@@ -325,27 +344,6 @@ impl Motion {
         add(self.inertia.centre, translation);
         for (i, v) in self.inertia.directors.into_iter().enumerate() {
             add(v, rotation.cross(&self.axes.column(i)));
-        }
-    }
-
-    /// Writes velocities and accelerations of position and directors, from angular velocity and acceleration and the acceleration of the
-    /// mass centre.
-    fn write_rates(
-        &self,
-        (omega, second, acceleration): (Vec3, Vec3, Vec3),
-        (v, a): (&mut [Nodal], &mut [Nodal]),
-    ) {
-        let rates = |arm: Vec3| {
-            let turned = omega.cross(&arm);
-            (turned, second.cross(&arm) + omega.cross(&turned))
-        };
-        let (velocity, relative) = rates(self.axes * self.inertia.offset);
-        let centre = self.inertia.centre as usize;
-        v[centre] = (self.velocity - velocity).into();
-        a[centre] = (acceleration - relative).into();
-        for (i, n) in self.inertia.directors.into_iter().enumerate() {
-            let (velocity, relative) = rates(self.axes.column(i).into_owned());
-            (v[n as usize], a[n as usize]) = (velocity.into(), relative.into());
         }
     }
 }
