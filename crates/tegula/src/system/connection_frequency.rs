@@ -1,7 +1,7 @@
 //! Bounds of the highest frequency by single connections: springs, torsion springs, bushings, and the tension of joints.
 //!
-//! They have no mass. Each one gets an equal part of half of the lumped mass of the shell nodes that it contains, and an equal part
-//! of the rigid bodies that it connects, so that the theorem of [`element_frequency`](super::element_frequency) holds for them,
+//! They have no mass. Springs and bushings get equal parts of half of the lumped mass of the shell nodes that they contain, joints of a
+//! tenth of it, and both together all of the rigid bodies that they connect, so that the theorem of [`element_frequency`](super::element_frequency) holds for them,
 //! too: the degrees of freedom of a body are its translation and its rotation, whose inertia is a matrix. Shells keep the masses of
 //! the nodes that are attached to a body. To attach them is a constraint, as joints are, and no constraint raises the highest
 //! frequency (Rayleigh).
@@ -9,11 +9,11 @@
 //! The moment of a force f on an arm a that turns with its body adds the stiffness `½ (a fᵀ + f aᵀ) − (a·f) I` of the rotation
 //! to that of the force, with internal forces f: that of a pendulum under the forces of its joint.
 
-use super::element_frequency::{MassShares, Square, larger};
+use super::element_frequency::{MassShares, OF_JOINTS, Square, larger};
 use super::lumped_body::LumpedBody;
 use super::{EvaluationPoint, System};
 use crate::constraint::FoundationElement;
-use crate::constraint::joint::MOST_VECTORS;
+use crate::constraint::joint::{JointGroup, MOST_VECTORS};
 use crate::element::{ElementGroup, Nodal, TangentRequest, TangentWeights};
 use crate::{Mat3, Vec3};
 
@@ -21,8 +21,13 @@ use crate::{Mat3, Vec3};
 const LARGEST: usize = 30;
 
 /// Whether the elements of a group are joints, springs or bushings: they have no mass, and may connect rigid bodies.
-pub(super) fn is_connection(group: &dyn ElementGroup) -> bool {
+pub fn is_connection(group: &dyn ElementGroup) -> bool {
     group.acts_on_ground() && group.name() != FoundationElement::NAME
+}
+
+/// Whether the elements of a group are joints.
+pub(super) fn is_joint(group: &dyn ElementGroup) -> bool {
+    group.name() == JointGroup::NAME
 }
 
 /// Rigid body that a nodal vector belongs to or is attached to, by the number of its directors.
@@ -44,18 +49,13 @@ pub struct Bounds {
     pub damping: f64,
 }
 
-/// Inertia of a rigid body of which a connection has a part.
-#[derive(Debug)]
-struct Part {
-    body: LumpedBody,
-    /// Number of connections.
-    count: u32,
-}
+/// Part of the inertia of a rigid body that one connection has: a spring or bushing, or a joint.
+type Parts = [Vec<LumpedBody>; 2];
 
 /// Estimator of the frequencies of connections, with its buffers.
 pub struct Connections {
-    parts: Vec<Part>,
-    /// Groups of connections of few nodal vectors, by their number, each with its elements.
+    parts: Parts,
+    /// Groups of connections of few nodal vectors, by their number.
     groups: Vec<usize>,
     factors: Vec<f64>,
     forces: Vec<f64>,
@@ -86,8 +86,7 @@ impl Connections {
             is_connection(group) && (1..=MOST_VECTORS).contains(&group.vectors_per_element())
         };
         let groups: Vec<usize> = (0..system.groups.len()).filter(few).collect();
-        let bodies = LumpedBody::of(system, mass, |v| shares.of_massless(v));
-        let mut parts: Vec<Part> = bodies.into_iter().map(|body| Part { body, count: 0 }).collect();
+        let mut counts = [vec![0_u32; system.dofs().triads.len()], vec![0; system.dofs().triads.len()]];
         let (mut forces, mut blocks) = (0, 0);
         for group in groups.iter().map(|&g| &system.groups[g]) {
             let n = group.vectors_per_element();
@@ -98,9 +97,17 @@ impl Connections {
                     group.vectors(e).iter().filter_map(|&v| body_of(system, v)).collect();
                 bodies.sort_unstable();
                 bodies.dedup();
-                bodies.into_iter().for_each(|body| parts[body].count += 1);
+                bodies.into_iter().for_each(|body| counts[usize::from(is_joint(group.as_ref()))][body] += 1);
             }
         }
+        let parts = [false, true].map(|joint| {
+            let [own, other] = if joint { [1, 0] } else { [0, 1] }.map(|kind: usize| &counts[kind]);
+            let share = if joint { OF_JOINTS } else { 1.0 - OF_JOINTS };
+            let number = |body: usize| f64::from(own[body].max(1));
+            let of_body = |body: usize| if other[body] > 0 { share } else { 1.0 } / number(body);
+            let body = |v: usize| system.dofs().attachment(v).map_or(1.0, |a| number(a.triad as usize));
+            LumpedBody::parts(system, mass, of_body, |v| shares.of_connection(v, joint) / body(v))
+        });
         let factors = vec![0.0; system.prescribed_strains.len() + system.joints.len()];
         let square = Box::new(Square::new());
         Self { parts, groups, factors, forces: vec![0.0; forces], blocks: vec![0.0; blocks], square }
@@ -132,7 +139,9 @@ impl Connections {
                 group.evaluate(&point, 0, forces, Some(request));
                 let elements = forces.chunks(3 * n).zip(blocks.chunks(9 * n * (n + 1) / 2)).enumerate();
                 for (e, (forces, blocks)) in elements {
-                    let connection = Connection { system, parts, vectors: group.vectors(e), u };
+                    let joint = is_joint(group);
+                    let parts = &parts[usize::from(joint)];
+                    let connection = Connection { system, parts, joint, vectors: group.vectors(e), u };
                     let forces = (!damps).then_some(forces);
                     if !connection.fill(square, (shares, mass), forces, blocks) {
                         continue;
@@ -149,7 +158,8 @@ impl Connections {
 /// One connection at displacements `u`.
 struct Connection<'a> {
     system: &'a System,
-    parts: &'a [Part],
+    parts: &'a [LumpedBody],
+    joint: bool,
     vectors: &'a [u32],
     u: &'a [Nodal],
 }
@@ -198,7 +208,7 @@ impl Connection<'_> {
         let mut size = 0;
         for (i, &v) in self.vectors.iter().enumerate() {
             let Some(body) = body_of(self.system, v) else {
-                let side = Side::Node(shares.of_massless(v as usize) * mass[v as usize]);
+                let side = Side::Node(shares.of_connection(v as usize, self.joint) * mass[v as usize]);
                 out[i] = Place { first: size, side };
                 size += 3;
                 continue;
@@ -207,7 +217,7 @@ impl Connection<'_> {
             let first = known.map_or(size, |p| p.first);
             size += if known.is_some() { 0 } else { 6 };
             // Arms are about the mass centre, where translation and rotation have no mass in common.
-            let part = &self.parts[body].body;
+            let part = &self.parts[body];
             let axes = part.axes(self.system, self.u);
             let (moves, arm) = match self.system.dofs().carried(v as usize) {
                 Some(carried) if carried.centre.is_some() => (true, carried.coordinates - part.offset),
@@ -222,8 +232,7 @@ impl Connection<'_> {
     /// Inverse square root of the part of the moments of inertia of a body.
     fn rotation(&self, body: usize) -> Mat3 {
         let part = &self.parts[body];
-        let axes = part.body.axes(self.system, self.u);
-        let inertia = part.body.inertia(&axes) / f64::from(part.count.max(1));
+        let inertia = part.inertia(&part.axes(self.system, self.u));
         let eigen = inertia.symmetric_eigen();
         let root = Mat3::from_diagonal(&eigen.eigenvalues.map(|x| 1.0 / x.sqrt()));
         eigen.eigenvectors * root * eigen.eigenvectors.transpose()
@@ -235,8 +244,7 @@ impl Connection<'_> {
         let parts = |place: &Place| match place.side {
             Side::Node(mass) => [Some((place.first, Mat3::identity() / mass.sqrt())), None],
             Side::Body(body, moves, arm) => {
-                let part = &self.parts[body];
-                let mass = part.body.mass / f64::from(part.count.max(1));
+                let mass = self.parts[body].mass;
                 let translation = moves.then(|| (place.first, Mat3::identity() / mass.sqrt()));
                 [translation, Some((place.first + 3, self.rotation(body) * arm.cross_matrix()))]
             }

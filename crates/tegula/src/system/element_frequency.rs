@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::System;
 use super::VectorKind;
 use super::assembly::{ElementBlocks, pairs};
-use super::connection_frequency::{body_of, is_connection};
+use super::connection_frequency::{body_of, is_connection, is_joint};
 use crate::Vec3;
 use crate::element::{ElementGroup, Nodal};
 
@@ -20,6 +20,8 @@ use crate::element::{ElementGroup, Nodal};
 const LARGEST: usize = 24;
 /// Number of squarings of A: the trace is that of the power 2^(SQUARINGS + 1).
 const SQUARINGS: i32 = 4;
+/// Part of the mass of nodal vectors and bodies that joints get: their tension is small beside the stiffness of shells and springs.
+pub(super) const OF_JOINTS: f64 = 0.1;
 /// Elements per task.
 const CHUNK: usize = 32;
 
@@ -31,6 +33,8 @@ pub struct MassShares {
     own: Vec<f64>,
     /// Number of massless elements at each nodal vector.
     massless: Vec<u32>,
+    /// Number of joints at each nodal vector.
+    joints: Vec<u32>,
     /// Number of follower loads at each nodal vector.
     loads: Vec<u32>,
 }
@@ -39,7 +43,7 @@ impl MassShares {
     /// Mass shares for the elements and loads of a system.
     pub fn new(system: &System) -> Self {
         let n = system.vectors();
-        let mut out = Self { own: vec![0.0; n], massless: vec![0; n], loads: vec![0; n] };
+        let mut out = Self { own: vec![0.0; n], massless: vec![0; n], joints: vec![0; n], loads: vec![0; n] };
         for group in system.groups.iter().filter(|group| !is_connection(group.as_ref())) {
             for e in 0..group.len() {
                 let vectors = group.vectors(e);
@@ -51,33 +55,49 @@ impl MassShares {
                 }
             }
         }
-        out.massless_connections(system);
+        out.count_connections(system);
         for load in &system.followers {
             load.vectors().iter().for_each(|&v| out.loads[v as usize] += 1);
         }
         out
     }
 
-    /// Counts connections at the nodal vectors that they contain: springs, bushings, joints. Those of a rigid body count once, at all
+    /// Counts connections at the nodal vectors that they contain: springs and bushings, or joints. Those of a rigid body count once, at all
     /// vectors that are attached to it.
-    fn massless_connections(&mut self, system: &System) {
-        let mut loaded = vec![false; system.dofs().triads.len()];
+    fn count_connections(&mut self, system: &System) {
+        let mut loaded = [vec![false; system.dofs().triads.len()], vec![false; system.dofs().triads.len()]];
         for group in system.groups.iter().filter(|group| is_connection(group.as_ref())) {
+            let joints = is_joint(group.as_ref());
             for &v in (0..group.len()).flat_map(|e| group.vectors(e)) {
                 match body_of(system, v) {
-                    Some(body) => loaded[body] = true,
-                    None => self.massless[v as usize] += 1,
+                    Some(body) => loaded[usize::from(joints)][body] = true,
+                    None => self.connections(joints)[v as usize] += 1,
                 }
             }
         }
-        for attached in system.dofs().attached.iter().filter(|attached| loaded[attached.triad as usize]) {
-            self.massless[attached.vector as usize] += 1;
+        for (attached, joints) in system.dofs().attached.iter().flat_map(|a| [(a, false), (a, true)]) {
+            if loaded[usize::from(joints)][attached.triad as usize] {
+                self.connections(joints)[attached.vector as usize] += 1;
+            }
         }
     }
 
-    /// Share of one massless element in the mass of a nodal vector.
-    pub(super) fn of_massless(&self, vector: usize) -> f64 {
-        0.5 / f64::from(self.massless[vector].max(1))
+    fn connections(&mut self, joints: bool) -> &mut [u32] {
+        if joints { &mut self.joints } else { &mut self.massless }
+    }
+
+    /// Part of the mass of a nodal vector that is not that of joints.
+    fn without_joints(&self, vector: usize) -> f64 {
+        if self.joints[vector] > 0 { 1.0 - OF_JOINTS } else { 1.0 }
+    }
+
+    /// Share of one connection in the mass of a nodal vector: of a joint, or of a spring or bushing.
+    pub(super) fn of_connection(&self, vector: usize, joint: bool) -> f64 {
+        if joint {
+            OF_JOINTS / f64::from(self.joints[vector].max(1))
+        } else {
+            0.5 * self.without_joints(vector) / f64::from(self.massless[vector].max(1))
+        }
     }
 
     /// Sum of the elements' own masses of a nodal vector.
@@ -97,7 +117,7 @@ impl MassShares {
                 (false, 0) => *m / self.own[v],
                 (false, _) => 0.5 * *m / self.own[v],
             };
-            *m = part * mass[v];
+            *m = part * self.without_joints(v) * mass[v];
         }
         out
     }

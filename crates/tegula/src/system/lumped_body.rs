@@ -26,16 +26,27 @@ pub struct LumpedBody {
 }
 
 impl LumpedBody {
-    /// Rigid bodies of a system, in the order of their directors, where the nodal vectors have the lumped masses `mass`, of which bodies
-    /// get the parts `share`.
-    pub fn of(system: &System, mass: &[f64], share: impl Fn(usize) -> f64) -> Vec<Self> {
+    /// Rigid bodies of a system, in the order of their directors, where the nodal vectors have the lumped masses `mass`.
+    pub fn all(system: &System, mass: &[f64]) -> Vec<Self> {
+        Self::parts(system, mass, |_| 1.0, |_| 1.0)
+    }
+
+    /// Parts of rigid bodies: the parts `own` of their own inertia, by their number, and the parts `share` of the lumped masses of attached
+    /// vectors.
+    pub(super) fn parts(
+        system: &System,
+        mass: &[f64],
+        own: impl Fn(usize) -> f64,
+        share: impl Fn(usize) -> f64,
+    ) -> Vec<Self> {
         let dofs: &DofMap = system.dofs();
         let bodies = system.coordinates.bodies.iter().enumerate();
         let mut out: Vec<Self> = bodies
-            .filter_map(|(body, data)| {
-                let directors = data.directors?;
-                let (mass, euler) = (data.mass, data.euler);
-                Some(Self { body, centre: data.centre, directors, mass, offset: Vec3::zeros(), euler })
+            .filter_map(|(body, data)| Some((body, data, data.directors?)))
+            .enumerate()
+            .map(|(number, (body, data, directors))| {
+                let (mass, euler) = (own(number) * data.mass, data.euler * own(number));
+                Self { body, centre: data.centre, directors, mass, offset: Vec3::zeros(), euler }
             })
             .collect();
         // First the moments about the position of the body.

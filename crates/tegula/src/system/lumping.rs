@@ -47,7 +47,7 @@ pub fn lump(system: &mut System, added: &[(u32, u32, f64)], scale: bool) -> Vec<
             "give every material a density, or the section a `total_mass`",
         )];
     }
-    if let Some(body) = LumpedBody::of(system, &mass, |_| 1.0).iter().find(|b| !b.resists_all_motions()) {
+    if let Some(body) = LumpedBody::all(system, &mass).iter().find(|b| !b.resists_all_motions()) {
         let name = &system.coordinates.bodies[body.body].name;
         return vec![Issue::new(
             "analysis.scheme",

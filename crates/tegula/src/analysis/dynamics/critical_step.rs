@@ -4,7 +4,7 @@ use crate::analysis::State;
 use crate::element::TangentWeights;
 use crate::norm::larger;
 use crate::system::assembly::TangentCoefficients;
-use crate::system::connection_frequency::Connections;
+use crate::system::connection_frequency::{Connections, is_connection};
 use crate::system::element_frequency::{MassShares, of_followers, of_part};
 use crate::system::{Assembly, System};
 
@@ -35,8 +35,9 @@ impl CriticalStep {
         let mut highest = 0.0_f64;
         let k = state.point(system);
         assembly.for_each_element(system, &k, &parts, |part| {
-            let bound = of_part(system, &self.shares, mass, part);
-            highest = if bound.is_nan() { bound } else { highest.max(bound) };
+            if !is_connection(part.group) {
+                highest = larger(highest, of_part(system, &self.shares, mass, part));
+            }
         });
         let loads = of_followers(system, &self.shares, mass, &state.u, state.time);
         let bounds = self.connections.bounds(system, (&self.shares, mass), (&k, &state.u));

@@ -69,7 +69,7 @@ impl Bodies {
                 inertia,
             }
         };
-        let list: Vec<Motion> = LumpedBody::of(system, mass, |_| 1.0).into_iter().map(motion).collect();
+        let list: Vec<Motion> = LumpedBody::all(system, mass).into_iter().map(motion).collect();
         let mut of_number = vec![u32::MAX; system.unknowns()];
         let mut carried: Vec<u32> = system.dofs().attached.iter().map(|attached| attached.vector).collect();
         for (b, body) in list.iter().enumerate() {
