@@ -416,7 +416,8 @@ pub(super) fn joint_rates(
             let mut along = |field: &[Nodal]| {
                 gradient.fill(Vec3::zeros());
                 row.add_gradient(1.0, q, drive.value, gradient);
-                let products = gradient.iter().zip(&joint.vectors).map(|(g, &v)| g.dot(&of(field, v as usize)));
+                let products =
+                    gradient.iter().zip(&joint.vectors).map(|(g, &v)| g.dot(&of(field, v as usize)));
                 products.sum::<f64>()
             };
             out[i] = match rates {

@@ -135,7 +135,8 @@ impl Connections {
                 if damps && !group.has_rate_damping() {
                     continue;
                 }
-                let request = TangentRequest { weights, stress: None, prescribed: None, blocks: &mut *blocks };
+                let request =
+                    TangentRequest { weights, stress: None, prescribed: None, blocks: &mut *blocks };
                 group.evaluate(&point, 0, forces, Some(request));
                 let elements = forces.chunks(3 * n).zip(blocks.chunks(9 * n * (n + 1) / 2)).enumerate();
                 for (e, (forces, blocks)) in elements {
@@ -204,7 +205,11 @@ impl Connection<'_> {
     }
 
     /// Places of the nodal vectors among the degrees of freedom; returns the number of these, or `None` where they are too many.
-    fn places(&self, (shares, mass): (&MassShares, &[f64]), out: &mut [Place; MOST_VECTORS]) -> Option<usize> {
+    fn places(
+        &self,
+        (shares, mass): (&MassShares, &[f64]),
+        out: &mut [Place; MOST_VECTORS],
+    ) -> Option<usize> {
         let mut size = 0;
         for (i, &v) in self.vectors.iter().enumerate() {
             let Some(body) = body_of(self.system, v) else {

@@ -51,7 +51,9 @@ pub fn lump(system: &mut System, added: &[(u32, u32, f64)], scale: bool) -> Vec<
         let name = &system.coordinates.bodies[body.body].name;
         return vec![Issue::new(
             "analysis.scheme",
-            format!("body \"{name}\" has no moment of inertia about one of its axes, as a rod: explicit steps need one about every axis"),
+            format!(
+                "body \"{name}\" has no moment of inertia about one of its axes, as a rod: explicit steps need one about every axis"
+            ),
             "give it `inertia` or a shape like a cylinder, or use `energy-momentum`",
         )];
     }
@@ -115,7 +117,11 @@ fn scale_rotary_inertia(system: &System, shares: &MassShares, mass: &mut [f64]) 
     });
     if membrane > 0.0 {
         let mut raise = vec![1.0_f64; mass.len()];
-        let elements = system.groups.iter().filter(|g| !is_connection(g.as_ref())).flat_map(|g| (0..g.len()).map(move |e| g.vectors(e)));
+        let elements = system
+            .groups
+            .iter()
+            .filter(|g| !is_connection(g.as_ref()))
+            .flat_map(|g| (0..g.len()).map(move |e| g.vectors(e)));
         for (vectors, bound) in elements.zip(&directors) {
             for &v in
                 vectors.iter().filter(|&&v| system.coordinates.kinds[v as usize] == VectorKind::Director)

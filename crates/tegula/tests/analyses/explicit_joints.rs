@@ -201,8 +201,7 @@ fn swing(elements: [u32; 2], scheme: Scheme, end: f64, time_step: Option<f64>) -
         revolute("elbow", "tip", "lever", [1.0, 0.1, 0.0], Y),
     ];
     m.loads = gravity([0.0, 0.0, -GRAVITY]);
-    m.analysis =
-        Analysis::Transient(TransientAnalysis { scheme, time_step, ..TransientAnalysis::new(end) });
+    m.analysis = Analysis::Transient(TransientAnalysis { scheme, time_step, ..TransientAnalysis::new(end) });
     m
 }
 
@@ -287,10 +286,7 @@ fn results_repeat_to_the_bit() {
 fn redundant_joints_are_named() {
     let link = |name: &str, at: [f64; 3]| body(name, at, 1.0, Some([0.01, 0.02, 0.02]));
     let bodies = vec![
-        RigidBody {
-            angular_velocity: [0.0, 1.0, 0.0],
-            ..link("crank", [0.0, 0.0, 0.25])
-        },
+        RigidBody { angular_velocity: [0.0, 1.0, 0.0], ..link("crank", [0.0, 0.0, 0.25]) },
         link("coupler", [0.5, 0.0, 0.5]),
         link("rocker", [1.0, 0.0, 0.25]),
     ];
@@ -303,7 +299,8 @@ fn redundant_joints_are_named() {
     let mut notes = Notes::default();
     let model = explicit(0.2, None, bodies, joints);
     run(&model, &mut notes);
-    let named: Vec<&String> = notes.events.iter().filter(|e| e.contains("follow from those of other")).collect();
+    let named: Vec<&String> =
+        notes.events.iter().filter(|e| e.contains("follow from those of other")).collect();
     let count = |e: &String| e.split("\": ").nth(1)?.split(' ').next()?.parse::<u32>().ok();
     assert_eq!(named.iter().filter_map(|e| count(e)).sum::<u32>(), 3, "{:?}", notes.events);
     assert!(notes.drift() < 1e-3 * notes.kinetic, "{}", notes.drift());
@@ -387,9 +384,13 @@ fn stiff_springs_between_bodies_limit_the_step() {
     assert!(step <= 2.0 / omega && step > 1.8 / omega, "{step} {omega}");
     assert!(outcome.statistics.energy_error < 1e-6, "{:?}", outcome.statistics);
     // A damper: the force of a half step lags, and 2/(√(ω² + γ²/4) + γ/2) with γ = c (1/m + 1/M).
-    model.springs[0].damping = 1e3;
-    let gamma = 1e3 * (1.0 / m + 1.0 / big);
+    model.springs[0].damping = 1e4;
+    let gamma = 1e4 * (1.0 / m + 1.0 / big);
     let limit = 2.0 / ((omega * omega + 0.25 * gamma * gamma).sqrt() + 0.5 * gamma);
+    if let Analysis::Transient(options) = &mut model.analysis {
+        // What a lagging force dissipates is not resolved near the critical step.
+        options.time_step = Some(0.02 * limit);
+    }
     let (step, outcome) = critical(&model);
     println!("{step} of {limit}");
     assert!(step <= limit * 1.000_001 && step > 0.8 * limit, "{step} {limit}");
@@ -406,10 +407,8 @@ fn stiff_torsion_springs_limit_the_step() {
         ..body(name, [0.0; 3], 1.0, Some([0.06, 0.06, moment]))
     };
     let z = [0.0, 0.0, 1.0];
-    let joints = vec![
-        revolute("a", "ground", "one", [0.0; 3], z),
-        revolute("b", "ground", "two", [0.0; 3], z),
-    ];
+    let joints =
+        vec![revolute("a", "ground", "one", [0.0; 3], z), revolute("b", "ground", "two", [0.0; 3], z)];
     let mut model = explicit(0.05, None, vec![disc("one", j, 1.0), disc("two", big, 0.0)], joints);
     model.torsion_springs = vec![TorsionSpring {
         name: "shaft".into(),

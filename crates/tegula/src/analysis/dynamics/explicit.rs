@@ -25,11 +25,11 @@ use super::work;
 use crate::analysis::State;
 use crate::element::{Motion, Nodal};
 use crate::norm::larger;
-use crate::system::coordinates::Body;
-use crate::{Result, Vec3};
 use crate::system::assembly::add_follower_loads;
+use crate::system::coordinates::Body;
 use crate::system::dof_map::CONSTRAINED;
 use crate::system::{Assembly, EvaluationPoint, Internal, LocalFrames, Procedure, System, dot3};
+use crate::{Result, Vec3};
 
 /// Smallest number of nodal vectors that one task moves.
 const GRAIN: usize = 4096;
@@ -397,7 +397,8 @@ impl<'a> Explicit<'a> {
     pub(super) fn rate(&self, state: &State) -> f64 {
         let (system, length) = (self.system, self.system.length);
         let of = |body: &Body| {
-            let [v, a] = [&state.v, &state.a].map(|field| Vec3::from(field[body.centre as usize]).norm() / length);
+            let [v, a] =
+                [&state.v, &state.a].map(|field| Vec3::from(field[body.centre as usize]).norm() / length);
             larger(v, a.sqrt())
         };
         let bodies = &system.coordinates.bodies;

@@ -241,7 +241,8 @@ impl Bodies {
     /// Wrench on a body, from the values of all free degrees of freedom of a force.
     fn wrench(&self, body: usize, free: &[f64]) -> [Vec3; 2] {
         let numbers = self.list[body].numbers;
-        [0, 3].map(|first| Vec3::from_fn(|i, _| free.get(numbers[first + i] as usize).copied().unwrap_or(0.0)))
+        [0, 3]
+            .map(|first| Vec3::from_fn(|i, _| free.get(numbers[first + i] as usize).copied().unwrap_or(0.0)))
     }
 
     /// Hands the response of a body to a force on the free degrees of freedom to `take`, one of its own after another.

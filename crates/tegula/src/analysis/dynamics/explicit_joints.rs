@@ -231,7 +231,13 @@ impl Projection {
     }
 
     /// Changes free accelerations of a state to those of the constrained motion, and finds its multipliers.
-    pub fn constrain_accelerations(&mut self, system: &System, bodies: &Bodies, state: &mut State, side: Side) {
+    pub fn constrain_accelerations(
+        &mut self,
+        system: &System,
+        bodies: &Bodies,
+        state: &mut State,
+        side: Side,
+    ) {
         let State { u, v, a, time, multipliers, .. } = state;
         self.rates(system, (u, *time), Rates::Second(v, a), side);
         self.schur.solve(&mut self.right, &[], &mut self.change);
@@ -293,7 +299,9 @@ impl Projection {
     fn scale(&mut self, bodies: &Bodies, factor: f64) {
         let times = |x: f64| if factor == 0.0 { 0.0 } else { factor * x };
         let Self { free, .. } = self;
-        for number in self.nodes.iter().flat_map(|&v| self.frames.of(v as usize)).filter(|n| *n != CONSTRAINED) {
+        for number in
+            self.nodes.iter().flat_map(|&v| self.frames.of(v as usize)).filter(|n| *n != CONSTRAINED)
+        {
             free[number as usize] = times(free[number as usize]);
         }
         for number in self.bodies.iter().flat_map(|&b| bodies.numbers(b)) {
@@ -331,5 +339,7 @@ impl Projection {
 /// Message about a joint that does not close in a step.
 fn open(system: &System, joint: usize) -> String {
     let name = system.joints.get(joint).map_or("?", |joint| &joint.name);
-    format!("joint \"{name}\" does not close in the step: bodies turn too far in it, or the joints cannot move as drives want")
+    format!(
+        "joint \"{name}\" does not close in the step: bodies turn too far in it, or the joints cannot move as drives want"
+    )
 }

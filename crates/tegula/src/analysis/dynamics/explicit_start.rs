@@ -30,7 +30,10 @@ pub(super) fn start(system: &System, scheme: &mut Explicit, state: &mut State) -
         if let Some(joint) = joint.filter(|_| !(violation <= CLOSED)) {
             return Err(Error::model(
                 "joints",
-                format!("joint \"{}\" is open by {violation:.1e} of the model's size at the start", joint.name),
+                format!(
+                    "joint \"{}\" is open by {violation:.1e} of the model's size at the start",
+                    joint.name
+                ),
                 "let the joint connect points that coincide in the reference configuration",
             ));
         }
@@ -72,7 +75,10 @@ fn agreed(system: &System, joints: &mut Projection, state: &State) -> Result<()>
     let names: Vec<String> = open.iter().map(|joint| format!("\"{}\"", joint.name)).collect();
     Err(Error::model(
         "joints",
-        format!("the drives contradict each other, or other joints hold what they drive: {} do not close", names.join(", ")),
+        format!(
+            "the drives contradict each other, or other joints hold what they drive: {} do not close",
+            names.join(", ")
+        ),
         "leave out drives of the same motion, or joints that prevent it",
     ))
 }
