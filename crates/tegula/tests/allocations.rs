@@ -72,6 +72,22 @@ fn a_step_allocates_nothing() {
                     }));
                 }
             }
+            if explicit {
+                let rim = RigidBody::new("rim", [1.0, 0.5, 1.2], 1.0, Some([0.1; 3]));
+                m.bodies = vec![
+                    RigidBody { attached: vec!["u_max".into()], ..rim },
+                    RigidBody::new("slides", [1.4, 0.5, 1.2], 1.0, Some([0.1; 3])),
+                ];
+                m.joints = vec![Joint::Revolute(
+                    AxisJoint {
+                        name: "hinge".into(),
+                        between: ["rim".into(), "slides".into()],
+                        at: [1.2, 0.5, 1.2],
+                        axis: [0.0, 1.0, 0.0],
+                    }
+                    .into(),
+                )];
+            }
             if !m.bodies.is_empty() {
                 m.springs = vec![SpringDamper {
                     name: "bump stop".into(),

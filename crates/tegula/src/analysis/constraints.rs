@@ -26,7 +26,7 @@ use super::State;
 use super::solver::TangentSolver;
 use crate::Vec3;
 use crate::constraint::joint::{MOST_VECTORS, half_motion};
-use crate::constraint::{CoordinateState, Joint, Row};
+use crate::constraint::{CoordinateState, DriveValue, Joint, Row};
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::system::evaluation_point::current_vector;
 use crate::system::{EvaluationPoint, LocalFrames, System};
@@ -219,29 +219,7 @@ impl Constraints {
         let (end, time) = (end_of(system, motion), end_time(motion, time));
         for joint in system.joints.iter() {
             let drive = self.laws.drive(system, joint, time);
-            let of = |field: &[Nodal], v: usize| Vec3::from(field[v]);
-            joint.with_vectors(&end, |q, gradient| {
-                for (i, row) in joint.multipliers().zip(&joint.rows) {
-                    let mut along = |field: &[Nodal]| {
-                        gradient.fill(Vec3::zeros());
-                        row.add_gradient(1.0, q, drive.value, gradient);
-                        gradient
-                            .iter()
-                            .zip(&joint.vectors)
-                            .map(|(g, &v)| g.dot(&of(field, v as usize)))
-                            .sum::<f64>()
-                    };
-                    self.right[i] = match rates {
-                        Rates::First(v) => along(v) + row.driven_rate(q, drive),
-                        Rates::Second(v, a) => {
-                            let term =
-                                joint.with_vectors(|k| of(v, k), |v, _| row.velocity_term(q, v, drive));
-                            along(a) + term
-                        }
-                        Rates::Along(field) => along(field),
-                    };
-                }
-            });
+            joint_rates(joint, (&end, drive), rates, &mut self.right);
         }
         self.laws.clear(&mut self.right);
         &self.right
@@ -249,16 +227,7 @@ impl Constraints {
 
     /// Messages about joints with constraints that are redundant at the last tangent.
     pub fn redundant<'a>(&'a self, system: &'a System) -> impl Iterator<Item = String> + 'a {
-        let dependent = self.schur.factor.dependent();
-        let count =
-            move |joint: &Joint| dependent.iter().filter(|row| joint.multipliers().contains(*row)).count();
-        let counted = system.joints.iter().map(move |joint| (&joint.name, count(joint)));
-        counted.filter(|(_, count)| *count > 0).map(|(name, count)| {
-            format!(
-                "joint \"{name}\": {count} of its constraints follow from those of other joints and supports; its reactions \
-                 are not unique, and those of minimum norm are computed"
-            )
-        })
+        self.schur.redundant(system)
     }
 
     /// Changes rates `x` of the free degrees of freedom so that the constraints' rates, which are `rest` without x, vanish:
@@ -411,7 +380,7 @@ impl Constraints {
 
 /// Gradients of all constraints over a motion with this middle and half of the change of each nodal vector, with respect to the degrees of
 /// freedom of `frames`.
-fn gradients(
+pub(super) fn gradients(
     system: &System,
     (frames, time): (&LocalFrames, f64),
     (middle, half): (impl Fn(usize) -> Vec3, impl Fn(usize) -> Vec3),
@@ -434,6 +403,35 @@ fn gradients(
     }
 }
 
+/// Rates of the constraints of a joint where the nodal vectors have the values `end`.
+pub(super) fn joint_rates(
+    joint: &Joint,
+    (end, drive): (impl Fn(usize) -> Vec3, DriveValue),
+    rates: Rates,
+    out: &mut [f64],
+) {
+    let of = |field: &[Nodal], v: usize| Vec3::from(field[v]);
+    joint.with_vectors(end, |q, gradient| {
+        for (i, row) in joint.multipliers().zip(&joint.rows) {
+            let mut along = |field: &[Nodal]| {
+                gradient.fill(Vec3::zeros());
+                row.add_gradient(1.0, q, drive.value, gradient);
+                let products =
+                    gradient.iter().zip(&joint.vectors).map(|(g, &v)| g.dot(&of(field, v as usize)));
+                products.sum::<f64>()
+            };
+            out[i] = match rates {
+                Rates::First(v) => along(v) + row.driven_rate(q, drive),
+                Rates::Second(v, a) => {
+                    let term = joint.with_vectors(|k| of(v, k), |v, _| row.velocity_term(q, v, drive));
+                    along(a) + term
+                }
+                Rates::Along(field) => along(field),
+            };
+        }
+    });
+}
+
 /// Gradients of all constraints in a state, with respect to the degrees of freedom of `frames`; those of friction and stops are empty.
 pub(super) fn gradients_at(system: &System, frames: &LocalFrames, state: &State) -> Vec<Gradient> {
     let mut out = vec![Gradient::new(); system.constraints()];
@@ -446,7 +444,7 @@ pub(super) fn gradients_at(system: &System, frames: &LocalFrames, state: &State)
 }
 
 /// First angles of gears from those of a state, joint by joint.
-fn count_turns(system: &System, angles: &[f64], out: &mut [f64]) {
+pub(super) fn count_turns(system: &System, angles: &[f64], out: &mut [f64]) {
     let gears = angles.get(system.angle_sensors().count()..).unwrap_or_default();
     for ((joint, _), angle) in system.counted_angles().zip(gears) {
         out[joint.number] = *angle;
@@ -482,7 +480,7 @@ fn of_joint(
 }
 
 /// Nodal vectors at the end of a motion.
-fn end_of<'a>(system: &'a System, motion: &'a Motion) -> impl Fn(usize) -> Vec3 + 'a {
+pub(super) fn end_of<'a>(system: &'a System, motion: &'a Motion) -> impl Fn(usize) -> Vec3 + 'a {
     let (Motion::State { u, .. } | Motion::Step { new: u, .. }) = motion;
     move |v| Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v])
 }
@@ -517,14 +515,14 @@ fn products(gradient: &Gradient, fields: &[f64], n: usize, out: &mut [f64]) {
     }
 }
 
-fn product(gradient: &Gradient, x: &[f64]) -> f64 {
+pub(super) fn product(gradient: &Gradient, x: &[f64]) -> f64 {
     gradient.iter().map(|&(n, g)| g * x[n as usize]).sum()
 }
 
 /// Schur complement S with its factor.
-struct Schur {
+pub(super) struct Schur {
     /// S by rows, scaled where it is factored.
-    matrix: Vec<f64>,
+    pub matrix: Vec<f64>,
     /// Square roots of the diagonal: rows and columns are scaled by their inverse.
     scale: Vec<f64>,
     factor: CompletePivoting,
@@ -533,7 +531,7 @@ struct Schur {
 }
 
 impl Schur {
-    fn new(m: usize) -> Self {
+    pub fn new(m: usize) -> Self {
         Self {
             matrix: vec![0.0; m * m],
             scale: vec![1.0; m],
@@ -542,7 +540,7 @@ impl Schur {
         }
     }
 
-    fn factor(&mut self) {
+    pub fn factor(&mut self) {
         let m = self.scale.len();
         for (i, scale) in self.scale.iter_mut().enumerate() {
             let diagonal = self.matrix[i * m + i].abs().sqrt();
@@ -561,12 +559,30 @@ impl Schur {
     }
 
     /// Solves `S x = b`, where b becomes scratch space. Where the rank falls, `x + old` has minimum norm.
-    fn solve(&mut self, b: &mut [f64], old: &[f64], x: &mut [f64]) {
+    pub fn solve(&mut self, b: &mut [f64], old: &[f64], x: &mut [f64]) {
         let scale = &self.scale;
         b.iter_mut().zip(scale).for_each(|(b, s)| *b /= s);
         self.factor.solve(b, |i| old.get(i).map_or(0.0, |x| x * scale[i]));
         for ((x, b), s) in x.iter_mut().zip(&*b).zip(scale) {
             *x = b / s;
         }
+    }
+    /// Number of constraints that follow from others.
+    pub fn dependent(&self) -> usize {
+        self.factor.dependent().len()
+    }
+
+    /// Messages about joints with constraints that are redundant in the last factor.
+    pub fn redundant<'a>(&'a self, system: &'a System) -> impl Iterator<Item = String> + 'a {
+        let dependent = self.factor.dependent();
+        let count =
+            move |joint: &Joint| dependent.iter().filter(|row| joint.multipliers().contains(*row)).count();
+        let counted = system.joints.iter().map(move |joint| (&joint.name, count(joint)));
+        counted.filter(|(_, count)| *count > 0).map(|(name, count)| {
+            format!(
+                "joint \"{name}\": {count} of its constraints follow from those of other joints and supports; its reactions \
+                 are not unique, and those of minimum norm are computed"
+            )
+        })
     }
 }

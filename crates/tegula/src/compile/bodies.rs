@@ -30,7 +30,7 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         c.add(
             "analysis",
             "bodies, beams, joints, ties, springs and bushings move in nonlinear transient analyses with the schemes \"energy-momentum\", \
-             \"generalized-alpha\", \"bdf2\" and \"kinematic\" only; nonlinear static analyses with the direct solver and modal analyses take them, too",
+             \"generalized-alpha\", \"bdf2\", \"explicit\" and \"kinematic\" only; nonlinear static analyses with the direct solver and modal analyses take them, too",
             "give `type = \"transient\"` and `scheme = { type = \"energy-momentum\" }`, or for numerical damping as of `hht` \
              `scheme = { type = \"generalized-alpha\" }`",
         );

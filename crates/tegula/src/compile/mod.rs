@@ -20,6 +20,7 @@ mod inner_point;
 mod mechanism;
 mod outline;
 mod patches;
+mod pattern;
 mod place;
 mod relief;
 mod sections;
@@ -51,11 +52,10 @@ use crate::model::{
     Analysis, ExplicitScheme, LinearSolver, MeshSource, Model, PrescribedStrain, ResponseInput, Scheme,
     TransientAnalysis,
 };
-use crate::system::pattern::{BATCH, PatternBuilder};
 use crate::system::supports::Support;
 use crate::system::{
-    BeamLine, Cut, DeadLoad, GroupOffsets, InertiaRelief, LocalFrames, Outline, Pattern, PrescribedField,
-    Procedure, Reduction, Shell, ShellSection, StepStart, System, lumping,
+    BeamLine, Cut, DeadLoad, GroupOffsets, InertiaRelief, LocalFrames, Outline, PrescribedField, Procedure,
+    Reduction, Shell, ShellSection, StepStart, System, lumping,
 };
 use crate::{Error, Issue, Result};
 use actions::{
@@ -487,49 +487,6 @@ impl<'a> Compiler<'a> {
             PrescribedField { strain: strain.clone(), factor: continued.factor(amplitude) }
         };
         self.strains.iter().zip(&step.strains).map(field).collect()
-    }
-
-    /// Sparsity pattern of the tangent, and the consistent mass. Explicit steps have but the diagonal, for the lumped
-    /// mass; the iterative solver takes the elements' own blocks.
-    fn pattern(
-        &self,
-        procedure: Procedure,
-        frames: &LocalFrames,
-        (followers, reductions): (&[FollowerLoad], &[Option<Reduction>]),
-        added: &[(u32, u32, f64)],
-    ) -> Result<Pattern> {
-        let mut builder = PatternBuilder::new(procedure.has_tangent_pattern());
-        if procedure != Procedure::Explicit {
-            for (group, reduction) in self.groups.iter().zip(reductions) {
-                for first in (0..group.len()).step_by(BATCH) {
-                    let batch = first..group.len().min(first + BATCH);
-                    for e in batch.clone() {
-                        if reduction.as_ref().is_some_and(|reduction| reduction.contains(e)) {
-                            builder.pass_over(group.vectors(e), group.mass(e));
-                        } else {
-                            builder.element(group.vectors(e), group.mass(e));
-                        }
-                    }
-                    for vectors in reduction.iter().flat_map(|reduction| reduction.vectors(batch.clone())) {
-                        builder.reduced(vectors);
-                    }
-                    builder.end_batch();
-                }
-            }
-            for body in &self.vectors.coordinates.bodies {
-                builder.mass(body.centre, body.centre, body.mass);
-                if let Some(directors) = body.directors {
-                    builder.body(directors, &body.euler);
-                }
-            }
-            for load in followers {
-                builder.element(load.vectors(), &[]);
-            }
-            for &(a, b, m) in added {
-                builder.mass(a, b, m);
-            }
-        }
-        builder.build(self.vectors.coordinates.reference.len(), frames)
     }
 }
 

@@ -21,6 +21,11 @@ pub struct FoundationElement {
     pub retardation_time: f64,
 }
 
+impl FoundationElement {
+    /// Name of the group of foundations.
+    pub const NAME: &'static str = "foundation";
+}
+
 /// Foundations of as many nodes each and of the same retardation time.
 pub struct FoundationGroup {
     members: Vec<FoundationElement>,
@@ -80,7 +85,7 @@ fn pairs(n: usize) -> impl Iterator<Item = (usize, usize)> {
 
 impl ElementGroup for FoundationGroup {
     fn name(&self) -> &'static str {
-        "foundation"
+        FoundationElement::NAME
     }
 
     fn len(&self) -> usize {

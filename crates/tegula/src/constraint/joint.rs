@@ -226,6 +226,9 @@ pub struct JointGroup {
 }
 
 impl JointGroup {
+    /// Name of groups of joints.
+    pub const NAME: &'static str = "joint";
+
     /// Groups of all joints, one for each number of nodal vectors.
     pub fn groups(joints: &Arc<Vec<Joint>>) -> Vec<Box<dyn ElementGroup>> {
         let mut sizes: Vec<usize> = joints.iter().map(|joint| joint.vectors.len()).collect();
@@ -272,7 +275,7 @@ pub fn half_motion(motion: &Motion, vector: usize) -> Vec3 {
 
 impl ElementGroup for JointGroup {
     fn name(&self) -> &'static str {
-        "joint"
+        Self::NAME
     }
 
     fn len(&self) -> usize {

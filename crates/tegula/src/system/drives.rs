@@ -2,7 +2,7 @@
 
 use super::System;
 use crate::Vec3;
-use crate::constraint::{CoordinateLaw, DriveValue, Joint, Row};
+use crate::constraint::{CoordinateLaw, Drive, DriveValue, Joint, Row};
 use crate::element::Nodal;
 use crate::norm::larger;
 
@@ -12,6 +12,13 @@ const QUARTER_TURN: f64 = std::f64::consts::FRAC_PI_2 * (1.0 + 1e-9);
 const LOOKS: u32 = 8;
 
 impl System {
+    /// Value of the drive of a joint at a time with its rates just before it: at a kink of a table they differ from those behind it.
+    pub fn drive_before(&self, joint: &Joint, time: f64) -> DriveValue {
+        let rate = |drive: Drive| Some(drive.value * self.amplitudes.get(drive.amplitude)?.rate_before(time));
+        let value = self.drive(joint, time);
+        joint.drive.map_or(value, |drive| DriveValue { rate: rate(drive).unwrap_or(f64::NAN), ..value })
+    }
+
     /// Work that the drives of joints do on the model between the displacements `old` and `new`: that of the constraint forces
     /// `−Gᵀλ` with the gradients in the middle of the motion, where the drives have their values at `time`. Constraints that do
     /// not depend on time do no work, and are left out. `multiplier` gives λ of a constraint by its number.

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use super::System;
 use super::VectorKind;
 use super::assembly::{ElementBlocks, pairs};
+use super::connection_frequency::{body_of, is_connection, is_joint};
 use crate::Vec3;
 use crate::element::{ElementGroup, Nodal};
 
@@ -19,6 +20,8 @@ use crate::element::{ElementGroup, Nodal};
 const LARGEST: usize = 24;
 /// Number of squarings of A: the trace is that of the power 2^(SQUARINGS + 1).
 const SQUARINGS: i32 = 4;
+/// Part of the mass of nodal vectors and bodies that joints get: their tension is small beside the stiffness of shells and springs.
+pub(super) const OF_JOINTS: f64 = 0.1;
 /// Elements per task.
 const CHUNK: usize = 32;
 
@@ -30,6 +33,8 @@ pub struct MassShares {
     own: Vec<f64>,
     /// Number of massless elements at each nodal vector.
     massless: Vec<u32>,
+    /// Number of joints at each nodal vector.
+    joints: Vec<u32>,
     /// Number of follower loads at each nodal vector.
     loads: Vec<u32>,
 }
@@ -38,8 +43,8 @@ impl MassShares {
     /// Mass shares for the elements and loads of a system.
     pub fn new(system: &System) -> Self {
         let n = system.vectors();
-        let mut out = Self { own: vec![0.0; n], massless: vec![0; n], loads: vec![0; n] };
-        for group in system.groups.iter() {
+        let mut out = Self { own: vec![0.0; n], massless: vec![0; n], joints: vec![0; n], loads: vec![0; n] };
+        for group in system.groups.iter().filter(|group| !is_connection(group.as_ref())) {
             for e in 0..group.len() {
                 let vectors = group.vectors(e);
                 let own = row_sums(&system.coordinates.kinds, vectors, group.mass(e));
@@ -50,10 +55,49 @@ impl MassShares {
                 }
             }
         }
+        out.count_connections(system);
         for load in &system.followers {
             load.vectors().iter().for_each(|&v| out.loads[v as usize] += 1);
         }
         out
+    }
+
+    /// Counts connections at the nodal vectors that they contain: springs and bushings, or joints. Those of a rigid body count once, at all
+    /// vectors that are attached to it.
+    fn count_connections(&mut self, system: &System) {
+        let mut loaded = [vec![false; system.dofs().triads.len()], vec![false; system.dofs().triads.len()]];
+        for group in system.groups.iter().filter(|group| is_connection(group.as_ref())) {
+            let joints = is_joint(group.as_ref());
+            for &v in (0..group.len()).flat_map(|e| group.vectors(e)) {
+                match body_of(system, v) {
+                    Some(body) => loaded[usize::from(joints)][body] = true,
+                    None => self.connections(joints)[v as usize] += 1,
+                }
+            }
+        }
+        for (attached, joints) in system.dofs().attached.iter().flat_map(|a| [(a, false), (a, true)]) {
+            if loaded[usize::from(joints)][attached.triad as usize] {
+                self.connections(joints)[attached.vector as usize] += 1;
+            }
+        }
+    }
+
+    fn connections(&mut self, joints: bool) -> &mut [u32] {
+        if joints { &mut self.joints } else { &mut self.massless }
+    }
+
+    /// Part of the mass of a nodal vector that is not that of joints.
+    fn without_joints(&self, vector: usize) -> f64 {
+        if self.joints[vector] > 0 { 1.0 - OF_JOINTS } else { 1.0 }
+    }
+
+    /// Share of one connection in the mass of a nodal vector: of a joint, or of a spring or bushing.
+    pub(super) fn of_connection(&self, vector: usize, joint: bool) -> f64 {
+        if joint {
+            OF_JOINTS / f64::from(self.joints[vector].max(1))
+        } else {
+            0.5 * self.without_joints(vector) / f64::from(self.massless[vector].max(1))
+        }
     }
 
     /// Sum of the elements' own masses of a nodal vector.
@@ -73,7 +117,7 @@ impl MassShares {
                 (false, 0) => *m / self.own[v],
                 (false, _) => 0.5 * *m / self.own[v],
             };
-            *m = part * mass[v];
+            *m = part * self.without_joints(v) * mass[v];
         }
         out
     }
@@ -116,7 +160,7 @@ pub fn of_elements(
             arch.dispatch(
                 #[inline(always)]
                 || {
-                    let mut square = Square::new();
+                    let mut square = Square::<LARGEST>::new();
                     for (i, (out, blocks)) in out.iter_mut().zip(blocks.chunks_exact(size)).enumerate() {
                         let element = first + chunk * CHUNK + i;
                         let mass = shares.of(system, group, element, mass);
@@ -149,7 +193,7 @@ pub fn of_part(
             arch.dispatch(
                 #[inline(always)]
                 || {
-                    let (mut square, mut highest) = (Square::new(), 0.0_f64);
+                    let (mut square, mut highest) = (Square::<LARGEST>::new(), 0.0_f64);
                     for (i, blocks) in blocks.chunks_exact(size).enumerate() {
                         let element = first + chunk * CHUNK + i;
                         let mass = shares.of(system, group, element, mass);
@@ -168,7 +212,7 @@ pub fn of_followers(system: &System, shares: &MassShares, mass: &[f64], u: &[Nod
     if system.linear {
         return 0.0;
     }
-    let mut square = Square::new();
+    let mut square = Square::<LARGEST>::new();
     let mut highest = 0.0_f64;
     for load in &system.followers {
         let n = load.vectors().len();
@@ -189,20 +233,20 @@ pub fn of_followers(system: &System, shares: &MassShares, mass: &[f64], u: &[Nod
 }
 
 /// Larger of two values; NaN if one of them is NaN.
-fn larger(a: f64, b: f64) -> f64 {
+pub(super) fn larger(a: f64, b: f64) -> f64 {
     if b.is_nan() { b } else { a.max(b) }
 }
 
 /// Symmetric matrix of one element, with space for its square.
-struct Square {
-    a: [[f64; LARGEST]; LARGEST],
-    squared: [[f64; LARGEST]; LARGEST],
-    size: usize,
+pub(super) struct Square<const N: usize> {
+    pub(super) a: [[f64; N]; N],
+    squared: [[f64; N]; N],
+    pub(super) size: usize,
 }
 
-impl Square {
-    fn new() -> Self {
-        Self { a: [[0.0; LARGEST]; LARGEST], squared: [[0.0; LARGEST]; LARGEST], size: 0 }
+impl<const N: usize> Square<N> {
+    pub(super) fn new() -> Self {
+        Self { a: [[0.0; N]; N], squared: [[0.0; N]; N], size: 0 }
     }
 
     /// Sets `M^(−½) K M^(−½)` of the vectors that `wanted` selects.
@@ -232,7 +276,7 @@ impl Square {
 
     /// Bound of the largest eigenvalue; it need not be tight where it is not above `enough`.
     #[inline(always)]
-    fn bound(&mut self, enough: f64) -> f64 {
+    pub(super) fn bound(&mut self, enough: f64) -> f64 {
         let n = self.size;
         let mut bound = 1.0;
         for squaring in 0..=SQUARINGS {
@@ -247,7 +291,7 @@ impl Square {
                 row.iter_mut().for_each(|x| *x *= scale);
             }
             for (out, left) in self.squared.iter_mut().zip(&self.a[..n]) {
-                let mut sum = [0.0; LARGEST];
+                let mut sum = [0.0; N];
                 for (factor, row) in left.iter().zip(&self.a[..n]) {
                     for (s, x) in sum.iter_mut().zip(row) {
                         *s += factor * x;
@@ -263,7 +307,7 @@ impl Square {
     /// Frobenius norm; columns beyond the size are zero.
     #[inline(always)]
     fn norm(&self) -> f64 {
-        let mut sum = [0.0; LARGEST];
+        let mut sum = [0.0; N];
         for row in &self.a[..self.size] {
             for (s, x) in sum.iter_mut().zip(row) {
                 *s += x * x;
@@ -280,7 +324,7 @@ mod tests {
     /// −1, 2, −1 has the eigenvalues 2 − 2 cos(kπ/(n+1)); the bound is above the largest one, by (Σ (λ/λ₁)³²)^(1/32).
     #[test]
     fn the_largest_eigenvalue_of_a_chain() {
-        let mut square = Square::new();
+        let mut square = Square::<LARGEST>::new();
         square.size = 9;
         for i in 0..9 {
             square.a[i][i] = 2.0;

@@ -11,7 +11,9 @@
 
 use super::EvaluationPoint;
 use super::assembly::{ElementBlocks, pairs};
+use super::connection_frequency::is_connection;
 use super::element_frequency::{MassShares, of_elements, row_sums};
+use super::lumped_body::LumpedBody;
 use super::pattern::BATCH;
 use super::{System, VectorKind};
 use crate::Issue;
@@ -28,17 +30,31 @@ pub fn lump(system: &mut System, added: &[(u32, u32, f64)], scale: bool) -> Vec<
     }
     let shares = MassShares::new(system);
     let mut mass: Vec<f64> = (0..system.vectors()).map(|v| shares.own(v)).collect();
+    for body in &system.coordinates.bodies {
+        mass[body.centre as usize] += body.mass;
+    }
     for &(a, b, m) in added {
         mass[a as usize] += m;
         if a != b {
             mass[b as usize] += m;
         }
     }
-    if mass.iter().any(|m| *m <= 0.0) {
+    let of_body = |v: usize| system.coordinates.body_of(v).is_some_and(|body| body.directors.is_some());
+    if mass.iter().enumerate().any(|(v, m)| *m <= 0.0 && !of_body(v)) {
         return vec![Issue::new(
             "analysis.scheme",
             "some degrees of freedom have no mass: explicit integration needs mass everywhere",
             "give every material a density, or the section a `total_mass`",
+        )];
+    }
+    if let Some(body) = LumpedBody::all(system, &mass).iter().find(|b| !b.resists_all_motions()) {
+        let name = &system.coordinates.bodies[body.body].name;
+        return vec![Issue::new(
+            "analysis.scheme",
+            format!(
+                "body \"{name}\" has no moment of inertia about one of its axes, as a rod: explicit steps need one about every axis"
+            ),
+            "give it `inertia` or a shape like a cylinder, or use `energy-momentum`",
         )];
     }
     if scale {
@@ -101,7 +117,11 @@ fn scale_rotary_inertia(system: &System, shares: &MassShares, mass: &mut [f64]) 
     });
     if membrane > 0.0 {
         let mut raise = vec![1.0_f64; mass.len()];
-        let elements = system.groups.iter().flat_map(|g| (0..g.len()).map(move |e| g.vectors(e)));
+        let elements = system
+            .groups
+            .iter()
+            .filter(|g| !is_connection(g.as_ref()))
+            .flat_map(|g| (0..g.len()).map(move |e| g.vectors(e)));
         for (vectors, bound) in elements.zip(&directors) {
             for &v in
                 vectors.iter().filter(|&&v| system.coordinates.kinds[v as usize] == VectorKind::Director)
@@ -129,7 +149,8 @@ fn at_rest(system: &System, mut take: impl FnMut(ElementBlocks)) {
     };
     let history = vec![0.0; system.offsets.last().map_or(0, |last| last.history.end)];
     let k = EvaluationPoint::at_rest(system, &rest, 0.0, &history);
-    for (g, group) in system.groups.iter().map(AsRef::as_ref).enumerate() {
+    let groups = system.groups.iter().map(AsRef::as_ref).enumerate();
+    for (g, group) in groups.filter(|(_, group)| !is_connection(*group)) {
         let k = k.of_group(system, g, &factors);
         let m = group.vectors_per_element();
         let mut forces = vec![0.0; 3 * m * group.len().min(BATCH)];

@@ -286,7 +286,7 @@ fn automatic_steps_stay_stable_under_stretch() {
         assert!(outcome.statistics.energy_error <= 0.01, "{:?}", outcome.statistics);
         let mut mass = vec![0.0; system.vectors()];
         system.pattern.for_each_mass(|i, _, m| mass[i] = m);
-        let critical = CriticalStep::new(&system);
+        let mut critical = CriticalStep::new(&system, &mass);
         let (mut assembly, first) = (Assembly::new(&system), notes.states[1].last_step);
         for state in &notes.states[1..] {
             let bound = critical.below(&system, &mut assembly, &mass, state);

@@ -21,6 +21,7 @@ mod drives;
 mod dynamics;
 mod equilibrium;
 mod explicit;
+mod explicit_joints;
 mod explicit_models;
 mod family_dynamics;
 mod follower;

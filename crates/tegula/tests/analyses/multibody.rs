@@ -44,7 +44,7 @@ pub fn pose(system: &System, state: &State, body: usize) -> (Vec3, Mat3) {
 }
 
 /// Angular velocity of a body along its own axes.
-fn spin(system: &System, state: &State, body: usize) -> Vec3 {
+pub fn spin(system: &System, state: &State, body: usize) -> Vec3 {
     let (_, r) = pose(system, state, body);
     let d = system.coordinates.bodies[body].directors.unwrap();
     let rates = Mat3::from_columns(&d.map(|v| Vec3::from(state.v[v as usize])));

@@ -82,7 +82,8 @@ pub fn at_rest() -> Analysis {
 fn schemes() -> Vec<Scheme> {
     let energy_momentum = |order| Scheme::EnergyMomentum(EnergyMomentumScheme { order });
     let generalized_alpha = GeneralizedAlphaScheme { spectral_radius: 0.9 };
-    vec![energy_momentum(2), energy_momentum(4), Scheme::GeneralizedAlpha(generalized_alpha)]
+    let explicit = Scheme::Explicit(ExplicitScheme::default());
+    vec![energy_momentum(2), energy_momentum(4), Scheme::GeneralizedAlpha(generalized_alpha), explicit]
 }
 
 fn moving(scheme: Scheme, end: f64, dt: f64) -> Analysis {

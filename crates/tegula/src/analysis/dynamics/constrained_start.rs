@@ -23,7 +23,7 @@ use tegula_sparse::SparseLdlt;
 const NOTEWORTHY: f64 = 1e-6;
 
 /// Value of a constraint over its size above which a joint counts as open.
-const CLOSED: f64 = 1e-9;
+pub(super) const CLOSED: f64 = 1e-9;
 
 /// Rate of a constraint that no motion makes vanish, over the largest rate of a drive, above which drives contradict each other.
 const DISAGREED: f64 = 1e-6;
@@ -127,22 +127,29 @@ pub(super) fn consistent_velocities(
     if system.start.as_ref().is_some_and(|start| !start.v.is_empty()) {
         account_for_impact(system, (before, changed * changed), state);
     }
+    messages.extend(message_of_change(system, [changed, size], before));
+    Ok(messages)
+}
+
+/// Message about velocities of this size that were changed by that much, in the norm of the kinetic energy, which was `before`.
+pub(super) fn message_of_change(system: &System, [changed, size]: [f64; 2], before: f64) -> Option<String> {
     let engaged = engaged(system);
     if !engaged.is_empty() && changed > NOTEWORTHY * size {
-        messages.push(format!(
+        Some(format!(
             "the joint(s) {engaged} stop(s) a motion at the start: a plastic impact dissipates the kinetic energy {:.6e}, of {before:.6e}",
             changed * changed
-        ));
+        ))
     } else if changed > 0.0 && !(size > NOTEWORTHY * changed) {
-        messages.push("the velocities of drives at the start set the model in motion at once".into());
+        Some("the velocities of drives at the start set the model in motion at once".into())
     } else if changed > NOTEWORTHY * size {
-        messages.push(format!(
+        Some(format!(
             "the velocities at the start did not keep the joints closed: they were changed by {:.2} % (in the norm \
              of the kinetic energy)",
             100.0 * changed / size
-        ));
+        ))
+    } else {
+        None
     }
-    Ok(messages)
 }
 
 /// Names of the joints with constraints that the step before has not had.
@@ -154,7 +161,7 @@ fn engaged(system: &System) -> String {
 /// Counts the impact by which a motion continues with other constraints, in the energies of the first state: the kinetic energy `lost` of
 /// the lost velocities is dissipated (Carnot's theorem; plastic impact), and the rest of the change from the kinetic energy `before`,
 /// zero without drives, is work of these.
-fn account_for_impact(system: &System, (before, lost): (f64, f64), state: &mut State) {
+pub(super) fn account_for_impact(system: &System, (before, lost): (f64, f64), state: &mut State) {
     state.dissipated += lost;
     if system.joints.iter().any(|joint| joint.drive.is_some()) {
         state.work += system.kinetic_energy(&state.v) - before + lost;

@@ -14,16 +14,22 @@
 //! It follows that `½ v·M v − ⅛ Δt² a·M a` gains exactly the work that all forces do by the trapezoidal rule. For
 //! linear motions that is the work of the strain energy and the loads, so the energy balance without the *swing* term
 //! `⅛ Δt² a·M a` is exact whatever the step; its residual is the error of nonlinear motions.
+//!
+//! [Rigid bodies](super::explicit_bodies) and [joints](super::explicit_joints) have files of their own.
 
 use rayon::prelude::*;
 
+use super::explicit_bodies::Bodies;
+use super::explicit_joints::{Projection, Side};
 use super::work;
-use crate::Result;
 use crate::analysis::State;
 use crate::element::{Motion, Nodal};
+use crate::norm::larger;
 use crate::system::assembly::add_follower_loads;
+use crate::system::coordinates::Body;
 use crate::system::dof_map::CONSTRAINED;
-use crate::system::{Assembly, EvaluationPoint, LocalFrames, Procedure, System, dot3};
+use crate::system::{Assembly, EvaluationPoint, Internal, LocalFrames, Procedure, System, dot3};
+use crate::{Result, Vec3};
 
 /// Smallest number of nodal vectors that one task moves.
 const GRAIN: usize = 4096;
@@ -47,6 +53,11 @@ pub(super) struct Explicit<'a> {
     damped: bool,
     /// Product a·M a of the free degrees of freedom.
     inertia: f64,
+    pub(super) bodies: Bodies,
+    pub(super) joints: Option<Projection>,
+    /// Multipliers at the start of the step, and zeros: forces of elements are those without joints.
+    multipliers_old: Vec<f64>,
+    without: Vec<f64>,
 }
 
 impl<'a> Explicit<'a> {
@@ -65,7 +76,12 @@ impl<'a> Explicit<'a> {
         });
         let zero = vec![[0.0; 3]; n];
         let moving = if system.dofs().prescribed.is_empty() { Vec::new() } else { zero.clone() };
+        let bodies = Bodies::new(system, &mass);
         Ok(Self {
+            joints: Projection::new(system, &mass, &bodies),
+            bodies,
+            multipliers_old: vec![0.0; system.constraints()],
+            without: vec![0.0; system.constraints()],
             system,
             assembly: Assembly::new(system),
             mass,
@@ -81,18 +97,37 @@ impl<'a> Explicit<'a> {
         })
     }
 
-    /// Adds the free accelerations under the unbalanced forces `rest`.
-    pub(super) fn accelerate(&self, rest: &[Nodal], a: &mut [Nodal]) {
-        for (v, (a, r)) in a.iter_mut().zip(rest).enumerate() {
-            let free = free_acceleration(&self.system.frames, v, *r, self.mass[v]);
-            for i in 0..3 {
-                a[i] += free[i];
+    /// Adds the accelerations under the unbalanced forces `rest` of a state without multipliers to those of the state; with joints it
+    /// gets the multipliers, too.
+    pub(super) fn accelerate(&mut self, rest: &[Nodal], state: &mut State) {
+        let system = self.system;
+        self.stand(state);
+        let carried = self.bodies.carried();
+        for (v, (a, r)) in state.a.iter_mut().zip(rest).enumerate() {
+            if carried.binary_search(&(v as u32)).is_err() {
+                let free = free_acceleration(&system.frames, v, *r, self.mass[v]);
+                (0..3).for_each(|i| a[i] += free[i]);
             }
+        }
+        self.bodies.accelerate(system, rest, &mut state.a);
+        system.dofs().carry(&mut state.a);
+        if let Some(joints) = &mut self.joints {
+            joints.constrain_accelerations(system, &self.bodies, state, Side::Behind);
+        }
+    }
+
+    /// Lets bodies and joints stand where a state is.
+    pub(super) fn stand(&mut self, state: &State) {
+        self.bodies.take(self.system, &state.u, &state.v);
+        if let Some(joints) = &mut self.joints {
+            joints.count_turns(self.system, &state.angles);
+            joints.take(self.system, &self.bodies, (&state.u, state.time));
         }
     }
 
     /// Initialises loads, reactions and inertia at the state from which steps start.
     pub(super) fn begin(&mut self, state: &State) {
+        self.stand(state);
         self.find_loads(state);
         if !self.reactions.is_empty() {
             self.find_forces(state);
@@ -108,27 +143,19 @@ impl<'a> Explicit<'a> {
     pub(super) fn step(&mut self, state: &mut State, dt: f64, end: f64) -> std::result::Result<(), String> {
         let system = self.system;
         self.u_old.copy_from_slice(&state.u);
+        self.multipliers_old.copy_from_slice(&state.multipliers);
         std::mem::swap(&mut self.loads, &mut self.loads_old);
         std::mem::swap(&mut self.reactions, &mut self.reactions_old);
-        let rates = state.v.par_iter().zip(&state.a);
-        self.middle.par_iter_mut().zip(rates).with_min_len(GRAIN).for_each(|(middle, (v, a))| {
-            *middle = std::array::from_fn(|i| v[i] + 0.5 * dt * a[i]);
-        });
-        if !self.reactions.is_empty() {
-            self.lead_supports(&state.u, dt, end);
-        }
-        state.u.par_iter_mut().zip(&self.middle).with_min_len(GRAIN).for_each(|(u, middle)| {
-            (0..3).for_each(|i| u[i] += dt * middle[i]);
-        });
-        system.prescribe(end, &mut state.u);
-        state.time = end;
+        self.drift(state, dt, end)?;
 
         let velocity = self.damped.then_some(self.middle.as_slice());
         let motion = Motion::State { u: &state.u, velocity };
-        let k = EvaluationPoint::new(system, motion, end, &state.history);
+        let internal = Internal { history: &state.history, multipliers: &self.without };
+        let k = EvaluationPoint::new(system, motion, end, internal);
         self.assembly.forces(system, &k, &mut self.forces);
         self.find_loads(state);
         self.kick(state, dt);
+        self.close_rates(state, dt);
         let before = self.inertia;
         self.inertia = self.free_inertia(&state.a);
         if !self.inertia.is_finite() {
@@ -136,16 +163,8 @@ impl<'a> Explicit<'a> {
         }
         state.swing += 0.125 * dt * dt * (self.inertia - before);
         if !self.reactions.is_empty() {
-            system.prescribe_velocity_before(end, &mut state.v);
-            system.prescribe_acceleration(end, &mut state.a);
-            if system.has_kink(end) {
-                // Lumped masses are not coupled: an impact changes prescribed velocities only.
-                let before = system.kinetic_energy(&state.v);
-                system.prescribe_velocity(end, &mut state.v);
-                state.work += system.kinetic_energy(&state.v) - before;
-            }
-            if self.damped {
-                // Reactions include the damping forces of the velocity at the end of the step; that of the half step is
+            if self.damped || self.joints.is_some() {
+                // Reactions include the forces of joints, and the damping forces of the velocity at the end of the step; that of the half step is
                 // unknown where a run is resumed.
                 self.find_forces(state);
             }
@@ -153,6 +172,91 @@ impl<'a> Explicit<'a> {
         }
         self.account(state, dt);
         Ok(())
+    }
+
+    /// Positions at the end of a step, from the velocities at its middle.
+    fn drift(&mut self, state: &mut State, dt: f64, end: f64) -> std::result::Result<(), String> {
+        let system = self.system;
+        let rates = state.v.par_iter().zip(&state.a);
+        self.middle.par_iter_mut().zip(rates).with_min_len(GRAIN).for_each(|(middle, (v, a))| {
+            *middle = std::array::from_fn(|i| v[i] + 0.5 * dt * a[i]);
+        });
+        if !self.reactions.is_empty() {
+            self.lead_supports(&state.u, dt, end);
+        }
+        self.bodies.take(system, &state.u, &state.v);
+        self.bodies.kick(&state.a, 0.5 * dt);
+        state.u.par_iter_mut().zip(&self.middle).with_min_len(GRAIN).for_each(|(u, middle)| {
+            (0..3).for_each(|i| u[i] += dt * middle[i]);
+        });
+        system.prescribe(end, &mut state.u);
+        state.time = end;
+        for body in 0..self.bodies.len() {
+            self.bodies.drift(system, body, dt, &mut state.u)?;
+        }
+        system.dofs().carry(&mut state.u);
+        if let Some(joints) = &mut self.joints {
+            joints.count_turns(system, &state.angles);
+            let motion = (self.u_old.as_slice(), self.middle.as_mut_slice(), state.u.as_mut_slice());
+            joints.close(system, &mut self.bodies, motion, (dt, end))?;
+        }
+        self.bodies.arrive();
+        for &v in self.bodies.carried() {
+            let v = v as usize;
+            self.middle[v] = std::array::from_fn(|i| (state.u[v][i] - self.u_old[v][i]) / dt);
+        }
+        let (old, new) = (&self.u_old, &state.u);
+        let part = |v: usize, part: f64| std::array::from_fn(|i| old[v][i] + part * (new[v][i] - old[v][i]));
+        if let Some(reason) = system.gear_turns_too_far(part, &state.angles) {
+            return Err(reason);
+        }
+        system.continue_angles(part, &mut state.angles);
+        Ok(())
+    }
+
+    /// Rates at the end of a step that supports and joints allow. At a kink of a prescribed motion or a drive velocities jump; what this
+    /// changes the kinetic energy by is work of the supports and drives.
+    fn close_rates(&mut self, state: &mut State, dt: f64) {
+        let (system, end) = (self.system, state.time);
+        if !self.reactions.is_empty() {
+            system.prescribe_velocity_before(end, &mut state.v);
+            system.prescribe_acceleration(end, &mut state.a);
+        }
+        if let Some(joints) = &mut self.joints {
+            joints.take(system, &self.bodies, (&state.u, end));
+        }
+        if !system.has_kink(end) {
+            self.constrain(state, Side::Behind);
+            state.work += self.work_of_drives(state, dt);
+            return;
+        }
+        // Lumped masses are not coupled: without joints an impact changes prescribed velocities only.
+        self.constrain(state, Side::Before);
+        state.work += self.work_of_drives(state, dt);
+        let before = system.kinetic_energy(&state.v);
+        system.prescribe_velocity(end, &mut state.v);
+        self.constrain(state, Side::Behind);
+        state.work += system.kinetic_energy(&state.v) - before;
+    }
+
+    /// Changes velocities and accelerations of a state to those that the joints allow, and finds its multipliers.
+    fn constrain(&mut self, state: &mut State, side: Side) {
+        let (system, bodies) = (self.system, &self.bodies);
+        if let Some(joints) = &mut self.joints {
+            joints.project_velocities(system, bodies, state, side);
+        }
+        // Those of bodies depend on the velocities that the joints allow.
+        bodies.write_accelerations(system, system.mass_damping, &state.v, &mut state.a);
+        if let Some(joints) = &mut self.joints {
+            joints.constrain_accelerations(system, bodies, state, side);
+        }
+    }
+
+    /// Work of the drives of joints in a step.
+    fn work_of_drives(&self, state: &State, dt: f64) -> f64 {
+        let start = (self.u_old.as_slice(), state.time - dt, self.multipliers_old.as_slice());
+        let end = (state.u.as_slice(), state.time, state.multipliers.as_slice());
+        self.system.work_of_driven_motions(start, end)
     }
 
     /// Velocities at the midpoint of the step that bring the supports to their prescribed positions.
@@ -177,7 +281,7 @@ impl<'a> Explicit<'a> {
     fn find_forces(&mut self, state: &State) {
         let velocity = self.damped.then_some(state.v.as_slice());
         let motion = Motion::State { u: &state.u, velocity };
-        let k = EvaluationPoint::new(self.system, motion, state.time, &state.history);
+        let k = EvaluationPoint::new(self.system, motion, state.time, state.internal());
         self.assembly.forces(self.system, &k, &mut self.forces);
     }
 
@@ -190,7 +294,7 @@ impl<'a> Explicit<'a> {
     }
 
     /// Velocities and accelerations at the end of the step from the forces there.
-    fn kick(&self, state: &mut State, dt: f64) {
+    fn kick(&mut self, state: &mut State, dt: f64) {
         let (frames, alpha) = (&self.system.frames, self.system.mass_damping);
         let damping = 1.0 + 0.5 * dt * alpha;
         let forces = self.forces.par_iter().zip(&self.loads).zip(&self.mass).zip(&self.middle);
@@ -205,12 +309,21 @@ impl<'a> Explicit<'a> {
                 }
             },
         );
+        if !self.bodies.is_empty() {
+            let (loads, forces) = (&self.loads, &self.forces);
+            let rest = |v: usize| Vec3::from(loads[v]) - Vec3::from(forces[v]);
+            self.bodies.kick_by_forces(self.system, rest, (0.5 * dt, damping), &mut state.v);
+        }
     }
 
     /// Product a·M a of the free degrees of freedom.
     fn free_inertia(&self, a: &[Nodal]) -> f64 {
         let frames = &self.system.frames;
+        let carried = self.bodies.carried();
         let product = |(v, (a, m)): (usize, (&Nodal, &f64))| {
+            if !carried.is_empty() && carried.binary_search(&(v as u32)).is_ok() {
+                return 0.0;
+            }
             if self.reactions.is_empty() {
                 return m * dot3(*a, *a);
             }
@@ -218,7 +331,7 @@ impl<'a> Explicit<'a> {
             let free = |c: &usize| frames.of(v)[*c] != CONSTRAINED;
             m * (0..3).filter(free).map(|c| local[c] * local[c]).sum::<f64>()
         };
-        a.iter().zip(&self.mass).enumerate().map(product).sum()
+        a.iter().zip(&self.mass).enumerate().map(product).sum::<f64>() + self.bodies.inertia(a)
     }
 
     /// Reactions of a state from its internal forces and loads.
@@ -250,10 +363,17 @@ impl<'a> Explicit<'a> {
             }
         }
         let ends = ((self.u_old.as_slice(), end - dt), (state.u.as_slice(), end));
+        if system.has_actuators() {
+            let motion = Motion::Step { old: &self.u_old, new: &state.u, dt };
+            let internal = Internal { history: &state.history, multipliers: &self.without };
+            let k = EvaluationPoint::new(system, motion, end - 0.5 * dt, internal);
+            done += self.assembly.work_of_actuators(system, &k);
+        }
         state.work += done + self.assembly.prescribed_strain_work(system, &state.history, ends.0, ends.1);
         if self.damped || system.mass_damping != 0.0 {
             let motion = Motion::Step { old: &self.u_old, new: &state.u, dt };
-            let k = EvaluationPoint::new(system, motion, end, &state.history);
+            let internal = Internal { history: &state.history, multipliers: &self.without };
+            let k = EvaluationPoint::new(system, motion, end, internal);
             let strains = if self.damped { self.assembly.dissipated_power(system, &k) } else { 0.0 };
             state.dissipated +=
                 dt * (strains + 2.0 * system.mass_damping * system.kinetic_energy(&self.middle));
@@ -272,6 +392,19 @@ impl<'a> Explicit<'a> {
         }
     }
 
+    /// Rate of the motion of bodies [1/time]: their angular velocity, and their velocity over the length of the model, or the root of these
+    /// accelerations, whichever is largest.
+    pub(super) fn rate(&self, state: &State) -> f64 {
+        let (system, length) = (self.system, self.system.length);
+        let of = |body: &Body| {
+            let [v, a] =
+                [&state.v, &state.a].map(|field| Vec3::from(field[body.centre as usize]).norm() / length);
+            larger(v, a.sqrt())
+        };
+        let bodies = &system.coordinates.bodies;
+        bodies.iter().map(of).fold(self.bodies.rate(&state.v, &state.a), larger)
+    }
+
     /// Node whose motion has the largest kinetic energy, or one that is not finite, as text.
     pub(super) fn fastest(&self, state: &State) -> String {
         let energy = |v: usize| {
@@ -282,10 +415,7 @@ impl<'a> Explicit<'a> {
         let Some(v) = all.reduce(|a, b| if energy(b) > energy(a) { b } else { a }) else {
             return "the model".into();
         };
-        let node = self.system.coordinates.nodes[v];
-        let p = self.system.coordinates.position_of[node as usize] as usize;
-        let [x, y, z] = self.system.coordinates.reference[p];
-        format!("node {} at ({x:.4}, {y:.4}, {z:.4})", self.system.node_label(node))
+        self.system.place_name(v)
     }
 }
 

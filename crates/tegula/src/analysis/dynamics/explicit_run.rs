@@ -3,13 +3,14 @@
 use super::amplitude_check::AmplitudeCheck;
 use super::critical_step::CriticalStep;
 use super::explicit::Explicit;
+use super::explicit_start::{self, Messages};
 use super::fibre_watch::FibreWatch;
 use super::step_end::StepEnds;
-use super::{SMALLEST_STEP, Span, initial_motion};
+use super::{SMALLEST_STEP, Span};
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::statics::undefined;
 use crate::analysis::stepper::Reached;
-use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched, equilibrium};
+use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched};
 use crate::model::TransientAnalysis;
 use crate::system::{System, inverted_element};
 use crate::{Error, Result};
@@ -35,6 +36,11 @@ const BROKEN: f64 = 0.05;
 /// Ratio of kinetic and strain energy to the energy supplied above which a motion is unstable. At the safety factor the
 /// energy of the highest mode varies five-fold in a stable motion.
 const BLOW_UP: f64 = 100.0;
+
+/// Rotation of a body in a step (rad), and the one at which the step is chosen anew. Bodies without springs have no critical step: the
+/// step is that which resolves their motion.
+const ROTATION: f64 = 0.05;
+const MOST_ROTATION: f64 = 0.08;
 
 /// Displacement of a negligible motion in the whole analysis, over the size of the model.
 const UNSEEN: f64 = 1e-9;
@@ -104,6 +110,10 @@ pub(super) struct ExplicitSteps<'a> {
     found: bool,
     /// Whether the user has been warned that the given time step is above the critical one.
     warned: bool,
+    /// Events and warnings of the start that have not been reported yet.
+    messages: Messages,
+    /// Number of constraints that followed from others when this was last reported.
+    dependent: usize,
 }
 
 impl<'a> ExplicitSteps<'a> {
@@ -122,9 +132,8 @@ impl<'a> ExplicitSteps<'a> {
             return Err(undefined("time", (0.0, 0.0), reason));
         }
         // A resumed run needs this, too: later energies are compared with the energy at time 0.
-        let mut first = initial_motion(system);
-        let rest = equilibrium::unbalanced(system, &mut scheme.assembly, &first);
-        scheme.accelerate(&rest, &mut first.a);
+        let mut first = super::initial_motion(system);
+        let messages = explicit_start::start(system, &mut scheme, &mut first)?;
         super::commit_jump(system, &mut scheme.assembly, &mut first);
         first.energy_scale = system.kinetic_energy(&first.v);
         let at_first = super::balance(system, &mut scheme.assembly, &first);
@@ -143,7 +152,9 @@ impl<'a> ExplicitSteps<'a> {
             unseen: 0.5 * system.total_mass() * slow * slow,
         };
         Ok(Self {
-            critical: CriticalStep::new(system),
+            messages: if fresh { messages } else { Messages::default() },
+            dependent: scheme.joints.as_ref().map_or(0, |joints| joints.dependent()),
+            critical: CriticalStep::new(system, &scheme.mass),
             fibres,
             monitor,
             drilling: DrillingWatch::new(),
@@ -169,18 +180,24 @@ impl<'a> ExplicitSteps<'a> {
             && state.tangent.valid
             && state.step.is_multiple_of(LOOK)
             && !(fibres.change(system, &state.u) <= CHANGE);
-        let due = self.fresh || changed || !system.linear && state.step.is_multiple_of(INTERVAL);
+        let turns = options.time_step.is_none()
+            && state.step.is_multiple_of(LOOK)
+            && !(scheme.rate(state) * state.next_step <= MOST_ROTATION);
+        let due = self.fresh || changed || turns || !system.linear && state.step.is_multiple_of(INTERVAL);
         // The first step follows the estimate with which the analysis begins.
         if self.found && (!due || state.step == 0) {
             return Ok(());
         }
         let step = critical.below(system, &mut scheme.assembly, &scheme.mass, state);
+        // Models of bodies without springs are stable in any step.
+        let step = if step == f64::INFINITY { options.end_time } else { step };
         statistics.critical_step = step;
         if due {
             remember(state);
             fibres.take(system, &state.u);
             let largest = options.max_step.unwrap_or(options.end_time);
-            state.next_step = options.time_step.unwrap_or((SAFETY * step).min(largest));
+            let resolved = ROTATION / scheme.rate(state);
+            state.next_step = options.time_step.unwrap_or((SAFETY * step).min(resolved).min(largest));
         }
         if let Some(wanted) = options.time_step.filter(|&wanted| wanted > step && !self.warned) {
             self.warned = true;
@@ -211,6 +228,8 @@ impl<'a> ExplicitSteps<'a> {
             return Err(undefined("time", (state.time, end), reason));
         }
         let outcome = self.scheme.step(state, dt, end);
+        self.look_at_rank(observer);
+        let state = &mut self.state;
         state.last_step = dt;
         state.step += 1;
         self.statistics.steps = state.step;
@@ -229,6 +248,20 @@ impl<'a> ExplicitSteps<'a> {
             self.check_balance(observer)?;
         }
         Ok(due)
+    }
+
+    /// Reports where the rank of the constraints falls.
+    fn look_at_rank(&mut self, observer: &mut dyn Observer) {
+        let Some(joints) = &self.scheme.joints else { return };
+        let dependent = joints.dependent();
+        if dependent > self.dependent {
+            observer.on_event(&format!(
+                "time {:.6e}: a singular position of the joints, where {dependent} constraints follow from others; the reactions of \
+                 minimum norm are computed",
+                self.state.time
+            ));
+            self.dependent = dependent;
+        }
     }
 
     /// Checks the energy balance of the state.
@@ -262,6 +295,9 @@ impl Stepper for ExplicitSteps<'_> {
 
     fn begin(&mut self, observer: &mut dyn Observer) -> Result<bool> {
         let fresh = self.fresh;
+        let Messages { events, warnings } = std::mem::take(&mut self.messages);
+        events.iter().for_each(|message| observer.on_event(message));
+        warnings.iter().for_each(|message| observer.on_warning(message));
         if fresh {
             self.renew_critical_step(observer)?;
         }

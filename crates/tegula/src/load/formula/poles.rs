@@ -7,6 +7,8 @@ use super::parse::{Instruction, evaluate};
 /// Value next to a sign change over the larger one at the ends above which it grows beyond all bounds: round-off of the place,
 /// 10⁻¹⁶, leaves 10⁸ of the weakest pole in use, an inverse square root.
 const UNBOUNDED: f64 = 1e6;
+/// Distance beside a place, over that of the ends, at which a formula that is undefined in a range is undefined, too.
+const BESIDE: f64 = 1e-9;
 /// Halvings after which the two ends of a piece are neighbours in floating-point numbers.
 const HALVINGS: u32 = 60;
 
@@ -72,7 +74,14 @@ fn search(
     }
     let middle = of(0.5 * (first.0 + last.0));
     if halvings == 0 || middle.0 <= first.0 || middle.0 >= last.0 {
-        return [first, last].iter().find(|(_, value, _)| !(value.abs() <= bound)).map(|place| place.0);
+        let unbounded = |place: &Place| place.1.abs() > bound;
+        // A removable singularity, as that of sin(x)/x, is undefined at one place alone.
+        let undefined = |place: &Place| {
+            let beside = [place.0 - BESIDE, place.0 + BESIDE].map(|part| of(part.clamp(0.0, 1.0)).1);
+            place.1.is_nan() && beside.iter().any(|value| value.is_nan())
+        };
+        let mut ends = [first, last].into_iter();
+        return ends.find(|place| unbounded(place) || undefined(place)).map(|place| place.0);
     }
     let halves = [(first, middle), (middle, last)];
     halves.into_iter().find_map(|half| search(of, half, (bound, halvings - 1)))
