@@ -181,12 +181,15 @@ impl ReactionFinder {
         let zero = vec![[0.0; 3]; u.len()];
         let cuts = cut_resultants(system, u, &forces.internal.cuts);
         let mut out = Equilibrium { reactions: zero.clone(), cuts, ..Equilibrium::default() };
-        let mut all_loads = zero.clone();
+        let (mut all_loads, mut relief) = (zero.clone(), zero.clone());
         for (index, set) in system.load_sets.iter().enumerate() {
             let mut load = zero.clone();
             add_load_set(system, index, &forces.loads, &mut load);
             out.loads.push(resultant(system, u, &load, &set.about));
             all_loads = combine([1.0, 1.0], &all_loads, &load);
+            if system.inertia_relief.as_ref().is_some_and(|relief| relief.load_set == index) {
+                relief = load;
+            }
         }
         out.inertia = resultant(system, u, &forces.inertia, &Vec3::zeros());
         let unbalanced =
@@ -200,7 +203,9 @@ impl ReactionFinder {
             }
         }
         let mut balance = Sum::new(system);
-        balance.add(system, u, &all_loads, 1.0);
+        // Inertia forces of a relief may cancel the loads at each node: both count for the size of the forces.
+        balance.add(system, u, &combine([1.0, -1.0], &all_loads, &relief), 1.0);
+        balance.add(system, u, &relief, 1.0);
         balance.add(system, u, &forces.inertia, -1.0);
         balance.add(system, u, &out.reactions, 1.0);
         if system.acts_on_ground() {

@@ -91,6 +91,11 @@ fn a_model_falls_freely_without_strain() {
         m.loads = vec![Load::Gravity(GravityLoad { value: [3.0, -4.0, -9.81], amplitude: None })];
         let (_, system, outcome) = solve(&m);
         let (found, _) = acceleration(&system, &outcome.state);
+        let balance = ReactionFinder::new(&system, None).find(&system, None, &outcome.state);
+        assert!(
+            balance.force_error < 1e-12 && balance.moment_error < 1e-12,
+            "loads that inertia cancels everywhere"
+        );
         assert!((found.linear - Vec3::new(3.0, -4.0, -9.81)).norm() < 1e-12, "{found:?}");
         assert!(
             found.angular.norm() < 1e-12 && outcome.balance.strain < 1e-20,
