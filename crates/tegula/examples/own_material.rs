@@ -82,7 +82,7 @@ fn main() -> tegula::Result<()> {
     let system = Compiler::with_laws(&model, &mesh, &laws)?.system(0, None)?;
     let state = statics::run(&system, &options, None, &mut Silent)?.state;
     let found = ReactionFinder::new(&system, None).find(&system, None, &state);
-    let pull = found.supports.iter().map(|s| s.force.x).fold(0.0, f64::max) / (width * thickness);
+    let pull = found.supports.iter().map(|s| s.force.x).fold(0.0, tegula::norm::larger) / (width * thickness);
 
     let x = stretch * stretch + 2.0 / stretch - 3.0;
     let exact = 2.0 * (stretch - stretch.powi(-2)) * (c1 + 2.0 * c2 * x + 3.0 * c3 * x * x);

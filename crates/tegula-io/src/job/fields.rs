@@ -180,7 +180,9 @@ pub(super) fn write(
         cell_data.push(DataArray::new(
             "max_stress",
             1,
-            by_shell(&|i| plies[i].iter().filter_map(|p| Some(p.failure?.max_stress)).fold(0.0, f64::max)),
+            by_shell(&|i| {
+                plies[i].iter().filter_map(|p| Some(p.failure?.max_stress)).fold(0.0, tegula::norm::larger)
+            }),
         ));
         cell_data.push(DataArray::new(
             "critical_ply",

@@ -95,7 +95,7 @@ fn tile(mesh: &Mesh, system: &System, mode: &Mode, index: usize, unit: Option<&s
     let u = fields::nodal(system, &mode.shape);
     let size = |u: &Nodal| u.iter().map(|x| x * x).sum::<f64>().sqrt();
     let of_bodies = system.outline.displacements(&mode.shape);
-    let largest = u.iter().chain(&of_bodies).map(size).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+    let largest = u.iter().chain(&of_bodies).map(size).fold(0.0, tegula::norm::larger).max(f64::MIN_POSITIVE);
     let scale = AMPLITUDE * system.length / largest;
     let (azimuth, step) = ((-60.0_f64).to_radians(), 1.7 * system.length);
     let (column, row) = ((index % COLUMNS) as f64, (index / COLUMNS) as f64);

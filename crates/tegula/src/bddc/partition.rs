@@ -103,7 +103,7 @@ fn split(quads: &Quads<'_>, order: &mut [u32], share: f64) -> usize {
     let low = ((wanted - reach).floor() as usize).clamp(1, n - 1);
     let high = ((wanted + reach).ceil() as usize).clamp(low, n - 1);
     let gap = |k: usize| keys[k].0 - keys[k - 1].0;
-    let widest = (low..=high).map(gap).fold(0.0, f64::max);
+    let widest = (low..=high).map(gap).fold(0.0, crate::norm::larger);
     (low..=high)
         .filter(|&k| gap(k) >= 0.5 * widest)
         .min_by(|&a, &b| (a as f64 - wanted).abs().total_cmp(&(b as f64 - wanted).abs()))

@@ -167,7 +167,7 @@ fn edge_moments(
             // The first director of the node, unless at a fold another one stands more across the edge.
             let across = |v: &u32| at(*v).cross(&edge).norm() / (at(*v).norm() * edge.norm());
             let list = directors.get(&node).map_or(&[][..], Vec::as_slice);
-            let best = list.iter().map(across).fold(0.0, f64::max);
+            let best = list.iter().map(across).fold(0.0, crate::norm::larger);
             if let Some(&director) = list.iter().find(|v| across(v) >= 0.9 * best) {
                 out.push(FollowerLoad::EdgeMoment {
                     vectors: [first, second, director],

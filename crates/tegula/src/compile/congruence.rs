@@ -27,8 +27,8 @@ impl Shape {
     fn new(g: &ShellGeometry, directions: &[Vec3]) -> Option<Self> {
         let frame: Mat3 = cross_section_frame(&g.base(0.0, 0.0, 0.0))?;
         let centre = g.centre();
-        let size = g.positions.iter().map(|x| (x - centre).norm()).fold(0.0, f64::max);
-        let far = g.positions.iter().map(|x| x.amax()).fold(0.0, f64::max);
+        let size = g.positions.iter().map(|x| (x - centre).norm()).fold(0.0, crate::norm::larger);
+        let far = g.positions.iter().map(|x| x.amax()).fold(0.0, crate::norm::larger);
         let tolerance = ROUNDING * (1.0 + far / size);
         if tolerance.is_nan() || tolerance > 0.1 * CELL {
             return None;

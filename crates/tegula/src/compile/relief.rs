@@ -4,6 +4,7 @@ use super::steps::StepModel;
 use crate::Issue;
 use crate::Vec3;
 use crate::element::Nodal;
+use crate::model::joint::GROUND;
 use crate::model::{Analysis, LinearSolver, Load, Model, StaticAnalysis};
 use crate::system::supports::Support;
 use crate::system::{Coordinates, InertiaRelief, VectorKind};
@@ -127,33 +128,17 @@ pub(super) fn refused(step: &StepModel) -> Vec<Issue> {
     };
     let mut found = Vec::new();
     let mut add = |problem: String, help: &str| found.push(Issue::new(KEY, problem, help));
-    let ground = |between: &[String; 2]| between.iter().any(|side| side == "ground");
-    let with_ground = model
-        .joints
-        .iter()
-        .map(|joint| joint.common())
-        .filter(|joint| ground(joint.between()))
-        .map(|joint| format!("the joint \"{}\"", joint.name()))
-        .chain(
-            model.springs.iter().filter(|s| ground(&s.between)).map(|s| format!("the spring \"{}\"", s.name)),
-        )
-        .chain(
-            model
-                .torsion_springs
-                .iter()
-                .filter(|s| ground(&s.between))
-                .map(|s| format!("the torsion spring \"{}\"", s.name)),
-        )
-        .chain(
-            model
-                .bushings
-                .iter()
-                .filter(|b| ground(&b.between))
-                .map(|b| format!("the bushing \"{}\"", b.name)),
-        );
-    for part in with_ground {
+    let joints = model.joints.iter().map(|joint| ("joint", joint.common().name(), joint.common().between()));
+    let springs = model.springs.iter().map(|spring| ("spring", spring.name.as_str(), &spring.between));
+    let torsion =
+        model.torsion_springs.iter().map(|spring| ("torsion spring", spring.name.as_str(), &spring.between));
+    let bushings = model.bushings.iter().map(|bushing| ("bushing", bushing.name.as_str(), &bushing.between));
+    let connections = joints.chain(springs).chain(torsion).chain(bushings);
+    for (kind, name, _) in connections.filter(|(_, _, between)| between.iter().any(|side| side == GROUND)) {
         add(
-            format!("{part} holds the model at the ground, where inertia relief lets it accelerate freely"),
+            format!(
+                "the {kind} \"{name}\" holds the model at the ground, where inertia relief lets it accelerate freely"
+            ),
             "connect it to a part of the model, or leave it or `inertia_relief` out",
         );
     }

@@ -430,7 +430,7 @@ impl Elements {
                     if sheet.area > 0.0 { sheet.bending * ratio } else { 0.0 }
                 })
             });
-            let largest = shares.fold(0.0, f64::max);
+            let largest = shares.fold(0.0, crate::norm::larger);
             for tie in
                 at_node.iter().filter(|tie| tie.directors.iter().all(|&d| self.sheets[d as usize].area > 0.0))
             {

@@ -111,7 +111,7 @@ fn independent_of_the_start(model: &Model, mesh: &Mesh, system: &System) -> Vec<
             .max_by(|a, b| a.0.total_cmp(&b.0));
         let Some((curvature, shell)) = worst else { continue };
         let key = format!("sections[{i}].thickness");
-        let largest = shells().map(|shell| size(&system.geometry(shell))).fold(0.0, f64::max);
+        let largest = shells().map(|shell| size(&system.geometry(shell))).fold(0.0, crate::norm::larger);
         let h = section.whole_thickness();
         if h * curvature > 1.0 {
             found.push(Issue::new(
@@ -432,7 +432,7 @@ fn zero_loads(model: &Model) -> Vec<Issue> {
 fn curvature(g: &ShellGeometry) -> f64 {
     let (x, d) = (&g.positions, &g.directors);
     let along = |a: usize, b: usize| -> f64 { Vec3::norm(&(d[a] - d[b])) / Vec3::norm(&(x[a] - x[b])) };
-    (0..4).map(|a| along(a, (a + 1) % 4)).fold(0.0, f64::max)
+    (0..4).map(|a| along(a, (a + 1) % 4)).fold(0.0, crate::norm::larger)
 }
 
 /// Longer diagonal of an element (length).

@@ -29,7 +29,7 @@ impl CompiledSection {
     pub fn shear_reduction(&self, g: &ShellGeometry) -> f64 {
         let edges = (0..4).map(|a| (g.positions[a] - g.positions[(a + 1) % 4]).norm_squared());
         let h2 = self.thickness * self.thickness;
-        h2 / (h2 + self.shear_stabilization * edges.fold(0.0, f64::max))
+        h2 / (h2 + self.shear_stabilization * edges.fold(0.0, crate::norm::larger))
     }
 
     /// Integration points of an element, the terms of its energy; `prescribed` holds the prescribed strain fields that

@@ -69,7 +69,7 @@ impl TimeFunction {
         let straight = |a: u32, b: u32| {
             let slope = (self.value(at(b)) - self.value(at(a))) / f64::from(b - a);
             let off = |i: u32| (self.value(at(i)) - self.value(at(a)) - slope * f64::from(i - a)).abs();
-            (a..=b).map(off).fold(0.0, f64::max) <= share * (high - low)
+            (a..=b).map(off).fold(0.0, crate::norm::larger) <= share * (high - low)
         };
         let mut found = Vec::new();
         let mut open = vec![(0, INTERVALS)];

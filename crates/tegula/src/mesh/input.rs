@@ -98,7 +98,7 @@ impl Input {
 
     /// Checks that no element spans half a turn: its nodes would not distinguish its two sides.
     pub fn element_span(&mut self, name: &str, [first, last]: [f64; 2], lines: &[f64]) {
-        let widest = lines.windows(2).map(|line| line[1] - line[0]).fold(0.0, f64::max);
+        let widest = lines.windows(2).map(|line| line[1] - line[0]).fold(0.0, crate::norm::larger);
         let span = (last - first).abs() * widest;
         if span >= 180.0 * (1.0 - TINY) {
             self.wrong(

@@ -279,7 +279,7 @@ pub fn quality(mesh: &Mesh) -> Quality {
         let area = area_vector.norm();
         let sides = [0, 1, 2, 3].map(|k| facet.side(k));
         let angles = [0, 1, 2, 3].map(|k| facet.corner_angle(k).to_degrees());
-        let [longest, largest_angle] = [sides, angles].map(|x| x.into_iter().fold(0.0, f64::max));
+        let [longest, largest_angle] = [sides, angles].map(|x| x.into_iter().fold(0.0, crate::norm::larger));
         let [shortest, smallest_angle] = [sides, angles].map(|x| x.into_iter().fold(f64::INFINITY, f64::min));
         // The corners lie above and below the mean plane in turn, by half the distance of the diagonals.
         let height = 0.5 * (facet.x[1] - facet.x[0]).dot(&area_vector).abs() / area;

@@ -166,7 +166,7 @@ impl Mesh {
     /// remedy.
     pub fn node_near(&self, name: &str, position: Vec3) -> Result<u32, (String, String)> {
         let facets = self.quads.iter().filter_map(|quad| Facet::of(self, quad));
-        let reach = facets.map(|facet| facet.diagonal()).fold(0.0, f64::max);
+        let reach = facets.map(|facet| facet.diagonal()).fold(0.0, crate::norm::larger);
         let nearest = self.nearest_node(position);
         let Some((node, x)) = nearest.and_then(|node| Some((node, *self.positions.get(node as usize)?)))
         else {

@@ -160,7 +160,7 @@ pub fn plastic_strains(system: &System, state: &State) -> Vec<f64> {
                 return 0.0;
             };
             let strain = |(law, history): (usize, &[f64])| section.laws[law].plastic_strain(history);
-            inside.point_history().into_iter().filter_map(strain).fold(0.0, f64::max)
+            inside.point_history().into_iter().filter_map(strain).fold(0.0, crate::norm::larger)
         })
         .collect()
 }

@@ -119,7 +119,7 @@ impl CirculatoryStiffness {
                 *x = current_vector(system, motion, v as usize);
             }
             let stiffness = load.derivative(&x[..vectors.len()]);
-            let largest = stiffness.iter().flatten().map(|b| b.amax()).fold(0.0, f64::max);
+            let largest = stiffness.iter().flatten().map(|b| b.amax()).fold(0.0, crate::norm::larger);
             for (a, &row) in vectors.iter().enumerate() {
                 for (b, &column) in vectors[..=a].iter().enumerate() {
                     let values = (stiffness[a][b] - stiffness[b][a].transpose()) * (0.5 * factor);

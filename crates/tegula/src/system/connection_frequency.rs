@@ -9,12 +9,13 @@
 //! The moment of a force f on an arm a that turns with its body adds the stiffness `½ (a fᵀ + f aᵀ) − (a·f) I` of the rotation
 //! to that of the force, with internal forces f: that of a pendulum under the forces of its joint.
 
-use super::element_frequency::{MassShares, OF_JOINTS, Square, larger};
+use super::element_frequency::{MassShares, OF_JOINTS, Square};
 use super::lumped_body::LumpedBody;
 use super::{EvaluationPoint, System};
 use crate::constraint::FoundationElement;
 use crate::constraint::joint::{JointGroup, MOST_VECTORS};
 use crate::element::{ElementGroup, Nodal, TangentRequest, TangentWeights};
+use crate::norm::larger;
 use crate::{Mat3, Vec3};
 
 /// Most degrees of freedom of a connection: those of eight nodal vectors and a body.

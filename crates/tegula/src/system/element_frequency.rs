@@ -15,6 +15,7 @@ use super::assembly::{ElementBlocks, pairs};
 use super::connection_frequency::{body_of, is_connection, is_joint};
 use crate::Vec3;
 use crate::element::{ElementGroup, Nodal};
+use crate::norm::larger;
 
 /// Largest number of degrees of freedom of an element.
 const LARGEST: usize = 24;
@@ -230,11 +231,6 @@ pub fn of_followers(system: &System, shares: &MassShares, mass: &[f64], u: &[Nod
         highest = larger(highest, square.bound(highest));
     }
     highest
-}
-
-/// Larger of two values; NaN if one of them is NaN.
-pub(super) fn larger(a: f64, b: f64) -> f64 {
-    if b.is_nan() { b } else { a.max(b) }
 }
 
 /// Symmetric matrix of one element, with space for its square.

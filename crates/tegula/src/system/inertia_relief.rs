@@ -88,21 +88,16 @@ impl System {
         let relief = self.inertia_relief.as_ref()?;
         let motion = Motion::State { u, velocity: None };
         let [shift, angular] = relief.acceleration(self, &motion, &self.applied_loads(&motion, time));
-        let moved: Vec<Nodal> = (0..3)
-            .map(|axis| {
-                let along = relief.field(self, &motion, &[Vec3::ith(axis, 1.0), Vec3::zeros()]);
-                let mut product = vec![[0.0; 3]; self.vectors()];
-                self.pattern.add_mass_product(1.0, &along, &mut product);
-                let arms: Vec<Nodal> = (0..self.vectors())
-                    .map(|v| match self.coordinates.kinds[v] {
-                        VectorKind::Position => current_vector(self, &motion, v).into(),
-                        _ => [0.0; 3],
-                    })
-                    .collect();
-                [super::dot(&product, &along), super::dot(&product, &arms), 0.0]
-            })
-            .collect();
-        let centre = Vec3::from_fn(|i, _| moved[i][1] / moved[i][0]);
+        // The mass matrix acts on the three components of nodal vectors alike: eᵀM q over eᵀM e, with e = 1 for positions.
+        let ones = relief.field(self, &motion, &[Vec3::repeat(1.0), Vec3::zeros()]);
+        let mut masses = vec![[0.0; 3]; self.vectors()];
+        self.pattern.add_mass_product(1.0, &ones, &mut masses);
+        let (mut total, mut centre) = (0.0, Vec3::zeros());
+        for (v, mass) in masses.iter().enumerate() {
+            total += mass[0] * ones[v][0];
+            centre += current_vector(self, &motion, v) * mass[0];
+        }
+        let centre = centre / total;
         Some(RigidAcceleration { linear: shift + angular.cross(&(centre - relief.about)), angular, centre })
     }
 

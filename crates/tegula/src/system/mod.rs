@@ -13,6 +13,7 @@ pub mod dof_map;
 mod drives;
 pub mod element_frequency;
 pub mod evaluation_point;
+mod force_laws;
 mod inertia_relief;
 mod inverted_element;
 mod local_frames;

@@ -3,8 +3,9 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::common::{Notes, move_in_time};
-use crate::multibody::{axis_joint, between, body, gravity, machine, pose, revolute, run, spin};
+use crate::multibody::{axis_joint, between, body, gravity, heavy_top, machine, pose, revolute, run, spin};
 use crate::patches::{hub, strip};
+use crate::spring_formulas::linear_spring;
 use crate::step_joints::{self, step};
 use tegula::analysis::{Silent, dynamics};
 use tegula::model::*;
@@ -145,12 +146,7 @@ fn a_free_body_keeps_angular_momentum_and_energy() {
 /// The heavy top of Géradin and Cardona: mass centre at 0.1 s by a Runge–Kutta method of order 8.
 #[test]
 fn a_heavy_top_is_of_second_order() {
-    let omega = [0.0, 150.0, -4.61538];
-    let top = RigidBody {
-        angular_velocity: omega,
-        velocity: Vec3::from(omega).cross(&Vec3::y()).into(),
-        ..body("top", [0.0, 1.0, 0.0], 15.0, Some([0.234375, 0.46875, 0.234375]))
-    };
+    let top = heavy_top();
     let tip = PointJoint { name: "tip".into(), between: between("ground", "top"), at: [0.0; 3] };
     let error = |step: f64| {
         let model = explicit(0.1, Some(step), vec![top.clone()], vec![Joint::Spherical(tip.clone())]);
@@ -364,15 +360,7 @@ fn stiff_springs_between_bodies_limit_the_step() {
     };
     let mut model =
         explicit(0.05, None, bodies, vec![slide("slide a", "a", 0.0), slide("slide b", "b", 1.0)]);
-    model.springs = vec![SpringDamper {
-        name: "spring".into(),
-        between: between("a", "b"),
-        points: [[0.0; 3], [1.0, 0.0, 0.0]],
-        stiffness: k,
-        damping: 0.0,
-        length: None,
-        force: None,
-    }];
+    model.springs = vec![linear_spring("spring", ["a", "b"], [[0.0; 3], [1.0, 0.0, 0.0]], k)];
     let critical = |model: &Model| {
         let (system, options) = (built(model), options(model));
         let outcome = dynamics::run(&system, options, None, &mut Notes::default()).unwrap();

@@ -97,6 +97,9 @@ fn a_model_falls_freely_without_strain() {
             "loads that inertia cancels everywhere"
         );
         assert!((found.linear - Vec3::new(3.0, -4.0, -9.81)).norm() < 1e-12, "{found:?}");
+        let exact = (Vec3::new(0.5 * LENGTH, 0.5 * WIDTH, 0.0) * MASS + Vec3::new(1.2, 0.0, 0.1) * 0.7)
+            / (MASS + 0.7);
+        assert!((found.centre - exact).norm() < 1e-9, "{found:?} {exact}");
         assert!(
             found.angular.norm() < 1e-12 && outcome.balance.strain < 1e-20,
             "{found:?} {:?}",

@@ -88,15 +88,20 @@ fn a_pendulum_swings_as_elliptic_functions_say() {
     assert!((x - Vec3::new(-0.2750874626, -0.9614192051, 0.0)).norm() < 1e-4, "{x:?}");
 }
 
-/// The heavy top of Géradin and Cardona on a spherical joint: mass centre at 0.1 s by a Runge–Kutta method of order 8.
-#[test]
-fn a_heavy_top_precesses_and_nutates() {
+/// The heavy top of M. Géradin and A. Cardona, *Flexible multibody dynamics* (2001), at its start.
+pub fn heavy_top() -> RigidBody {
     let omega = [0.0, 150.0, -4.61538];
-    let top = RigidBody {
+    RigidBody {
         angular_velocity: omega,
         velocity: Vec3::from(omega).cross(&Vec3::y()).into(),
         ..body("top", [0.0, 1.0, 0.0], 15.0, Some([0.234375, 0.46875, 0.234375]))
-    };
+    }
+}
+
+/// The heavy top of Géradin and Cardona on a spherical joint: mass centre at 0.1 s by a Runge–Kutta method of order 8.
+#[test]
+fn a_heavy_top_precesses_and_nutates() {
+    let top = heavy_top();
     let joint =
         Joint::Spherical(PointJoint { name: "tip".into(), between: between("ground", "top"), at: [0.0; 3] });
     let error = |step: f64| {

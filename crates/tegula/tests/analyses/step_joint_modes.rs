@@ -1,6 +1,7 @@
 //! Modes of analysis steps that release and lock joints.
 
 use crate::multibody::{between, body, gravity};
+use crate::spring_formulas::linear_spring;
 use crate::step_joints::{at_rest, step};
 use tegula::analysis::{Silent, State, modal, statics};
 use tegula::model::*;
@@ -30,14 +31,8 @@ fn omegas(model: &Model, number: usize) -> Vec<f64> {
 #[test]
 fn modes_with_locked_and_released_joints_are_those_with_fixed_ones_and_without() {
     let modes = |count| Analysis::Modal(ModalAnalysis::new(count));
-    let spring = |name: &str, body: &str, from: [f64; 3], to: [f64; 3], stiffness| SpringDamper {
-        name: name.into(),
-        between: between("ground", body),
-        points: [from, to],
-        stiffness,
-        damping: 0.0,
-        force: None,
-        length: None,
+    let spring = |name: &str, body: &str, from: [f64; 3], to: [f64; 3], stiffness| {
+        linear_spring(name, ["ground", body], [from, to], stiffness)
     };
     for joint in Joint::examples().into_iter().filter(Joint::can_be_locked) {
         let mut model = Model::of_bodies(
@@ -70,7 +65,7 @@ fn modes_with_locked_and_released_joints_are_those_with_fixed_ones_and_without()
         let with = |joints: Vec<Joint>, loaded: bool, released: &[&str], locked: &[&str]| {
             let mut model = Model { joints, ..model.clone() };
             if loaded {
-                // Below the limit point of these springs, at 1.9 times this weight.
+                // A small weight: far heavier loads bring these springs to a limit point.
                 model.loads = gravity([-1.0, 0.5, -1.5]);
                 model.steps =
                     vec![step("load", at_rest(), released, locked), AnalysisStep::new("modes", modes(6))];

@@ -17,6 +17,7 @@ mod geometry;
 mod harness;
 mod kernel;
 mod material;
+mod material_keys;
 mod membrane;
 mod patch;
 mod plies;

@@ -26,7 +26,7 @@ const NOTEWORTHY: f64 = 1e-6;
 pub(super) const CLOSED: f64 = 1e-9;
 
 /// Rate of a constraint that no motion makes vanish, over the largest rate of a drive, above which drives contradict each other.
-const DISAGREED: f64 = 1e-6;
+pub(super) const DISAGREED: f64 = 1e-6;
 
 /// Weights of the mass matrix with the augmented Lagrangian of the constraints, `M + Gᵀ γ G`.
 pub(super) fn mass_weights(system: &System) -> TangentWeights {

@@ -19,7 +19,7 @@ pub struct CriticalStep {
 impl CriticalStep {
     /// Estimator for a system with the lumped masses `mass`.
     pub fn new(system: &System, mass: &[f64]) -> Self {
-        let retardation = system.groups.iter().map(|g| g.retardation_time()).fold(0.0, f64::max);
+        let retardation = system.groups.iter().map(|g| g.retardation_time()).fold(0.0, larger);
         let shares = MassShares::new(system);
         Self { connections: Connections::new(system, &shares, mass), shares, retardation }
     }

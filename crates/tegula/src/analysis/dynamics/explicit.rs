@@ -147,6 +147,11 @@ impl<'a> Explicit<'a> {
         std::mem::swap(&mut self.loads, &mut self.loads_old);
         std::mem::swap(&mut self.reactions, &mut self.reactions_old);
         self.drift(state, dt, end)?;
+        let motion = Motion::Step { old: &self.u_old, new: &state.u, dt };
+        let step = EvaluationPoint::new(system, motion, end, &state.history);
+        if let Some(pole) = self.assembly.pole_in_step(system, &step, end - dt) {
+            return Err(pole);
+        }
 
         let velocity = self.damped.then_some(self.middle.as_slice());
         let motion = Motion::State { u: &state.u, velocity };

@@ -9,7 +9,7 @@
 //! Σ E_ij d⁰_i × d¹_j = Δt L½,   L½ = L₀ + ½ Δt T₀,   L₁ = L½ + ½ Δt T₁.
 //! ```
 //!
-//! So the drift of a step keeps the angular momentum in space, and the scheme is symplectic: energies vary about a mean, and do not
+//! Between two forces a step keeps the angular momentum in space, and the scheme is symplectic: energies vary about a mean, and do not
 //! drift. The three unknowns of the rotation are found by Newton's method. J. Moser, A. Veselov, Commun. Math. Phys. 139 (1991)
 //! 217–243; R. McLachlan, A. Zanna, *The discrete Moser–Veselov algorithm for the free rigid body, revisited*, Found. Comput. Math. 5
 //! (2005) 87–123.
@@ -93,11 +93,6 @@ impl Bodies {
     /// Nodal vectors that bodies move, ascending.
     pub fn carried(&self) -> &[u32] {
         &self.carried
-    }
-
-    /// Numbers of the free degrees of freedom of a body.
-    pub fn numbers(&self, body: usize) -> [u32; 6] {
-        self.list[body].numbers
     }
 
     /// Body of a free degree of freedom.
@@ -253,10 +248,10 @@ impl Bodies {
         }
     }
 
-    /// Adds the response of a body to a force on the free degrees of freedom to a field of rates.
-    pub fn add_response(&self, body: usize, force: &[f64], field: &mut [Nodal]) {
+    /// Adds a multiple of the response of a body to a force on the free degrees of freedom to a field of rates.
+    pub fn add_response(&self, body: usize, force: &[f64], factor: f64, field: &mut [Nodal]) {
         let [translation, rotation] = self.list[body].response(&self.wrench(body, force));
-        self.list[body].add_motion(translation, rotation, field);
+        self.list[body].add_motion(translation * factor, rotation * factor, field);
     }
 
     /// Changes the momenta of a body by an impulse on the free degrees of freedom, which acts at the start of the step.

@@ -183,7 +183,7 @@ impl Projection {
                 bodies.drift(system, body, dt, u)?;
             }
             system.dofs().carry(u);
-            self.clear(bodies);
+            self.clear();
         }
         let (_, worst) = self.values(system, (u, end));
         Err(open(system, worst))
@@ -227,7 +227,7 @@ impl Projection {
         self.spread();
         self.add(system, bodies, 1.0, v);
         self.add(system, bodies, -system.mass_damping, a);
-        self.clear(bodies);
+        self.clear();
     }
 
     /// Changes free accelerations of a state to those of the constrained motion, and finds its multipliers.
@@ -244,7 +244,7 @@ impl Projection {
         multipliers.copy_from_slice(&self.change);
         self.spread();
         self.add(system, bodies, 1.0, a);
-        self.clear(bodies);
+        self.clear();
     }
 
     /// Rates of the constraints at displacements `u`, in place of the right side.
@@ -278,40 +278,25 @@ impl Projection {
     }
 
     /// Adds a multiple of the response to the forces to a field of rates.
-    fn add(&mut self, system: &System, bodies: &Bodies, factor: f64, field: &mut [Nodal]) {
+    fn add(&self, system: &System, bodies: &Bodies, factor: f64, field: &mut [Nodal]) {
         if factor == 0.0 {
             return;
         }
-        if factor != 1.0 {
-            self.scale(bodies, factor);
-        }
         for &v in &self.nodes {
             let change = self.node(v as usize);
-            (0..3).for_each(|i| field[v as usize][i] += change[i]);
+            (0..3).for_each(|i| field[v as usize][i] += factor * change[i]);
         }
         for &body in &self.bodies {
-            bodies.add_response(body, &self.free, field);
+            bodies.add_response(body, &self.free, factor, field);
         }
         system.dofs().carry(field);
     }
 
-    /// Multiplies the forces; a factor of zero clears values that are no numbers, too.
-    fn scale(&mut self, bodies: &Bodies, factor: f64) {
-        let times = |x: f64| if factor == 0.0 { 0.0 } else { factor * x };
-        let Self { free, .. } = self;
-        for number in
-            self.nodes.iter().flat_map(|&v| self.frames.of(v as usize)).filter(|n| *n != CONSTRAINED)
-        {
-            free[number as usize] = times(free[number as usize]);
-        }
-        for number in self.bodies.iter().flat_map(|&b| bodies.numbers(b)) {
-            free[number as usize] = times(free[number as usize]);
-        }
-    }
-
     /// Clears the forces.
-    fn clear(&mut self, bodies: &Bodies) {
-        self.scale(bodies, 0.0);
+    fn clear(&mut self) {
+        for gradient in &self.gradients {
+            gradient.iter().for_each(|&(number, _)| self.free[number as usize] = 0.0);
+        }
     }
 
     /// Number of constraints that follow from others at the last state.

@@ -1,15 +1,12 @@
 //! Consistent start of explicit steps: velocities that keep joints closed, accelerations and multipliers.
 
-use super::constrained_start::{CLOSED, account_for_impact, message_of_change};
+use super::constrained_start::{CLOSED, DISAGREED, account_for_impact, message_of_change};
 use super::explicit::Explicit;
 use super::explicit_joints::{Projection, Side};
 use crate::analysis::constraints::Rates;
 use crate::analysis::{State, equilibrium};
 use crate::system::System;
 use crate::{Error, Result};
-
-/// Rate of a constraint that no motion makes vanish, over the largest rate of a drive, above which drives contradict each other.
-const DISAGREED: f64 = 1e-6;
 
 /// Messages of the start of an analysis.
 #[derive(Debug, Default)]

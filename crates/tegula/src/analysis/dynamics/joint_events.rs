@@ -10,6 +10,7 @@
 use super::Integrator;
 use super::break_away::BreakAway;
 use super::joint_modes::{CONTACT, moving, stands_beyond, stop_at};
+use super::tracked_coordinate::{EVENTS, Event, RESTING, SIDES, SPEED, Tracked};
 use super::{stick_slip, triads};
 use crate::Vec3;
 use crate::analysis::State;
@@ -21,18 +22,12 @@ use crate::error::Result;
 use crate::norm::larger;
 use crate::system::{System, VectorKind};
 
-/// Velocity over that at the start of the step below which a sliding coordinate has come to rest.
-const AT_REST: f64 = 1e-9;
 /// Factor of this limit where another coordinate comes to rest at the same time.
 const TOGETHER: f64 = 100.0;
-/// Distance from a stop over the size of the coordinate at which it is reached.
-const REACHED: f64 = 1e-11;
 /// Excess of a multiplier over its limit that is round-off.
 const EXCESS: f64 = 1e-9;
 /// Force over its limit from which on it is asked how several coordinates that friction holds share their forces.
 const NEAR_LIMIT: f64 = 0.8;
-/// Velocity over that of the fastest part of the model so far, below which a coordinate is at rest at the start or at a stop.
-const RESTING: f64 = 1e-10;
 /// Step over the one first tried below which the event at its end is located.
 const LOCATED: f64 = 1e-12;
 /// Most looks for the joints that slide, of those at rest, in one attempt at a step: the limits follow the reactions.
@@ -50,63 +45,6 @@ pub(super) enum Review {
     Repeat(f64),
     /// No mode fits.
     Contradiction(String),
-}
-
-/// Event functions of a relative coordinate: speed along the direction of friction, distance from the lower and from the upper stop. All
-/// are positive in a step that its modes fit.
-const SPEED: usize = 0;
-const EVENTS: usize = 3;
-
-/// Stop that an event reaches: −1 the lower one, 1 the upper one, 0 for rest.
-const SIDES: [f64; EVENTS] = [0.0, -1.0, 1.0];
-
-/// Event function at the start and at the end of a step.
-#[derive(Debug, Clone, Copy)]
-struct Event {
-    /// Infinite where the event cannot be located in the step.
-    start: f64,
-    end: f64,
-    /// Size of values that count as zero.
-    tolerance: f64,
-}
-
-impl Event {
-    const NONE: Self = Self { start: f64::INFINITY, end: f64::INFINITY, tolerance: 0.0 };
-
-    fn has_passed(&self) -> bool {
-        self.end < -self.tolerance
-    }
-}
-
-/// A relative coordinate in the present step.
-struct Tracked {
-    /// Index of the joint.
-    joint: usize,
-    /// Rate at the start.
-    rate: f64,
-    /// Whether the coordinate turns back at the start: it goes on against the direction in which it has come there.
-    turns: bool,
-    /// Whether the mode has been changed in this step.
-    changed: bool,
-    /// Whether it is at rest at the start, where friction alone decides about its motion.
-    at_rest: bool,
-    /// Whether it has been chosen to stick and may yet be found at its limit: of several joints on one motion, which share the force that
-    /// holds it in no unique way.
-    shares: bool,
-    /// Friction at its limit at the last look, and the force that holds the coordinate.
-    limit: f64,
-    force: f64,
-    /// Mean rate in the step without friction, beside which the round-off of a coordinate that others hold is small.
-    free_rate: f64,
-    /// Stop that the coordinate leaves at the start, −1 or 1; 0 for none.
-    left: f64,
-    /// Stop that the coordinate has reached at the end of the step, −1 or 1; 0 where it has come to rest.
-    reached: Option<f64>,
-    events: [Event; EVENTS],
-    /// Values of the event functions at both ends of the search.
-    bracket: [[f64; EVENTS]; 2],
-    /// Search for the time at which friction reaches its limit.
-    break_away: Option<BreakAway>,
 }
 
 /// Search for the end of a step at its first event: the bracket of the Illinois method.
@@ -542,42 +480,6 @@ impl JointEvents {
         }
         let bisects = search.repeats % 4 == 0 || !(next > low && next < high);
         Some(if bisects { 0.5 * (low + high) } else { next })
-    }
-}
-
-impl Tracked {
-    /// Rate at the end of the step that is that of rest.
-    fn rests_below(&self, trial: &CoordinateState) -> f64 {
-        RESTING * larger(trial.fastest, self.free_rate)
-    }
-
-    /// Values of the event functions of a coordinate that moves, whose velocity has a direction with friction, from the values at the
-    /// start and the end of a step of length `h` and the rate at its end, which is 0 where it is below `rests`.
-    fn find_events(
-        &mut self,
-        law: &CoordinateLaw,
-        (direction, rests): (f64, f64),
-        (values, rate): ([f64; 2], f64),
-        h: f64,
-    ) {
-        if direction != 0.0 {
-            let [start, end] = [direction * self.rate, direction * rate];
-            self.events[SPEED] = match self.changed || self.at_rest {
-                true => Event { start: f64::INFINITY, end, tolerance: rests },
-                false => Event { start, end, tolerance: larger(AT_REST * start.abs(), rests) },
-            };
-        }
-        for (event, (bound, side)) in self.events[1..].iter_mut().zip(law.stops.into_iter().zip([-1.0, 1.0]))
-        {
-            let [start, end] = values.map(|value| side * (bound - value) / law.row.size);
-            // Where the coordinate leaves the stop, the mean velocity has no root at the start.
-            let speed = -side * self.rate / law.row.size;
-            *event = match start <= CONTACT && speed >= 0.0 {
-                true if speed > 0.0 => Event { start: speed, end: end / h, tolerance: AT_REST * speed },
-                true => Event { start: f64::INFINITY, end, tolerance: REACHED },
-                false => Event { start, end, tolerance: REACHED },
-            };
-        }
     }
 }
 

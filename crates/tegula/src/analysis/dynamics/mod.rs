@@ -29,6 +29,7 @@ pub mod step_control;
 mod step_end;
 mod stick_slip;
 mod time_steps;
+mod tracked_coordinate;
 pub(crate) mod triads;
 
 use super::newton::{Equation, Newton, Tolerances};

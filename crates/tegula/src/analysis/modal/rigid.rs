@@ -353,7 +353,7 @@ fn modes_of_part(rows: &Six, mass: &Six) -> Vec<[f64; MOTIONS]> {
     let eigen = reduced.symmetric_eigen();
     let mut order: Vec<usize> = (0..free.len()).collect();
     order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
-    let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
+    let largest = eigen.eigenvalues.iter().copied().fold(0.0, larger);
     let motion = |k: usize| {
         let value = eigen.eigenvalues[k];
         (value > FREE * largest).then(|| {

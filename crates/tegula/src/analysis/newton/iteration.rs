@@ -416,7 +416,7 @@ fn limit_rotation(system: &System, turn: f64, increment: &mut [Nodal]) {
         let length = if *kind == VectorKind::Position { system.length } else { 1.0 };
         dot(&[*d], &[*d]).sqrt() / length
     };
-    let largest = increment.iter().zip(&system.coordinates.kinds).map(size).fold(0.0, f64::max);
+    let largest = increment.iter().zip(&system.coordinates.kinds).map(size).fold(0.0, crate::norm::larger);
     if largest > turn {
         increment.iter_mut().for_each(|d| *d = d.map(|x| x * (turn / largest)));
     }

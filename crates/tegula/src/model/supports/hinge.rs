@@ -24,7 +24,7 @@ impl SupportKind for Hinge {
             return;
         }
         let axis = axis.normalize();
-        let off = nodes.iter().map(|x| (x - a).cross(&axis).norm()).fold(0.0, f64::max);
+        let off = nodes.iter().map(|x| (x - a).cross(&axis).norm()).fold(0.0, crate::norm::larger);
         if off > 1e-3 * extent {
             c.add(
                 key,
