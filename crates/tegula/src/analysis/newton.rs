@@ -151,6 +151,8 @@ pub struct Newton<S = SparseLdlt> {
     internal: Vec<Nodal>,
     residual: Vec<Nodal>,
     increment: Vec<Nodal>,
+    /// First increment of the last iteration, before the step limiter: the response of the step's start to the change of the loads.
+    pub first_response: Vec<Nodal>,
     right_side: Vec<f64>,
     solution: Vec<f64>,
     increments: Increments,
@@ -225,6 +227,7 @@ impl<S: TangentSolver> Newton<S> {
             internal: vec![[0.0; 3]; n],
             residual: vec![[0.0; 3]; n],
             increment: vec![[0.0; 3]; n],
+            first_response: vec![[0.0; 3]; n],
             right_side: vec![0.0; system.unknowns()],
             solution: vec![0.0; system.unknowns()],
             increments: Increments::default(),

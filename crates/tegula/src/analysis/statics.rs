@@ -17,6 +17,7 @@ use crate::{Error, Result, Vec3};
 
 use tegula_sparse::norm::{larger, max_norm};
 
+use crate::system::inertia_relief::KEY as RELIEF;
 use load_steps::LoadSteps;
 pub use load_steps::first_state;
 
@@ -110,9 +111,17 @@ pub fn released_reactions(system: &System) -> Option<Vec<Nodal>> {
     system.start.as_ref()?;
     let first = State { time: system.first_load_factor(), ..State::first(system) };
     let mut assembly = Assembly::for_forces(system);
-    let (mut out, size) = unbalanced(system, &mut assembly, &first.point(system));
+    let point = first.point(system);
+    let (mut out, size) = unbalanced(system, &mut assembly, &point);
+    // Inertia relief balances the released reactions, too: they are what the loads alone leave.
+    system.add_inertia_relief(&point.motion, point.time, 1.0, &mut out);
     let mut supported = vec![[0.0; 3]; out.len()];
     assembly.frames.constrained_part(&out, &mut supported);
+    // Supports of inertia relief carry nothing.
+    for support in system.supports.iter().filter(|support| support.key == RELIEF) {
+        let force = &mut supported[support.vector as usize];
+        *force = (Vec3::from(*force) - support.direction * support.direction.dot(&Vec3::from(*force))).into();
+    }
     for (out, supported) in out.as_flattened_mut().iter_mut().zip(supported.as_flattened()) {
         *out -= supported;
     }

@@ -362,7 +362,12 @@ impl<'a> Compiler<'a> {
             && model.beams.is_empty();
         if matches!(model.analysis, Analysis::Static(_)) && alone {
             if model.foundations.is_empty() {
-                issues.extend(mechanism::mechanisms(mesh, &vectors.coordinates, &supports));
+                // Supports of inertia relief are chosen where the step starts, and the others hold there as in the reference.
+                let mut coordinates = Arc::clone(&vectors.coordinates);
+                if inertia_relief.is_some() {
+                    Arc::make_mut(&mut coordinates).reference = self.current(start.as_ref());
+                }
+                issues.extend(mechanism::mechanisms(mesh, &coordinates, &supports));
             }
             issues.extend(patches::spinning(&vectors.coordinates));
         }
@@ -449,6 +454,7 @@ impl<'a> Compiler<'a> {
             wanted_times: model.output.at.clone(),
         };
         issues.extend(check::masses(model, &system));
+        issues.extend(relief::without_mass(&system));
         if let Some(scheme) = explicit_scheme(&model.analysis).filter(|_| issues.is_empty()) {
             // Before gravity is found: bodies of lumped mass shall fall without rotation.
             issues.extend(lumping::lump(&mut system, &added, scheme.scale_director_inertia));

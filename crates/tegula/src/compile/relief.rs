@@ -6,11 +6,11 @@ use crate::Vec3;
 use crate::element::Nodal;
 use crate::model::joint::GROUND;
 use crate::model::{Analysis, LinearSolver, Load, Model, StaticAnalysis};
+use crate::norm::larger;
+pub(super) use crate::system::inertia_relief::KEY;
 use crate::system::supports::Support;
-use crate::system::{Coordinates, InertiaRelief, VectorKind};
+use crate::system::{Coordinates, InertiaRelief, System, VectorKind};
 
-/// Key of the analysis.
-pub(super) const KEY: &str = "analysis.inertia_relief";
 /// Name of the inertia forces among the loads, and of the added supports among the supports.
 pub(super) const NAME: &str = "inertia_relief";
 /// Square of a velocity over the largest one that is round-off.
@@ -118,6 +118,20 @@ fn without(motions: &[nalgebra::Vector6<f64>], row: &nalgebra::Vector6<f64>) -> 
         }
     }
     out
+}
+
+/// Refuses inertia relief of a model without mass, or without moment of inertia, along a motion that its supports leave.
+pub(super) fn without_mass(system: &System) -> Option<Issue> {
+    let relief = system.inertia_relief.as_ref()?;
+    let masses = relief.masses(system).symmetric_eigenvalues();
+    let largest = masses.iter().copied().fold(0.0, larger);
+    masses.iter().any(|mass| !(*mass > ROUND_OFF * largest)).then(|| {
+        Issue::new(
+            KEY,
+            "the model has no mass that balances its loads along one of its rigid motions",
+            "give materials a density, sections a `total_mass`, or bodies a mass and `inertia`",
+        )
+    })
 }
 
 /// Parts of a model that inertia relief cannot have.

@@ -167,7 +167,7 @@ impl SpringLaw {
         let x = position - self.free;
         let Partials { value, by_position, .. } = formula.formula.partials([x, 0.0, time]);
         let flat = if x == 0.0 { 0.0 } else { FLAT * (value / x).abs() };
-        (by_position <= flat).then(|| {
+        (by_position.is_finite() && by_position <= flat).then(|| {
             format!(
                 "the force law {} of {} has the stiffness {by_position:.3e} at x = {x:.6e}: its force does not grow there",
                 formula.formula.quoted(),

@@ -16,6 +16,9 @@ use super::{System, VectorKind};
 use crate::Vec3;
 use crate::element::{Motion, Nodal};
 
+/// Key of the analysis that asks for inertia relief, and of the supports that it adds.
+pub const KEY: &str = "analysis.inertia_relief";
+
 /// Rigid motions along which inertia forces balance the loads.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InertiaRelief {
@@ -51,11 +54,9 @@ impl InertiaRelief {
         (0..system.vectors()).map(of).collect()
     }
 
-    /// Rigid acceleration under loads, as translation and rotation about [`about`](Self::about).
-    fn acceleration(&self, system: &System, motion: &Motion, loads: &[Nodal]) -> [Vec3; 2] {
-        let fields: Vec<_> = self.motions.iter().map(|rigid| self.field(system, motion, rigid)).collect();
-        let k = fields.len();
-        let mut mass = nalgebra::DMatrix::zeros(k, k);
+    /// Mass matrix RᵀM R of the rigid motions in a configuration with these fields.
+    fn mass(system: &System, fields: &[Vec<Nodal>]) -> nalgebra::DMatrix<f64> {
+        let mut mass = nalgebra::DMatrix::zeros(fields.len(), fields.len());
         let mut product = vec![[0.0; 3]; system.vectors()];
         for (j, field) in fields.iter().enumerate() {
             product.fill([0.0; 3]);
@@ -64,7 +65,23 @@ impl InertiaRelief {
                 mass[(i, j)] = super::dot(other, &product);
             }
         }
-        let resultant = nalgebra::DVector::from_fn(k, |i, _| super::dot(&fields[i], loads));
+        mass
+    }
+
+    /// Mass matrix of the rigid motions where the step starts, whose rotations are over the size of the model.
+    pub fn masses(&self, system: &System) -> nalgebra::DMatrix<f64> {
+        let start = system.start.as_ref().map(|start| start.u.clone());
+        let u = start.unwrap_or_else(|| vec![[0.0; 3]; system.vectors()]);
+        let motion = Motion::State { u: &u, velocity: None };
+        let fields: Vec<_> = self.motions.iter().map(|rigid| self.field(system, &motion, rigid)).collect();
+        Self::mass(system, &fields)
+    }
+
+    /// Rigid acceleration under loads, as translation and rotation about [`about`](Self::about).
+    fn acceleration(&self, system: &System, motion: &Motion, loads: &[Nodal]) -> [Vec3; 2] {
+        let fields: Vec<_> = self.motions.iter().map(|rigid| self.field(system, motion, rigid)).collect();
+        let mass = Self::mass(system, &fields);
+        let resultant = nalgebra::DVector::from_fn(fields.len(), |i, _| super::dot(&fields[i], loads));
         // A model without mass along one of its motions has been refused.
         let shares = mass.cholesky().map_or(resultant.clone() * f64::NAN, |factor| factor.solve(&resultant));
         let mut out = [Vec3::zeros(); 2];

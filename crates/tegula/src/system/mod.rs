@@ -14,7 +14,7 @@ mod drives;
 pub mod element_frequency;
 pub mod evaluation_point;
 mod force_laws;
-mod inertia_relief;
+pub(crate) mod inertia_relief;
 mod inverted_element;
 mod local_frames;
 pub mod lumped_body;

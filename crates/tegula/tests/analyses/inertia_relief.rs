@@ -108,6 +108,57 @@ fn a_model_falls_freely_without_strain() {
     }
 }
 
+/// The acceleration of the centre of mass is force over mass where a body carries an edge off its place, too.
+#[test]
+fn a_body_beside_its_patch_accelerates_by_force_over_mass() {
+    for linear in [true, false] {
+        let mut m = strip([2, 1], linear);
+        let hub = RigidBody { mass: None, inertia: None, ..body("hub", [-0.1, 0.25, 0.05], 1.0, None) };
+        m.bodies = vec![RigidBody { attached: vec!["u_min".into()], ..hub }];
+        m.loads = vec![Load::Force(vector_load("hub", [1.0, 2.0, 30.0]))];
+        let (_, system, outcome) = solve(&m);
+        let (found, reaction) = acceleration(&system, &outcome.state);
+        let error = found.linear * MASS - Vec3::new(1.0, 2.0, 30.0);
+        assert!(error.norm() < 1e-9 && reaction < 1e-9, "{found:?} {reaction}");
+    }
+}
+
+/// Behind a step with a clamp its release is balanced from the start, also where the strip has bent by more than half a right angle. The
+/// loads end in the state that inertia relief alone finds; where the clamp has turned the strip under them, this is another one.
+#[test]
+fn inertia_relief_goes_on_from_a_clamped_step() {
+    for (line_load, turns) in [(20.0, false), (2e4, true)] {
+        let mut m = strip([8, 2], false);
+        let relief = m.analysis.clone();
+        let load = || vec![edge("u_max", [0.0, 0.0, line_load])];
+        m.loads = load();
+        let alone = solve(&m).2.balance.strain;
+        let clamp = Condition::Clamp(OnSet { on: "u_min".into() });
+        let first = AnalysisStep::new("clamped", Analysis::Static(StaticAnalysis::default()));
+        let second = AnalysisStep { loads: load(), ..AnalysisStep::new("free", relief.clone()) };
+        m.steps = vec![AnalysisStep { loads: load(), conditions: vec![clamp], ..first }, second];
+        m.loads.clear();
+        let mesh = tegula::mesh::generators::generate(&m.mesh).unwrap();
+        let compiler = tegula::compile::Compiler::new(&m, &mesh).unwrap();
+        let system = compiler.system(0, None).unwrap();
+        let bent =
+            statics::run(&system, &StaticAnalysis::default(), None, &mut Notes::default()).unwrap().state;
+        let end = displacement(&mesh, &system, &bent.u, "u_max_v_min");
+        assert_eq!(end.z > 0.5 * LENGTH, turns, "{end}");
+        let free = compiler.system(1, Some(bent.end_of_step())).unwrap();
+        let Analysis::Static(options) = &relief else { panic!() };
+        let held = |state: &State| {
+            let forces = ReactionFinder::new(&free, None).find(&free, None, state);
+            let sizes = forces.supports.iter().map(|support| support.force.norm());
+            sizes.fold(0.0, tegula::norm::larger) / (line_load * WIDTH)
+        };
+        assert!(held(&statics::first_state(&free, options)) < 1e-6);
+        let end = statics::run(&free, options, None, &mut Notes::default()).unwrap();
+        assert!(held(&end.state) < 1e-8);
+        assert!(turns || (end.balance.strain / alone - 1.0).abs() < 1e-3, "{} {alone}", end.balance.strain);
+    }
+}
+
 /// A force that bends a free strip by a quarter of its length, off its axis: neither forces nor moments reach the added supports, and
 /// the energy is that of the same model anywhere else.
 #[test]
@@ -213,6 +264,10 @@ fn parts_that_hold_a_model_with_inertia_relief_are_refused() {
     let jointed =
         |m: &mut Model| m.joints = vec![crate::multibody::spherical("ground", "u_min_v_min", [0.0; 3])];
     assert!(message(&jointed).contains("the joint \"ground-u_min_v_min\" holds the model at the ground"));
+    let massless = |m: &mut Model| {
+        m.materials.insert("m".into(), Material::Isotropic(Isotropic::new(YOUNG, 0.0, 0.0)));
+    };
+    assert!(message(&massless).contains("no mass that balances its loads"));
     let iterative = |m: &mut Model| {
         let Analysis::Static(options) = &mut m.analysis else { panic!() };
         options.linear_solver = LinearSolver::Iterative;

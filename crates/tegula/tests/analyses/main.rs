@@ -37,6 +37,7 @@ mod integrators;
 mod iterative_statics;
 mod joint_friction;
 mod joint_reactions;
+mod joint_snaps;
 mod joint_stops;
 mod kinematics;
 mod lagged_tangent;

@@ -495,3 +495,15 @@ fn laws_of_callers_are_asked_for_everything() {
     assert_eq!(pairs[0].1, Law::Own(OwnLaw(steel)));
     assert_ne!(pairs[0].1, Law::Own(OwnLaw(Arc::new(STEEL))));
 }
+
+#[test]
+fn every_material_is_read_as_it_is_written_and_has_the_word_of_the_model_file() {
+    for material in Material::examples() {
+        println!("contract: material {}", material.kind());
+        let written = serde_json::to_value(&material).unwrap();
+        assert_eq!(written["type"], material.kind(), "{material:?}");
+        assert_eq!(serde_json::from_value::<Material>(written).unwrap(), material);
+        assert_eq!(tegula::compile::check::material(&material, "m"), [], "{material:?}");
+        assert_eq!(material.law_3d().is_linear(), material.is_linear(), "{material:?}");
+    }
+}

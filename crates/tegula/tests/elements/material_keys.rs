@@ -114,18 +114,6 @@ fn orthotropic_constants_at_the_end_of_their_range_are_refused() {
     }
 }
 
-#[test]
-fn every_material_is_read_as_it_is_written_and_has_the_word_of_the_model_file() {
-    for material in Material::examples() {
-        println!("contract: material {}", material.kind());
-        let written = serde_json::to_value(&material).unwrap();
-        assert_eq!(written["type"], material.kind(), "{material:?}");
-        assert_eq!(serde_json::from_value::<Material>(written).unwrap(), material);
-        assert_eq!(tegula::compile::check::material(&material, "m"), [], "{material:?}");
-        assert_eq!(material.law_3d().is_linear(), material.is_linear(), "{material:?}");
-    }
-}
-
 /// A strength is a positive number, and the Tsai–Wu surface is closed for |F12*| < 1 only (Tsai and Wu 1971, eq. 11).
 #[test]
 fn strengths_at_the_end_of_their_range_are_refused() {

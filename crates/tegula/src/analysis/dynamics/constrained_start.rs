@@ -6,15 +6,16 @@
 //! [ G  0  ] [ λ ] = [ −Ġ v      ].
 //! ```
 
+use super::joint_events::speed;
 use super::joint_modes::moving;
 use super::project_rates;
-use crate::analysis::State;
 use crate::analysis::constraints::{Constraints, Rates};
 use crate::analysis::newton::Newton;
+use crate::analysis::{State, equilibrium};
 use crate::constraint::{CoordinateMode, Joint};
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::error::{Error, Result};
-use crate::norm::larger;
+use crate::norm::{larger, max_norm};
 use crate::system::assembly::TangentCoefficients;
 use crate::system::{Assembly, System};
 use tegula_sparse::SparseLdlt;
@@ -27,6 +28,9 @@ pub(super) const CLOSED: f64 = 1e-9;
 
 /// Rate of a constraint that no motion makes vanish, over the largest rate of a drive, above which drives contradict each other.
 pub(super) const DISAGREED: f64 = 1e-6;
+
+/// Rate of a constraint over its size and the largest velocity or acceleration of the model that is round-off.
+const ROUND_OFF: f64 = 1e-12;
 
 /// Weights of the mass matrix with the augmented Lagrangian of the constraints, `M + Gᵀ γ G`.
 pub(super) fn mass_weights(system: &System) -> TangentWeights {
@@ -190,12 +194,16 @@ pub(super) fn agreed(system: &System, newton: &mut Newton, state: &State, order:
     let largest = drives().map(|(_, rate)| rate).fold(0.0, larger);
     let Some(constraints) = newton.constraints.as_mut().filter(|_| largest > 0.0) else { return Ok(()) };
     let motion = Motion::State { u: &state.u, velocity: None };
+    let smallest = ROUND_OFF * free_rate(system, state, order);
     let rates = match order {
         Order::First => Rates::First(&state.v),
         Order::Second => Rates::Second(&state.v, &state.a),
     };
     let rates = constraints.rates(system, (&motion, state.time), rates);
-    let open = |joint: &&Joint| rates[joint.multipliers()].iter().any(|r| !(r.abs() <= DISAGREED * largest));
+    let open = |joint: &&Joint| {
+        let sizes = joint.rows.iter().map(|row| larger(DISAGREED * largest, smallest * row.size));
+        rates[joint.multipliers()].iter().zip(sizes).any(|(r, limit)| !(r.abs() <= limit))
+    };
     if !system.joints.iter().any(|joint| open(&joint)) {
         return Ok(());
     }
@@ -209,6 +217,17 @@ pub(super) fn agreed(system: &System, newton: &mut Newton, state: &State, order:
         ),
         "leave out drives of the same motion, or joints that prevent it",
     ))
+}
+
+/// Velocity of a model, or the acceleration that its loads would give it without joints, whose round-off the rate of a drive that hardly
+/// moves is not told from [1/time, 1/time²].
+fn free_rate(system: &System, state: &State, order: Order) -> f64 {
+    if order == Order::First {
+        return speed(system, &state.v);
+    }
+    let (loads, mass) = (equilibrium::external(system, &state.point(system)), system.total_mass());
+    let loaded = if mass > 0.0 { max_norm(loads.as_flattened()) / (mass * system.length) } else { 0.0 };
+    larger(speed(system, &state.a), loaded)
 }
 
 /// Accelerations and multipliers at the start from the `forces` on all nodal vectors. Coordinates that friction holds move where drives make

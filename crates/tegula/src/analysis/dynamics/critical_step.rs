@@ -14,6 +14,8 @@ pub struct CriticalStep {
     connections: Connections,
     /// Retardation time of the strain-rate damping (time).
     retardation: f64,
+    /// Largest damping over mass of springs and bushings at the last state \[1/time\].
+    pub damping: f64,
 }
 
 impl CriticalStep {
@@ -21,7 +23,7 @@ impl CriticalStep {
     pub fn new(system: &System, mass: &[f64]) -> Self {
         let retardation = system.groups.iter().map(|g| g.retardation_time()).fold(0.0, larger);
         let shares = MassShares::new(system);
-        Self { connections: Connections::new(system, &shares, mass), shares, retardation }
+        Self { connections: Connections::new(system, &shares, mass), shares, retardation, damping: 0.0 }
     }
 
     /// Lower bound of the critical time step at a state with the lumped masses `mass` (time).
@@ -41,6 +43,7 @@ impl CriticalStep {
         });
         let loads = of_followers(system, &self.shares, mass, &state.u, state.time);
         let bounds = self.connections.bounds(system, (&self.shares, mass), (&k, &state.u));
+        self.damping = bounds.damping;
         let omega = (larger(highest, bounds.stiffness) + loads).sqrt();
         if omega == 0.0 {
             return 2.0 / bounds.damping;

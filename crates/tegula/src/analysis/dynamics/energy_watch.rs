@@ -44,6 +44,11 @@ fn work_of_round_off(system: &System, state: &State) -> f64 {
     ROUND_OFF * loads.iter().zip(&system.coordinates.kinds).map(work).sum::<f64>()
 }
 
+/// Whether an error of the energy is that of a model which is held at rest, up to round-off.
+pub(super) fn is_round_off(system: &System, (state, dt): (&State, f64), error: f64) -> bool {
+    error <= energy_of_round_off(system, dt) || error <= work_of_round_off(system, state)
+}
+
 /// Reports that a motion gains energy, each time that the gain has grown.
 pub(super) struct EnergyWatch {
     /// Lowest sum that an exact integration keeps constant, so far.
@@ -107,10 +112,7 @@ pub(super) fn keeps_energy(
     };
     let cause = if conserves { "" } else { "the time steps are too long for the scheme, or " };
     let (change, limit) = if conserves { (gain.abs(), LOST) } else { (gain, gained) };
-    if change <= limit * scale
-        || change <= energy_of_round_off(system, span.dt)
-        || change <= work_of_round_off(system, state)
-    {
+    if change <= limit * scale || is_round_off(system, (state, span.dt), change) {
         return Ok(());
     }
     let springs = if system.springs.is_empty() && system.torsion_springs.is_empty() {

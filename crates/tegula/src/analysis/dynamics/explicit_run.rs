@@ -2,6 +2,7 @@
 
 use super::amplitude_check::AmplitudeCheck;
 use super::critical_step::CriticalStep;
+use super::energy_watch::is_round_off;
 use super::explicit::Explicit;
 use super::explicit_start::{self, Messages};
 use super::fibre_watch::FibreWatch;
@@ -39,8 +40,13 @@ const BLOW_UP: f64 = 100.0;
 
 /// Rotation of a body in a step (rad), and the one at which the step is chosen anew. Bodies without springs have no critical step: the
 /// step is that which resolves their motion.
-const ROTATION: f64 = 0.05;
-const MOST_ROTATION: f64 = 0.08;
+const ROTATION: f64 = 0.0125;
+const MOST_ROTATION: f64 = 0.02;
+/// Steps between two breaks of amplitudes, and in the whole analysis, where nothing else limits the step of a model with bodies.
+const RESOLVED: f64 = 20.0;
+const FEWEST: f64 = 500.0;
+/// Damping over mass times the step: the damping of the half step lags, which the balance of energies notices.
+const DAMPED: f64 = 0.1;
 
 /// Displacement of a negligible motion in the whole analysis, over the size of the model.
 const UNSEEN: f64 = 1e-9;
@@ -60,12 +66,20 @@ struct EnergyMonitor {
 impl EnergyMonitor {
     /// Error of the energy balance over the largest energy so far, and a message where the motion is unstable or the
     /// balance violated.
-    fn check(&mut self, balance: &Balance, scheme: &Explicit, state: &State) -> (f64, Option<String>) {
+    fn check(
+        &mut self,
+        system: &System,
+        balance: &Balance,
+        (scheme, state): (&Explicit, &State),
+    ) -> (f64, Option<String>) {
         let stored = balance.kinetic + balance.strain;
         self.given = self.given.max(self.first + balance.work.abs() + balance.potential.abs());
         let missing = balance.total - state.swing - self.total;
         let scale = state.energy_scale.max(self.unseen);
-        let error = if missing == 0.0 { 0.0 } else { missing.abs() / scale };
+        let mut error = if missing == 0.0 { 0.0 } else { missing.abs() / scale };
+        if error > BROKEN && is_round_off(system, (state, state.last_step), missing.abs()) {
+            error = 0.0;
+        }
         let place = || scheme.fastest(state);
         let reason = if !stored.is_finite() || !error.is_finite() {
             Some(format!("the energy is no longer finite, first at {}", place()))
@@ -76,7 +90,7 @@ impl EnergyMonitor {
                 self.given,
                 place()
             ))
-        } else if missing.abs() > BROKEN * (scale + state.dissipated) {
+        } else if error > 0.0 && missing.abs() > BROKEN * (scale + state.dissipated) {
             Some(format!(
                 "the energy balance is violated by {missing:.2e}, where the kinetic or strain energy has reached {:.2e}; {} \
                  has the largest kinetic energy",
@@ -196,7 +210,10 @@ impl<'a> ExplicitSteps<'a> {
             remember(state);
             fibres.take(system, &state.u);
             let largest = options.max_step.unwrap_or(options.end_time);
-            let resolved = ROTATION / scheme.rate(state);
+            let bodies = !system.coordinates.bodies.is_empty();
+            let gap = (self.ends.shortest_gap() / RESOLVED).min(options.end_time / FEWEST);
+            let resolved = (ROTATION / scheme.rate(state)).min(if bodies { gap } else { f64::INFINITY });
+            let resolved = resolved.min(DAMPED / critical.damping);
             state.next_step = options.time_step.unwrap_or((SAFETY * step).min(resolved).min(largest));
         }
         if let Some(wanted) = options.time_step.filter(|&wanted| wanted > step && !self.warned) {
@@ -269,7 +286,7 @@ impl<'a> ExplicitSteps<'a> {
         let Self { system, scheme, state, balance, monitor, statistics, drilling, .. } = self;
         *balance = super::balance(system, &mut scheme.assembly, state);
         state.energy_scale = state.energy_scale.max(balance.kinetic).max(balance.strain);
-        let (error, broken) = monitor.check(balance, scheme, state);
+        let (error, broken) = monitor.check(system, balance, (scheme, state));
         statistics.energy_error = statistics.energy_error.max(error);
         if let Some(reason) = broken {
             return Err(self.unstable(reason));
@@ -353,7 +370,7 @@ fn unstable(state: &State, options: &TransientAnalysis, statistics: &Statistics,
              below {safe:.3e}, or look at loads, initial velocities and units."
         ),
         _ => format!(
-            "The last step was {step:.3e}; it is certainly stable below {critical:.3e}, so it is hardly the cause. Look at \
+            "The last step was {step:.3e}; for small vibrations it is stable below {critical:.3e}. Look at \
              loads, initial velocities and units; a run with `{key}` below {:.3e} shows whether the step is the \
              cause.",
             0.5 * step

@@ -492,8 +492,8 @@ fn middle<'a>(system: &'a System, state: &'a State, u: &'a [Nodal]) -> impl Fn(u
     }
 }
 
-/// Largest velocity of a model: of its positions over its size, and of its directors.
-fn speed(system: &System, v: &[Nodal]) -> f64 {
+/// Largest velocity (or acceleration) of a model: of its positions over its size, and of its directors.
+pub(super) fn speed(system: &System, v: &[Nodal]) -> f64 {
     let of_vector = |(v, kind): (&Nodal, &VectorKind)| {
         let speed = Vec3::from(*v).norm();
         if *kind == VectorKind::Position { speed / system.length } else { speed }

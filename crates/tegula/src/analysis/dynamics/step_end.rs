@@ -46,6 +46,11 @@ impl StepEnds {
         Self { stops: Stops::of(system, end), fixed: options.time_step, end, limit, shares, lags }
     }
 
+    /// Shortest distance between two breaks of amplitudes or times that are asked for, or from one to either end of the analysis.
+    pub fn shortest_gap(&self) -> f64 {
+        self.stops.shortest_gap(self.end)
+    }
+
     /// Limits the next step, which ends at this time at the latest.
     pub fn limit(&mut self, time: f64) {
         self.limit = time;

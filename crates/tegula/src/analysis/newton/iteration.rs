@@ -119,6 +119,7 @@ impl<S: TangentSolver> Newton<S> {
             }
             if number == 1 {
                 progress.first_increment = system.norm(&self.increment);
+                self.first_response.copy_from_slice(&self.increment);
             }
             let norm = self.update(system, equation, history, &setting)?;
             progress.extrapolated = setting.mixed && !setting.reuse;

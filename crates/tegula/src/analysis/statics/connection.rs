@@ -1,6 +1,6 @@
 //! Snap-through test of a load step: whether a stable path leads from the last equilibrium to the new one.
 //!
-//! A path of stable equilibria u(τ) under the loads F(τ) of a step, 0 ≤ τ ≤ 1, has two properties that are tested from what
+//! A path of stable equilibria u(τ) under the loads F(τ) of a step, 0 ≤ τ ≤ 1, has three properties that are tested from what
 //! is known at the ends of the step.
 //!
 //! - **Speed.** The step is `Δu = ∫ u' dτ`, so it is not longer than the fastest part of the path. Where both ends are slow
@@ -23,7 +23,10 @@
 //!   ΔF·u(0) ≤ Π*(1) − Π*(0) ≤ ΔF·u(1)
 //!   ```
 //!
-//!   In a snap Π* gains the energy that is released. Near a limit point, where u'(0) is large, only this test is left.
+//!   In a snap Π* gains the energy that is released. Near a limit point, where u'(0) is large, only this test is left. Where
+//!   ΔF·u grows at most as fast as at the start, `ΔF·u(1) − (Π*(1) − Π*(0)) ≥ (ΔF·Δu)²/(2 ΔF·u'(0))`; a step that stores much
+//!   less is doubted, too.
+//! - **Direction.** A path leaves its start along u'(0). A step that leads the other way has reached another branch.
 //!
 //! J. M. T. Thompson, G. W. Hunt, *A General Theory of Elastic Stability*, Wiley 1973, for the sign of ΔF·u'.
 //!
@@ -33,7 +36,8 @@
 use super::StaticEquation;
 use crate::analysis::newton::Equation;
 use crate::element::Nodal;
-use crate::system::{Assembly, EvaluationPoint, System, dot};
+use crate::norm::larger;
+use crate::system::{Assembly, EvaluationPoint, System, VectorKind, dot, dot3};
 
 /// Ratio of the displacement of a step to that of the faster of its two ends above which the step is refused. Large
 /// steps on smooth paths reach 1.27 (quarter cylinder of Sect. 5.2 in one step), snaps of roofs begin at 2.1.
@@ -42,24 +46,29 @@ const LEAP: f64 = 1.5;
 const STIFFER: f64 = 0.5;
 /// Ratio of the speed at the start of a step to that at the start of the one before above which a path softens.
 pub(super) const SOFTER: f64 = 1.1;
+/// Work that a step stores over the least that its first tangent lets expect of a path without sudden bends, below which it is doubted.
+const LEAST_STORED: f64 = 0.5;
+/// Cosine between the first tangent and the step below which the step is doubted.
+const BACKWARDS: f64 = -0.2;
 /// Round-off of energies, over their sum.
 const ROUNDING: f64 = 1e-9;
 
-/// Energy released in a step, over the bound ΔF·(u(1) − u(0)) of stable paths; 0 where the bound holds or does not
-/// apply: to follower loads, actuators, prescribed motions and strains, loads that do not grow in proportion, and materials that
-/// dissipate.
+/// Reason to doubt from the energy that is released in a step that a path leads through it, as text; `None` where the bounds hold or do
+/// not apply: to follower loads, actuators, prescribed motions and strains, loads that do not grow in proportion, and materials that
+/// dissipate. `response` is u'(0).
 pub(super) fn released_energy(
     system: &System,
     assembly: &mut Assembly,
     (before, after, history): (&StaticEquation, &StaticEquation, &[f64]),
+    response: &[Nodal],
     [first, last, change]: [&mut [Nodal]; 3],
-) -> f64 {
+) -> Option<String> {
     let elastic = system.without_internal_variables()
         && system.prescribed_strains.is_empty()
         && !system.has_actuators();
     let driven = system.joints.iter().any(|joint| joint.drive.is_some());
     if !elastic || driven || system.has_follower_loads() || !system.dofs().prescribed.is_empty() {
-        return 0.0;
+        return None;
     }
     // Loads at the middle of the step: in proportion, they are the mean of those at its ends.
     change.fill([0.0; 3]);
@@ -75,7 +84,7 @@ pub(super) fn released_energy(
         }
     }
     if bend.is_nan() || bend > ROUNDING * size {
-        return 0.0;
+        return None;
     }
     let strain = [before, after]
         .map(|e| assembly.strain_energy(system, &EvaluationPoint::at_rest(system, &e.u, e.time, history)));
@@ -84,7 +93,38 @@ pub(super) fn released_energy(
     let most = dot(change, &after.u);
     let range = most - dot(change, &before.u);
     let rounding = ROUNDING * (strain[1].abs() + strain[0].abs() + work[1].abs() + work[0].abs());
-    if gain > most + rounding && range > rounding { (gain - most) / range } else { 0.0 }
+    if !(range > rounding) {
+        return None;
+    }
+    if gain > most + rounding {
+        let released = (gain - most) / range;
+        return Some(format!(
+            "the step releases energy, {released:.2} times the work of its load increment, where a stable path releases none"
+        ));
+    }
+    let stored = (most - gain) / range;
+    let expected = 0.5 / larger(dot(change, response) / range, 1.0);
+    (stored < LEAST_STORED * expected).then(|| {
+        format!(
+            "the step stores {:.1} % of the work of its load increment, where its first tangent lets expect {:.0} %",
+            100.0 * stored,
+            100.0 * expected
+        )
+    })
+}
+
+/// Reason to doubt that a path leads through the step Δu, whose start moves with the speed u'(0) in the opposite direction, as text.
+pub(super) fn turned_back(system: &System, step: &[Nodal], response: &[Nodal]) -> Option<String> {
+    let weight = |v: usize| {
+        if system.coordinates.kinds[v] == VectorKind::Position { system.length.powi(-2) } else { 1.0 }
+    };
+    let product = |a: &[Nodal], b: &[Nodal]| -> f64 {
+        a.iter().zip(b).enumerate().map(|(v, (a, b))| weight(v) * dot3(*a, *b)).sum()
+    };
+    let cosine = product(step, response) / (product(step, step) * product(response, response)).sqrt();
+    (cosine < BACKWARDS).then(|| {
+        format!("the step leads away from the direction in which its first tangent moves the model (cosine {cosine:.2})")
+    })
 }
 
 /// Displacement of a step and the speeds at its ends.

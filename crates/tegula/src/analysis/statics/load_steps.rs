@@ -1,6 +1,6 @@
 //! Load steps of a static analysis, with cut-backs.
 
-use super::connection::{SOFTER, Speeds, released_energy};
+use super::connection::{SOFTER, Speeds, released_energy, turned_back};
 use super::failure::{CriticalPoint, Failure, Kind};
 use super::{StaticEquation, energies, follower_work, reactions, reactions_at, undefined};
 use crate::Vec3;
@@ -276,8 +276,11 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let Self { newton, system, equation, external, buffers, state, .. } = self;
         let [first, last] = buffers;
         let loads: [&mut [Nodal]; 3] = [first, last, external];
-        let released =
-            released_energy(system, &mut newton.assembly, (&before, &*equation, &state.history), loads);
+        // `external` holds the displacement of the step. Prescribed strains roll shells up by many turns in one step.
+        let away = turned_back(system, loads[2], &newton.first_response)
+            .filter(|_| system.prescribed_strains.is_empty());
+        let steps = (&before, &*equation, state.history.as_slice());
+        let released = released_energy(system, &mut newton.assembly, steps, &newton.first_response, loads);
         let speeds = Speeds {
             moved,
             start: converged.first_increment,
@@ -288,11 +291,8 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let preloaded = state.step == 0
             && system.start.is_none()
             && newton.assembly.strain_energy(system, &state.point(system)) > 0.0;
-        let doubt = if released > 0.0 && !preloaded {
-            Some(format!(
-                "the step releases energy, {released:.2} times the work of its load increment, where a stable path \
-                 releases none"
-            ))
+        let doubt = if let Some(doubt) = released.or(away).filter(|_| !preloaded) {
+            Some(doubt)
         } else if speeds.need_the_end() {
             let unloaded = StaticEquation { u: equation.u.clone(), ..before };
             let end = newton.response(system, (&unloaded, &*equation), &state.history).unwrap_or(0.0);

@@ -9,6 +9,8 @@ use super::parse::{Instruction, evaluate};
 const UNBOUNDED: f64 = 1e6;
 /// Distance beside a place, over that of the ends, at which a formula that is undefined in a range is undefined, too.
 const BESIDE: f64 = 1e-9;
+/// Pieces of a step between whose ends signs are compared.
+const PIECES: u32 = 16;
 /// Halvings after which the two ends of a piece are neighbours in floating-point numbers.
 const HALVINGS: u32 = 60;
 
@@ -37,8 +39,10 @@ impl Number for Signed {
 
     fn apply(function: Function, u: Self) -> Self {
         let signs = Branched::apply(function, u.signs);
-        // A tangent has its poles where the cosine changes its sign.
-        let signs = if function == Function::Tan { signs.on(u.value.cos() >= 0.0) } else { signs };
+        // A tangent has its poles between its branches.
+        let branch = (u.value / std::f64::consts::PI).round().rem_euclid(64.0);
+        let signs =
+            if function == Function::Tan { (0..branch as u8).fold(signs, |s, _| s.on(true)) } else { signs };
         Self::new(f64::apply(function, u.value), signs)
     }
 }
@@ -57,7 +61,11 @@ pub(super) fn pole<const V: usize>(program: &[Instruction], ends: [[f64; V]; 2])
     };
     let (first, last) = (of(0.0), of(1.0));
     let bound = UNBOUNDED * first.1.abs().max(last.1.abs());
-    search(&of, (first, last), (bound, HALVINGS)).map(at)
+    // Two poles in a step change a sign twice.
+    (0..PIECES).find_map(|i| {
+        let piece = [i, i + 1].map(|i| of(f64::from(i) / f64::from(PIECES)));
+        search(&of, piece.into(), (bound, HALVINGS)).map(at)
+    })
 }
 
 /// Part of the way, value and signs at a place.
@@ -108,6 +116,8 @@ mod tests {
             ("(3*x - 1)^(-4)", [0.0, 1.0], third),
             ("1/sqrt(abs(3*x - 1))", [0.0, 1.0], third),
             ("tan(x)", [1.0, 2.0], std::f64::consts::FRAC_PI_2),
+            ("tan(x)", [0.0, 7.73], std::f64::consts::FRAC_PI_2),
+            ("1/sin(x)", [0.5, 7.0], std::f64::consts::PI),
             ("x/((x - 0.5)*(x - 0.6))", [0.0, 0.55], 0.5),
             ("1/(x^2 - 0.25) + sin(20*x)", [-0.1, 0.6], 0.5),
         ] {
