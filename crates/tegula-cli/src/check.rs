@@ -140,6 +140,7 @@ fn print_solids(deck: &Deck, system: &System) {
 fn kind(analysis: &Analysis) -> &'static str {
     match analysis {
         Analysis::Static(_) => "static",
+        Analysis::Path(_) => "path",
         Analysis::Modal(_) => "modal",
         Analysis::Transient(_) => "transient",
     }

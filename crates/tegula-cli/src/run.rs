@@ -74,7 +74,7 @@ pub fn as_json(summary: &Summary) -> Result<String, Failure> {
 
 /// Stop condition at which an analysis has ended, in words.
 fn ended(stop: &StopResult, analysis: &str) -> String {
-    let parameter = if analysis == "static" { "load factor" } else { "time" };
+    let parameter = if analysis == "transient" { "time" } else { "load factor" };
     format!(
         "ended by a stop condition at {parameter} {}: `{}` has crossed {}",
         significant(stop.time, 9),
@@ -114,6 +114,12 @@ pub fn print(summary: &Summary, folder: &Path) {
     }
     if let Some(n) = s.linear_iterations {
         say!("  {} of the linear solver for {} tangents", counted(n, "iteration"), s.factorizations);
+    }
+    for point in s.critical_points.iter().flatten() {
+        say!("  {} at load factor {}", point.kind.name(), significant(point.load_factor, 9));
+    }
+    if s.critical_points.is_some() {
+        say!("  {}", counted(s.factorizations, "factorisation"));
     }
     if let Some(n) = s.negative_pivots {
         say!("  {n} negative pivot(s) of the tangent at the end: the equilibrium may be unstable");

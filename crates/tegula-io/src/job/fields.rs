@@ -9,6 +9,7 @@ use tegula::result::inside::Snapshot;
 use tegula::result::{Equilibrium, ShellResult, plastic_strains, plies};
 use tegula::{Mesh, System};
 
+use super::frames;
 use crate::out::{DataArray, OutputError, VtuGrid, vtu};
 
 pub(super) mod bodies;
@@ -60,7 +61,7 @@ pub(super) struct Frame<'a> {
 impl<'a> Frame<'a> {
     /// Fields of a state.
     pub fn of_state(state: &'a State) -> Self {
-        Self { state, small: None, forces: None, time: state.time }
+        Self { state, small: None, forces: None, time: frames::place(state) }
     }
 
     /// Where stresses come from.

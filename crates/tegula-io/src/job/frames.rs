@@ -1,5 +1,6 @@
 //! Instants at which field files are written.
 
+use tegula::analysis::State;
 use tegula::model::Output;
 
 /// Default of the largest number of field files of a run, in addition to the first.
@@ -18,11 +19,23 @@ pub(super) struct Instant {
     pub time: f64,
     /// Time (load factor) at which the analysis ends.
     pub end: f64,
+    /// Whether the state is on a path, whose load factor may fall.
+    pub on_path: bool,
+}
+
+/// Place of a state in the course of its analysis: the time (load factor), or the parameter of a path.
+pub(super) fn place(state: &State) -> f64 {
+    state.path.as_ref().map_or(state.time, |path| path.position)
 }
 
 /// Whether a field file is due at an instant behind the last one, written at the time `last`. The first and the last instant
 /// of a run always have one.
 pub(super) fn due(output: &Output, now: Instant, last: f64) -> bool {
+    if now.on_path {
+        // The length of a path is not known beforehand.
+        let usual = if now.step as f64 > USUAL_FRAMES { 10 } else { 1 };
+        return now.step.is_multiple_of(u64::from(output.every.unwrap_or(usual).max(1)));
+    }
     if now.time >= now.end {
         return true;
     }
@@ -38,7 +51,7 @@ pub(super) fn due(output: &Output, now: Instant, last: f64) -> bool {
 
 /// A warning if all field files of a run will take much room: `frames` files of `bytes` each have been written.
 pub(super) fn too_many(frames: usize, bytes: u64, now: Instant) -> Option<String> {
-    if frames < ENOUGH_TO_TELL || now.time <= 0.0 {
+    if frames < ENOUGH_TO_TELL || now.time <= 0.0 || now.on_path {
         return None;
     }
     let files = (frames as f64 * now.end / now.time).max(frames as f64);
@@ -61,7 +74,7 @@ mod tests {
     fn times(output: &Output, steps: u64) -> Vec<f64> {
         let (mut times, mut last) = (vec![0.0], 0.0);
         for step in 1..=steps {
-            let now = Instant { step, time: 2.0 * step as f64 / steps as f64, end: 2.0 };
+            let now = Instant { step, time: 2.0 * step as f64 / steps as f64, end: 2.0, on_path: false };
             if due(output, now, last) {
                 last = now.time;
                 times.push(last);
@@ -95,7 +108,7 @@ mod tests {
 
     #[test]
     fn much_room_is_foretold() {
-        let now = Instant { step: 10, time: 0.001, end: 2.0 };
+        let now = Instant { step: 10, time: 0.001, end: 2.0, on_path: false };
         let warning = too_many(10, 1 << 20, now).unwrap();
         assert!(warning.contains("20 GiB (20000 files of 1.0 MiB)"), "{warning}");
         assert_eq!(too_many(9, 1 << 20, now), None);

@@ -3,6 +3,7 @@
 use tegula::System;
 use tegula::analysis::Step;
 use tegula::result::{Equilibrium, Probe, sensor_columns, sensor_values};
+use tegula::system::Procedure;
 
 use super::{bodies, forces};
 
@@ -26,9 +27,18 @@ pub(super) const BEHIND: [&str; 14] = [
     "step_size",
 ];
 
+/// Columns of a path: its parameter, and the negative eigenvalues of the tangent.
+pub(super) const PATH: [&str; 2] = ["path.position", "path.negative_eigenvalues"];
+
 /// Names of all columns of a run.
 pub(super) fn columns(system: &System, probes: &[Probe]) -> Vec<String> {
-    let parts = [names(probes), forces::names(system), bodies::names(system), sensor_columns(system)];
+    let parts = [
+        names(probes),
+        forces::names(system),
+        bodies::names(system),
+        sensor_columns(system),
+        if system.procedure == Procedure::Path { PATH.map(str::to_owned).to_vec() } else { Vec::new() },
+    ];
     parts.concat()
 }
 
@@ -53,6 +63,9 @@ pub(super) fn whole_row(
     out.extend(forces::row(forces));
     out.extend(bodies::row(system, step.state));
     out.extend(sensor_values(system, step.state));
+    if let Some(path) = &step.state.path {
+        out.extend([path.position, step.state.negative_pivots as f64]);
+    }
     out
 }
 

@@ -6,6 +6,7 @@
 //! | `fields.pvd`, `fields/NNNN.vtu` | displacements, resultants, stresses |
 //! | `history.csv` | motion of the points, energies, momenta, reactions: a row a step |
 //! | `modes.csv`, `modes.pvd`, `modes/NNNN.vtu` | natural frequencies and mode shapes |
+//! | `critical_modes.pvd`, `critical_modes/NNNN.vtu` | modes at the limit points and bifurcations of a path |
 //! | `campbell.csv` | frequencies of a model over the angular velocity with which it turns |
 //! | `frequency_response.csv`, `state_space*` | response to the inputs of a modal analysis |
 //! | `*.png` | pictures of all that |
@@ -20,6 +21,7 @@
 
 mod bodies;
 mod campbell;
+mod critical_modes;
 mod drawn_outline;
 mod fields;
 mod folder;
@@ -49,7 +51,7 @@ pub use folder::{Claim, ResultFolder};
 pub use forces::{AccelerationResult, BalanceResult, ForceResult};
 pub use prepare::{Prepared, prepare};
 pub use run::run;
-pub use summary::{Energy, PointResult, Status, StepSummary, StopResult, Summary};
+pub use summary::{CriticalResult, Energy, PointResult, Status, StepSummary, StopResult, Summary};
 
 /// How to run.
 #[derive(Debug, Clone, PartialEq, Eq)]

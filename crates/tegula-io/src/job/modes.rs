@@ -21,7 +21,7 @@ const COLUMNS: usize = 3;
 const AMPLITUDE: f64 = 0.12;
 
 /// Fields that a mode has none of: its amplitude is arbitrary.
-const WITHOUT: [Field; 3] = [Field::Velocity, Field::Failure, Field::PlasticStrain];
+pub(super) const WITHOUT: [Field; 3] = [Field::Velocity, Field::Failure, Field::PlasticStrain];
 
 /// Writes `modes.csv`, `modes.pvd` and the shapes with their stresses, small motions about a state; the time value of a
 /// shape is the number of its mode. Frequencies would not do: viewers show one of several shapes with the same time, as

@@ -1,5 +1,8 @@
 //! Pictures of a run, drawn from its history and its snapshots.
 
+mod path;
+
+use tegula::norm::max_norm;
 use tegula::{Mesh, System};
 
 use super::history::{BEHIND, PER_POINT};
@@ -20,7 +23,9 @@ pub(super) fn draw(recorder: &mut Recorder<'_>) {
     let mut check = |result: Result<(), OutputError>| problems.extend(result.err());
     match csv::read(&recorder.folder.file("history.csv")) {
         Ok((_, rows)) if rows.len() > 1 => {
-            if recorder.summary.analysis == "static" {
+            if recorder.summary.analysis == "path" {
+                check(path::load_displacement(recorder, &rows));
+            } else if recorder.summary.analysis == "static" {
                 check(load_displacement(recorder, &rows));
             } else {
                 points(recorder, &rows).into_iter().for_each(&mut check);
@@ -87,17 +92,24 @@ fn points(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Vec<Result<(), OutputEr
     recorder.prepared.probes.iter().enumerate().map(one).collect()
 }
 
+/// Displacements smaller than this part of the largest one are not drawn over the load.
+const STILL: f64 = 1e-6;
+
+/// Columns with the displacements of the points that move.
+fn moving(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Vec<usize> {
+    let size = |c: usize| max_norm(rows.iter().filter_map(|row| row.get(c).copied()));
+    let columns = (0..recorder.prepared.probes.len())
+        .flat_map(|i| (0..3).map(move |c| 1 + PER_POINT * i + 3 + c));
+    let columns: Vec<(usize, f64)> = columns.map(|c| (c, size(c))).collect();
+    let largest = max_norm(columns.iter().map(|(_, size)| *size));
+    columns.into_iter().filter(|(_, size)| *size > STILL * largest).map(|(c, _)| c).collect()
+}
+
 /// Load factor over the displacements of the points that move.
 fn load_displacement(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Result<(), OutputError> {
     let names = history::names(&recorder.prepared.probes);
-    let size = |column: usize| rows.iter().filter_map(|r| r.get(column)).fold(0.0_f64, |m, x| m.max(x.abs()));
-    let columns: Vec<usize> = (0..recorder.prepared.probes.len())
-        .flat_map(|i| (0..3).map(move |c| 1 + PER_POINT * i + 3 + c))
-        .collect();
-    let largest = columns.iter().map(|&c| size(c)).fold(0.0, f64::max);
-    let series: Vec<Series> = columns
+    let series: Vec<Series> = moving(recorder, rows)
         .into_iter()
-        .filter(|&c| size(c) > 1e-6 * largest)
         .map(|c| Series { name: names[c].replace('.', " "), points: curve(rows, c, 0), style: style(rows) })
         .collect();
     if series.is_empty() {
@@ -139,7 +151,7 @@ fn energy(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Result<(), OutputError>
 }
 
 fn time_label(recorder: &Recorder<'_>) -> String {
-    if recorder.summary.analysis == "static" {
+    if recorder.summary.analysis != "transient" {
         return "load factor".into();
     }
     with_unit("time", recorder.model.output.units.time.as_deref())
@@ -175,7 +187,7 @@ fn snapshots(recorder: &Recorder<'_>) -> Result<(), OutputError> {
     let scale = magnification(largest / system.length);
     let units = &recorder.model.output.units;
     let (letter, unit) = match &units.time {
-        _ if recorder.summary.analysis == "static" => ("load", String::new()),
+        _ if recorder.summary.analysis != "transient" => ("load", String::new()),
         unit => ("t =", unit.as_ref().map_or(String::new(), |unit| format!(" {unit}"))),
     };
     let only_shape = kept.len() == 1;

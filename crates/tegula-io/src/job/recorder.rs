@@ -12,7 +12,8 @@ use super::resume::{CheckpointData, RunCounters};
 use super::series::{FieldSeries, STATES};
 use super::summary::{PointResult, Status, Summary};
 use super::{
-    JobObserver, Prepared, Progress, ResultFolder, Start, fields, forces, frames, history, process, snapshots,
+    JobObserver, Prepared, Progress, ResultFolder, Start, critical_modes, fields, forces, frames, history,
+    process, snapshots,
 };
 use crate::deck::Diagnostic;
 use crate::out::{HistoryWriter, OutputError};
@@ -154,7 +155,7 @@ impl<'a> Recorder<'a> {
         let regular = self.memory.notes;
         let pictures = self.memory.kept.len();
         let any = !self.memory.state.u.is_empty();
-        if any && (regular.frames == 0 || self.memory.state.time > regular.last_frame) {
+        if any && (regular.frames == 0 || frames::place(&self.memory.state) != regular.last_frame) {
             self.frame()?;
         }
         if any {
@@ -174,6 +175,10 @@ impl<'a> Recorder<'a> {
             self.checkpoint()?;
         }
         self.memory.kept.extend(extra);
+        let critical = self.memory.state.path.as_ref().map_or(&[][..], |path| &path.critical);
+        if !critical.is_empty() {
+            critical_modes::write(&self.folder, self.prepared, &self.model.output, critical)?;
+        }
         self.update_summary();
         self.summary.status = status;
         self.summary.error = error;
@@ -183,7 +188,7 @@ impl<'a> Recorder<'a> {
     /// Keeps the last state for the picture, wherever it stands between the instants that are kept regularly.
     fn keep_last(&mut self) {
         let state = &self.memory.state;
-        if self.model.output.pictures && snapshots::lacks(&self.memory.kept, state.time) {
+        if self.model.output.pictures && snapshots::lacks(&self.memory.kept, state) {
             let Prepared { mesh, system, .. } = self.prepared;
             let values = fields::by_quad(mesh, system, &recover(system, state), |r| [r.von_mises]);
             snapshots::keep(&mut self.memory.kept, state, values);
@@ -213,6 +218,8 @@ impl<'a> Recorder<'a> {
         s.energy_error = s.critical_step.map(|_| totals.energy_error);
         s.linear_iterations = (totals.linear_iterations > 0).then_some(totals.linear_iterations);
         s.negative_pivots = Some(self.memory.state.negative_pivots).filter(|&n| n > 0);
+        let path = self.memory.state.path.as_ref();
+        s.critical_points = path.map(|path| path.critical.iter().map(Into::into).collect());
         s.time = self.memory.state.time;
         s.energy = (&self.memory.balance).into();
         if !self.memory.state.u.is_empty() {
@@ -261,7 +268,8 @@ impl<'a> Recorder<'a> {
         self.statistics = *step.statistics;
         self.forces = Some(forces);
         self.history.append(&row)?;
-        let now = frames::Instant { step: step.state.step, time: step.state.time, end: step.end };
+        let on_path = step.state.path.is_some();
+        let now = frames::Instant { step: step.state.step, time: step.state.time, end: step.end, on_path };
         let due = first
             || self.prepared.system.wanted_times.contains(&step.state.time)
             || frames::due(&self.model.output, now, self.memory.notes.last_frame);
@@ -321,12 +329,12 @@ impl<'a> Recorder<'a> {
         let frame = fields::Frame { forces: Some(forces), ..fields::Frame::of_state(state) };
         let model = (&**mesh, system, &self.model.output);
         self.series.write(&self.folder, model, (self.memory.notes.frames, &frame), &results)?;
-        if self.model.output.pictures && snapshots::wanted(&self.memory.kept, state.time, self.summary.end) {
+        if self.model.output.pictures && snapshots::wanted(&mut self.memory.kept, state, self.summary.end) {
             let values = fields::by_quad(mesh, system, &results, |r| [r.von_mises]);
             snapshots::keep(&mut self.memory.kept, state, values);
         }
         self.memory.notes.frames += 1;
-        self.memory.notes.last_frame = state.time;
+        self.memory.notes.last_frame = frames::place(state);
         if let Some((strain, quad)) = strain.filter(|(strain, _)| *strain > LARGE_STRAIN) {
             self.strained = true;
             let (label, time) = (system.quad_label(quad), self.memory.state.time);
@@ -372,7 +380,7 @@ impl<'a> Recorder<'a> {
 fn scheme(model: &Model) -> Option<Scheme> {
     match &model.analysis {
         Analysis::Transient(t) => Some(t.scheme),
-        Analysis::Static(_) | Analysis::Modal(_) => None,
+        Analysis::Static(_) | Analysis::Path(_) | Analysis::Modal(_) => None,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Run of one model: from the model file to the summary.
 
-use tegula::analysis::{State, Stopped, dynamics, statics};
+use tegula::analysis::{State, Stopped, dynamics, path, statics};
 use tegula::model::Analysis;
 use tegula::{Error, System};
 
@@ -99,6 +99,14 @@ fn analyse(
             }
             Ok(statics::run(system, options, state, recorder)?.stopped)
         }
+        Analysis::Path(options) => {
+            if state.is_none() {
+                let state = path::first_state(system, options);
+                let balance = statics::first_energies(system, &state);
+                recorder.record_start(&state, &balance, start.end)?;
+            }
+            Ok(path::run(system, options, state, recorder)?.stopped)
+        }
         Analysis::Transient(options) => Ok(dynamics::run(system, options, state, recorder)?.stopped),
         Analysis::Modal(_) => Ok(None),
     }
@@ -136,6 +144,7 @@ fn conclude(mut recorder: Recorder<'_>, outcome: tegula::Result<()>) -> Result<S
 pub(super) fn start(deck: &Deck, prepared: &Prepared, memory: Option<&CheckpointData>) -> Start {
     let (analysis, end) = match &deck.model.analysis {
         Analysis::Static(_) => ("static", 1.0),
+        Analysis::Path(p) => ("path", p.end_load),
         Analysis::Modal(_) => ("modal", 1.0),
         Analysis::Transient(t) => ("transient", t.end_time),
     };
@@ -175,6 +184,7 @@ pub(super) fn summary(deck: &Deck, prepared: &Prepared, start: &Start) -> Summar
         energy_error: None,
         linear_iterations: None,
         negative_pivots: None,
+        critical_points: None,
         energy: Energy::default(),
         points: Default::default(),
         supports: Default::default(),

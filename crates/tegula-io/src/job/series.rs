@@ -15,6 +15,9 @@ pub(super) const STATES: Names = ["fields", "bodies"];
 /// Series of the modes of a modal analysis.
 pub(super) const MODES: Names = ["modes", "mode_bodies"];
 
+/// Series of the modes of the critical points of a path.
+pub(super) const CRITICAL_MODES: Names = ["critical_modes", "critical_mode_bodies"];
+
 /// Numbered field files with their lists.
 pub(super) struct FieldSeries {
     shells: Option<PvdSeries>,

@@ -181,6 +181,7 @@ impl Whole {
 fn listed(number: usize, step: &StepModel) -> StepSummary {
     let analysis = match step.model.analysis {
         Analysis::Static(_) => "static",
+        Analysis::Path(_) => "path",
         Analysis::Modal(_) => "modal",
         Analysis::Transient(_) => "transient",
     };

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Deserializer, Serialize};
+use tegula::analysis::path::{CriticalKind, CriticalPoint};
 use tegula::analysis::{Balance, Stopped};
 
 use super::forces::{AccelerationResult, BalanceResult, ForceResult};
@@ -96,6 +97,32 @@ pub struct StopResult {
     pub time: f64,
 }
 
+/// Critical point of an equilibrium path.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CriticalResult {
+    /// Limit point or bifurcation.
+    pub kind: CriticalKind,
+    /// Load factor.
+    #[serde(deserialize_with = "number")]
+    pub load_factor: f64,
+    /// Parameter of the path, as in the column `path.position` of the history.
+    #[serde(deserialize_with = "number")]
+    pub position: f64,
+    /// Change of the number of negative eigenvalues of the tangent along the path.
+    pub change_of_negative_eigenvalues: i32,
+}
+
+impl From<&CriticalPoint> for CriticalResult {
+    fn from(point: &CriticalPoint) -> Self {
+        Self {
+            kind: point.kind,
+            load_factor: point.load,
+            position: point.position,
+            change_of_negative_eigenvalues: point.change,
+        }
+    }
+}
+
 impl From<Stopped> for StopResult {
     fn from(stopped: Stopped) -> Self {
         let Stopped { column, value, reached, time, .. } = stopped;
@@ -180,6 +207,9 @@ pub struct Summary {
     /// Negative pivots of the tangent at the last static equilibrium, where there are some.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub negative_pivots: Option<usize>,
+    /// Critical points of a path, in the order in which it passes them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub critical_points: Option<Vec<CriticalResult>>,
     /// Energies at the end.
     pub energy: Energy,
     /// Recorded points at the end.

@@ -24,6 +24,8 @@ pub enum Style {
     Line,
     /// A dashed line, for references and for slopes.
     Dashed,
+    /// A dashed line in the colour of the series of this number.
+    DashedLike(usize),
     /// A marker at each point.
     Markers,
     /// A line and markers.
@@ -31,6 +33,11 @@ pub enum Style {
 }
 
 impl Style {
+    /// Number of the series whose colour the series number `own` has.
+    pub(super) fn colour(self, own: usize) -> usize {
+        if let Self::DashedLike(other) = self { other } else { own }
+    }
+
     /// Whether points get markers.
     pub fn has_markers(self) -> bool {
         matches!(self, Self::Markers | Self::Both)
@@ -198,7 +205,7 @@ fn entries(plot: &LinePlot) -> Vec<Entry> {
         let any = series.points.iter().any(|&p| plot.shows(p));
         let name = if any { series.name.clone() } else { format!("{} (no values)", series.name) };
         let (name, _) = fitted(&name, TICK, 0.35 * f64::from(SIZE.0));
-        Entry { name, index, colour: palette(index), style: series.style }
+        Entry { name, index, colour: palette(series.style.colour(index)), style: series.style }
     });
     entries.collect()
 }

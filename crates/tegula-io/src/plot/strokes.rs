@@ -9,7 +9,7 @@ const LINE: f64 = 1.9;
 
 /// Draws the series number `index`, given as chains of points on the sheet.
 pub(super) fn series(canvas: &mut Canvas, index: usize, series: &Series, chains: &[Vec<Point>]) {
-    let colour = palette(index);
+    let colour = palette(series.style.colour(index));
     for chain in chains {
         // A point between two that cannot be shown has no line; it must not vanish.
         if chain.len() == 1 && !series.style.has_markers() {
@@ -39,7 +39,7 @@ fn thinned(chain: &[Point]) -> Vec<Point> {
 pub(super) fn line(canvas: &mut Canvas, chain: &[Point], style: Style, colour: Rgb) {
     match style {
         Style::Line | Style::Both => canvas.polyline(chain, LINE, None, colour),
-        Style::Dashed => canvas.polyline(chain, LINE, Some((7.0, 4.5)), colour),
+        Style::Dashed | Style::DashedLike(_) => canvas.polyline(chain, LINE, Some((7.0, 4.5)), colour),
         Style::Markers => {}
     }
 }

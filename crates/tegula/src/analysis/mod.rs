@@ -9,6 +9,7 @@ pub mod lagged_tangent;
 mod mobility;
 pub mod modal;
 pub mod newton;
+pub mod path;
 pub mod solver;
 pub mod statics;
 pub mod stepper;
@@ -94,6 +95,9 @@ pub struct State {
     pub negative_pivots: usize,
     /// Lagged tangent, whose factor is reused in several time steps.
     pub tangent: LaggedTangent,
+    /// Place on an equilibrium path; `None` for other analyses.
+    #[serde(default)]
+    pub path: Option<Box<path::PathState>>,
     /// Columns of the stop conditions, and the condition that has been met.
     #[serde(default)]
     pub watched: Watched,

@@ -240,7 +240,7 @@ pub fn first_energies(system: &System, state: &State) -> Balance {
     energies(system, &mut Assembly::new(system), state)
 }
 
-fn energies(system: &System, assembly: &mut Assembly, state: &State) -> Balance {
+pub(super) fn energies(system: &System, assembly: &mut Assembly, state: &State) -> Balance {
     let strain = assembly.strain_energy(system, &state.point(system));
     let mut external = vec![[0.0; 3]; state.u.len()];
     system.add_dead_loads(state.time, 1.0, &mut external);

@@ -25,6 +25,15 @@ pub trait Stepper {
     fn end(&self) -> f64 {
         self.reached().end
     }
+    /// Whether the analysis has come to its end.
+    fn is_finished(&self) -> bool {
+        self.state().time >= self.end()
+    }
+    /// Place of the state among those of the analysis, which grows from step to step: the time (load factor), or the parameter of a
+    /// path.
+    fn position(&self) -> f64 {
+        self.state().time
+    }
     /// Ends the analysis; returns the last state reached, its energies and the run counters.
     fn finish(self: Box<Self>) -> (State, Balance, Statistics);
     /// Prepares the first step. Returns whether the first state is to be reported to the observer: that of a new transient
@@ -39,7 +48,8 @@ pub trait Stepper {
     /// # Errors
     /// No step could be taken, and the state is still that of the last finished step; or the observer asks to stop.
     fn advance(&mut self, observer: &mut dyn Observer) -> Result<u32>;
-    /// Goes back to a state of the same analysis, that at the start of the last step: the next step ends at `end` at the latest.
+    /// Goes back to a state of the same analysis, that at the start of the last step: the next step ends at the
+    /// [`position`](Self::position) `end` at the latest.
     fn repeat(&mut self, start: &State, end: f64);
     /// Removes the limit of a [repeated](Self::repeat) step.
     fn release(&mut self);
@@ -83,12 +93,12 @@ pub fn run(
     if fresh {
         observer.on_step(&stepper.reached().step(0))?;
     }
-    while stepper.state().time < stepper.end() && watch.stopped().is_none() {
-        watch.keep(stepper.state());
+    while !stepper.is_finished() && watch.stopped().is_none() {
+        watch.keep(stepper);
         let iterations = stepper.advance(observer)?;
         let iterations = watch.look(iterations, stepper, observer)?;
         observer.on_step(&stepper.reached().step(iterations))?;
-        let done = stepper.state().time >= stepper.end() || watch.stopped().is_some();
+        let done = stepper.is_finished() || watch.stopped().is_some();
         if observer.interrupted() && !done {
             return Err(Error::Interrupted);
         }

@@ -47,10 +47,10 @@ pub struct Stopped {
     pub time: f64,
 }
 
-/// Values of the columns at a time within the step that crosses a value.
+/// Values of the columns at a position within the step that crosses a value.
 #[derive(Debug, Clone)]
 struct Trial {
-    time: f64,
+    position: f64,
     values: Vec<f64>,
 }
 
@@ -59,6 +59,8 @@ pub(super) struct StopWatch<'a> {
     conditions: &'a [StopCondition],
     /// State at the start of the present step; of no use without conditions.
     start: State,
+    /// Position of that state.
+    start_position: f64,
     stopped: Option<Stopped>,
 }
 
@@ -72,7 +74,7 @@ impl<'a> StopWatch<'a> {
         stepper: &mut dyn Stepper,
         observer: &mut dyn Observer,
     ) -> Result<Self> {
-        let mut watch = Self { conditions, start: State::default(), stopped: None };
+        let mut watch = Self { conditions, start: State::default(), start_position: 0.0, stopped: None };
         if conditions.is_empty() {
             return Ok(watch);
         }
@@ -93,9 +95,10 @@ impl<'a> StopWatch<'a> {
     }
 
     /// Keeps the state at the start of a step.
-    pub fn keep(&mut self, state: &State) {
+    pub fn keep(&mut self, stepper: &dyn Stepper) {
         if !self.conditions.is_empty() {
-            self.start.clone_from(state);
+            self.start.clone_from(stepper.state());
+            self.start_position = stepper.position();
         }
     }
 
@@ -128,7 +131,7 @@ impl<'a> StopWatch<'a> {
             stepper.watch(&Watched { values, met: None });
             return Ok(iterations);
         }
-        let whole = Trial { time: stepper.state().time, values };
+        let whole = Trial { position: stepper.position(), values };
         let (iterations, end, repeats) = self.locate(whole, iterations, stepper, observer)?;
         let met = self.crossed(&end.values).next();
         let Some(met) = met else {
@@ -210,7 +213,7 @@ impl<'a> StopWatch<'a> {
         observer: &mut dyn Observer,
     ) -> Result<(u32, Trial, u32)> {
         let mut bracket = Bracket::new(self, whole);
-        let (mut last, mut repeats, mut stands) = (iterations, 0, bracket.high.time);
+        let (mut last, mut repeats, mut stands) = (iterations, 0, bracket.high.position);
         while repeats < MOST_REPEATS && !bracket.is_met(self) {
             stepper.repeat(&self.start, bracket.next(self));
             repeats += 1;
@@ -224,12 +227,12 @@ impl<'a> StopWatch<'a> {
                     break;
                 }
             };
-            stands = stepper.state().time;
+            stands = stepper.position();
             let values = self.measure(last, stepper, observer)?;
-            bracket.take(self, Trial { time: stands, values });
+            bracket.take(self, Trial { position: stands, values });
         }
-        if stands != bracket.high.time {
-            stepper.repeat(&self.start, bracket.high.time);
+        if stands != bracket.high.position {
+            stepper.repeat(&self.start, bracket.high.position);
             repeats += 1;
             last = stepper.advance(observer)?;
             bracket.high.values = self.measure(last, stepper, observer)?;
@@ -256,14 +259,14 @@ struct Bracket {
 
 impl Bracket {
     fn new(watch: &StopWatch, whole: Trial) -> Self {
-        let start = watch.start.time;
-        let low = Trial { time: start, values: watch.start.watched.values.clone() };
-        let to_halve = (whole.time - start, 0);
+        let start = watch.start_position;
+        let low = Trial { position: start, values: watch.start.watched.values.clone() };
+        let to_halve = (whole.position - start, 0);
         Self { start, high: whole.clone(), whole, low, weights: [1.0; 2], was_high: None, to_halve }
     }
 
     fn length(&self) -> f64 {
-        self.high.time - self.low.time
+        self.high.position - self.low.position
     }
 
     /// Distance that a column may have from its value at the end.
@@ -273,17 +276,17 @@ impl Bracket {
 
     /// Whether the end behind the crossing is near enough.
     fn is_met(&self, watch: &StopWatch) -> bool {
-        let whole = self.whole.time - self.start;
+        let whole = self.whole.position - self.start;
         let far =
             |c: usize| (self.high.values[c] - watch.conditions[c].value).abs() > self.tolerance(watch, c);
         self.length() <= JUMP * whole
-            || self.high.time - self.start <= 1.5 * SHORTEST * whole
+            || self.high.position - self.start <= 1.5 * SHORTEST * whole
             || !watch.crossed(&self.high.values).any(far)
     }
 
     /// End of the next trial: the first of the secants of all conditions that are met at the end of the bracket.
     fn next(&self, watch: &StopWatch) -> f64 {
-        let (low, high) = (self.low.time, self.high.time);
+        let (low, high) = (self.low.position, self.high.position);
         let secant = |c: usize| {
             let sign = direction(&watch.conditions[c], watch.start.watched.values[c], self.high.values[c])?;
             // Just behind the crossing.
@@ -299,7 +302,7 @@ impl Bracket {
             Some(time) if self.to_halve.1 < PATIENCE && time > low && time < high => time,
             _ => middle,
         };
-        let shortest = self.start + SHORTEST * (self.whole.time - self.start);
+        let shortest = self.start + SHORTEST * (self.whole.position - self.start);
         larger(end, shortest)
     }
 

@@ -71,6 +71,7 @@ fn drives_joint(model: &Model, name: &str) -> bool {
 fn undefined_interval(model: &Model, name: &str, function: &TimeFunction) -> Option<(String, String)> {
     let (end, moves) = match &model.analysis {
         Analysis::Static(_) => (1.0, false),
+        Analysis::Path(p) => (p.end_load, false),
         Analysis::Modal(m) => (if m.prestressed { 1.0 } else { 0.0 }, false),
         Analysis::Transient(t) => (t.end_time, true),
     };

@@ -323,12 +323,12 @@ pub fn masses(model: &Model, system: &System) -> Vec<Issue> {
     let needed = match &model.analysis {
         Analysis::Modal(_) => Some("a modal analysis"),
         Analysis::Transient(_) => Some("a transient analysis"),
-        Analysis::Static(_) => model.loads.iter().find(|load| load.needs_mass()).map(Load::kind),
+        Analysis::Static(_) | Analysis::Path(_) => model.loads.iter().find(|load| load.needs_mass()).map(Load::kind),
     };
     if let Some(what) = needed {
         for (i, s) in model.sections.iter().enumerate() {
             if s.total_mass.is_some()
-                || matches!(model.analysis, Analysis::Static(_)) && system.total_mass() != 0.0
+                || model.analysis.seeks_equilibria() && system.total_mass() != 0.0
             {
                 continue;
             }
@@ -424,6 +424,8 @@ impl Checker {
     fn wanted_times(&mut self, model: &Model) {
         let (end, what) = match &model.analysis {
             Analysis::Static(_) => (1.0, "load factors above 0 and up to 1"),
+            // The path may pass any load factor.
+            Analysis::Path(_) => return,
             Analysis::Transient(t) => (t.end_time, "times after 0 and up to `end_time`"),
             Analysis::Modal(_) => {
                 if !model.output.at.is_empty() {
@@ -459,6 +461,23 @@ impl Checker {
         }
     }
 
+    /// Loads, motions or strains without which a search for equilibria has nothing to do.
+    fn something_acts(&mut self, model: &Model, continues: bool) {
+        if !continues
+            && model.loads.is_empty()
+            && model.prescribed_strains.is_empty()
+            && !model.conditions.iter().any(|c| c.motion().is_some())
+            && !model.joints.iter().any(|joint| joint.common().drive().is_some())
+            && !model.has_preloaded_springs()
+        {
+            self.add(
+                "loads",
+                "a static analysis without loads and prescribed motions has nothing to do",
+                "add a [[loads]] entry",
+            );
+        }
+    }
+
     fn analysis(&mut self, model: &Model, continues: bool) {
         self.stop_conditions(model.analysis.stop_conditions());
         match &model.analysis {
@@ -475,19 +494,11 @@ impl Checker {
                         "set linear_solver = \"direct\", or leave `allow_unstable` out",
                     );
                 }
-                if !continues
-                    && model.loads.is_empty()
-                    && model.prescribed_strains.is_empty()
-                    && !model.conditions.iter().any(|c| c.motion().is_some())
-                    && !model.joints.iter().any(|joint| joint.common().drive().is_some())
-                    && !model.has_preloaded_springs()
-                {
-                    self.add(
-                        "loads",
-                        "a static analysis without loads and prescribed motions has nothing to do",
-                        "add a [[loads]] entry",
-                    );
-                }
+                self.something_acts(model, continues);
+            }
+            Analysis::Path(path) => {
+                self.something_acts(model, continues);
+                super::check_path::path(path, self);
             }
             Analysis::Modal(modal) => super::check_modal::modal(model, modal, self),
             Analysis::Transient(t) => {

@@ -9,6 +9,7 @@ mod bushings;
 pub mod check;
 mod check_material;
 mod check_modal;
+mod check_path;
 mod check_sections;
 mod congruence;
 mod couplings;
@@ -195,7 +196,7 @@ impl<'a> Compiler<'a> {
         let linear = |step: &StepModel| match &step.model.analysis {
             Analysis::Static(s) => s.linear,
             Analysis::Transient(t) => t.linear,
-            Analysis::Modal(_) => false,
+            Analysis::Path(_) | Analysis::Modal(_) => false,
         };
         let compiler = Self {
             mesh,
@@ -360,7 +361,7 @@ impl<'a> Compiler<'a> {
         let alone = joints.iter().all(|joint| joint.rows.is_empty())
             && !model.has_springs()
             && model.beams.is_empty();
-        if matches!(model.analysis, Analysis::Static(_)) && alone {
+        if model.analysis.seeks_equilibria() && alone {
             if model.foundations.is_empty() {
                 // Supports of inertia relief are chosen where the step starts, and the others hold there as in the reference.
                 let mut coordinates = Arc::clone(&vectors.coordinates);
@@ -389,7 +390,7 @@ impl<'a> Compiler<'a> {
             turning::centrifugal_loads(step, mesh, &vectors.coordinates, &names);
         issues.extend(turning::centrifugal(step));
         issues.extend(turning::loads_across_the_axis(step, mesh, &vectors.coordinates));
-        let is_static = matches!(model.analysis, Analysis::Static(_));
+        let is_static = model.analysis.seeks_equilibria();
         if is_static {
             let (couples, loads) = StepJoints::couples(&released, load_sets.len());
             followers.extend(couples);
@@ -530,6 +531,7 @@ fn procedure(analysis: &Analysis) -> Procedure {
     match analysis {
         Analysis::Static(s) if s.linear_solver == LinearSolver::Iterative => Procedure::IterativeStatic,
         Analysis::Static(_) => Procedure::Static,
+        Analysis::Path(_) => Procedure::Path,
         Analysis::Modal(_) => Procedure::Modal,
         Analysis::Transient(t) if t.scheme.is_explicit() => Procedure::Explicit,
         Analysis::Transient(_) => Procedure::Transient,

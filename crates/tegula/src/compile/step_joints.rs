@@ -149,7 +149,7 @@ fn ignorant(analysis: &Analysis) -> Option<(&'static str, &'static str)> {
             "the scheme of this transient analysis does not compute",
             "use `scheme = { type = \"energy-momentum\" }` of order 2 with `linear = false`",
         )),
-        Analysis::Static(_) => Some((
+        Analysis::Static(_) | Analysis::Path(_) => Some((
             "a static analysis, in which forces of friction are not unique, does not compute",
             "list the joint in `locked` (it sticks) or `released` of this analysis step, or compute a transient analysis",
         )),

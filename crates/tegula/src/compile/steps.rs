@@ -199,7 +199,7 @@ fn one_step(
     of_list("prescribed_strains", model.prescribed_strains.len(), step.prescribed_strains.len());
     let (joints, joint_keys) = step_joints::acting(model, step);
     keys.extend(joint_keys);
-    let is_static = matches!(step.analysis, Analysis::Static(_));
+    let is_static = step.analysis.seeks_equilibria();
     let mut loads = [model.loads.clone(), step.loads.clone()].concat();
     let mut continued = vec![Continued::default(); loads.len()];
     if let Some((_, before)) = before {
@@ -263,7 +263,7 @@ fn end_factor(step: &StepModel, load: &Continued, amplitude: Option<&str>) -> f6
         return 0.0;
     }
     let end = match &step.model.analysis {
-        Analysis::Static(_) | Analysis::Modal(_) => 1.0,
+        Analysis::Static(_) | Analysis::Path(_) | Analysis::Modal(_) => 1.0,
         Analysis::Transient(t) => t.end_time,
     };
     let function = amplitude.and_then(|name| TimeFunction::new(step.model.amplitudes.get(name)?).ok());
@@ -293,7 +293,7 @@ pub(super) fn issues(model: &Model) -> Vec<Issue> {
     let linear = |analysis: &Analysis| match analysis {
         Analysis::Static(s) => Some(s.linear),
         Analysis::Transient(t) => Some(t.linear),
-        Analysis::Modal(_) => None,
+        Analysis::Path(_) | Analysis::Modal(_) => None,
     };
     let first = model.steps.iter().find_map(|step| linear(&step.analysis));
     let mut moving = false;
@@ -311,7 +311,7 @@ pub(super) fn issues(model: &Model) -> Vec<Issue> {
             );
         }
         match &step.analysis {
-            Analysis::Static(_) if moving => c.add(
+            Analysis::Static(_) | Analysis::Path(_) if moving => c.add(
                 format!("{key}.analysis.type"),
                 "a static step follows a transient one: the state in motion is no equilibrium to start from",
                 "put the static steps first, or let the motion come to rest in transient steps with damping",
@@ -329,7 +329,17 @@ pub(super) fn issues(model: &Model) -> Vec<Issue> {
                  factor 1",
                 "let this step be the last one, or leave `stop` out; transient steps may stop anywhere",
             ),
-            Analysis::Static(_) => {}
+            Analysis::Path(p) if !p.stop.is_empty() && i + 1 < model.steps.len() => c.add(
+                format!("{key}.analysis.stop"),
+                "a path that may end before load factor 1 is followed by another step, whose loads continue those at load factor 1",
+                "let this step be the last one, or leave `stop` out",
+            ),
+            Analysis::Path(p) if p.end_load != 1.0 && i + 1 < model.steps.len() => c.add(
+                format!("{key}.analysis.end_load"),
+                "a path that does not end at load factor 1 is followed by another step, whose loads continue those at load factor 1",
+                "let the path end at load factor 1, with loads of another size, or let it be the last step",
+            ),
+            Analysis::Static(_) | Analysis::Path(_) => {}
         }
         if !step.initial_velocities.is_empty() && !matches!(step.analysis, Analysis::Transient(_)) {
             c.add(

@@ -318,7 +318,7 @@ const NOTICEABLE: f64 = 0.05;
 /// Prescribed directors that are not at their reference at load factor 0 of a static analysis: they go there in a straight
 /// line, which shortens them.
 fn shortened_directors(model: &Model, system: &System) -> Vec<Issue> {
-    if !matches!(model.analysis, Analysis::Static(_)) {
+    if !model.analysis.seeks_equilibria() {
         return Vec::new();
     }
     let mut found = Vec::new();

@@ -27,6 +27,7 @@ use super::generalized_law::energy_of_fields;
 use super::geometry::ShellGeometry;
 use super::group::{ElementGroup, GroupPoint, Nodal, TangentRequest, TangentWeights};
 use super::lanes::{BATCH, LaneWork, Lanes, in_batches, run};
+use super::power_series::PowerSeries;
 use super::shell::Condensed;
 use crate::Vec3;
 
@@ -372,6 +373,11 @@ impl LaneWork for PerElement<'_> {
 }
 
 impl BilinearGroup {
+    /// Instruction set of the machine.
+    pub(super) fn arch(&self) -> Arch {
+        self.arch
+    }
+
     /// Strain measure of one element, as the sampled strains of its type.
     fn samples(&self, element: usize, k: &GroupPoint, measure: Measure) -> Vec<f64> {
         let l = Lanes { simd: Scalar::new(), first: element };
@@ -404,6 +410,10 @@ impl ElementGroup for BilinearGroup {
 
     fn vectors_per_element(&self) -> usize {
         VECTORS
+    }
+
+    fn power_series(&self) -> Option<&dyn PowerSeries> {
+        Some(self)
     }
 
     fn stresses_per_element(&self) -> usize {

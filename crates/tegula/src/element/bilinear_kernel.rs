@@ -233,10 +233,30 @@ impl BilinearGroup {
         sum
     }
 
+    /// Basis vectors of the configuration with the displacements `u`.
+    #[inline(always)]
+    pub fn current_basis<S: Simd>(&self, l: Lanes<S>, u: &[Nodal]) -> Basis<S> {
+        let reference = l.batch(&self.reference, 3 * BASIS);
+        let mut x = self.basis(l, u);
+        for v in 0..BASIS {
+            for i in 0..3 {
+                x[v][i] = l.add(x[v][i], reference[l.part(3 * v + i)]);
+            }
+        }
+        x
+    }
+
     /// Nodal forces of the generalised stresses `n` in the configuration `x`.
     #[inline(always)]
     fn forces<S: Simd>(&self, l: Lanes<S>, x: &Basis<S>, n: &PerForm<S>) -> [Triple<S>; VECTORS] {
         let mut f = [[l.splat(0.0); 3]; BASIS];
+        self.add_basis_forces(l, x, n, &mut f);
+        self.nodal_forces(l, &f)
+    }
+
+    /// Adds the forces, conjugate to the basis vectors, of the generalised stresses `n` in the configuration `x`.
+    #[inline(always)]
+    pub fn add_basis_forces<S: Simd>(&self, l: Lanes<S>, x: &Basis<S>, n: &PerForm<S>, f: &mut Basis<S>) {
         macro_rules! add {
             ($form:literal, $a:ident, $b:ident) => {
                 for i in 0..3 {
@@ -248,6 +268,11 @@ impl BilinearGroup {
         if self.quadratic {
             quadratic_terms!(add);
         }
+    }
+
+    /// Nodal forces of forces that are conjugate to the basis vectors.
+    #[inline(always)]
+    pub fn nodal_forces<S: Simd>(&self, l: Lanes<S>, f: &Basis<S>) -> [Triple<S>; VECTORS] {
         let mut out = [[l.splat(0.0); 3]; VECTORS];
         for i in 0..3 {
             let r = from_three(l, [f[0][i], f[1][i], f[2][i]]);

@@ -47,6 +47,11 @@ pub trait GeneralizedLaw<const S: usize>: Send + Sync {
     /// Stored energy ψ.
     fn energy(&self, element: usize, s: &[f64; S], interior: &InternalVariables) -> f64;
 
+    /// Whether stresses are affine functions of the strains and of the factors of prescribed strains, without history.
+    fn is_linear(&self) -> bool {
+        false
+    }
+
     /// Number of history variables per element: enhanced parameters and internal variables.
     fn history(&self) -> usize {
         0
@@ -116,6 +121,10 @@ pub(super) fn energy_of_fields(constants: &[f64], factors: &[f64]) -> f64 {
 }
 
 impl<const S: usize> GeneralizedLaw<S> for LinearLaw<S> {
+    fn is_linear(&self) -> bool {
+        true
+    }
+
     #[inline(always)]
     fn stress(&self, element: usize, s: &[f64; S], interior: &InternalVariables) -> [f64; S] {
         let mut n = self.multiply(element, s);

@@ -1,6 +1,8 @@
 //! Interface of a group of elements of one type and section: forces, tangent, mass, energy, history variables,
 //! Kelvin–Voigt damping.
 
+use super::power_series::PowerSeries;
+
 /// Components of a nodal vector, as stored in fields.
 pub type Nodal = [f64; 3];
 
@@ -127,6 +129,10 @@ pub trait ElementGroup: Send + Sync {
     /// Number of generalised stresses per element, work-conjugate to its strains.
     fn stresses_per_element(&self) -> usize {
         0
+    }
+    /// Power series of the forces along a path of equilibria; `None` where strains are not quadratic or the material is not linear.
+    fn power_series(&self) -> Option<&dyn PowerSeries> {
+        None
     }
     /// Mass matrix of an element: one scalar per pair of nodal vectors, lower triangle by rows.
     fn mass(&self, element: usize) -> &[f64] {

@@ -3,6 +3,7 @@
 pub mod beam;
 pub mod bilinear;
 mod bilinear_kernel;
+mod bilinear_series;
 mod chunks;
 pub mod curved_strain;
 pub mod director_angle;
@@ -13,7 +14,9 @@ pub mod group;
 mod lanes;
 pub mod membrane;
 pub mod points;
+pub mod power_series;
 pub mod quadratic;
+mod quadratic_series;
 pub mod registry;
 pub mod scalar;
 mod section_points;

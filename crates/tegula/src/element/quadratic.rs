@@ -11,6 +11,7 @@ use super::generalized_law::GeneralizedLaw;
 use super::group::{
     ElementGroup, GroupPoint, InternalVariables, Motion, Nodal, TangentRequest, TangentWeights,
 };
+use super::power_series::PowerSeries;
 use super::strains::{Directions, SampledStrains};
 use super::transform::NodalTransform;
 
@@ -34,8 +35,8 @@ impl<const M: usize> Default for Members<M> {
 /// Group of elements with `M` nodal vectors, `N = 3 M` coordinates, `S` sampled strains and `D` base vectors.
 pub struct QuadraticGroup<const M: usize, const N: usize, const S: usize, const D: usize, C> {
     name: &'static str,
-    strains: SampledStrains<M, N, S, D>,
-    members: Members<M>,
+    pub(super) strains: SampledStrains<M, N, S, D>,
+    pub(super) members: Members<M>,
     constitution: C,
     retardation_time: f64,
     arch: Arch,
@@ -66,8 +67,13 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
         Self { name, strains, members, constitution, retardation_time, arch: Arch::new() }
     }
 
+    /// Generalised constitutive law.
+    pub(super) fn law(&self) -> &C {
+        &self.constitution
+    }
+
     #[inline(always)]
-    fn gather(&self, element: usize, field: &[Nodal]) -> [Nodal; M] {
+    pub(super) fn gather(&self, element: usize, field: &[Nodal]) -> [Nodal; M] {
         let v = self.members.vectors[element].map(|v| field[v as usize]);
         match self.members.transforms.get(element) {
             None => v,
@@ -279,6 +285,10 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
 
     fn vectors_per_element(&self) -> usize {
         M
+    }
+
+    fn power_series(&self) -> Option<&dyn PowerSeries> {
+        self.constitution.is_linear().then_some(self as &dyn PowerSeries)
     }
 
     fn stresses_per_element(&self) -> usize {

@@ -8,6 +8,8 @@ pub enum LoadParameter {
     /// Load factor λ of statics: loads without amplitude grow from λ = 0 to 1.
     #[default]
     LoadFactor,
+    /// Load factor λ of an equilibrium path, which may leave the range from 0 to 1: loads are affine functions of it.
+    PathFactor,
     /// Time: loads without amplitude are constant.
     Time,
 }
@@ -38,12 +40,14 @@ impl LoadFactor {
     pub fn value(&self, amplitudes: &[TimeFunction], parameter: LoadParameter, at: f64) -> f64 {
         match (self.amplitude, parameter) {
             (_, LoadParameter::LoadFactor) if self.released => self.start * (1.0 - f64::clamp(at, 0.0, 1.0)),
+            (_, LoadParameter::PathFactor) if self.released => self.start * (1.0 - at),
             (_, LoadParameter::Time) if self.released => 0.0,
             (Some(i), LoadParameter::LoadFactor) if at < 0.0 => {
                 self.start + (1.0 + at) * (amplitudes[i].value(0.0) - self.start)
             }
             (Some(i), _) => amplitudes[i].value(at),
             (None, LoadParameter::LoadFactor) => self.start + f64::max(at, 0.0) * (1.0 - self.start),
+            (None, LoadParameter::PathFactor) => self.start + at * (1.0 - self.start),
             (None, LoadParameter::Time) => 1.0,
         }
     }

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Condition, FrequencyResponse, InitialVelocity, Load, PrescribedStrain, ResponseInput, Scheme};
+use super::{Condition, FrequencyResponse, InitialVelocity, Load, PathAnalysis, PrescribedStrain, ResponseInput, Scheme};
 
 /// Analysis to run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -11,6 +11,8 @@ use super::{Condition, FrequencyResponse, InitialVelocity, Load, PrescribedStrai
 pub enum Analysis {
     /// Equilibrium under loads that grow from 0 to their full value.
     Static(StaticAnalysis),
+    /// Equilibria along a path through limit points, under loads that grow and fall.
+    Path(PathAnalysis),
     /// Natural frequencies and mode shapes.
     Modal(ModalAnalysis),
     /// Motion in time.
@@ -258,10 +260,16 @@ pub struct TransientAnalysis {
 }
 
 impl Analysis {
+    /// Whether the analysis seeks equilibria under loads that grow with a load factor: statics and paths.
+    pub fn seeks_equilibria(&self) -> bool {
+        matches!(self, Self::Static(_) | Self::Path(_))
+    }
+
     /// Conditions at which the analysis ends before its end.
     pub fn stop_conditions(&self) -> &[StopCondition] {
         match self {
             Self::Static(options) => &options.stop,
+            Self::Path(options) => &options.stop,
             Self::Transient(options) => &options.stop,
             Self::Modal(_) => &[],
         }

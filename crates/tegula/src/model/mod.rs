@@ -17,6 +17,7 @@ mod gear_joint;
 pub mod joint;
 pub mod loads;
 mod mesh_source;
+mod path;
 mod prescribed_strain;
 mod response;
 mod scheme;
@@ -54,6 +55,7 @@ pub use joint::{
 };
 pub use loads::{Load, LoadStiffness, NodalLoad};
 pub use mesh_source::*;
+pub use path::PathAnalysis;
 pub use prescribed_strain::*;
 pub use response::{FrequencyResponse, ResponseInput, Spacing};
 pub(crate) use scheme::schemes;

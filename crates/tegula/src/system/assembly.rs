@@ -42,7 +42,7 @@ const MANY_BATCHES: usize = 8;
 /// Assembly buffers for one analysis; nothing is allocated after they are made, except for models of many batches.
 pub struct Assembly {
     /// Element forces, all groups one after another.
-    element_forces: Vec<f64>,
+    pub(super) element_forces: Vec<f64>,
     /// Tangent blocks of a batch of elements or follower loads, behind them those that are reduced to the degrees of freedom of
     /// rigid bodies.
     blocks: Vec<f64>,
@@ -327,7 +327,7 @@ impl Assembly {
         std::array::from_fn(|i| self.element_forces[at + i])
     }
 
-    fn gather_forces(&self, out: &mut [Nodal]) {
+    pub(super) fn gather_forces(&self, out: &mut [Nodal]) {
         out.par_iter_mut().with_min_len(256).enumerate().for_each(|(v, f)| {
             *f = [0.0; 3];
             for &source in self.force_sources.of(v) {

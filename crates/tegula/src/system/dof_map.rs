@@ -65,6 +65,7 @@ impl Prescribed {
             }
             (Some(i), _) => value * amplitudes[i].value(at),
             (None, LoadParameter::LoadFactor) => start + f64::max(at, 0.0) * (value - start),
+            (None, LoadParameter::PathFactor) => start + at * (value - start),
             (None, LoadParameter::Time) => value,
         }
     }

@@ -21,6 +21,7 @@ pub mod lumped_body;
 pub mod lumping;
 pub mod outline;
 pub mod pattern;
+pub mod power_series;
 mod procedure;
 mod reduction;
 pub mod rigid_patch;
@@ -377,8 +378,8 @@ impl System {
     /// Undefined amplitude at a time: the first one in use that has no finite value, or no finite velocity or
     /// acceleration where a prescribed motion of a transient analysis follows it; as text.
     pub fn undefined_amplitude(&self, time: f64) -> Option<String> {
-        let is_static = self.parameter() == LoadParameter::LoadFactor;
-        let time = if is_static { f64::max(time, 0.0) } else { time };
+        let is_static = self.parameter() != LoadParameter::Time;
+        let time = if self.parameter() == LoadParameter::LoadFactor { f64::max(time, 0.0) } else { time };
         self.amplitudes_in_use().find_map(|(i, motion)| {
             let (what, value) = self.amplitudes.get(i)?.undefined(time, motion && !is_static)?;
             let name = self.amplitude_name(i);

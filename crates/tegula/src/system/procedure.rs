@@ -12,6 +12,8 @@ pub enum Procedure {
     Static,
     /// Static equilibrium by the iterative solver, which takes element matrices.
     IterativeStatic,
+    /// Equilibrium path.
+    Path,
     /// Natural frequencies.
     Modal,
     /// Motion by an implicit scheme.
@@ -25,13 +27,14 @@ impl Procedure {
     pub fn parameter(self) -> LoadParameter {
         match self {
             Self::Static | Self::IterativeStatic | Self::Modal => LoadParameter::LoadFactor,
+            Self::Path => LoadParameter::PathFactor,
             Self::Transient | Self::Explicit => LoadParameter::Time,
         }
     }
 
     /// Whether the system needs the sparsity pattern of its tangent.
     pub fn has_tangent_pattern(self) -> bool {
-        matches!(self, Self::Static | Self::Modal | Self::Transient)
+        matches!(self, Self::Static | Self::Path | Self::Modal | Self::Transient)
     }
 
     /// Name in messages.
@@ -39,6 +42,7 @@ impl Procedure {
         match self {
             Self::Static => "static analysis",
             Self::IterativeStatic => "static analysis with the iterative linear solver",
+            Self::Path => "path analysis",
             Self::Modal => "modal analysis",
             Self::Transient => "transient analysis with an implicit scheme",
             Self::Explicit => "transient analysis with an explicit scheme",

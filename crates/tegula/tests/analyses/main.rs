@@ -52,6 +52,7 @@ mod nonlinear_materials;
 mod outlines;
 mod patch_refusals;
 mod patches;
+mod paths;
 mod racks;
 mod reactions;
 mod screws;

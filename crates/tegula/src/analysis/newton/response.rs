@@ -192,7 +192,7 @@ impl<S: TangentSolver> Newton<S> {
 }
 
 /// Multiplies displacements by the weights of [`System::norm`].
-pub(super) fn apply_metric(system: &System, field: &mut [Nodal]) {
+pub(in crate::analysis) fn apply_metric(system: &System, field: &mut [Nodal]) {
     for (x, kind) in field.iter_mut().zip(&system.coordinates.kinds) {
         if *kind == VectorKind::Position {
             *x = x.map(|x| x / (system.length * system.length));

@@ -1,0 +1,197 @@
+//! Critical points of a piece of a path: limit points are roots of dλ/da; bifurcations change the number of negative pivots of the
+//! tangent without one.
+//!
+//! At a limit point `K φ = 0` with `φ = dv/da`. From the second derivative of the equilibrium, `φᵀ(dK/da)φ = (d²λ/da²) φᵀF`, which
+//! tells the direction in which the eigenvalue passes through zero; so limit points and bifurcations that would cancel in the count
+//! are told apart. The error of the load factor is `−φᵀR/φᵀF` with the residual R of the series there.
+
+use super::expansion::{Expansion, product};
+use super::series::{Series, roots};
+use super::state::{CriticalKind, CriticalPoint};
+use crate::element::Nodal;
+use crate::system::{EvaluationPoint, System, dot};
+
+/// Part of the length of a piece within which a bifurcation is located.
+const LOCATED: f64 = 1e-9;
+/// Eigenvalue next to zero at a bifurcation, over that at the ends of the bracket.
+const VANISHING: f64 = 1e-9;
+/// Largest number of factorisations for one bifurcation.
+const MOST_TRIALS: usize = 40;
+/// Iterations of the inverse iteration for the eigenvalue next to zero.
+const INVERSE_ITERATIONS: usize = 12;
+/// Part of the piece's length for differences of forces at a limit point.
+const DIFFERENCE: f64 = 1e-4;
+
+/// Critical point of a piece, at the parameter `a` of its series.
+pub struct Found {
+    /// Parameter of the series.
+    pub a: f64,
+    /// The point; its position on the whole path is filled in later.
+    pub point: CriticalPoint,
+}
+
+/// Limit points of a piece up to the parameter `end`.
+pub fn limit_points(system: &System, expansion: &mut Expansion, series: &Series, end: f64) -> Vec<Found> {
+    let places = roots(end, |a| series.load_derivative(a, 1));
+    places.into_iter().map(|a| limit_point(system, expansion, series, (a, end))).collect()
+}
+
+fn limit_point(system: &System, expansion: &mut Expansion, series: &Series, (a, end): (f64, f64)) -> Found {
+    let fields = || vec![[0.0; 3]; system.vectors()];
+    let (mut u, mut mode, mut force) = (fields(), fields(), fields());
+    series.displacements(a, &mut u);
+    series.direction(a, &mut mode);
+    let load = series.load(a);
+    let mut residual = vec![0.0; system.unknowns()];
+    expansion.residual(system, &u, load, &mut residual);
+    expansion.load_at(system, &u, load, &mut force);
+    let mut work = dot(&mode, &force);
+    if !system.dofs().prescribed.is_empty() {
+        // Forces that prescribed displacements exert per load factor: −K ū on φ, and K φ is the change of the internal forces.
+        let step = DIFFERENCE * end;
+        let (mut before, mut behind) = (fields(), fields());
+        for (at, out) in [(a - step, &mut before), (a + step, &mut behind)] {
+            series.displacements(at, &mut u);
+            let k = EvaluationPoint::at_rest(system, &u, load, &[]);
+            expansion.assembly().forces(system, &k, out);
+        }
+        let moved = expansion.prescribed();
+        work -= (dot(moved, &behind) - dot(moved, &before)) / (2.0 * step);
+    }
+    series.displacements(a, &mut u);
+    let mut free = vec![0.0; system.unknowns()];
+    system.frames.components(&mode, &mut free);
+    let unbalanced: f64 = free.iter().zip(&residual).map(|(x, r)| x * r).sum();
+    let correction = if work == 0.0 { 0.0 } else { -unbalanced / work };
+    let curvature = series.load_derivative(a, 2) * work;
+    let change = if curvature < 0.0 { 1 } else { -1 };
+    normalize(system, &mut mode);
+    let point =
+        CriticalPoint { kind: CriticalKind::Limit, load: load + correction, position: 0.0, change, u, mode };
+    Found { a, point }
+}
+
+/// Bifurcations of a piece up to the parameter `end`, where the tangent has `change` more negative pivots than at its start, beside
+/// those that its limit points explain. The tangent that is factored afterwards is another one.
+///
+/// # Errors
+/// The tangent has no factor where it should; the text gives the reason.
+pub fn bifurcations(
+    system: &System,
+    expansion: &mut Expansion,
+    (series, end): (&Series, f64),
+    (start, change): (usize, i32),
+    limits: &[Found],
+) -> Result<Vec<Found>, String> {
+    let mut out = Vec::new();
+    let mut search = Search { system, expansion, series, start, limits };
+    let mut open = vec![([0.0, end], [0, change])];
+    while let Some((interval, counts)) = open.pop() {
+        if counts[0] == counts[1] {
+            continue;
+        }
+        match search.locate(interval, counts, end)? {
+            Located::Point(found) => out.push(found),
+            Located::Split(middle, count) => {
+                open.push(([interval[0], middle], [counts[0], count]));
+                open.push(([middle, interval[1]], [count, counts[1]]));
+            }
+        }
+    }
+    out.sort_by(|p, q| p.a.total_cmp(&q.a));
+    Ok(out)
+}
+
+/// Outcome of the search in an interval.
+enum Located {
+    /// The one crossing in it.
+    Point(Found),
+    /// More than one crossing: a point between them, and the count there.
+    Split(f64, i32),
+}
+
+struct Search<'a> {
+    system: &'a System,
+    expansion: &'a mut Expansion,
+    series: &'a Series,
+    /// Negative pivots at the start of the piece.
+    start: usize,
+    limits: &'a [Found],
+}
+
+/// Tangent at a point of the path: negative pivots that limit points do not explain, and its eigenvalue next to zero with its
+/// eigenvector.
+struct Trial {
+    count: i32,
+    eigenvalue: f64,
+    mode: Vec<Nodal>,
+}
+
+impl Search<'_> {
+    fn trial(&mut self, a: f64) -> Result<Trial, String> {
+        let mut u = vec![[0.0; 3]; self.system.vectors()];
+        self.series.displacements(a, &mut u);
+        let negative = self.expansion.factor(self.system, &u, self.series.load(a))?;
+        let explained: i32 = self.limits.iter().filter(|l| l.a < a).map(|l| l.point.change).sum();
+        let (eigenvalue, mode) = self.expansion.eigenvalue_next_to_zero(self.system, INVERSE_ITERATIONS)?;
+        Ok(Trial { count: negative as i32 - self.start as i32 - explained, eigenvalue, mode })
+    }
+
+    /// Finds the crossing of an interval by the secant of the eigenvalue next to zero, kept in the bracket of the count.
+    fn locate(&mut self, interval: [f64; 2], counts: [i32; 2], whole: f64) -> Result<Located, String> {
+        let [mut low, mut high] = interval;
+        let mut known: Vec<(f64, f64)> = Vec::new();
+        let mut best: Option<(f64, Trial)> = None;
+        for number in 0..MOST_TRIALS {
+            let middle = 0.5 * (low + high);
+            let a = secant(&known).filter(|a| number % 4 != 3 && *a > low && *a < high).unwrap_or(middle);
+            let trial = self.trial(a)?;
+            if trial.count != counts[0] && trial.count != counts[1] {
+                return Ok(Located::Split(a, trial.count));
+            }
+            known.push((a, trial.eigenvalue));
+            if trial.count == counts[0] {
+                low = a
+            } else {
+                high = a
+            }
+            let largest = known.iter().map(|(_, e)| e.abs()).fold(0.0, crate::norm::larger);
+            // Of several crossings the first zero is not the only one.
+            let vanishes =
+                (counts[1] - counts[0]).abs() == 1 && trial.eigenvalue.abs() <= VANISHING * largest;
+            let better = best.as_ref().is_none_or(|(_, b)| trial.eigenvalue.abs() <= b.eigenvalue.abs());
+            if better {
+                best = Some((a, trial));
+            }
+            if vanishes || high - low <= LOCATED * whole {
+                break;
+            }
+        }
+        let (a, trial) = best.ok_or("no bifurcation was located")?;
+        let mut u = vec![[0.0; 3]; self.system.vectors()];
+        self.series.displacements(a, &mut u);
+        let point = CriticalPoint {
+            kind: CriticalKind::Bifurcation,
+            load: self.series.load(a),
+            position: 0.0,
+            change: counts[1] - counts[0],
+            u,
+            mode: trial.mode,
+        };
+        Ok(Located::Point(Found { a, point }))
+    }
+}
+
+/// Root of the line through the last two values.
+fn secant(known: &[(f64, f64)]) -> Option<f64> {
+    let [.., (a, x), (b, y)] = known else { return None };
+    (x != y).then(|| b - y * (b - a) / (y - x))
+}
+
+/// Scales a mode to unit norm.
+pub fn normalize(system: &System, mode: &mut [Nodal]) {
+    let norm = product(system, mode, mode).sqrt();
+    if norm > 0.0 {
+        mode.as_flattened_mut().iter_mut().for_each(|x| *x /= norm);
+    }
+}

@@ -1,0 +1,235 @@
+//! Piece of a path: one series, the length up to which it is used, and the points on it that are reported.
+
+use super::critical_points::{Found, bifurcations, limit_points};
+use super::expansion::{Direction, Expansion};
+use super::geometric;
+use super::series::{Series, roots};
+use super::state::{CriticalPoint, ExpansionPoint};
+use crate::model::PathAnalysis;
+use crate::norm::max_norm;
+use crate::system::System;
+
+/// Residual at the end of a piece over the forces that is too large; the piece is shortened then.
+const LARGEST_RESIDUAL: f64 = 1e-5;
+/// Factor by which a piece is shortened whose end has too large a residual or a singular tangent.
+const SHORTER: f64 = 0.8;
+/// Shortenings after which a piece is given up.
+const MOST_SHORTENED: usize = 12;
+/// Largest length of a piece over that at which the residual of the step before has faded: beyond, it would grow.
+const BEYOND: f64 = 2.0;
+/// Distance of two points over the length of the piece below which they are one.
+const SAME: f64 = 1e-9;
+
+/// Start of a piece, whose tangent is factored.
+pub struct Start {
+    point: ExpansionPoint,
+    /// Negative pivots of the tangent.
+    negative: usize,
+}
+
+impl Start {
+    /// Factors the tangent at an expansion point.
+    ///
+    /// # Errors
+    /// The tangent is singular; the text gives the reason.
+    pub fn new(system: &System, expansion: &mut Expansion, point: ExpansionPoint) -> Result<Self, String> {
+        let negative = expansion.factor(system, &point.u, point.load)?;
+        Ok(Self { point, negative })
+    }
+}
+
+/// Piece of a path.
+pub struct Piece {
+    series: Series,
+    start: ExpansionPoint,
+    negative: usize,
+    /// Length of the piece.
+    length: f64,
+    /// Parameters of the points that are reported, ascending; the last one is the end.
+    points: Vec<f64>,
+    /// Critical points, ascending.
+    critical: Vec<CriticalPoint>,
+    /// Load factor at the end, where the path ends at it exactly.
+    end_load: Option<f64>,
+    /// Whether the path ends with this piece because of the number of steps.
+    run_out: bool,
+    /// Negative pivots of the tangent at the end, which is factored.
+    negative_at_end: usize,
+}
+
+impl Piece {
+    /// Expands the path at a point whose tangent is factored; the tangent at the end of the piece is factored then.
+    ///
+    /// # Errors
+    /// There is no series, its residual is too large, or the tangent has no factor; the text gives the reason.
+    pub fn new(
+        system: &System,
+        expansion: &mut Expansion,
+        start: Start,
+        options: &PathAnalysis,
+    ) -> Result<Self, String> {
+        let Start { point, negative } = start;
+        let direction = Direction { u: &point.direction, load: point.load_rate };
+        let mut series =
+            expansion.series(system, (&point.u, point.load), (direction, point.expected), options)?;
+        // The search for bifurcations finds those that the extracted series tell.
+        while geometric::extract(system, &mut series, options.tolerance).is_some() {}
+        let longest = if point.expected > 0.0 { BEYOND * point.expected } else { f64::INFINITY };
+        let mut length = series.range.min(longest);
+        let full = |end: f64| roots(end, |a| series.load(a) - options.end_load).first().copied();
+        // The path may begin at the load factor at which it ends.
+        let end_of_path = full(length).filter(|a| *a > SAME * length);
+        let mut end_load = end_of_path.map(|_| options.end_load);
+        length = end_of_path.unwrap_or(length);
+        let mut end = vec![[0.0; 3]; system.vectors()];
+        let mut residual = vec![0.0; system.unknowns()];
+        let mut shortened = 0;
+        let negative_at_end = loop {
+            series.displacements(length, &mut end);
+            let load = series.load(length);
+            let size = expansion.residual(system, &end, load, &mut residual);
+            let relative = max_norm(residual.iter().copied()) / size;
+            let outcome = if relative <= LARGEST_RESIDUAL {
+                expansion.factor(system, &end, load)
+            } else {
+                Err(format!("the residual at the end of the series is {relative:.1e} of the forces"))
+            };
+            match outcome {
+                Ok(negative) => break negative,
+                Err(reason) if shortened == MOST_SHORTENED => return Err(reason),
+                Err(_) => {
+                    shortened += 1;
+                    length *= SHORTER;
+                    end_load = None;
+                }
+            }
+        };
+        let limits = limit_points(system, expansion, &series, length);
+        let explained: i32 = limits.iter().map(|found| found.point.change).sum();
+        let unexplained = negative_at_end as i32 - negative as i32 - explained;
+        let mut critical = limits;
+        if unexplained != 0 {
+            let more =
+                bifurcations(system, expansion, (&series, length), (negative, unexplained), &critical)?;
+            critical.extend(more);
+            critical.sort_by(|p, q| p.a.total_cmp(&q.a));
+            // The tangent at the end serves the next piece.
+            expansion.factor(system, &end, series.load(length))?;
+        }
+        let run_out = point.number + 1 >= options.max_steps && end_load.is_none();
+        let points = points(system, &series, (length, options.points), &critical);
+        let position = |a: f64| point.position + a;
+        let critical =
+            critical.into_iter().map(|Found { a, point }| CriticalPoint { position: position(a), ..point });
+        Ok(Self {
+            critical: critical.collect(),
+            series,
+            start: point,
+            negative,
+            length,
+            points,
+            end_load,
+            run_out,
+            negative_at_end,
+        })
+    }
+
+    /// Series of the piece.
+    pub fn series(&self) -> &Series {
+        &self.series
+    }
+
+    /// Where the piece begins.
+    pub fn start(&self) -> &ExpansionPoint {
+        &self.start
+    }
+
+    /// Negative eigenvalues of the tangent where the piece begins.
+    pub fn negative_at_start(&self) -> usize {
+        self.negative
+    }
+
+    /// Load factor at a parameter; at the end of the path exactly that at which it ends.
+    pub fn load(&self, a: f64) -> f64 {
+        self.end_load.filter(|_| a == self.length).unwrap_or_else(|| self.series.load(a))
+    }
+
+    /// Path parameter from the start of the path.
+    pub fn position_of(&self, a: f64) -> f64 {
+        self.start.position + a
+    }
+
+    /// Path parameter at the end of the piece.
+    pub fn end_position(&self) -> f64 {
+        self.position_of(self.length)
+    }
+
+    /// Whether a position lies on the piece, before its end.
+    pub fn leads_on_from(&self, position: f64) -> bool {
+        self.start.position <= position && position < self.end_position()
+    }
+
+    /// Whether the path ends with this piece.
+    pub fn is_last(&self) -> bool {
+        self.run_out || self.end_load.is_some()
+    }
+
+    /// Whether the path ends with this piece because of the number of steps.
+    pub fn has_run_out(&self) -> bool {
+        self.run_out
+    }
+
+    /// Start of the next piece.
+    pub fn next_start(&self) -> Start {
+        let (mut u, mut direction) = (self.series.u.clone(), self.series.u.clone());
+        self.series.displacements(self.length, &mut u);
+        self.series.direction(self.length, &mut direction);
+        let point = ExpansionPoint {
+            position: self.end_position(),
+            u,
+            load: self.load(self.length),
+            direction,
+            load_rate: self.series.load_derivative(self.length, 1),
+            expected: self.length,
+            number: self.start.number + 1,
+        };
+        Start { point, negative: self.negative_at_end }
+    }
+
+    /// Parameter of the next point to report behind a position, or that of the position `limit` where it comes first.
+    pub fn next_point(&self, position: f64, limit: f64) -> f64 {
+        let next = self.points.iter().copied().find(|&a| self.position_of(a) > position);
+        let next = next.unwrap_or(self.length);
+        if limit < self.position_of(next) { limit - self.start.position } else { next }
+    }
+
+    /// Critical points behind a position, up to another one.
+    pub fn passed(&self, from: f64, to: f64) -> impl Iterator<Item = &CriticalPoint> {
+        self.critical.iter().filter(move |point| from < point.position && point.position <= to)
+    }
+
+    /// Negative eigenvalues of the tangent at a position of the piece.
+    pub fn negative_at(&self, position: f64) -> usize {
+        let passed = self.critical.iter().filter(|point| point.position <= position);
+        (self.negative as i32 + passed.map(|point| point.change).sum::<i32>()).max(0) as usize
+    }
+}
+
+/// Points of a piece that are reported: equal parts of it, wanted load factors, critical points, its end.
+fn points(system: &System, series: &Series, (length, count): (f64, u32), critical: &[Found]) -> Vec<f64> {
+    let mut exact: Vec<f64> = critical.iter().map(|found| found.a).collect();
+    for &wanted in &system.wanted_times {
+        exact.extend(roots(length, |a| series.load(a) - wanted));
+    }
+    exact.push(length);
+    let near = |a: f64, others: &[f64]| others.iter().any(|b| (a - b).abs() <= SAME * length);
+    let regular = (1..count).map(|i| length * f64::from(i) / f64::from(count));
+    let mut all: Vec<f64> = regular.filter(|&a| !near(a, &exact)).collect();
+    all.extend(exact);
+    all.sort_by(f64::total_cmp);
+    all.dedup_by(|b, a| *b - *a <= SAME * length);
+    if let Some(end) = all.last_mut() {
+        *end = length;
+    }
+    all
+}

@@ -1,0 +1,62 @@
+//! Scope of power series: models whose equilibrium equations are polynomials.
+
+use crate::load::TimeFunction;
+use crate::system::System;
+use crate::system::power_series::SeriesStresses;
+
+/// Load factors at which an amplitude is compared with a straight line.
+const TRIALS: [f64; 6] = [-1.5, -0.7, 0.3, 0.9, 1.7, 4.0];
+/// Departure from the line over its values that is round-off.
+const ROUND_OFF: f64 = 1e-12;
+
+/// Room for the stresses of a series, or the reason why a model has no power series, as a sentence without a full stop.
+pub fn stresses(system: &System, highest: usize) -> Result<SeriesStresses, String> {
+    if let Some(reason) = reason(system) {
+        return Err(reason);
+    }
+    SeriesStresses::new(system, highest).ok_or_else(|| {
+        let group = system.groups.iter().find(|group| !group.is_empty() && group.power_series().is_none());
+        let name = group.map_or("", |group| group.name());
+        format!("the forces of `{name}` are no polynomials of the displacements")
+    })
+}
+
+fn reason(system: &System) -> Option<String> {
+    let dofs = system.dofs();
+    let bodies = !system.coordinates.bodies.is_empty() || !dofs.triads.is_empty();
+    let given = [
+        (bodies, "rigid bodies and beams turn by the exponential map, which is no polynomial"),
+        (!system.joints.is_empty(), "joints have constraints with multipliers"),
+        (!dofs.unit.is_empty(), "inextensible directors move on a sphere, which is no polynomial"),
+        (system.has_follower_loads(), "follower loads turn with the model"),
+        (!system.without_internal_variables(), "a material or an enhanced strain keeps a history"),
+    ];
+    if let Some((_, reason)) = given.into_iter().find(|(is, _)| *is) {
+        return Some(reason.into());
+    }
+    let bent = system.amplitudes_in_use().find(|(i, _)| !system.amplitudes.get(*i).is_some_and(is_affine))?;
+    let name = system.amplitude_names.get(bent.0).map_or("", String::as_str);
+    Some(format!("the amplitude \"{name}\" is no straight line over the load factor"))
+}
+
+/// Whether a function of the load factor is `b + c λ`.
+fn is_affine(function: &TimeFunction) -> bool {
+    let (start, end) = (function.value(0.0), function.value(1.0));
+    let straight = |t: f64| {
+        let line = start + t * (end - start);
+        (function.value(t) - line).abs() <= ROUND_OFF * (start.abs() + t.abs() * (end - start).abs())
+    };
+    TRIALS.into_iter().all(straight)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn straight_lines_are_told_from_bent_ones() {
+        let table = TimeFunction::Table(vec![(0.0, 0.0), (1.0, 1.0)]);
+        assert!(is_affine(&TimeFunction::Constant(0.3)));
+        assert!(!is_affine(&table), "constant before and behind its points");
+    }
+}

@@ -1,0 +1,76 @@
+//! State of an equilibrium path beyond displacements and load factor: what a resumed run goes on from, and the critical points found.
+
+use serde::{Deserialize, Serialize};
+
+use crate::element::Nodal;
+
+/// Place on a path at which it is expanded into a power series.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct ExpansionPoint {
+    /// Path parameter from the start of the path.
+    pub position: f64,
+    /// Displacements.
+    pub u: Vec<Nodal>,
+    /// Load factor.
+    pub load: f64,
+    /// Derivative of the displacements with respect to the path parameter, by the series before; empty at the start of the path.
+    pub direction: Vec<Nodal>,
+    /// Derivative of the load factor with respect to the path parameter; at the start of the path its sign alone counts.
+    pub load_rate: f64,
+    /// Length over which the residual of the step before fades; 0 at the start of the path.
+    pub expected: f64,
+    /// Number of the expansion, from 0.
+    pub number: u32,
+}
+
+/// Kind of a critical point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CriticalKind {
+    /// Limit point: the load factor has a maximum or a minimum.
+    Limit,
+    /// Bifurcation: another path crosses.
+    Bifurcation,
+}
+
+impl CriticalKind {
+    /// Name in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Limit => "limit point",
+            Self::Bifurcation => "bifurcation",
+        }
+    }
+}
+
+/// Critical point of a path: an eigenvalue of the tangent passes through zero.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CriticalPoint {
+    /// Kind of the point.
+    pub kind: CriticalKind,
+    /// Load factor.
+    pub load: f64,
+    /// Path parameter from the start of the path.
+    pub position: f64,
+    /// Change of the number of negative eigenvalues of the tangent along the path.
+    pub change: i32,
+    /// Displacements.
+    pub u: Vec<Nodal>,
+    /// Eigenvector: motion at constant load, of unit norm ([`System::norm`](crate::System::norm)).
+    pub mode: Vec<Nodal>,
+}
+
+/// State of a path.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct PathState {
+    /// Path parameter from the start of the path: arc length of the displacements ([`System::norm`](crate::System::norm)).
+    pub position: f64,
+    /// Where the present piece of the path is expanded.
+    pub expansion: ExpansionPoint,
+    /// Negative eigenvalues of the tangent at the expansion point.
+    pub negative_at_expansion: usize,
+    /// Critical points passed so far.
+    pub critical: Vec<CriticalPoint>,
+    /// Whether the path has ended.
+    pub finished: bool,
+}

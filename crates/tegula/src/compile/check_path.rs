@@ -1,0 +1,28 @@
+//! Checks of the keys of a path.
+
+use crate::checker::Checker;
+use crate::model::PathAnalysis;
+
+/// Mistakes in the keys of a path.
+pub(super) fn path(path: &PathAnalysis, c: &mut Checker) {
+    if !path.end_load.is_finite() || path.end_load == 0.0 {
+        c.add(
+            "analysis.end_load",
+            format!("the path cannot end at load factor {}, where it begins", path.end_load),
+            "give the load factor at which it ends, a negative one for loads that fall from the start",
+        );
+    }
+    c.positive("analysis.tolerance", "the tolerance", path.tolerance);
+    for (key, value) in [("max_steps", path.max_steps), ("points", path.points)] {
+        if value == 0 {
+            c.add(format!("analysis.{key}"), format!("`{key}` is 0"), "give at least 1");
+        }
+    }
+    if !(5..=60).contains(&path.order) {
+        c.add(
+            "analysis.order",
+            format!("power series of order {} are of no use", path.order),
+            "give 5 to 60, or leave it out for 20",
+        );
+    }
+}

@@ -1,0 +1,63 @@
+//! Equilibrium paths.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::StopCondition;
+
+/// Equilibrium path under loads that grow and fall with the load factor, through limit points.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PathAnalysis {
+    /// Load factor at which the path ends when it gets there; a negative one starts the path with falling loads.
+    #[serde(default = "full_load")]
+    pub end_load: f64,
+    /// Expansions after which the path ends.
+    #[schemars(range(min = 1))]
+    #[serde(default = "two_hundred")]
+    pub max_steps: u32,
+    /// Highest order of the power series.
+    #[schemars(range(min = 5, max = 60))]
+    #[serde(default = "twenty")]
+    pub order: u32,
+    /// Truncation error of the power series at the end of a step, over the displacement of the step.
+    #[serde(default = "tolerance")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub tolerance: f64,
+    /// Points of the path that each step reports, its end included.
+    #[schemars(range(min = 1))]
+    #[serde(default = "ten")]
+    pub points: u32,
+    /// Conditions at which the path ends.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stop: Vec<StopCondition>,
+}
+
+impl Default for PathAnalysis {
+    fn default() -> Self {
+        Self {
+            end_load: full_load(),
+            max_steps: two_hundred(),
+            order: twenty(),
+            tolerance: tolerance(),
+            points: ten(),
+            stop: Vec::new(),
+        }
+    }
+}
+
+fn full_load() -> f64 {
+    1.0
+}
+fn two_hundred() -> u32 {
+    200
+}
+fn twenty() -> u32 {
+    20
+}
+fn tolerance() -> f64 {
+    1e-9
+}
+fn ten() -> u32 {
+    10
+}

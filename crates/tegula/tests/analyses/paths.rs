@@ -1,0 +1,322 @@
+//! Equilibrium paths by power series: hinged roofs through limit points and a snap-back.
+
+use crate::common::{Notes, compile, displacement, model, on, plate, vector_load};
+use tegula::analysis::path::{self, CriticalKind, CriticalPoint, PathOutcome};
+use tegula::analysis::{Observer, State, Step, statics};
+use tegula::mesh::Mesh;
+use tegula::model::*;
+use tegula::system::System;
+use tegula::{Error, Result};
+
+/// Force on the whole roof at load factor 1 (N).
+const FULL: f64 = 3000.0;
+
+/// Quarter of the hinged cylindrical roof under a force in the middle (K. Y. Sze, X. H. Liu, S. H. Lo, *Popular benchmark
+/// problems for geometric nonlinear analysis of shells*, Finite Elem. Anal. Des. 40 (2004) 1551–1569, Sect. 3.6); millimetres, N.
+fn roof(n: u32, thickness: f64) -> Model {
+    let mesh = MeshSource::Cylinder(CylinderMesh {
+        center: [0.0; 3],
+        axis: [0.0, 1.0, 0.0],
+        start: [0.0, 0.0, 1.0],
+        radius: 2540.0,
+        angles: [0.0, 0.1_f64.to_degrees()],
+        length: 254.0,
+        grid: Grid::uniform(n, n),
+    });
+    let mut m = model(mesh, 3102.75, thickness);
+    let plane = |on: &str, normal| Condition::Symmetry(SymmetryPlane { on: on.into(), normal });
+    m.conditions =
+        vec![plane("u_min", [1.0, 0.0, 0.0]), plane("v_min", [0.0, 1.0, 0.0]), Condition::Hinge(on("u_max"))];
+    m.loads = vec![Load::Force(vector_load("u_min_v_min", [0.0, 0.0, -0.25 * FULL]))];
+    let deflected = StopCondition { column: "w".into(), value: 30.0, direction: Crossing::Rising };
+    m.analysis = Analysis::Path(PathAnalysis { end_load: 2.0, stop: vec![deflected], ..Default::default() });
+    m
+}
+
+/// Observer that keeps load factor and deflection of a corner.
+struct Curve<'a> {
+    mesh: &'a Mesh,
+    system: &'a System,
+    corner: &'a str,
+    points: Vec<[f64; 2]>,
+}
+
+impl Curve<'_> {
+    fn deflection(&self, step: &Step) -> f64 {
+        -displacement(self.mesh, self.system, &step.state.u, self.corner).z
+    }
+}
+
+impl Observer for Curve<'_> {
+    fn on_step(&mut self, step: &Step) -> Result<()> {
+        self.points.push([self.deflection(step), step.state.time]);
+        Ok(())
+    }
+    fn column(&mut self, name: &str, step: &Step) -> Option<f64> {
+        (name == "w").then(|| self.deflection(step))
+    }
+}
+
+fn follow(m: &Model, corner: &str) -> (PathOutcome, Vec<[f64; 2]>) {
+    let Analysis::Path(options) = &m.analysis else { panic!("no path") };
+    let (mesh, system) = compile(m);
+    let mut curve = Curve { mesh: &mesh, system: &system, corner, points: vec![[0.0; 2]] };
+    let outcome = path::run(&system, options, None, &mut curve).unwrap();
+    (outcome, curve.points)
+}
+
+fn critical(outcome: &PathOutcome) -> Vec<CriticalPoint> {
+    outcome.state.path.as_ref().unwrap().critical.clone()
+}
+
+/// Independent program with the elements of the paper on 8 × 8 elements, by power series: limit loads (N).
+#[test]
+fn limit_points_of_hinged_roofs_are_those_of_an_independent_program() {
+    for (thickness, limits, factorizations) in [(12.7, [2223.04, 520.39], 8), (6.35, [594.63, -382.49], 20)] {
+        let (outcome, points) = follow(&roof(8, thickness), "u_min_v_min");
+        let found = critical(&outcome);
+        let loads: Vec<f64> =
+            found.iter().filter(|p| p.kind == CriticalKind::Limit).map(|p| FULL * p.load).collect();
+        assert_eq!(loads.len(), 2, "{loads:?}");
+        for (load, limit) in loads.iter().zip(limits) {
+            assert!((load - limit).abs() < 0.006, "{load} {limit}");
+        }
+        // Behind the maximum an eigenvalue is negative, behind the minimum it is positive again.
+        assert_eq!(found.iter().map(|p| p.change).collect::<Vec<_>>(), [1, -1]);
+        assert_eq!(outcome.statistics.factorizations, factorizations);
+        let [w, _] = points.last().unwrap();
+        assert!((w - 30.0).abs() < 1e-6, "{w}");
+        assert_eq!(outcome.state.negative_pivots, 0);
+    }
+}
+
+/// A path does not depend on units: lengths in other units, stresses in others.
+#[test]
+fn paths_do_not_depend_on_units() {
+    let (length, stress) = (1e3, 1e9);
+    let m = roof(6, 6.35);
+    let mut scaled = m.clone();
+    if let MeshSource::Cylinder(mesh) = &mut scaled.mesh {
+        mesh.radius *= length;
+        mesh.length *= length;
+    }
+    if let Some(Material::Isotropic(steel)) = scaled.materials.values_mut().next() {
+        steel.young *= stress;
+    }
+    scaled.sections[0].thickness *= length;
+    if let Load::Force(force) = &mut scaled.loads[0] {
+        force.value = force.value.map(|f| f * stress * length * length);
+    }
+    if let Analysis::Path(path) = &mut scaled.analysis {
+        path.stop[0].value *= length;
+    }
+    let [(a, first), (b, second)] = [&m, &scaled].map(|m| follow(m, "u_min_v_min"));
+    assert_eq!(a.statistics, b.statistics);
+    assert_eq!(first.len(), second.len());
+    for (p, q) in first.iter().zip(&second) {
+        assert!((q[0] / length - p[0]).abs() < 1e-9 * 30.0 && (q[1] - p[1]).abs() < 1e-9, "{p:?} {q:?}");
+    }
+}
+
+/// Where the path has no limit point, its end is the equilibrium of a static analysis: under forces, prescribed displacements,
+/// prescribed strains.
+#[test]
+fn ends_of_paths_are_equilibria_of_statics() {
+    let mut forces = roof(6, 12.7);
+    if let Load::Force(force) = &mut forces.loads[0] {
+        force.value[2] *= 0.6;
+    }
+    let mut moved = roof(6, 12.7);
+    moved.loads.clear();
+    moved.conditions.push(Condition::Prescribe(PrescribeComponent {
+        on: "u_min_v_min".into(),
+        of: NodalVector::default(),
+        component: Axis::Z,
+        value: -25.0,
+        amplitude: None,
+    }));
+    let mut strained = roof(6, 12.7);
+    strained.loads.clear();
+    strained.prescribed_strains = vec![PrescribedStrain::Natural(NaturalStrain {
+        on: "all".into(),
+        strain: [2e-4, 1e-4, 0.0],
+        curvature: [-2e-5, 0.0, 0.0],
+        direction: [1.0, 0.0, 0.0],
+        amplitude: None,
+    })];
+    for (name, mut m) in [("forces", forces), ("moved", moved), ("strained", strained)] {
+        m.analysis = Analysis::Path(PathAnalysis::default());
+        let (outcome, _) = follow(&m, "u_min_v_min");
+        assert_eq!(outcome.state.time, 1.0);
+        m.analysis = Analysis::Static(StaticAnalysis { load_steps: 10, ..Default::default() });
+        let (_, system) = compile(&m);
+        let Analysis::Static(options) = &m.analysis else { unreachable!() };
+        let found = statics::run(&system, options, None, &mut Notes::default()).unwrap();
+        let both = outcome.state.u.iter().zip(&found.state.u);
+        let difference: Vec<_> = both.map(|(a, b)| [a[0] - b[0], a[1] - b[1], a[2] - b[2]]).collect();
+        let relative = system.norm(&difference) / system.norm(&found.state.u);
+        assert!(relative < 1e-6, "{name}: {relative:e}");
+        assert!((outcome.balance.strain / found.balance.strain - 1.0).abs() < 1e-6, "{name}");
+        assert!((outcome.balance.work - found.balance.work).abs() < 1e-2 * found.balance.strain, "{name}");
+    }
+}
+
+/// Observer that keeps the last state and stops the run after a number of points.
+struct Stops(Option<State>, u32);
+
+impl Observer for Stops {
+    fn on_step(&mut self, step: &Step) -> Result<()> {
+        self.0 = Some(step.state.clone());
+        self.1 = self.1.saturating_sub(1);
+        if self.1 == 0 { Err(Error::Interrupted) } else { Ok(()) }
+    }
+}
+
+#[test]
+fn a_resumed_path_has_the_same_bits() {
+    let mut m = roof(4, 6.35);
+    let options = PathAnalysis { end_load: 1.0, ..Default::default() };
+    m.analysis = Analysis::Path(options.clone());
+    let (_, system) = compile(&m);
+    let whole = path::run(&system, &options, None, &mut Notes::default()).unwrap();
+    // In the middle of a piece, and at the end of one.
+    for points in [3, 10, 27] {
+        let mut stops = Stops(None, points);
+        assert!(matches!(path::run(&system, &options, None, &mut stops), Err(Error::Interrupted)));
+        let resumed = path::run(&system, &options, stops.0, &mut Notes::default()).unwrap();
+        assert_eq!(resumed.state, whole.state, "{points}");
+    }
+}
+
+/// Pinned shallow arch under a uniform load: Y.-L. Pi, M. A. Bradford, B. Uy, *In-plane stability of arches*, Int. J. Solids Struct. 39
+/// (2002) 105–125. With inward displacement w, compression N and μ² = N/EI
+///
+/// ```text
+/// EI w'''' + N (w'' + 1/R) = q,    N/EA = (1/S) ∫ (w/R − ½ w'²) ds,    w = w'' = 0 at s = ±S/2
+/// ```
+///
+/// the path is a curve q(β), β = μ S/2, with w = p/μ⁴ (cos μs/cos β − 1) − p/(2 μ²) (S²/4 − s²) and p = (q − N/R)/EI. The arch bifurcates
+/// without symmetry at β = π.
+struct Arch {
+    radius: f64,
+    length: f64,
+    /// EA and EI of the unit width.
+    stiffness: [f64; 2],
+}
+
+impl Arch {
+    /// Loads q at a β: the two roots of the quadratic equation for p, ascending; none where there is no equilibrium.
+    fn loads(&self, beta: f64) -> Option<[f64; 2]> {
+        let [ea, ei] = self.stiffness;
+        let mu = 2.0 * beta / self.length;
+        let n = mu * mu * ei;
+        // Mean over the length by Simpson's rule.
+        let mean = |f: &dyn Fn(f64) -> f64| {
+            let parts = 400;
+            let weight = |i: i32| match i {
+                _ if i == 0 || i == parts => 1.0,
+                _ if i % 2 == 1 => 4.0,
+                _ => 2.0,
+            };
+            let place = |i: i32| self.length * (f64::from(i) / f64::from(parts) - 0.5);
+            (0..=parts).map(|i| weight(i) * f(place(i))).sum::<f64>() / f64::from(3 * parts)
+        };
+        let w = |s: f64| {
+            ((mu * s).cos() / beta.cos() - 1.0) / mu.powi(4)
+                - (0.25 * self.length * self.length - s * s) / (2.0 * mu * mu)
+        };
+        let slope = |s: f64| -(mu * s).sin() / beta.cos() / mu.powi(3) + s / (mu * mu);
+        let (a, b, c) = (0.5 * mean(&|s| slope(s).powi(2)), mean(&w) / self.radius, n / ea);
+        let root = (b * b - 4.0 * a * c).sqrt();
+        let mut both = [-1.0, 1.0].map(|sign| n / self.radius + ei * (b + sign * root) / (2.0 * a));
+        both.sort_by(f64::total_cmp);
+        root.is_finite().then_some(both)
+    }
+}
+
+/// Strip bent to an arch of half angle 0.1 rad, pinned at both ends.
+fn arch(n: u32, thickness: f64) -> (Model, Arch) {
+    let (radius, half) = (10.0, 0.1_f64);
+    let mesh = MeshSource::Cylinder(CylinderMesh {
+        center: [0.0; 3],
+        axis: [0.0, 1.0, 0.0],
+        start: [0.0, 0.0, 1.0],
+        radius,
+        angles: [-half.to_degrees(), half.to_degrees()],
+        length: 0.2,
+        grid: Grid::uniform(n, 1),
+    });
+    let young = 2e6;
+    let mut m = model(mesh, young, thickness);
+    if let Some(Material::Isotropic(material)) = m.materials.values_mut().next() {
+        material.poisson = 0.0;
+    }
+    m.conditions = vec![Condition::Hinge(on("u_min")), Condition::Hinge(on("u_max"))];
+    let stiffness = [young * thickness, young * thickness.powi(3) / 12.0];
+    (m, Arch { radius, length: 2.0 * half * radius, stiffness })
+}
+
+/// Largest upper and smallest lower load of an arch beyond the pole at β = π/2, where both roots belong to one path, and the loads at
+/// which it bifurcates on the way to the one and behind the other.
+fn critical_loads(arch: &Arch) -> [f64; 4] {
+    let pi = std::f64::consts::PI;
+    let betas = || (10_001..30_000).map(|i| 0.5 * pi * f64::from(i) / 10_000.0);
+    let largest = betas().filter_map(|beta| arch.loads(beta)).map(|q| q[1]).max_by(f64::total_cmp).unwrap();
+    let smallest = betas().filter_map(|beta| arch.loads(beta)).map(|q| q[0]).min_by(f64::total_cmp).unwrap();
+    let [lower, upper] = arch.loads(pi).unwrap();
+    [upper, largest, smallest, lower]
+}
+
+/// The path of the perfect arch passes both bifurcations without an imperfection. With the second thickness bifurcation and limit
+/// point lie within 1 % of the load: in one step of the path.
+#[test]
+fn a_shallow_arch_has_the_limit_points_and_bifurcations_of_the_closed_form() {
+    use CriticalKind::{Bifurcation, Limit};
+    for thickness in [0.01, 0.036] {
+        let (mut m, exact) = arch(48, thickness);
+        let loads = critical_loads(&exact);
+        m.loads = vec![Load::Traction(vector_load("all", [0.0, 0.0, -loads[1]]))];
+        m.analysis = Analysis::Path(PathAnalysis { end_load: 1.5, ..Default::default() });
+        let (outcome, _) = follow(&m, "u_min_v_min");
+        let found = critical(&outcome);
+        println!("{thickness}: {loads:?} {:?}", outcome.statistics);
+        for point in &found {
+            println!("{:?} {} {}", point.kind, point.load * loads[1], point.change);
+        }
+        let kinds: Vec<_> = found.iter().map(|point| (point.kind, point.change)).collect();
+        assert_eq!(kinds, [(Bifurcation, 1), (Limit, 1), (Limit, -1), (Bifurcation, -1)], "{thickness}");
+        for (point, load) in found.iter().zip(loads) {
+            let error = point.load * loads[1] / load - 1.0;
+            assert!(error.abs() < 0.01, "{thickness} {:?}: {error}", point.kind);
+        }
+    }
+}
+
+/// Strip under axial compression P: it bifurcates at the load of Euler with shear, on the path of the compressed strip at
+/// `P = n √(1 − 2 n/EA)`.
+#[test]
+fn a_compressed_strip_bifurcates_at_the_load_of_euler_with_shear() {
+    let (length, h, young) = (10.0, 1.0_f64, 1e4);
+    let euler = std::f64::consts::PI.powi(2) * young * h.powi(3) / 12.0 / (4.0 * length * length);
+    let shear = 5.0 / 6.0 * 0.5 * young * h;
+    let n = euler / (1.0 + euler / shear);
+    let exact = n * (1.0 - 2.0 * n / (young * h)).sqrt();
+    let load = |elements: u32| {
+        let mut m = model(plate([length, 3.0], [elements, 1], 0.0), young, h);
+        if let Some(Material::Isotropic(material)) = m.materials.values_mut().next() {
+            material.poisson = 0.0;
+        }
+        m.loads = vec![Load::Edge(vector_load("u_max", [-exact, 0.0, 0.0]))];
+        m.analysis = Analysis::Path(PathAnalysis { end_load: 1.2, ..Default::default() });
+        let (outcome, _) = follow(&m, "u_max_v_min");
+        let found = critical(&outcome);
+        assert_eq!(
+            found.iter().map(|p| (p.kind, p.change)).collect::<Vec<_>>(),
+            [(CriticalKind::Bifurcation, 1)]
+        );
+        found[0].load
+    };
+    let [coarse, fine] = [32, 64].map(load);
+    let extrapolated = fine + (fine - coarse) / 3.0;
+    assert!((extrapolated - 1.0).abs() < 1e-6, "{coarse} {fine} {extrapolated}");
+}
