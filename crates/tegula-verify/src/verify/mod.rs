@@ -61,6 +61,7 @@ cases! {
     paper,
     patch,
     benchmarks,
+    paths,
     inside,
     follower_loads,
     macneal_beams,

@@ -8,15 +8,16 @@ use std::fmt::Write as _;
 
 use tegula::analysis::dynamics::{self, TransientOutcome};
 use tegula::analysis::modal::{self, ModalOutcome};
+use tegula::analysis::path::{self, PathOutcome};
 use tegula::analysis::statics::{self, StaticOutcome};
 use tegula::analysis::{Observer, State, Statistics, Step};
-use tegula::model::{StaticAnalysis, TransientAnalysis};
+use tegula::model::{PathAnalysis, StaticAnalysis, TransientAnalysis};
 use tegula::{Result, System};
 
 /// Run counters of one analysis of a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Counters {
-    /// `static`, `modal`, `transient`, or `run`: all analyses of a model file.
+    /// `static`, `path`, `modal`, `transient`, or `run`: all analyses of a model file.
     pub analysis: &'static str,
     /// Unknowns of the model.
     pub unknowns: usize,
@@ -95,6 +96,14 @@ pub fn run_static(
     let mut latest = Latest { inner: observer, statistics: Statistics::default() };
     let outcome = statics::run(system, options, start, &mut latest);
     note_statistics("static", system, outcome.as_ref().map_or(&latest.statistics, |o| &o.statistics));
+    outcome
+}
+
+/// [`path::run`] from the first state, counted.
+pub fn run_path(system: &System, options: &PathAnalysis, observer: &mut dyn Observer) -> Result<PathOutcome> {
+    let mut latest = Latest { inner: observer, statistics: Statistics::default() };
+    let outcome = path::run(system, options, None, &mut latest);
+    note_statistics("path", system, outcome.as_ref().map_or(&latest.statistics, |o| &o.statistics));
     outcome
 }
 

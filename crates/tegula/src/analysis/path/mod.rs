@@ -39,6 +39,11 @@ pub struct PathOutcome {
     pub stopped: Option<Stopped>,
 }
 
+/// Whether the paths of a model can be expanded into power series.
+pub fn has_power_series(system: &System) -> bool {
+    scope::stresses(system, 2).is_ok()
+}
+
 /// First state of a path: where the analysis step before has ended, or the reference configuration.
 pub fn first_state(system: &System, options: &PathAnalysis) -> State {
     let state = State::first(system);

@@ -2,6 +2,7 @@
 
 use super::{State, enhanced};
 use crate::analysis::newton::{Cause, Diverged, SoftestMode};
+use crate::analysis::path;
 use crate::element::Nodal;
 use crate::model::{LinearSolver, StaticAnalysis};
 use crate::system::{System, VectorKind, dot};
@@ -228,6 +229,9 @@ impl Failure {
 /// Advice on how to pass a limit point, or the abrupt buckling of a nearly perfect structure.
 fn beyond_limit_point(system: &System, options: &StaticAnalysis) -> String {
     let mut advice = past_the_limit(system);
+    if path::has_power_series(system) {
+        advice.push_str(" An analysis of `type = \"path\"` follows all equilibria, through the limit point.");
+    }
     if options.max_cutbacks < 25 {
         advice.push_str(
             " A structure with a very small imperfection buckles almost as abruptly: use a larger imperfection, or more \

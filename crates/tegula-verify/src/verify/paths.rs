@@ -1,0 +1,227 @@
+//! Equilibrium paths of Sze, Liu and Lo by power series: hinged roofs, open cylinder, and the benchmarks without limit points.
+
+use tegula::analysis::path::CriticalKind;
+use tegula::analysis::{Observer, Step};
+use tegula::model::{Analysis, Load, Model, PathAnalysis};
+use tegula::norm::{larger, max_norm};
+use tegula::{Error, Result};
+use tegula_io::plot::{LinePlot, Series, Style, lines};
+
+use super::model::{Compiled, read, refine, section, switch};
+use super::reference::records;
+use super::report::Report;
+use super::statistics::run_path;
+use super::{Case, Cost};
+
+/// Cases of this file.
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "paths-roofs",
+        about: "hinged roofs through limit points and a snap-back: literature and an independent program",
+        cost: Cost::Normal,
+        run: roofs,
+    },
+    Case {
+        name: "paths-full-load",
+        about: "strip, slit annulus, hemisphere and open cylinder to full load by power series",
+        cost: Cost::Normal,
+        run: full_load,
+    },
+];
+
+const ROOF: &str = include_str!("../../../../verification/models/hinged_roof.toml");
+const CYLINDER: &str = include_str!("../../../../verification/models/open_cylinder.toml");
+const STRIP: &str = include_str!("../../../../verification/models/strip.toml");
+const ANNULUS: &str = include_str!("../../../../verification/models/slit_annulus.toml");
+const HEMISPHERE: &str = include_str!("../../../../verification/models/hemisphere.toml");
+const PUBLISHED: &str = include_str!("../../../../verification/reference/sze_paths.csv");
+const SZE: &str = include_str!("../../../../verification/reference/sze.csv");
+
+/// Force of load ratio 1 (N).
+const FULL: f64 = 3000.0;
+/// Layup of the laminated roof, counted from its axis.
+const LAYUP: &str = "layup = { stacking = \"[90/0/90]\", material = \"ply\", ply_thickness = 4.233333333333333, \
+                     direction = [0.0, 1.0, 0.0] }";
+
+/// Displacement of a point along a path, and the load factor.
+struct Curve {
+    vector: usize,
+    component: usize,
+    sign: f64,
+    points: Vec<(f64, f64)>,
+}
+
+impl Observer for Curve {
+    fn on_step(&mut self, step: &Step) -> Result<()> {
+        self.points.push((self.sign * step.state.u[self.vector][self.component], step.state.time));
+        Ok(())
+    }
+}
+
+/// Path of a model: displacement of a set of one node, load factor; limit loads, factorisations.
+struct Path {
+    points: Vec<(f64, f64)>,
+    limits: Vec<f64>,
+    factorizations: u64,
+}
+
+fn follow(model: &Model, (set, component, sign): (&str, usize, f64)) -> Result<Path> {
+    let Analysis::Path(options) = &model.analysis else {
+        return Err(Error::Outside("the model has no path".into()));
+    };
+    let compiled = Compiled::new(model)?;
+    let mut curve = Curve { vector: compiled.point(set)?, component, sign, points: vec![(0.0, 0.0)] };
+    let outcome = run_path(&compiled.system, options, &mut curve)?;
+    let critical = outcome.state.path.map(|path| path.critical).unwrap_or_default();
+    Ok(Path {
+        points: curve.points,
+        limits: critical.iter().filter(|p| p.kind == CriticalKind::Limit).map(|p| p.load).collect(),
+        factorizations: outcome.statistics.factorizations,
+    })
+}
+
+/// Published points of a path: displacement, load ratio.
+fn published(problem: &str) -> Vec<(f64, f64)> {
+    let all = records(PUBLISHED);
+    let own = all.iter().filter(|record| record.text("problem") == problem);
+    own.map(|record| (record.number("value"), record.number("load_ratio"))).collect()
+}
+
+/// Largest distance of the points from a curve, displacement and load over the largest published ones.
+fn distance(points: &[(f64, f64)], curve: &[(f64, f64)]) -> f64 {
+    let scale = [max_norm(points.iter().map(|p| p.0)), max_norm(points.iter().map(|p| p.1))];
+    let scaled = |(x, y): &(f64, f64)| [x / scale[0], y / scale[1]];
+    let from_segment = |p: [f64; 2], pair: &[(f64, f64)]| {
+        let (a, b) = (scaled(&pair[0]), scaled(&pair[1]));
+        let d = [b[0] - a[0], b[1] - a[1]];
+        let along = ((p[0] - a[0]) * d[0] + (p[1] - a[1]) * d[1]) / (d[0] * d[0] + d[1] * d[1]);
+        let t = if along > 0.0 { along.min(1.0) } else { 0.0 };
+        (p[0] - a[0] - t * d[0]).hypot(p[1] - a[1] - t * d[1])
+    };
+    let nearest = |p: &(f64, f64)| {
+        let p = scaled(p);
+        curve.windows(2).map(|pair| from_segment(p, pair)).fold(f64::INFINITY, f64::min)
+    };
+    points.iter().map(nearest).fold(0.0, larger)
+}
+
+/// Hinged roofs on 16 × 16 and 32 × 32 elements.
+fn roofs(report: &mut Report) -> Result<()> {
+    for (problem, thickness, most) in [("S8a", 12.7, 12.0), ("S8b", 6.35, 36.0), ("S8d", 12.7, 12.0)] {
+        let points = published(problem);
+        let case = format!("path-{problem}");
+        let mut curves = Vec::new();
+        for n in [16, 32] {
+            let laminated = ROOF.replace("material = \"m\"\nthickness = 12.7", LAYUP);
+            let mut model = read(if problem == "S8d" { &laminated } else { ROOF })?;
+            refine(&mut model, [n, n]);
+            if problem != "S8d" {
+                switch(&mut model, "EMS");
+                section(&mut model)?.thickness = thickness;
+            }
+            if let Analysis::Path(options) = &mut model.analysis {
+                (options.end_load, options.points) = (1.25, 40);
+            }
+            let path = follow(&model, ("u_min_v_min", 2, -1.0))?;
+            let mesh = format!("{n}x{n}");
+            report.at_most(
+                &case,
+                "distance of the published points",
+                &mesh,
+                distance(&points, &path.points),
+                0.015,
+            );
+            report.at_most(&case, "factorisations", &mesh, path.factorizations as f64, most);
+            let limit = FULL * path.limits.first().copied().unwrap_or(f64::NAN);
+            for (reference, _) in published(&format!("{problem}-limit-{mesh}")) {
+                report.absolute(&case, "first limit load", &mesh, limit, reference, 0.006);
+            }
+            curves.push((mesh, path.points));
+        }
+        picture(report, problem, &points, curves)?;
+    }
+    report.element("ems");
+    Ok(())
+}
+
+fn picture(
+    report: &Report,
+    problem: &str,
+    published: &[(f64, f64)],
+    curves: Vec<(String, Vec<(f64, f64)>)>,
+) -> Result<()> {
+    let Some(path) = report.picture(&format!("path_{}.png", problem.to_lowercase())) else { return Ok(()) };
+    let mut series: Vec<Series> = curves
+        .into_iter()
+        .map(|(mesh, points)| Series { name: format!("EMS {mesh}"), points, style: Style::Line })
+        .collect();
+    series.push(Series { name: "literature".into(), points: published.to_vec(), style: Style::Markers });
+    let plot = LinePlot {
+        title: format!("Sze, Liu, Lo: equilibrium path {problem}"),
+        x_label: "deflection [mm]".into(),
+        y_label: "load ratio".into(),
+        series,
+        ..LinePlot::default()
+    };
+    lines(&path, &plot).map_err(|e| Error::Outside(e.to_string()))
+}
+
+/// Benchmarks to full load: few factorisations, and the displacements of the reference program.
+fn full_load(report: &mut Report) -> Result<()> {
+    let all = records(SZE);
+    for (problem, text, mesh, elements, set, column, sign, most) in [
+        ("S1", STRIP, "16x1", [16, 1], ("u_max_v_min", 2), "value2", 1.0, 4.0),
+        ("S3", ANNULUS, "6x30", [6, 30], ("u_max_v_min", 2), "value2", 1.0, 20.0),
+        ("S4", HEMISPHERE, "16x16", [16, 16], ("u_max_v_min", 1), "value2", -1.0, 8.0),
+    ] {
+        let mut model = read(text)?;
+        refine(&mut model, elements);
+        switch(&mut model, "EMS");
+        if problem == "S4" {
+            for load in &mut model.loads {
+                if let Load::Force(force) = load {
+                    force.value.iter_mut().for_each(|x| *x *= 200.0);
+                }
+            }
+        }
+        model.analysis = Analysis::Path(PathAnalysis::default());
+        let path = follow(&model, (set.0, set.1, sign))?;
+        let reference = all.iter().find(|r| {
+            ["problem", "element", "mesh"].map(|c| r.text(c)) == [problem, "EMS", mesh]
+                && r.number("load_ratio") == 1.0
+        });
+        let reference = reference.map_or(f64::NAN, |r| r.number(column));
+        let case = format!("path-{problem}");
+        let reached = path.points.last().map_or(f64::NAN, |p| p.0);
+        // The reference is printed to six decimals.
+        report.absolute(
+            &case,
+            "displacement at full load",
+            mesh,
+            reached,
+            reference,
+            1e-6 * reference + 6e-7,
+        );
+        report.at_most(&case, "factorisations", mesh, path.factorizations as f64, most);
+    }
+    let model = read(CYLINDER)?;
+    let path = follow(&model, ("u_min_v_min", 2, 1.0))?;
+    let mesh = "24x16";
+    report.at_most(
+        "path-S5",
+        "distance of the published points",
+        mesh,
+        distance(&published("S5"), &path.points),
+        0.015,
+    );
+    report.absolute(
+        "path-S5",
+        "limit load over full load",
+        mesh,
+        path.limits.first().copied().unwrap_or(f64::NAN),
+        0.51,
+        0.01,
+    );
+    report.element("ems");
+    Ok(())
+}
