@@ -18,6 +18,13 @@ pub(super) fn path(path: &PathAnalysis, c: &mut Checker) {
             c.add(format!("analysis.{key}"), format!("`{key}` is 0"), "give at least 1");
         }
     }
+    if path.switch_at.contains(&0) {
+        c.add(
+            "analysis.switch_at",
+            "there is no bifurcation number 0",
+            "count bifurcations from 1 along the path; a negative number means the other side of the crossing path",
+        );
+    }
     if !(5..=60).contains(&path.order) {
         c.add(
             "analysis.order",

@@ -28,6 +28,10 @@ pub struct PathAnalysis {
     #[schemars(range(min = 1))]
     #[serde(default = "ten")]
     pub points: u32,
+    /// Numbers of the bifurcations, counted from 1 along the path, at which it goes over to the crossing path, on the side of the critical
+    /// mode; a negative number: on the other side.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub switch_at: Vec<i32>,
     /// Conditions at which the path ends.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stop: Vec<StopCondition>,
@@ -41,6 +45,7 @@ impl Default for PathAnalysis {
             order: twenty(),
             tolerance: tolerance(),
             points: ten(),
+            switch_at: Vec::new(),
             stop: Vec::new(),
         }
     }

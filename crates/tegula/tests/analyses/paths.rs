@@ -322,3 +322,60 @@ fn a_compressed_strip_bifurcates_at_the_load_of_euler_with_shear() {
     let extrapolated = fine + (fine - coarse) / 3.0;
     assert!((extrapolated - 1.0).abs() < 1e-6, "{coarse} {fine} {extrapolated}");
 }
+
+/// Complete elliptic integral of the first kind of the modulus k, by the arithmetic–geometric mean.
+fn elliptic(k: f64) -> f64 {
+    let (mut a, mut b) = (1.0, (1.0 - k * k).sqrt());
+    for _ in 0..40 {
+        (a, b) = (0.5 * (a + b), (a * b).sqrt());
+    }
+    0.5 * std::f64::consts::PI / a
+}
+
+/// Load over that of Euler of a clamped–free elastica whose end is deflected by z over its length: with the modulus k,
+/// `z/L = 2 k/K(k)` and `P/P_E = (2 K/π)²` (S. P. Timoshenko, J. M. Gere, *Theory of Elastic Stability*, 2nd ed., Sect. 2.7).
+fn elastica(z: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 0.9);
+    for _ in 0..80 {
+        let k = 0.5 * (low + high);
+        if 2.0 * k / elliptic(k) < z { low = k } else { high = k }
+    }
+    (2.0 * elliptic(low) / std::f64::consts::PI).powi(2)
+}
+
+/// Post-buckling of a strip with L/h = 200: at the bifurcation the path goes over to either side of the crossing one.
+#[test]
+fn a_buckled_strip_is_an_elastica() {
+    let (length, h, young) = (10.0, 0.05_f64, 1e7);
+    let euler = std::f64::consts::PI.powi(2) * young * h.powi(3) / 12.0 / (4.0 * length * length);
+    let follow_to = |side: i32| {
+        let mut m = model(plate([length, 1.0], [64, 1], 0.0), young, h);
+        if let Some(Material::Isotropic(material)) = m.materials.values_mut().next() {
+            material.poisson = 0.0;
+        }
+        m.loads = vec![Load::Edge(vector_load("u_max", [-euler, 0.0, 0.0]))];
+        m.analysis =
+            Analysis::Path(PathAnalysis { end_load: 1.5, switch_at: vec![side], ..Default::default() });
+        follow(&m, "u_max_v_min")
+    };
+    let [(outcome, up), (_, down)] = [1, -1].map(follow_to);
+    let found = critical(&outcome);
+    assert_eq!(
+        found.iter().map(|p| (p.kind, p.change)).collect::<Vec<_>>(),
+        [(CriticalKind::Bifurcation, 1)]
+    );
+    assert!((found[0].load - 1.0).abs() < 3e-4, "{}", found[0].load);
+    assert_eq!(outcome.state.negative_pivots, 0);
+    println!("{:?} {} points", outcome.statistics, up.len());
+    let mut compared = 0;
+    for (a, b) in up.iter().zip(&down) {
+        assert!((a[0] + b[0]).abs() < 1e-6 * length && (a[1] - b[1]).abs() < 1e-6, "{a:?} {b:?}");
+        let z = a[0].abs() / length;
+        if z > 0.05 {
+            let exact = elastica(z);
+            assert!((a[1] / exact - 1.0).abs() < 1e-3, "{z}: {} {exact}", a[1]);
+            compared += 1;
+        }
+    }
+    assert!(compared > 10 && up.last().unwrap()[1] == 1.5);
+}

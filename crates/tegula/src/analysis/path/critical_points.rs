@@ -170,13 +170,15 @@ impl Search<'_> {
         let (a, trial) = best.ok_or("no bifurcation was located")?;
         let mut u = vec![[0.0; 3]; self.system.vectors()];
         self.series.displacements(a, &mut u);
+        let mut mode = trial.mode;
+        orient(&mut mode);
         let point = CriticalPoint {
             kind: CriticalKind::Bifurcation,
             load: self.series.load(a),
             position: 0.0,
             change: counts[1] - counts[0],
             u,
-            mode: trial.mode,
+            mode,
         };
         Ok(Located::Point(Found { a, point }))
     }
@@ -193,5 +195,13 @@ pub fn normalize(system: &System, mode: &mut [Nodal]) {
     let norm = product(system, mode, mode).sqrt();
     if norm > 0.0 {
         mode.as_flattened_mut().iter_mut().for_each(|x| *x /= norm);
+    }
+}
+
+/// Turns a mode so that its largest component is positive.
+fn orient(mode: &mut [Nodal]) {
+    let largest = mode.as_flattened().iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs()));
+    if largest.is_some_and(|x| x < 0.0) {
+        mode.as_flattened_mut().iter_mut().for_each(|x| *x = -*x);
     }
 }

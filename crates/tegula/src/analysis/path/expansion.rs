@@ -195,13 +195,7 @@ impl Expansion {
         (before, expected): (Direction, f64),
         options: &PathAnalysis,
     ) -> std::result::Result<Series, String> {
-        let unit = self.unit_response(system, u, load)?;
-        let mut residual = vec![0.0; self.free.len()];
-        self.residual(system, u, load, &mut residual);
-        self.free.copy_from_slice(&residual);
-        self.solver.solve_tangent(&mut self.free)?;
-        let mut first = vec![[0.0; 3]; u.len()];
-        self.assembly.frames.expand(&self.free, &mut first);
+        let (mut first, unit) = self.newton_directions(system, u, load)?;
         // At the start of a path nothing is left from a step before.
         let share = if expected > 0.0 { 1.0 / expected } else { 0.0 };
         first.as_flattened_mut().iter_mut().for_each(|x| *x *= share);
@@ -239,6 +233,26 @@ impl Expansion {
         series.range = range(system, &series, options.tolerance)
             .ok_or_else(|| "the coefficients of the power series are not finite".to_owned())?;
         Ok(series)
+    }
+
+    /// Newton increment `K⁻¹R` at a point whose tangent is factored, and the change û of the displacements with the load factor.
+    ///
+    /// # Errors
+    /// The linear solver failed.
+    pub fn newton_directions(
+        &mut self,
+        system: &System,
+        u: &[Nodal],
+        load: f64,
+    ) -> std::result::Result<(Vec<Nodal>, Vec<Nodal>), String> {
+        let unit = self.unit_response(system, u, load)?;
+        let mut residual = vec![0.0; self.free.len()];
+        self.residual(system, u, load, &mut residual);
+        self.free.copy_from_slice(&residual);
+        self.solver.solve_tangent(&mut self.free)?;
+        let mut increment = vec![[0.0; 3]; u.len()];
+        self.assembly.frames.expand(&self.free, &mut increment);
+        Ok((increment, unit))
     }
 
     /// Change `û` of the displacements with the load factor along the tangent, prescribed displacements included.

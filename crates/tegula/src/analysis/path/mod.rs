@@ -6,6 +6,7 @@
 //! next one begins. Nothing is iterated and no step length is guessed, and what lies between the ends of a step is known as a
 //! polynomial: reported points, wanted load factors, limit points and the end of the path are evaluated from it.
 
+mod branch;
 mod critical_points;
 mod expansion;
 mod geometric;
@@ -129,9 +130,9 @@ impl<'a> PathSteps<'a> {
         if self.piece.as_ref().is_some_and(|piece| piece.leads_on_from(position)) {
             return Ok(());
         }
-        let goes_on = self.piece.as_ref().filter(|piece| position == piece.end_position());
-        let start = match goes_on {
-            Some(piece) => piece.next_start(),
+        let goes_on = self.piece.as_mut().filter(|piece| position == piece.end_position());
+        let start = match goes_on.and_then(Piece::next_start) {
+            Some(start) => start,
             // The piece of a run that is resumed or repeated is found anew.
             None => Start::new(self.system, &mut self.expansion, recorded).map_err(|r| self.error(&r))?,
         };

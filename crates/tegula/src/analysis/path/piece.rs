@@ -1,10 +1,12 @@
 //! Piece of a path: one series, the length up to which it is used, and the points on it that are reported.
 
+use super::branch::{Branch, onto_branch};
 use super::critical_points::{Found, bifurcations, limit_points};
 use super::expansion::{Direction, Expansion};
 use super::geometric;
 use super::series::{Series, roots};
-use super::state::{CriticalPoint, ExpansionPoint};
+use super::state::{CriticalKind, CriticalPoint, ExpansionPoint};
+use crate::element::Nodal;
 use crate::model::PathAnalysis;
 use crate::norm::max_norm;
 use crate::system::System;
@@ -53,8 +55,8 @@ pub struct Piece {
     end_load: Option<f64>,
     /// Whether the path ends with this piece because of the number of steps.
     run_out: bool,
-    /// Negative pivots of the tangent at the end, which is factored.
-    negative_at_end: usize,
+    /// Start of the next piece, until it is taken.
+    next: Option<Start>,
 }
 
 impl Piece {
@@ -79,41 +81,29 @@ impl Piece {
         let full = |end: f64| roots(end, |a| series.load(a) - options.end_load).first().copied();
         // The path may begin at the load factor at which it ends.
         let end_of_path = full(length).filter(|a| *a > SAME * length);
-        let mut end_load = end_of_path.map(|_| options.end_load);
         length = end_of_path.unwrap_or(length);
-        let mut end = vec![[0.0; 3]; system.vectors()];
-        let mut residual = vec![0.0; system.unknowns()];
-        let mut shortened = 0;
-        let negative_at_end = loop {
-            series.displacements(length, &mut end);
-            let load = series.load(length);
-            let size = expansion.residual(system, &end, load, &mut residual);
-            let relative = max_norm(residual.iter().copied()) / size;
-            let outcome = if relative <= LARGEST_RESIDUAL {
-                expansion.factor(system, &end, load)
-            } else {
-                Err(format!("the residual at the end of the series is {relative:.1e} of the forces"))
-            };
-            match outcome {
-                Ok(negative) => break negative,
-                Err(reason) if shortened == MOST_SHORTENED => return Err(reason),
-                Err(_) => {
-                    shortened += 1;
-                    length *= SHORTER;
-                    end_load = None;
-                }
-            }
-        };
-        let limits = limit_points(system, expansion, &series, length);
-        let explained: i32 = limits.iter().map(|found| found.point.change).sum();
+        let (usable, negative_at_end) = usable_length(system, expansion, &series, length)?;
+        let mut end_load = end_of_path.map(|_| options.end_load).filter(|_| usable == length);
+        length = usable;
+        let mut critical = limit_points(system, expansion, &series, length);
+        let explained: i32 = critical.iter().map(|found| found.point.change).sum();
         let unexplained = negative_at_end as i32 - negative as i32 - explained;
-        let mut critical = limits;
         if unexplained != 0 {
-            let more =
-                bifurcations(system, expansion, (&series, length), (negative, unexplained), &critical)?;
+            let at = ((&series, length), (negative, unexplained));
+            let more = bifurcations(system, expansion, at.0, at.1, &critical)?;
             critical.extend(more);
             critical.sort_by(|p, q| p.a.total_cmp(&q.a));
+        }
+        let mut branch = None;
+        if let Some((a, mode)) = switched(&critical, point.bifurcations, &options.switch_at) {
+            let at = &critical.iter().find(|found| found.a == a).ok_or("no bifurcation")?.point;
+            branch = Some((onto_branch(system, expansion, (&at.u, at.load), &mode)?, mode));
+            critical.retain(|found| found.a <= a);
+            (length, end_load) = (a, None);
+        } else if unexplained != 0 {
             // The tangent at the end serves the next piece.
+            let mut end = vec![[0.0; 3]; system.vectors()];
+            series.displacements(length, &mut end);
             expansion.factor(system, &end, series.load(length))?;
         }
         let run_out = point.number + 1 >= options.max_steps && end_load.is_none();
@@ -121,7 +111,7 @@ impl Piece {
         let position = |a: f64| point.position + a;
         let critical =
             critical.into_iter().map(|Found { a, point }| CriticalPoint { position: position(a), ..point });
-        Ok(Self {
+        let mut piece = Self {
             critical: critical.collect(),
             series,
             start: point,
@@ -130,8 +120,13 @@ impl Piece {
             points,
             end_load,
             run_out,
-            negative_at_end,
-        })
+            next: None,
+        };
+        piece.next = Some(match branch {
+            None => piece.going_on(negative_at_end),
+            Some((branch, mode)) => piece.on_branch(branch, mode),
+        });
+        Ok(piece)
     }
 
     /// Series of the piece.
@@ -179,21 +174,37 @@ impl Piece {
         self.run_out
     }
 
-    /// Start of the next piece.
-    pub fn next_start(&self) -> Start {
+    /// Start of the next piece, whose tangent is factored.
+    pub fn next_start(&mut self) -> Option<Start> {
+        self.next.take()
+    }
+
+    /// Start of the next piece at the end of this one, where the tangent has these negative pivots.
+    fn going_on(&self, negative: usize) -> Start {
         let (mut u, mut direction) = (self.series.u.clone(), self.series.u.clone());
         self.series.displacements(self.length, &mut u);
         self.series.direction(self.length, &mut direction);
-        let point = ExpansionPoint {
+        let load_rate = self.series.load_derivative(self.length, 1);
+        let load = self.load(self.length);
+        let point = ExpansionPoint { u, load, direction, load_rate, expected: self.length, ..self.behind() };
+        Start { point, negative }
+    }
+
+    /// Start of the next piece on a crossing path.
+    fn on_branch(&self, Branch { u, load, negative }: Branch, mode: Vec<Nodal>) -> Start {
+        let point = ExpansionPoint { u, load, direction: mode, ..self.behind() };
+        Start { point, negative }
+    }
+
+    /// Counts behind the piece.
+    fn behind(&self) -> ExpansionPoint {
+        let passed = self.critical.iter().filter(|point| point.kind == CriticalKind::Bifurcation).count();
+        ExpansionPoint {
             position: self.end_position(),
-            u,
-            load: self.load(self.length),
-            direction,
-            load_rate: self.series.load_derivative(self.length, 1),
-            expected: self.length,
             number: self.start.number + 1,
-        };
-        Start { point, negative: self.negative_at_end }
+            bifurcations: self.start.bifurcations + passed,
+            ..ExpansionPoint::default()
+        }
     }
 
     /// Parameter of the next point to report behind a position, or that of the position `limit` where it comes first.
@@ -213,6 +224,48 @@ impl Piece {
         let passed = self.critical.iter().filter(|point| point.position <= position);
         (self.negative as i32 + passed.map(|point| point.change).sum::<i32>()).max(0) as usize
     }
+}
+
+/// Length up to which a series has a small residual and at whose end the tangent has a factor: the wanted one or a shorter one; and the
+/// negative pivots there.
+fn usable_length(
+    system: &System,
+    expansion: &mut Expansion,
+    series: &Series,
+    wanted: f64,
+) -> Result<(f64, usize), String> {
+    let mut end = vec![[0.0; 3]; system.vectors()];
+    let mut residual = vec![0.0; system.unknowns()];
+    let (mut length, mut shortened) = (wanted, 0);
+    loop {
+        series.displacements(length, &mut end);
+        let load = series.load(length);
+        let size = expansion.residual(system, &end, load, &mut residual);
+        let relative = max_norm(residual.iter().copied()) / size;
+        let outcome = if relative <= LARGEST_RESIDUAL {
+            expansion.factor(system, &end, load)
+        } else {
+            Err(format!("the residual at the end of the series is {relative:.1e} of the forces"))
+        };
+        match outcome {
+            Ok(negative) => return Ok((length, negative)),
+            Err(reason) if shortened == MOST_SHORTENED => return Err(reason),
+            Err(_) => {
+                shortened += 1;
+                length *= SHORTER;
+            }
+        }
+    }
+}
+
+/// First bifurcation of a piece at which the path goes over to the crossing one: its parameter, and the mode on the side wanted.
+fn switched(critical: &[Found], passed: usize, wanted: &[i32]) -> Option<(f64, Vec<Nodal>)> {
+    let bifurcations = critical.iter().filter(|found| found.point.kind == CriticalKind::Bifurcation);
+    bifurcations.zip(passed + 1..).find_map(|(found, number)| {
+        let choice = wanted.iter().find(|n| n.unsigned_abs() as usize == number)?;
+        let sign = f64::from(choice.signum());
+        Some((found.a, found.point.mode.iter().map(|x| x.map(|x| sign * x)).collect()))
+    })
 }
 
 /// Points of a piece that are reported: equal parts of it, wanted load factors, critical points, its end.

@@ -21,6 +21,8 @@ pub struct ExpansionPoint {
     pub expected: f64,
     /// Number of the expansion, from 0.
     pub number: u32,
+    /// Number of bifurcations that the path has passed.
+    pub bifurcations: usize,
 }
 
 /// Kind of a critical point.

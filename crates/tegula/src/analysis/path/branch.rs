@@ -1,0 +1,83 @@
+//! Branch switching: from a bifurcation onto the path that crosses there.
+//!
+//! The crossing path leaves the bifurcation along the critical mode φ. Its equilibrium at the distance s, `⟨φ, u − u_b⟩ = s`, is found by
+//! Newton's method with the load factor as an unknown, from `u_b + s φ`: `δ = K⁻¹R + δλ û` with `⟨φ, δ⟩ = 0`. The primary path does not
+//! have such an equilibrium next to the bifurcation.
+
+use super::expansion::{Expansion, product};
+use crate::element::Nodal;
+use crate::system::System;
+
+/// Distance from the bifurcation at which the crossing path is looked for first ([`System::norm`]).
+const FIRST: f64 = 1e-3;
+/// Halvings of the distance.
+const HALVINGS: usize = 10;
+/// Iterations for one distance.
+const ITERATIONS: usize = 20;
+/// Increment over the distance with which the iteration ends.
+const CONVERGED: f64 = 1e-9;
+/// Increment over the distance beyond which it diverges.
+const DIVERGED: f64 = 10.0;
+
+/// Equilibrium on a crossing path.
+pub struct Branch {
+    /// Displacements.
+    pub u: Vec<Nodal>,
+    /// Load factor.
+    pub load: f64,
+    /// Negative pivots of the tangent, which is factored.
+    pub negative: usize,
+}
+
+/// Finds an equilibrium on the path that crosses at a bifurcation (displacements, load factor), on the side of `mode`.
+///
+/// # Errors
+/// None was found.
+pub fn onto_branch(
+    system: &System,
+    expansion: &mut Expansion,
+    at: (&[Nodal], f64),
+    mode: &[Nodal],
+) -> Result<Branch, String> {
+    let mut distance = FIRST;
+    for _ in 0..HALVINGS {
+        if let Some(branch) = correct(system, expansion, at, (mode, distance)) {
+            return Ok(branch);
+        }
+        distance *= 0.5;
+    }
+    Err("no equilibrium was found on the path that crosses at the bifurcation".into())
+}
+
+fn correct(
+    system: &System,
+    expansion: &mut Expansion,
+    (start, load): (&[Nodal], f64),
+    (mode, distance): (&[Nodal], f64),
+) -> Option<Branch> {
+    let (mut u, mut load) = (start.to_vec(), load);
+    add(&mut u, distance, mode);
+    for _ in 0..ITERATIONS {
+        expansion.factor(system, &u, load).ok()?;
+        let (mut increment, unit) = expansion.newton_directions(system, &u, load).ok()?;
+        let change = -product(system, mode, &increment) / product(system, mode, &unit);
+        add(&mut increment, change, &unit);
+        add(&mut u, 1.0, &increment);
+        load += change;
+        let size = system.norm(&increment) / distance;
+        if !(size <= DIVERGED && load.is_finite()) {
+            return None;
+        }
+        if size <= CONVERGED {
+            let negative = expansion.factor(system, &u, load).ok()?;
+            return Some(Branch { u, load, negative });
+        }
+    }
+    None
+}
+
+fn add(to: &mut [Nodal], factor: f64, what: &[Nodal]) {
+    for (x, y) in to.as_flattened_mut().iter_mut().zip(what.as_flattened()) {
+        *x += factor * y;
+    }
+}
