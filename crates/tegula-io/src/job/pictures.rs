@@ -98,8 +98,8 @@ const STILL: f64 = 1e-6;
 /// Columns with the displacements of the points that move.
 fn moving(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Vec<usize> {
     let size = |c: usize| max_norm(rows.iter().filter_map(|row| row.get(c).copied()));
-    let columns = (0..recorder.prepared.probes.len())
-        .flat_map(|i| (0..3).map(move |c| 1 + PER_POINT * i + 3 + c));
+    let columns =
+        (0..recorder.prepared.probes.len()).flat_map(|i| (0..3).map(move |c| 1 + PER_POINT * i + 3 + c));
     let columns: Vec<(usize, f64)> = columns.map(|c| (c, size(c))).collect();
     let largest = max_norm(columns.iter().map(|(_, size)| *size));
     columns.into_iter().filter(|(_, size)| *size > STILL * largest).map(|(c, _)| c).collect()

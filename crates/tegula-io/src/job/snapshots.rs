@@ -64,7 +64,12 @@ pub(super) fn shown(kept: &[StoredSnapshot]) -> Vec<&StoredSnapshot> {
 
 /// Keeps a state.
 pub(super) fn keep(kept: &mut Vec<StoredSnapshot>, state: &State, values: Vec<f64>) {
-    kept.push(StoredSnapshot { time: state.time, place: frames::place(state), displacements: state.u.clone(), values });
+    kept.push(StoredSnapshot {
+        time: state.time,
+        place: frames::place(state),
+        displacements: state.u.clone(),
+        values,
+    });
 }
 
 #[cfg(test)]

@@ -95,12 +95,12 @@ fn distance(points: &[(f64, f64)], curve: &[(f64, f64)]) -> f64 {
         let (a, b) = (scaled(&pair[0]), scaled(&pair[1]));
         let d = [b[0] - a[0], b[1] - a[1]];
         let along = ((p[0] - a[0]) * d[0] + (p[1] - a[1]) * d[1]) / (d[0] * d[0] + d[1] * d[1]);
-        let t = if along > 0.0 { along.min(1.0) } else { 0.0 };
+        let t = along.clamp(0.0, 1.0);
         (p[0] - a[0] - t * d[0]).hypot(p[1] - a[1] - t * d[1])
     };
     let nearest = |p: &(f64, f64)| {
         let p = scaled(p);
-        curve.windows(2).map(|pair| from_segment(p, pair)).fold(f64::INFINITY, f64::min)
+        curve.windows(2).map(|pair| from_segment(p, pair)).min_by(f64::total_cmp).unwrap_or(f64::NAN)
     };
     points.iter().map(nearest).fold(0.0, larger)
 }

@@ -323,13 +323,13 @@ pub fn masses(model: &Model, system: &System) -> Vec<Issue> {
     let needed = match &model.analysis {
         Analysis::Modal(_) => Some("a modal analysis"),
         Analysis::Transient(_) => Some("a transient analysis"),
-        Analysis::Static(_) | Analysis::Path(_) => model.loads.iter().find(|load| load.needs_mass()).map(Load::kind),
+        Analysis::Static(_) | Analysis::Path(_) => {
+            model.loads.iter().find(|load| load.needs_mass()).map(Load::kind)
+        }
     };
     if let Some(what) = needed {
         for (i, s) in model.sections.iter().enumerate() {
-            if s.total_mass.is_some()
-                || model.analysis.seeks_equilibria() && system.total_mass() != 0.0
-            {
+            if s.total_mass.is_some() || model.analysis.seeks_equilibria() && system.total_mass() != 0.0 {
                 continue;
             }
             for name in s.materials() {

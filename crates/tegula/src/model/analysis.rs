@@ -3,7 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Condition, FrequencyResponse, InitialVelocity, Load, PathAnalysis, PrescribedStrain, ResponseInput, Scheme};
+use super::{
+    Condition, FrequencyResponse, InitialVelocity, Load, PathAnalysis, PrescribedStrain, ResponseInput,
+    Scheme,
+};
 
 /// Analysis to run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

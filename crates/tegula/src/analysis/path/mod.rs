@@ -1,4 +1,4 @@
-//! Equilibrium paths: all equilibria under loads that follow a load factor, through limit points, by power series.
+//! Equilibrium paths: all equilibria under loads in proportion to a load factor, through limit points, by power series.
 //!
 //! Strains that are quadratic in the nodal vectors and linear materials make equilibrium a polynomial equation, and its path an
 //! analytic curve. At a point of the path one factorisation of the tangent gives displacements and load factor as power series in the

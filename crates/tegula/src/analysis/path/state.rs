@@ -1,4 +1,4 @@
-//! State of an equilibrium path beyond displacements and load factor: what a resumed run goes on from, and the critical points found.
+//! State of an equilibrium path beyond displacements and load factor: where it is expanded, and the critical points found.
 
 use serde::{Deserialize, Serialize};
 
