@@ -169,6 +169,35 @@ fn the_bimetal_strip_of_timoshenko() {
     assert!((2.0 * half_angle / (0.1 * curvature) - 1.0).abs() < 2e-3, "{half_angle}");
 }
 
+/// The path goes through a snap-back: one deflection three times, limit loads of an independent program.
+#[test]
+fn the_path_of_the_hinged_roof_has_a_snap_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let run = tegula(&["run", text(&example("hinged_roof_path.toml")), "--out", text(&out), "--quiet"]);
+    assert!(run.status.success() && run.stderr.is_empty(), "{}", errors(&run));
+    let summary: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap();
+    let points = summary["critical_points"].as_array().unwrap();
+    assert!(points.len() == 2 && points.iter().all(|point| point["kind"] == "limit"), "{points:?}");
+    let load = 3000.0 * points[0]["load_factor"].as_f64().unwrap();
+    assert!((load - 586.77).abs() < 0.006, "{load}");
+    let history = fs::read_to_string(out.join("history.csv")).unwrap();
+    let mut lines = history.lines().map(|l| l.split(',').collect::<Vec<_>>());
+    let head = lines.next().unwrap();
+    let column = |name: &str| head.iter().position(|c| *c == name).unwrap();
+    let columns = ["middle.uz", "path.position", "path.negative_eigenvalues"].map(column);
+    let rows: Vec<[f64; 3]> = lines.map(|l| columns.map(|c| l[c].parse::<f64>().unwrap())).collect();
+    assert!(rows.windows(2).all(|pair| pair[1][1] > pair[0][1]));
+    let crossings = rows.windows(2).filter(|pair| (pair[0][0] + 16.0) * (pair[1][0] + 16.0) < 0.0);
+    assert_eq!(crossings.count(), 3);
+    let unstable = rows.iter().filter(|row| row[2] == 1.0).count();
+    assert!(unstable > 20 && rows.iter().all(|row| row[2] == 0.0 || row[2] == 1.0));
+    let modes = fs::read_to_string(out.join("critical_modes.pvd")).unwrap();
+    assert_eq!(modes.matches("DataSet ").count(), 2, "{modes}");
+    assert!(out.join("load_displacement.png").exists());
+}
+
 /// Step by step the mean moment of a strip bent beyond yield, from the work over the angle.
 #[test]
 fn the_yielding_strip_has_the_moment_of_its_elastic_core() {

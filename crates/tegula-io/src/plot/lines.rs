@@ -24,6 +24,8 @@ pub enum Style {
     Line,
     /// A dashed line, for references and for slopes.
     Dashed,
+    /// A line in the colour of the series of this number.
+    LineLike(usize),
     /// A dashed line in the colour of the series of this number.
     DashedLike(usize),
     /// A marker at each point.
@@ -35,7 +37,7 @@ pub enum Style {
 impl Style {
     /// Number of the series whose colour the series number `own` has.
     pub(super) fn colour(self, own: usize) -> usize {
-        if let Self::DashedLike(other) = self { other } else { own }
+        if let Self::LineLike(other) | Self::DashedLike(other) = self { other } else { own }
     }
 
     /// Whether points get markers.

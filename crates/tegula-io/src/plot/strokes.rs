@@ -38,7 +38,7 @@ fn thinned(chain: &[Point]) -> Vec<Point> {
 /// A chain in the style of its series; nothing for markers alone.
 pub(super) fn line(canvas: &mut Canvas, chain: &[Point], style: Style, colour: Rgb) {
     match style {
-        Style::Line | Style::Both => canvas.polyline(chain, LINE, None, colour),
+        Style::Line | Style::LineLike(_) | Style::Both => canvas.polyline(chain, LINE, None, colour),
         Style::Dashed | Style::DashedLike(_) => canvas.polyline(chain, LINE, Some((7.0, 4.5)), colour),
         Style::Markers => {}
     }

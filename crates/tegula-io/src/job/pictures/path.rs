@@ -20,19 +20,16 @@ pub(super) fn load_displacement(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> R
     for column in moving(recorder, rows) {
         let all = curve(rows, column, 0);
         let own = series.len();
-        let mut parts = [Vec::new(), Vec::new()];
-        // The part between two points has the stability behind the first of them.
-        for (i, point) in all.iter().enumerate() {
-            let kinds = [i.checked_sub(1), Some(i)].map(|i| rows.get(i?).map(unstable));
-            for (part, wanted) in parts.iter_mut().zip([false, true]) {
-                let belongs = kinds.iter().flatten().any(|is| *is == wanted);
-                part.push(if belongs { *point } else { (f64::NAN, f64::NAN) });
-            }
-        }
-        let [stable, dashed] = parts.map(|part| interrupted(&part));
-        series.push(Series { name: names[column].replace('.', " "), points: stable, style: Style::Line });
-        if dashed.iter().any(|point| point.0.is_finite()) {
-            series.push(Series { name: String::new(), points: dashed, style: Style::DashedLike(own) });
+        for (number, (dashed, points)) in
+            runs(&all, |i| rows.get(i).is_some_and(unstable)).into_iter().enumerate()
+        {
+            let (name, style) = match (number, dashed) {
+                (0, false) => (names[column].replace('.', " "), Style::Line),
+                (0, true) => (names[column].replace('.', " "), Style::Dashed),
+                (_, false) => (String::new(), Style::LineLike(own)),
+                (_, true) => (String::new(), Style::DashedLike(own)),
+            };
+            series.push(Series { name, points, style });
         }
         for point in recorder.summary.critical_points.iter().flatten() {
             let at = rows.iter().find(|row| row.get(position).is_some_and(|p| *p == point.position));
@@ -59,13 +56,31 @@ pub(super) fn load_displacement(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> R
     lines(&recorder.folder.file("load_displacement.png"), &plot)
 }
 
-/// Points of a line, with one gap between its parts.
-fn interrupted(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let mut out: Vec<(f64, f64)> = Vec::new();
-    for point in points {
-        if point.0.is_finite() || out.last().is_some_and(|last| last.0.is_finite()) {
-            out.push(*point);
+/// Pieces of a curve that are stable or unstable as a whole, with their ends. The part between two points has the stability behind the
+/// first of them.
+fn runs(points: &[(f64, f64)], unstable: impl Fn(usize) -> bool) -> Vec<(bool, Vec<(f64, f64)>)> {
+    let mut runs: Vec<(bool, Vec<(f64, f64)>)> = Vec::new();
+    for (i, &point) in points.iter().enumerate() {
+        if let Some((_, run)) = runs.last_mut() {
+            run.push(point);
+        }
+        let is = unstable(i);
+        if i + 1 < points.len() && runs.last().is_none_or(|(was, _)| *was != is) {
+            runs.push((is, vec![point]));
         }
     }
-    out
+    runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_share_the_points_between_them() {
+        let points: Vec<(f64, f64)> = (0..6).map(|i| (f64::from(i), 0.0)).collect();
+        let found = runs(&points, |i| i == 2 || i == 3);
+        let lengths: Vec<_> = found.iter().map(|(is, run)| (*is, run[0].0, run.len())).collect();
+        assert_eq!(lengths, [(false, 0.0, 3), (true, 2.0, 3), (false, 4.0, 2)]);
+    }
 }
