@@ -18,6 +18,7 @@
 //! The summary has the status `running` until the run has ended, so incomplete results are recognised.
 //! Nothing is printed: a [`JobObserver`] receives all events.
 
+mod assembly;
 mod bodies;
 mod campbell;
 mod drawn_outline;
@@ -45,6 +46,7 @@ use std::path::PathBuf;
 use crate::deck::Diagnostic;
 use crate::out::OutputError;
 
+pub use assembly::{AssemblyResult, GapResult, MotionResult};
 pub use folder::{Claim, ResultFolder};
 pub use forces::{AccelerationResult, BalanceResult, ForceResult};
 pub use prepare::{Prepared, prepare};

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Deserializer, Serialize};
 use tegula::analysis::{Balance, Stopped};
 
+use super::assembly::AssemblyResult;
 use super::forces::{AccelerationResult, BalanceResult, ForceResult};
 use crate::out::{OutputError, write_over, write_whole};
 
@@ -180,6 +181,9 @@ pub struct Summary {
     /// Negative pivots of the tangent at the last static equilibrium, where there are some.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub negative_pivots: Option<usize>,
+    /// Gaps that were closed at the start and bodies that have moved for it, where the joints do not meet in the reference configuration.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub assembly: Option<AssemblyResult>,
     /// Energies at the end.
     pub energy: Energy,
     /// Recorded points at the end.
