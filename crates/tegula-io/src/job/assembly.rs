@@ -1,4 +1,4 @@
-//! What a run reports of a model that was assembled at its start.
+//! Report of a run on a model that was assembled at its start.
 
 use std::collections::BTreeMap;
 

@@ -63,14 +63,14 @@ impl Compiler<'_> {
         let reference: Vec<Vec3> = place.coordinates.reference.iter().map(|x| Vec3::from(*x)).collect();
         let joints = self.closed_joints(step, &reference);
         let gaps = gaps(step, place, &joints, &reference);
-        if gaps.iter().all(|gap| gap.before.distance <= NO_GAP * self.length && gap.before.angle <= NO_GAP) {
+        if !gaps.iter().any(|gap| gap.is_open(self.length)) {
             return None;
         }
         let bodies = self.movable(place);
         let closing = Closing::new((&joints, &bodies), (&reference, self.length), |_| 1.0);
         let mut x = reference.clone();
         closing.close(&mut x);
-        let immovable = gaps.iter().filter(|gap| !closing.moves(gap.joint) && gap.is_open());
+        let immovable = gaps.iter().filter(|gap| !closing.moves(gap.joint) && gap.is_open(self.length));
         let found: Vec<Issue> = immovable.map(Gap::immovable).collect();
         if !found.is_empty() {
             issues.extend(found);
@@ -178,7 +178,8 @@ impl Compiler<'_> {
             let name = body.name.clone();
             far.then(|| MovedBody { name, displacement: displacement.into(), rotation: rotation.into() })
         };
-        let joints = gaps.into_iter().map(|gap| gap.before).collect();
+        let open = gaps.into_iter().filter(|gap| gap.is_open(self.length));
+        let joints = open.map(|gap| gap.before).collect();
         let bodies = self.vectors.coordinates.bodies.iter().filter_map(moved).collect();
         (start, Arc::new(ClosedGaps { joints, bodies }))
     }
@@ -206,8 +207,8 @@ fn gaps(step: &StepModel, place: &Place, joints: &[Joint], reference: &[Vec3]) -
 }
 
 impl Gap {
-    fn is_open(&self) -> bool {
-        self.before.distance > 0.0 || self.before.angle > 0.0
+    fn is_open(&self, length: f64) -> bool {
+        self.before.distance > NO_GAP * length || self.before.angle > NO_GAP
     }
 
     fn immovable(&self) -> Issue {

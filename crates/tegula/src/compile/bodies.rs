@@ -4,7 +4,7 @@ use super::body_inertia::{self, axes, centre, direction, euler_tensor, mass};
 use super::inner_point::Corners;
 use super::place::{Place, end, ends};
 use crate::checker::Checker;
-use crate::constraint::joints::{End, joint};
+use crate::constraint::joints::{End, SecondPlace, joint_at};
 use crate::constraint::{Drive, Joint};
 use crate::element::Nodal;
 use crate::mesh::Mesh;
@@ -221,6 +221,7 @@ pub(super) fn joints(
 ) -> Vec<Joint> {
     let mut c = Checker::default();
     let length = extent(model, mesh, coordinates);
+    let assembled = model.joints.iter().any(|joint| joint.common().second_side().is_given());
     let mut out: Vec<Joint> = Vec::new();
     for (i, data) in model.joints.iter().enumerate() {
         let (keys, key) = (data.common(), format!("joints[{i}]"));
@@ -230,7 +231,8 @@ pub(super) fn joints(
             let amplitude = model.amplitudes.keys().position(|name| name == drive.amplitude)?;
             Some(Drive { amplitude, value: drive.value, offset: 0.0 })
         });
-        match joint(data, (ends, carrier), length, (&out, drive)) {
+        let second = SecondPlace::of(keys, 1.0).in_assembly(assembled);
+        match joint_at(data, (ends, carrier, second), length, (&out, drive)) {
             Ok(made) if made.vectors.is_empty() => {}
             Ok(made) => out.push(made),
             Err(lack) => {

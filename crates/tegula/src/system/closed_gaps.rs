@@ -1,4 +1,4 @@
-//! What was changed where a model was assembled at its start.
+//! Gaps that were closed and bodies that have moved where a model was assembled at its start.
 
 use super::System;
 

@@ -223,7 +223,7 @@ pub struct System {
     pub linear: bool,
     /// State at which the analysis step starts; `None`: the reference configuration at rest.
     pub start: Option<StepStart>,
-    /// What was changed where the model is assembled at the start; `None` where the sides of its joints meet in the reference configuration.
+    /// Gaps closed and bodies moved where the model is assembled at the start; `None` where the sides of its joints meet in the reference configuration.
     pub closed_gaps: Option<Arc<ClosedGaps>>,
     /// Velocities that the start of a transient analysis adds to those of its first state; empty if all are zero.
     pub initial_velocity: Vec<Nodal>,

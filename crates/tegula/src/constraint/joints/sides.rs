@@ -23,12 +23,15 @@ pub(crate) struct SecondPlace {
     first: Vec3,
     /// Point of the second side.
     second: Vec3,
+    /// Whether it matters that axes meet in the same direction: sides that do not meet in the reference configuration, or whose bodies move when
+    /// the model is assembled, may come to opposite ones.
+    one_way: bool,
 }
 
 impl SecondPlace {
     /// Sides that meet in the reference configuration.
     pub fn same() -> Self {
-        Self { rotation: Mat3::identity(), first: Vec3::zeros(), second: Vec3::zeros() }
+        Self { rotation: Mat3::identity(), first: Vec3::zeros(), second: Vec3::zeros(), one_way: false }
     }
 
     /// Place of a joint on its second side, of which it has gone this part of the way from that on the first one.
@@ -38,16 +41,19 @@ impl SecondPlace {
         let second = given.at.map_or(first, Vec3::from);
         let axes = keys.directions().first().map(|(_, a)| Vec3::from(*a)).zip(given.axis.map(Vec3::from));
         let rotation = axes.map_or_else(Mat3::identity, |(a, b)| rotation_between(&a, &b, part));
-        // The sides that meet have exactly the forms without a second place.
-        if second == first && rotation == Mat3::identity() {
-            return Self::same();
-        }
-        Self { rotation, first, second: first + (second - first) * part }
+        Self { rotation, first, second: first + (second - first) * part, one_way: given.is_given() }
+    }
+
+    /// The place of a joint in a model that is assembled, or not.
+    pub fn in_assembly(self, assembled: bool) -> Self {
+        Self { one_way: self.one_way || assembled, ..self }
     }
 
     /// Point of the second side for one of the joint.
     fn point(&self, x: &Vec3) -> Vec3 {
-        if *self == Self::same() { *x } else { self.second + self.rotation * (x - self.first) }
+        // Sides that meet have exactly the same point.
+        let meet = self.second == self.first && self.rotation == Mat3::identity();
+        if meet { *x } else { self.second + self.rotation * (x - self.first) }
     }
 
     /// Direction of the second side for one of the joint.
@@ -75,10 +81,9 @@ impl Constraints {
         [self.ends[0].point(at), self.ends[1].point(&self.second.point(at))]
     }
 
-    /// Excludes that an axis whose sides do not meet in the reference configuration is closed half a turn away, where the last constraint
-    /// holds, too.
+    /// Excludes that an axis is closed half a turn away, where the last constraint holds, too.
     pub(super) fn not_opposite(&mut self, axis: &Vec3) {
-        if self.second == SecondPlace::same() {
+        if !self.second.one_way {
             return;
         }
         let axes = self.ends[0].axis(axis).zip(self.second_axis(axis));
