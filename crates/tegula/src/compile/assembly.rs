@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use super::Compiler;
 use super::bodies::sides;
-use super::closing::{Closing, Movable};
+use super::closing::{Aim, Closing, Movable};
 use super::place::Place;
 use super::steps::StepModel;
 use crate::checker::Checker;
@@ -25,8 +25,6 @@ use crate::{Issue, Mat3, Vec3};
 const NO_GAP: f64 = 1e-12;
 /// First and smallest part of the way from sides that meet to those of the model, along which joints are led.
 const WAY: [f64; 2] = [0.125, 1e-3];
-/// Weight of the joints whose sides meet in the reference configuration, where the others cannot be closed: the remaining gap is theirs.
-const EMPHASIS: f64 = 1e3;
 
 /// Start of a step in the assembled position, and what was changed for it.
 pub(super) type Assembled = (StepStart, Arc<ClosedGaps>);
@@ -67,7 +65,7 @@ impl Compiler<'_> {
             return None;
         }
         let bodies = self.movable(place);
-        let closing = Closing::new((&joints, &bodies), (&reference, self.length), |_| 1.0);
+        let closing = Closing::new((&joints, &bodies), (&reference, self.length));
         let mut x = reference.clone();
         closing.close(&mut x);
         let immovable = gaps.iter().filter(|gap| !closing.moves(gap.joint) && gap.is_open(self.length));
@@ -81,15 +79,18 @@ impl Compiler<'_> {
             self.lead(&mut x, &gaps, (&joints, &bodies), &reference);
         }
         if !closing.is_closed(&x) {
-            let own: Vec<usize> = gaps.iter().map(|gap| gap.joint).collect();
-            let weight = |joint: usize| if own.contains(&joint) { 1.0 } else { EMPHASIS };
-            let closing = Closing::new((&joints, &bodies), (&reference, self.length), weight);
             x.clone_from(&reference);
-            closing.close(&mut x);
+            let has_gap = |joint: &usize| gaps.iter().any(|gap| gap.joint == *joint);
+            let (own, others): (Vec<usize>, Vec<usize>) = (0..joints.len()).partition(has_gap);
+            let [own, others] =
+                [own, others].map(|of| of.iter().map(|&j| joints[j].clone()).collect::<Vec<_>>());
+            let at = (reference.as_slice(), self.length);
+            let gap = Closing::new((&own, &bodies), at).by_size();
+            Closing::new((&others, &bodies), at).approach(&Aim::Gaps(&gap), &mut x);
             issues.extend(open(&gaps, &joints, &x, self.length));
             return None;
         }
-        closing.approach(&mut x);
+        closing.approach(&Aim::Reference, &mut x);
         Some(self.start_at(step, &x, &reference, gaps))
     }
 
@@ -137,7 +138,7 @@ impl Compiler<'_> {
                 let joint = &mut partly[gap.joint];
                 (joint.vectors, joint.rows) = (made.vectors, made.rows);
             }
-            let closing = Closing::new((&partly, bodies), (reference, self.length), |_| 1.0);
+            let closing = Closing::new((&partly, bodies), (reference, self.length));
             let mut trial = x.clone();
             closing.close(&mut trial);
             if closing.is_closed(&trial) {
@@ -235,9 +236,9 @@ fn open(gaps: &[Gap], joints: &[Joint], x: &[Vec3], length: f64) -> Option<Issue
     let rest = if size(&[distance, angle]) <= NO_GAP.sqrt() && opposite {
         "its axes meet in opposite directions only".to_owned()
     } else if distance / length >= angle {
-        format!("its points stay apart by the distance {distance:.6e} at least")
+        format!("its points stay apart by the distance {distance:.6e}")
     } else {
-        format!("its axes stay apart by the angle {:.6} degrees at least", angle.to_degrees())
+        format!("its axes stay apart by the angle {:.6} degrees", angle.to_degrees())
     };
     let others: Vec<String> = gaps
         .iter()

@@ -37,7 +37,7 @@ const ITERATIONS: usize = 200;
 /// Part of the model's size by which bodies are still off the nearest position.
 const NEAREST: f64 = 1e-13;
 /// Length of a step over that of the unconstrained minimum: least and most.
-const STEPS: [f64; 2] = [1e-3, 10.0];
+const STEPS: [f64; 2] = [1e-6, 1e2];
 /// Smallest moment of the Euler tensor beside the largest one, and what a body without inertia about an axis has in its place.
 const WITHOUT_INERTIA: f64 = 1e-12;
 const SUBSTITUTE: f64 = 1e-3;
@@ -104,6 +104,14 @@ pub(super) struct Closing<'a> {
     scale: f64,
 }
 
+/// Function of the position that becomes least while the joints are closed.
+pub(super) enum Aim<'a> {
+    /// Distance from the reference configuration.
+    Reference,
+    /// Sum of the squares of the gaps of other joints.
+    Gaps(&'a Closing<'a>),
+}
+
 /// Constraints about a position.
 struct Linear {
     /// Weighted gradients, body by body.
@@ -117,11 +125,10 @@ struct Linear {
 }
 
 impl<'a> Closing<'a> {
-    /// Constraints of all `joints`, whose weights are multiplied by an emphasis.
+    /// Constraints of `joints` between bodies that stand in a reference configuration of this size (length).
     pub(super) fn new(
         (joints, bodies): (&'a [Joint], &'a [Movable]),
         (reference, length): (&'a [Vec3], f64),
-        emphasis: impl Fn(usize) -> f64,
     ) -> Self {
         let mut owner = vec![None; reference.len()];
         for (number, body) in bodies.iter().enumerate() {
@@ -136,13 +143,20 @@ impl<'a> Closing<'a> {
         let weights = vec![1.0; rows.len()];
         let mut out = Self { joints, bodies, reference, owner, rows, weights, scale: mass.sqrt() * length };
         let at_reference = out.linear(reference);
-        for (i, &(joint, row)) in out.rows.iter().enumerate() {
+        for i in 0..out.rows.len() {
             let own = at_reference.schur[(i, i)];
-            let given = joints[joint].rows[row].size;
-            let weight = if own > 0.0 { 1.0 / own.sqrt() } else { out.scale / given };
-            out.weights[i] = weight * emphasis(joint);
+            out.weights[i] = if own > 0.0 { 1.0 / own.sqrt() } else { out.scale / out.row(i).1.size };
         }
         out
+    }
+
+    /// The constraints with weights by which distances count alike, whatever the mass of the bodies, and angles as distances at the end of the
+    /// model.
+    pub(super) fn by_size(mut self) -> Self {
+        for i in 0..self.rows.len() {
+            self.weights[i] = self.scale / self.row(i).1.size;
+        }
+        self
     }
 
     fn row(&self, i: usize) -> (&'a Joint, &'a Row) {
@@ -311,9 +325,27 @@ impl<'a> Closing<'a> {
         self.bodies.iter().map(of_body).sum()
     }
 
-    /// Part of `−W⁻¹ ∇f` that keeps the constraints, and the square of its size.
-    fn descent(&self, x: &[Vec3]) -> Option<(Vec<Twist>, f64)> {
-        let linear = self.linear(x);
+    /// Value of what is to become least.
+    fn value(&self, aim: &Aim, x: &[Vec3]) -> f64 {
+        match aim {
+            Aim::Reference => self.distance(x),
+            Aim::Gaps(others) => 0.5 * others.values(x).1.norm_squared(),
+        }
+    }
+
+    /// Increments `−W⁻¹ ∇f` of all bodies.
+    fn free_descent(&self, aim: &Aim, linear: &Linear, x: &[Vec3]) -> Vec<Twist> {
+        if let Aim::Gaps(others) = aim {
+            let (values, others) = (others.values(x).1, others.linear(x));
+            let mut out = vec![[Vec3::zeros(); 2]; self.bodies.len()];
+            for (response, value) in others.responses.iter().zip(values.iter()) {
+                for (body, [shift, rotation]) in response {
+                    out[*body][0] -= shift * *value;
+                    out[*body][1] -= rotation * *value;
+                }
+            }
+            return out;
+        }
         let of_body = |(body, [_, inverse]): (&Movable, &[Mat3; 2])| {
             let mut moment = Vec3::zeros();
             if let Some(d) = body.directors {
@@ -325,7 +357,17 @@ impl<'a> Closing<'a> {
             }
             [self.reference[body.centre] - x[body.centre], inverse * moment]
         };
-        let free: Vec<Twist> = self.bodies.iter().zip(&linear.inertia).map(of_body).collect();
+        self.bodies.iter().zip(&linear.inertia).map(of_body).collect()
+    }
+
+    /// Part of `−W⁻¹ ∇f` that keeps the constraints, and the square of its size.
+    fn descent(&self, aim: &Aim, x: &[Vec3]) -> Option<(Vec<Twist>, f64)> {
+        let linear = self.linear(x);
+        let free = self.free_descent(aim, &linear, x);
+        if self.rows.is_empty() {
+            let square = self.product(&linear, &free, &free);
+            return Some((free, square));
+        }
         let none = DVector::zeros(self.rows.len());
         // A second projection takes away what the damping has left.
         let once = self.increment(&linear, DAMPING[1] * 1e3, &none, free)?;
@@ -341,9 +383,9 @@ impl<'a> Closing<'a> {
         self.bodies.iter().enumerate().map(of_body).sum()
     }
 
-    /// Moves a position in which the joints are closed to the one nearest to the reference configuration.
-    pub(super) fn approach(&self, x: &mut Vec<Vec3>) {
-        let Some((mut descent, mut square)) = self.descent(x) else { return };
+    /// Moves a position in which the joints are closed to one in which the aim is least.
+    pub(super) fn approach(&self, aim: &Aim, x: &mut Vec<Vec3>) {
+        let Some((mut descent, mut square)) = self.descent(aim, x) else { return };
         let mut part = 1.0;
         for _ in 0..ITERATIONS {
             if !(square.sqrt() > NEAREST * self.scale) {
@@ -351,15 +393,15 @@ impl<'a> Closing<'a> {
             }
             let turn = max_norm(descent.iter().map(|[_, rotation]| rotation.norm()));
             part = f64::min(part, LARGEST_TURN / turn);
-            let distance = self.distance(x);
+            let value = self.value(aim, x);
             let accepted = loop {
                 let mut trial = self.moved(x, part, &descent);
                 self.close(&mut trial);
-                let nearer = self.distance(&trial) - distance;
+                let less = self.value(aim, &trial) - value;
                 if self.is_closed(&trial)
-                    && let Some((next, next_square)) = self.descent(&trial)
+                    && let Some((next, next_square)) = self.descent(aim, &trial)
                     // Near the minimum f changes by less than its round-off.
-                    && (nearer < 0.0 || nearer <= ROUND_OFF * self.scale * self.scale && next_square < square)
+                    && (less < 0.0 || less <= ROUND_OFF * self.scale * self.scale && next_square < square)
                 {
                     break Some((trial, next, next_square));
                 }
@@ -373,7 +415,7 @@ impl<'a> Closing<'a> {
                 descent.iter().zip(&next).map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).collect();
             let linear = self.linear(&trial);
             let curvature = self.product(&linear, &descent, &change) / square;
-            part = if curvature > 0.0 { (1.0 / curvature * part).clamp(STEPS[0], STEPS[1]) } else { 1.0 };
+            part = if curvature > 0.0 { (part / curvature).clamp(STEPS[0], STEPS[1]) } else { 1.0 };
             (*x, descent, square) = (trial, next, next_square);
         }
     }
