@@ -69,6 +69,8 @@ fn a_step_allocates_nothing() {
                             ..JointFriction::default()
                         }),
                         stops: Some(JointStops { lower: Some(-1.0), upper: Some(1.0), restitution: 0.5 }),
+                        second_at: None,
+                        second_axis: None,
                     }));
                 }
             }
@@ -84,6 +86,8 @@ fn a_step_allocates_nothing() {
                         between: ["rim".into(), "slides".into()],
                         at: [1.2, 0.5, 1.2],
                         axis: [0.0, 1.0, 0.0],
+                        second_at: None,
+                        second_axis: None,
                     }
                     .into(),
                 )];

@@ -158,6 +158,29 @@ fn beads_on_cycloids_are_down_at_the_same_time() {
     }
 }
 
+/// F. Freudenstein, *Approximate synthesis of four-bar linkages*, Trans. ASME 77 (1955) 853–861.
+#[test]
+fn the_parts_of_a_four_bar_linkage_are_assembled_by_freudensteins_equation() {
+    let column = history_of("assembled_four_bar.toml");
+    let [crank, rocker] = ["sensor.crank.angle", "sensor.rocker.angle"].map(&column);
+    let (d, a, b, c) = (0.4, 0.1, 0.35, 0.3);
+    let [k1, k2, k3] = [d / a, d / c, (a * a - b * b + c * c + d * d) / (2.0 * a * c)];
+    assert_eq!(crank.len(), 101);
+    for (crank, rocker) in crank.iter().zip(&rocker) {
+        let (phi, psi) = (crank.to_radians(), rocker.to_radians() + 0.5 * PI);
+        let rest = k1 * psi.cos() - k2 * phi.cos() + k3 - (phi - psi).cos();
+        assert!(rest.abs() < 1e-10, "{crank} {rocker}: {rest}");
+    }
+    // Where the crank lies along x, the coupler and the rocker make a triangle with the rest of the frame.
+    let first = 0.5 * PI + rocker[0].to_radians();
+    let triangle = (((d - a).powi(2) + c * c - b * b) / (2.0 * c * (d - a))).acos();
+    assert!((first - (PI - triangle)).abs() < 1e-10 && crank[0].abs() < 1e-10, "{first} {triangle}");
+    let s = result_of("assembled_four_bar.toml");
+    near(&s["assembly"]["joints"]["C"]["distance"], 0.2, 1e-12);
+    let turned = s["assembly"]["bodies"]["rocker"]["rotation"][2].as_f64().unwrap();
+    assert!((turned - rocker[0]).abs() < 1e-9, "{s}");
+}
+
 /// The slider is where the length of the rod puts it, and the power of the motor is the rate of the energy.
 #[test]
 fn the_driven_slider_follows_from_the_length_of_its_rod() {

@@ -19,6 +19,7 @@
 //! The summary has the status `running` until the run has ended, so incomplete results are recognised.
 //! Nothing is printed: a [`JobObserver`] receives all events.
 
+mod assembly;
 mod bodies;
 mod campbell;
 mod critical_modes;
@@ -47,6 +48,7 @@ use std::path::PathBuf;
 use crate::deck::Diagnostic;
 use crate::out::OutputError;
 
+pub use assembly::{AssemblyResult, GapResult, MotionResult};
 pub use folder::{Claim, ResultFolder};
 pub use forces::{AccelerationResult, BalanceResult, ForceResult};
 pub use prepare::{Prepared, prepare};

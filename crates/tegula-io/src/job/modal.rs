@@ -38,6 +38,9 @@ pub(super) fn run(
     summary.write(folder.path())?;
     let mut forward = Forward { folder: &mut folder, watch, failed: None, before: Statistics::default() };
     forward.log(&opening(&summary, &start));
+    for message in prepared.system.closed_gaps.iter().flat_map(|gaps| gaps.messages()) {
+        forward.on_event(&message);
+    }
     for warning in &prepared.warnings {
         forward.log(&format!("warning: {warning}"));
         forward.watch.on_warning(&warning.to_string());
@@ -95,12 +98,12 @@ fn spectrum(
         forward.before = outcome.statistics;
         equilibrium = Some(outcome.state);
     }
-    if system.start.is_some() {
+    if system.continues() {
         // The step before was static: its loads act as at its end.
         equilibrium = Some(State { time: 1.0, ..State::first(system) });
     }
     let (outcome, response) = modal::run_with_inputs(system, analysis, equilibrium.as_ref(), forward)?;
-    let about = equilibrium.unwrap_or_else(|| State::at_rest(system));
+    let about = equilibrium.unwrap_or_else(|| State::first(system));
     Ok(Found { about, outcome, response, campbell: None })
 }
 

@@ -1,6 +1,6 @@
 //! Run of one model: from the model file to the summary.
 
-use tegula::analysis::{State, Stopped, dynamics, path, statics};
+use tegula::analysis::{Observer, State, Stopped, dynamics, path, statics};
 use tegula::model::Analysis;
 use tegula::{Error, System};
 
@@ -8,8 +8,8 @@ use super::recorder::Recorder;
 use super::resume::CheckpointData;
 use super::summary::StopResult;
 use super::{
-    Claim, Energy, JobError, JobObserver, JobOptions, Prepared, ResultFolder, Start, Status, Summary, modal,
-    pictures, prepare, steps,
+    AssemblyResult, Claim, Energy, JobError, JobObserver, JobOptions, Prepared, ResultFolder, Start, Status,
+    Summary, modal, pictures, prepare, steps,
 };
 use crate::deck::Deck;
 use crate::out::OutputError;
@@ -60,6 +60,9 @@ pub(super) fn run_prepared(
     let opened =
         Recorder::new(&deck.model, prepared, folder, summary, memory, watch).and_then(|mut recorder| {
             recorder.announce(&start)?;
+            if let Some(gaps) = prepared.system.closed_gaps.as_ref().filter(|_| !options.resume) {
+                gaps.messages().iter().for_each(|message| recorder.on_event(message));
+            }
             recorder.warn(&prepared.warnings)?;
             Ok(recorder)
         });
@@ -185,6 +188,7 @@ pub(super) fn summary(deck: &Deck, prepared: &Prepared, start: &Start) -> Summar
         linear_iterations: None,
         negative_pivots: None,
         critical_points: None,
+        assembly: prepared.system.closed_gaps.as_deref().map(AssemblyResult::from),
         energy: Energy::default(),
         points: Default::default(),
         supports: Default::default(),

@@ -137,6 +137,7 @@ impl Whole {
             title: before.title.clone(),
             fingerprint: before.fingerprint.clone(),
             analyses: before.analyses.clone(),
+            assembly: before.assembly.clone().or_else(|| of_step.assembly.clone()),
             steps: parts().map(|p| p.steps).sum(),
             iterations: parts().map(|p| p.iterations).sum(),
             factorizations: parts().map(|p| p.factorizations).sum(),

@@ -7,6 +7,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use tegula::analysis::path::{CriticalKind, CriticalPoint};
 use tegula::analysis::{Balance, Stopped};
 
+use super::assembly::AssemblyResult;
 use super::forces::{AccelerationResult, BalanceResult, ForceResult};
 use crate::out::{OutputError, write_over, write_whole};
 
@@ -210,6 +211,9 @@ pub struct Summary {
     /// Critical points of a path, in the order in which it passes them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub critical_points: Option<Vec<CriticalResult>>,
+    /// Gaps that were closed at the start and bodies that have moved for it, where the joints do not meet in the reference configuration.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub assembly: Option<AssemblyResult>,
     /// Energies at the end.
     pub energy: Energy,
     /// Recorded points at the end.

@@ -108,7 +108,9 @@ impl Equation for StaticEquation {
 /// Forces that hold the first state of a static step in equilibrium beside its loads and supports: the reactions of supports
 /// that it has not any more. `None` where the state is in equilibrium.
 pub fn released_reactions(system: &System) -> Option<Vec<Nodal>> {
-    system.start.as_ref()?;
+    if !system.continues() {
+        return None;
+    }
     let first = State { time: system.first_load_factor(), ..State::first(system) };
     let mut assembly = Assembly::for_forces(system);
     let point = first.point(system);

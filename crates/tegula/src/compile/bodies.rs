@@ -4,12 +4,12 @@ use super::body_inertia::{self, axes, centre, direction, euler_tensor, mass};
 use super::inner_point::Corners;
 use super::place::{Place, end, ends};
 use crate::checker::Checker;
-use crate::constraint::joints::{End, joint};
+use crate::constraint::joints::{End, SecondPlace, joint_at};
 use crate::constraint::{Drive, Joint};
 use crate::element::Nodal;
 use crate::mesh::Mesh;
 use crate::model::joint::GROUND;
-use crate::model::{Analysis, Load, Model, RigidBody};
+use crate::model::{self, Analysis, Load, Model, RigidBody};
 use crate::norm::larger;
 use crate::system::Coordinates;
 use crate::system::coordinates::Body;
@@ -55,6 +55,13 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         }
         for (key, axis) in keys.directions() {
             direction(&format!("{place}.{key}"), axis, c);
+        }
+        let second = keys.second_side();
+        if let Some(point) = second.at {
+            c.finite(&format!("{place}.second_at"), "the point", &point);
+        }
+        if let Some(axis) = second.axis {
+            direction(&format!("{place}.second_axis"), axis, c);
         }
         not_with_itself((&format!("joint \"{}\"", keys.name()), keys.between()), &place, c);
         joint.check(&place, c);
@@ -170,7 +177,8 @@ pub(super) fn extent(model: &Model, mesh: &Mesh, coordinates: &Coordinates) -> f
     }
     let joints = model.joints.iter().flat_map(|joint| joint.common().points()).map(|(_, x)| Vec3::from(x));
     let curves = model.joints.iter().flat_map(|joint| joint.common().curve()).map(|x| Vec3::from(*x));
-    let joints = joints.chain(curves);
+    let second = model.joints.iter().filter_map(|joint| joint.common().second_side().at).map(Vec3::from);
+    let joints = joints.chain(curves).chain(second);
     let bodies = model.bodies.iter().map(centre);
     let points = mesh.positions.iter().copied().chain(joints).chain(bodies);
     let [low, high] = points
@@ -179,6 +187,29 @@ pub(super) fn extent(model: &Model, mesh: &Mesh, coordinates: &Coordinates) -> f
         });
     let largest = coordinates.bodies.iter().map(Body::gyration).fold((high - low).max(), larger);
     if largest > 0.0 { largest } else { 1.0 }
+}
+
+/// Both sides of the joint with this number, and the carrier of gears; `None` where one does not exist.
+pub(super) fn sides(
+    place: &Place,
+    (number, data): (usize, &model::Joint),
+    c: &mut Checker,
+) -> Option<([End; 2], End)> {
+    let (keys, key) = (data.common(), format!("joints[{number}]"));
+    let at = |side: usize| {
+        if let Some(second) = keys.second_side().at.filter(|_| side == 1) {
+            return Some((format!("{key}.second_at"), second));
+        }
+        let points = keys.points();
+        let (point, at) = points.get(side).or_else(|| points.first())?;
+        Some((format!("{key}.{point}"), *at))
+    };
+    let found = ends(place, (&key, keys.between()), [at(0), at(1)], c);
+    let carrier = match keys.carrier() {
+        Some(name) => end(place, format!("{key}.carrier"), name, c),
+        None => Some(End::Ground),
+    };
+    found.zip(carrier)
 }
 
 /// Joints of the model, or what is wrong with their ends.
@@ -190,36 +221,18 @@ pub(super) fn joints(
 ) -> Vec<Joint> {
     let mut c = Checker::default();
     let length = extent(model, mesh, coordinates);
+    let assembled = model.joints.iter().any(|joint| joint.common().second_side().is_given());
     let mut out: Vec<Joint> = Vec::new();
     for (i, data) in model.joints.iter().enumerate() {
-        let keys = data.common();
-        let key = format!("joints[{i}]");
-        let at = |side: usize| {
-            let points = keys.points();
-            let (point, at) = points.get(side).or_else(|| points.first())?;
-            Some((format!("{key}.{point}"), *at))
-        };
-        let found = ends(
-            &Place { model, mesh, coordinates, length, corners },
-            (&key, keys.between()),
-            [at(0), at(1)],
-            &mut c,
-        );
-        let carrier = match keys.carrier() {
-            Some(name) => end(
-                &Place { model, mesh, coordinates, length, corners },
-                format!("{key}.carrier"),
-                name,
-                &mut c,
-            ),
-            None => Some(End::Ground),
-        };
-        let (Some(ends), Some(carrier)) = (found, carrier) else { continue };
+        let (keys, key) = (data.common(), format!("joints[{i}]"));
+        let place = Place { model, mesh, coordinates, length, corners };
+        let Some((ends, carrier)) = sides(&place, (i, data), &mut c) else { continue };
         let drive = keys.drive().and_then(|drive| {
             let amplitude = model.amplitudes.keys().position(|name| name == drive.amplitude)?;
             Some(Drive { amplitude, value: drive.value, offset: 0.0 })
         });
-        match joint(data, (ends, carrier), length, (&out, drive)) {
+        let second = SecondPlace::of(keys, 1.0).in_assembly(assembled);
+        match joint_at(data, (ends, carrier, second), length, (&out, drive)) {
             Ok(made) if made.vectors.is_empty() => {}
             Ok(made) => out.push(made),
             Err(lack) => {

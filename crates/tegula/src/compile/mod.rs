@@ -2,6 +2,7 @@
 
 mod actions;
 mod amplitudes;
+mod assembly;
 mod beams;
 mod bodies;
 mod body_inertia;
@@ -11,6 +12,7 @@ mod check_material;
 mod check_modal;
 mod check_path;
 mod check_sections;
+mod closing;
 mod congruence;
 mod couplings;
 mod cuts;
@@ -23,6 +25,7 @@ mod outline;
 mod patches;
 mod pattern;
 mod place;
+mod procedure;
 mod relief;
 mod sections;
 mod sensors;
@@ -49,21 +52,20 @@ use crate::material::{MaterialLaw, OwnLaw};
 use crate::mesh::directors::Directors;
 use crate::mesh::folds::Folds;
 use crate::mesh::{Mesh, quality};
-use crate::model::{
-    Analysis, ExplicitScheme, LinearSolver, MeshSource, Model, PrescribedStrain, ResponseInput, Scheme,
-    TransientAnalysis,
-};
+use crate::model::{Analysis, MeshSource, Model, PrescribedStrain, ResponseInput};
 use crate::system::supports::Support;
 use crate::system::{
-    BeamLine, Cut, DeadLoad, GroupOffsets, InertiaRelief, LocalFrames, Outline, PrescribedField, Procedure,
-    Reduction, Shell, ShellSection, StepStart, System, lumping,
+    BeamLine, ClosedGaps, Cut, DeadLoad, GroupOffsets, InertiaRelief, LocalFrames, Outline, PrescribedField,
+    Procedure, Reduction, Shell, ShellSection, StepStart, System, lumping,
 };
 use crate::{Error, Issue, Result};
 use actions::{
     added_masses, contradictions, dead_loads, drilling_components, follower_loads, initial_velocity, supports,
 };
+use assembly::Assembled;
 use inner_point::Corners;
 use place::Place;
+use procedure::{explicit_scheme, procedure};
 use sections::Elements;
 use step_joints::{JointGroups, Lock, StepJoints};
 use steps::Continued;
@@ -110,6 +112,8 @@ pub struct Compiler<'a> {
     linear: bool,
     /// Loads of the caller with their names; they act in all steps.
     own_loads: Vec<(String, OwnLoad)>,
+    /// Starts of the steps that begin where the model is assembled.
+    assembled: Vec<Option<Assembled>>,
 }
 
 impl<'a> Compiler<'a> {
@@ -198,7 +202,7 @@ impl<'a> Compiler<'a> {
             Analysis::Transient(t) => t.linear,
             Analysis::Path(_) | Analysis::Modal(_) => false,
         };
-        let compiler = Self {
+        let mut compiler = Self {
             mesh,
             linear: steps.iter().any(linear),
             steps,
@@ -222,6 +226,7 @@ impl<'a> Compiler<'a> {
             unit: elements.unit,
             strains,
             own_loads: Vec::new(),
+            assembled: Vec::new(),
         };
         for step in &compiler.steps {
             let mut found = Vec::new();
@@ -230,6 +235,11 @@ impl<'a> Compiler<'a> {
             issues.extend(
                 step.located(found).into_iter().filter(|issue| !issues.contains(issue)).collect::<Vec<_>>(),
             );
+        }
+        if issues.is_empty() {
+            let coordinates = Arc::clone(&compiler.vectors.coordinates);
+            let place = Place { model, mesh, coordinates: &coordinates, length, corners: &corners };
+            compiler.assembled = compiler.assembled(&place, &mut issues);
         }
         if issues.is_empty() { Ok(compiler) } else { Err(Error::Model(issues)) }
     }
@@ -251,12 +261,14 @@ impl<'a> Compiler<'a> {
         self.own_loads.push((name.to_owned(), OwnLoad(load)));
     }
 
-    /// System of an analysis step that begins at `start` (the reference configuration at rest where `None`).
+    /// System of an analysis step that begins at `start` (where `None` at rest in the reference configuration, or where joints do not meet there,
+    /// in the assembled one).
     ///
     /// # Errors
     /// Everything that is wrong with loads, supports and masses of the step, at once, each with a remedy; there is no such
     /// step.
     pub fn system(&self, step: usize, start: Option<StepStart>) -> Result<System> {
+        let assembled = self.assembled.get(step).cloned().flatten().filter(|_| start.is_none());
         let Some(step) = self.steps.get(step) else {
             return Err(Error::model(
                 "steps",
@@ -285,7 +297,11 @@ impl<'a> Compiler<'a> {
                 "take the start from a state of this model, by `State::end_of_step`",
             ));
         }
-        self.compile(step, start).map_err(|error| match error {
+        let (start, closed_gaps) = match assembled {
+            Some((start, gaps)) => (Some(start), Some(gaps)),
+            None => (start, None),
+        };
+        self.compile(step, (start, closed_gaps)).map_err(|error| match error {
             Error::Model(issues) => named(Error::Model(step.located(issues)), self.mesh),
             other => other,
         })
@@ -345,7 +361,11 @@ impl<'a> Compiler<'a> {
         }
     }
 
-    fn compile(&self, step: &StepModel, start: Option<StepStart>) -> Result<System> {
+    fn compile(
+        &self,
+        step: &StepModel,
+        (start, closed_gaps): (Option<StepStart>, Option<Arc<ClosedGaps>>),
+    ) -> Result<System> {
         let (model, mesh, vectors) = (&step.model, self.mesh, &self.vectors);
         let mut issues = Vec::new();
         let (amplitudes, names) = amplitudes::time_functions(model, &mut issues);
@@ -448,6 +468,7 @@ impl<'a> Compiler<'a> {
             length: self.length,
             linear: self.linear,
             start,
+            closed_gaps,
             initial_velocity,
             labels: mesh.labels.clone(),
             folds: Folds::of(mesh, &self.directors),
@@ -523,25 +544,6 @@ fn release_supports(system: &mut System, mesh: &Mesh) {
         system.load_of_dead.push(system.load_sets.len());
         system.load_sets.push(force_sets::of_released_supports(mesh, &system.load_sets));
         system.dead_loads.push(DeadLoad { force, factor, gravity: false });
-    }
-}
-
-/// Kind of analysis for which a system has to be compiled.
-fn procedure(analysis: &Analysis) -> Procedure {
-    match analysis {
-        Analysis::Static(s) if s.linear_solver == LinearSolver::Iterative => Procedure::IterativeStatic,
-        Analysis::Static(_) => Procedure::Static,
-        Analysis::Path(_) => Procedure::Path,
-        Analysis::Modal(_) => Procedure::Modal,
-        Analysis::Transient(t) if t.scheme.is_explicit() => Procedure::Explicit,
-        Analysis::Transient(_) => Procedure::Transient,
-    }
-}
-
-fn explicit_scheme(analysis: &Analysis) -> Option<ExplicitScheme> {
-    match analysis {
-        Analysis::Transient(TransientAnalysis { scheme: Scheme::Explicit(scheme), .. }) => Some(*scheme),
-        _ => None,
     }
 }
 

@@ -32,7 +32,8 @@ pub(super) fn outline(place: &Place<'_>, beams: &[BeamLine]) -> Outline {
     }
     for joint in &model.joints {
         let (keys, points) = (joint.common(), joint.common().points());
-        let at = |side: usize| points.get(side).or(points.first()).map(|(_, x)| *x);
+        let second = |side: usize| keys.second_side().at.filter(|_| side == 1);
+        let at = |side: usize| second(side).or_else(|| points.get(side).or(points.first()).map(|(_, x)| *x));
         let (Some(first), Some(second)) = (at(0), at(1)) else { continue };
         drawing.arms(keys.between(), [first, second]);
         if matches!(joint, Joint::Distance(_)) {

@@ -108,8 +108,7 @@ pub(super) fn laws(step: &StepModel) -> Vec<Issue> {
         }
         let (problem, help) = if let Some((does_not, help)) = ignorant(&step.model.analysis) {
             (format!("which {does_not}"), help)
-        } else if let Some(violated) = keys.stops().and_then(violated).filter(|_| step.starts_from.is_none())
-        {
+        } else if let Some(violated) = keys.stops().and_then(violated).filter(|_| begins_at_reference(step)) {
             return Some(Issue::new(
                 format!("joints[{i}].stops"),
                 format!("the joint \"{}\" begins at 0, {violated}", keys.name()),
@@ -130,6 +129,12 @@ pub(super) fn laws(step: &StepModel) -> Vec<Issue> {
         Some(Issue::new(format!("joints[{i}].{key}"), message, help))
     };
     joints.iter().enumerate().filter_map(of_joint).collect()
+}
+
+/// Whether a step begins in the reference configuration, and not where another one has ended or where the model is assembled.
+fn begins_at_reference(step: &StepModel) -> bool {
+    let assembled = step.model.joints.iter().any(|joint| joint.common().second_side().is_given());
+    step.starts_from.is_none() && !assembled
 }
 
 /// Stop that does not admit the reference configuration, in which joints stand at 0.
@@ -372,7 +377,7 @@ impl Compiler<'_> {
     }
 
     /// A joint with the constraints that lock it behind its own, where it stands, if they are wanted.
-    fn with_lock(&self, base: &Joint, wanted: bool, current: impl Fn(u32) -> Vec3) -> Joint {
+    pub(super) fn with_lock(&self, base: &Joint, wanted: bool, current: impl Fn(u32) -> Vec3) -> Joint {
         let mut joint = base.clone();
         if let Some(Lock { keys, ends, .. }) = self.locks[base.number].as_ref().filter(|_| wanted) {
             joint.rows.extend(lock(keys, ends, (base, self.length), current).unwrap_or_default());

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::curve_joint::CurveJoint;
 use super::gear_joint::GearJoint;
+use super::second_side::SecondSide;
 
 /// The registry: one line for each joint. Calls the macro `$made` with all entries. An entry is
 ///
@@ -93,6 +94,10 @@ pub trait JointKeys {
     fn curve(&self) -> &[[f64; 3]] {
         &[]
     }
+    /// Place of the joint on the second side, where it differs from that on the first one.
+    fn second_side(&self) -> SecondSide {
+        SecondSide::default()
+    }
     /// Friction of its relative motion.
     fn friction(&self) -> Option<&JointFriction> {
         None
@@ -130,6 +135,11 @@ pub struct PointJoint {
     /// Point of the joint in the reference configuration (length).
     #[schemars(extend("x-marker" = "point"))]
     pub at: [f64; 3],
+    /// Point of the joint on the second side, in the reference configuration (length); that of the first one unless given. Where both do
+    /// not meet, the model is assembled at the start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-marker" = "point"))]
+    pub second_at: Option<[f64; 3]>,
 }
 
 /// A joint with an axis through a point.
@@ -146,6 +156,15 @@ pub struct AxisJoint {
     /// Direction of the axis in the reference configuration.
     #[schemars(extend("x-marker" = "direction"))]
     pub axis: [f64; 3],
+    /// Point of the joint on the second side, in the reference configuration (length); that of the first one unless given. Where both do
+    /// not meet, the model is assembled at the start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-marker" = "point"))]
+    pub second_at: Option<[f64; 3]>,
+    /// Direction of the axis on the second side, in the reference configuration; that of the first one unless given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-marker" = "direction"))]
+    pub second_axis: Option<[f64; 3]>,
 }
 
 /// A screw.
@@ -162,6 +181,15 @@ pub struct ScrewJoint {
     /// Direction of the axis in the reference configuration.
     #[schemars(extend("x-marker" = "direction"))]
     pub axis: [f64; 3],
+    /// Point of the joint on the second side, in the reference configuration (length); that of the first one unless given. Where both do
+    /// not meet, the model is assembled at the start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-marker" = "point"))]
+    pub second_at: Option<[f64; 3]>,
+    /// Direction of the axis on the second side, in the reference configuration; that of the first one unless given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-marker" = "direction"))]
+    pub second_axis: Option<[f64; 3]>,
     /// Displacement of the second side relative to the first one along the axis per turn, right-handed about the axis (length); negative
     /// for left-hand threads.
     pub pitch: f64,
@@ -181,6 +209,15 @@ pub struct CoordinateJoint {
     /// Direction of the axis in the reference configuration.
     #[schemars(extend("x-marker" = "direction"))]
     pub axis: [f64; 3],
+    /// Point of the joint on the second side, in the reference configuration (length); that of the first one unless given. Where both do
+    /// not meet, the model is assembled at the start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-marker" = "point"))]
+    pub second_at: Option<[f64; 3]>,
+    /// Direction of the axis on the second side, in the reference configuration; that of the first one unless given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-marker" = "direction"))]
+    pub second_axis: Option<[f64; 3]>,
     /// Coulomb friction of the relative motion; in transient analyses with the scheme `energy-momentum`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<JointFriction>,
@@ -191,8 +228,8 @@ pub struct CoordinateJoint {
 
 impl From<AxisJoint> for CoordinateJoint {
     /// The joint without friction and stops.
-    fn from(AxisJoint { name, between, at, axis }: AxisJoint) -> Self {
-        Self { name, between, at, axis, friction: None, stops: None }
+    fn from(AxisJoint { name, between, at, axis, second_at, second_axis }: AxisJoint) -> Self {
+        Self { name, between, at, axis, second_at, second_axis, friction: None, stops: None }
     }
 }
 
@@ -272,6 +309,11 @@ pub struct TwoAxesJoint {
     /// configuration.
     #[schemars(extend("x-marker" = "direction"))]
     pub axes: [[f64; 3]; 2],
+    /// Point of the joint on the second side, in the reference configuration (length); that of the first one unless given. Where both do
+    /// not meet, the model is assembled at the start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-marker" = "point"))]
+    pub second_at: Option<[f64; 3]>,
 }
 
 /// A joint of the director of a shell node.
@@ -353,6 +395,10 @@ impl JointKeys for CoordinateJoint {
         vec![("at", self.at)]
     }
 
+    fn second_side(&self) -> SecondSide {
+        SecondSide { at: self.second_at, axis: self.second_axis }
+    }
+
     fn friction(&self) -> Option<&JointFriction> {
         self.friction.as_ref()
     }
@@ -364,7 +410,7 @@ impl JointKeys for CoordinateJoint {
 
 /// Implements [`JointKeys`] for keys with `name`, `between` and these points and directions.
 macro_rules! joint_keys {
-    ($keys:ident, $self:ident, [$($point:expr),*], [$($direction:expr),*] $(, $drive:expr)?) => {
+    ($keys:ident, $self:ident, [$($point:expr),*], [$($direction:expr),*] $(, drive $drive:expr)? $(, second $second:expr)?) => {
         impl JointKeys for $keys {
             fn name(&self) -> &str {
                 &self.name
@@ -385,21 +431,43 @@ macro_rules! joint_keys {
             $(fn drive(&$self) -> Option<JointDrive<'_>> {
                 Some($drive)
             })?
+
+            $(fn second_side(&$self) -> SecondSide {
+                $second
+            })?
         }
     };
 }
-joint_keys!(PointJoint, self, [("at", self.at)], []);
-joint_keys!(AxisJoint, self, [("at", self.at)], [("axis", self.axis)]);
-joint_keys!(ScrewJoint, self, [("at", self.at)], [("axis", self.axis)]);
+joint_keys!(PointJoint, self, [("at", self.at)], [], second SecondSide { at: self.second_at, axis: None });
+joint_keys!(
+    AxisJoint,
+    self,
+    [("at", self.at)],
+    [("axis", self.axis)],
+    second SecondSide { at: self.second_at, axis: self.second_axis }
+);
+joint_keys!(
+    ScrewJoint,
+    self,
+    [("at", self.at)],
+    [("axis", self.axis)],
+    second SecondSide { at: self.second_at, axis: self.second_axis }
+);
 joint_keys!(RackJoint, self, [("at", self.at)], [("axis", self.axis), ("direction", self.direction)]);
-joint_keys!(TwoAxesJoint, self, [("at", self.at)], [("axes[0]", self.axes[0]), ("axes[1]", self.axes[1])]);
+joint_keys!(
+    TwoAxesJoint,
+    self,
+    [("at", self.at)],
+    [("axes[0]", self.axes[0]), ("axes[1]", self.axes[1])],
+    second SecondSide { at: self.second_at, axis: None }
+);
 joint_keys!(DirectorJoint, self, [], []);
 joint_keys!(
     DrivenAngleJoint,
     self,
     [],
     [("axis", self.axis)],
-    JointDrive {
+    drive JointDrive {
         key: "angle",
         given: self.angle,
         value: self.angle.to_radians(),
@@ -411,7 +479,7 @@ joint_keys!(
     self,
     [("at", self.at)],
     [("axis", self.axis)],
-    JointDrive { key: "length", given: self.length, value: self.length, amplitude: &self.amplitude }
+    drive JointDrive { key: "length", given: self.length, value: self.length, amplitude: &self.amplitude }
 );
 joint_keys!(DistanceJoint, self, [("points[0]", self.points[0]), ("points[1]", self.points[1])], []);
 
@@ -424,7 +492,7 @@ pub(super) const EXAMPLE: ([&str; 2], [f64; 3], [f64; 3]) = (["a", "b"], [0.6, 0
 impl PointJoint {
     pub(crate) fn example() -> Self {
         let (between, at, _) = EXAMPLE;
-        Self { name: "joint".into(), between: between.map(str::to_owned), at }
+        Self { name: "joint".into(), between: between.map(str::to_owned), at, second_at: None }
     }
 }
 
@@ -433,7 +501,7 @@ const NODE: (&str, [f64; 3]) = ("u_max_v_min", [2.0, 0.0, 0.0]);
 
 impl PointJoint {
     pub(crate) fn example_at_node() -> Self {
-        Self { name: "joint".into(), between: ["b", NODE.0].map(str::to_owned), at: NODE.1 }
+        Self { name: "joint".into(), between: ["b", NODE.0].map(str::to_owned), at: NODE.1, second_at: None }
     }
 }
 
@@ -446,14 +514,29 @@ impl DirectorJoint {
 impl AxisJoint {
     pub(crate) fn example() -> Self {
         let (between, at, axis) = EXAMPLE;
-        Self { name: "joint".into(), between: between.map(str::to_owned), at, axis }
+        Self {
+            name: "joint".into(),
+            between: between.map(str::to_owned),
+            at,
+            axis,
+            second_at: None,
+            second_axis: None,
+        }
     }
 }
 
 impl ScrewJoint {
     pub(crate) fn example() -> Self {
         let (between, at, axis) = EXAMPLE;
-        Self { name: "joint".into(), between: between.map(str::to_owned), at, axis, pitch: 0.8 }
+        Self {
+            name: "joint".into(),
+            between: between.map(str::to_owned),
+            at,
+            axis,
+            second_at: None,
+            second_axis: None,
+            pitch: 0.8,
+        }
     }
 }
 
@@ -476,7 +559,7 @@ impl TwoAxesJoint {
     pub(crate) fn example() -> Self {
         let (between, at, axis) = EXAMPLE;
         let axes = [axis, [2.0, 1.0, -2.0]];
-        Self { name: "joint".into(), between: between.map(str::to_owned), at, axes }
+        Self { name: "joint".into(), between: between.map(str::to_owned), at, axes, second_at: None }
     }
 }
 

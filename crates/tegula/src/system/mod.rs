@@ -4,6 +4,7 @@ pub mod assembly;
 mod body_curvature;
 mod centrifugal;
 pub mod circulatory;
+mod closed_gaps;
 pub mod connection_frequency;
 pub mod coordinates;
 pub mod corotational_update;
@@ -42,6 +43,7 @@ use crate::model::PrescribedStrain;
 use crate::section::CompiledSection;
 pub use assembly::Assembly;
 pub use circulatory::CirculatoryStiffness;
+pub use closed_gaps::{ClosedGap, ClosedGaps, MovedBody};
 use coordinates::Body;
 pub use coordinates::{Coordinates, VectorKind};
 pub use corotational_update::CorotationalUpdate;
@@ -222,6 +224,8 @@ pub struct System {
     pub linear: bool,
     /// State at which the analysis step starts; `None`: the reference configuration at rest.
     pub start: Option<StepStart>,
+    /// Gaps closed and bodies moved where the model is assembled at the start; `None` where the sides of its joints meet in the reference configuration.
+    pub closed_gaps: Option<Arc<ClosedGaps>>,
     /// Velocities that the start of a transient analysis adds to those of its first state; empty if all are zero.
     pub initial_velocity: Vec<Nodal>,
     /// Times (load factors) at which the user wants a step to end.

@@ -53,7 +53,7 @@ fn place(system: &System, state: &State, body: &str) -> Vec3 {
 }
 
 fn fixed(name: &str, a: &str, b: &str, at: [f64; 3]) -> Joint {
-    Joint::Fixed(PointJoint { name: name.into(), between: [a.into(), b.into()], at })
+    Joint::Fixed(PointJoint { name: name.into(), between: [a.into(), b.into()], at, second_at: None })
 }
 
 #[test]
@@ -193,6 +193,8 @@ fn a_column_on_joints_buckles_at_eulers_load() {
                 between: ["ground".into(), "beam.start".into()],
                 at: [0.0; 3],
                 axis: [0.0, 1.0, 0.0],
+                second_at: None,
+                second_axis: None,
             }
             .into(),
         ),
@@ -201,6 +203,8 @@ fn a_column_on_joints_buckles_at_eulers_load() {
             between: ["ground".into(), "beam.end".into()],
             at: [0.0, 0.0, 2.0],
             axis: [0.0, 0.0, 1.0],
+            second_at: None,
+            second_axis: None,
         }),
     ];
     let critical = 2.0457 * std::f64::consts::PI.powi(2) * STEEL.young * 0.03 * 0.02_f64.powi(3) / 12.0 / 4.0;
@@ -316,6 +320,8 @@ fn a_beam_on_hinges_sags_under_its_weight() {
             between: ["ground".into(), "beam.start".into()],
             at: ends[0],
             axis,
+            second_at: None,
+            second_axis: None,
         }
         .into(),
     );
@@ -324,6 +330,8 @@ fn a_beam_on_hinges_sags_under_its_weight() {
         between: ["ground".into(), "beam.end".into()],
         at: ends[1],
         axis,
+        second_at: None,
+        second_axis: None,
     });
     let rest = Joint::Distance(DistanceJoint {
         name: "rest".into(),

@@ -388,7 +388,12 @@ fn cantilevers_on_a_bushing_deflect_by_its_compliance_more() {
         ..bushing(["ground", on], at)
     };
     let clamp = |on: &str, at: [f64; 3]| {
-        vec![Joint::Fixed(PointJoint { name: "clamp".into(), between: between("ground", on), at })]
+        vec![Joint::Fixed(PointJoint {
+            name: "clamp".into(),
+            between: between("ground", on),
+            at,
+            second_at: None,
+        })]
     };
     let force = 1e-7;
     let expected = force / 50.0 + force / 3.0;

@@ -405,6 +405,7 @@ fn unsuitable_nodes_of_couplings_are_refused_by_name() {
         name: "end".into(),
         between: ["ground".into(), "end".into()],
         at: END,
+        second_at: None,
     });
     refused(&change(&|m| m.joints = vec![joint.clone()]), "joints[0].name", &["end", "columns"]);
     refused(

@@ -11,7 +11,15 @@ use tegula::{Mat3, Vec3, compile, mesh};
 fn driven_hinge(body: &str, at: [f64; 3], axis: [f64; 3]) -> Vec<Joint> {
     vec![
         Joint::Revolute(
-            AxisJoint { name: "hinge".into(), between: between("ground", body), at, axis }.into(),
+            AxisJoint {
+                name: "hinge".into(),
+                between: between("ground", body),
+                at,
+                axis,
+                second_at: None,
+                second_axis: None,
+            }
+            .into(),
         ),
         Joint::DrivenAngle(DrivenAngleJoint {
             name: "drive".into(),
@@ -41,12 +49,15 @@ fn a_cardan_joint_transmits_the_angle_of_a_driven_shaft() {
         between: between("ground", "output"),
         at: axis,
         axis,
+        second_at: None,
+        second_axis: None,
     }));
     joints.push(Joint::Universal(TwoAxesJoint {
         name: "cardan".into(),
         between: between("input", "output"),
         at: [0.0; 3],
         axes: [[0.0, 0.0, 1.0], [-beta.sin(), beta.cos(), 0.0]],
+        second_at: None,
     }));
     let mut model = machine(1.0, 0.01, vec![shaft("input", [-1.0, 0.0, 0.0]), output], joints);
     model.amplitudes.insert("angle".into(), formula("3650*t^2"));
@@ -95,7 +106,9 @@ fn a_driven_slide_carries_weight_and_inertia() {
     let axis = [0.0, 0.0, 2.0];
     let at = [0.3, 0.0, 0.0];
     let joints = vec![
-        Joint::Prismatic(AxisJoint { name, between: sides.clone(), at, axis }.into()),
+        Joint::Prismatic(
+            AxisJoint { name, between: sides.clone(), at, axis, second_at: None, second_axis: None }.into(),
+        ),
         Joint::DrivenLength(DrivenLengthJoint {
             name: drive,
             between: sides,
@@ -199,8 +212,15 @@ fn a_static_drive_of_almost_a_turn_twists_a_shaft_the_long_way() {
         between: between("ground", "shaft.end"),
         at: [1.0, 0.0, 0.0],
         axis: [1.0, 0.0, 0.0],
+        second_at: None,
+        second_axis: None,
     });
-    let clamp = PointJoint { name: "clamp".into(), between: between("ground", "shaft.start"), at: [0.0; 3] };
+    let clamp = PointJoint {
+        name: "clamp".into(),
+        between: between("ground", "shaft.start"),
+        at: [0.0; 3],
+        second_at: None,
+    };
     joints.push(Joint::Fixed(clamp));
     let mut model = Model::of_bodies(Analysis::Static(StaticAnalysis::default()), Vec::new(), joints);
     model.beams = vec![Beam::straight("shaft", [[0.0; 3], [1.0, 0.0, 0.0]], 64, [0.0, 1.0, 0.0], section)];

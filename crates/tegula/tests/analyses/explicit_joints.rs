@@ -147,7 +147,8 @@ fn a_free_body_keeps_angular_momentum_and_energy() {
 #[test]
 fn a_heavy_top_is_of_second_order() {
     let top = heavy_top();
-    let tip = PointJoint { name: "tip".into(), between: between("ground", "top"), at: [0.0; 3] };
+    let tip =
+        PointJoint { name: "tip".into(), between: between("ground", "top"), at: [0.0; 3], second_at: None };
     let error = |step: f64| {
         let model = explicit(0.1, Some(step), vec![top.clone()], vec![Joint::Spherical(tip.clone())]);
         let model = Model { loads: gravity([0.0, 0.0, -9.81]), ..model };
@@ -481,8 +482,12 @@ fn automatic_steps_resolve_a_pulse_on_a_free_mass() {
 /// A body that a joint holds at rest under its weight has energies of round-off only, which violate no balance.
 #[test]
 fn a_body_at_rest_stays_at_rest() {
-    let joint =
-        Joint::Fixed(PointJoint { name: "wall".into(), between: between("ground", "b"), at: [0.0; 3] });
+    let joint = Joint::Fixed(PointJoint {
+        name: "wall".into(),
+        between: between("ground", "b"),
+        at: [0.0; 3],
+        second_at: None,
+    });
     let mut model =
         explicit(0.5, None, vec![body("b", [0.4, 0.1, 0.0], 1.7, Some([0.1, 0.2, 0.3]))], vec![joint]);
     model.loads = gravity([0.0, -9.81, 0.0]);

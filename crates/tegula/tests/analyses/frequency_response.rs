@@ -71,6 +71,8 @@ fn a_damped_oscillator_has_the_amplitude_and_phase_of_its_closed_form() {
             between: between("ground", "mass"),
             at: [0.0; 3],
             axis: [1.0, 0.0, 0.0],
+            second_at: None,
+            second_axis: None,
         }
         .into(),
     );
@@ -116,6 +118,8 @@ fn masses_that_drift_respond_as_their_closed_form() {
                 between: between("ground", name),
                 at,
                 axis: [1.0, 0.0, 0.0],
+                second_at: None,
+                second_axis: None,
             }
             .into(),
         )

@@ -18,7 +18,16 @@ fn preload(size: f64) -> Option<JointFriction> {
 
 fn coordinate(name: &str, sides: [&str; 2], (at, axis): ([f64; 3], [f64; 3]), size: f64) -> CoordinateJoint {
     let friction = preload(size).filter(|_| size > 0.0);
-    CoordinateJoint { name: name.into(), between: sides.map(Into::into), at, axis, friction, stops: None }
+    CoordinateJoint {
+        name: name.into(),
+        between: sides.map(Into::into),
+        at,
+        axis,
+        friction,
+        stops: None,
+        second_at: None,
+        second_axis: None,
+    }
 }
 
 /// Crank, rod and slider in a plane, with the crank across the guide at the start, which turns with the velocity `omega`; constant friction
@@ -41,11 +50,13 @@ fn slider_crank(omega: f64, end: f64, step: f64) -> Model {
             at: [0.0, CRANK, 0.0],
             // The rod does not turn about itself.
             axes: [z, [CRANK, REACH, 0.0]],
+            second_at: None,
         }),
         Joint::Spherical(PointJoint {
             name: "ball".into(),
             between: between("slider", "rod"),
             at: [REACH, 0.0, 0.0],
+            second_at: None,
         }),
         Joint::Prismatic(coordinate(
             "guide",
@@ -311,8 +322,12 @@ fn a_double_pendulum_with_friction_rests_in_an_equilibrium_of_friction() {
 /// A body on a joint that does not let it move rests under a moment, whatever the scheme: round-off is no motion.
 #[test]
 fn a_held_body_rests_under_a_moment() {
-    let fixed =
-        Joint::Fixed(PointJoint { name: "joint".into(), between: between("ground", "block"), at: [0.0; 3] });
+    let fixed = Joint::Fixed(PointJoint {
+        name: "joint".into(),
+        between: between("ground", "block"),
+        at: [0.0; 3],
+        second_at: None,
+    });
     let stuck = Joint::Revolute(coordinate("joint", ["ground", "block"], ([0.0; 3], [0.0, 0.0, 1.0]), 5.0));
     let generalized_alpha = Scheme::GeneralizedAlpha(GeneralizedAlphaScheme { spectral_radius: 0.9 });
     let conserving = Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 });

@@ -202,8 +202,12 @@ fn a_strongly_damped_beam_starts_under_a_sudden_load() {
         material: Some("steel".into()),
         ..Beam::straight("rod", [[0.0; 3], [1.0, 0.0, 0.0]], 20, [0.0, 1.0, 0.0], section)
     };
-    let clamp =
-        PointJoint { name: "clamp".into(), between: ["ground".into(), "rod.start".into()], at: [0.0; 3] };
+    let clamp = PointJoint {
+        name: "clamp".into(),
+        between: ["ground".into(), "rod.start".into()],
+        at: [0.0; 3],
+        second_at: None,
+    };
     for time_step in [None, Some(1e-3)] {
         let scheme = Scheme::GeneralizedAlpha(GeneralizedAlphaScheme::default());
         let options = TransientAnalysis { scheme, time_step, ..TransientAnalysis::new(0.3) };

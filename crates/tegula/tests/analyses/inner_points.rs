@@ -8,7 +8,7 @@ use tegula::result::joint_reaction;
 use tegula::{Error, Vec3, mesh};
 
 fn ball(name: &str, sides: [&str; 2], at: [f64; 3]) -> Joint {
-    Joint::Spherical(PointJoint { name: name.into(), between: sides.map(Into::into), at })
+    Joint::Spherical(PointJoint { name: name.into(), between: sides.map(Into::into), at, second_at: None })
 }
 
 /// Cantilever with the load P at its end and a prop at a place a inside an element, free to slide: `R = P (3 L − a)/(2 a)`.

@@ -12,7 +12,16 @@ const G: f64 = 10.0;
 
 fn slide(friction: Option<JointFriction>, stops: Option<JointStops>, axis: [f64; 3]) -> Joint {
     let (name, between, at) = ("slide".into(), between("ground", "block"), [0.0; 3]);
-    Joint::Prismatic(CoordinateJoint { name, between, at, axis, friction, stops })
+    Joint::Prismatic(CoordinateJoint {
+        name,
+        between,
+        at,
+        axis,
+        friction,
+        stops,
+        second_at: None,
+        second_axis: None,
+    })
 }
 
 /// Block on a slope that falls along −x by the slope's angle; its initial velocity is along x.
@@ -164,6 +173,8 @@ fn a_block_on_a_cart_goes_along_or_slips() {
             axis,
             friction: None,
             stops: None,
+            second_at: None,
+            second_axis: None,
         });
         let deck = Joint::Prismatic(CoordinateJoint {
             name: "deck".into(),
@@ -172,6 +183,8 @@ fn a_block_on_a_cart_goes_along_or_slips() {
             axis,
             friction: Some(friction),
             stops: None,
+            second_at: None,
+            second_axis: None,
         });
         let bodies =
             vec![body("cart", at, cart, Some([0.3; 3])), body("block", at, m, Some([0.2, 0.25, 0.3]))];
@@ -210,6 +223,8 @@ fn pendulum(
         axis: [0.0, -1.0, 0.0],
         friction,
         stops,
+        second_at: None,
+        second_axis: None,
     });
     Model { loads: gravity([0.0, 0.0, -G]), ..machine(end, step, vec![bob], vec![hinge]) }
 }
@@ -279,6 +294,8 @@ fn bearing_friction_stops_a_rotor() {
         axis: [0.0, 1.0, 0.0],
         friction: Some(friction),
         stops: None,
+        second_at: None,
+        second_axis: None,
     });
     // The weight has a component along the axis, which makes no friction.
     let mut model = machine(6.0, 2e-3, vec![rotor], vec![bearing]);

@@ -19,6 +19,8 @@ fn slide(name: &str, between: [String; 2], axis: [f64; 3], stops: Option<JointSt
         axis,
         friction: None,
         stops,
+        second_at: None,
+        second_axis: None,
     })
 }
 
@@ -129,6 +131,8 @@ fn friction_and_stop_act_in_one_joint() {
         axis: [1.0, 0.0, 0.0],
         friction: Some(JointFriction { coefficient: mu, ..JointFriction::default() }),
         stops: Some(JointStops { lower: None, upper: Some(d), restitution: E }),
+        second_at: None,
+        second_axis: None,
     });
     let model = Model { loads: gravity([0.0, 0.0, -G]), ..machine(3.0, 0.01, vec![block], vec![joint]) };
     let mut notes = Notes::default();
@@ -153,6 +157,8 @@ fn a_pendulum_rebounds_from_its_stop() {
         axis: [0.0, 1.0, 0.0],
         friction: None,
         stops: Some(stops),
+        second_at: None,
+        second_axis: None,
     });
     let model = Model { loads: gravity([0.0, 0.0, -G]), ..machine(1.0, 2e-3, vec![bob], vec![hinge]) };
     let mut notes = Notes::keeping();
@@ -179,6 +185,8 @@ fn a_body_rests_at_a_stop_without_a_load() {
             axis: [0.0, 1.0, 0.0],
             friction: None,
             stops: Some(stops),
+            second_at: None,
+            second_axis: None,
         });
         let mut model = machine(10.0, 0.1, vec![wheel], vec![hinge]);
         let Analysis::Transient(options) = &mut model.analysis else { unreachable!() };

@@ -249,7 +249,7 @@ fn a_motion_that_no_drive_determines_is_named_by_body_and_axis() {
     for joint in &mut model.joints[1..3] {
         let Joint::Revolute(keys) = joint else { panic!() };
         let (name, [a, b], at) = (keys.name.clone(), keys.between.clone(), keys.at);
-        *joint = Joint::Spherical(PointJoint { name, between: [a, b], at });
+        *joint = Joint::Spherical(PointJoint { name, between: [a, b], at, second_at: None });
     }
     let text = refusal(&model);
     let phi = linkage(drive(0.0))[1][0];

@@ -6,6 +6,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod assembly;
 mod bdf2;
 mod beams;
 mod bushing_elements;

@@ -34,6 +34,8 @@ fn slide(name: &str) -> Joint {
             between: between("ground", name),
             at: [0.0; 3],
             axis: [1.0, 0.0, 0.0],
+            second_at: None,
+            second_axis: None,
         }
         .into(),
     )
@@ -161,6 +163,7 @@ fn a_hanging_body_on_a_universal_joint_swings_about_both_axes() {
         between: between("ground", "bob"),
         at: [0.0; 3],
         axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        second_at: None,
     });
     let mut model = Model::of_bodies(modal(6, true), vec![bob], vec![cross]);
     model.loads = gravity([0.0, 0.0, -9.81]);
@@ -216,7 +219,12 @@ fn joints_in_the_place_of_supports_leave_the_frequencies_of_a_strip_unchanged() 
     let mut hub = body("hub", [-0.1, 0.15, 0.0], 2.0, Some([0.1; 3]));
     hub.attached = vec!["u_min".into()];
     let at = [-0.1, 0.15, 0.0];
-    let weld = Joint::Fixed(PointJoint { name: "weld".into(), between: between("ground", "hub"), at });
+    let weld = Joint::Fixed(PointJoint {
+        name: "weld".into(),
+        between: between("ground", "hub"),
+        at,
+        second_at: None,
+    });
     compare(&clamped, &Model { bodies: vec![hub], joints: vec![weld], ..strip() });
     let corners = [
         ("u_min_v_min", [0.0, 0.0, 0.0]),
@@ -272,17 +280,21 @@ fn a_shaft_with_a_disc_has_the_bending_pairs_of_the_benchmark() {
             name: "hub".into(),
             between: between("shaft.8", "disc"),
             at: [3.0, 0.0, 0.0],
+            second_at: None,
         }),
         Joint::Fixed(PointJoint {
             name: "left".into(),
             between: between("ground", "shaft.start"),
             at: [0.0; 3],
+            second_at: None,
         }),
         Joint::Cylindrical(AxisJoint {
             name: "right".into(),
             between: between("ground", "shaft.end"),
             at: [6.0, 0.0, 0.0],
             axis: along,
+            second_at: None,
+            second_axis: None,
         }),
     ];
     let disc = body("disc", [3.0, 0.0, 0.0], 70.573, Some([2.0325, 1.0163, 1.0163]));
@@ -535,7 +547,8 @@ fn a_soft_mode_of_a_stiff_beam_is_not_taken_for_a_mechanism() {
 /// A body that is fixed in the ground has no modes, and the analysis says so.
 #[test]
 fn a_model_that_joints_hold_altogether_has_no_modes_and_says_so() {
-    let keys = PointJoint { name: "f".into(), between: between("ground", "a"), at: [0.0; 3] };
+    let keys =
+        PointJoint { name: "f".into(), between: between("ground", "a"), at: [0.0; 3], second_at: None };
     let model = Model::of_bodies(
         modal(3, false),
         vec![body("a", [0.5, 0.0, 0.0], 1.0, Some([0.1; 3]))],

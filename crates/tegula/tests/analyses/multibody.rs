@@ -102,8 +102,12 @@ pub fn heavy_top() -> RigidBody {
 #[test]
 fn a_heavy_top_precesses_and_nutates() {
     let top = heavy_top();
-    let joint =
-        Joint::Spherical(PointJoint { name: "tip".into(), between: between("ground", "top"), at: [0.0; 3] });
+    let joint = Joint::Spherical(PointJoint {
+        name: "tip".into(),
+        between: between("ground", "top"),
+        at: [0.0; 3],
+        second_at: None,
+    });
     let error = |step: f64| {
         let model = machine(0.1, step, vec![top.clone()], vec![joint.clone()]);
         let model = Model { loads: gravity([0.0, 0.0, -9.81]), ..model };
@@ -118,7 +122,7 @@ fn a_heavy_top_precesses_and_nutates() {
 }
 
 pub fn axis_joint(name: &str, a: &str, b: &str, at: [f64; 3], axis: [f64; 3]) -> AxisJoint {
-    AxisJoint { name: name.into(), between: between(a, b), at, axis }
+    AxisJoint { name: name.into(), between: between(a, b), at, axis, second_at: None, second_axis: None }
 }
 
 pub fn revolute(name: &str, a: &str, b: &str, at: [f64; 3], axis: [f64; 3]) -> Joint {
@@ -161,10 +165,16 @@ fn a_spatial_slider_crank_moves_as_its_ordinary_differential_equation_says() {
         between: between("slider", "rod"),
         at: slider.into(),
         axes: [[1.0, 0.0, 0.0], b.into()],
+        second_at: None,
     };
     let joints = vec![
         revolute("A", "ground", "crank", [0.0, 0.1, 0.12], [1.0, 0.0, 0.0]),
-        Joint::Spherical(PointJoint { name: "B".into(), between: between("crank", "rod"), at: pin.into() }),
+        Joint::Spherical(PointJoint {
+            name: "B".into(),
+            between: between("crank", "rod"),
+            at: pin.into(),
+            second_at: None,
+        }),
         Joint::Universal(universal),
         Joint::Prismatic(axis_joint("guide", "ground", "slider", slider.into(), [1.0, 0.0, 0.0]).into()),
     ];
@@ -273,7 +283,7 @@ fn difference(of: &System, a: &State, b: &State) -> f64 {
 }
 
 pub fn spherical(a: &str, b: &str, at: [f64; 3]) -> Joint {
-    Joint::Spherical(PointJoint { name: format!("{a}-{b}"), between: between(a, b), at })
+    Joint::Spherical(PointJoint { name: format!("{a}-{b}"), between: between(a, b), at, second_at: None })
 }
 
 /// A node on a spherical joint to the ground moves as the same node with a support, which is eliminated.
@@ -454,7 +464,12 @@ fn a_constant_moment_adds_its_impulse_to_the_angular_momentum() {
 #[test]
 fn a_body_on_two_fixed_joints_rests() {
     let fixed = |name: &str, x: f64| {
-        Joint::Fixed(PointJoint { name: name.into(), between: between("ground", "beam"), at: [x, 0.0, 0.0] })
+        Joint::Fixed(PointJoint {
+            name: name.into(),
+            between: between("ground", "beam"),
+            at: [x, 0.0, 0.0],
+            second_at: None,
+        })
     };
     let beam = body("beam", [0.5, 0.0, 0.0], 2.0, Some([0.1, 0.4, 0.5]));
     let model = machine(0.2, 1e-3, vec![beam], vec![fixed("left", 0.0), fixed("right", 1.0)]);

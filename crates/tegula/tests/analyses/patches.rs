@@ -44,7 +44,12 @@ pub fn gravity(value: [f64; 3]) -> Load {
 }
 
 pub fn fixed(body: &str, at: [f64; 3]) -> Joint {
-    Joint::Fixed(PointJoint { name: "clamp".into(), between: ["ground".into(), body.into()], at })
+    Joint::Fixed(PointJoint {
+        name: "clamp".into(),
+        between: ["ground".into(), body.into()],
+        at,
+        second_at: None,
+    })
 }
 
 /// Largest difference of the displacements of all nodal vectors of the mesh over the largest one.
@@ -188,6 +193,8 @@ fn a_stiff_strip_hinged_about_its_normal_swings_as_a_rigid_pendulum() {
                 between: ["ground".into(), body.into()],
                 at: [0.0; 3],
                 axis: [0.0, 0.0, 1.0],
+                second_at: None,
+                second_axis: None,
             }
             .into(),
         )
@@ -461,7 +468,8 @@ fn a_joint_at_an_attached_node_is_a_joint_at_the_body() {
     let options = steps(0.3, 0.01);
     let end = |name: &str| {
         let between = ["ground".into(), name.into()];
-        let joint = Joint::Spherical(PointJoint { name: "ball".into(), between, at: [0.0; 3] });
+        let joint =
+            Joint::Spherical(PointJoint { name: "ball".into(), between, at: [0.0; 3], second_at: None });
         let mut notes = Notes::default();
         let m = Model { joints: vec![joint], ..m.clone() };
         let (_, outcome) = move_in_time(&m, &options, &mut notes);

@@ -28,13 +28,26 @@ fn pinion(first: &str, radius: f64) -> Joint {
 }
 
 fn hinge(first: &str) -> Joint {
-    let keys =
-        AxisJoint { name: "hinge".into(), between: between(first, "pinion"), at: [0.0; 3], axis: AXIS };
+    let keys = AxisJoint {
+        name: "hinge".into(),
+        between: between(first, "pinion"),
+        at: [0.0; 3],
+        axis: AXIS,
+        second_at: None,
+        second_axis: None,
+    };
     Joint::Revolute(keys.into())
 }
 
 fn guide(body: &str) -> Joint {
-    let keys = AxisJoint { name: "guide".into(), between: between("ground", body), at: [0.0; 3], axis: RACK };
+    let keys = AxisJoint {
+        name: "guide".into(),
+        between: between("ground", body),
+        at: [0.0; 3],
+        axis: RACK,
+        second_at: None,
+        second_axis: None,
+    };
     Joint::Prismatic(keys.into())
 }
 

@@ -26,6 +26,8 @@ fn screw(pitch: f64) -> Joint {
         at: [0.0; 3],
         axis: AXIS,
         pitch,
+        second_at: None,
+        second_axis: None,
     })
 }
 

@@ -40,7 +40,7 @@ fn aligned(name: String, between: [String; 2]) -> Joint {
 }
 
 fn clamp(name: String, between: [String; 2], at: [f64; 3]) -> Joint {
-    Joint::ClampedDirector(PointJoint { name, between, at })
+    Joint::ClampedDirector(PointJoint { name, between, at, second_at: None })
 }
 
 fn fix(on: &str, position: &[Axis], director: &[Axis]) -> Condition {
@@ -79,7 +79,7 @@ fn joints_of_directors_with_the_ground_are_supports() {
     };
     let cross = |name: String, set: &str, at| {
         let axes = [[0.0, 1.0, 0.0], [0.0, 0.0, -1.0]];
-        Joint::Universal(TwoAxesJoint { name, between: ground(set), at, axes })
+        Joint::Universal(TwoAxesJoint { name, between: ground(set), at, axes, second_at: None })
     };
     type Maker<'a> = &'a dyn Fn(String, &str, [f64; 3]) -> Joint;
     let cases: [(&str, Maker, Condition); 4] = [
@@ -237,6 +237,7 @@ fn joints_that_directors_cannot_have_are_refused_with_the_reason() {
         between: between("ground", corner),
         at,
         axes: [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]],
+        second_at: None,
     })));
     assert!(text.contains("not along its director") && text.contains("90.000000 degrees"), "{text}");
     let text = refused(&with(aligned("two".into(), between("u_max_v_max", corner))));
@@ -247,6 +248,7 @@ fn joints_that_directors_cannot_have_are_refused_with_the_reason() {
         name: "weld".into(),
         between: between("ground", corner),
         at,
+        second_at: None,
     })));
     assert!(text.contains("\"weld\" needs an axis") && text.contains("clamped-director"), "{text}");
 }

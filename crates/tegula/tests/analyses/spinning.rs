@@ -103,12 +103,15 @@ fn a_shaft_with_a_disc_splits_its_second_bending_pair_as_in_the_benchmark() {
         name: name.into(),
         between: sides.map(Into::into),
         at,
+        second_at: None,
     };
     let end = |at: [f64; 3]| AxisJoint {
         name: "right".into(),
         between: between("ground", "shaft.end"),
         at,
         axis: along,
+        second_at: None,
+        second_axis: None,
     };
     let shaft = |right: [f64; 3]| {
         let joints = vec![
@@ -316,6 +319,7 @@ fn a_model_that_is_spun_up_goes_on_steadily() {
             name: "tip".into(),
             between: between("arm.end", "weight"),
             at: [1.0, 0.0, 0.0],
+            second_at: None,
         }),
     ];
     let weight = body("weight", [1.0, 0.0, 0.0], 2.0, Some([1e-2; 3]));

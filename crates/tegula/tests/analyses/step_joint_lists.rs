@@ -25,7 +25,12 @@ fn listing(steps: Vec<AnalysisStep>) -> Model {
     let joints = vec![
         revolute("hinge", "ground", "a", [0.0; 3], [0.0, 0.0, 1.0]),
         motor,
-        Joint::Fixed(PointJoint { name: "weld".into(), between: between("a", "b"), at: [1.0, 0.0, 0.0] }),
+        Joint::Fixed(PointJoint {
+            name: "weld".into(),
+            between: between("a", "b"),
+            at: [1.0, 0.0, 0.0],
+            second_at: None,
+        }),
         spherical("b", "bob", [2.0, 0.0, 0.0]),
         Joint::Distance(DistanceJoint {
             name: "rod".into(),

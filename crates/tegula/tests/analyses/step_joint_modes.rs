@@ -61,6 +61,7 @@ fn modes_with_locked_and_released_joints_are_those_with_fixed_ones_and_without()
             name: "joint".into(),
             between: between("a", "b"),
             at: [0.6, 0.1, -0.2],
+            second_at: None,
         });
         let with = |joints: Vec<Joint>, loaded: bool, released: &[&str], locked: &[&str]| {
             let mut model = Model { joints, ..model.clone() };
@@ -90,6 +91,7 @@ fn modes_with_locked_and_released_joints_are_those_with_fixed_ones_and_without()
             name: "spare".into(),
             between: between("ground", "b"),
             at: [1.2, 0.3, 0.1],
+            second_at: None,
         });
         let mut other = Model { joints: vec![joint.clone(), spare], ..model.clone() };
         other.steps = vec![step("modes", modes(6), &["spare"], &[]), step("modes", modes(6), &[], &[])];

@@ -123,8 +123,12 @@ fn a_bar_that_is_let_go_swings_with_the_period_of_the_pendulum() {
     {
         let bar = body("bar", [ARM, 0.0, 0.0], MASS, Some([0.2, 0.25, 0.3]));
         let hinge = revolute("hinge", "ground", "bar", [0.0; 3], [0.0, 0.0, 1.0]);
-        let bolt =
-            Joint::Fixed(PointJoint { name: "bolt".into(), between: between("ground", "bar"), at: [0.0; 3] });
+        let bolt = Joint::Fixed(PointJoint {
+            name: "bolt".into(),
+            between: between("ground", "bar"),
+            at: [0.0; 3],
+            second_at: None,
+        });
         let mut model = machine(1.0, 0.1, vec![bar], if bolted { vec![hinge, bolt] } else { vec![hinge] });
         model.loads = gravity([0.0, -G, 0.0]);
         let swing = moving(scheme, quarter, quarter / 400.0);
@@ -551,7 +555,12 @@ fn bodies_fly_apart_when_the_bolt_between_them_is_gone() {
         angular_velocity: [0.0, 0.0, w],
         ..body(name, [x, 0.0, 0.0], 1.0, Some([0.1; 3]))
     };
-    let bolt = Joint::Fixed(PointJoint { name: "bolt".into(), between: between("a", "b"), at: [0.0; 3] });
+    let bolt = Joint::Fixed(PointJoint {
+        name: "bolt".into(),
+        between: between("a", "b"),
+        at: [0.0; 3],
+        second_at: None,
+    });
     for scheme in schemes() {
         let run_for = |end: f64| moving(scheme, end, 1e-3);
         let mut model = Model::of_bodies(run_for(1.0), vec![of("a", -1.0), of("b", 1.0)], vec![bolt.clone()]);

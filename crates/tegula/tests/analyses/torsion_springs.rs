@@ -297,6 +297,7 @@ fn moments_on_bodies_that_hardly_turn_do_little_work() {
                 name: "weld".into(),
                 between: between("ground", "wheel"),
                 at: [0.0; 3],
+                second_at: None,
             }),
         };
         let options = StaticAnalysis { load_steps: 7, ..StaticAnalysis::default() };
@@ -371,6 +372,8 @@ fn preloaded_springs_may_move_a_body_along_its_weight() {
                 between: between("ground", "block"),
                 at: [0.0; 3],
                 axis: [0.0, 0.0, 1.0],
+                second_at: None,
+                second_axis: None,
             }
             .into(),
         );

@@ -248,6 +248,29 @@ fn the_flexible_four_bar_by_markers_is_the_one_by_coordinates() {
     assert_eq!(deck.warnings, []);
 }
 
+/// Points and axes of joints on their second side, by markers on bodies as they are drawn.
+#[test]
+fn second_sides_of_joints_take_markers() {
+    let path =
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/assembled_four_bar.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let text = text.replace(
+        "second_at = \"rocker foot\"",
+        "second_at = \"rocker foot\"\nsecond_axis = \"-rocker foot.y\"",
+    );
+    let deck = parse(&text).unwrap();
+    let sides: Vec<_> = deck.model.joints.iter().map(|joint| joint.common().second_side()).collect();
+    let at = [None, Some([0.0, 0.4, 0.0]), Some([0.6, 0.3, 0.0]), Some([0.6, 0.0, 0.0]), None];
+    for (side, expected) in sides.iter().zip(at) {
+        assert_eq!(side.at.is_some(), expected.is_some());
+        let apart = side.at.iter().flatten().zip(expected.iter().flatten()).map(|(a, b)| (a - b).abs());
+        assert!(apart.sum::<f64>() < 1e-15, "{side:?}");
+    }
+    // The axis y of the rocker, as it is drawn, points along −x.
+    assert_eq!(sides[3].axis, Some([1.0, 0.0, 0.0]));
+    assert_eq!(deck.warnings, []);
+}
+
 /// Places and axes of a chain of markers and bodies, computed by hand with rotations of the triangle 3, 4, 5.
 #[test]
 fn frames_of_markers_and_bodies_are_carried_along() {

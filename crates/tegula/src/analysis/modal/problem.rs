@@ -97,7 +97,7 @@ impl<'a> Problem<'a> {
     /// The factor does not fit in memory, or there is no mass or stiffness.
     pub fn new(system: &'a System, equilibrium: Option<&State>) -> Result<Self> {
         let mut newton = Newton::new(system, Some(NewtonMethod::Displacement))?;
-        let state = equilibrium.cloned().unwrap_or_else(|| State::at_rest(system));
+        let state = equilibrium.cloned().unwrap_or_else(|| State::first(system));
         let penalty = equilibrium::penalty(system, &mut newton.assembly, &state);
         let (u, time) = (state.u.as_slice(), state.time);
         let stiffness = stiffness(system, &mut newton, (&state, penalty), equilibrium.is_some());
@@ -107,8 +107,11 @@ impl<'a> Problem<'a> {
         let parts = Parts::new(system);
         let strained = system.prescribed_strains.iter().any(|p| system.factor(&p.factor, time) != 0.0);
         let mut moved = vec![false; parts.count()];
-        for (v, u) in u.iter().enumerate().filter(|(_, u)| **u != [0.0; 3]) {
-            moved[parts.of(v)] |= u.iter().any(|x| *x != 0.0);
+        // Bodies of a model that was assembled have no stresses from it.
+        let assembled = system.start.as_ref().filter(|_| !system.continues());
+        for (v, u) in u.iter().enumerate() {
+            let rest = assembled.map_or([0.0; 3], |start| start.u[v]);
+            moved[parts.of(v)] |= *u != rest;
         }
         let rests = |part: usize| !strained && !moved[part];
         let rigid = RigidModes::new(system, &state, &parts, &newton.assembly.frames, rests);

@@ -78,7 +78,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let largest = 1.0 / f64::from(options.load_steps.max(1));
         let mut state = start.unwrap_or_else(|| first_state(system, options));
         newton.restore(system, &state, is_loaded(system, &state));
-        if state.step == 0 && system.start.is_some() {
+        if state.step == 0 && system.continues() {
             // On the way back to the unloaded state those of the iterates vanish.
             state.energy_scale = energies(system, &mut newton.assembly, &state).strain;
             state.displacement_scale = system.norm(&state.u);
@@ -289,7 +289,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         };
         // Preloaded springs are out of equilibrium in the reference configuration, and release energy on the way to the first one.
         let preloaded = state.step == 0
-            && system.start.is_none()
+            && !system.continues()
             && newton.assembly.strain_energy(system, &state.point(system)) > 0.0;
         let doubt = if let Some(doubt) = released.or(away).filter(|_| !preloaded) {
             Some(doubt)
@@ -568,7 +568,7 @@ fn of_falling_force(state: &State, target: f64, (spring, failure): (&str, &Failu
 /// Whether a state has been reached by load steps, of this analysis or of one before; else it is the reference
 /// configuration, which need not be an equilibrium.
 fn is_loaded(system: &System, state: &State) -> bool {
-    state.step > 0 || system.start.is_some()
+    state.step > 0 || system.continues()
 }
 
 /// Name of a form of Newton's method in messages.

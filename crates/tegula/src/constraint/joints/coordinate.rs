@@ -24,7 +24,8 @@ impl Constraints {
     fn coordinate(&mut self, of: &Coordinate) -> Option<Row> {
         let own = self.rows.len();
         if of.is_angle {
-            let Some([mut sine, cosine]) = forms_of_angle(&self.ends, &of.axis.into(), &mut self.vectors)
+            let Some([mut sine, cosine]) =
+                forms_of_angle((&self.ends, &self.second), &of.axis.into(), &mut self.vectors)
             else {
                 self.lacks(Lack::Triad);
                 return None;

@@ -26,6 +26,8 @@ pub enum Lack {
     Body,
     /// An axis perpendicular to the director: this is the angle between them (degrees).
     Across(f64),
+    /// One axis for both sides, where one is a shell node, which has no other axis than its director.
+    SameAxis,
     /// Axes across its own, by which the joint's angle of rotation, on which friction and stops act, is measured.
     Triad,
     /// An axis of the node along its director: this is the angle between them (degrees).
@@ -72,6 +74,12 @@ impl Lack {
                      {angle:.6} degrees"
                 ),
                 "give an axis perpendicular to the director, or attach nodes to a body, which takes axes in all directions",
+            ),
+            Self::SameAxis => (
+                format!(
+                    "the joint \"{name}\" has a `second_axis`, but a shell node has no axis that is turned to another one"
+                ),
+                "leave `second_axis` out, or attach nodes to a body and connect the body",
             ),
             Self::Triad => (
                 format!(

@@ -5,7 +5,7 @@
 //! first side where none of both is the ground. Seen so, sides that do not move against each other have the same constraints again,
 //! wherever the two of them are, and a multiplier keeps its meaning from one analysis step to the next.
 
-use super::{Constraints, End, held};
+use super::{Constraints, End, SecondPlace, held};
 use crate::constraint::{Joint, Row};
 use crate::element::geometry::tangents;
 use crate::model;
@@ -93,6 +93,8 @@ pub fn lock(
     let at = motions[0].place(&at);
     let mut out = Constraints {
         ends: [0, 1].map(|i| moved(&ends[i], &motions[i])),
+        // The sides meet where they stand.
+        second: SecondPlace::same(),
         vectors: joint.vectors.clone(),
         rows: Vec::new(),
         length,

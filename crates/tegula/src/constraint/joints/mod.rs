@@ -8,6 +8,7 @@
 mod coordinate;
 mod directors;
 mod lock;
+mod sides;
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -22,6 +23,7 @@ pub(crate) use coordinate::{Coordinate, check_law};
 pub use directors::Lack;
 use lock::Held;
 pub use lock::lock;
+pub(crate) use sides::SecondPlace;
 
 /// Largest change of a relative angle in a step (rad); a longer step is cut back. Near π the turn would be lost.
 pub const LARGEST_TURN: f64 = 2.5;
@@ -104,10 +106,14 @@ impl End {
 }
 
 /// Sine `e₂ᴬ·e₁ᴮ` and cosine `e₁ᴬ·e₁ᴮ` of the angle by which the second end has turned about an axis relative to the first one; `None`
-/// where an end has no axes.
-fn forms_of_angle([a, b]: &[End; 2], axis: &Vec3, vectors: &mut Vec<u32>) -> Option<[Row; 2]> {
+/// where an end has no axes. The directions of the second end are those at its place of the joint.
+fn forms_of_angle(
+    ([a, b], place): (&[End; 2], &SecondPlace),
+    axis: &Vec3,
+    vectors: &mut Vec<u32>,
+) -> Option<[Row; 2]> {
     let [e1, e2] = crate::element::geometry::tangents(&axis.normalize());
-    let (first, second, turned) = (a.axis(&e1)?, a.axis(&e2)?, b.axis(&e1)?);
+    let (first, second, turned) = (a.axis(&e1)?, a.axis(&e2)?, b.axis(&place.direction(&e1))?);
     let (mut sine, mut cosine) = (Row::default(), Row::default());
     sine.add_product(vectors, 1.0, &second, &turned);
     cosine.add_product(vectors, 1.0, &first, &turned);
@@ -131,7 +137,7 @@ impl RelativeAngle {
     /// Angle of the second end relative to the first one; `None` where an end has no axes.
     pub fn new(ends: &[End; 2], axis: &Vec3) -> Option<Self> {
         let mut vectors = Vec::new();
-        let [sine, cosine] = forms_of_angle(ends, axis, &mut vectors)?;
+        let [sine, cosine] = forms_of_angle((ends, &SecondPlace::same()), axis, &mut vectors)?;
         Some(Self { vectors, sine, cosine, grounded: ends.contains(&End::Ground) })
     }
 
@@ -165,6 +171,8 @@ impl RelativeAngle {
 /// Constraints of a joint in the making.
 pub struct Constraints {
     ends: [End; 2],
+    /// Place of the joint on the second end.
+    second: SecondPlace,
     /// Body in which the hinges of gears lie.
     carrier: End,
     vectors: Vec<u32>,
@@ -195,29 +203,35 @@ impl Constraints {
 
     /// The points of both ends at a place of the reference configuration coincide: three constraints.
     pub(super) fn coincident(&mut self, at: [f64; 3]) {
-        let [a, b] = [0, 1].map(|i| self.ends[i].point(&at.into()));
+        let [a, b] = self.points(&at.into());
         for e in [Vec3::x(), Vec3::y(), Vec3::z()] {
             let row = Row::coincident(&mut self.vectors, &a, &b, &e);
             self.push(row, self.length, self.inertia(false));
         }
     }
 
-    /// The product of an axis of the first end and an axis of the second one keeps its value at the reference.
+    /// The product of an axis of the first end and an axis of the second one keeps its value where the sides meet.
     pub(super) fn constant_product(&mut self, a: &Vec3, b: &Vec3) {
-        let axes = (self.ends[0].axis(a), self.ends[1].axis(b));
+        self.product(a, b, a.dot(b));
+        self.not_opposite(a);
+    }
+
+    /// The product of an axis of the first end and an axis of the second one has a value.
+    pub(super) fn product(&mut self, a: &Vec3, b: &Vec3, value: f64) {
+        let axes = (self.ends[0].axis(a), self.second_axis(b));
         let (Some(first), Some(second)) = axes else {
             return self.lacks(Lack::Axis);
         };
         let mut row = Row::default();
         row.add_product(&mut self.vectors, 1.0, &first, &second);
-        row.add_constant(-a.dot(b));
+        row.add_constant(-value);
         row.keeps = Quantity::Axes;
         self.push(row, 1.0, self.inertia(true));
     }
 
     /// The point of the second end at a place of the reference configuration stays in a plane of the first end.
     pub(super) fn in_plane(&mut self, normal: &Vec3, at: [f64; 3]) {
-        let [a, b] = [0, 1].map(|i| self.ends[i].point(&at.into()));
+        let [a, b] = self.points(&at.into());
         let Some(n) = self.ends[0].axis(normal) else {
             return self.lacks(Lack::Axis);
         };
@@ -242,7 +256,8 @@ impl Constraints {
 
     /// The second end has turned by the drive's angle relative to the first one about a common axis.
     pub(super) fn driven_angle(&mut self, axis: &Vec3) {
-        let Some([mut sine, cosine]) = forms_of_angle(&self.ends, axis, &mut self.vectors) else {
+        let Some([mut sine, cosine]) = forms_of_angle((&self.ends, &self.second), axis, &mut self.vectors)
+        else {
             return self.lacks(Lack::Axis);
         };
         sine.drive_angle(cosine);
@@ -253,7 +268,7 @@ impl Constraints {
     /// The point of the second end has moved along a direction of the first one by `ratio` times the angle by which the second end has
     /// turned about an axis relative to the first one.
     pub(super) fn rolling(&mut self, direction: &Vec3, axis: &Vec3, at: [f64; 3], ratio: f64) {
-        let Some(forms) = forms_of_angle(&self.ends, axis, &mut self.vectors) else {
+        let Some(forms) = forms_of_angle((&self.ends, &self.second), axis, &mut self.vectors) else {
             return self.lacks(Lack::Axis);
         };
         self.in_plane(&direction.normalize(), at);
@@ -286,7 +301,8 @@ impl Constraints {
     /// The angles by which both ends have turned about their axes relative to the carrier satisfy `c₁ φ₁ + c₂ φ₂ = 0`.
     pub(super) fn geared(&mut self, axes: &[Vec3; 2], factors: [f64; 2]) {
         let of_end = |i: usize| [self.carrier.clone(), self.ends[i].clone()];
-        let mut forms = |i: usize| forms_of_angle(&of_end(i), &axes[i], &mut self.vectors);
+        let mut forms =
+            |i: usize| forms_of_angle((&of_end(i), &SecondPlace::same()), &axes[i], &mut self.vectors);
         let (Some(first), Some(second)) = (forms(0), forms(1)) else { return self.lacks(Lack::Axis) };
         self.counted = RelativeAngle::new(&of_end(0), &axes[0]).map(Box::new);
         let mut row = Row::default();
@@ -297,7 +313,7 @@ impl Constraints {
 
     /// The point of the second end has moved by the drive's length along an axis of the first one.
     pub(super) fn driven_length(&mut self, axis: &Vec3, at: [f64; 3]) {
-        let [a, b] = [0, 1].map(|i| self.ends[i].point(&at.into()));
+        let [a, b] = self.points(&at.into());
         let Some(n) = self.ends[0].axis(&axis.normalize()) else {
             return self.lacks(Lack::Axis);
         };
@@ -398,16 +414,30 @@ pub fn joint(
     length: f64,
     (others, drive): (&[Joint], Option<Drive>),
 ) -> Result<Joint, Lack> {
+    let second = SecondPlace::of(joint.common(), 1.0);
+    joint_at(joint, (ends, carrier, second), length, (others, drive))
+}
+
+/// Constraints of a joint as [`joint`] makes them, with this place on its second end.
+pub(crate) fn joint_at(
+    joint: &model::Joint,
+    (ends, carrier, second): ([End; 2], End, SecondPlace),
+    length: f64,
+    (others, drive): (&[Joint], Option<Drive>),
+) -> Result<Joint, Lack> {
     let points = joint.common().points();
     let side = usize::from(ends[1] != End::Ground);
     let at = points
         .get(side.min(points.len().saturating_sub(1)))
         .map_or_else(Vec3::zeros, |(_, x)| Vec3::from(*x));
-    let point = ends[side].point(&at);
+    let point = sides::place_on(&ends[side], &at, (side == 1).then_some(&second));
     // The carrier of gears counts to the first end.
     let own = [ends[0].vectors(), carrier.vectors()].concat();
     let (vectors, rows) = (Vec::new(), Vec::new());
-    let mut out = Constraints { ends, carrier, vectors, rows, length, lack: None, counted: None };
+    let mut out = Constraints { ends, second, carrier, vectors, rows, length, lack: None, counted: None };
+    if joint.common().second_side().axis.is_some() && out.has_director() {
+        out.lacks(Lack::SameAxis);
+    }
     constrain(joint, &mut out);
     let law = match coordinate(joint) {
         Some(of) if out.lack.is_none() => out.law(joint.common(), &of).map(Box::new),

@@ -17,14 +17,15 @@ impl JointKind for Universal {
 
     fn check(keys: &TwoAxesJoint, key: &str, c: &mut Checker) {
         let [a, b] = keys.axes.map(|axis| Vec3::from(axis).normalize());
-        if a.dot(&b).abs() > PERPENDICULAR {
+        // A model that is assembled makes them perpendicular.
+        if keys.second_at.is_none() && a.dot(&b).abs() > PERPENDICULAR {
             c.add(
                 format!("{key}.axes"),
                 format!(
                     "the axes of the universal joint \"{}\" are not perpendicular to each other",
                     keys.name
                 ),
-                "give two perpendicular axes",
+                "give two perpendicular axes, or `second_at`, so that the model is assembled",
             );
         }
     }
@@ -34,6 +35,8 @@ impl JointKind for Universal {
         let [a, b] = keys.axes.map(|axis| Vec3::from(axis).normalize());
         if out.has_director() {
             out.perpendicular_to_director(&[a, b]);
+        } else if keys.second_at.is_some() {
+            out.product(&a, &b, 0.0);
         } else {
             out.constant_product(&a, &b);
         }
