@@ -141,6 +141,7 @@ fn kind(analysis: &Analysis) -> &'static str {
     match analysis {
         Analysis::Static(_) => "static",
         Analysis::Modal(_) => "modal",
+        Analysis::Buckling(_) => "buckling",
         Analysis::Transient(_) => "transient",
     }
 }

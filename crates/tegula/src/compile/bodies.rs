@@ -35,7 +35,7 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
              `scheme = { type = \"generalized-alpha\" }`",
         );
     }
-    if matches!(model.analysis, Analysis::Static(_) | Analysis::Modal(_)) {
+    if matches!(model.analysis, Analysis::Static(_) | Analysis::Modal(_) | Analysis::Buckling(_)) {
         held(model, c);
     }
     let joint_names: Vec<String> =

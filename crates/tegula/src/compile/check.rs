@@ -323,12 +323,12 @@ pub fn masses(model: &Model, system: &System) -> Vec<Issue> {
     let needed = match &model.analysis {
         Analysis::Modal(_) => Some("a modal analysis"),
         Analysis::Transient(_) => Some("a transient analysis"),
-        Analysis::Static(_) => model.loads.iter().find(|load| load.needs_mass()).map(Load::kind),
+        Analysis::Static(_) | Analysis::Buckling(_) => model.loads.iter().find(|load| load.needs_mass()).map(Load::kind),
     };
     if let Some(what) = needed {
         for (i, s) in model.sections.iter().enumerate() {
             if s.total_mass.is_some()
-                || matches!(model.analysis, Analysis::Static(_)) && system.total_mass() != 0.0
+                || matches!(model.analysis, Analysis::Static(_) | Analysis::Buckling(_)) && system.total_mass() != 0.0
             {
                 continue;
             }
@@ -425,9 +425,9 @@ impl Checker {
         let (end, what) = match &model.analysis {
             Analysis::Static(_) => (1.0, "load factors above 0 and up to 1"),
             Analysis::Transient(t) => (t.end_time, "times after 0 and up to `end_time`"),
-            Analysis::Modal(_) => {
+            Analysis::Modal(_) | Analysis::Buckling(_) => {
                 if !model.output.at.is_empty() {
-                    self.add("output.at", "a modal analysis has no steps", "leave `at` out");
+                    self.add("output.at", "modal and buckling analyses have no steps", "leave `at` out");
                 }
                 return;
             }
@@ -490,6 +490,7 @@ impl Checker {
                 }
             }
             Analysis::Modal(modal) => super::check_modal::modal(model, modal, self),
+            Analysis::Buckling(buckling) => super::check_buckling::buckling(model, buckling, self),
             Analysis::Transient(t) => {
                 self.positive("analysis.end_time", "the end time", t.end_time);
                 self.positive("analysis.tolerance", "the tolerance", t.tolerance);

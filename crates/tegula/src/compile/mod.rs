@@ -7,6 +7,7 @@ mod bodies;
 mod body_inertia;
 mod bushings;
 pub mod check;
+mod check_buckling;
 mod check_material;
 mod check_modal;
 mod check_sections;
@@ -195,7 +196,7 @@ impl<'a> Compiler<'a> {
         let linear = |step: &StepModel| match &step.model.analysis {
             Analysis::Static(s) => s.linear,
             Analysis::Transient(t) => t.linear,
-            Analysis::Modal(_) => false,
+            Analysis::Modal(_) | Analysis::Buckling(_) => false,
         };
         let compiler = Self {
             mesh,
@@ -531,6 +532,7 @@ fn procedure(analysis: &Analysis) -> Procedure {
         Analysis::Static(s) if s.linear_solver == LinearSolver::Iterative => Procedure::IterativeStatic,
         Analysis::Static(_) => Procedure::Static,
         Analysis::Modal(_) => Procedure::Modal,
+        Analysis::Buckling(_) => Procedure::Buckling,
         Analysis::Transient(t) if t.scheme.is_explicit() => Procedure::Explicit,
         Analysis::Transient(_) => Procedure::Transient,
     }

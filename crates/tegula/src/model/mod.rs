@@ -7,6 +7,7 @@
 mod analysis;
 mod beam;
 pub(crate) mod body;
+mod buckling;
 mod bushing;
 mod condition;
 mod curve_joint;
@@ -39,6 +40,7 @@ pub use crate::material::{
 pub use analysis::*;
 pub use beam::{Beam, BeamSection, CircularSection, RectangularSection, SectionConstants};
 pub use body::*;
+pub use buckling::{BucklingAnalysis, FactorSigns};
 pub use bushing::Bushing;
 pub use condition::*;
 pub use curve_joint::CurveJoint;

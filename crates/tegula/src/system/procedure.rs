@@ -14,6 +14,8 @@ pub enum Procedure {
     IterativeStatic,
     /// Natural frequencies.
     Modal,
+    /// Linear buckling.
+    Buckling,
     /// Motion by an implicit scheme.
     Transient,
     /// Motion by an explicit scheme.
@@ -24,14 +26,14 @@ impl Procedure {
     /// Independent variable of the loads.
     pub fn parameter(self) -> LoadParameter {
         match self {
-            Self::Static | Self::IterativeStatic | Self::Modal => LoadParameter::LoadFactor,
+            Self::Static | Self::IterativeStatic | Self::Modal | Self::Buckling => LoadParameter::LoadFactor,
             Self::Transient | Self::Explicit => LoadParameter::Time,
         }
     }
 
     /// Whether the system needs the sparsity pattern of its tangent.
     pub fn has_tangent_pattern(self) -> bool {
-        matches!(self, Self::Static | Self::Modal | Self::Transient)
+        matches!(self, Self::Static | Self::Modal | Self::Buckling | Self::Transient)
     }
 
     /// Name in messages.
@@ -40,6 +42,7 @@ impl Procedure {
             Self::Static => "static analysis",
             Self::IterativeStatic => "static analysis with the iterative linear solver",
             Self::Modal => "modal analysis",
+            Self::Buckling => "buckling analysis",
             Self::Transient => "transient analysis with an implicit scheme",
             Self::Explicit => "transient analysis with an explicit scheme",
         }
