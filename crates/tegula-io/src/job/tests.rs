@@ -1,5 +1,6 @@
 //! Whole runs in temporary folders.
 
+mod buckling;
 mod cuts;
 mod fields;
 mod friction;

@@ -51,7 +51,7 @@ pub(super) fn extremes(problem: &mut Problem, wanted: usize, observer: &dyn Obse
     let (block, most) = (block(wanted), (2 * wanted + 8).max(20).min(problem.size()));
     let mut operator = Operator { problem, shifted: false, watch: observer };
     let mut lanczos = BlockLanczos::new(&mut operator, block);
-    while lanczos.len() < most && lanczos.expand(&mut operator) > 0 {}
+    while lanczos.expand(&mut operator) > 0 && lanczos.len() < most {}
     go_on(observer)?;
     let values = lanczos.ritz_values();
     let ends = [values.first(), values.last()].map(|value| value.map_or(0.0, |v| v.0));
