@@ -8,8 +8,8 @@ use super::recorder::Recorder;
 use super::resume::CheckpointData;
 use super::summary::StopResult;
 use super::{
-    Claim, Energy, JobError, JobObserver, JobOptions, Prepared, ResultFolder, Start, Status, Summary, buckling,
-    modal, pictures, prepare, steps,
+    Claim, Energy, JobError, JobObserver, JobOptions, Prepared, ResultFolder, Start, Status, Summary,
+    buckling, modal, pictures, prepare, steps,
 };
 use crate::deck::Deck;
 use crate::out::OutputError;

@@ -126,11 +126,7 @@ fn stable_base(problem: &mut Problem) -> Result<()> {
 }
 
 /// Modes of the wanted signs, the lowest in magnitude.
-fn factors(
-    problem: &mut Problem,
-    options: &BucklingAnalysis,
-    observer: &mut dyn Observer,
-) -> Result<Found> {
+fn factors(problem: &mut Problem, options: &BucklingAnalysis, observer: &mut dyn Observer) -> Result<Found> {
     let wanted = options.factors as usize;
     let extremes = search::extremes(problem, wanted, observer)?;
     let mut find =

@@ -323,12 +323,15 @@ pub fn masses(model: &Model, system: &System) -> Vec<Issue> {
     let needed = match &model.analysis {
         Analysis::Modal(_) => Some("a modal analysis"),
         Analysis::Transient(_) => Some("a transient analysis"),
-        Analysis::Static(_) | Analysis::Buckling(_) => model.loads.iter().find(|load| load.needs_mass()).map(Load::kind),
+        Analysis::Static(_) | Analysis::Buckling(_) => {
+            model.loads.iter().find(|load| load.needs_mass()).map(Load::kind)
+        }
     };
     if let Some(what) = needed {
         for (i, s) in model.sections.iter().enumerate() {
             if s.total_mass.is_some()
-                || matches!(model.analysis, Analysis::Static(_) | Analysis::Buckling(_)) && system.total_mass() != 0.0
+                || matches!(model.analysis, Analysis::Static(_) | Analysis::Buckling(_))
+                    && system.total_mass() != 0.0
             {
                 continue;
             }

@@ -359,8 +359,7 @@ impl Compiler<'_> {
             }
             joint.rows.truncate(has);
             joint.drive = joint.drive.filter(|_| present != Role::Released);
-            if let Some(drive) =
-                joint.drive.as_mut().filter(|_| start.is_some() && is_linearised(procedure))
+            if let Some(drive) = joint.drive.as_mut().filter(|_| start.is_some() && is_linearised(procedure))
             {
                 drive.value = 0.0;
             }

@@ -96,7 +96,9 @@ pub(super) fn all_strains(model: &Model) -> Vec<PrescribedStrain> {
         let mut left = all.clone();
         // A buckling step has its own strains beside those of its base state.
         let of_base = match step.analysis {
-            Analysis::Buckling(_) => base(model, number).map(|before| &model.steps[before].prescribed_strains),
+            Analysis::Buckling(_) => {
+                base(model, number).map(|before| &model.steps[before].prescribed_strains)
+            }
             _ => None,
         };
         let own = of_base.into_iter().flatten().chain(&step.prescribed_strains);
@@ -442,7 +444,13 @@ fn modal_step(
             "put them into a static step before this one",
         );
     }
-    joints_of_base(c, key, (step, number), model, "a modal step vibrates about the state of the step before, with its joints");
+    joints_of_base(
+        c,
+        key,
+        (step, number),
+        model,
+        "a modal step vibrates about the state of the step before, with its joints",
+    );
 }
 
 /// Lists of joints that a step about the state of the step before must not have.

@@ -3,7 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{BucklingAnalysis, Condition, FrequencyResponse, InitialVelocity, Load, PrescribedStrain, ResponseInput, Scheme};
+use super::{
+    BucklingAnalysis, Condition, FrequencyResponse, InitialVelocity, Load, PrescribedStrain, ResponseInput,
+    Scheme,
+};
 
 /// Analysis to run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -113,7 +113,6 @@ fn columns_with_shear_flexibility_buckle_as_engesser_says() {
     for element in [ElementKind::Ems, ElementKind::Mitc4] {
         let clamped = extrapolated(|n| strip.model([n, 2], element), 32);
         let hinged = extrapolated(|n| strip.between_hinges([n, 2], element), 32);
-        println!("{element:?} {} {}", clamped / strip.engesser(2.0) - 1.0, hinged / strip.engesser(1.0) - 1.0);
         assert!((clamped / strip.engesser(2.0) - 1.0).abs() < 1e-6, "{element:?} {clamped}");
         assert!((hinged / strip.engesser(1.0) - 1.0).abs() < 1e-5, "{element:?} {hinged}");
     }
@@ -171,21 +170,19 @@ fn prescribed_strains_and_displacements_are_loads() {
         gradient: 0.0,
         amplitude: None,
     })];
-    let name = heated.sections[0].material.clone();
-    println!("material {name:?}");
     let by_heat = factors(&heated)[0] * 2e-5;
     let mut shortened = strip.between_hinges([32, 1], ElementKind::Ems);
     shortened.loads.clear();
     shortened.conditions.push(moved("u_max", -1e-3));
     let by_motion = factors(&shortened)[0] * 1e-3;
-    println!("{by_force} {by_heat} {by_motion}");
     assert!((by_motion / by_force - 1.0).abs() < 1e-8, "{by_motion} {by_force}");
     assert!((by_heat / by_force - 1.0).abs() < 1e-8, "{by_heat} {by_force}");
 }
 
 /// Lateral buckling of a cantilever of narrow rectangular section under a force at the centroid of its end, S. P. Timoshenko and J. M. Gere, *Theory of
 /// Elastic Stability*, 2nd ed. (1961), sect. 6.3: P = 4.013 √(EI GJ)/L². Torsion of a strip by the theory of Reissner and Mindlin has
-/// GJ = G (b t³/3)(1 − tanh x/x), x = √10 b/(2t).
+/// GJ = G (b t³/3)(1 − tanh x/x), x = √10 b/(2t). The twist φ satisfies GJ φ'' + P² (L − x)²/EI φ = 0; at the clamp, which prevents warping, it is that
+/// of a length shorter by √(E C_w/GJ), with C_w = b³ t³/144 (V. Z. Vlasov, *Thin-walled elastic beams*, 1961): 0.8 % of the load.
 #[test]
 fn a_cantilever_strip_buckles_laterally() {
     let strip = Strip { length: 1.0, width: 0.02, thickness: 0.001, young: YOUNG };
@@ -202,11 +199,12 @@ fn a_cantilever_strip_buckles_laterally() {
     };
     let x = 10_f64.sqrt() * strip.width / (2.0 * strip.thickness);
     let torsion = 0.5 * YOUNG * strip.width * strip.thickness.powi(3) / 3.0 * (1.0 - x.tanh() / x);
-    let expected = 4.0126 * (strip.bending() * torsion).sqrt();
+    let warping = YOUNG * (strip.width * strip.thickness).powi(3) / 144.0;
+    let length = strip.length - (warping / torsion).sqrt();
+    let expected = 4.0126 * (strip.bending() * torsion).sqrt() / (length * length);
     let [coarse, fine] = [32, 64].map(lowest);
     let found = fine + (fine - coarse) / 3.0;
-    println!("lateral {} {}", found / expected - 1.0, coarse / expected - 1.0);
-    assert!((found / expected - 1.0).abs() < 5e-3, "{found} {expected}");
+    assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
 }
 
 /// Simply supported square plate under compression in one direction: N = 4 π² D/b² of thin plates (G. H. Bryan, Proc. London Math. Soc. 22
@@ -214,7 +212,9 @@ fn a_cantilever_strip_buckles_laterally() {
 #[test]
 fn a_square_plate_under_compression_buckles_as_thin_and_as_shear_flexible_plates_do() {
     let side = 1.0;
-    for (thickness, element) in [(0.01, ElementKind::Ems), (0.05, ElementKind::Ems), (0.05, ElementKind::Mitc4)] {
+    for (thickness, element) in
+        [(0.01, ElementKind::Ems), (0.05, ElementKind::Ems), (0.05, ElementKind::Mitc4)]
+    {
         let model = |n: u32| {
             let analysis = Analysis::Buckling(BucklingAnalysis::new(1));
             let mesh = plate([side, side], [n, n], 0.0);
@@ -241,7 +241,6 @@ fn a_square_plate_under_compression_buckles_as_thin_and_as_shear_flexible_plates
         let thin = 4.0 * PI * PI * bending / (side * side);
         let expected = thin / (1.0 + 2.0 * PI * PI * bending / (side * side * shear));
         let found = extrapolated(model, 16);
-        println!("plate {thickness} {element:?} {} {}", found / thin - 1.0, found / expected - 1.0);
         assert!((found / expected - 1.0).abs() < 2e-4, "{thickness} {element:?} {found} {expected}");
     }
 }
@@ -263,7 +262,8 @@ fn a_ring_buckles_under_pressure_that_follows_it() {
         });
         let analysis = Analysis::Buckling(BucklingAnalysis::new(1));
         let mut m = Model::new(mesh, analysis, Isotropic::new(YOUNG, 0.0, 1.0), thickness);
-        let plane = |set: &str, normal: [f64; 3]| Condition::Symmetry(SymmetryPlane { on: set.into(), normal });
+        let plane =
+            |set: &str, normal: [f64; 3]| Condition::Symmetry(SymmetryPlane { on: set.into(), normal });
         m.conditions = vec![
             plane("u_min", [1.0, 0.0, 0.0]),
             plane("u_max", [0.0, 0.0, 1.0]),
@@ -275,7 +275,6 @@ fn a_ring_buckles_under_pressure_that_follows_it() {
     };
     let expected = 3.0 * YOUNG * thickness.powi(3) / 12.0 / radius.powi(3);
     let found = extrapolated(model, 32);
-    println!("ring {}", found / expected - 1.0);
     assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
 }
 
@@ -313,7 +312,6 @@ fn a_cylinder_buckles_under_axial_compression() {
     let expected = YOUNG * thickness * thickness / (radius * (3.0 * 0.91_f64).sqrt());
     for factor in factors(&m) {
         let load = factor * 1e-3 * YOUNG * thickness;
-        println!("cylinder {}", load / expected - 1.0);
         assert!((load / expected - 1.0).abs() < 0.03, "{load} {expected}");
     }
     // Simply supported ends: the load acts on them, and they do not widen.
@@ -322,7 +320,6 @@ fn a_cylinder_buckles_under_axial_compression() {
     m.conditions.push(guided("v_max", &[Axis::X, Axis::Z]));
     m.loads = vec![Load::Edge(vector_load("v_max", [0.0, -1.0, 0.0]))];
     for factor in factors(&m) {
-        println!("cylinder, simply supported {}", factor / expected - 1.0);
         assert!((factor / expected - 1.0).abs() < 0.03, "{factor} {expected}");
     }
 }
@@ -339,7 +336,6 @@ fn factors_do_not_depend_on_units() {
         factors(&m)
     };
     for (a, b) in of(&base, 1.0).into_iter().zip(of(&scaled, 1e15)) {
-        println!("units {}", a / b - 1.0);
         assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
     }
 }
@@ -385,7 +381,6 @@ fn a_preload_leaves_the_rest_of_the_critical_load() {
     for part in [0.4, -0.5] {
         let m = preloaded(&strip, part * total, StaticAnalysis::default());
         let found = last_step(&m).unwrap().modes[0].factor;
-        println!("preload {part} {}", (found + part * total) / total - 1.0);
         assert!(((found + part * total) / total - 1.0).abs() < 1e-5, "{found} {total}");
     }
     // A load equal to that of the step before counts once more.
@@ -401,7 +396,10 @@ fn an_unstable_base_state_is_refused() {
     let total = factors(&strip.model([32, 1], ElementKind::Ems))[0];
     let options = StaticAnalysis { allow_unstable: true, ..StaticAnalysis::default() };
     let error = last_step(&preloaded(&strip, 1.5 * total, options)).unwrap_err().to_string();
-    assert!(error.contains("The base state is unstable") && error.contains("1 negative eigenvalue"), "{error}");
+    assert!(
+        error.contains("The base state is unstable") && error.contains("1 negative eigenvalue"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -411,14 +409,18 @@ fn loads_that_cannot_cause_buckling_are_refused() {
     let lowest = factors(&compressed)[0];
     let pulled = Model { loads: vec![strip.end_load(-1.0)], ..compressed.clone() };
     let error = message(&pulled);
-    assert!(error.contains("The loads stabilise the structure") && error.contains(&format!("{lowest:.4e}")[..5]), "{error}");
+    assert!(
+        error.contains("The loads stabilise the structure") && error.contains(&format!("{lowest:.4e}")[..5]),
+        "{error}"
+    );
     let both = BucklingAnalysis { factors: 2, signs: FactorSigns::Both };
     let reversed = factors(&Model { analysis: Analysis::Buckling(both), ..pulled });
     assert!((reversed[0] / -lowest - 1.0).abs() < 1e-9 && reversed.len() == 2, "{reversed:?}");
     let nothing = Model { loads: vec![strip.end_load(0.0)], ..compressed.clone() };
     assert!(message(&nothing).contains("are zero"), "{}", message(&nothing));
     // Forces on nodes that supports hold produce no stress.
-    let held = Model { loads: vec![Load::Edge(vector_load("u_min", [-1.0, 0.0, 0.0]))], ..compressed.clone() };
+    let held =
+        Model { loads: vec![Load::Edge(vector_load("u_min", [-1.0, 0.0, 0.0]))], ..compressed.clone() };
     assert!(message(&held).contains("produce no stress"), "{}", message(&held));
     let free = Model { conditions: Vec::new(), ..compressed.clone() };
     assert!(message(&free).contains("moves freely in 6 way(s)"), "{}", message(&free));
@@ -439,7 +441,10 @@ fn mistakes_in_the_keys_are_found() {
     m.analysis = Analysis::Buckling(BucklingAnalysis::new(0));
     m.loads.clear();
     let found = issues(&m);
-    assert!(found.contains("analysis.factors") && found.contains("loads: a buckling analysis without"), "{found}");
+    assert!(
+        found.contains("analysis.factors") && found.contains("loads: a buckling analysis without"),
+        "{found}"
+    );
     let mut m = preloaded(&strip, 1.0, StaticAnalysis { linear: true, ..StaticAnalysis::default() });
     m.steps[1].loads.clear();
     let found = issues(&m);
@@ -497,7 +502,6 @@ fn a_column_of_two_rigid_bars_buckles_at_its_spring() {
     let mut m = buckling_machine(bodies, joints, "slider", [-1.0, 0.0, 0.0]);
     m.torsion_springs = vec![torsion_spring(["left", "right"], stiffness)];
     let found = factors(&m);
-    println!("bars {found:?}");
     assert!((found[0] / (4.0 * stiffness / length) - 1.0).abs() < 1e-9, "{found:?}");
     // Without the spring it is a mechanism.
     m.torsion_springs.clear();
@@ -508,7 +512,9 @@ fn a_column_of_two_rigid_bars_buckles_at_its_spring() {
 #[test]
 fn a_rigid_bar_on_an_elastic_foot_buckles() {
     let (length, stiffness) = (2.0, 30.0);
-    let foot = |joints: Vec<Joint>| buckling_machine(vec![bar("bar", [length, 0.0, 0.0])], joints, "bar", [-1.0, 0.0, 0.0]);
+    let foot = |joints: Vec<Joint>| {
+        buckling_machine(vec![bar("bar", [length, 0.0, 0.0])], joints, "bar", [-1.0, 0.0, 0.0])
+    };
     let mut on_hinge = foot(vec![hinge("foot", ["ground", "bar"], 0.0)]);
     on_hinge.torsion_springs = vec![torsion_spring(["ground", "bar"], stiffness)];
     let mut on_bushing = foot(Vec::new());
@@ -525,7 +531,6 @@ fn a_rigid_bar_on_an_elastic_foot_buckles() {
     }];
     for m in [on_hinge, on_bushing] {
         let found = factors(&m);
-        println!("foot {found:?}");
         // The bushing yields across, too: 1/P = L/k to the order of P/(k_y L).
         assert!((found[0] / (stiffness / length) - 1.0).abs() < 1e-4, "{found:?}");
     }
@@ -562,7 +567,6 @@ fn springs_in_line_buckle_against_a_spring_across() {
         spring("end z", ["ground", "end"], beside(end, 2), 1e6),
     ];
     let found = factors(&m);
-    println!("springs {found:?}");
     assert!((found[0] / (across * length / 4.0) - 1.0).abs() < 1e-5, "{found:?}");
 }
 
@@ -575,7 +579,11 @@ fn a_column_of_beam_elements_buckles() {
     let euler = PI * PI * YOUNG * inertia / 4.0;
     let expected = euler / (1.0 + euler / (5.0 / 6.0 * YOUNG / 2.6 * area));
     let model = |n: u32| {
-        let clamp = PointJoint { name: "clamp".into(), between: ["ground".into(), "beam.start".into()], at: [0.0; 3] };
+        let clamp = PointJoint {
+            name: "clamp".into(),
+            between: ["ground".into(), "beam.start".into()],
+            at: [0.0; 3],
+        };
         let mut m = buckling_machine(Vec::new(), vec![Joint::Fixed(clamp)], "beam.end", [-1.0, 0.0, 0.0]);
         let section = BeamSection::Rectangle(RectangularSection { size });
         let ends = [[0.0; 3], [1.0, 0.0, 0.0]];
@@ -587,6 +595,5 @@ fn a_column_of_beam_elements_buckles() {
         m
     };
     let found = extrapolated(model, 16);
-    println!("beam {}", found / expected - 1.0);
     assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
 }

@@ -8,6 +8,7 @@ mod common;
 
 mod bdf2;
 mod beams;
+mod buckling;
 mod bushing_elements;
 mod bushings;
 mod clearance;

@@ -99,11 +99,13 @@ fn strains_change(system: &System) -> bool {
 /// Refuses motions and springs whose effect is no load of constant proportion.
 fn refuse(system: &System) -> Result<()> {
     let [before, after] = TIMES;
-    let driven =
-        system.joints.iter().find(|j| system.drive_value(j, before) != system.drive_value(j, after));
+    let driven = system.joints.iter().find(|j| system.drive_value(j, before) != system.drive_value(j, after));
     if let Some(joint) = driven {
         return Err(Error::Singular {
-            what: format!("The drive of joint \"{}\" moves: load factors cannot multiply such a motion.", joint.name),
+            what: format!(
+                "The drive of joint \"{}\" moves: load factors cannot multiply such a motion.",
+                joint.name
+            ),
             help: "Let the drive move in a static step before the buckling step, in which it stays.".into(),
         });
     }

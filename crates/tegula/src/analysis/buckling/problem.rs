@@ -127,12 +127,8 @@ impl<'a> Problem<'a> {
     /// known so.
     pub fn strain_energy(&mut self, shape: &[Nodal]) -> Option<f64> {
         let motion = Motion::State { u: shape, velocity: None };
-        let k = EvaluationPoint {
-            motion,
-            linear: true,
-            time: TIMES[0],
-            internal: (&self.state.history).into(),
-        };
+        let k =
+            EvaluationPoint { motion, linear: true, time: TIMES[0], internal: (&self.state.history).into() };
         self.stress_free.then(|| self.newton.assembly.strain_energy(self.system, &k))
     }
 

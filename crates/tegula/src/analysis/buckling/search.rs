@@ -190,7 +190,8 @@ impl Search {
                 return Err(Error::NotConverged {
                     at: format!("load factor {} of {}", found + 1, self.wanted),
                     reason: format!("{found} load factors found in a space of {} vectors", lanczos.len()),
-                    help: "Ask for fewer load factors, or check that all parts of the model are connected.".into(),
+                    help: "Ask for fewer load factors, or check that all parts of the model are connected."
+                        .into(),
                 });
             }
         }
@@ -201,7 +202,8 @@ impl Search {
         };
         // Of modes without stress ν is 1, and round-off decides about the sign of their factor.
         let is_own = |mode: &Mode| mode.factor * self.sign > 0.0 && mode.factor.abs() < beyond;
-        let mut modes: Vec<Mode> = lanczos.ritz_pairs(extra).into_iter().map(of_pair).filter(is_own).collect();
+        let mut modes: Vec<Mode> =
+            lanczos.ritz_pairs(extra).into_iter().map(of_pair).filter(is_own).collect();
         modes.sort_by(|a, b| a.factor.abs().total_cmp(&b.factor.abs()));
         Ok(modes)
     }
