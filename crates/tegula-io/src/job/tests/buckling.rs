@@ -62,7 +62,7 @@ fn load_factors_and_modes_are_written() {
     assert!(error.contains("cannot be resumed"), "{error}");
 }
 
-/// The load 2.5 of the static step stays, and the factor is that of the rest; a transient step goes on from the static one.
+/// The load 2.5 of the static step stays, and the factor is that of the rest.
 #[test]
 fn buckling_about_a_preload_keeps_its_loads() {
     let folder = tempfile::tempdir().unwrap();
