@@ -81,6 +81,7 @@ fn keys_of(model: &Model, joints: &[Joint], continues: bool) -> Vec<Issue> {
         let (AddedMass::Point(m) | AddedMass::Edge(m) | AddedMass::Area(m)) = m;
         c.not_negative(&format!("masses[{i}].value"), "the mass", m.value);
     }
+    super::imperfections::keys(model, &mut c);
     super::foundations::keys(model, &mut c);
     super::ties::keys(model, &mut c);
     for (i, v) in model.initial_velocities.iter().enumerate() {

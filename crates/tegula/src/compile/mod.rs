@@ -17,6 +17,7 @@ mod cuts;
 mod force_sets;
 mod foundations;
 mod guided_axes;
+mod imperfections;
 mod inner_point;
 mod mechanism;
 mod outline;
@@ -62,6 +63,7 @@ use crate::{Error, Issue, Result};
 use actions::{
     added_masses, contradictions, dead_loads, drilling_components, follower_loads, initial_velocity, supports,
 };
+pub use imperfections::imperfect_mesh;
 use inner_point::Corners;
 use place::Place;
 use sections::Elements;
