@@ -58,7 +58,6 @@ fn the_southwell_plot_of_an_imperfect_column_has_the_slope_of_the_buckling_load(
     }
     let slope = |i: usize, j: usize| (found[j] - found[i]) / (found[j] / parts[j] - found[i] / parts[i]);
     for (i, j) in [(0, 1), (1, 2)] {
-        println!("southwell {}", slope(i, j));
         assert!((slope(i, j) - 1.0).abs() < 1e-2, "{}", slope(i, j));
     }
 }
