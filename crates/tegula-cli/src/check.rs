@@ -142,6 +142,7 @@ fn kind(analysis: &Analysis) -> &'static str {
         Analysis::Static(_) => "static",
         Analysis::Path(_) => "path",
         Analysis::Modal(_) => "modal",
+        Analysis::Buckling(_) => "buckling",
         Analysis::Transient(_) => "transient",
     }
 }

@@ -88,7 +88,7 @@ pub fn print(summary: &Summary, folder: &Path) {
     let s = summary;
     let status = format!("{:?}", s.status).to_lowercase();
     let (iterations, time) = (counted(s.iterations, "iteration"), duration(s.wall_s));
-    match &s.frequencies_hz {
+    match s.frequencies_hz.as_ref().or(s.load_factors.as_ref()) {
         Some(found) => say!(
             "{status}: {}, {iterations}, {}, {time}",
             counted(found.len() as u64, "mode"),
@@ -153,6 +153,12 @@ pub fn print(summary: &Summary, folder: &Path) {
     }
     for (i, frequency) in s.frequencies_hz.iter().flatten().enumerate() {
         say!("  mode {:3}: {}", i + 1, significant(*frequency, 7));
+    }
+    if s.load_factors.is_some() {
+        say!("  load factors of buckling:");
+    }
+    for (i, factor) in s.load_factors.iter().flatten().enumerate() {
+        say!("  mode {:3}: {}", i + 1, significant(*factor, 7));
     }
     say!("results: {}", folder.display());
 }

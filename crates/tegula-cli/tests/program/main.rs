@@ -89,6 +89,18 @@ fn the_free_plate_of_sect_5_3() {
     }
 }
 
+/// Bryan 1890 with the shear flexibility of Mindlin's plate: k = (m + 1/m)² for m half waves, lowered by 0.06 to 0.3 %.
+#[test]
+fn a_plate_under_compression_buckles_as_bryan_says() {
+    let s = result_of("plate_buckling.toml");
+    let factors = s["load_factors"].as_array().unwrap();
+    assert_eq!((factors.len(), &s["sturm_checked"]), (3, &Value::Bool(true)));
+    for (found, expected) in factors.iter().zip([3.9977454, 6.2412003, 11.0798671]) {
+        near(found, expected, 6e-3);
+    }
+    near(&factors[0], 3.9977454, 1e-3);
+}
+
 /// To 0.5 s, where the published comparison allows 5 mm: trapezoidal rule with 0.5 ms on the same mesh by an
 /// independent program, `verification/reference/pendulum_n16_trapezoid_dt05.csv`.
 #[test]

@@ -5,7 +5,7 @@
 //! | `summary.json` | how the run ended, what it found, what it cost |
 //! | `fields.pvd`, `fields/NNNN.vtu` | displacements, resultants, stresses |
 //! | `history.csv` | motion of the points, energies, momenta, reactions: a row a step |
-//! | `modes.csv`, `modes.pvd`, `modes/NNNN.vtu` | natural frequencies and mode shapes |
+//! | `modes.csv`, `modes.pvd`, `modes/NNNN.vtu` | natural frequencies and mode shapes; load factors of buckling and buckling modes |
 //! | `critical_modes.pvd`, `critical_modes/NNNN.vtu` | modes at the limit points and bifurcations of a path |
 //! | `campbell.csv` | frequencies of a model over the angular velocity with which it turns |
 //! | `frequency_response.csv`, `state_space*` | response to the inputs of a modal analysis |
@@ -21,9 +21,11 @@
 
 mod assembly;
 mod bodies;
+mod buckling;
 mod campbell;
 mod critical_modes;
 mod drawn_outline;
+mod eigenproblem;
 mod fields;
 mod folder;
 mod forces;
@@ -71,7 +73,7 @@ pub struct JobOptions {
 pub struct Start {
     /// Title of the model.
     pub title: String,
-    /// `static`, `modal` or `transient`.
+    /// `static`, `modal`, `buckling` or `transient`.
     pub analysis: &'static str,
     /// Shell elements.
     pub elements: usize,
@@ -108,7 +110,7 @@ pub trait JobObserver {
     fn on_event(&mut self, _message: &str) {}
     /// Warning of input that is most likely not intended, or of unreliable results; it is also written to `log.txt`.
     fn on_warning(&mut self, _message: &str) {}
-    /// Asked between iterations; true ends the run after the last finished step, resumable but for a modal analysis.
+    /// Asked between iterations; true ends the run after the last finished step, resumable but for modal and buckling analyses.
     fn interrupted(&self) -> bool {
         false
     }
@@ -151,7 +153,7 @@ pub enum JobError {
     Interrupted {
         /// The result folder.
         folder: PathBuf,
-        /// Whether the run can be resumed from there; a modal analysis cannot.
+        /// Whether the run can be resumed from there; modal and buckling analyses cannot.
         resumable: bool,
     },
 }

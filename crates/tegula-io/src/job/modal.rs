@@ -1,17 +1,12 @@
-//! Natural frequencies: one solve, no history, nothing to resume.
+//! Natural frequencies and the response to inputs.
 
-use std::time::Instant;
-
-use tegula::Error;
 use tegula::analysis::modal::{self, ModalOutcome, Response};
-use tegula::analysis::{Observer, State, Statistics, Step};
+use tegula::analysis::{State, Statistics};
 use tegula::model::ModalAnalysis;
 
 use super::campbell::{self, Campbell};
-use super::run::{claim, start, summary};
-use super::{
-    JobError, JobObserver, JobOptions, Prepared, Progress, ResultFolder, Start, Status, Summary, process,
-};
+use super::eigenproblem::{self, Forward};
+use super::{JobError, JobObserver, JobOptions, Prepared, ResultFolder, Summary};
 use super::{modes, response};
 use crate::deck::Deck;
 use crate::out::OutputError;
@@ -24,61 +19,11 @@ pub(super) fn run(
     options: &JobOptions,
     watch: &mut dyn JobObserver,
 ) -> Result<Summary, JobError> {
-    if options.resume {
-        return Err(JobError::Folder {
-            folder: options.folder.clone(),
-            reason: "a modal analysis is one solve and cannot be resumed. Run without `--resume`".into(),
-        });
-    }
-    let (clock, cpu) = (Instant::now(), process::cpu_seconds());
-    let mut folder = ResultFolder::start(&options.folder, &claim(deck, prepared, options))?;
-    let start = start(deck, prepared, None);
-    watch.on_start(&start);
-    let mut summary = summary(deck, prepared, &start);
-    summary.write(folder.path())?;
-    let mut forward = Forward { folder: &mut folder, watch, failed: None, before: Statistics::default() };
-    forward.log(&opening(&summary, &start));
-    for message in prepared.system.closed_gaps.iter().flat_map(|gaps| gaps.messages()) {
-        forward.on_event(&message);
-    }
-    for warning in &prepared.warnings {
-        forward.log(&format!("warning: {warning}"));
-        forward.watch.on_warning(&warning.to_string());
-    }
-    let outcome = spectrum(analysis, prepared, &mut forward);
-    let (before, mut failed) = (forward.before, forward.failed);
-    let result = match outcome {
-        Ok(found) => {
-            (summary.status, summary.time) = (Status::Complete, start.end);
-            let recorded = record(deck, prepared, &mut folder, &mut summary, &before, &found);
-            failed = failed.or(recorded.err());
-            Ok(())
-        }
-        Err(Error::Interrupted) => {
-            summary.status = Status::Interrupted;
-            Err(JobError::Interrupted { folder: options.folder.clone(), resumable: false })
-        }
-        Err(error) => {
-            (summary.status, summary.error) = (Status::Failed, Some(error.to_string()));
-            (summary.steps, summary.iterations) = (before.steps, before.iterations);
-            (summary.factorizations, summary.cutbacks) = (before.factorizations, before.cutbacks);
-            Err(JobError::Analysis { error, folder: options.folder.clone() })
-        }
-    };
-    summary.wall_s = clock.elapsed().as_secs_f64();
-    summary.cpu_s = process::cpu_seconds().zip(cpu).map(|(now, then)| now - then);
-    summary.peak_memory_bytes = process::peak_memory_bytes();
-    if let Some(error) = failed.or_else(|| summary.write(folder.path()).err()) {
-        summary.write_failure(folder.path(), &error);
-        return Err(error.into());
-    }
-    result.map(|()| summary)
-}
-
-fn opening(summary: &Summary, start: &Start) -> String {
-    format!(
-        "tegula {}: modal analysis of {} elements, {} unknowns, started",
-        summary.version, start.elements, start.unknowns
+    eigenproblem::run(
+        (deck, prepared, options),
+        watch,
+        |forward| spectrum(analysis, prepared, forward),
+        |folder, summary, before, found| record(deck, prepared, folder, summary, before, &found),
     )
 }
 
@@ -126,9 +71,9 @@ fn record(
     Found { about, outcome, response, campbell }: &Found,
 ) -> Result<(), OutputError> {
     let rows = outcome.modes.as_slice();
-    modes::write(folder, prepared, &deck.model.output, about, rows)?;
+    modes::write_frequencies(folder, prepared, &deck.model.output, about, rows)?;
     let unit = deck.model.output.units.of_frequency();
-    let drawn = || modes::picture(folder, prepared, &deck.model.title, unit.as_deref(), rows);
+    let drawn = || modes::picture_of_frequencies(folder, prepared, &deck.model.title, unit.as_deref(), rows);
     if deck.model.output.pictures
         && let Err(problem) = drawn()
     {
@@ -160,47 +105,4 @@ fn record(
         end += &format!(", {residual} residual vectors, response at {n} frequencies");
     }
     folder.log(&end)
-}
-
-/// Forwards events to the log and to the job's observer.
-struct Forward<'a> {
-    folder: &'a mut ResultFolder,
-    watch: &'a mut dyn JobObserver,
-    failed: Option<OutputError>,
-    /// Counts of the equilibrium about which the model vibrates.
-    before: Statistics,
-}
-
-impl Forward<'_> {
-    fn log(&mut self, line: &str) {
-        if let Err(error) = self.folder.log(line) {
-            self.failed.get_or_insert(error);
-        }
-    }
-}
-
-impl Observer for Forward<'_> {
-    fn on_step(&mut self, step: &Step) -> tegula::Result<()> {
-        self.watch.on_step(&Progress {
-            step: step.state.step,
-            time: step.state.time,
-            step_size: step.state.last_step,
-            iterations: step.iterations,
-            end: step.end,
-        });
-        Ok(())
-    }
-
-    fn on_repeat(&mut self, statistics: &Statistics) {
-        self.before = *statistics;
-    }
-
-    fn on_event(&mut self, message: &str) {
-        self.log(message);
-        self.watch.on_event(message);
-    }
-
-    fn interrupted(&self) -> bool {
-        self.watch.interrupted()
-    }
 }

@@ -3,7 +3,10 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use tegula::compile::{Compiler, StepModel, check, soft_folds, warnings, warnings_before_start};
+use tegula::analysis::Silent;
+use tegula::compile::{
+    Compiler, StepModel, check, imperfect_mesh, soft_folds, warnings, warnings_before_start,
+};
 use tegula::mesh::generators;
 use tegula::model::{
     Analysis, BodyShape, Scheme, Sensor, StopCondition, TransientAnalysis, TriangulatedSurface,
@@ -52,6 +55,10 @@ pub fn prepare(deck: &Deck) -> Result<Prepared, JobError> {
         return Err(located(issues));
     };
     let fingerprint = surfaces.into_iter().fold(fingerprint, combined);
+    let mesh = match imperfect_mesh(&model, &mesh, &mut Silent) {
+        Ok(imperfect) => imperfect.unwrap_or(mesh),
+        Err(error) => return Err(located(of_imperfections(error))),
+    };
     match compiled(&model, &mesh) {
         Ok((system, probes, warnings)) => {
             let warnings = deck.locate(&[deck.warnings.clone(), warnings].concat());
@@ -59,6 +66,18 @@ pub fn prepare(deck: &Deck) -> Result<Prepared, JobError> {
             Ok(Prepared { model, mesh, system, probes, warnings, fingerprint })
         }
         Err(error) => Err(located(issues_of(error))),
+    }
+}
+
+/// Issues of the buckling analysis whose modes are imperfections.
+fn of_imperfections(error: Error) -> Vec<Issue> {
+    match error {
+        Error::Model(issues) => issues,
+        error => vec![Issue::new(
+            "imperfections",
+            format!("the buckling modes of the nominal structure cannot be computed: {error}"),
+            "run the model with `type = \"buckling\"` and without imperfections to look into it",
+        )],
     }
 }
 

@@ -380,7 +380,7 @@ impl<'a> Recorder<'a> {
 fn scheme(model: &Model) -> Option<Scheme> {
     match &model.analysis {
         Analysis::Transient(t) => Some(t.scheme),
-        Analysis::Static(_) | Analysis::Path(_) | Analysis::Modal(_) => None,
+        Analysis::Static(_) | Analysis::Path(_) | Analysis::Modal(_) | Analysis::Buckling(_) => None,
     }
 }
 

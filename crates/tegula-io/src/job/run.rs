@@ -9,7 +9,7 @@ use super::resume::CheckpointData;
 use super::summary::StopResult;
 use super::{
     AssemblyResult, Claim, Energy, JobError, JobObserver, JobOptions, Prepared, ResultFolder, Start, Status,
-    Summary, modal, pictures, prepare, steps,
+    Summary, buckling, modal, pictures, prepare, steps,
 };
 use crate::deck::Deck;
 use crate::out::OutputError;
@@ -35,8 +35,10 @@ pub(super) fn run_prepared(
     options: &JobOptions,
     watch: &mut dyn JobObserver,
 ) -> Result<Summary, JobError> {
-    if let Analysis::Modal(analysis) = &deck.model.analysis {
-        return modal::run(deck, analysis, prepared, options, watch);
+    match &deck.model.analysis {
+        Analysis::Modal(analysis) => return modal::run(deck, analysis, prepared, options, watch),
+        Analysis::Buckling(analysis) => return buckling::run(deck, analysis, prepared, options, watch),
+        Analysis::Static(_) | Analysis::Path(_) | Analysis::Transient(_) => {}
     }
     if let Some(done) = completed(prepared, options) {
         watch.on_warning("the run in this folder is complete: there is nothing to resume, and its results stay as they are");
@@ -111,7 +113,7 @@ fn analyse(
             Ok(path::run(system, options, state, recorder)?.stopped)
         }
         Analysis::Transient(options) => Ok(dynamics::run(system, options, state, recorder)?.stopped),
-        Analysis::Modal(_) => Ok(None),
+        Analysis::Modal(_) | Analysis::Buckling(_) => Ok(None),
     }
 }
 
@@ -149,6 +151,7 @@ pub(super) fn start(deck: &Deck, prepared: &Prepared, memory: Option<&Checkpoint
         Analysis::Static(_) => ("static", 1.0),
         Analysis::Path(p) => ("path", p.end_load),
         Analysis::Modal(_) => ("modal", 1.0),
+        Analysis::Buckling(_) => ("buckling", 1.0),
         Analysis::Transient(t) => ("transient", t.end_time),
     };
     Start {
@@ -197,6 +200,7 @@ pub(super) fn summary(deck: &Deck, prepared: &Prepared, start: &Start) -> Summar
         balance: None,
         acceleration: None,
         frequencies_hz: None,
+        load_factors: None,
         sturm_checked: None,
         analyses: Vec::new(),
         wall_s: 0.0,

@@ -184,6 +184,7 @@ fn listed(number: usize, step: &StepModel) -> StepSummary {
         Analysis::Static(_) => "static",
         Analysis::Path(_) => "path",
         Analysis::Modal(_) => "modal",
+        Analysis::Buckling(_) => "buckling",
         Analysis::Transient(_) => "transient",
     };
     StepSummary {
@@ -201,14 +202,14 @@ fn titled(title: &str, step: &str) -> String {
 
 /// Whether a step has a checkpoint to restart from.
 fn resumable(analysis: &Analysis, place: &Path) -> bool {
-    !matches!(analysis, Analysis::Modal(_))
+    !matches!(analysis, Analysis::Modal(_) | Analysis::Buckling(_))
         && place.join("checkpoint.bin").exists()
         && Summary::read(place).is_ok()
 }
 
 /// State at which a step has ended, from its checkpoint; `None` where it has none, as modes.
 fn end_of(analysis: &Analysis, place: &Path, step: &Prepared) -> Result<Option<StepStart>, JobError> {
-    if matches!(analysis, Analysis::Modal(_)) {
+    if matches!(analysis, Analysis::Modal(_) | Analysis::Buckling(_)) {
         return Ok(None);
     }
     let data = CheckpointData::load(&place.join("checkpoint.bin"), step.fingerprint, &step.system)?;

@@ -236,6 +236,9 @@ pub struct Summary {
     /// Natural frequencies [1/time] of a modal analysis, rigid modes included.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frequencies_hz: Option<Vec<f64>>,
+    /// Load factors of a buckling analysis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub load_factors: Option<Vec<f64>>,
     /// Whether a Sturm sequence has proved that no mode is missing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sturm_checked: Option<bool>,

@@ -1,5 +1,6 @@
 //! Whole runs in temporary folders.
 
+mod buckling;
 mod cuts;
 mod fields;
 mod friction;
@@ -16,6 +17,7 @@ use std::path::Path;
 
 use tegula::System;
 use tegula::analysis::State;
+use tegula::analysis::path::{CriticalKind, CriticalPoint, ExpansionPoint, PathState};
 
 use super::resume::CheckpointData;
 use super::snapshots::StoredSnapshot;
@@ -236,13 +238,37 @@ fn distinct(system: &System) -> CheckpointData {
     [tangent.time, tangent.dt, _] = field(1)[0];
     (state.step, tangent.steps, tangent.iterations) = (71, 72, 73);
     (tangent.last, tangent.pause, tangent.next_pause) = (74, 75, 76);
+    let [position, load, load_rate] = field(1)[0];
+    let [start, expected, _] = field(1)[0];
+    let (number, bifurcations) = (77, 78);
+    let expansion = ExpansionPoint {
+        position: start,
+        u: field(n),
+        load,
+        direction: field(n),
+        load_rate,
+        expected,
+        number,
+        bifurcations,
+    };
+    let [at, factor, _] = field(1)[0];
+    let kind = CriticalKind::Bifurcation;
+    let point = CriticalPoint { kind, load: factor, position: at, change: -2, u: field(n), mode: field(n) };
+    state.path = Some(Box::new(PathState {
+        position,
+        expansion,
+        negative_at_expansion: 79,
+        critical: vec![point],
+        finished: true,
+    }));
     let balance = &mut memory.balance;
     [balance.kinetic, balance.strain, balance.potential] = field(1)[0];
     [balance.work, balance.dissipated, balance.total] = field(1)[0];
     (balance.momentum, balance.angular_momentum) = (field(1)[0], field(1)[0]);
     for _ in 0..2 {
         let values = field(1)[0].to_vec();
-        memory.kept.push(StoredSnapshot { time: field(1)[0][0], displacements: field(n), values });
+        let [time, place, _] = field(1)[0];
+        memory.kept.push(StoredSnapshot { time, place, displacements: field(n), values });
     }
     let notes = &mut memory.notes;
     (notes.rows, notes.frames, notes.iterations, notes.factorizations) = (61, 62, 63, 64);

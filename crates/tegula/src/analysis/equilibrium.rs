@@ -40,7 +40,13 @@ pub fn residual(system: &System, state: &State) -> Vec<f64> {
 /// # Errors
 /// The system was compiled for an analysis without a tangent: explicit steps, or statics with the iterative solver.
 pub fn tangent(system: &System, state: &State) -> Result<(SymmetricPattern, Vec<f64>)> {
-    system.require(&[Procedure::Static, Procedure::Path, Procedure::Modal, Procedure::Transient])?;
+    system.require(&[
+        Procedure::Static,
+        Procedure::Path,
+        Procedure::Modal,
+        Procedure::Buckling,
+        Procedure::Transient,
+    ])?;
     let mut assembly = Assembly::new(system);
     assemble_tangent(system, &mut assembly, (state, 0.0), &external(system, &state.point(system)));
     Ok((system.tangent_pattern(), assembly.values))
@@ -51,7 +57,13 @@ pub fn tangent(system: &System, state: &State) -> Result<(SymmetricPattern, Vec<
 /// # Errors
 /// As for [`tangent`].
 pub fn mass(system: &System, state: &State) -> Result<Vec<f64>> {
-    system.require(&[Procedure::Static, Procedure::Path, Procedure::Modal, Procedure::Transient])?;
+    system.require(&[
+        Procedure::Static,
+        Procedure::Path,
+        Procedure::Modal,
+        Procedure::Buckling,
+        Procedure::Transient,
+    ])?;
     let mut values = vec![0.0; system.pattern.values()];
     system.pattern.mass_values(&frames(system, state), &mut values);
     Ok(values)

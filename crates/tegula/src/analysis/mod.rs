@@ -1,5 +1,6 @@
-//! Analyses: statics, natural frequencies, transient dynamics.
+//! Analyses: statics, linear buckling, natural frequencies, transient dynamics.
 
+pub mod buckling;
 mod circulatory;
 mod constraints;
 mod drilling;

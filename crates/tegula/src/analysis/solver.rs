@@ -82,7 +82,13 @@ pub(super) const SINGULAR: &str = "the tangent is singular";
 /// # Errors
 /// The factor does not fit in memory, or the system was compiled without a sparsity pattern of the tangent.
 pub fn direct(system: &System) -> Result<SparseLdlt> {
-    system.require(&[Procedure::Static, Procedure::Path, Procedure::Modal, Procedure::Transient])?;
+    system.require(&[
+        Procedure::Static,
+        Procedure::Path,
+        Procedure::Modal,
+        Procedure::Buckling,
+        Procedure::Transient,
+    ])?;
     SparseLdlt::new(&system.tangent_pattern()).map_err(|e| Error::Singular {
         what: format!("The matrix of {} unknowns cannot be factored: {e}.", system.unknowns()),
         help:

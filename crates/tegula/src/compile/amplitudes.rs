@@ -73,6 +73,7 @@ fn undefined_interval(model: &Model, name: &str, function: &TimeFunction) -> Opt
         Analysis::Static(_) => (1.0, false),
         Analysis::Path(p) => (p.end_load, false),
         Analysis::Modal(m) => (if m.prestressed { 1.0 } else { 0.0 }, false),
+        Analysis::Buckling(_) => (1.0, false),
         Analysis::Transient(t) => (t.end_time, true),
     };
     let is = |amplitude: &Option<String>| amplitude.as_deref() == Some(name);

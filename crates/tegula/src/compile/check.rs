@@ -81,6 +81,7 @@ fn keys_of(model: &Model, joints: &[Joint], continues: bool) -> Vec<Issue> {
         let (AddedMass::Point(m) | AddedMass::Edge(m) | AddedMass::Area(m)) = m;
         c.not_negative(&format!("masses[{i}].value"), "the mass", m.value);
     }
+    super::imperfections::keys(model, &mut c);
     super::foundations::keys(model, &mut c);
     super::ties::keys(model, &mut c);
     for (i, v) in model.initial_velocities.iter().enumerate() {
@@ -323,13 +324,15 @@ pub fn masses(model: &Model, system: &System) -> Vec<Issue> {
     let needed = match &model.analysis {
         Analysis::Modal(_) => Some("a modal analysis"),
         Analysis::Transient(_) => Some("a transient analysis"),
-        Analysis::Static(_) | Analysis::Path(_) => {
+        Analysis::Static(_) | Analysis::Path(_) | Analysis::Buckling(_) => {
             model.loads.iter().find(|load| load.needs_mass()).map(Load::kind)
         }
     };
     if let Some(what) = needed {
         for (i, s) in model.sections.iter().enumerate() {
-            if s.total_mass.is_some() || model.analysis.seeks_equilibria() && system.total_mass() != 0.0 {
+            let at_rest =
+                model.analysis.seeks_equilibria() || matches!(model.analysis, Analysis::Buckling(_));
+            if s.total_mass.is_some() || at_rest && system.total_mass() != 0.0 {
                 continue;
             }
             for name in s.materials() {
@@ -427,9 +430,9 @@ impl Checker {
             // The path may pass any load factor.
             Analysis::Path(_) => return,
             Analysis::Transient(t) => (t.end_time, "times after 0 and up to `end_time`"),
-            Analysis::Modal(_) => {
+            Analysis::Modal(_) | Analysis::Buckling(_) => {
                 if !model.output.at.is_empty() {
-                    self.add("output.at", "a modal analysis has no steps", "leave `at` out");
+                    self.add("output.at", "modal and buckling analyses have no steps", "leave `at` out");
                 }
                 return;
             }
@@ -501,6 +504,7 @@ impl Checker {
                 super::check_path::path(path, self);
             }
             Analysis::Modal(modal) => super::check_modal::modal(model, modal, self),
+            Analysis::Buckling(buckling) => super::check_buckling::buckling(model, buckling, self),
             Analysis::Transient(t) => {
                 self.positive("analysis.end_time", "the end time", t.end_time);
                 self.positive("analysis.tolerance", "the tolerance", t.tolerance);

@@ -213,7 +213,7 @@ fn ability(model: &Model, s: &Section, key: &str, name: &str, material: &Materia
     let linear = match &model.analysis {
         Analysis::Static(a) => a.linear,
         Analysis::Transient(a) => a.linear,
-        Analysis::Path(_) | Analysis::Modal(_) => false,
+        Analysis::Path(_) | Analysis::Modal(_) | Analysis::Buckling(_) => false,
     };
     if linear {
         c.add(

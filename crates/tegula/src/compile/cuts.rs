@@ -16,7 +16,7 @@ const LONGEST_NAME: usize = 60;
 /// Mistakes in the values of cuts, and cuts of analyses without forces.
 pub(super) fn keys(model: &Model) -> Vec<Issue> {
     let mut c = Checker::default();
-    let modal = |analysis: &Analysis| matches!(analysis, Analysis::Modal(_));
+    let modal = |analysis: &Analysis| matches!(analysis, Analysis::Modal(_) | Analysis::Buckling(_));
     let modal_alone = match model.steps.as_slice() {
         [] => modal(&model.analysis),
         steps => steps.iter().all(|step| modal(&step.analysis)),

@@ -8,6 +8,7 @@ mod bodies;
 mod body_inertia;
 mod bushings;
 pub mod check;
+mod check_buckling;
 mod check_material;
 mod check_modal;
 mod check_path;
@@ -19,6 +20,7 @@ mod cuts;
 mod force_sets;
 mod foundations;
 mod guided_axes;
+mod imperfections;
 mod inner_point;
 mod mechanism;
 mod outline;
@@ -63,6 +65,7 @@ use actions::{
     added_masses, contradictions, dead_loads, drilling_components, follower_loads, initial_velocity, supports,
 };
 use assembly::Assembled;
+pub use imperfections::imperfect_mesh;
 use inner_point::Corners;
 use place::Place;
 use procedure::{explicit_scheme, procedure};
@@ -200,7 +203,7 @@ impl<'a> Compiler<'a> {
         let linear = |step: &StepModel| match &step.model.analysis {
             Analysis::Static(s) => s.linear,
             Analysis::Transient(t) => t.linear,
-            Analysis::Path(_) | Analysis::Modal(_) => false,
+            Analysis::Path(_) | Analysis::Modal(_) | Analysis::Buckling(_) => false,
         };
         let mut compiler = Self {
             mesh,

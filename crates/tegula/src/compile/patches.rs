@@ -21,7 +21,7 @@ pub(super) fn solved_at_rest(model: &Model) -> bool {
     let patches_alone = !constrained && !model.has_springs() && model.beams.is_empty();
     match &model.analysis {
         Analysis::Static(s) => s.linear_solver == LinearSolver::Direct && (!s.linear || patches_alone),
-        Analysis::Path(_) | Analysis::Modal(_) => true,
+        Analysis::Path(_) | Analysis::Modal(_) | Analysis::Buckling(_) => true,
         Analysis::Transient(_) => false,
     }
 }

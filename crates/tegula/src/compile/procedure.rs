@@ -10,6 +10,7 @@ pub(super) fn procedure(analysis: &Analysis) -> Procedure {
         Analysis::Static(_) => Procedure::Static,
         Analysis::Path(_) => Procedure::Path,
         Analysis::Modal(_) => Procedure::Modal,
+        Analysis::Buckling(_) => Procedure::Buckling,
         Analysis::Transient(t) if t.scheme.is_explicit() => Procedure::Explicit,
         Analysis::Transient(_) => Procedure::Transient,
     }

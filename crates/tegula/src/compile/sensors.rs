@@ -51,7 +51,7 @@ fn is_linear(model: &Model) -> bool {
     match &model.analysis {
         Analysis::Static(options) => options.linear,
         Analysis::Transient(options) => options.linear,
-        Analysis::Path(_) | Analysis::Modal(_) => false,
+        Analysis::Path(_) | Analysis::Modal(_) | Analysis::Buckling(_) => false,
     }
 }
 

@@ -158,11 +158,20 @@ fn ignorant(analysis: &Analysis) -> Option<(&'static str, &'static str)> {
             "a static analysis, in which forces of friction are not unique, does not compute",
             "list the joint in `locked` (it sticks) or `released` of this analysis step, or compute a transient analysis",
         )),
+        Analysis::Buckling(_) => Some((
+            "a buckling analysis, which is linear, does not compute",
+            "list the joint in `locked` (it sticks) or `released` of this analysis step, or leave the key out",
+        )),
         Analysis::Modal(_) => Some((
             "a modal analysis, which is linear, does not compute",
             "list the joint in `locked` (it sticks) or `released` of this analysis step, or leave the key out",
         )),
     }
+}
+
+/// Whether an analysis is linear about its first state, in which drives stay.
+fn is_linearised(procedure: Procedure) -> bool {
+    matches!(procedure, Procedure::Modal | Procedure::Buckling)
 }
 
 /// Whether an analysis computes friction and stops of joints.
@@ -278,7 +287,7 @@ impl StepJoints {
 }
 
 /// Factor of forces that a static step takes away.
-const FALLING: LoadFactor = LoadFactor { amplitude: None, start: 1.0, released: true };
+const FALLING: LoadFactor = LoadFactor { amplitude: None, start: 1.0, released: true, held: false };
 
 /// Couple over the moments that make it up, and sine of the angle between two forces, below which they are round-off.
 const NO_COUPLE: f64 = 1e-12;
@@ -355,8 +364,7 @@ impl Compiler<'_> {
             }
             joint.rows.truncate(has);
             joint.drive = joint.drive.filter(|_| present != Role::Released);
-            if let Some(drive) =
-                joint.drive.as_mut().filter(|_| start.is_some() && procedure == Procedure::Modal)
+            if let Some(drive) = joint.drive.as_mut().filter(|_| start.is_some() && is_linearised(procedure))
             {
                 drive.value = 0.0;
             }

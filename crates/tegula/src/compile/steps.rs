@@ -39,12 +39,14 @@ pub(super) struct Continued {
     pub(super) start: f64,
     /// Whether the step does not have the load any more.
     pub(super) released: bool,
+    /// Whether its factor stays throughout the step.
+    pub(super) held: bool,
 }
 
 impl Continued {
     /// Factor of the load, which follows an amplitude.
     pub(super) fn factor(&self, amplitude: Option<usize>) -> LoadFactor {
-        LoadFactor { amplitude, start: self.start, released: self.released }
+        LoadFactor { amplitude, start: self.start, released: self.released, held: self.held }
     }
 }
 
@@ -73,7 +75,7 @@ impl StepModel {
                 let own = format!("loads[{}]", self.model.loads.len());
                 self.keys.push((own, format!("{analysis}.inputs[{i}].loads[{j}]")));
                 self.model.loads.push(load.clone());
-                self.loads.push(Continued { start: 0.0, released: true });
+                self.loads.push(Continued { released: true, ..Continued::default() });
             }
         }
     }
@@ -90,9 +92,17 @@ impl StepModel {
 pub(super) fn all_strains(model: &Model) -> Vec<PrescribedStrain> {
     let mut all: Vec<PrescribedStrain> =
         model.prescribed_strains.iter().map(PrescribedStrain::without_amplitude).collect();
-    for step in &model.steps {
+    for (number, step) in model.steps.iter().enumerate() {
         let mut left = all.clone();
-        for strain in model.prescribed_strains.iter().chain(&step.prescribed_strains) {
+        // A buckling step has its own strains beside those of its base state.
+        let of_base = match step.analysis {
+            Analysis::Buckling(_) => {
+                base(model, number).map(|before| &model.steps[before].prescribed_strains)
+            }
+            _ => None,
+        };
+        let own = of_base.into_iter().flatten().chain(&step.prescribed_strains);
+        for strain in model.prescribed_strains.iter().chain(own) {
             let strain = strain.without_amplitude();
             match left.iter().position(|other| *other == strain) {
                 Some(i) => drop(left.remove(i)),
@@ -145,16 +155,69 @@ pub fn steps(model: &Model) -> Vec<StepModel> {
     }
     let mut out: Vec<StepModel> = Vec::new();
     for (number, step) in model.steps.iter().enumerate() {
-        // Modes leave the state as it is.
-        let before = (0..number).rev().find(|&i| !matches!(model.steps[i].analysis, Analysis::Modal(_)));
+        let before = base(model, number);
         let mut next = match (&step.analysis, before) {
             (Analysis::Modal(_), Some(before)) => about_the_end(model, number, step, &out[before], before),
+            (Analysis::Buckling(_), Some(before)) => {
+                let at_the_end = about_the_end(model, number, step, &out[before], before);
+                beside_held_loads(at_the_end, (step, number), &out[before], &all_strains(model))
+            }
             _ => one_step(model, number, step, before.map(|i| (i, &out[i]))),
         };
         next.add_inputs(&format!("steps[{number}].analysis"));
         out.push(next);
     }
     out
+}
+
+/// Step at whose end a step starts; `None`: at the reference configuration. Modes leave the state as it is.
+fn base(model: &Model, number: usize) -> Option<usize> {
+    let stays = |analysis: &Analysis| matches!(analysis, Analysis::Modal(_) | Analysis::Buckling(_));
+    (0..number).rev().find(|&i| !stays(&model.steps[i].analysis))
+}
+
+/// Buckling step, from that of its base state: the loads and prescribed strains of the base state stay as they are, and those of the step
+/// itself are new.
+fn beside_held_loads(
+    base: StepModel,
+    (step, number): (&AnalysisStep, usize),
+    before: &StepModel,
+    all: &[PrescribedStrain],
+) -> StepModel {
+    let held = |was: &Continued, amplitude: Option<&str>| Continued {
+        start: end_factor(before, was, amplitude),
+        released: false,
+        held: true,
+    };
+    let mut out = base;
+    let mut own_keys = |list: &str, first: usize, own: usize| {
+        let key = |i: usize| (format!("{list}[{}]", first + i), format!("steps[{number}].{list}[{i}]"));
+        out.keys.extend((0..own).map(key));
+    };
+    own_keys("conditions", before.model.conditions.len(), step.conditions.len());
+    own_keys("loads", before.model.loads.len(), step.loads.len());
+    own_keys("prescribed_strains", before.model.prescribed_strains.len(), step.prescribed_strains.len());
+    let of_base = before.loads.iter().zip(&before.model.loads);
+    out.loads = of_base.map(|(was, load)| held(was, load.amplitude().as_deref())).collect();
+    out.loads.resize(out.loads.len() + step.loads.len(), Continued::default());
+    out.model.loads.extend_from_slice(&step.loads);
+    out.model.conditions.extend_from_slice(&step.conditions);
+    out.model.prescribed_strains.extend_from_slice(&step.prescribed_strains);
+    let of_base = before.strains.iter().map(|(was, amplitude)| (held(was, amplitude.as_deref()), None));
+    out.strains = of_base.collect();
+    for strain in &step.prescribed_strains {
+        let bare = strain.without_amplitude();
+        let is_free = |i: &usize| all[*i] == bare && out.strains[*i].0 == held_at_zero();
+        if let Some(place) = (0..all.len()).find(is_free) {
+            out.strains[place] = (Continued::default(), strain.amplitude().cloned());
+        }
+    }
+    out
+}
+
+/// Prescribed strain that the base state of a buckling step does not have.
+fn held_at_zero() -> Continued {
+    Continued { held: true, ..Continued::default() }
 }
 
 /// Modal step: the conditions and loads of the step at whose end it stands.
@@ -210,7 +273,7 @@ fn one_step(
                 Some(i) => continued[i].start = start,
                 None if is_static && start != 0.0 => {
                     loads.push(old.clone());
-                    continued.push(Continued { start, released: true });
+                    continued.push(Continued { start, released: true, held: false });
                 }
                 None => {}
             }
@@ -224,7 +287,7 @@ fn one_step(
         let earlier = before.and_then(|(_, b)| Some((b, b.strains.get(i)?)));
         let start = earlier.map_or(0.0, |(b, (was, amplitude))| end_factor(b, was, amplitude.as_deref()));
         let amplitude = own.and_then(|o| strains[o].amplitude().cloned());
-        (Continued { start, released: own.is_none() }, amplitude)
+        (Continued { start, released: own.is_none(), held: false }, amplitude)
     };
     StepModel {
         name: name(step, number),
@@ -263,7 +326,7 @@ fn end_factor(step: &StepModel, load: &Continued, amplitude: Option<&str>) -> f6
         return 0.0;
     }
     let end = match &step.model.analysis {
-        Analysis::Static(_) | Analysis::Path(_) | Analysis::Modal(_) => 1.0,
+        Analysis::Static(_) | Analysis::Path(_) | Analysis::Modal(_) | Analysis::Buckling(_) => 1.0,
         Analysis::Transient(t) => t.end_time,
     };
     let function = amplitude.and_then(|name| TimeFunction::new(step.model.amplitudes.get(name)?).ok());
@@ -293,7 +356,7 @@ pub(super) fn issues(model: &Model) -> Vec<Issue> {
     let linear = |analysis: &Analysis| match analysis {
         Analysis::Static(s) => Some(s.linear),
         Analysis::Transient(t) => Some(t.linear),
-        Analysis::Path(_) | Analysis::Modal(_) => None,
+        Analysis::Path(_) | Analysis::Modal(_) | Analysis::Buckling(_) => None,
     };
     let first = model.steps.iter().find_map(|step| linear(&step.analysis));
     let mut moving = false;
@@ -321,6 +384,12 @@ pub(super) fn issues(model: &Model) -> Vec<Issue> {
                 "modes are computed about equilibria, and the step before leaves the model in motion",
                 "put the modal step behind a static one",
             ),
+            Analysis::Buckling(_) if moving => c.add(
+                format!("{key}.analysis.type"),
+                "buckling is computed about equilibria, and the step before leaves the model in motion",
+                "put the buckling step behind a static one",
+            ),
+            Analysis::Buckling(_) => buckling_step(&mut c, &key, (step, i), (model, first)),
             Analysis::Modal(modal) => modal_step(&mut c, &key, (step, i), (model, modal)),
             Analysis::Transient(_) => moving = true,
             Analysis::Static(s) if !s.stop.is_empty() && i + 1 < model.steps.len() => c.add(
@@ -385,16 +454,63 @@ fn modal_step(
             "put them into a static step before this one",
         );
     }
+    joints_of_base(
+        c,
+        key,
+        (step, number),
+        model,
+        "a modal step vibrates about the state of the step before, with its joints",
+    );
+}
+
+/// Lists of joints that a step about the state of the step before must not have.
+fn joints_of_base(
+    c: &mut Checker,
+    key: &str,
+    (step, number): (&AnalysisStep, usize),
+    model: &Model,
+    message: &str,
+) {
     // About the reference configuration, where nothing has forces.
-    if model.steps[..number].iter().all(|before| matches!(before.analysis, Analysis::Modal(_))) {
+    if base(model, number).is_none() {
         return;
     }
     let given = [("released", !step.released.is_empty()), ("locked", !step.locked.is_empty())];
     for (list, _) in given.into_iter().filter(|(_, given)| *given) {
+        c.add(format!("{key}.{list}"), message, "put the list into a static step before this one");
+    }
+}
+
+/// Keys that a buckling step must not have, and linear steps before it.
+fn buckling_step(
+    c: &mut Checker,
+    key: &str,
+    (step, number): (&AnalysisStep, usize),
+    (model, linear): (&Model, Option<bool>),
+) {
+    if linear == Some(true) {
         c.add(
-            format!("{key}.{list}"),
-            "a modal step vibrates about the state of the step before, with its joints",
-            "put the list into a static step before this one",
+            format!("{key}.analysis.type"),
+            "some steps are linear: without the terms of large displacements nothing buckles",
+            "leave `linear` out of all steps",
         );
     }
+    if base(model, number).is_some()
+        && step.loads.is_empty()
+        && step.prescribed_strains.is_empty()
+        && !step.conditions.iter().any(|c| c.motion().is_some())
+    {
+        c.add(
+            format!("{key}.loads"),
+            "the buckling step has no loads of its own; those of the step before stay as they are",
+            "add a [[steps.loads]] entry to this step, whose loads the factors multiply",
+        );
+    }
+    joints_of_base(
+        c,
+        key,
+        (step, number),
+        model,
+        "a buckling step is linearised about the state of the step before, with its joints",
+    );
 }

@@ -1,10 +1,12 @@
 //! Bushings as contributions to forces, tangent, energy and dissipation.
 
+use nalgebra::Vector6;
+
 use super::bushing::{Bushing, LARGEST_ROTATION, pairs};
-use super::joint::{MOST_VECTORS, current, few};
+use super::joint::{Few, MOST_VECTORS, current, few};
 use super::joints::LARGEST_TURN;
 use crate::Vec3;
-use crate::element::{ElementGroup, GroupPoint, Nodal, TangentRequest};
+use crate::element::{ElementGroup, GroupPoint, Nodal, StressIncrement, TangentRequest};
 
 /// History variables of a bushing: its rotation vector at the end of the last step.
 const HISTORY: usize = 3;
@@ -119,6 +121,34 @@ impl ElementGroup for BushingGroup {
             if let Some(increment) = request.prescribed {
                 add_product(blocks, &bushing.vectors, increment, out);
             }
+        }
+    }
+
+    fn evaluate_stresses(
+        &self,
+        k: &GroupPoint,
+        increment: &StressIncrement,
+        first: usize,
+        (forces, blocks): (&mut [f64], &mut [f64]),
+    ) {
+        let n = self.vectors;
+        let of_each = forces.chunks_mut(3 * n).zip(blocks.chunks_mut(9 * n * (n + 1) / 2));
+        for (e, (out, blocks)) in (first..).zip(of_each) {
+            let bushing = &self.members[e];
+            let deformation = bushing.deformation(k, Self::committed(k, e));
+            let v = few(&bushing.vectors, |v| current(k, v));
+            let displacement = |v: u32| Vec3::from(increment.displacements[v as usize]);
+            let along = |gradient: &Few| -> f64 {
+                bushing.vectors.iter().zip(gradient).map(|(&v, g)| g.dot(&displacement(v))).sum()
+            };
+            let strain = bushing.strain_gradients(&v, &deformation).map(|gradient| along(&gradient));
+            let force = bushing.stiffness * Vector6::from(strain);
+            let on_vectors = bushing.gradient(&v, &Bushing::factors(&force, &deformation));
+            for (out, f) in out.chunks_exact_mut(3).zip(&on_vectors) {
+                out.copy_from_slice(f.as_slice());
+            }
+            blocks.fill(0.0);
+            bushing.add_second_derivative(1.0, (&force, &deformation, &v), blocks);
         }
     }
 

@@ -2,7 +2,7 @@
 //! `½ Σ w_ab u_a·K u_b` and Kelvin–Voigt damping, forces `Σ w_ab K (u_b + τ u̇_b)` (E. Winkler, *Die Lehre von der Elasticität und
 //! Festigkeit*, 1867).
 
-use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest};
+use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, StressIncrement, TangentRequest};
 use crate::{Mat3, Vec3};
 
 /// Most nodes of an element.
@@ -152,6 +152,24 @@ impl ElementGroup for FoundationGroup {
                 out.copy_from_slice(force.as_slice());
             }
         }
+    }
+
+    fn evaluate_stresses(
+        &self,
+        _: &GroupPoint,
+        increment: &StressIncrement,
+        first: usize,
+        (forces, blocks): (&mut [f64], &mut [f64]),
+    ) {
+        for (e, out) in (first..).zip(forces.chunks_mut(3 * self.vectors)) {
+            let vectors = &self.members[e].vectors;
+            let found = self.products(e, |a| Vec3::from(increment.displacements[vectors[a] as usize]));
+            for (out, force) in out.chunks_exact_mut(3).zip(&found) {
+                out.copy_from_slice(force.as_slice());
+            }
+        }
+        // Forces of foundations are linear in the displacements.
+        blocks.fill(0.0);
     }
 
     fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {

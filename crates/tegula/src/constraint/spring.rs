@@ -13,7 +13,9 @@
 
 use super::{Attachment, SpringLaw};
 use crate::Vec3;
-use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest, TangentWeights};
+use crate::element::{
+    ElementGroup, GroupPoint, Motion, Nodal, StressIncrement, TangentRequest, TangentWeights,
+};
 use crate::load::Partials;
 
 /// Spring with a damper between two points.
@@ -97,6 +99,17 @@ impl Spring {
         let speed = self.between(rate) - self.constant;
         let lengthening = if length > 0.0 { speed.dot(&x) / length } else { 0.0 };
         [length, self.law.force([length; 2], lengthening, time).value]
+    }
+
+    /// Writes the lower blocks of a stiffness against changes of the vector between the points.
+    fn write_blocks(&self, stiffness: &crate::Mat3, blocks: &mut [f64]) {
+        let mut blocks = blocks.chunks_mut(9);
+        for (a, w) in self.weights.iter().enumerate() {
+            for other in &self.weights[..=a] {
+                let Some(out) = blocks.next() else { return };
+                out.iter_mut().enumerate().for_each(|(i, out)| *out = stiffness[(i / 3, i % 3)] * w * other);
+            }
+        }
     }
 
     /// Force `force` per vector between the points; where they coincide, its limit.
@@ -192,15 +205,35 @@ impl ElementGroup for SpringGroup {
             let stiffness = along * (stress * spring_force.by_position + rate * spring_force.by_rate)
                 + across * (direction * intensity);
             let size = 9 * n * (n + 1) / 2;
-            let mut blocks = request.blocks[e * size..(e + 1) * size].chunks_mut(9);
-            for a in 0..n {
-                for b in 0..=a {
-                    let block = stiffness * (force * spring.weights[a] * spring.weights[b]);
-                    if let Some(out) = blocks.next() {
-                        out.iter_mut().enumerate().for_each(|(i, out)| *out = block[(i / 3, i % 3)]);
-                    }
-                }
+            spring.write_blocks(&(stiffness * force), &mut request.blocks[e * size..(e + 1) * size]);
+        }
+    }
+
+    fn evaluate_stresses(
+        &self,
+        k: &GroupPoint,
+        increment: &StressIncrement,
+        first: usize,
+        (forces, blocks): (&mut [f64], &mut [f64]),
+    ) {
+        let n = self.vectors;
+        let of_each = forces.chunks_mut(3 * n).zip(blocks.chunks_mut(9 * n * (n + 1) / 2));
+        for (spring, (out, blocks)) in self.members[first..].iter().zip(of_each) {
+            let (lengths, rate, x) = spring.motion(k);
+            let axis = x.try_normalize(0.0).unwrap_or_else(Vec3::zeros);
+            let change = spring.between(|v| Vec3::from(increment.displacements[v])) - spring.constant;
+            let tension = spring.law.force(lengths, rate, k.time).by_position * axis.dot(&change);
+            // Between coinciding points the force per length of a spring does not change.
+            let (force, intensity) = if x == Vec3::zeros() {
+                (change * spring.law.force(lengths, rate, k.time).by_position, 0.0)
+            } else {
+                (axis * tension, tension / x.norm())
+            };
+            for (out, w) in out.chunks_mut(3).zip(&spring.weights) {
+                out.copy_from_slice((force * *w).as_slice());
             }
+            let across = crate::Mat3::identity() - axis * axis.transpose();
+            spring.write_blocks(&(across * intensity), blocks);
         }
     }
 

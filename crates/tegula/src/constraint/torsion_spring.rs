@@ -18,7 +18,7 @@ use super::joints::{LARGEST_TURN, RelativeAngle};
 use super::spring_law::SpringLaw;
 use super::turning::sinc;
 use crate::Vec3;
-use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest};
+use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, StressIncrement, TangentRequest};
 use crate::load::Partials;
 
 /// Torsion spring with a damper.
@@ -93,6 +93,30 @@ impl TorsionSpring {
                 Turn { angles: [committed, angle], rate: change / dt, gradient, forms: [g, h] }
             }
         }
+    }
+
+    /// Writes the lower blocks `along ∂θ ∂θᵀ + bent ∂²θ` of a tangent.
+    fn write_blocks(&self, k: &GroupPoint, turn: &Turn, [along, bent]: [f64; 2], blocks: &mut [f64]) {
+        let n = self.angle.vectors.len();
+        let vectors = few(&self.angle.vectors, |v| current(k, v));
+        let [g, h] = turn.forms;
+        let square = g * g + h * h;
+        let [of_g, of_h] = [[1.0, 0.0], [0.0, -1.0]].map(|factors| self.gradient(&vectors, factors));
+        // Second derivatives of atan2(g, h) by g and g, g and h; that by h and h is minus the first.
+        let [gg, gh] = [-2.0 * g * h, g * g - h * h].map(|x| bent * x / (square * square));
+        let mut block = blocks.chunks_exact_mut(9);
+        for a in 0..n {
+            for b in 0..=a {
+                let Some(out) = block.next() else { break };
+                let of_angle = turn.gradient[a] * turn.gradient[b].transpose() * along;
+                let of_forms = (of_g[a] * of_g[b].transpose() - of_h[a] * of_h[b].transpose()) * gg
+                    + (of_g[a] * of_h[b].transpose() + of_h[a] * of_g[b].transpose()) * gh;
+                let sum = of_angle + of_forms;
+                out.iter_mut().enumerate().for_each(|(i, out)| *out = sum[(i / 3, i % 3)]);
+            }
+        }
+        self.angle.sine.add_second_derivative(bent * h / square, 0.0, blocks);
+        self.angle.cosine.add_second_derivative(-bent * g / square, 0.0, blocks);
     }
 
     fn moment(&self, turn: &Turn, time: f64) -> Partials {
@@ -196,27 +220,31 @@ impl ElementGroup for TorsionSpringGroup {
             let along = weights.force * (weights.stress * by_position + weights.rate * by_rate);
             let size = 9 * n * (n + 1) / 2;
             let blocks = &mut request.blocks[e * size..(e + 1) * size];
-            blocks.fill(0.0);
-            let vectors = few(&spring.angle.vectors, |v| current(k, v));
-            let [g, h] = turn.forms;
-            let square = g * g + h * h;
-            let [of_g, of_h] = [[1.0, 0.0], [0.0, -1.0]].map(|factors| spring.gradient(&vectors, factors));
             let bent = weights.force * weights.direction * moment;
-            // Second derivatives of atan2(g, h) by g and g, g and h; that by h and h is minus the first.
-            let [gg, gh] = [-2.0 * g * h, g * g - h * h].map(|x| bent * x / (square * square));
-            let mut block = blocks.chunks_exact_mut(9);
-            for a in 0..n {
-                for b in 0..=a {
-                    let Some(out) = block.next() else { break };
-                    let of_angle = turn.gradient[a] * turn.gradient[b].transpose() * along;
-                    let of_forms = (of_g[a] * of_g[b].transpose() - of_h[a] * of_h[b].transpose()) * gg
-                        + (of_g[a] * of_h[b].transpose() + of_h[a] * of_g[b].transpose()) * gh;
-                    let sum = of_angle + of_forms;
-                    out.iter_mut().enumerate().for_each(|(i, out)| *out = sum[(i / 3, i % 3)]);
-                }
+            spring.write_blocks(k, &turn, [along, bent], blocks);
+        }
+    }
+
+    fn evaluate_stresses(
+        &self,
+        k: &GroupPoint,
+        increment: &StressIncrement,
+        first: usize,
+        (forces, blocks): (&mut [f64], &mut [f64]),
+    ) {
+        let n = self.vectors;
+        let of_each = forces.chunks_mut(3 * n).zip(blocks.chunks_mut(9 * n * (n + 1) / 2));
+        for (e, (out, blocks)) in (first..).zip(of_each) {
+            let spring = &self.members[e];
+            let turn = spring.turn(k, k.interior.history[e]);
+            let displacement = |v: u32| Vec3::from(increment.displacements[v as usize]);
+            let of_vectors = spring.angle.vectors.iter().zip(&turn.gradient);
+            let angle: f64 = of_vectors.map(|(&v, w)| w.dot(&displacement(v))).sum();
+            let moment = spring.moment(&turn, k.time).by_position * angle;
+            for (out, w) in out.chunks_exact_mut(3).zip(&turn.gradient) {
+                out.copy_from_slice((w * moment).as_slice());
             }
-            spring.angle.sine.add_second_derivative(bent * h / square, 0.0, blocks);
-            spring.angle.cosine.add_second_derivative(-bent * g / square, 0.0, blocks);
+            spring.write_blocks(k, &turn, [0.0, moment], blocks);
         }
     }
 

@@ -50,6 +50,9 @@ pub struct TangentWeights {
 }
 
 impl TangentWeights {
+    /// Weights of the geometric stiffness alone.
+    pub const GEOMETRIC: Self = Self { stress: 0.0, ..Self::STATIC };
+
     /// Weights of the static tangent: stress, current configuration and follower loads of one state, no rates.
     pub const STATIC: Self = Self {
         stress: 1.0,
@@ -152,6 +155,20 @@ pub trait ElementGroup: Send + Sync {
     /// tangent, whose geometric part takes [`TangentRequest::stress`] (the stress of the motion where `None`); an
     /// increment [`TangentRequest::prescribed`] adds `tangent · increment` to the force.
     fn evaluate(&self, k: &GroupPoint, first: usize, forces: &mut [f64], tangent: Option<TangentRequest>);
+    /// Forces `B·n₁` and geometric stiffness `Σ n₁ₖ ∂²sₖ/∂q²` of the stresses n₁ that an increment produces linearly, in the configuration
+    /// of the motion, for a batch of elements as in [`evaluate`](Self::evaluate). The multipliers of the evaluation point are those of the
+    /// increment. Forces of groups with generalised stresses are left open: they are `K q` with the blocks K.
+    fn evaluate_stresses(
+        &self,
+        k: &GroupPoint,
+        increment: &StressIncrement,
+        first: usize,
+        (forces, blocks): (&mut [f64], &mut [f64]),
+    ) {
+        let weights = TangentWeights::GEOMETRIC;
+        let request = TangentRequest { weights, stress: Some(increment.stress), prescribed: None, blocks };
+        self.evaluate(k, first, forces, Some(request));
+    }
     /// Generalised stresses, work-conjugate to the strains in which the group works (sampled strains or quadratic
     /// forms).
     fn stresses(&self, k: &GroupPoint, stresses: &mut [f64]) {
@@ -218,6 +235,15 @@ pub trait ElementGroup: Send + Sync {
         let _ = k;
         0.0
     }
+}
+
+/// Linear increment of a state: displacements, and the generalised stresses that they and prescribed strains produce.
+#[derive(Debug, Clone, Copy)]
+pub struct StressIncrement<'a> {
+    /// Displacements of all nodal vectors.
+    pub displacements: &'a [Nodal],
+    /// Generalised stresses of all elements of the group; empty where it has none.
+    pub stress: &'a [f64],
 }
 
 /// Request for the tangent: weights, stress of the geometric part, output buffer.

@@ -35,7 +35,10 @@ macro_rules! modules {
 element_types!(modules);
 
 pub use geometry::ShellGeometry;
-pub use group::{ElementGroup, GroupPoint, InternalVariables, Motion, Nodal, TangentRequest, TangentWeights};
+pub use group::{
+    ElementGroup, GroupPoint, InternalVariables, Motion, Nodal, StressIncrement, TangentRequest,
+    TangentWeights,
+};
 pub use quadratic::QuadraticGroup;
 pub use shell::ShellElement;
 

@@ -235,7 +235,7 @@ pub(super) fn add_curvature(k: &GroupPoint, vectors: &[u32], f: &[Nodal], factor
 }
 
 /// Adds `scale · K d` to `out`; `blocks` holds the lower triangle of the symmetric element matrix K.
-pub(super) fn multiply_blocks(blocks: &[f64], d: &[Nodal], scale: f64, out: &mut [f64]) {
+pub(crate) fn multiply_blocks(blocks: &[f64], d: &[Nodal], scale: f64, out: &mut [f64]) {
     let mut block = blocks.chunks_exact(9);
     for a in 0..d.len() {
         for b in 0..=a {

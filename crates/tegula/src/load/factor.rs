@@ -25,12 +25,14 @@ pub struct LoadFactor {
     /// Whether the step does not have this load any more: its factor falls to 0 over a static step,
     /// and is 0 in a transient one.
     pub released: bool,
+    /// Whether the load stays at `start` throughout the step.
+    pub held: bool,
 }
 
 impl LoadFactor {
     /// Factor of a load that begins in this step.
     pub fn new(amplitude: Option<usize>) -> Self {
-        Self { amplitude, start: 0.0, released: false }
+        Self { amplitude, start: 0.0, released: false, held: false }
     }
 
     /// Factor at a time or load factor.
@@ -38,6 +40,9 @@ impl LoadFactor {
     /// Below load factor 0 a static step begins at −1, where amplitudes do not continue the step before: there the factor
     /// is the start, and at 0 the amplitude's `f(0)`.
     pub fn value(&self, amplitudes: &[TimeFunction], parameter: LoadParameter, at: f64) -> f64 {
+        if self.held {
+            return self.start;
+        }
         match (self.amplitude, parameter) {
             (_, LoadParameter::LoadFactor) if self.released => self.start * (1.0 - f64::clamp(at, 0.0, 1.0)),
             (_, LoadParameter::PathFactor) if self.released => self.start * (1.0 - at),
@@ -55,17 +60,17 @@ impl LoadFactor {
     /// Whether the amplitude, where there is one, begins at another factor than the load has at the start of the step.
     pub fn jumps(&self, amplitudes: &[TimeFunction]) -> bool {
         let follows = |i: usize| amplitudes.get(i).is_some_and(|a| a.value(0.0) != self.start);
-        !self.released && self.amplitude.is_some_and(follows)
+        !self.released && !self.held && self.amplitude.is_some_and(follows)
     }
 
     /// Key by which loads with the same factor can be grouped.
-    pub fn key(&self) -> (Option<usize>, u64, bool) {
-        (self.amplitude, self.start.to_bits(), self.released)
+    pub fn key(&self) -> (Option<usize>, u64, [bool; 2]) {
+        (self.amplitude, self.start.to_bits(), [self.released, self.held])
     }
 
     /// Index of the amplitude that the factor follows in this step.
     pub fn used_amplitude(&self) -> Option<usize> {
-        self.amplitude.filter(|_| !self.released)
+        self.amplitude.filter(|_| !self.released && !self.held)
     }
 }
 
@@ -83,10 +88,13 @@ mod tests {
         assert_eq!([at(&kept, 0.0), at(&kept, 0.3), at(&kept, 1.0)], [1.0; 3]);
         let released = LoadFactor { start: 0.8, released: true, ..new };
         assert_eq!([at(&released, -0.5), at(&released, 0.0), at(&released, 1.0)], [0.8, 0.8, 0.0]);
-        let driven = LoadFactor { amplitude: Some(0), start: 0.2, released: false };
+        let driven = LoadFactor { amplitude: Some(0), start: 0.2, ..new };
         assert_eq!([at(&driven, -1.0), at(&driven, 0.0), at(&driven, 1.0)], [0.2, 0.4, 0.4]);
         assert!((at(&driven, -0.5) - 0.3).abs() < 1e-15);
         assert!(driven.jumps(&amplitudes) && !kept.jumps(&amplitudes) && !released.jumps(&amplitudes));
         assert_eq!(kept.value(&amplitudes, LoadParameter::Time, 0.0), 1.0);
+        let held = LoadFactor { held: true, ..driven };
+        assert_eq!([at(&held, -1.0), at(&held, 0.5), at(&held, 1.0)], [0.2; 3]);
+        assert!(!held.jumps(&amplitudes));
     }
 }

@@ -107,6 +107,18 @@ fn corner_normals(mesh: &Mesh) -> Result<Vec<Vec3>> {
     if issues.is_empty() { Ok(normals) } else { Err(Error::Model(issues)) }
 }
 
+impl Mesh {
+    /// Unit normals of the bilinear facets at the corners of all quads; zero where a facet has none.
+    pub(crate) fn facet_normals(&self) -> Vec<[Vec3; 4]> {
+        let unit = |normal: Vec3| (normal / normal.amax()).try_normalize(0.0).unwrap_or_else(Vec3::zeros);
+        let of_quad = |quad: &[u32; 4]| match Facet::of(self, quad) {
+            Some(facet) => std::array::from_fn(|corner| unit(facet_normal(&facet, corner))),
+            None => [Vec3::zeros(); 4],
+        };
+        self.quads.iter().map(of_quad).collect()
+    }
+}
+
 /// Normal r,ξ × r,η at a corner; the mean normal where the corner is flat or reentrant.
 fn facet_normal(facet: &Facet, corner: usize) -> Vec3 {
     let (normal, mean) = (facet.corner_normal(corner), facet.area_vector());

@@ -235,11 +235,11 @@ fn halve_where_concave(lines: &Lines, shifts: &mut [[f64; 2]]) {
 }
 
 /// SplitMix64 (Steele, Lea & Flood, OOPSLA 2014): a few lines, the same numbers on every machine.
-struct Random(u64);
+pub(crate) struct Random(pub u64);
 
 impl Random {
     /// Uniform in −1…1.
-    fn symmetric(&mut self) -> f64 {
+    pub fn symmetric(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

@@ -26,6 +26,7 @@ mod topology;
 use std::collections::BTreeMap;
 
 pub(crate) use facet::show;
+pub(crate) use grid::Random;
 pub use labels::Labels;
 
 use crate::Vec3;

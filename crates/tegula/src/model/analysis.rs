@@ -1,11 +1,11 @@
-//! Analyses of the model file: static, modal, transient.
+//! Analyses of the model file: static, modal, buckling, transient.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Condition, FrequencyResponse, InitialVelocity, Load, PathAnalysis, PrescribedStrain, ResponseInput,
-    Scheme,
+    BucklingAnalysis, Condition, FrequencyResponse, InitialVelocity, Load, PathAnalysis, PrescribedStrain,
+    ResponseInput, Scheme,
 };
 
 /// Analysis to run.
@@ -18,6 +18,8 @@ pub enum Analysis {
     Path(PathAnalysis),
     /// Natural frequencies and mode shapes.
     Modal(ModalAnalysis),
+    /// Load factors of linear buckling and buckling modes.
+    Buckling(BucklingAnalysis),
     /// Motion in time.
     Transient(TransientAnalysis),
 }
@@ -29,6 +31,7 @@ pub enum Analysis {
 /// static step new loads grow from 0, and loads that only the step before had fall to 0; in a transient step new loads
 /// act from the start, and old ones are gone at once. Fixed components stay where they are at the start of the step. Joints of the
 /// model act in every step, but for those that a step releases; those that it locks do not move in it.
+/// A buckling step keeps all loads of the step before as they are; its own loads are those that the load factors multiply.
 /// Each step has its own load factor from 0 to 1, or its own time from 0.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -274,7 +277,7 @@ impl Analysis {
             Self::Static(options) => &options.stop,
             Self::Path(options) => &options.stop,
             Self::Transient(options) => &options.stop,
-            Self::Modal(_) => &[],
+            Self::Modal(_) | Self::Buckling(_) => &[],
         }
     }
 }

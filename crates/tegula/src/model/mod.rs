@@ -7,6 +7,7 @@
 mod analysis;
 mod beam;
 pub(crate) mod body;
+mod buckling;
 mod bushing;
 mod condition;
 mod curve_joint;
@@ -14,6 +15,7 @@ mod cut;
 mod element_kind;
 mod foundation;
 mod gear_joint;
+mod imperfection;
 pub mod joint;
 pub mod loads;
 mod mesh_source;
@@ -41,6 +43,7 @@ pub use crate::material::{
 pub use analysis::*;
 pub use beam::{Beam, BeamSection, CircularSection, RectangularSection, SectionConstants};
 pub use body::*;
+pub use buckling::{BucklingAnalysis, FactorSigns};
 pub use bushing::Bushing;
 pub use condition::*;
 pub use curve_joint::CurveJoint;
@@ -49,6 +52,7 @@ pub use element_kind::ElementKind;
 pub(crate) use element_kind::element_types;
 pub use foundation::{AreaFoundation, Foundation, FoundationOn};
 pub use gear_joint::GearJoint;
+pub use imperfection::{Imperfection, ModeImperfection, RandomImperfection};
 pub(crate) use joint::joints;
 pub use joint::{
     AxisJoint, CoordinateJoint, DRIVE, DirectorJoint, DistanceJoint, DrivenAngleJoint, DrivenLengthJoint,
@@ -138,6 +142,9 @@ pub struct Model {
     /// Strains without stress (heat, growth), and stresses without strain.
     #[serde(default)]
     pub prescribed_strains: Vec<PrescribedStrain>,
+    /// Deviations of the reference geometry of the mesh from the nominal one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub imperfections: Vec<Imperfection>,
     /// Functions of time by name, used by loads and prescribed motions.
     #[serde(default)]
     pub amplitudes: BTreeMap<String, Amplitude>,
@@ -171,6 +178,7 @@ impl Model {
             initial_velocities: Vec::new(),
             damping: Damping::default(),
             prescribed_strains: Vec::new(),
+            imperfections: Vec::new(),
             amplitudes: BTreeMap::new(),
             output: Output::default(),
         }

@@ -1,5 +1,7 @@
 //! Buffers and routines that sum element contributions: internal forces, tangent, energies.
 
+mod stress_stiffness;
+
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -12,6 +14,7 @@ use crate::Vec3;
 use crate::element::{ElementGroup, Motion, Nodal, TangentRequest, TangentWeights};
 use crate::lists::Lists;
 use crate::norm::larger;
+pub use stress_stiffness::LoadIncrement;
 
 /// Tangent coefficients: weights of the element parts, factor of the mass, and time of the follower loads.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -90,11 +90,21 @@ impl BodyCurvature {
             let vectors = group.vectors(number);
             let forces = &mut self.forces[..3 * vectors.len()];
             group.evaluate(k, number, forces, None);
-            for (&v, force) in vectors.iter().zip(forces.chunks_exact(3)) {
-                let Some(attached) = frames.dofs().carried(v as usize) else { continue };
-                self.sums[attached.triad as usize] -=
-                    frames.arm(&attached) * Vec3::from_column_slice(force).transpose();
-            }
+            subtract(&mut self.sums, (vectors, forces), frames);
+        }
+    }
+
+    /// Subtracts the forces of a group of joints or springs, which are known, on vectors that rigid bodies carry.
+    pub fn subtract_known_forces(
+        &mut self,
+        (group, reduction): (&dyn ElementGroup, &Reduction),
+        forces: &[f64],
+        frames: &LocalFrames,
+    ) {
+        let size = 3 * group.vectors_per_element();
+        for number in reduction.numbers() {
+            let forces = &forces[size * number..size * (number + 1)];
+            subtract(&mut self.sums, (group.vectors(number), forces), frames);
         }
     }
 
@@ -134,6 +144,14 @@ pub(super) fn connections(system: &System) -> impl Iterator<Item = (usize, &dyn 
 fn reduced(system: &System) -> impl Iterator<Item = (usize, &dyn ElementGroup, &Reduction)> {
     let reduced = system.groups.iter().zip(&system.reductions).enumerate();
     reduced.filter_map(|(g, (group, reduction))| Some((g, group.as_ref(), reduction.as_ref()?)))
+}
+
+/// Subtracts forces on nodal vectors from the sums of the bodies that carry these.
+fn subtract(sums: &mut [Mat3], (vectors, forces): (&[u32], &[f64]), frames: &LocalFrames) {
+    for (&v, force) in vectors.iter().zip(forces.chunks_exact(3)) {
+        let Some(attached) = frames.dofs().carried(v as usize) else { continue };
+        sums[attached.triad as usize] -= frames.arm(&attached) * Vec3::from_column_slice(force).transpose();
+    }
 }
 
 /// Block of two nodal vectors in the lower blocks of an element.

@@ -183,7 +183,7 @@ impl CirculatoryStiffness {
 
 /// Loaded edges that do not cancel: on the boundary of a surface, or between different pressures.
 fn boundary(loads: &[FollowerLoad]) -> Vec<PressureEdge> {
-    type Key = ([u32; 2], (Option<usize>, u64, bool));
+    type Key = ([u32; 2], (Option<usize>, u64, [bool; 2]));
     let mut sums: BTreeMap<Key, ([f64; 2], LoadFactor)> = BTreeMap::new();
     for load in loads {
         let FollowerLoad::Pressure { vectors, pressure, factor } = load else { continue };

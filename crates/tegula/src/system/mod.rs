@@ -373,7 +373,7 @@ impl System {
     /// Whether loads, prescribed strains and motions do not all grow in proportion.
     pub fn load_factors_differ(&self) -> bool {
         let loads = self.load_factors().map(|f| f.key());
-        let motions = self.dofs().prescribed.iter().filter(|p| !p.held).map(|p| (p.amplitude, 0, false));
+        let motions = self.dofs().prescribed.iter().filter(|p| !p.held).map(|p| (p.amplitude, 0, [false; 2]));
         let mut all = loads.chain(motions);
         let first = all.next();
         all.any(|key| Some(key) != first)

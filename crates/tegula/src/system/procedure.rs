@@ -16,6 +16,8 @@ pub enum Procedure {
     Path,
     /// Natural frequencies.
     Modal,
+    /// Linear buckling.
+    Buckling,
     /// Motion by an implicit scheme.
     Transient,
     /// Motion by an explicit scheme.
@@ -26,7 +28,7 @@ impl Procedure {
     /// Independent variable of the loads.
     pub fn parameter(self) -> LoadParameter {
         match self {
-            Self::Static | Self::IterativeStatic | Self::Modal => LoadParameter::LoadFactor,
+            Self::Static | Self::IterativeStatic | Self::Modal | Self::Buckling => LoadParameter::LoadFactor,
             Self::Path => LoadParameter::PathFactor,
             Self::Transient | Self::Explicit => LoadParameter::Time,
         }
@@ -34,7 +36,7 @@ impl Procedure {
 
     /// Whether the system needs the sparsity pattern of its tangent.
     pub fn has_tangent_pattern(self) -> bool {
-        matches!(self, Self::Static | Self::Path | Self::Modal | Self::Transient)
+        matches!(self, Self::Static | Self::Path | Self::Modal | Self::Buckling | Self::Transient)
     }
 
     /// Name in messages.
@@ -44,6 +46,7 @@ impl Procedure {
             Self::IterativeStatic => "static analysis with the iterative linear solver",
             Self::Path => "path analysis",
             Self::Modal => "modal analysis",
+            Self::Buckling => "buckling analysis",
             Self::Transient => "transient analysis with an implicit scheme",
             Self::Explicit => "transient analysis with an explicit scheme",
         }

@@ -58,7 +58,7 @@ fn analysed(model: &Model) -> (State, Option<Stopped>, Columns) {
             let outcome = dynamics::run(&system, options, None, &mut seen).unwrap();
             (outcome.state, outcome.stopped)
         }
-        Analysis::Path(_) | Analysis::Modal(_) => panic!(),
+        Analysis::Path(_) | Analysis::Modal(_) | Analysis::Buckling(_) => panic!(),
     };
     (state, stopped, seen)
 }

@@ -47,7 +47,7 @@ pub fn run(model: &Model) -> Result<Vec<Done>, Error> {
         let state = match &step.analysis {
             Analysis::Static(options) => statics::run(&system, options, None, &mut observer)?.state,
             Analysis::Transient(options) => dynamics::run(&system, options, None, &mut observer)?.state,
-            Analysis::Path(_) | Analysis::Modal(_) => panic!("no modes here"),
+            Analysis::Path(_) | Analysis::Modal(_) | Analysis::Buckling(_) => panic!("no modes here"),
         };
         end = Some(state.end_of_step());
         let First { notes, first } = observer;

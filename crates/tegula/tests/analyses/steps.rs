@@ -86,7 +86,7 @@ fn run(model: &Model, mut look: impl FnMut(usize, &System, &State)) -> Result<Ve
         let end = match &step.model.analysis {
             Analysis::Static(options) => statics::run(&system, options, None, &mut observer)?.state,
             Analysis::Transient(options) => dynamics::run(&system, options, None, &mut observer)?.state,
-            Analysis::Path(_) | Analysis::Modal(_) => State::default(),
+            Analysis::Path(_) | Analysis::Modal(_) | Analysis::Buckling(_) => State::default(),
         };
         ends.push(end);
     }

@@ -116,7 +116,7 @@ impl<'a> Problem<'a> {
         let rests = |part: usize| !strained && !moved[part];
         let rigid = RigidModes::new(system, &state, &parts, &newton.assembly.frames, rests);
         let linear = system.sections.iter().all(|s| s.section.is_linear());
-        let sprung = system.groups.iter().any(|group| OF_SPRINGS.contains(&group.name()));
+        let sprung = has_springs(system);
         let preloaded = sprung && is_preloaded(system, &state);
         let mut out = Self {
             system,
@@ -307,6 +307,11 @@ impl<'a> Problem<'a> {
     }
 }
 
+/// Whether a model has springs, torsion springs or bushings.
+pub(in crate::analysis) fn has_springs(system: &System) -> bool {
+    system.groups.iter().any(|group| OF_SPRINGS.contains(&group.name()))
+}
+
 /// Whether springs have forces in a state, which act on its stiffness.
 fn is_preloaded(system: &System, state: &State) -> bool {
     let factors: Vec<f64> = system.factors(state.time).collect();
@@ -359,7 +364,7 @@ fn stiffness(
 }
 
 /// Ends the analysis if the user has asked for it.
-pub(super) fn go_on(watch: &dyn Observer) -> Result<()> {
+pub(in crate::analysis) fn go_on(watch: &dyn Observer) -> Result<()> {
     if watch.interrupted() { Err(Error::Interrupted) } else { Ok(()) }
 }
 

@@ -71,6 +71,9 @@ impl Piece {
         options: &PathAnalysis,
     ) -> Result<Self, String> {
         let Start { point, negative } = start;
+        if point.expected == 0.0 {
+            in_equilibrium(system, expansion, &point)?;
+        }
         let direction = Direction { u: &point.direction, load: point.load_rate };
         let mut series =
             expansion.series(system, (&point.u, point.load), (direction, point.expected), options)?;
@@ -224,6 +227,21 @@ impl Piece {
         let passed = self.critical.iter().filter(|point| point.position <= position);
         (self.negative as i32 + passed.map(|point| point.change).sum::<i32>()).max(0) as usize
     }
+}
+
+/// Refuses a path that does not begin in equilibrium: the residual of later pieces is that of the series before.
+fn in_equilibrium(system: &System, expansion: &mut Expansion, point: &ExpansionPoint) -> Result<(), String> {
+    let mut residual = vec![0.0; system.unknowns()];
+    let size = expansion.residual(system, &point.u, point.load, &mut residual);
+    let largest = max_norm(residual.iter().copied());
+    if largest <= LARGEST_RESIDUAL * size {
+        return Ok(());
+    }
+    Err(format!(
+        "its start is not in equilibrium, the residual is {:.1e} of the forces: loads, prescribed displacements and strains must begin at \
+         load factor 0 where the step before has left them (an amplitude must be 0 there in a first step)",
+        largest / size
+    ))
 }
 
 /// Length up to which a series has a small residual and at whose end the tangent has a factor: the wanted one or a shorter one; and the

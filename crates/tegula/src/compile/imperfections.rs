@@ -1,0 +1,157 @@
+//! Imperfections: the reference geometry of the mesh moved away from the nominal one, free of stress.
+
+use std::f64::consts::TAU;
+
+use super::{Compiler, steps};
+use crate::analysis::{Observer, buckling};
+use crate::checker::Checker;
+use crate::mesh::{Mesh, Random};
+use crate::model::{Analysis, BucklingAnalysis, Imperfection, ModeImperfection, Model, RandomImperfection};
+use crate::norm::larger;
+use crate::{Error, Result, Vec3};
+
+/// Number of waves of a random field.
+const WAVES: usize = 400;
+
+/// Mesh with the imperfections of a model; `None` where it has none.
+///
+/// Positions are displaced, and normals that are known turn with the facets; directors follow from them. The modes are those of the nominal
+/// mesh under the loads of the first analysis step, about the reference configuration.
+///
+/// # Errors
+/// The buckling modes cannot be computed, or the model has mistakes.
+pub fn imperfect_mesh(model: &Model, mesh: &Mesh, observer: &mut dyn Observer) -> Result<Option<Mesh>> {
+    if model.imperfections.is_empty() {
+        return Ok(None);
+    }
+    let mut c = Checker::default();
+    keys(model, &mut c);
+    if !c.issues.is_empty() {
+        return Err(Error::Model(c.issues));
+    }
+    let mut displaced = vec![Vec3::zeros(); mesh.positions.len()];
+    let wanted = model.imperfections.iter().filter_map(|imperfection| match imperfection {
+        Imperfection::Mode(keys) => Some(keys.mode),
+        Imperfection::Random(_) => None,
+    });
+    let modes = match wanted.max() {
+        Some(number) => modes(model, mesh, number, observer)?,
+        None => Vec::new(),
+    };
+    for (i, imperfection) in model.imperfections.iter().enumerate() {
+        match imperfection {
+            Imperfection::Mode(ModeImperfection { mode, amplitude }) => {
+                let Some(shape) = modes.get(*mode as usize - 1) else {
+                    return Err(Error::model(
+                        format!("imperfections[{i}].mode"),
+                        format!("the structure has only {} buckling modes", modes.len()),
+                        "name one of them",
+                    ));
+                };
+                add(&mut displaced, shape, *amplitude);
+            }
+            Imperfection::Random(keys) => add(&mut displaced, &random(mesh, keys), keys.amplitude),
+        }
+    }
+    Ok(Some(moved(mesh, &displaced)))
+}
+
+/// Mistakes in the values of imperfections.
+pub(super) fn keys(model: &Model, c: &mut Checker) {
+    for (i, imperfection) in model.imperfections.iter().enumerate() {
+        let key = format!("imperfections[{i}]");
+        let amplitude = match imperfection {
+            Imperfection::Mode(keys) => {
+                if keys.mode == 0 {
+                    c.add(format!("{key}.mode"), "modes are counted from 1", "give at least 1");
+                }
+                keys.amplitude
+            }
+            Imperfection::Random(keys) => {
+                c.positive(
+                    &format!("{key}.correlation_length"),
+                    "the correlation length",
+                    keys.correlation_length,
+                );
+                keys.amplitude
+            }
+        };
+        c.finite(&format!("{key}.amplitude"), "the amplitude", &[amplitude]);
+    }
+}
+
+fn add(field: &mut [Vec3], shape: &[Vec3], factor: f64) {
+    field.iter_mut().zip(shape).for_each(|(x, shape)| *x += shape * factor);
+}
+
+/// Displacements of the nodes in the first buckling modes.
+fn modes(model: &Model, mesh: &Mesh, number: u32, observer: &mut dyn Observer) -> Result<Vec<Vec<Vec3>>> {
+    let Some(first) = steps(model).into_iter().next() else { return Ok(Vec::new()) };
+    let mut nominal = first.model;
+    nominal.analysis = Analysis::Buckling(BucklingAnalysis::new(number));
+    nominal.imperfections.clear();
+    nominal.initial_velocities.clear();
+    nominal.steps.clear();
+    nominal.output = Default::default();
+    let options = BucklingAnalysis::new(number);
+    let system = Compiler::new(&nominal, mesh)?.system(0, None)?;
+    let found = buckling::run(&system, &options, observer)?;
+    let of_node = |shape: &[crate::element::Nodal], &v: &u32| match v {
+        u32::MAX => Vec3::zeros(),
+        v => Vec3::from(shape[v as usize]),
+    };
+    let nodes = &system.coordinates.position_of[..mesh.positions.len()];
+    Ok(found.modes.iter().map(|mode| nodes.iter().map(|v| of_node(&mode.shape, v)).collect()).collect())
+}
+
+/// Random displacements along the normals, the largest of which is 1: a sum of waves with random directions and phases, whose wave vectors
+/// are normally distributed with the standard deviation 1/ℓ (spectral representation; M. Shinozuka, C.-M. Jan, *Digital simulation of random processes and its
+/// applications*, J. Sound Vib. 25 (1972) 111–128).
+fn random(mesh: &Mesh, keys: &RandomImperfection) -> Vec<Vec3> {
+    let mut numbers = Random(keys.seed);
+    let mut wave = || {
+        let wave = Vec3::from_fn(|_, _| normal(&mut numbers)) / keys.correlation_length;
+        (wave, TAU * uniform(&mut numbers))
+    };
+    let waves: Vec<(Vec3, f64)> = (0..WAVES).map(|_| wave()).collect();
+    let value = |x: &Vec3| waves.iter().map(|(wave, phase)| (wave.dot(x) + phase).cos()).sum::<f64>();
+    let values: Vec<f64> = mesh.positions.iter().map(value).collect();
+    let largest = values.iter().map(|x| x.abs()).fold(0.0, larger);
+    let scale = if largest > 0.0 { 1.0 / largest } else { 0.0 };
+    normals(mesh).iter().zip(values).map(|(normal, x)| normal * (x * scale)).collect()
+}
+
+/// Uniform number in 0…1, without 0.
+fn uniform(numbers: &mut Random) -> f64 {
+    0.5 * (1.0 - numbers.symmetric())
+}
+
+/// Number of the standard normal distribution (Box and Muller).
+fn normal(numbers: &mut Random) -> f64 {
+    (-2.0 * uniform(numbers).ln()).sqrt() * (TAU * uniform(numbers)).cos()
+}
+
+/// Mean unit normal of the facets at each node; zero where it has none.
+fn normals(mesh: &Mesh) -> Vec<Vec3> {
+    let mut out = vec![Vec3::zeros(); mesh.positions.len()];
+    for (quad, corners) in mesh.quads.iter().zip(mesh.facet_normals()) {
+        quad.iter().zip(corners).for_each(|(&node, normal)| out[node as usize] += normal);
+    }
+    out.iter().map(|normal| normal.try_normalize(0.0).unwrap_or_else(Vec3::zeros)).collect()
+}
+
+/// Mesh with displaced nodes. Known normals change like those of the facets.
+fn moved(mesh: &Mesh, displaced: &[Vec3]) -> Mesh {
+    let mut out = mesh.clone();
+    out.positions.iter_mut().zip(displaced).for_each(|(x, u)| *x += u);
+    let (before, after) = (mesh.facet_normals(), out.facet_normals());
+    if let Some(normals) = &mut out.normals {
+        for (normals, (before, after)) in normals.iter_mut().zip(before.iter().zip(&after)) {
+            for (normal, (before, after)) in normals.iter_mut().zip(before.iter().zip(after)) {
+                let turned = *normal + (after - before);
+                *normal = turned.try_normalize(0.0).unwrap_or(*normal);
+            }
+        }
+    }
+    out
+}

@@ -1,0 +1,149 @@
+//! Imperfections of the reference geometry: shapes of buckling modes and random fields.
+
+use crate::common::{on, plate, vector_load};
+use tegula::analysis::{Silent, buckling, statics};
+use tegula::compile::{build, imperfect_mesh};
+use tegula::mesh::generators::generate;
+use tegula::model::*;
+use tegula::norm::max_norm;
+use tegula::{Error, Mesh, Vec3};
+
+const LENGTH: f64 = 1.0;
+
+/// A column between hinges, compressed by a force.
+fn column(force: f64) -> Model {
+    let analysis = Analysis::Static(StaticAnalysis::default());
+    let mesh = plate([LENGTH, 0.1], [32, 1], 0.0);
+    let mut m = Model::new(mesh, analysis, Isotropic::new(2e7, 0.0, 1.0), 0.005);
+    let guided = FixComponents { on: "u_max".into(), position: vec![Axis::Y, Axis::Z], director: Vec::new() };
+    m.conditions = vec![Condition::Hinge(on("u_min")), Condition::Fix(guided)];
+    m.loads = vec![Load::Edge(vector_load("u_max", [-10.0 * force, 0.0, 0.0]))];
+    m
+}
+
+fn bowed(m: &Model) -> Mesh {
+    imperfect_mesh(m, &generate(&m.mesh).unwrap(), &mut Silent).unwrap().unwrap()
+}
+
+fn mode(mode: u32, amplitude: f64) -> Imperfection {
+    Imperfection::Mode(ModeImperfection { mode, amplitude })
+}
+
+/// R. V. Southwell, Proc. R. Soc. London A 135 (1932) 601–616: of a column with an imperfection a in the shape of the first mode the additional deflection is
+/// w = a P/(P_c − P), so that w over w/P is a line of the slope P_c.
+#[test]
+fn the_southwell_plot_of_an_imperfect_column_has_the_slope_of_the_buckling_load() {
+    let analysis = Analysis::Buckling(BucklingAnalysis::new(1));
+    let perfect = Model { analysis, ..column(1.0) };
+    let system = build(&perfect, &generate(&perfect.mesh).unwrap()).unwrap();
+    let critical = buckling::run(&system, &BucklingAnalysis::new(1), &mut Silent).unwrap().modes[0].factor;
+    let amplitude = 1e-4;
+    let deflection = |part: f64| {
+        let mut m = column(part * critical);
+        m.imperfections = vec![mode(1, amplitude)];
+        let mesh = bowed(&m);
+        let largest = max_norm(mesh.positions.iter().map(|x| x.z));
+        assert!((largest / amplitude - 1.0).abs() < 1e-9, "{largest}");
+        let system = build(&m, &mesh).unwrap();
+        let Analysis::Static(options) = &m.analysis else { panic!() };
+        let state = statics::run(&system, options, None, &mut Silent).unwrap().state;
+        let vectors = system.coordinates.position_of.iter();
+        max_norm(vectors.map(|&v| state.u[v as usize][2]))
+    };
+    let parts = [0.3, 0.5, 0.7];
+    let found = parts.map(deflection);
+    for (part, w) in parts.into_iter().zip(found) {
+        let expected = amplitude * part / (1.0 - part);
+        assert!((w / expected - 1.0).abs() < 1e-2, "{part} {w} {expected}");
+    }
+    let slope = |i: usize, j: usize| (found[j] - found[i]) / (found[j] / parts[j] - found[i] / parts[i]);
+    for (i, j) in [(0, 1), (1, 2)] {
+        assert!((slope(i, j) - 1.0).abs() < 1e-2, "{}", slope(i, j));
+    }
+}
+
+/// Amplitudes of two modes add up; directors of curved shells keep their normals where nothing is displaced.
+#[test]
+fn imperfections_add_up() {
+    let mut m = column(1.0);
+    let nominal = generate(&m.mesh).unwrap();
+    let displaced = |m: &Model| -> Vec<Vec3> {
+        bowed(m).positions.iter().zip(&nominal.positions).map(|(x, nominal)| x - nominal).collect()
+    };
+    let of = |m: &mut Model, list: Vec<Imperfection>| {
+        m.imperfections = list;
+        displaced(m)
+    };
+    let first = of(&mut m, vec![mode(1, 1e-3)]);
+    let second = of(&mut m, vec![mode(2, -2e-3)]);
+    let both = of(&mut m, vec![mode(1, 1e-3), mode(2, -2e-3)]);
+    let differences = both.iter().zip(first.iter().zip(&second)).map(|(c, (a, b))| (c - a - b).norm());
+    assert!(max_norm(differences) < 1e-12);
+    m.imperfections.clear();
+    assert!(imperfect_mesh(&m, &nominal, &mut Silent).unwrap().is_none());
+}
+
+/// On a cylinder: along the normals, the largest deviation as given, the same for the same seed, smooth over the correlation length, and
+/// uncorrelated with another seed.
+#[test]
+fn random_imperfections_are_smooth_and_normal_to_the_surface() {
+    let mesh = MeshSource::Cylinder(CylinderMesh {
+        center: [0.0; 3],
+        axis: [0.0, 1.0, 0.0],
+        start: [0.0, 0.0, 1.0],
+        radius: 1.0,
+        angles: [0.0, 180.0],
+        length: 2.0,
+        grid: Grid::uniform(60, 40),
+    });
+    let analysis = Analysis::Static(StaticAnalysis::default());
+    let mut m = Model::new(mesh, analysis, Isotropic::new(1.0, 0.3, 1.0), 0.01);
+    let nominal = generate(&m.mesh).unwrap();
+    let deviation = |m: &Model| -> Vec<f64> {
+        let mesh = bowed(m);
+        let along = mesh.positions.iter().zip(&nominal.positions).map(|(x, at)| {
+            let radial = Vec3::new(at.x, 0.0, at.z).normalize();
+            let u = x - at;
+            // The normals of the outermost facets differ from that of the cylinder by half their angle.
+            assert!((u - radial * radial.dot(&u)).norm() <= 0.03 * u.norm());
+            radial.dot(&u)
+        });
+        along.collect()
+    };
+    let of = |m: &mut Model, seed: u64| {
+        let keys = RandomImperfection { amplitude: 0.02, correlation_length: 0.3, seed };
+        m.imperfections = vec![Imperfection::Random(keys)];
+        deviation(m)
+    };
+    let (first, again, other) = (of(&mut m, 1), of(&mut m, 1), of(&mut m, 2));
+    assert_eq!(first, again);
+    assert!((max_norm(first.iter().copied()) / 0.02 - 1.0).abs() < 1e-3);
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let correlation = |a: &[f64], b: &[f64]| product(a, b) / (product(a, a) * product(b, b)).sqrt();
+    assert!(correlation(&first, &other).abs() < 0.5, "{}", correlation(&first, &other));
+    // Neighbours along the axis: 0.05 apart, exp(−0.05²/(2·0.3²)) = 0.986.
+    let pairs: Vec<(f64, f64)> = (0..nominal.positions.len())
+        .filter_map(|i| {
+            let next = nominal.positions[i] + Vec3::new(0.0, 0.05, 0.0);
+            let j = nominal.positions.iter().position(|x| (x - next).norm() < 1e-9)?;
+            Some((first[i], first[j]))
+        })
+        .collect();
+    let (a, b): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
+    assert!((correlation(&a, &b) - 0.986).abs() < 0.01, "{}", correlation(&a, &b));
+}
+
+#[test]
+fn mistakes_in_imperfections_are_found() {
+    let mut m = column(1.0);
+    let mesh = generate(&m.mesh).unwrap();
+    let mut refused = |list: Vec<Imperfection>, expected: &str| {
+        m.imperfections = list;
+        let Err(Error::Model(issues)) = imperfect_mesh(&m, &mesh, &mut Silent) else { panic!("{expected}") };
+        assert!(issues.iter().any(|issue| issue.to_string().contains(expected)), "{issues:?}");
+    };
+    refused(vec![mode(0, 1.0)], "imperfections[0].mode");
+    refused(vec![mode(1, f64::NAN)], "imperfections[0].amplitude");
+    let rough = RandomImperfection { amplitude: 1.0, correlation_length: 0.0, seed: 0 };
+    refused(vec![mode(1, 1.0), Imperfection::Random(rough)], "imperfections[1].correlation_length");
+}
