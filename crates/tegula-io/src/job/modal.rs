@@ -48,7 +48,7 @@ fn spectrum(
         equilibrium = Some(State { time: 1.0, ..State::first(system) });
     }
     let (outcome, response) = modal::run_with_inputs(system, analysis, equilibrium.as_ref(), forward)?;
-    let about = equilibrium.unwrap_or_else(|| State::first(system));
+    let about = equilibrium.unwrap_or_else(|| State::unloaded(system));
     Ok(Found { about, outcome, response, campbell: None })
 }
 

@@ -128,6 +128,11 @@ impl State {
         }
     }
 
+    /// State without loads about which a model vibrates: the reference configuration at rest, or the position in which it is assembled.
+    pub fn unloaded(system: &System) -> Self {
+        if system.continues() { Self::at_rest(system) } else { Self::first(system) }
+    }
+
     /// Velocities that the time integration scheme carries along, whose kinetic energy it accounts for.
     pub fn velocities_of_scheme(&self) -> &[Nodal] {
         if self.scheme_v.is_empty() { &self.v } else { &self.scheme_v }

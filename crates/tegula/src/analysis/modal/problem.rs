@@ -97,7 +97,7 @@ impl<'a> Problem<'a> {
     /// The factor does not fit in memory, or there is no mass or stiffness.
     pub fn new(system: &'a System, equilibrium: Option<&State>) -> Result<Self> {
         let mut newton = Newton::new(system, Some(NewtonMethod::Displacement))?;
-        let state = equilibrium.cloned().unwrap_or_else(|| State::first(system));
+        let state = equilibrium.cloned().unwrap_or_else(|| State::unloaded(system));
         let penalty = equilibrium::penalty(system, &mut newton.assembly, &state);
         let (u, time) = (state.u.as_slice(), state.time);
         let stiffness = stiffness(system, &mut newton, (&state, penalty), equilibrium.is_some());

@@ -130,8 +130,7 @@ impl RigidModes {
 
     /// Number of rigid motions of a model at rest that are free, also where it has no mass.
     pub fn count(system: &System) -> usize {
-        let state = if system.continues() { State::at_rest(system) } else { State::first(system) };
-        let parts = Parts::new(system);
+        let (parts, state) = (Parts::new(system), State::unloaded(system));
         let kinds = &system.coordinates.kinds;
         let weighted = |field: &[Nodal], sizes: &[f64]| {
             let weight =
