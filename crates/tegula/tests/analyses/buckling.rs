@@ -463,7 +463,14 @@ fn bar(name: &str, at: [f64; 3]) -> RigidBody {
 }
 
 fn axis_joint(name: &str, [a, b]: [&str; 2], at: [f64; 3], axis: [f64; 3]) -> AxisJoint {
-    AxisJoint { name: name.into(), between: [a.into(), b.into()], at, axis }
+    AxisJoint {
+        name: name.into(),
+        between: [a.into(), b.into()],
+        at,
+        axis,
+        second_at: None,
+        second_axis: None,
+    }
 }
 
 fn hinge(name: &str, between: [&str; 2], x: f64) -> Joint {
@@ -583,6 +590,7 @@ fn a_column_of_beam_elements_buckles() {
             name: "clamp".into(),
             between: ["ground".into(), "beam.start".into()],
             at: [0.0; 3],
+            second_at: None,
         };
         let mut m = buckling_machine(Vec::new(), vec![Joint::Fixed(clamp)], "beam.end", [-1.0, 0.0, 0.0]);
         let section = BeamSection::Rectangle(RectangularSection { size });
