@@ -124,25 +124,20 @@ impl<'a> PathSteps<'a> {
     }
 
     /// Makes sure that the present piece leads on from the state.
-    fn provide_piece(&mut self, observer: &mut dyn Observer) -> Result<()> {
+    fn provide_piece(&mut self) -> Result<()> {
         let path = self.path();
         let (position, recorded) = (path.position, path.expansion.clone());
-        if self.piece.as_ref().is_some_and(|piece| piece.leads_on_from(position)) {
-            return Ok(());
+        while !self.piece.as_ref().is_some_and(|piece| piece.leads_on_from(position)) {
+            let goes_on = self.piece.as_mut().filter(|piece| position == piece.end_position());
+            let start = match goes_on.and_then(Piece::next_start) {
+                Some(start) => start,
+                // The piece of a run that is resumed or repeated is found anew; the state may be the end of it.
+                None => Start::new(self.system, &mut self.expansion, recorded.clone())
+                    .map_err(|reason| self.error(&reason))?,
+            };
+            self.piece = Some(self.find_piece(start)?);
         }
-        let goes_on = self.piece.as_mut().filter(|piece| position == piece.end_position());
-        let start = match goes_on.and_then(Piece::next_start) {
-            Some(start) => start,
-            // The piece of a run that is resumed or repeated is found anew.
-            None => Start::new(self.system, &mut self.expansion, recorded).map_err(|r| self.error(&r))?,
-        };
-        let piece = self.find_piece(start)?;
-        self.piece = Some(piece);
-        if self.piece.as_ref().is_some_and(|piece| piece.leads_on_from(position)) {
-            return Ok(());
-        }
-        // The state is the end of the piece that was found anew.
-        self.provide_piece(observer)
+        Ok(())
     }
 
     fn find_piece(&mut self, start: Start) -> Result<Piece> {
@@ -229,7 +224,7 @@ impl Stepper for PathSteps<'_> {
         if observer.interrupted() {
             return Err(Error::Interrupted);
         }
-        self.provide_piece(observer)?;
+        self.provide_piece()?;
         let position = self.path().position;
         let Some(piece) = &self.piece else { return Ok(0) };
         let next = piece.next_point(position, self.limit);
