@@ -379,3 +379,47 @@ fn a_buckled_strip_is_an_elastica() {
     }
     assert!(compared > 10 && up.last().unwrap()[1] == 1.5);
 }
+
+/// The crossing path of the arch without symmetry leads to the other bifurcation of the symmetric one and, on the other side, back to the
+/// first: with the constant compression of the antisymmetric mode its load falls in proportion to the change of the deflection.
+#[test]
+fn the_crossing_path_of_an_arch_is_closed() {
+    let (mut m, exact) = arch(48, 0.01);
+    let loads = critical_loads(&exact);
+    m.loads = vec![Load::Traction(vector_load("all", [0.0, 0.0, -loads[1]]))];
+    m.analysis = Analysis::Path(PathAnalysis { end_load: 1.5, switch_at: vec![1], ..Default::default() });
+    let (outcome, points) = follow(&m, "u_min_v_min");
+    let found = critical(&outcome);
+    let kinds: Vec<_> = found.iter().map(|point| point.kind).collect();
+    println!(
+        "{:?} {}",
+        found.iter().map(|p| (p.kind, p.load * loads[1], p.change)).collect::<Vec<_>>(),
+        points.len()
+    );
+    assert!(kinds.iter().all(|kind| *kind == CriticalKind::Bifurcation), "{kinds:?}");
+    assert!(outcome.state.path.as_ref().unwrap().finished && outcome.statistics.factorizations < 200);
+    assert!((found[0].load - found.last().unwrap().load).abs() < 1e-6);
+    // The other bifurcation of the symmetric path.
+    let lower = found.iter().map(|point| point.load * loads[1]).min_by(f64::total_cmp).unwrap();
+    assert!((lower - loads[3]).abs() < 0.01 * loads[1], "{lower} {}", loads[3]);
+}
+
+/// Load factors of limit points do not depend on the tolerance of the series: they are corrected by the residual.
+#[test]
+fn limit_loads_are_accurate_to_eight_digits() {
+    let limits = |tolerance: f64| {
+        let mut m = roof(8, 6.35);
+        if let Analysis::Path(path) = &mut m.analysis {
+            path.tolerance = tolerance;
+        }
+        let (outcome, _) = follow(&m, "u_min_v_min");
+        critical(&outcome).iter().map(|point| point.load).collect::<Vec<_>>()
+    };
+    let precise = limits(1e-13);
+    assert_eq!(precise.len(), 2);
+    for tolerance in [1e-9, 1e-7] {
+        for (load, exact) in limits(tolerance).iter().zip(&precise) {
+            assert!((load / exact - 1.0).abs() < 1e-8, "{tolerance:e}: {load} {exact}");
+        }
+    }
+}

@@ -182,9 +182,19 @@ impl<'a> PathSteps<'a> {
                 found.load,
                 piece.negative_at(found.position)
             ));
+            if let Some(earlier) =
+                path.critical.iter().find(|earlier| earlier.is_passed_again_at(system, found))
+            {
+                observer.on_event(&format!(
+                    "the path is closed and ends here: it has passed this {} before, at the path parameter {:.6e}",
+                    found.kind.name(),
+                    earlier.position
+                ));
+                path.finished = true;
+            }
             path.critical.push(found.clone());
         }
-        path.finished = piece.is_last() && path.position >= piece.end_position();
+        path.finished |= piece.is_last() && path.position >= piece.end_position();
         state.negative_pivots = piece.negative_at(path.position);
         if !self.reactions.is_empty() {
             let after = reactions(system, expansion.assembly(), state);

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::element::Nodal;
+use crate::system::System;
 
 /// Place on a path at which it is expanded into a power series.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -60,6 +61,21 @@ pub struct CriticalPoint {
     pub u: Vec<Nodal>,
     /// Eigenvector: motion at constant load, of unit norm ([`System::norm`](crate::System::norm)).
     pub mode: Vec<Nodal>,
+}
+
+/// Distance of two points of a path over the size of the displacements, and difference of their load factors over them, below which they
+/// are one.
+const SAME: f64 = 1e-5;
+
+impl CriticalPoint {
+    /// Whether a later point is this one.
+    pub fn is_passed_again_at(&self, system: &System, later: &Self) -> bool {
+        let difference: Vec<Nodal> =
+            self.u.iter().zip(&later.u).map(|(a, b)| std::array::from_fn(|i| a[i] - b[i])).collect();
+        self.kind == later.kind
+            && system.norm(&difference) <= SAME * system.norm(&self.u)
+            && (self.load - later.load).abs() <= SAME * self.load.abs()
+    }
 }
 
 /// State of a path.
