@@ -1,6 +1,6 @@
 //! Analysis steps of a model, each with results in a folder of its own.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use tegula::compile::{Compiler, StepModel, warnings_at_start};
 use tegula::model::Analysis;
@@ -111,6 +111,9 @@ impl Whole {
                 }
             };
             self.take(i, &done);
+            if matches!(step.model.analysis, Analysis::Path(_)) && done.time != 1.0 && i + 1 < count {
+                return Err(ended_early(&done, place));
+            }
             ends.push(end_of(&step.model.analysis, &place, &of_step)?);
         }
         Ok(())
@@ -177,6 +180,16 @@ impl Whole {
         self.summary.write(folder.path())?;
         outcome.map(|()| self.summary)
     }
+}
+
+/// Error of a path that has not reached load factor 1, where the next step begins.
+fn ended_early(summary: &Summary, folder: PathBuf) -> JobError {
+    let error = tegula::Error::NotConverged {
+        at: format!("load factor {:.6}", summary.time),
+        reason: "the path has ended before load factor 1, where the loads of the next step begin".into(),
+        help: "Give it more `max_expansions`, or let it be the last step.".into(),
+    };
+    JobError::Analysis { error, folder }
 }
 
 fn listed(number: usize, step: &StepModel) -> StepSummary {

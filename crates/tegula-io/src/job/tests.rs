@@ -259,6 +259,7 @@ fn distinct(system: &System) -> CheckpointData {
         expansion,
         negative_at_expansion: 79,
         critical: vec![point],
+        loads: [80.0, 81.0],
         finished: true,
     }));
     let balance = &mut memory.balance;

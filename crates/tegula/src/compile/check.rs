@@ -501,7 +501,7 @@ impl Checker {
             }
             Analysis::Path(path) => {
                 self.something_acts(model, continues);
-                super::check_path::path(path, self);
+                super::check_path::path(model, path, self);
             }
             Analysis::Modal(modal) => super::check_modal::modal(model, modal, self),
             Analysis::Buckling(buckling) => super::check_buckling::buckling(model, buckling, self),

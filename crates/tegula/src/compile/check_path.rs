@@ -1,10 +1,17 @@
 //! Checks of the keys of a path.
 
 use crate::checker::Checker;
-use crate::model::PathAnalysis;
+use crate::model::{Model, PathAnalysis};
 
 /// Mistakes in the keys of a path.
-pub(super) fn path(path: &PathAnalysis, c: &mut Checker) {
+pub(super) fn path(model: &Model, path: &PathAnalysis, c: &mut Checker) {
+    if model.output.interval.is_some_and(|interval| interval > 0.0) {
+        c.add(
+            "output.interval",
+            "the points of a path have no times, and its load factors may fall: there are no intervals between field files",
+            "give `every`, a number of points, or list load factors in `output.at`",
+        );
+    }
     if !path.end_load.is_finite() || path.end_load == 0.0 {
         c.add(
             "analysis.end_load",
@@ -13,7 +20,7 @@ pub(super) fn path(path: &PathAnalysis, c: &mut Checker) {
         );
     }
     c.positive("analysis.tolerance", "the tolerance", path.tolerance);
-    for (key, value) in [("max_steps", path.max_steps), ("points", path.points)] {
+    for (key, value) in [("max_expansions", path.max_expansions), ("points", path.points)] {
         if value == 0 {
             c.add(format!("analysis.{key}"), format!("`{key}` is 0"), "give at least 1");
         }

@@ -43,7 +43,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::analysis::statics;
+use crate::analysis::{path, statics};
 use crate::constraint::{
     Bushing, BushingGroup, FoundationGroup, Joint, JointGroup, Sensor, Spring, SpringGroup, TorsionSpring,
     TorsionSpringGroup,
@@ -491,6 +491,9 @@ impl<'a> Compiler<'a> {
         }
         if issues.is_empty() && is_static && !self.keeps_supports(step, &system.supports) {
             release_supports(&mut system, mesh);
+        }
+        if issues.is_empty() && procedure == Procedure::Path {
+            issues.extend(path::outside_of_scope(&system));
         }
         if issues.is_empty() { Ok(system) } else { Err(Error::Model(issues)) }
     }

@@ -15,7 +15,7 @@ pub struct PathAnalysis {
     /// Expansions after which the path ends.
     #[schemars(range(min = 1))]
     #[serde(default = "two_hundred")]
-    pub max_steps: u32,
+    pub max_expansions: u32,
     /// Highest order of the power series.
     #[schemars(range(min = 5, max = 60))]
     #[serde(default = "twenty")]
@@ -41,7 +41,7 @@ impl Default for PathAnalysis {
     fn default() -> Self {
         Self {
             end_load: full_load(),
-            max_steps: two_hundred(),
+            max_expansions: two_hundred(),
             order: twenty(),
             tolerance: tolerance(),
             points: ten(),

@@ -279,10 +279,6 @@ fn a_shallow_arch_has_the_limit_points_and_bifurcations_of_the_closed_form() {
         m.analysis = Analysis::Path(PathAnalysis { end_load: 1.5, ..Default::default() });
         let (outcome, _) = follow(&m, "u_min_v_min");
         let found = critical(&outcome);
-        println!("{thickness}: {loads:?} {:?}", outcome.statistics);
-        for point in &found {
-            println!("{:?} {} {}", point.kind, point.load * loads[1], point.change);
-        }
         let kinds: Vec<_> = found.iter().map(|point| (point.kind, point.change)).collect();
         assert_eq!(kinds, [(Bifurcation, 1), (Limit, 1), (Limit, -1), (Bifurcation, -1)], "{thickness}");
         for (point, load) in found.iter().zip(loads) {
@@ -366,7 +362,6 @@ fn a_buckled_strip_is_an_elastica() {
     );
     assert!((found[0].load - 1.0).abs() < 3e-4, "{}", found[0].load);
     assert_eq!(outcome.state.negative_pivots, 0);
-    println!("{:?} {} points", outcome.statistics, up.len());
     let mut compared = 0;
     for (a, b) in up.iter().zip(&down) {
         assert!((a[0] + b[0]).abs() < 1e-6 * length && (a[1] - b[1]).abs() < 1e-6, "{a:?} {b:?}");
@@ -391,11 +386,6 @@ fn the_crossing_path_of_an_arch_is_closed() {
     let (outcome, points) = follow(&m, "u_min_v_min");
     let found = critical(&outcome);
     let kinds: Vec<_> = found.iter().map(|point| point.kind).collect();
-    println!(
-        "{:?} {}",
-        found.iter().map(|p| (p.kind, p.load * loads[1], p.change)).collect::<Vec<_>>(),
-        points.len()
-    );
     assert!(kinds.iter().all(|kind| *kind == CriticalKind::Bifurcation), "{kinds:?}");
     assert!(outcome.state.path.as_ref().unwrap().finished && outcome.statistics.factorizations < 200);
     assert!((found[0].load - found.last().unwrap().load).abs() < 1e-6);
@@ -421,5 +411,65 @@ fn limit_loads_are_accurate_to_eight_digits() {
         for (load, exact) in limits(tolerance).iter().zip(&precise) {
             assert!((load / exact - 1.0).abs() < 1e-8, "{tolerance:e}: {load} {exact}");
         }
+    }
+}
+
+/// The path of a structure with a small imperfection, even if its bifurcation is near, is that of the imperfect structure: points at the
+/// same load as equilibria of a static analysis.
+#[test]
+fn paths_of_imperfect_structures_are_theirs() {
+    let (length, h, young) = (10.0, 0.05_f64, 1e7);
+    let euler = std::f64::consts::PI.powi(2) * young * h.powi(3) / 12.0 / (4.0 * length * length);
+    for (lateral, load) in [(1e-7, 0.5), (1e-4, 0.5), (1e-4, 0.97), (1e-3, 1.2)] {
+        let mut m = model(plate([length, 1.0], [16, 1], 0.0), young, h);
+        m.loads = vec![Load::Edge(vector_load("u_max", [-load * euler, 0.0, lateral * load * euler]))];
+        m.analysis = Analysis::Path(PathAnalysis::default());
+        let (outcome, _) = follow(&m, "u_max_v_min");
+        m.analysis = Analysis::Static(StaticAnalysis { load_steps: 20, ..Default::default() });
+        let (mesh, system) = compile(&m);
+        let Analysis::Static(options) = &m.analysis else { unreachable!() };
+        let found = statics::run(&system, options, None, &mut Notes::default()).unwrap();
+        let [a, b] =
+            [&outcome.state.u, &found.state.u].map(|u| displacement(&mesh, &system, u, "u_max_v_min").z);
+        assert!((a / b - 1.0).abs() < 1e-4, "{lateral:e} {load}: {a} {b}");
+        assert!(critical(&outcome).is_empty());
+    }
+}
+
+/// An arch with a small side load has a limit point near the bifurcation of the perfect one, and no bifurcation.
+#[test]
+fn an_imperfect_arch_has_a_limit_point_in_place_of_the_bifurcation() {
+    let (mut m, exact) = arch(24, 0.01);
+    let loads = critical_loads(&exact);
+    let path_with = |side: f64, m: &mut Model| {
+        m.loads = vec![Load::Traction(vector_load("all", [side * loads[1], 0.0, -loads[1]]))];
+        m.analysis = Analysis::Path(PathAnalysis { end_load: 0.9, max_expansions: 60, ..Default::default() });
+        critical(&follow(m, "u_min_v_min").0)[0].clone()
+    };
+    let perfect = path_with(0.0, &mut m);
+    assert_eq!((perfect.kind, perfect.change), (CriticalKind::Bifurcation, 1));
+    // Koiter: the limit load falls with the power 2/3 of the imperfection.
+    let falls = [1e-4, 8e-4].map(|side| {
+        let first = path_with(side, &mut m);
+        assert_eq!((first.kind, first.change), (CriticalKind::Limit, 1), "{side}");
+        1.0 - first.load / perfect.load
+    });
+    assert!(falls[0] > 0.0 && (falls[1] / falls[0] - 4.0).abs() < 0.2, "{falls:?}");
+}
+
+/// A path ends at its load factor however near it is to the start or to a limit point.
+#[test]
+fn paths_end_at_their_load_factor() {
+    let limit = {
+        let (outcome, _) = follow(&roof(4, 12.7), "u_min_v_min");
+        critical(&outcome)[0].load
+    };
+    for end_load in [1e-12, 1e-6, limit * (1.0 - 1e-7), limit * (1.0 - 1e-3), -0.01] {
+        let mut m = roof(4, 12.7);
+        m.analysis = Analysis::Path(PathAnalysis { end_load, ..Default::default() });
+        let (outcome, points) = follow(&m, "u_min_v_min");
+        assert_eq!(outcome.state.time, end_load);
+        assert!(points.iter().all(|point| point[1].abs() <= end_load.abs()), "{end_load}");
+        assert!(critical(&outcome).is_empty() && points.last().unwrap()[0].abs() < 11.0);
     }
 }

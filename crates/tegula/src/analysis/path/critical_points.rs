@@ -19,6 +19,8 @@ const VANISHING: f64 = 1e-9;
 const MOST_TRIALS: usize = 40;
 /// Iterations of the inverse iteration for the eigenvalue next to zero.
 const INVERSE_ITERATIONS: usize = 12;
+/// Work of the loads on a mode, over the norms of both, below which it is none.
+const WITHOUT_WORK: f64 = 1e-5;
 /// Part of the piece's length for differences of forces at a limit point.
 const DIFFERENCE: f64 = 1e-4;
 
@@ -64,10 +66,16 @@ fn limit_point(system: &System, expansion: &mut Expansion, series: &Series, (a, 
     let unbalanced: f64 = free.iter().zip(&residual).map(|(x, r)| x * r).sum();
     let correction = if work == 0.0 { 0.0 } else { -unbalanced / work };
     let curvature = series.load_derivative(a, 2) * work;
-    let change = if curvature < 0.0 { 1 } else { -1 };
+    // A crossing path has an extremum of the load where it passes the bifurcation; its loads do no work on its mode there.
+    let crossing = work.abs() <= WITHOUT_WORK * (dot(&mode, &mode) * dot(&force, &force)).sqrt();
+    let (kind, change) = match (crossing, curvature < 0.0) {
+        (true, _) => (CriticalKind::Bifurcation, 0),
+        (false, true) => (CriticalKind::Limit, 1),
+        (false, false) => (CriticalKind::Limit, -1),
+    };
+    let load = if crossing { load } else { load + correction };
     normalize(system, &mut mode);
-    let point =
-        CriticalPoint { kind: CriticalKind::Limit, load: load + correction, position: 0.0, change, u, mode };
+    let point = CriticalPoint { kind, load, position: 0.0, change, u, mode };
     Found { a, point }
 }
 

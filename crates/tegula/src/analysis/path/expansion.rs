@@ -196,12 +196,22 @@ impl Expansion {
         options: &PathAnalysis,
     ) -> std::result::Result<Series, String> {
         let (mut first, unit) = self.newton_directions(system, u, load)?;
+        if product(system, &unit, &unit) == 0.0 {
+            return Err(
+                "no load, prescribed displacement or prescribed strain changes with the load factor".into()
+            );
+        }
         // At the start of a path nothing is left from a step before.
         let share = if expected > 0.0 { 1.0 / expected } else { 0.0 };
         first.as_flattened_mut().iter_mut().for_each(|x| *x *= share);
-        let load_rate = first_order(system, &unit, &first, before)
+        // Next to a bifurcation the response to the residual is large along the path, where it is a change of the load factor.
+        let along = if before.u.is_empty() { 0.0 } else { product(system, before.u, &unit) };
+        let change = if along == 0.0 { 0.0 } else { -product(system, before.u, &first) / along };
+        add_multiple(&mut first, change, &unit);
+        let rest = first_order(system, &unit, &first, before)
             .ok_or_else(|| "the residual of the step before is too large".to_owned())?;
-        add_multiple(&mut first, load_rate, &unit);
+        add_multiple(&mut first, rest, &unit);
+        let load_rate = rest + change;
         let denominator = product(system, &unit, &first);
         let mut series = Series {
             u: u.to_vec(),
@@ -233,6 +243,26 @@ impl Expansion {
         series.range = range(system, &series, options.tolerance)
             .ok_or_else(|| "the coefficients of the power series are not finite".to_owned())?;
         Ok(series)
+    }
+
+    /// Error of the displacements of a point whose tangent is factored, across the direction of the path: norm of the Newton increment
+    /// `K⁻¹R + δλ û` without part along the direction.
+    ///
+    /// # Errors
+    /// The linear solver failed.
+    pub fn error_across(
+        &mut self,
+        system: &System,
+        (u, load): (&[Nodal], f64),
+        direction: &[Nodal],
+    ) -> std::result::Result<f64, String> {
+        let (mut increment, unit) = self.newton_directions(system, u, load)?;
+        let along = product(system, direction, &unit);
+        if along != 0.0 {
+            let change = -product(system, direction, &increment) / along;
+            add_multiple(&mut increment, change, &unit);
+        }
+        Ok(system.norm(&increment))
     }
 
     /// Newton increment `K⁻¹R` at a point whose tangent is factored, and the change û of the displacements with the load factor.

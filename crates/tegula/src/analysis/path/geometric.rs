@@ -11,6 +11,10 @@ use super::expansion::{product, range};
 use super::series::Series;
 use crate::system::System;
 
+/// Motion along the critical mode over the displacements that is round-off. The response to a real imperfection is larger, and belongs
+/// to the path.
+const ROUND_OFF: f64 = 1e-8;
+
 /// Departure of the last two coefficients, and of those three orders apart, from a geometric series.
 const COLLINEAR: [f64; 2] = [1e-4, 1e-2];
 
@@ -28,6 +32,10 @@ pub fn extract(system: &System, series: &mut Series, tolerance: f64) -> Option<f
     let geometric =
         departs(before, distance) <= COLLINEAR[0] && departs(third, distance.powi(3)) <= COLLINEAR[1];
     if !(geometric && distance.is_finite() && distance != 0.0) {
+        return None;
+    }
+    let amplitude = square.sqrt() * distance.abs().powi(orders as i32);
+    if !(amplitude <= ROUND_OFF * (system.norm(&series.u) + series.range)) {
         return None;
     }
     let mut clean = series.clone();

@@ -21,7 +21,9 @@ use super::statics::{self, reactions};
 use super::stepper::{self, Reached};
 use super::{Balance, Observer, State, Statistics, Stepper, Stopped, Watched};
 use crate::element::Nodal;
+use crate::error::Issue;
 use crate::model::PathAnalysis;
+use crate::norm::larger;
 use crate::system::{Procedure, System};
 use crate::{Error, Result};
 use expansion::Expansion;
@@ -40,9 +42,18 @@ pub struct PathOutcome {
     pub stopped: Option<Stopped>,
 }
 
-/// Whether the paths of a model can be expanded into power series.
-pub fn has_power_series(system: &System) -> bool {
-    scope::stresses(system, 2).is_ok()
+/// Why a path cannot be expanded into power series; `None` where it can.
+pub fn outside_of_scope(system: &System) -> Option<Issue> {
+    scope::stresses(system, 2).err().map(|reason| outside(&reason))
+}
+
+fn outside(reason: &str) -> Issue {
+    Issue::new(
+        "analysis.type",
+        format!("the path cannot be expanded into power series: {reason}"),
+        "take elements with free directors (`ems`, `cm`, `solid-shell`, `ancf-full`), linear materials, and loads of constant direction \
+         that grow from 0 in a straight line; or a static analysis, up to the limit point",
+    )
 }
 
 /// First state of a path: where the analysis step before has ended, or the reference configuration.
@@ -98,14 +109,8 @@ impl<'a> PathSteps<'a> {
     /// The model has no power series, or there is not enough memory.
     pub fn new(system: &'a System, options: &'a PathAnalysis, start: Option<State>) -> Result<Self> {
         system.require(&[Procedure::Path])?;
-        let stresses = scope::stresses(system, options.order as usize).map_err(|reason| {
-            Error::model(
-                "analysis.type",
-                format!("the path cannot be expanded into power series: {reason}"),
-                "take elements with free directors (`ems`, `cm`, `solid-shell`, `ancf-full`), linear materials and dead loads without \
-                 bent amplitudes; or a static analysis, up to the limit point",
-            )
-        })?;
+        let stresses = scope::stresses(system, options.order as usize)
+            .map_err(|reason| Error::Model(vec![outside(&reason)]))?;
         let mut expansion = Expansion::new(system, stresses)?;
         let state = start.unwrap_or_else(|| first_state(system, options));
         let moves = !system.dofs().prescribed.is_empty();
@@ -160,6 +165,16 @@ impl<'a> PathSteps<'a> {
         self.state.path.as_deref().unwrap_or(&NOWHERE)
     }
 
+    /// Warns of wanted load factors that the path has not passed.
+    fn warn_of_missed_loads(&self, observer: &mut dyn Observer) {
+        let [least, largest] = self.path().loads;
+        for wanted in self.system.wanted_times.iter().filter(|load| !(least..=largest).contains(*load)) {
+            observer.on_warning(&format!(
+                "the path has not passed load factor {wanted} (`output.at`): it has been between {least:.6} and {largest:.6}"
+            ));
+        }
+    }
+
     /// Goes to the parameter `a` of the present piece.
     fn go_to(&mut self, a: f64, observer: &mut dyn Observer) {
         let Self { system, state, before, piece, expansion, .. } = self;
@@ -174,6 +189,7 @@ impl<'a> PathSteps<'a> {
         if path.expansion.position != piece.start().position || path.expansion.u.is_empty() {
             path.expansion = piece.start().clone();
         }
+        path.loads = [path.loads[0].min(state.time), larger(path.loads[1], state.time)];
         path.negative_at_expansion = piece.negative_at_start();
         for found in piece.passed(from, path.position) {
             observer.on_event(&format!(
@@ -241,9 +257,12 @@ impl Stepper for PathSteps<'_> {
         self.go_to(next, observer);
         if self.path().finished && self.piece.as_ref().is_some_and(Piece::has_run_out) {
             observer.on_warning(&format!(
-                "the path ends after {} steps (`max_steps`) at load factor {:.6}, before it has reached load factor {}",
-                self.options.max_steps, self.state.time, self.options.end_load
+                "the path ends after {} expansions (`max_expansions`) at load factor {:.6}, before it has reached load factor {}",
+                self.options.max_expansions, self.state.time, self.options.end_load
             ));
+        }
+        if self.path().finished {
+            self.warn_of_missed_loads(observer);
         }
         Ok(0)
     }

@@ -4,19 +4,21 @@ use super::branch::{Branch, onto_branch};
 use super::critical_points::{Found, bifurcations, limit_points};
 use super::expansion::{Direction, Expansion};
 use super::geometric;
-use super::series::{Series, roots};
+use super::series::Series;
 use super::state::{CriticalKind, CriticalPoint, ExpansionPoint};
 use crate::element::Nodal;
 use crate::model::PathAnalysis;
-use crate::norm::max_norm;
+use crate::norm::{larger, max_norm};
 use crate::system::System;
 
 /// Residual at the end of a piece over the forces that is too large; the piece is shortened then.
 const LARGEST_RESIDUAL: f64 = 1e-5;
-/// Factor by which a piece is shortened whose end has too large a residual or a singular tangent.
+/// Error of the displacements at the end of a piece over them that is too large.
+const LARGEST_ERROR: f64 = 1e-6;
+/// Factor by which a piece is shortened whose end has too large a residual or error, or a singular tangent.
 const SHORTER: f64 = 0.8;
 /// Shortenings after which a piece is given up.
-const MOST_SHORTENED: usize = 12;
+const MOST_SHORTENED: usize = 40;
 /// Largest length of a piece over that at which the residual of the step before has faded: beyond, it would grow.
 const BEYOND: f64 = 2.0;
 /// Distance of two points over the length of the piece below which they are one.
@@ -81,9 +83,7 @@ impl Piece {
         while geometric::extract(system, &mut series, options.tolerance).is_some() {}
         let longest = if point.expected > 0.0 { BEYOND * point.expected } else { f64::INFINITY };
         let mut length = series.range.min(longest);
-        let full = |end: f64| roots(end, |a| series.load(a) - options.end_load).first().copied();
-        // The path may begin at the load factor at which it ends.
-        let end_of_path = full(length).filter(|a| *a > SAME * length);
+        let end_of_path = series.reaches(options.end_load, length).first().copied();
         length = end_of_path.unwrap_or(length);
         let (usable, negative_at_end) = usable_length(system, expansion, &series, length)?;
         let mut end_load = end_of_path.map(|_| options.end_load).filter(|_| usable == length);
@@ -109,7 +109,7 @@ impl Piece {
             series.displacements(length, &mut end);
             expansion.factor(system, &end, series.load(length))?;
         }
-        let run_out = point.number + 1 >= options.max_steps && end_load.is_none();
+        let run_out = point.number + 1 >= options.max_expansions && end_load.is_none();
         let points = points(system, &series, (length, options.points), &critical);
         let position = |a: f64| point.position + a;
         let critical =
@@ -244,24 +244,37 @@ fn in_equilibrium(system: &System, expansion: &mut Expansion, point: &ExpansionP
     ))
 }
 
-/// Length up to which a series has a small residual and at whose end the tangent has a factor: the wanted one or a shorter one; and the
-/// negative pivots there.
+/// Length up to which a series has a small residual, and a small error of its displacements across the path, and at whose end the
+/// tangent has a factor: the wanted one or a shorter one; and the negative pivots there.
 fn usable_length(
     system: &System,
     expansion: &mut Expansion,
     series: &Series,
     wanted: f64,
 ) -> Result<(f64, usize), String> {
-    let mut end = vec![[0.0; 3]; system.vectors()];
+    let (mut end, mut direction) = (series.u.clone(), series.u.clone());
     let mut residual = vec![0.0; system.unknowns()];
+    // Where the loads vanish, so do the forces.
+    let before = expansion.residual(system, &series.u, series.load(0.0), &mut residual);
     let (mut length, mut shortened) = (wanted, 0);
     loop {
         series.displacements(length, &mut end);
+        series.direction(length, &mut direction);
         let load = series.load(length);
-        let size = expansion.residual(system, &end, load, &mut residual);
+        let size = larger(before, expansion.residual(system, &end, load, &mut residual));
         let relative = max_norm(residual.iter().copied()) / size;
         let outcome = if relative <= LARGEST_RESIDUAL {
-            expansion.factor(system, &end, load)
+            let moved = larger(system.norm(&end), length);
+            expansion.factor(system, &end, load).and_then(|negative| {
+                let error = expansion.error_across(system, (&end, load), &direction)? / moved;
+                if error <= LARGEST_ERROR {
+                    Ok(negative)
+                } else {
+                    Err(format!(
+                        "the error of the displacements at the end of the series is {error:.1e} of them"
+                    ))
+                }
+            })
         } else {
             Err(format!("the residual at the end of the series is {relative:.1e} of the forces"))
         };
@@ -290,7 +303,7 @@ fn switched(critical: &[Found], passed: usize, wanted: &[i32]) -> Option<(f64, V
 fn points(system: &System, series: &Series, (length, count): (f64, u32), critical: &[Found]) -> Vec<f64> {
     let mut exact: Vec<f64> = critical.iter().map(|found| found.a).collect();
     for &wanted in &system.wanted_times {
-        exact.extend(roots(length, |a| series.load(a) - wanted));
+        exact.extend(series.reaches(wanted, length));
     }
     exact.push(length);
     let near = |a: f64, others: &[f64]| others.iter().any(|b| (a - b).abs() <= SAME * length);

@@ -34,6 +34,17 @@ fn reason(system: &System) -> Option<String> {
     if let Some((_, reason)) = given.into_iter().find(|(is, _)| *is) {
         return Some(reason.into());
     }
+    let amplitudes = &system.amplitudes;
+    let jumps = system.dead_loads.iter().any(|load| load.factor.jumps(amplitudes))
+        || system.prescribed_strains.iter().any(|field| field.factor.jumps(amplitudes))
+        || dofs.prescribed.iter().any(|motion| motion.jumps(amplitudes));
+    if jumps {
+        return Some(
+            "an amplitude is not at load factor 0 where the step before has left its load (0 in a first step): the path would not begin in \
+             equilibrium"
+                .into(),
+        );
+    }
     let bent = system.amplitudes_in_use().find(|(i, _)| !system.amplitudes.get(*i).is_some_and(is_affine))?;
     let name = system.amplitude_names.get(bent.0).map_or("", String::as_str);
     Some(format!("the amplitude \"{name}\" is no straight line over the load factor"))

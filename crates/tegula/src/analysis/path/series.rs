@@ -49,6 +49,28 @@ impl Series {
     }
 }
 
+impl Series {
+    /// Parameters up to `end` at which the load factor has a value, ascending. Between two limit points it is monotonic.
+    pub fn reaches(&self, load: f64, end: f64) -> Vec<f64> {
+        let limits = roots(end, |a| self.load_derivative(a, 1));
+        let ends: Vec<f64> = [0.0].into_iter().chain(limits).chain([end]).collect();
+        ends.windows(2).filter_map(|pair| root([pair[0], pair[1]], |a| self.load(a) - load)).collect()
+    }
+}
+
+/// Root of a function between two places where its sign differs; `None` where it does not.
+fn root([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> Option<f64> {
+    let (before, after) = (f(low), f(high));
+    if !((before < 0.0 && after >= 0.0) || (before > 0.0 && after <= 0.0)) {
+        return None;
+    }
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (low + high);
+        if (f(middle) < 0.0) == (before < 0.0) { low = middle } else { high = middle }
+    }
+    Some(high)
+}
+
 /// Equal parts of an interval in which a sign change is looked for.
 const PARTS: usize = 256;
 /// Bisections of a part.
@@ -57,21 +79,7 @@ const BISECTIONS: usize = 60;
 /// Roots of a function between 0 and `end`, ascending: places where it changes its sign from one of [`PARTS`] equal parts to the next.
 pub fn roots(end: f64, f: impl Fn(f64) -> f64) -> Vec<f64> {
     let place = |i: usize| end * i as f64 / PARTS as f64;
-    let mut out = Vec::new();
-    let mut before = f(0.0);
-    for i in 1..=PARTS {
-        let after = f(place(i));
-        if (before < 0.0 && after >= 0.0) || (before > 0.0 && after <= 0.0) {
-            let (mut low, mut high) = (place(i - 1), place(i));
-            for _ in 0..BISECTIONS {
-                let middle = 0.5 * (low + high);
-                if (f(middle) < 0.0) == (before < 0.0) { low = middle } else { high = middle }
-            }
-            out.push(high);
-        }
-        before = after;
-    }
-    out
+    (1..=PARTS).filter_map(|i| root([place(i - 1), place(i)], &f)).collect()
 }
 
 #[cfg(test)]

@@ -81,7 +81,8 @@ impl CriticalPoint {
 /// State of a path.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct PathState {
-    /// Path parameter from the start of the path: arc length of the displacements ([`System::norm`](crate::System::norm)).
+    /// Path parameter from the start of the path, summed over the expansions: nearly the arc length of the displacements
+    /// ([`System::norm`](crate::System::norm)).
     pub position: f64,
     /// Where the present piece of the path is expanded.
     pub expansion: ExpansionPoint,
@@ -89,6 +90,8 @@ pub struct PathState {
     pub negative_at_expansion: usize,
     /// Critical points passed so far.
     pub critical: Vec<CriticalPoint>,
+    /// Least and largest load factor so far.
+    pub loads: [f64; 2],
     /// Whether the path has ended.
     pub finished: bool,
 }

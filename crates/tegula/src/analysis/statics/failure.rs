@@ -229,7 +229,7 @@ impl Failure {
 /// Advice on how to pass a limit point, or the abrupt buckling of a nearly perfect structure.
 fn beyond_limit_point(system: &System, options: &StaticAnalysis) -> String {
     let mut advice = past_the_limit(system);
-    if path::has_power_series(system) {
+    if path::outside_of_scope(system).is_none() {
         advice.push_str(" An analysis of `type = \"path\"` follows all equilibria, through the limit point.");
     }
     if options.max_cutbacks < 25 {
