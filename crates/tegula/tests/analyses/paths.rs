@@ -383,7 +383,7 @@ fn the_crossing_path_of_an_arch_is_closed() {
     let loads = critical_loads(&exact);
     m.loads = vec![Load::Traction(vector_load("all", [0.0, 0.0, -loads[1]]))];
     m.analysis = Analysis::Path(PathAnalysis { end_load: 1.5, switch_at: vec![1], ..Default::default() });
-    let (outcome, points) = follow(&m, "u_min_v_min");
+    let (outcome, _) = follow(&m, "u_min_v_min");
     let found = critical(&outcome);
     let kinds: Vec<_> = found.iter().map(|point| point.kind).collect();
     assert!(kinds.iter().all(|kind| *kind == CriticalKind::Bifurcation), "{kinds:?}");
