@@ -80,7 +80,7 @@ fn missing_keys_are_named_with_what_they_are() {
     "#);
     insta::assert_snapshot!(with("type = \"static\"\n", ""), @r#"
     m.toml:2:1: analysis: missing key "type"
-      help: add "type", one of "static", "modal", "buckling", "transient"
+      help: add "type", one of "static", "path", "modal", "buckling", "transient"
     "#);
     insta::assert_snapshot!(with("interval = 0.1", "points = [{ name = \"a\" , at = [1,2]}, {on = \"b\"}]"), @r#"
     m.toml:26:31: output.points[0].at: expected 3 numbers, found 2
@@ -94,7 +94,7 @@ fn missing_keys_are_named_with_what_they_are() {
 fn unknown_words_come_with_the_allowed_ones() {
     insta::assert_snapshot!(with("\"static\"\nload_steps = 4", "\"statik\""), @r#"
     m.toml:3:8: analysis.type: unknown type "statik"
-      help: did you mean "static"? (one of "static", "modal", "buckling", "transient")
+      help: did you mean "static"? (one of "static", "path", "modal", "buckling", "transient")
     "#);
     insta::assert_snapshot!(with("load_steps = 4", "method = \"mixd\""), @r#"
     m.toml:4:10: analysis.method: unknown value "mixd"
@@ -192,7 +192,7 @@ fn tables_and_lists_are_told_apart() {
 fn values_have_to_be_of_the_right_kind() {
     insta::assert_snapshot!(with("type = \"static\"\n", "type = 3\n"), @r#"
     m.toml:3:8: analysis.type: expected a string, found the integer 3
-      help: one of "static", "modal", "buckling", "transient"
+      help: one of "static", "path", "modal", "buckling", "transient"
     "#);
     insta::assert_snapshot!(with("load_steps = 4", "load_steps = 4.0"), @r#"
     m.toml:4:14: analysis.load_steps: expected an integer, found the number 4.0
