@@ -5,7 +5,7 @@
 //! ```
 //!
 //! K is the tangent at the base state: with its stresses, the load stiffness of its follower loads and the multipliers of its joints.
-//! K_σ is the geometric stiffness of the stresses that the loads of the analysis produce [linearly](increment) from there; displacements
+//! K_σ is the geometric stiffness of the stresses that the loads of the analysis produce linearly from there; displacements
 //! before buckling are neglected (O. C. Zienkiewicz, R. L. Taylor, *The Finite Element Method*, vol. 2; R. D. Cook et al., *Concepts and
 //! Applications of Finite Element Analysis*, on linear buckling).
 //!
@@ -15,7 +15,7 @@
 //! finds them. As many factors lie between 0 and s as `K + s K_σ` has negative eigenvalues (Sylvester's law of inertia): a Sturm
 //! sequence count proves that none was missed.
 //!
-//! **Joints.** Modes keep `G φ = 0`, as in the [modal](super::modal) analysis.
+//! **Joints.** Modes keep `G φ = 0`, as in the modal analysis.
 
 mod increment;
 mod problem;

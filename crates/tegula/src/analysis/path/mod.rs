@@ -2,7 +2,7 @@
 //!
 //! Strains that are quadratic in the nodal vectors and linear materials make equilibrium a polynomial equation, and its path an
 //! analytic curve. At a point of the path one factorisation of the tangent gives displacements and load factor as power series in the
-//! path parameter (asymptotic numerical method, see [`expansion`]). The series holds up to a length that its last term tells; there the
+//! path parameter (asymptotic numerical method). The series holds up to a length that its last term tells; there the
 //! next one begins. Nothing is iterated and no step length is guessed, and what lies between the ends of a step is known as a
 //! polynomial: reported points, wanted load factors, limit points and the end of the path are evaluated from it.
 
