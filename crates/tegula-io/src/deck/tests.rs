@@ -2,6 +2,7 @@
 
 mod editor;
 mod marker_keys;
+mod marker_mistakes;
 mod markers;
 mod messages;
 mod syntax;

@@ -183,7 +183,7 @@ fn snapshots(recorder: &Recorder<'_>) -> Result<(), OutputError> {
     if kept.is_empty() || (mesh.quads.is_empty() && bodies.is_empty()) {
         return Ok(());
     }
-    let largest = kept.iter().map(|k| largest_displacement(mesh, system, k)).fold(0.0, f64::max);
+    let largest = kept.iter().map(|k| largest_displacement(mesh, system, k)).fold(0.0, tegula::norm::larger);
     let scale = magnification(largest / system.length);
     let units = &recorder.model.output.units;
     let (letter, unit) = match &units.time {
@@ -237,7 +237,7 @@ fn largest_displacement(mesh: &Mesh, system: &System, kept: &StoredSnapshot) -> 
     let field = fields::nodal(system, &kept.displacements);
     debug_assert_eq!(field.len(), mesh.positions.len());
     let of_bodies = system.outline.displacements(&kept.displacements);
-    field.iter().chain(&of_bodies).map(|u| u.iter().map(|x| x * x).sum::<f64>().sqrt()).fold(0.0, f64::max)
+    field.iter().chain(&of_bodies).map(|u| u.iter().map(|x| x * x).sum::<f64>().sqrt()).fold(0.0, tegula::norm::larger)
 }
 
 /// 1 where displacements (relative to the model) can be seen, else the 1, 2 or 5 times a power of ten

@@ -95,23 +95,17 @@ fn analyse(
     start: &Start,
     recorder: &mut Recorder<'_>,
 ) -> tegula::Result<Option<Stopped>> {
+    let first = match &deck.model.analysis {
+        Analysis::Static(options) => Some(statics::first_state(system, options)),
+        Analysis::Path(_) => Some(path::first_state(system)),
+        Analysis::Transient(_) | Analysis::Modal(_) | Analysis::Buckling(_) => None,
+    };
+    if let Some(first) = first.filter(|_| state.is_none()) {
+        recorder.record_start(&first, &statics::first_energies(system, &first), start.end)?;
+    }
     match &deck.model.analysis {
-        Analysis::Static(options) => {
-            if state.is_none() {
-                let state = statics::first_state(system, options);
-                let balance = statics::first_energies(system, &state);
-                recorder.record_start(&state, &balance, start.end)?;
-            }
-            Ok(statics::run(system, options, state, recorder)?.stopped)
-        }
-        Analysis::Path(options) => {
-            if state.is_none() {
-                let state = path::first_state(system, options);
-                let balance = statics::first_energies(system, &state);
-                recorder.record_start(&state, &balance, start.end)?;
-            }
-            Ok(path::run(system, options, state, recorder)?.stopped)
-        }
+        Analysis::Static(options) => Ok(statics::run(system, options, state, recorder)?.stopped),
+        Analysis::Path(options) => Ok(path::run(system, options, state, recorder)?.stopped),
         Analysis::Transient(options) => Ok(dynamics::run(system, options, state, recorder)?.stopped),
         Analysis::Modal(_) | Analysis::Buckling(_) => Ok(None),
     }

@@ -238,7 +238,7 @@ fn distinct(system: &System) -> CheckpointData {
     [tangent.time, tangent.dt, _] = field(1)[0];
     (state.step, tangent.steps, tangent.iterations) = (71, 72, 73);
     (tangent.last, tangent.pause, tangent.next_pause) = (74, 75, 76);
-    let [position, load, load_rate] = field(1)[0];
+    let [position, load, _] = field(1)[0];
     let [start, expected, _] = field(1)[0];
     let (number, bifurcations) = (77, 78);
     let expansion = ExpansionPoint {
@@ -246,7 +246,6 @@ fn distinct(system: &System) -> CheckpointData {
         u: field(n),
         load,
         direction: field(n),
-        load_rate,
         expected,
         number,
         bifurcations,
@@ -257,7 +256,6 @@ fn distinct(system: &System) -> CheckpointData {
     state.path = Some(Box::new(PathState {
         position,
         expansion,
-        negative_at_expansion: 79,
         critical: vec![point],
         loads: [80.0, 81.0],
         finished: true,

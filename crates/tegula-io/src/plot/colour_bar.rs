@@ -12,7 +12,7 @@ const BAR: f64 = 16.0;
 /// Draws the bar with its right end at `right`, between two heights.
 pub(super) fn draw(canvas: &mut Canvas, axis: &Axis, label: &str, right: f64, [top, bottom]: [f64; 2]) {
     let ticks = axis.ticks(6);
-    let widest = ticks.major.iter().map(|t| text_width(&t.1, TICK)).fold(0.0, f64::max);
+    let widest = ticks.major.iter().map(|t| text_width(&t.1, TICK)).fold(0.0, tegula::norm::larger);
     let name_room = if label.is_empty() { 0.0 } else { LABEL + 12.0 };
     let x1 = right - widest - name_room - 10.0;
     let x0 = x1 - BAR;
@@ -31,7 +31,7 @@ pub(super) fn draw(canvas: &mut Canvas, axis: &Axis, label: &str, right: f64, [t
 
 /// Width that the bar and its words need.
 pub(super) fn width(axis: &Axis, label: &str) -> f64 {
-    let widest = axis.ticks(6).major.iter().map(|t| text_width(&t.1, TICK)).fold(0.0, f64::max);
+    let widest = axis.ticks(6).major.iter().map(|t| text_width(&t.1, TICK)).fold(0.0, tegula::norm::larger);
     let name_room = if label.is_empty() { 0.0 } else { LABEL + 12.0 };
     BAR + widest + name_room + 10.0
 }

@@ -120,7 +120,7 @@ pub(super) fn paint(canvas: &mut Canvas, placement: &Placement, patches: &[Patch
         patches.iter().filter(|patch| patch.meshed).flat_map(|p| (0..4).map(|i| length(p, i))).collect();
     lengths.sort_by(f64::total_cmp);
     let typical = lengths.get(lengths.len() / 2).copied().unwrap_or(0.0);
-    let longest = patches.iter().flat_map(|p| (0..4).map(|i| length(p, i))).fold(0.0, f64::max);
+    let longest = patches.iter().flat_map(|p| (0..4).map(|i| length(p, i))).fold(0.0, tegula::norm::larger);
     let affordable = (MOST / patches.len().max(1)).isqrt().clamp(1, 24);
     let cuts = ((longest / FACET).ceil() as usize).clamp(1, affordable);
 
@@ -301,7 +301,7 @@ fn coplanar_bias(patches: &[Patch], cuts: usize) -> f64 {
         let z = p.corners.map(|x| x.z);
         z.into_iter().fold(f64::NEG_INFINITY, f64::max) - z.into_iter().fold(f64::INFINITY, f64::min)
     };
-    let deepest = patches.iter().map(depth).filter(|d| d.is_finite()).fold(0.0, f64::max);
+    let deepest = patches.iter().map(depth).filter(|d| d.is_finite()).fold(0.0, tegula::norm::larger);
     COPLANAR * deepest / cuts as f64
 }
 

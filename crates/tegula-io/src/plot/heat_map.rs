@@ -80,7 +80,7 @@ fn colour(ratio: f64) -> Rgb {
 /// The file cannot be written.
 pub fn heat_map(path: &Path, map: &HeatMap) -> Result<(), OutputError> {
     let widest =
-        |texts: &mut dyn Iterator<Item = &String>| texts.map(|t| text_width(t, LABEL)).fold(0.0, f64::max);
+        |texts: &mut dyn Iterator<Item = &String>| texts.map(|t| text_width(t, LABEL)).fold(0.0, tegula::norm::larger);
     let heads = widest(&mut map.rows.iter().map(|g| &g.head));
     let names = widest(&mut map.rows.iter().flat_map(|g| &g.members));
     // A head must fit over its columns.

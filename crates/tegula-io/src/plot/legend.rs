@@ -23,7 +23,7 @@ pub(super) struct Entry {
 
 /// Width and height of the legend.
 pub(super) fn size(entries: &[Entry]) -> (f64, f64) {
-    let widest = entries.iter().map(|e| text_width(&e.name, SIZE)).fold(0.0, f64::max);
+    let widest = entries.iter().map(|e| text_width(&e.name, SIZE)).fold(0.0, tegula::norm::larger);
     (widest + SAMPLE + 8.0 + 2.0 * PADDING, ROW * entries.len() as f64 + PADDING)
 }
 

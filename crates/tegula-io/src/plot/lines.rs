@@ -157,7 +157,7 @@ fn draw(plot: &LinePlot) -> Canvas {
     };
 
     let (x_ticks, y_ticks) = if empty { Default::default() } else { (x.ticks(8), y.ticks(7)) };
-    let widest = y_ticks.major.iter().map(|t| text_width(&t.1, TICK)).fold(0.0, f64::max);
+    let widest = y_ticks.major.iter().map(|t| text_width(&t.1, TICK)).fold(0.0, tegula::norm::larger);
     let overhang = x_ticks.major.last().map_or(0.0, |t| text_width(&t.1, TICK) / 2.0);
     let left = 30.0 + LABEL + widest;
     let right = width - overhang.max(14.0) - 14.0;

@@ -39,7 +39,7 @@ const HEMISPHERE: &str = include_str!("../../../../verification/models/hemispher
 const STRIP: &str = include_str!("../../../../verification/models/strip.toml");
 const ANNULUS: &str = include_str!("../../../../verification/models/slit_annulus.toml");
 const LINEAR: &str = include_str!("../../../../verification/reference/linear_benchmarks.csv");
-const SZE: &str = include_str!("../../../../verification/reference/sze.csv");
+pub(super) const SZE: &str = include_str!("../../../../verification/reference/sze.csv");
 const SZE_LITERATURE: &str = include_str!("../../../../verification/reference/sze_literature.csv");
 
 fn elements(mesh: &str) -> [u32; 2] {
@@ -222,10 +222,10 @@ fn picture(
 }
 
 /// A watched displacement: set, component, sign.
-type Watched = (&'static str, usize, f64);
+pub(super) type Watched = (&'static str, usize, f64);
 
 /// Model and the two watched displacements.
-fn setup(problem: &str, mesh: &str) -> Result<(Model, [Watched; 2])> {
+pub(super) fn setup(problem: &str, mesh: &str) -> Result<(Model, [Watched; 2])> {
     let mut model = read(match problem {
         "S1" | "S2" => STRIP,
         "S3" => ANNULUS,

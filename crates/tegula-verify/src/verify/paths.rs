@@ -2,11 +2,12 @@
 
 use tegula::analysis::path::CriticalKind;
 use tegula::analysis::{Observer, Step};
-use tegula::model::{Analysis, Load, Model, PathAnalysis};
+use tegula::model::{Analysis, Model, PathAnalysis};
 use tegula::norm::{larger, max_norm};
 use tegula::{Error, Result};
 use tegula_io::plot::{LinePlot, Series, Style, lines};
 
+use super::benchmarks::{SZE, Watched, setup};
 use super::model::{Compiled, read, refine, section, switch};
 use super::reference::records;
 use super::report::Report;
@@ -31,11 +32,7 @@ pub(super) const CASES: &[Case] = &[
 
 const ROOF: &str = include_str!("../../../../verification/models/hinged_roof.toml");
 const CYLINDER: &str = include_str!("../../../../verification/models/open_cylinder.toml");
-const STRIP: &str = include_str!("../../../../verification/models/strip.toml");
-const ANNULUS: &str = include_str!("../../../../verification/models/slit_annulus.toml");
-const HEMISPHERE: &str = include_str!("../../../../verification/models/hemisphere.toml");
 const PUBLISHED: &str = include_str!("../../../../verification/reference/sze_paths.csv");
-const SZE: &str = include_str!("../../../../verification/reference/sze.csv");
 
 /// Force of load ratio 1 (N).
 const FULL: f64 = 3000.0;
@@ -65,7 +62,7 @@ struct Path {
     factorizations: u64,
 }
 
-fn follow(model: &Model, (set, component, sign): (&str, usize, f64)) -> Result<Path> {
+fn follow(model: &Model, (set, component, sign): Watched) -> Result<Path> {
     let Analysis::Path(options) = &model.analysis else {
         return Err(Error::Outside("the model has no path".into()));
     };
@@ -169,28 +166,16 @@ fn picture(
 /// Benchmarks to full load: few factorisations, and the displacements of the reference program.
 fn full_load(report: &mut Report) -> Result<()> {
     let all = records(SZE);
-    for (problem, text, mesh, elements, set, column, sign, most) in [
-        ("S1", STRIP, "16x1", [16, 1], ("u_max_v_min", 2), "value2", 1.0, 4.0),
-        ("S3", ANNULUS, "6x30", [6, 30], ("u_max_v_min", 2), "value2", 1.0, 20.0),
-        ("S4", HEMISPHERE, "16x16", [16, 16], ("u_max_v_min", 1), "value2", -1.0, 8.0),
-    ] {
-        let mut model = read(text)?;
-        refine(&mut model, elements);
+    for (problem, mesh, most) in [("S1", "16x1", 4.0), ("S3", "6x30", 20.0), ("S4", "16x16", 8.0)] {
+        let (mut model, [_, watched]) = setup(problem, mesh)?;
         switch(&mut model, "EMS");
-        if problem == "S4" {
-            for load in &mut model.loads {
-                if let Load::Force(force) = load {
-                    force.value.iter_mut().for_each(|x| *x *= 200.0);
-                }
-            }
-        }
         model.analysis = Analysis::Path(PathAnalysis::default());
-        let path = follow(&model, (set.0, set.1, sign))?;
+        let path = follow(&model, watched)?;
         let reference = all.iter().find(|r| {
             ["problem", "element", "mesh"].map(|c| r.text(c)) == [problem, "EMS", mesh]
                 && r.number("load_ratio") == 1.0
         });
-        let reference = reference.map_or(f64::NAN, |r| r.number(column));
+        let reference = reference.map_or(f64::NAN, |r| r.number("value2"));
         let case = format!("path-{problem}");
         let reached = path.points.last().map_or(f64::NAN, |p| p.0);
         // The reference is printed to six decimals.

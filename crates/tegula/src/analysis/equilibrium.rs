@@ -9,7 +9,7 @@ use crate::Result;
 use crate::element::{Nodal, TangentWeights};
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::system::dof_map::CONSTRAINED;
-use crate::system::{Assembly, EvaluationPoint, LocalFrames, Procedure, System, VectorKind};
+use crate::system::{Assembly, EvaluationPoint, LocalFrames, System, VectorKind};
 use tegula_sparse::SymmetricPattern;
 use tegula_sparse::norm::larger;
 
@@ -40,13 +40,7 @@ pub fn residual(system: &System, state: &State) -> Vec<f64> {
 /// # Errors
 /// The system was compiled for an analysis without a tangent: explicit steps, or statics with the iterative solver.
 pub fn tangent(system: &System, state: &State) -> Result<(SymmetricPattern, Vec<f64>)> {
-    system.require(&[
-        Procedure::Static,
-        Procedure::Path,
-        Procedure::Modal,
-        Procedure::Buckling,
-        Procedure::Transient,
-    ])?;
+    system.require_tangent()?;
     let mut assembly = Assembly::new(system);
     assemble_tangent(system, &mut assembly, (state, 0.0), &external(system, &state.point(system)));
     Ok((system.tangent_pattern(), assembly.values))
@@ -57,13 +51,7 @@ pub fn tangent(system: &System, state: &State) -> Result<(SymmetricPattern, Vec<
 /// # Errors
 /// As for [`tangent`].
 pub fn mass(system: &System, state: &State) -> Result<Vec<f64>> {
-    system.require(&[
-        Procedure::Static,
-        Procedure::Path,
-        Procedure::Modal,
-        Procedure::Buckling,
-        Procedure::Transient,
-    ])?;
+    system.require_tangent()?;
     let mut values = vec![0.0; system.pattern.values()];
     system.pattern.mass_values(&frames(system, state), &mut values);
     Ok(values)

@@ -10,6 +10,7 @@
 //! among the modes: they have the frequency 0 within round-off.
 
 mod circulatory;
+mod convergence;
 mod dense;
 mod frequency_response;
 mod isotropy;
@@ -26,6 +27,7 @@ use crate::model::{ModalAnalysis, StaticAnalysis};
 use crate::system::System;
 use crate::{Error, Result};
 use problem::Problem;
+pub(super) use convergence::{Target, ritz_pairs};
 pub(super) use problem::{go_on, has_springs};
 pub use reduced_model::ReducedModel;
 use reduced_model::Reduction;

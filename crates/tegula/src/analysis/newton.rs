@@ -19,7 +19,6 @@ mod response;
 mod stability;
 
 pub use response::SoftestMode;
-pub(super) use response::apply_metric;
 pub use stability::Stability;
 
 use crate::Result;

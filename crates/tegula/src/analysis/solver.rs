@@ -4,7 +4,7 @@ use super::lagged_tangent;
 use crate::bddc::{Bddc, BddcError, Options, StoppingCriterion};
 use crate::element::Nodal;
 use crate::system::assembly::{TangentCoefficients, curvature};
-use crate::system::{Assembly, EvaluationPoint, Procedure, System};
+use crate::system::{Assembly, EvaluationPoint, System};
 use crate::{Error, Result};
 use tegula_sparse::{Factor, FactorError, SparseLdlt};
 
@@ -82,13 +82,7 @@ pub(super) const SINGULAR: &str = "the tangent is singular";
 /// # Errors
 /// The factor does not fit in memory, or the system was compiled without a sparsity pattern of the tangent.
 pub fn direct(system: &System) -> Result<SparseLdlt> {
-    system.require(&[
-        Procedure::Static,
-        Procedure::Path,
-        Procedure::Modal,
-        Procedure::Buckling,
-        Procedure::Transient,
-    ])?;
+    system.require_tangent()?;
     SparseLdlt::new(&system.tangent_pattern()).map_err(|e| Error::Singular {
         what: format!("The matrix of {} unknowns cannot be factored: {e}.", system.unknowns()),
         help:

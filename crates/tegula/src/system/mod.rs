@@ -14,6 +14,7 @@ pub mod dof_map;
 mod drives;
 pub mod element_frequency;
 pub mod evaluation_point;
+pub mod fields;
 mod force_laws;
 pub(crate) mod inertia_relief;
 mod inverted_element;
@@ -44,7 +45,6 @@ use crate::section::CompiledSection;
 pub use assembly::Assembly;
 pub use circulatory::CirculatoryStiffness;
 pub use closed_gaps::{ClosedGap, ClosedGaps, MovedBody};
-use coordinates::Body;
 pub use coordinates::{Coordinates, VectorKind};
 pub use corotational_update::CorotationalUpdate;
 pub use curves::OffCurve;
@@ -52,6 +52,7 @@ pub use cut::Cut;
 pub use dof_map::DofMap;
 use dof_map::Prescribed;
 pub use evaluation_point::{EvaluationPoint, GroupOffsets, Internal};
+pub use fields::{add_multiple, dot, dot3};
 pub use inertia_relief::{InertiaRelief, RigidAcceleration};
 pub use inverted_element::inverted_element;
 pub use local_frames::LocalFrames;
@@ -63,7 +64,6 @@ pub use reduction::Reduction;
 pub use rigid_patch::Attached;
 use supports::Support;
 use tegula_sparse::SymmetricPattern;
-use tegula_sparse::norm::larger;
 
 /// Dead load: a force on nodal vectors that does not depend on the motion.
 #[derive(Debug, Clone)]
@@ -556,43 +556,4 @@ impl System {
         });
         (linear, angular)
     }
-
-    /// Size of a change of all nodal vectors: root mean square over nodes of displacement over the
-    /// model's length and change of director.
-    pub fn norm(&self, field: &[Nodal]) -> f64 {
-        let mut sum = 0.0;
-        for (kind, v) in self.coordinates.kinds.iter().zip(field) {
-            let s = dot3(*v, *v);
-            sum += if *kind == VectorKind::Position { s / (self.length * self.length) } else { s };
-        }
-        (sum / field.len().max(1) as f64).sqrt()
-    }
-
-    /// Root mean square of the positions' part of a field over the model's length; where it is larger, that of a rigid body alone:
-    /// its position over the model's length and its rotation (rad).
-    pub fn position_rms(&self, field: impl Fn(usize) -> Nodal) -> f64 {
-        let (mut sum, mut count) = (0.0, 0);
-        for &p in self.coordinates.position_of.iter().filter(|&&p| p != u32::MAX) {
-            let v = field(p as usize);
-            sum += dot3(v, v);
-            count += 3;
-        }
-        let nodes = (sum / f64::from(count.max(1))).sqrt() / self.length;
-        let of_body = |body: &Body| {
-            let square = |v: u32| dot3(field(v as usize), field(v as usize));
-            let turn = body.directors.map_or(0.0, |d| 0.5 * d.map(square).iter().sum::<f64>());
-            (square(body.centre) / (self.length * self.length) + turn).sqrt()
-        };
-        self.coordinates.bodies.iter().map(of_body).fold(nodes, larger)
-    }
-}
-
-/// Scalar product of two nodal vectors.
-pub fn dot3(a: Nodal, b: Nodal) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// Scalar product of two fields.
-pub fn dot(a: &[Nodal], b: &[Nodal]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| dot3(*a, *b)).sum()
 }

@@ -54,6 +54,14 @@ impl Procedure {
 }
 
 impl System {
+    /// Refuses an analysis that needs a tangent, where the system was compiled without the sparsity pattern of one.
+    ///
+    /// # Errors
+    /// The system was compiled for explicit steps, or for statics with the iterative solver.
+    pub fn require_tangent(&self) -> Result<()> {
+        self.require(if self.procedure.has_tangent_pattern() { &[] } else { &[Procedure::Static] })
+    }
+
     /// Refuses an analysis for which the system was not compiled: its loads would develop in another way.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! Rotations in constant time steps that are long for them: what is told, and by how much they lag behind.
 
 use crate::common::Notes;
-use crate::multibody::{body, machine};
+use crate::multibody::{body, machine, run, spin};
 use tegula::model::*;
 use tegula::result::bodies::BodyMotion;
 use tegula::{Vec3, compile, mesh};
@@ -50,5 +50,36 @@ fn rotations_in_short_automatic_and_composed_steps_are_not_told() {
         let (angle, events) = turned(change);
         assert!((angle / 2.0 - 1.0).abs() < tolerance, "{angle}");
         assert!(events.iter().all(|event| !event.contains("lags behind")), "{events:?}");
+    }
+}
+
+/// A constant step in which a body would turn by more than half a turn is cut back: its equations have other solutions.
+#[test]
+fn steps_in_which_a_body_turns_too_far_are_cut_back() {
+    let load = Load::Moment(VectorLoad::new("disc", [0.0, 0.0, 50.0]));
+    let disc = body("disc", [0.0; 3], 1.0, Some([1.0; 3]));
+    let model = Model { loads: vec![load], ..machine(5.0, 1.0, vec![disc], Vec::new()) };
+    let mut notes = Notes::default();
+    let (system, state) = run(&model, &mut notes);
+    assert!(notes.events.iter().all(|e| e.contains("cut-back") || e.contains("lags behind")));
+    assert!(notes.events.iter().any(|e| e.contains("cut-back")));
+    let omega = spin(&system, &state, 0).z;
+    // Steps of up to 2 rad: the angular velocity has the error of the second-order scheme, the momentum has none.
+    assert!((omega / 250.0 - 1.0).abs() < 0.2, "{omega}");
+    let (_, momentum) = notes.momenta[notes.momenta.len() - 1];
+    assert!((momentum.z / 250.0 - 1.0).abs() < 1e-9, "{momentum}");
+}
+
+/// Constant steps of many turns are cut back: the equations of a step have other solutions there, in which the body turns back.
+#[test]
+fn a_step_of_many_turns_is_cut_back() {
+    let omega = [0.0, 0.0, 1000.0];
+    let top = RigidBody { angular_velocity: omega, ..body("top", [0.0; 3], 1.0, Some([1.0, 1.5, 2.0])) };
+    for step in [0.05, 2e-3 * std::f64::consts::PI] {
+        let mut notes = Notes::default();
+        let (system, state) = run(&machine(0.1, step, vec![top.clone()], Vec::new()), &mut notes);
+        assert!(notes.drift() <= 1e-9 * notes.kinetic, "{step}: {}", notes.drift());
+        assert!((spin(&system, &state, 0).z / 1000.0 - 1.0).abs() < 1e-6, "{}", spin(&system, &state, 0));
+        assert!(state.step >= 50, "{} steps of at most 2 rad", state.step);
     }
 }

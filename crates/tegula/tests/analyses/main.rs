@@ -10,6 +10,7 @@ mod assembly;
 mod bdf2;
 mod beams;
 mod buckling;
+mod buckling_machines;
 mod buckling_materials;
 mod bushing_elements;
 mod bushings;

@@ -60,6 +60,26 @@ pub fn pendulum(n: u32) -> Model {
     m
 }
 
+/// Quarter of the hinged cylindrical roof under a force on the whole roof in the middle (K. Y. Sze, X. H. Liu, S. H. Lo, *Popular
+/// benchmark problems for geometric nonlinear analysis of shells*, Finite Elem. Anal. Des. 40 (2004) 1551–1569, Sect. 3.6); millimetres, N.
+pub fn hinged_roof(n: u32, thickness: f64, force: f64) -> Model {
+    let mesh = MeshSource::Cylinder(CylinderMesh {
+        center: [0.0; 3],
+        axis: [0.0, 1.0, 0.0],
+        start: [0.0, 0.0, 1.0],
+        radius: 2540.0,
+        angles: [0.0, 0.1_f64.to_degrees()],
+        length: 254.0,
+        grid: Grid::uniform(n, n),
+    });
+    let mut m = model(mesh, 3102.75, thickness);
+    let plane = |on: &str, normal| Condition::Symmetry(SymmetryPlane { on: on.into(), normal });
+    m.conditions =
+        vec![plane("u_min", [1.0, 0.0, 0.0]), plane("v_min", [0.0, 1.0, 0.0]), Condition::Hinge(on("u_max"))];
+    m.loads = vec![Load::Force(vector_load("u_min_v_min", [0.0, 0.0, -0.25 * force]))];
+    m
+}
+
 /// A plate in the plane z = 0 from the origin.
 pub fn plate(size: [f64; 2], elements: [u32; 2], distortion: f64) -> MeshSource {
     MeshSource::Plate(PlateMesh {

@@ -2,13 +2,11 @@
 
 use super::problem::{Operator, Problem};
 use crate::analysis::Observer;
-use crate::analysis::modal::go_on;
+use crate::analysis::modal::{Target, go_on, ritz_pairs};
 use crate::norm::larger;
 use crate::{Error, Result};
 use tegula_sparse::lanczos::BlockLanczos;
 
-/// Residual of a Ritz pair, over its value, at which a mode counts as found. The error of the eigenvalue is its square.
-const TOLERANCE: f64 = 1e-8;
 /// Basis vectors per wanted mode before the iteration gives up, and further ones.
 const BASIS: [usize; 2] = [40, 200];
 /// Number of modes computed beyond the wanted ones, to find a gap behind them.
@@ -173,28 +171,11 @@ impl Search {
             }
             none => none.insert(BlockLanczos::new(&mut operator, block(self.wanted))),
         };
-        loop {
-            // Beyond the dimension of the space there is only round-off.
-            let full = lanczos.len() >= size;
-            let mut operator = Operator { problem, shifted: true, watch: &*observer };
-            let added = lanczos.expand(&mut operator);
-            go_on(&*observer)?;
-            let values = lanczos.ritz_values();
-            let found = values.iter().take(extra).filter(|v| v.1 <= TOLERANCE).count();
-            let last = values.get(self.wanted - 1).map_or(1.0, |v| v.1);
-            observer.on_iteration(lanczos.len() as u32, last, 0.0);
-            if found >= extra || added == 0 || full {
-                break;
-            }
-            if limit < size && lanczos.len() >= limit {
-                return Err(Error::NotConverged {
-                    at: format!("load factor {} of {}", found + 1, self.wanted),
-                    reason: format!("{found} load factors found in a space of {} vectors", lanczos.len()),
-                    help: "Ask for fewer load factors, or check that all parts of the model are connected."
-                        .into(),
-                });
-            }
-        }
+        let target = Target { name: "load factor", wanted: [self.wanted, extra], size, limit };
+        let expand = |lanczos: &mut BlockLanczos, watch: &dyn Observer| {
+            lanczos.expand(&mut Operator { problem, shifted: true, watch })
+        };
+        let pairs = ritz_pairs(lanczos, expand, &target, observer)?;
         let beyond = shift.abs() * REACH;
         let of_pair = |pair: tegula_sparse::lanczos::RitzPair| {
             let factor = shift * pair.value / (pair.value - 1.0);
@@ -203,7 +184,7 @@ impl Search {
         // Of modes without stress ν is 1, and round-off decides about the sign of their factor.
         let is_own = |mode: &Mode| mode.factor * self.sign > 0.0 && mode.factor.abs() < beyond;
         let mut modes: Vec<Mode> =
-            lanczos.ritz_pairs(extra).into_iter().map(of_pair).filter(is_own).collect();
+            pairs.into_iter().map(of_pair).filter(is_own).collect();
         modes.sort_by(|a, b| a.factor.abs().total_cmp(&b.factor.abs()));
         Ok(modes)
     }

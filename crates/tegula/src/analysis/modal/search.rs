@@ -1,14 +1,13 @@
 //! Lowest elastic modes of a group of parts: block Lanczos, or a dense eigensolver where nearly all of them are wanted.
 
+use super::convergence::{Target, ritz_pairs};
 use super::dense;
 use super::problem::{Problem, go_on};
 use crate::analysis::Observer;
 use crate::norm::larger;
-use crate::{Error, Result};
+use crate::Result;
 use tegula_sparse::lanczos::{BlockLanczos, RitzPair};
 
-/// Residual of a Ritz pair, over its value, at which a mode counts as found. The eigenvalue's error is its square.
-const TOLERANCE: f64 = 1e-8;
 /// Basis vectors per wanted mode before the iteration gives up.
 const BASIS_PER_MODE: usize = 40;
 /// Number of modes computed beyond the wanted ones, to find a gap behind them.
@@ -101,27 +100,12 @@ impl Search {
             }
             none => none.insert(BlockLanczos::new(&mut problem.operator(self.group, &*observer), block)),
         };
-        loop {
-            // Beyond the dimension of the space there is only round-off.
-            let full = lanczos.len() >= elastic;
-            let added = lanczos.expand(&mut problem.operator(self.group, &*observer));
-            go_on(observer)?;
-            let values = lanczos.ritz_values();
-            let found = values.iter().take(extra).filter(|v| v.1 <= TOLERANCE).count();
-            let last = values.get(self.wanted - 1).map_or(1.0, |v| v.1);
-            observer.on_iteration(lanczos.len() as u32, last, 0.0);
-            if found >= extra || added == 0 || full {
-                break;
-            }
-            if limit < elastic && lanczos.len() >= limit {
-                return Err(Error::NotConverged {
-                    at: format!("elastic mode {} of {}", found + 1, self.wanted),
-                    reason: format!("{found} modes found in a space of {} vectors", lanczos.len()),
-                    help: "Ask for fewer modes, or check that all parts of the model are connected.".into(),
-                });
-            }
-        }
-        self.pairs = lanczos.ritz_pairs(extra);
+        let target = Target { name: "elastic mode", wanted: [self.wanted, extra], size: elastic, limit };
+        let group = self.group;
+        let expand = |lanczos: &mut BlockLanczos, watch: &dyn Observer| {
+            lanczos.expand(&mut problem.operator(group, watch))
+        };
+        self.pairs = ritz_pairs(lanczos, expand, &target, observer)?;
         Ok(())
     }
 

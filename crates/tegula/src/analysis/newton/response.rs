@@ -5,7 +5,7 @@ use crate::analysis::circulatory::Purpose;
 use crate::analysis::solver::{Linearization, TangentSolver};
 use crate::element::Nodal;
 use crate::system::assembly::add_follower_stiffness;
-use crate::system::{System, VectorKind};
+use crate::system::System;
 use tegula_sparse::gmres::noise;
 
 /// Inverse iterations for the softest mode: its error is the ratio of the two lowest eigenvalues to this power.
@@ -78,7 +78,7 @@ impl<S: TangentSolver> Newton<S> {
         }
         for _ in 0..INVERSE_ITERATIONS {
             self.residual.copy_from_slice(&shape);
-            apply_metric(system, &mut self.residual);
+            system.apply_metric(&mut self.residual);
             let size = self.find_response(system, (equilibrium, equilibrium.parts().time), false, false)?;
             compliance = size;
             for (x, y) in shape.as_flattened_mut().iter_mut().zip(self.increment.as_flattened()) {
@@ -86,7 +86,7 @@ impl<S: TangentSolver> Newton<S> {
             }
         }
         let mut scaled = shape.clone();
-        apply_metric(system, &mut scaled);
+        system.apply_metric(&mut scaled);
         let product: f64 = scaled.as_flattened().iter().zip(answer.as_flattened()).map(|(a, b)| a * b).sum();
         let excited = product.abs() / (shape.len() as f64 * response.max(f64::MIN_POSITIVE));
         let stored = product * product / (compliance * shape.len() as f64);
@@ -188,15 +188,6 @@ impl<S: TangentSolver> Newton<S> {
         }
         expand_free(&self.frames, &self.solution, moved, &mut self.increment);
         Ok(system.norm(&self.increment))
-    }
-}
-
-/// Multiplies displacements by the weights of [`System::norm`].
-pub(in crate::analysis) fn apply_metric(system: &System, field: &mut [Nodal]) {
-    for (x, kind) in field.iter_mut().zip(&system.coordinates.kinds) {
-        if *kind == VectorKind::Position {
-            *x = x.map(|x| x / (system.length * system.length));
-        }
     }
 }
 

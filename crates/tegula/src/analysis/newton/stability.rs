@@ -1,7 +1,6 @@
 //! Stability of an equilibrium by divergence: inertia of the symmetric tangent (Sylvester's law, negative pivots), and
 //! eigenvalues of the unsymmetric one.
 
-use super::response::apply_metric;
 use super::{Newton, expand_free};
 use crate::analysis::circulatory::Purpose;
 use crate::analysis::solver::TangentSolver;
@@ -95,7 +94,7 @@ impl<S: TangentSolver> Newton<S> {
         let Self { solver, frames, circulatory, increment, .. } = self;
         arnoldi.ritz_values(&start, EIGENVALUE_STEPS, &mut looked, |v, out| {
             expand_free(frames, v, false, increment);
-            apply_metric(system, increment);
+            system.apply_metric(increment);
             frames.reduce(increment, out);
             solver.solve_tangent(out)?;
             match circulatory {

@@ -4,9 +4,9 @@
 //! Newton's method with the load factor as an unknown, from `u_b + s φ`: `δ = K⁻¹R + δλ û` with `⟨φ, δ⟩ = 0`. The primary path does not
 //! have such an equilibrium next to the bifurcation.
 
-use super::expansion::{Expansion, product};
+use super::expansion::{Directions, Expansion};
 use crate::element::Nodal;
-use crate::system::System;
+use crate::system::{System, add_multiple};
 
 /// Distance from the bifurcation at which the crossing path is looked for first ([`System::norm`]).
 const FIRST: f64 = 1e-3;
@@ -56,13 +56,13 @@ fn correct(
     (mode, distance): (&[Nodal], f64),
 ) -> Option<Branch> {
     let (mut u, mut load) = (start.to_vec(), load);
-    add(&mut u, distance, mode);
+    add_multiple(&mut u, distance, mode);
     for _ in 0..ITERATIONS {
         expansion.factor(system, &u, load).ok()?;
-        let (mut increment, unit) = expansion.newton_directions(system, &u, load).ok()?;
-        let change = -product(system, mode, &increment) / product(system, mode, &unit);
-        add(&mut increment, change, &unit);
-        add(&mut u, 1.0, &increment);
+        let Directions { mut increment, unit } = expansion.directions(system, &u, load).ok()?;
+        let change = -system.inner_product(mode, &increment) / system.inner_product(mode, &unit);
+        add_multiple(&mut increment, change, &unit);
+        add_multiple(&mut u, 1.0, &increment);
         load += change;
         let size = system.norm(&increment) / distance;
         if !(size <= DIVERGED && load.is_finite()) {
@@ -74,10 +74,4 @@ fn correct(
         }
     }
     None
-}
-
-fn add(to: &mut [Nodal], factor: f64, what: &[Nodal]) {
-    for (x, y) in to.as_flattened_mut().iter_mut().zip(what.as_flattened()) {
-        *x += factor * y;
-    }
 }

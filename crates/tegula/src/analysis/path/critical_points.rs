@@ -5,7 +5,7 @@
 //! tells the direction in which the eigenvalue passes through zero; so limit points and bifurcations that would cancel in the count
 //! are told apart. The error of the load factor is `−φᵀR/φᵀF` with the residual R of the series there.
 
-use super::expansion::{Expansion, product};
+use super::expansion::Expansion;
 use super::series::{Series, roots};
 use super::state::{CriticalKind, CriticalPoint};
 use crate::element::Nodal;
@@ -200,7 +200,7 @@ fn secant(known: &[(f64, f64)]) -> Option<f64> {
 
 /// Scales a mode to unit norm.
 pub fn normalize(system: &System, mode: &mut [Nodal]) {
-    let norm = product(system, mode, mode).sqrt();
+    let norm = system.norm(mode);
     if norm > 0.0 {
         mode.as_flattened_mut().iter_mut().for_each(|x| *x /= norm);
     }

@@ -17,27 +17,43 @@
 use super::critical_points::normalize;
 use super::series::Series;
 use crate::Result;
-use crate::analysis::newton::apply_metric;
 use crate::analysis::solver::{self, Linearization, TangentSolver as _};
 use crate::element::power_series::KnownOrders;
 use crate::element::{Nodal, TangentWeights};
 use crate::model::PathAnalysis;
+use crate::norm::larger;
 use crate::system::assembly::TangentCoefficients;
 use crate::system::power_series::SeriesStresses;
-use crate::system::{Assembly, EvaluationPoint, System, VectorKind, dot};
+use crate::system::{Assembly, EvaluationPoint, System, add_multiple, dot};
 use tegula_sparse::SparseLdlt;
 use tegula_sparse::gmres::noise;
 
 /// Length of a series without a last term, as of a path that is a straight line.
 const STRAIGHT: f64 = 1e3;
 
-/// Direction of a path at a point: derivatives of displacements and load factor with respect to the path parameter.
-#[derive(Debug, Clone, Copy)]
-pub struct Direction<'a> {
-    /// Derivative of the displacements; empty: the sign of the load factor's counts.
-    pub u: &'a [Nodal],
-    /// Derivative of the load factor.
-    pub load: f64,
+/// Directions at a point whose tangent is factored.
+#[derive(Debug, Clone)]
+pub struct Directions {
+    /// Newton increment `K⁻¹R`.
+    pub increment: Vec<Nodal>,
+    /// Change û of the displacements with the load factor, prescribed displacements included.
+    pub unit: Vec<Nodal>,
+}
+
+impl Directions {
+    /// Newton increment without its part along a direction of the path: it is a change of the load factor.
+    fn across(self, system: &System, direction: &[Nodal]) -> (Vec<Nodal>, Vec<Nodal>, f64) {
+        let Self { mut increment, unit } = self;
+        let along = system.inner_product(direction, &unit);
+        let change = if along == 0.0 { 0.0 } else { -system.inner_product(direction, &increment) / along };
+        add_multiple(&mut increment, change, &unit);
+        (increment, unit, change)
+    }
+
+    /// Error of the displacements across a direction of the path.
+    pub fn error_across(&self, system: &System, direction: &[Nodal]) -> f64 {
+        system.norm(&self.clone().across(system, direction).0)
+    }
 }
 
 /// Workspace of expansions.
@@ -128,7 +144,7 @@ impl Expansion {
         self.assembly.forces(system, &k, &mut self.field);
         let mut external = vec![[0.0; 3]; self.field.len()];
         system.add_dead_loads(load, 1.0, &mut external);
-        let size = dot(&self.field, &self.field).sqrt().max(dot(&external, &external).sqrt());
+        let size = larger(dot(&self.field, &self.field), dot(&external, &external)).sqrt();
         for (e, f) in external.as_flattened_mut().iter_mut().zip(self.field.as_flattened()) {
             *e -= f;
         }
@@ -173,30 +189,31 @@ impl Expansion {
         let mut eigenvalue = f64::NAN;
         for _ in 0..iterations {
             let before = mode.clone();
-            apply_metric(system, &mut mode);
+            system.apply_metric(&mut mode);
             self.assembly.frames.reduce(&mode, &mut self.free);
             self.solver.solve_tangent(&mut self.free)?;
             self.assembly.frames.expand(&self.free, &mut mode);
-            eigenvalue = 1.0 / product(system, &before, &mode);
+            eigenvalue = 1.0 / system.inner_product(&before, &mode);
             normalize(system, &mut mode);
         }
         Ok((eigenvalue, mode))
     }
 
-    /// Series at a point of the path whose tangent is factored: it goes on along `before`. A residual fades over the length
-    /// `expected`.
+    /// Series at a point of the path with its directions, whose tangent is factored. It goes on along the direction `before`, at the start
+    /// of a path (empty) with rising loads, or falling ones. The residual fades over the length `expected`.
     ///
     /// # Errors
     /// The coefficients are not finite; the text gives the reason.
     pub fn series(
         &mut self,
         system: &System,
-        (u, load): (&[Nodal], f64),
-        (before, expected): (Direction, f64),
+        (u, load, directions): (&[Nodal], f64, Directions),
+        (before, expected): (&[Nodal], f64),
         options: &PathAnalysis,
     ) -> std::result::Result<Series, String> {
-        let (mut first, unit) = self.newton_directions(system, u, load)?;
-        if product(system, &unit, &unit) == 0.0 {
+        // Next to a bifurcation the response to the residual is large along the path.
+        let (mut first, unit, change) = directions.across(system, before);
+        if system.norm(&unit) == 0.0 {
             return Err(
                 "no load, prescribed displacement or prescribed strain changes with the load factor".into()
             );
@@ -204,15 +221,15 @@ impl Expansion {
         // At the start of a path nothing is left from a step before.
         let share = if expected > 0.0 { 1.0 / expected } else { 0.0 };
         first.as_flattened_mut().iter_mut().for_each(|x| *x *= share);
-        // Next to a bifurcation the response to the residual is large along the path, where it is a change of the load factor.
-        let along = if before.u.is_empty() { 0.0 } else { product(system, before.u, &unit) };
-        let change = if along == 0.0 { 0.0 } else { -product(system, before.u, &first) / along };
-        add_multiple(&mut first, change, &unit);
-        let rest = first_order(system, &unit, &first, before)
+        let along = match before {
+            [] => options.end_load,
+            before => system.inner_product(&unit, before),
+        };
+        let rest = first_order(system, &unit, &first, along)
             .ok_or_else(|| "the residual of the step before is too large".to_owned())?;
         add_multiple(&mut first, rest, &unit);
-        let load_rate = rest + change;
-        let denominator = product(system, &unit, &first);
+        let load_rate = rest + share * change;
+        let denominator = system.inner_product(&unit, &first);
         let mut series = Series {
             u: u.to_vec(),
             coefficients: vec![first],
@@ -234,7 +251,7 @@ impl Expansion {
             self.solver.solve_tangent(&mut self.free)?;
             let mut next = vec![[0.0; 3]; u.len()];
             self.assembly.frames.expand(&self.free, &mut next);
-            let load = product(system, &next, &series.coefficients[0]) / denominator;
+            let load = system.inner_product(&next, &series.coefficients[0]) / denominator;
             next.as_flattened_mut().iter_mut().for_each(|x| *x = -*x);
             add_multiple(&mut next, load, &unit);
             series.loads.push(load);
@@ -245,36 +262,16 @@ impl Expansion {
         Ok(series)
     }
 
-    /// Error of the displacements of a point whose tangent is factored, across the direction of the path: norm of the Newton increment
-    /// `K⁻¹R + δλ û` without part along the direction.
+    /// Directions at a point whose tangent is factored.
     ///
     /// # Errors
     /// The linear solver failed.
-    pub fn error_across(
-        &mut self,
-        system: &System,
-        (u, load): (&[Nodal], f64),
-        direction: &[Nodal],
-    ) -> std::result::Result<f64, String> {
-        let (mut increment, unit) = self.newton_directions(system, u, load)?;
-        let along = product(system, direction, &unit);
-        if along != 0.0 {
-            let change = -product(system, direction, &increment) / along;
-            add_multiple(&mut increment, change, &unit);
-        }
-        Ok(system.norm(&increment))
-    }
-
-    /// Newton increment `K⁻¹R` at a point whose tangent is factored, and the change û of the displacements with the load factor.
-    ///
-    /// # Errors
-    /// The linear solver failed.
-    pub fn newton_directions(
+    pub fn directions(
         &mut self,
         system: &System,
         u: &[Nodal],
         load: f64,
-    ) -> std::result::Result<(Vec<Nodal>, Vec<Nodal>), String> {
+    ) -> std::result::Result<Directions, String> {
         let unit = self.unit_response(system, u, load)?;
         let mut residual = vec![0.0; self.free.len()];
         self.residual(system, u, load, &mut residual);
@@ -282,7 +279,7 @@ impl Expansion {
         self.solver.solve_tangent(&mut self.free)?;
         let mut increment = vec![[0.0; 3]; u.len()];
         self.assembly.frames.expand(&self.free, &mut increment);
-        Ok((increment, unit))
+        Ok(Directions { increment, unit })
     }
 
     /// Change `û` of the displacements with the load factor along the tangent, prescribed displacements included.
@@ -324,33 +321,17 @@ pub fn range(system: &System, series: &Series, tolerance: f64) -> Option<f64> {
     Some((tolerance * first / last).powf(1.0 / (series.coefficients.len() - 1) as f64).min(STRAIGHT))
 }
 
-/// First coefficient λ₁ of the load factor: of the two solutions of `|λ₁ û + ρ|² = 1` the one that goes on along the path.
-fn first_order(system: &System, unit: &[Nodal], rest: &[Nodal], before: Direction) -> Option<f64> {
-    let (square, mixed) = (product(system, unit, unit), product(system, unit, rest));
-    let left = 1.0 - product(system, rest, rest);
+/// First coefficient λ₁ of the load factor: of the two solutions of `|λ₁ û + ρ|² = 1` the one that goes on `along` the path, which has the
+/// sign of the product of û with its direction.
+fn first_order(system: &System, unit: &[Nodal], rest: &[Nodal], along: f64) -> Option<f64> {
+    let (square, mixed) = (system.inner_product(unit, unit), system.inner_product(unit, rest));
+    let left = 1.0 - system.inner_product(rest, rest);
     let discriminant = mixed * mixed + square * left;
     if !(left > 0.0 && discriminant.is_finite()) {
         return None;
     }
-    let along = if before.u.is_empty() { before.load } else { product(system, unit, before.u) };
     let root = discriminant.sqrt();
     Some((if along < 0.0 { -root - mixed } else { root - mixed }) / square)
-}
-
-/// Scalar product of [`System::norm`].
-pub fn product(system: &System, a: &[Nodal], b: &[Nodal]) -> f64 {
-    let mut sum = 0.0;
-    for ((a, b), kind) in a.iter().zip(b).zip(&system.coordinates.kinds) {
-        let own = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        sum += if *kind == VectorKind::Position { own / (system.length * system.length) } else { own };
-    }
-    sum / a.len().max(1) as f64
-}
-
-fn add_multiple(to: &mut [Nodal], factor: f64, what: &[Nodal]) {
-    for (x, y) in to.as_flattened_mut().iter_mut().zip(what.as_flattened()) {
-        *x += factor * y;
-    }
 }
 
 fn last(values: &[f64]) -> f64 {

@@ -7,7 +7,7 @@
 //! B. Cochelin, M. Medale, *Power series analysis as a major breakthrough to improve the efficiency of asymptotic numerical method in
 //! the vicinity of bifurcations*, J. Comput. Phys. 236 (2013) 594–607.
 
-use super::expansion::{product, range};
+use super::expansion::range;
 use super::series::Series;
 use crate::system::System;
 
@@ -18,15 +18,15 @@ const ROUND_OFF: f64 = 1e-8;
 /// Departure of the last two coefficients, and of those three orders apart, from a geometric series.
 const COLLINEAR: [f64; 2] = [1e-4, 1e-2];
 
-/// Takes a geometric series out of the coefficients of a path; returns the distance of the bifurcation that it tells. `None` where the
-/// coefficients end with no geometric series: the series is left as it is.
-pub fn extract(system: &System, series: &mut Series, tolerance: f64) -> Option<f64> {
+/// Takes a geometric series out of the coefficients of a path. `None` where the coefficients end with no geometric series: the series is
+/// left as it is.
+pub fn extract(system: &System, series: &mut Series, tolerance: f64) -> Option<()> {
     let orders = series.coefficients.len();
     let [.., third, _, before, last] = series.coefficients.as_slice() else { return None };
-    let square = product(system, last, last);
-    let distance = product(system, before, last) / square;
+    let square = system.inner_product(last, last);
+    let distance = system.inner_product(before, last) / square;
     let departs = |other: &[crate::element::Nodal], factor: f64| {
-        let (mixed, own) = (product(system, other, last), product(system, other, other));
+        let (mixed, own) = (system.inner_product(other, last), system.inner_product(other, other));
         ((factor * factor * square - 2.0 * factor * mixed + own) / own).max(0.0).sqrt()
     };
     let geometric =
@@ -54,5 +54,5 @@ pub fn extract(system: &System, series: &mut Series, tolerance: f64) -> Option<f
         return None;
     }
     *series = clean;
-    Some(distance)
+    Some(())
 }

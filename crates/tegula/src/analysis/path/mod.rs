@@ -57,13 +57,9 @@ fn outside(reason: &str) -> Issue {
 }
 
 /// First state of a path: where the analysis step before has ended, or the reference configuration.
-pub fn first_state(system: &System, options: &PathAnalysis) -> State {
+pub fn first_state(system: &System) -> State {
     let state = State::first(system);
-    let expansion = ExpansionPoint {
-        u: state.u.clone(),
-        load_rate: if options.end_load < 0.0 { -1.0 } else { 1.0 },
-        ..ExpansionPoint::default()
-    };
+    let expansion = ExpansionPoint { u: state.u.clone(), ..ExpansionPoint::default() };
     State { path: Some(Box::new(PathState { expansion, ..PathState::default() })), ..state }
 }
 
@@ -112,7 +108,7 @@ impl<'a> PathSteps<'a> {
         let stresses = scope::stresses(system, options.order as usize)
             .map_err(|reason| Error::Model(vec![outside(&reason)]))?;
         let mut expansion = Expansion::new(system, stresses)?;
-        let state = start.unwrap_or_else(|| first_state(system, options));
+        let state = start.filter(|state| state.path.is_some()).unwrap_or_else(|| first_state(system));
         let moves = !system.dofs().prescribed.is_empty();
         Ok(Self {
             reactions: if moves { reactions(system, expansion.assembly(), &state) } else { Vec::new() },
@@ -130,7 +126,7 @@ impl<'a> PathSteps<'a> {
 
     /// Makes sure that the present piece leads on from the state.
     fn provide_piece(&mut self) -> Result<()> {
-        let path = self.path();
+        let Some(path) = self.path() else { return Ok(()) };
         let (position, recorded) = (path.position, path.expansion.clone());
         while !self.piece.as_ref().is_some_and(|piece| piece.leads_on_from(position)) {
             let goes_on = self.piece.as_mut().filter(|piece| position == piece.end_position());
@@ -160,14 +156,13 @@ impl<'a> PathSteps<'a> {
         }
     }
 
-    fn path(&self) -> &PathState {
-        static NOWHERE: std::sync::LazyLock<PathState> = std::sync::LazyLock::new(PathState::default);
-        self.state.path.as_deref().unwrap_or(&NOWHERE)
+    fn path(&self) -> Option<&PathState> {
+        self.state.path.as_deref()
     }
 
     /// Warns of wanted load factors that the path has not passed.
     fn warn_of_missed_loads(&self, observer: &mut dyn Observer) {
-        let [least, largest] = self.path().loads;
+        let Some([least, largest]) = self.path().map(|path| path.loads) else { return };
         for wanted in self.system.wanted_times.iter().filter(|load| !(least..=largest).contains(*load)) {
             observer.on_warning(&format!(
                 "the path has not passed load factor {wanted} (`output.at`): it has been between {least:.6} and {largest:.6}"
@@ -183,14 +178,13 @@ impl<'a> PathSteps<'a> {
         piece.series().displacements(a, &mut state.u);
         state.time = piece.load(a);
         state.step += 1;
-        let path = state.path.get_or_insert_default();
+        let Some(path) = &mut state.path else { return };
         let from = path.position;
         path.position = piece.position_of(a);
         if path.expansion.position != piece.start().position || path.expansion.u.is_empty() {
             path.expansion = piece.start().clone();
         }
         path.loads = [path.loads[0].min(state.time), larger(path.loads[1], state.time)];
-        path.negative_at_expansion = piece.negative_at_start();
         for found in piece.passed(from, path.position) {
             observer.on_event(&format!(
                 "{} at load factor {:.9e}: the path behind it has {} negative eigenvalue(s)",
@@ -231,11 +225,11 @@ impl Stepper for PathSteps<'_> {
     }
 
     fn is_finished(&self) -> bool {
-        self.path().finished
+        self.path().is_none_or(|path| path.finished)
     }
 
     fn position(&self) -> f64 {
-        self.path().position
+        self.path().map_or(0.0, |path| path.position)
     }
 
     fn finish(self: Box<Self>) -> (State, Balance, Statistics) {
@@ -251,17 +245,16 @@ impl Stepper for PathSteps<'_> {
             return Err(Error::Interrupted);
         }
         self.provide_piece()?;
-        let position = self.path().position;
         let Some(piece) = &self.piece else { return Ok(0) };
-        let next = piece.next_point(position, self.limit);
+        let next = piece.next_point(self.position(), self.limit);
         self.go_to(next, observer);
-        if self.path().finished && self.piece.as_ref().is_some_and(Piece::has_run_out) {
+        if self.is_finished() && self.piece.as_ref().is_some_and(Piece::has_run_out) {
             observer.on_warning(&format!(
-                "the path ends after {} expansions (`max_expansions`) at load factor {:.6}, before it has reached load factor {}",
+                "the path ends after {} expansion(s) (`max_expansions`) at load factor {:.6}, before it has reached load factor {}",
                 self.options.max_expansions, self.state.time, self.options.end_load
             ));
         }
-        if self.path().finished {
+        if self.is_finished() {
             self.warn_of_missed_loads(observer);
         }
         Ok(0)

@@ -2,7 +2,7 @@
 
 use super::branch::{Branch, onto_branch};
 use super::critical_points::{Found, bifurcations, limit_points};
-use super::expansion::{Direction, Expansion};
+use super::expansion::{Directions, Expansion};
 use super::geometric;
 use super::series::Series;
 use super::state::{CriticalKind, CriticalPoint, ExpansionPoint};
@@ -27,6 +27,7 @@ const SAME: f64 = 1e-9;
 /// Start of a piece, whose tangent is factored.
 pub struct Start {
     point: ExpansionPoint,
+    directions: Directions,
     /// Negative pivots of the tangent.
     negative: usize,
 }
@@ -38,7 +39,8 @@ impl Start {
     /// The tangent is singular; the text gives the reason.
     pub fn new(system: &System, expansion: &mut Expansion, point: ExpansionPoint) -> Result<Self, String> {
         let negative = expansion.factor(system, &point.u, point.load)?;
-        Ok(Self { point, negative })
+        let directions = expansion.directions(system, &point.u, point.load)?;
+        Ok(Self { point, directions, negative })
     }
 }
 
@@ -72,42 +74,41 @@ impl Piece {
         start: Start,
         options: &PathAnalysis,
     ) -> Result<Self, String> {
-        let Start { point, negative } = start;
+        let Start { point, directions, negative } = start;
         if point.expected == 0.0 {
             in_equilibrium(system, expansion, &point)?;
         }
-        let direction = Direction { u: &point.direction, load: point.load_rate };
-        let mut series =
-            expansion.series(system, (&point.u, point.load), (direction, point.expected), options)?;
+        let at = (point.u.as_slice(), point.load, directions);
+        let mut series = expansion.series(system, at, (&point.direction, point.expected), options)?;
         // The search for bifurcations finds those that the extracted series tell.
         while geometric::extract(system, &mut series, options.tolerance).is_some() {}
         let longest = if point.expected > 0.0 { BEYOND * point.expected } else { f64::INFINITY };
         let mut length = series.range.min(longest);
         let end_of_path = series.reaches(options.end_load, length).first().copied();
         length = end_of_path.unwrap_or(length);
-        let (usable, negative_at_end) = usable_length(system, expansion, &series, length)?;
-        let mut end_load = end_of_path.map(|_| options.end_load).filter(|_| usable == length);
-        length = usable;
+        let end = usable_end(system, expansion, &series, length)?;
+        let mut end_load = end_of_path.map(|_| options.end_load).filter(|_| end.length == length);
+        length = end.length;
         let mut critical = limit_points(system, expansion, &series, length);
         let explained: i32 = critical.iter().map(|found| found.point.change).sum();
-        let unexplained = negative_at_end as i32 - negative as i32 - explained;
+        let unexplained = end.negative as i32 - negative as i32 - explained;
         if unexplained != 0 {
-            let at = ((&series, length), (negative, unexplained));
-            let more = bifurcations(system, expansion, at.0, at.1, &critical)?;
+            let counts = (negative, unexplained);
+            let more = bifurcations(system, expansion, (&series, length), counts, &critical)?;
             critical.extend(more);
             critical.sort_by(|p, q| p.a.total_cmp(&q.a));
         }
         let mut branch = None;
-        if let Some((a, mode)) = switched(&critical, point.bifurcations, &options.switch_at) {
-            let at = &critical.iter().find(|found| found.a == a).ok_or("no bifurcation")?.point;
-            branch = Some((onto_branch(system, expansion, (&at.u, at.load), &mode)?, mode));
-            critical.retain(|found| found.a <= a);
-            (length, end_load) = (a, None);
+        if let Some((found, mode)) = switched(&critical, point.bifurcations, &options.switch_at) {
+            let at = (found.point.u.as_slice(), found.point.load);
+            branch = Some((onto_branch(system, expansion, at, &mode)?, mode));
+            (length, end_load) = (found.a, None);
+            critical.retain(|found| found.a <= length);
         } else if unexplained != 0 {
             // The tangent at the end serves the next piece.
-            let mut end = vec![[0.0; 3]; system.vectors()];
-            series.displacements(length, &mut end);
-            expansion.factor(system, &end, series.load(length))?;
+            let mut u = vec![[0.0; 3]; system.vectors()];
+            series.displacements(length, &mut u);
+            expansion.factor(system, &u, series.load(length))?;
         }
         let run_out = point.number + 1 >= options.max_expansions && end_load.is_none();
         let points = points(system, &series, (length, options.points), &critical);
@@ -126,8 +127,12 @@ impl Piece {
             next: None,
         };
         piece.next = Some(match branch {
-            None => piece.going_on(negative_at_end),
-            Some((branch, mode)) => piece.on_branch(branch, mode),
+            None => piece.going_on(end),
+            Some((Branch { u, load, negative }, direction)) => {
+                let directions = expansion.directions(system, &u, load)?;
+                let point = ExpansionPoint { u, load, direction, ..piece.behind() };
+                Start { point, directions, negative }
+            }
         });
         Ok(piece)
     }
@@ -140,11 +145,6 @@ impl Piece {
     /// Where the piece begins.
     pub fn start(&self) -> &ExpansionPoint {
         &self.start
-    }
-
-    /// Negative eigenvalues of the tangent where the piece begins.
-    pub fn negative_at_start(&self) -> usize {
-        self.negative
     }
 
     /// Load factor at a parameter; at the end of the path exactly that at which it ends.
@@ -182,21 +182,14 @@ impl Piece {
         self.next.take()
     }
 
-    /// Start of the next piece at the end of this one, where the tangent has these negative pivots.
-    fn going_on(&self, negative: usize) -> Start {
+    /// Start of the next piece at the end of this one.
+    fn going_on(&self, End { directions, negative, .. }: End) -> Start {
         let (mut u, mut direction) = (self.series.u.clone(), self.series.u.clone());
         self.series.displacements(self.length, &mut u);
         self.series.direction(self.length, &mut direction);
-        let load_rate = self.series.load_derivative(self.length, 1);
         let load = self.load(self.length);
-        let point = ExpansionPoint { u, load, direction, load_rate, expected: self.length, ..self.behind() };
-        Start { point, negative }
-    }
-
-    /// Start of the next piece on a crossing path.
-    fn on_branch(&self, Branch { u, load, negative }: Branch, mode: Vec<Nodal>) -> Start {
-        let point = ExpansionPoint { u, load, direction: mode, ..self.behind() };
-        Start { point, negative }
+        let point = ExpansionPoint { u, load, direction, expected: self.length, ..self.behind() };
+        Start { point, directions, negative }
     }
 
     /// Counts behind the piece.
@@ -244,58 +237,65 @@ fn in_equilibrium(system: &System, expansion: &mut Expansion, point: &ExpansionP
     ))
 }
 
-/// Length up to which a series has a small residual, and a small error of its displacements across the path, and at whose end the
-/// tangent has a factor: the wanted one or a shorter one; and the negative pivots there.
-fn usable_length(
+/// End of a piece, where the tangent is factored.
+struct End {
+    length: f64,
+    directions: Directions,
+    negative: usize,
+}
+
+/// End up to which a series has a small residual, and a small error of its displacements across the path, and at which the tangent has a
+/// factor: at the wanted length or a shorter one.
+fn usable_end(
     system: &System,
     expansion: &mut Expansion,
     series: &Series,
     wanted: f64,
-) -> Result<(f64, usize), String> {
-    let (mut end, mut direction) = (series.u.clone(), series.u.clone());
+) -> Result<End, String> {
+    let (mut u, mut direction) = (series.u.clone(), series.u.clone());
     let mut residual = vec![0.0; system.unknowns()];
     // Where the loads vanish, so do the forces.
     let before = expansion.residual(system, &series.u, series.load(0.0), &mut residual);
-    let (mut length, mut shortened) = (wanted, 0);
-    loop {
-        series.displacements(length, &mut end);
+    let mut length = wanted;
+    for shortened in 0.. {
+        series.displacements(length, &mut u);
         series.direction(length, &mut direction);
         let load = series.load(length);
-        let size = larger(before, expansion.residual(system, &end, load, &mut residual));
+        let size = larger(before, expansion.residual(system, &u, load, &mut residual));
         let relative = max_norm(residual.iter().copied()) / size;
-        let outcome = if relative <= LARGEST_RESIDUAL {
-            let moved = larger(system.norm(&end), length);
-            expansion.factor(system, &end, load).and_then(|negative| {
-                let error = expansion.error_across(system, (&end, load), &direction)? / moved;
-                if error <= LARGEST_ERROR {
-                    Ok(negative)
-                } else {
-                    Err(format!(
-                        "the error of the displacements at the end of the series is {error:.1e} of them"
-                    ))
-                }
-            })
-        } else {
-            Err(format!("the residual at the end of the series is {relative:.1e} of the forces"))
-        };
-        match outcome {
-            Ok(negative) => return Ok((length, negative)),
-            Err(reason) if shortened == MOST_SHORTENED => return Err(reason),
-            Err(_) => {
-                shortened += 1;
-                length *= SHORTER;
+        let mut judge = || {
+            if !(relative <= LARGEST_RESIDUAL) {
+                return Err(format!("the residual at the end of the series is {relative:.1e} of the forces"));
             }
+            let negative = expansion.factor(system, &u, load)?;
+            let directions = expansion.directions(system, &u, load)?;
+            let error = directions.error_across(system, &direction) / larger(system.norm(&u), length);
+            if !(error <= LARGEST_ERROR) {
+                return Err(format!(
+                    "the error of the displacements at the end of the series is {error:.1e} of them"
+                ));
+            }
+            Ok(End { length, directions, negative })
+        };
+        match judge() {
+            Err(_) if shortened < MOST_SHORTENED => length *= SHORTER,
+            outcome => return outcome,
         }
     }
+    Err("the series has no usable length".into())
 }
 
-/// First bifurcation of a piece at which the path goes over to the crossing one: its parameter, and the mode on the side wanted.
-fn switched(critical: &[Found], passed: usize, wanted: &[i32]) -> Option<(f64, Vec<Nodal>)> {
+/// First bifurcation of a piece at which the path goes over to the crossing one, and the mode on the side wanted.
+fn switched<'a>(
+    critical: &'a [Found],
+    passed: usize,
+    wanted: &[i32],
+) -> Option<(&'a Found, Vec<Nodal>)> {
     let bifurcations = critical.iter().filter(|found| found.point.kind == CriticalKind::Bifurcation);
     bifurcations.zip(passed + 1..).find_map(|(found, number)| {
         let choice = wanted.iter().find(|n| n.unsigned_abs() as usize == number)?;
         let sign = f64::from(choice.signum());
-        Some((found.a, found.point.mode.iter().map(|x| x.map(|x| sign * x)).collect()))
+        Some((found, found.point.mode.iter().map(|x| x.map(|x| sign * x)).collect()))
     })
 }
 

@@ -5,7 +5,7 @@ use crate::system::System;
 use crate::system::power_series::SeriesStresses;
 
 /// Load factors at which an amplitude is compared with a straight line.
-const TRIALS: [f64; 6] = [-1.5, -0.7, 0.3, 0.9, 1.7, 4.0];
+const TRIALS: [f64; 6] = [-1.4371, -0.7193, 0.3179, 0.8867, 1.7731, 3.9897];
 /// Departure from the line over its values that is round-off.
 const ROUND_OFF: f64 = 1e-12;
 

@@ -16,8 +16,6 @@ pub struct ExpansionPoint {
     pub load: f64,
     /// Derivative of the displacements with respect to the path parameter, by the series before; empty at the start of the path.
     pub direction: Vec<Nodal>,
-    /// Derivative of the load factor with respect to the path parameter; at the start of the path its sign alone counts.
-    pub load_rate: f64,
     /// Length over which the residual of the step before fades; 0 at the start of the path.
     pub expected: f64,
     /// Number of the expansion, from 0.
@@ -86,8 +84,6 @@ pub struct PathState {
     pub position: f64,
     /// Where the present piece of the path is expanded.
     pub expansion: ExpansionPoint,
-    /// Negative eigenvalues of the tangent at the expansion point.
-    pub negative_at_expansion: usize,
     /// Critical points passed so far.
     pub critical: Vec<CriticalPoint>,
     /// Least and largest load factor so far.

@@ -1,0 +1,151 @@
+//! Linear buckling of mechanisms: rigid bars, joints, springs, bushings, beams.
+
+use std::f64::consts::PI;
+
+use crate::buckling::{YOUNG, extrapolated, factors, message};
+use crate::multibody::axis_joint;
+use tegula::model::*;
+
+fn buckling_machine(bodies: Vec<RigidBody>, joints: Vec<Joint>, on: &str, force: [f64; 3]) -> Model {
+    let analysis = Analysis::Buckling(BucklingAnalysis::new(1));
+    let mut m = Model::of_bodies(analysis, bodies, joints);
+    m.loads = vec![Load::Force(VectorLoad::new(on, force))];
+    m
+}
+
+fn bar(name: &str, at: [f64; 3]) -> RigidBody {
+    RigidBody::new(name, at, 1.0, Some([0.1, 0.1, 0.1]))
+}
+
+fn hinge(name: &str, [a, b]: [&str; 2], x: f64) -> Joint {
+    Joint::Revolute(axis_joint(name, a, b, [x, 0.0, 0.0], [0.0, 0.0, 1.0]).into())
+}
+
+fn torsion_spring(between: [&str; 2], stiffness: f64) -> TorsionSpring {
+    TorsionSpring {
+        name: "spring".into(),
+        between: between.map(Into::into),
+        axis: [0.0, 0.0, 1.0],
+        stiffness,
+        damping: 0.0,
+        moment: None,
+        free_angle: 0.0,
+    }
+}
+
+/// Two rigid bars of length L/2 between hinges with a torsion spring k at their common one: with the angle θ of each the energy
+/// ½ k (2θ)² − P L θ²/2 gives P = 4 k/L.
+#[test]
+fn a_column_of_two_rigid_bars_buckles_at_its_spring() {
+    let (length, stiffness) = (2.0, 30.0);
+    let slide = axis_joint("slide", "ground", "slider", [length, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    let joints = vec![
+        hinge("foot", ["ground", "left"], 0.0),
+        hinge("knee", ["left", "right"], 0.5 * length),
+        hinge("head", ["right", "slider"], length),
+        Joint::Prismatic(slide.into()),
+    ];
+    let bodies = vec![
+        bar("left", [0.25 * length, 0.0, 0.0]),
+        bar("right", [0.75 * length, 0.0, 0.0]),
+        bar("slider", [length, 0.0, 0.0]),
+    ];
+    let mut m = buckling_machine(bodies, joints, "slider", [-1.0, 0.0, 0.0]);
+    m.torsion_springs = vec![torsion_spring(["left", "right"], stiffness)];
+    let found = factors(&m);
+    assert!((found[0] / (4.0 * stiffness / length) - 1.0).abs() < 1e-9, "{found:?}");
+    // Without the spring it is a mechanism.
+    m.torsion_springs.clear();
+    assert!(message(&m).contains("mechanism"), "{}", message(&m));
+}
+
+/// A rigid bar of length L on a bushing or on a hinge with a torsion spring k, with a force at its tip: P = k/L.
+#[test]
+fn a_rigid_bar_on_an_elastic_foot_buckles() {
+    let (length, stiffness) = (2.0, 30.0);
+    let foot = |joints: Vec<Joint>| {
+        buckling_machine(vec![bar("bar", [length, 0.0, 0.0])], joints, "bar", [-1.0, 0.0, 0.0])
+    };
+    let mut on_hinge = foot(vec![hinge("foot", ["ground", "bar"], 0.0)]);
+    on_hinge.torsion_springs = vec![torsion_spring(["ground", "bar"], stiffness)];
+    let mut on_bushing = foot(Vec::new());
+    on_bushing.bushings = vec![Bushing {
+        name: "foot".into(),
+        between: ["ground".into(), "bar".into()],
+        at: [0.0; 3],
+        axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        stiffness: Some([1e6, 1e6, 1e6, 50.0, 2.0 * stiffness, stiffness]),
+        stiffness_matrix: None,
+        damping: None,
+        damping_matrix: None,
+        free: [0.0; 6],
+    }];
+    for m in [on_hinge, on_bushing] {
+        let found = factors(&m);
+        // The bushing yields across, too: 1/P = L/k to the order of P/(k_y L).
+        assert!((found[0] / (stiffness / length) - 1.0).abs() < 1e-4, "{found:?}");
+    }
+}
+
+/// A point mass between two springs in line, each of length L/2, that is held across by a spring k: the compression P of both springs
+/// has the geometric stiffness −4P/L, so that P = k L/4. One of the springs leads to a second mass, on which the force acts.
+#[test]
+fn springs_in_line_buckle_against_a_spring_across() {
+    let (length, across) = (2.0, 3.0);
+    let spring = |name: &str, between: [&str; 2], points: [[f64; 3]; 2], stiffness: f64| SpringDamper {
+        name: name.into(),
+        between: between.map(Into::into),
+        points,
+        stiffness,
+        damping: 0.0,
+        force: None,
+        length: None,
+    };
+    let (middle, end) = ([0.5 * length, 0.0, 0.0], [length, 0.0, 0.0]);
+    let bodies = vec![RigidBody::new("middle", middle, 1.0, None), RigidBody::new("end", end, 1.0, None)];
+    let mut m = buckling_machine(bodies, Vec::new(), "end", [-1.0, 0.0, 0.0]);
+    let beside = |at: [f64; 3], axis: usize| {
+        let mut anchor = at;
+        anchor[axis] += 1.0;
+        [anchor, at]
+    };
+    m.springs = vec![
+        spring("left", ["ground", "middle"], [[0.0; 3], middle], 1e3),
+        spring("right", ["middle", "end"], [middle, end], 1e3),
+        spring("y", ["ground", "middle"], beside(middle, 1), across),
+        spring("z", ["ground", "middle"], beside(middle, 2), 2.0 * across),
+        spring("end y", ["ground", "end"], beside(end, 1), 1e6),
+        spring("end z", ["ground", "end"], beside(end, 2), 1e6),
+    ];
+    let found = factors(&m);
+    assert!((found[0] / (across * length / 4.0) - 1.0).abs() < 1e-5, "{found:?}");
+}
+
+/// A column of beam elements, clamped and free: Engesser's load.
+#[test]
+fn a_column_of_beam_elements_buckles() {
+    let size: [f64; 2] = [0.1, 0.2];
+    let steel = Isotropic::new(YOUNG, 0.3, 1.0);
+    let (area, inertia) = (size[0] * size[1], size[1] * size[0].powi(3) / 12.0);
+    let euler = PI * PI * YOUNG * inertia / 4.0;
+    let expected = euler / (1.0 + euler / (5.0 / 6.0 * YOUNG / 2.6 * area));
+    let model = |n: u32| {
+        let clamp = PointJoint {
+            name: "clamp".into(),
+            between: ["ground".into(), "beam.start".into()],
+            at: [0.0; 3],
+            second_at: None,
+        };
+        let mut m = buckling_machine(Vec::new(), vec![Joint::Fixed(clamp)], "beam.end", [-1.0, 0.0, 0.0]);
+        let section = BeamSection::Rectangle(RectangularSection { size });
+        let ends = [[0.0; 3], [1.0, 0.0, 0.0]];
+        m.materials.insert("steel".into(), Material::Isotropic(steel.clone()));
+        m.beams = vec![Beam {
+            material: Some("steel".into()),
+            ..Beam::straight("beam", ends, n, [0.0, 1.0, 0.0], section)
+        }];
+        m
+    };
+    let found = extrapolated(model, 16);
+    assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
+}
