@@ -113,8 +113,8 @@ fn columns_with_shear_flexibility_buckle_as_engesser_says() {
     for element in [ElementKind::Ems, ElementKind::Mitc4] {
         let clamped = extrapolated(|n| strip.model([n, 2], element), 32);
         let hinged = extrapolated(|n| strip.between_hinges([n, 2], element), 32);
-        assert!((clamped / strip.engesser(2.0) - 1.0).abs() < 1e-6, "{element:?} {clamped}");
-        assert!((hinged / strip.engesser(1.0) - 1.0).abs() < 1e-5, "{element:?} {hinged}");
+        assert!((clamped / strip.engesser(2.0) - 1.0).abs() < 1e-7, "{element:?} {clamped}");
+        assert!((hinged / strip.engesser(1.0) - 1.0).abs() < 1e-6, "{element:?} {hinged}");
     }
     // Strains quadratic in z let the stress act on the curvature, too, which lowers the bending stiffness EI by P I/A at most.
     for element in [ElementKind::Cm, ElementKind::SolidShell, ElementKind::AncfFull] {
@@ -241,7 +241,7 @@ fn a_square_plate_under_compression_buckles_as_thin_and_as_shear_flexible_plates
         let thin = 4.0 * PI * PI * bending / (side * side);
         let expected = thin / (1.0 + 2.0 * PI * PI * bending / (side * side * shear));
         let found = extrapolated(model, 16);
-        assert!((found / expected - 1.0).abs() < 2e-4, "{thickness} {element:?} {found} {expected}");
+        assert!((found / expected - 1.0).abs() < 2e-5, "{thickness} {element:?} {found} {expected}");
     }
 }
 
@@ -275,7 +275,7 @@ fn a_ring_buckles_under_pressure_that_follows_it() {
     };
     let expected = 3.0 * YOUNG * thickness.powi(3) / 12.0 / radius.powi(3);
     let found = extrapolated(model, 32);
-    assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
+    assert!((found / expected - 1.0).abs() < 2e-4, "{found} {expected}");
 }
 
 /// A cylinder under axial compression, R/h = 100, L/R = 2: lowest load E h²/(R √(3(1 − ν²))) per length of the edge (R. Lorenz, Phys. Z. 12 (1911) 241–260;
@@ -312,7 +312,7 @@ fn a_cylinder_buckles_under_axial_compression() {
     let expected = YOUNG * thickness * thickness / (radius * (3.0 * 0.91_f64).sqrt());
     for factor in factors(&m) {
         let load = factor * 1e-3 * YOUNG * thickness;
-        assert!((load / expected - 1.0).abs() < 0.03, "{load} {expected}");
+        assert!((load / expected - 1.0).abs() < 0.02, "{load} {expected}");
     }
     // Simply supported ends: the load acts on them, and they do not widen.
     m.conditions.truncate(2);
@@ -320,7 +320,7 @@ fn a_cylinder_buckles_under_axial_compression() {
     m.conditions.push(guided("v_max", &[Axis::X, Axis::Z]));
     m.loads = vec![Load::Edge(vector_load("v_max", [0.0, -1.0, 0.0]))];
     for factor in factors(&m) {
-        assert!((factor / expected - 1.0).abs() < 0.03, "{factor} {expected}");
+        assert!((factor / expected - 1.0).abs() < 0.01, "{factor} {expected}");
     }
 }
 

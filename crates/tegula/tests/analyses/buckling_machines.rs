@@ -147,5 +147,5 @@ fn a_column_of_beam_elements_buckles() {
         m
     };
     let found = extrapolated(model, 16);
-    assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
+    assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
 }
