@@ -73,7 +73,7 @@ pub struct JobOptions {
 pub struct Start {
     /// Title of the model.
     pub title: String,
-    /// `static`, `modal`, `buckling` or `transient`.
+    /// `static`, `path`, `modal`, `buckling` or `transient`.
     pub analysis: &'static str,
     /// Shell elements.
     pub elements: usize,

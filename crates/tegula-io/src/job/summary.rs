@@ -138,7 +138,7 @@ pub struct StepSummary {
     pub name: String,
     /// Folder of its results within the result folder.
     pub folder: String,
-    /// `static`, `modal` or `transient`.
+    /// `static`, `path`, `modal`, `buckling` or `transient`.
     pub analysis: String,
     /// Status; null before the analysis begins.
     #[serde(default)]
@@ -160,7 +160,7 @@ pub struct Summary {
     /// Error message of a run that failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
-    /// `static`, `modal` or `transient`; `steps` where several analyses follow one another, whose last one gives the
+    /// `static`, `path`, `modal`, `buckling` or `transient`; `steps` where several analyses follow one another, whose last one gives the
     /// results here.
     pub analysis: String,
     /// Title of the model.

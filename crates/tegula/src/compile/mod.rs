@@ -33,6 +33,7 @@ mod sections;
 mod sensors;
 mod springs;
 mod step_joints;
+mod step_start;
 mod steps;
 mod ties;
 mod turning;
@@ -43,7 +44,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::analysis::{path, statics};
 use crate::constraint::{
     Bushing, BushingGroup, FoundationGroup, Joint, JointGroup, Sensor, Spring, SpringGroup, TorsionSpring,
     TorsionSpringGroup,
@@ -57,8 +57,8 @@ use crate::mesh::{Mesh, quality};
 use crate::model::{Analysis, MeshSource, Model, PrescribedStrain, ResponseInput};
 use crate::system::supports::Support;
 use crate::system::{
-    BeamLine, ClosedGaps, Cut, DeadLoad, GroupOffsets, InertiaRelief, LocalFrames, Outline, PrescribedField,
-    Procedure, Reduction, Shell, ShellSection, StepStart, System, lumping,
+    BeamLine, ClosedGaps, Cut, GroupOffsets, InertiaRelief, LocalFrames, Outline, PrescribedField, Procedure,
+    Reduction, Shell, ShellSection, StepStart, System,
 };
 use crate::{Error, Issue, Result};
 use actions::{
@@ -68,7 +68,7 @@ use assembly::Assembled;
 pub use imperfections::imperfect_mesh;
 use inner_point::Corners;
 use place::Place;
-use procedure::{explicit_scheme, procedure};
+use procedure::procedure;
 use sections::Elements;
 use step_joints::{JointGroups, Lock, StepJoints};
 use steps::Continued;
@@ -381,20 +381,8 @@ impl<'a> Compiler<'a> {
             self.step_joints(step, (start, procedure(&model.analysis)), &amplitudes, &mut issues);
         let released = of_step.take_released();
         let StepJoints { joints, groups, start, .. } = of_step;
-        let alone = joints.iter().all(|joint| joint.rows.is_empty())
-            && !model.has_springs()
-            && model.beams.is_empty();
-        if model.analysis.seeks_equilibria() && alone {
-            if model.foundations.is_empty() {
-                // Supports of inertia relief are chosen where the step starts, and the others hold there as in the reference.
-                let mut coordinates = Arc::clone(&vectors.coordinates);
-                if inertia_relief.is_some() {
-                    Arc::make_mut(&mut coordinates).reference = self.current(start.as_ref());
-                }
-                issues.extend(mechanism::mechanisms(mesh, &coordinates, &supports));
-            }
-            issues.extend(patches::spinning(&vectors.coordinates));
-        }
+        let at_start = inertia_relief.as_ref().map(|_| self.current(start.as_ref()));
+        issues.extend(self.unheld(model, &joints, &supports, at_start));
         let (mut followers, mut load_of_follower) = follower_loads(step, mesh, vectors, &names);
         let mut load_sets = force_sets::of_loads(model, mesh);
         for (name, load) in &self.own_loads {
@@ -413,8 +401,7 @@ impl<'a> Compiler<'a> {
             turning::centrifugal_loads(step, mesh, &vectors.coordinates, &names);
         issues.extend(turning::centrifugal(step));
         issues.extend(turning::loads_across_the_axis(step, mesh, &vectors.coordinates));
-        let is_static = model.analysis.seeks_equilibria();
-        if is_static {
+        if model.analysis.seeks_equilibria() {
             let (couples, loads) = StepJoints::couples(&released, load_sets.len());
             followers.extend(couples);
             load_of_follower.extend(loads);
@@ -425,17 +412,7 @@ impl<'a> Compiler<'a> {
         let reductions: Vec<_> =
             self.groups.iter().map(|group| Reduction::new(group.as_ref(), frames.dofs())).collect();
         let pattern = self.pattern(procedure, &frames, (&followers, &reductions), &added)?;
-        let current = self.current(start.as_ref());
-        let mut initial_velocity = initial_velocity(model, mesh, vectors, &current);
-        if !self.moved_before(step) {
-            bodies::add_velocities(model, (&vectors.coordinates, &current), &mut initial_velocity);
-        }
-        issues.extend(patches::carry_velocities(
-            &vectors.coordinates,
-            frames.dofs(),
-            mesh,
-            &mut initial_velocity,
-        ));
+        let initial_velocity = self.initial_velocities(step, (&frames, start.as_ref()), &mut issues);
         let mut system = System {
             coordinates: Arc::clone(&vectors.coordinates),
             frames,
@@ -478,41 +455,8 @@ impl<'a> Compiler<'a> {
             amplitude_names: names.keys().cloned().collect(),
             wanted_times: model.output.at.clone(),
         };
-        issues.extend(check::masses(model, &system));
-        issues.extend(relief::without_mass(&system));
-        if let Some(scheme) = explicit_scheme(&model.analysis).filter(|_| issues.is_empty()) {
-            // Before gravity is found: bodies of lumped mass shall fall without rotation.
-            issues.extend(lumping::lump(&mut system, &added, scheme.scale_director_inertia));
-        }
-        (system.dead_loads, system.load_of_dead) = dead_loads(step, mesh, &system, &names);
-        if is_static {
-            StepJoints::release(released, &mut system);
-            issues.extend(foundations::free_motions(model, &system));
-        }
-        if issues.is_empty() && is_static && !self.keeps_supports(step, &system.supports) {
-            release_supports(&mut system, mesh);
-        }
-        if issues.is_empty() && procedure == Procedure::Path {
-            issues.extend(path::outside_of_scope(&system));
-        }
+        self.add_dead_loads(step, &mut system, (&names, &added, released), &mut issues);
         if issues.is_empty() { Ok(system) } else { Err(Error::Model(issues)) }
-    }
-
-    /// Whether a transient step comes before a step: bodies then have the velocities at its end, and no longer those of the model.
-    fn moved_before(&self, step: &StepModel) -> bool {
-        let before = |step: &StepModel| step.starts_from.and_then(|index| self.steps.get(index));
-        let chain = std::iter::successors(before(step), |step| before(step));
-        chain.into_iter().any(|step| matches!(step.model.analysis, Analysis::Transient(_)))
-    }
-
-    /// Whether a step has all supports of the step before: then its first state needs no other forces than its own.
-    fn keeps_supports(&self, step: &StepModel, supports_now: &[Support]) -> bool {
-        let Some(before) = step.starts_from.and_then(|index| self.steps.get(index)) else { return false };
-        let (_, names) = amplitudes::time_functions(&before.model, &mut Vec::new());
-        let place = |s: &Support| (s.vector, [s.direction.x, s.direction.y, s.direction.z].map(f64::to_bits));
-        let now: BTreeSet<_> = supports_now.iter().map(place).collect();
-        let before = supports(&before.model, self.mesh, &self.vectors, &names, &mut Vec::new());
-        before.iter().all(|s| now.contains(&place(s)))
     }
 
     fn prescribed_fields(&self, step: &StepModel, names: &BTreeMap<String, usize>) -> Vec<PrescribedField> {
@@ -540,17 +484,6 @@ fn inputs(model: &Model) -> Vec<Range<usize>> {
 fn of_caller(load: &OwnLoad, step: &StepModel) -> FollowerLoad {
     let start = if step.starts_from.is_some() { 1.0 } else { 0.0 };
     FollowerLoad::Own { load: load.clone(), factor: LoadFactor { start, ..LoadFactor::new(None) } }
-}
-
-/// Replaces the supports that the step before had and a static step has not by their reactions: a dead load that falls to
-/// 0 with the load factor, as released loads do.
-fn release_supports(system: &mut System, mesh: &Mesh) {
-    if let Some(force) = statics::released_reactions(system) {
-        let factor = LoadFactor { start: 1.0, released: true, ..LoadFactor::new(None) };
-        system.load_of_dead.push(system.load_sets.len());
-        system.load_sets.push(force_sets::of_released_supports(mesh, &system.load_sets));
-        system.dead_loads.push(DeadLoad { force, factor, gravity: false });
-    }
 }
 
 /// A law for a material that is not there, or is linear: linear materials are integrated when the model is compiled.
