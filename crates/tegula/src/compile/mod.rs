@@ -455,7 +455,7 @@ impl<'a> Compiler<'a> {
             amplitude_names: names.keys().cloned().collect(),
             wanted_times: model.output.at.clone(),
         };
-        self.add_dead_loads(step, &mut system, (&names, &added, released), &mut issues);
+        self.add_dead_loads(step, &mut system, (&names, &added), (released, &mut issues));
         if issues.is_empty() { Ok(system) } else { Err(Error::Model(issues)) }
     }
 

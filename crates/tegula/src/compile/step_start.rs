@@ -71,8 +71,8 @@ impl Compiler<'_> {
         &self,
         step: &StepModel,
         system: &mut System,
-        (names, added, released): (&BTreeMap<String, usize>, &[(u32, u32, f64)], Vec<Released>),
-        issues: &mut Vec<Issue>,
+        (names, added): (&BTreeMap<String, usize>, &[(u32, u32, f64)]),
+        (released, issues): (Vec<Released>, &mut Vec<Issue>),
     ) {
         let model = &step.model;
         issues.extend(check::masses(model, system));
