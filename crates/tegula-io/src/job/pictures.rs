@@ -237,7 +237,11 @@ fn largest_displacement(mesh: &Mesh, system: &System, kept: &StoredSnapshot) -> 
     let field = fields::nodal(system, &kept.displacements);
     debug_assert_eq!(field.len(), mesh.positions.len());
     let of_bodies = system.outline.displacements(&kept.displacements);
-    field.iter().chain(&of_bodies).map(|u| u.iter().map(|x| x * x).sum::<f64>().sqrt()).fold(0.0, tegula::norm::larger)
+    field
+        .iter()
+        .chain(&of_bodies)
+        .map(|u| u.iter().map(|x| x * x).sum::<f64>().sqrt())
+        .fold(0.0, tegula::norm::larger)
 }
 
 /// 1 where displacements (relative to the model) can be seen, else the 1, 2 or 5 times a power of ten

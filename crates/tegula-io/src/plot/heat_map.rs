@@ -79,8 +79,9 @@ fn colour(ratio: f64) -> Rgb {
 /// # Errors
 /// The file cannot be written.
 pub fn heat_map(path: &Path, map: &HeatMap) -> Result<(), OutputError> {
-    let widest =
-        |texts: &mut dyn Iterator<Item = &String>| texts.map(|t| text_width(t, LABEL)).fold(0.0, tegula::norm::larger);
+    let widest = |texts: &mut dyn Iterator<Item = &String>| {
+        texts.map(|t| text_width(t, LABEL)).fold(0.0, tegula::norm::larger)
+    };
     let heads = widest(&mut map.rows.iter().map(|g| &g.head));
     let names = widest(&mut map.rows.iter().flat_map(|g| &g.members));
     // A head must fit over its columns.

@@ -20,6 +20,9 @@ use crate::model::{Analysis, Model};
 use crate::system::supports::Support;
 use crate::system::{DeadLoad, LocalFrames, Procedure, StepStart, System, lumping};
 
+/// Two nodal vectors and the mass that is added for them.
+type AddedEntry = (u32, u32, f64);
+
 impl Compiler<'_> {
     /// Motions that nothing holds in a search for equilibria; models with joints, springs and beams are judged later. Supports of inertia
     /// relief are chosen in the configuration `at_start`, and the others hold there as in the reference.
@@ -71,7 +74,7 @@ impl Compiler<'_> {
         &self,
         step: &StepModel,
         system: &mut System,
-        (names, added): (&BTreeMap<String, usize>, &[(u32, u32, f64)]),
+        (names, added): (&BTreeMap<String, usize>, &[AddedEntry]),
         (released, issues): (Vec<Released>, &mut Vec<Issue>),
     ) {
         let model = &step.model;

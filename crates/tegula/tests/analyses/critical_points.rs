@@ -2,8 +2,8 @@
 //! them.
 
 use crate::common::{
-    Notes, compile, displacement, hinged_roof, model, on, plate, quarter_cylinder, side_by_side, static_options,
-    vector_load,
+    Notes, compile, displacement, hinged_roof, model, on, plate, quarter_cylinder, side_by_side,
+    static_options, vector_load,
 };
 use tegula::analysis::statics::{self, StaticOutcome};
 use tegula::compile::build;

@@ -183,8 +183,7 @@ impl Search {
         };
         // Of modes without stress ν is 1, and round-off decides about the sign of their factor.
         let is_own = |mode: &Mode| mode.factor * self.sign > 0.0 && mode.factor.abs() < beyond;
-        let mut modes: Vec<Mode> =
-            pairs.into_iter().map(of_pair).filter(is_own).collect();
+        let mut modes: Vec<Mode> = pairs.into_iter().map(of_pair).filter(is_own).collect();
         modes.sort_by(|a, b| a.factor.abs().total_cmp(&b.factor.abs()));
         Ok(modes)
     }

@@ -3,9 +3,9 @@
 use super::convergence::{Target, ritz_pairs};
 use super::dense;
 use super::problem::{Problem, go_on};
+use crate::Result;
 use crate::analysis::Observer;
 use crate::norm::larger;
-use crate::Result;
 use tegula_sparse::lanczos::{BlockLanczos, RitzPair};
 
 /// Basis vectors per wanted mode before the iteration gives up.

@@ -4,8 +4,8 @@ use super::{Equation, FactoredTangent, Newton, expand_free, point};
 use crate::analysis::circulatory::Purpose;
 use crate::analysis::solver::{Linearization, TangentSolver};
 use crate::element::Nodal;
-use crate::system::assembly::add_follower_stiffness;
 use crate::system::System;
+use crate::system::assembly::add_follower_stiffness;
 use tegula_sparse::gmres::noise;
 
 /// Inverse iterations for the softest mode: its error is the ratio of the two lowest eigenvalues to this power.

@@ -286,11 +286,7 @@ fn usable_end(
 }
 
 /// First bifurcation of a piece at which the path goes over to the crossing one, and the mode on the side wanted.
-fn switched<'a>(
-    critical: &'a [Found],
-    passed: usize,
-    wanted: &[i32],
-) -> Option<(&'a Found, Vec<Nodal>)> {
+fn switched<'a>(critical: &'a [Found], passed: usize, wanted: &[i32]) -> Option<(&'a Found, Vec<Nodal>)> {
     let bifurcations = critical.iter().filter(|found| found.point.kind == CriticalKind::Bifurcation);
     bifurcations.zip(passed + 1..).find_map(|(found, number)| {
         let choice = wanted.iter().find(|n| n.unsigned_abs() as usize == number)?;
