@@ -187,7 +187,7 @@ fn ended_early(summary: &Summary, folder: PathBuf) -> JobError {
     let error = tegula::Error::NotConverged {
         at: format!("load factor {:.6}", summary.time),
         reason: "the path has ended before load factor 1, where the loads of the next step begin".into(),
-        help: "Give it more `max_expansions`, or let it be the last step.".into(),
+        help: "Give it more `max_steps`, or let it be the last step.".into(),
     };
     JobError::Analysis { error, folder }
 }

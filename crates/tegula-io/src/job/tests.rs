@@ -17,7 +17,8 @@ use std::path::Path;
 
 use tegula::System;
 use tegula::analysis::State;
-use tegula::analysis::path::{CriticalKind, CriticalPoint, ExpansionPoint, PathState};
+use tegula::analysis::newton::PathTangent;
+use tegula::analysis::path::{ArcStart, CriticalKind, CriticalPoint, ExpansionPoint, PathState};
 
 use super::resume::CheckpointData;
 use super::snapshots::StoredSnapshot;
@@ -253,9 +254,12 @@ fn distinct(system: &System) -> CheckpointData {
     let [at, factor, _] = field(1)[0];
     let kind = CriticalKind::Bifurcation;
     let point = CriticalPoint { kind, load: factor, position: at, change: -2, u: field(n), mode: field(n) };
+    let [rate, work, length] = field(1)[0];
+    let tangent = PathTangent { direction: field(n), multipliers: field(1)[0].to_vec(), load: rate, work };
     state.path = Some(Box::new(PathState {
         position,
         expansion,
+        arc: Some(ArcStart { tangent, length }),
         critical: vec![point],
         loads: [80.0, 81.0],
         finished: true,

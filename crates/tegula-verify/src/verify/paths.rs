@@ -2,12 +2,17 @@
 
 use tegula::analysis::path::CriticalKind;
 use tegula::analysis::{Observer, Step};
-use tegula::model::{Analysis, Model, PathAnalysis};
+use tegula::compile::build;
+use tegula::model::{
+    Analysis, Condition, Crossing, ElementKind, Isotropic, Load, Material, Model, NeoHookean, PathAnalysis,
+    PressureLoad, StopCondition, SymmetryPlane,
+};
 use tegula::norm::{larger, max_norm};
-use tegula::{Error, Result};
+use tegula::{Error, Mesh, Result, Vec3};
 use tegula_io::plot::{LinePlot, Series, Style, lines};
 
 use super::benchmarks::{SZE, Watched, setup};
+use super::inside::{flat, octant};
 use super::model::{Compiled, read, refine, section, switch};
 use super::reference::records;
 use super::report::Report;
@@ -21,6 +26,12 @@ pub(super) const CASES: &[Case] = &[
         about: "hinged roofs through limit points and a snap-back: literature and an independent program",
         cost: Cost::Normal,
         run: roofs,
+    },
+    Case {
+        name: "paths-balloon",
+        about: "sphere of neo-Hookean rubber under pressure by the arc-length method: through its limit",
+        cost: Cost::Normal,
+        run: balloon,
     },
     Case {
         name: "paths-full-load",
@@ -208,5 +219,73 @@ fn full_load(report: &mut Report) -> Result<()> {
         0.01,
     );
     report.element("ems");
+    Ok(())
+}
+
+/// Mean stretch of a sphere of radius 1 along a path, and the pressure `p R/(μ h)`.
+struct Stretch<'a> {
+    mesh: &'a Mesh,
+    position_of: &'a [u32],
+    points: Vec<(f64, f64)>,
+}
+
+impl Stretch<'_> {
+    fn mean(&self, step: &Step) -> f64 {
+        let stretch = |(node, x): (usize, &Vec3)| {
+            let u = Vec3::from(step.state.u[self.position_of[node] as usize]);
+            (x + u).norm() / x.norm()
+        };
+        let sum: f64 = self.mesh.positions.iter().enumerate().map(stretch).sum();
+        sum / self.mesh.positions.len() as f64
+    }
+}
+
+impl Observer for Stretch<'_> {
+    fn on_step(&mut self, step: &Step) -> Result<()> {
+        self.points.push((self.mean(step), step.state.time));
+        Ok(())
+    }
+    fn column(&mut self, name: &str, step: &Step) -> Option<f64> {
+        (name == "stretch").then(|| self.mean(step))
+    }
+}
+
+/// Octant of a sphere under a pressure that follows its surface: the path through the limit of the pressure, against the closed form
+/// of a thin sphere of incompressible rubber, `p R/(μ h) = 2 (1/λ − 1/λ⁷)`.
+fn balloon(report: &mut Report) -> Result<()> {
+    const H: f64 = 0.01;
+    let (mesh, largest) = (octant(8), 2.5);
+    let blown_up = StopCondition { column: "stretch".into(), value: largest, direction: Crossing::Rising };
+    let options = PathAnalysis { end_load: 2.0, stop: vec![blown_up], ..PathAnalysis::default() };
+    let mut model =
+        Model::new(flat([1.0; 2], [1, 1]), Analysis::Path(options.clone()), Isotropic::new(1.0, 0.3, 1.0), H);
+    let rubber = NeoHookean { shear: 1.0, bulk: 2e3, density: 0.0, form: Default::default() };
+    model.materials.insert("m".into(), Material::NeoHookean(rubber));
+    model.sections[0].element = ElementKind::Cm;
+    for (on, normal) in [("x = 0", [1.0, 0.0, 0.0]), ("y = 0", [0.0, 1.0, 0.0]), ("z = 0", [0.0, 0.0, 1.0])] {
+        model.conditions.push(Condition::Symmetry(SymmetryPlane { on: on.into(), normal }));
+    }
+    // Positive pressure pushes against the directors, which point outwards here.
+    model.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: -H, amplitude: None })];
+    let system = build(&model, &mesh)?;
+    let mut curve = Stretch { mesh: &mesh, position_of: &system.coordinates.position_of, points: Vec::new() };
+    let outcome = run_path(&system, &options, &mut curve)?;
+    let pressure = |l: f64| 2.0 * (l.recip() - l.powi(-7));
+    let error = |(stretch, p): &(f64, f64)| (p / pressure(*stretch) - 1.0).abs();
+    let errors = curve.points.iter().filter(|point| point.0 > 1.05).map(error);
+    report.at_most("path-balloon", "error of the pressure", "3x8x8", errors.fold(0.0, larger), 0.01);
+    let reached = curve.points.last().map_or(f64::NAN, |point| point.0);
+    report.absolute("path-balloon", "stretch at the end", "3x8x8", reached, largest, 1e-4);
+    let critical = outcome.state.path.map(|path| path.critical).unwrap_or_default();
+    let limit = critical.iter().find(|p| p.kind == CriticalKind::Limit).map_or(f64::NAN, |p| p.load);
+    report.relative(
+        "path-balloon",
+        "limit pressure p R/(mu h)",
+        "3x8x8",
+        limit,
+        pressure(7_f64.powf(1.0 / 6.0)),
+        5e-3,
+    );
+    report.element("cm");
     Ok(())
 }

@@ -34,6 +34,9 @@ use tegula_sparse::Factor as _;
 /// stiffness hides the mode.
 const HIDDEN: f64 = 1e-2;
 
+/// Work of the skew stiffness of moments over that of the stiffness, in a mode, above which they count.
+const SKEW: f64 = 1e-3;
+
 /// A buckling mode.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BucklingMode {
@@ -146,8 +149,9 @@ fn factors(problem: &mut Problem, options: &BucklingAnalysis, observer: &mut dyn
                 let mode = finish(problem, mode)?;
                 Error::Singular {
                     what: format!(
-                        "The loads stabilise the structure: there is no positive load factor. With the loads reversed the lowest one is \
-                         {:.6e}.",
+                        "The loads stabilise the structure: there is no positive load factor below {:.0e} times the lowest one of the \
+                         reversed loads, which is {:.6e}.",
+                        search::REACH,
                         -mode.factor
                     ),
                     help: "Reverse the loads, or give `signs = \"both\"`.".into(),
@@ -160,7 +164,7 @@ fn factors(problem: &mut Problem, options: &BucklingAnalysis, observer: &mut dyn
         });
     }
     if found.modes.len() < wanted {
-        observer.on_event(&format!(
+        observer.on_warning(&format!(
             "{wanted} load factors are wanted, but the structure has only {} within {:.0e} times the lowest one",
             found.modes.len(),
             search::REACH
@@ -195,11 +199,25 @@ fn finish(problem: &mut Problem, mut mode: search::Mode) -> Result<BucklingMode>
                 .into(),
         });
     }
+    let [base, end] = problem::TIMES;
+    let skew = system.skew_work_of_moments(&problem.state.u, &shape, |load| {
+        let base = system.factor(load, base);
+        base + factor * (system.factor(load, end) - base)
+    });
+    if !(skew <= SKEW * (factor * problem.stress_product(&mode.vector)).abs()) {
+        return Err(Error::Singular {
+            what: format!(
+                "Moments that are constant in space have no potential where bodies or nodes of beams turn about other axes than theirs, as in \
+                 the mode of the load factor {factor:.4e}: load factors of buckling need not exist (flutter)."
+            ),
+            help: "Replace the moments by pairs of forces, or run a transient analysis.".into(),
+        });
+    }
     normalise(system, &mut shape);
     Ok(BucklingMode { factor, shape, residual: mode.residual })
 }
 
-/// Scales a shape to a largest displacement of 1, whose largest component is positive.
+/// Scales a shape to a largest displacement of 1, and [orients](System::orient) it.
 fn normalise(system: &System, shape: &mut [Nodal]) {
     let size = |v: &Nodal| v.iter().map(|x| x * x).sum::<f64>().sqrt();
     let largest = |position: bool| {
@@ -210,9 +228,9 @@ fn normalise(system: &System, shape: &mut [Nodal]) {
     let (moved, turned) = (largest(true), largest(false));
     // Displacements that are round-off beside the rotations are none.
     let chosen = if size(&moved) > f64::EPSILON * system.length * size(&turned) { moved } else { turned };
-    let first = chosen.iter().copied().fold(0.0, |a: f64, x| if x.abs() > a.abs() { x } else { a });
-    let scale = size(&chosen).copysign(first);
+    let scale = size(&chosen);
     if scale != 0.0 {
         shape.as_flattened_mut().iter_mut().for_each(|x| *x /= scale);
     }
+    system.orient(shape);
 }

@@ -5,6 +5,7 @@
 //! the state ([`frames`]).
 
 use super::State;
+use super::constraints::{Schur, gradients_at, product};
 use crate::Result;
 use crate::element::{Nodal, TangentWeights};
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
@@ -82,24 +83,76 @@ pub(super) fn penalty(system: &System, assembly: &mut Assembly, state: &State) -
         return 0.0;
     }
     assemble_tangent(system, assembly, (state, 0.0), &vec![[0.0; 3]; system.vectors()]);
-    let (mut sum, mut count) = (0.0, 0);
-    for v in 0..system.vectors() {
-        if system.coordinates.kinds[v] != VectorKind::Position {
-            continue;
+    let mean = |position: bool| {
+        let (mut sum, mut count) = (0.0, 0);
+        let of_kind = |v: &usize| (system.coordinates.kinds[*v] == VectorKind::Position) == position;
+        for v in (0..system.vectors()).filter(of_kind) {
+            for number in system.dofs().of(v).into_iter().filter(|n| *n != CONSTRAINED) {
+                let first = system.pattern.column_pointers[number as usize];
+                sum += assembly.values[first].abs();
+                count += 1;
+            }
         }
-        for number in system.dofs().of(v).into_iter().filter(|n| *n != CONSTRAINED) {
-            let first = system.pattern.column_pointers[number as usize];
-            sum += assembly.values[first].abs();
-            count += 1;
-        }
-    }
-    if sum > 0.0 {
-        return sum / f64::from(count);
+        (sum > 0.0).then(|| sum / f64::from(count))
+    };
+    // Bodies between torsion springs have stiffnesses of rotations only.
+    let of_rotations = || mean(false).map(|stiffness| stiffness / (system.length * system.length));
+    if let Some(stiffness) = mean(true).or_else(of_rotations) {
+        return stiffness;
     }
     // Of bodies without springs loads alone make the stiffness. That of centrifugal forces, up to −Ω² M, must not cancel this weight.
     let forces = external(system, &EvaluationPoint::at_rest(system, &state.u, 1.0, state.internal()));
     let largest = forces.as_flattened().iter().map(|x| x.abs()).fold(0.0, larger);
     if largest > 0.0 && !system.centrifugal.is_empty() { STIFFER * largest / system.length } else { 1.0 }
+}
+
+/// Unbalanced forces over those that joints must balance, above which a state is no equilibrium.
+const UNBALANCED: f64 = 1e-9;
+
+/// Finds the multipliers of joints that balance forces `unbalanced` on all nodal vectors of a state best: springs that are stressed in the
+/// reference configuration load the joints there. The local frames of `assembly` follow the state. Returns whether joints balance the
+/// forces.
+pub(super) fn find_multipliers(
+    system: &System,
+    assembly: &Assembly,
+    state: &mut State,
+    unbalanced: &[Nodal],
+) -> bool {
+    if system.joints.is_empty() {
+        return true;
+    }
+    let mut free = vec![0.0; system.unknowns()];
+    assembly.frames.reduce(unbalanced, &mut free);
+    // Forces times the length of the model and moments count alike.
+    let mut scales = vec![1.0; free.len()];
+    let positions = (0..system.vectors()).filter(|&v| system.coordinates.kinds[v] == VectorKind::Position);
+    for number in positions.flat_map(|v| assembly.frames.of(v)).filter(|n| *n != CONSTRAINED) {
+        scales[number as usize] = system.length * system.length;
+    }
+    let size = |x: &[f64]| x.iter().zip(&scales).map(|(x, s)| x * x * s).sum::<f64>().sqrt();
+    let whole = size(&free);
+    if whole == 0.0 {
+        return true;
+    }
+    let gradients = gradients_at(system, &assembly.frames, state);
+    let m = gradients.len();
+    let mut schur = Schur::new(m);
+    let mut right = vec![0.0; m];
+    let mut dense = vec![0.0; free.len()];
+    for (i, gradient) in gradients.iter().enumerate() {
+        gradient.iter().for_each(|&(n, g)| dense[n as usize] = g * scales[n as usize]);
+        for (j, other) in gradients.iter().enumerate() {
+            schur.matrix[i * m + j] = product(other, &dense);
+        }
+        right[i] = product(gradient, &free.iter().zip(&scales).map(|(x, s)| x * s).collect::<Vec<_>>());
+        gradient.iter().for_each(|&(n, _)| dense[n as usize] = 0.0);
+    }
+    schur.factor();
+    schur.solve(&mut right, &[], &mut state.multipliers);
+    for (gradient, multiplier) in gradients.iter().zip(&state.multipliers) {
+        gradient.iter().for_each(|&(n, g)| free[n as usize] -= g * multiplier);
+    }
+    size(&free) <= UNBALANCED * whole
 }
 
 /// Unbalanced forces `F − f_int(u, v) − M (a + α v)` of a state on all nodal vectors. The assembly's local frames follow the

@@ -193,6 +193,12 @@ fn lowest_modes(
     }
     let redundant = problem.newton.constraints.iter().flat_map(|constraints| constraints.redundant(system));
     redundant.for_each(|message| observer.on_warning(&message));
+    if !problem.balanced {
+        observer.on_warning(
+            "springs, torsion springs or bushings have forces in the reference configuration that joints and supports do not balance: the modes \
+             are those of the stiffness there, about no equilibrium; `prestressed = true` finds one first",
+        );
+    }
     let wanted = wanted.min(all);
     let skew = equilibrium.and_then(|state| circulatory::stiffness(system, state));
     if skew.is_some() && !system.joints.is_empty() {
@@ -216,6 +222,9 @@ fn lowest_modes(
     modes.sort_by(|a, b| a.omega.total_cmp(&b.omega));
     if let Some(skew) = skew {
         circulatory::refuse(problem, &skew, &modes, wanted)?;
+    }
+    if let Some(state) = equilibrium {
+        circulatory::refuse_moments(system, state, &modes[..wanted.min(modes.len())])?;
     }
     modes.truncate(wanted);
     let statistics = Statistics {

@@ -13,11 +13,13 @@
 //! format in geometrically nonlinear analysis of beams and shells using solid finite elements*,
 //! Int. J. Numer. Meth. Engng 109 (2017) 1237–1262).
 
+mod arc_length;
 mod convergence;
 mod iteration;
 mod response;
 mod stability;
 
+pub use arc_length::{LoadResponse, PathTangent, Plane, distance};
 pub use response::SoftestMode;
 pub use stability::Stability;
 

@@ -2,6 +2,7 @@
 
 mod connection;
 mod enhanced;
+pub mod equilibrium_step;
 mod failure;
 mod load_steps;
 

@@ -78,20 +78,20 @@ impl Compiler<'_> {
             x.clone_from(&reference);
             self.lead(&mut x, &gaps, (&joints, &bodies), &reference);
         }
-        if !closing.is_closed(&x) {
-            x.clone_from(&reference);
-            let has_gap = |joint: &usize| gaps.iter().any(|gap| gap.joint == *joint);
-            let (own, others): (Vec<usize>, Vec<usize>) = (0..joints.len()).partition(has_gap);
-            let [own, others] =
-                [own, others].map(|of| of.iter().map(|&j| joints[j].clone()).collect::<Vec<_>>());
-            let at = (reference.as_slice(), self.length);
-            let gap = Closing::new((&own, &bodies), at).by_size();
-            Closing::new((&others, &bodies), at).approach(&Aim::Gaps(&gap), &mut x);
-            issues.extend(open(&gaps, &joints, &x, self.length));
-            return None;
+        let axes = step.model.joints.iter().flat_map(|joint| joint.common().directions());
+        let axes: Vec<Vec3> = axes.map(|(_, axis)| Vec3::from(axis)).collect();
+        if let Some(nearest) = closing.nearest(x.clone(), &axes) {
+            return Some(self.start_at(step, &nearest, &reference, gaps));
         }
-        closing.approach(&Aim::Reference, &mut x);
-        Some(self.start_at(step, &x, &reference, gaps))
+        x.clone_from(&reference);
+        let has_gap = |joint: &usize| gaps.iter().any(|gap| gap.joint == *joint);
+        let (own, others): (Vec<usize>, Vec<usize>) = (0..joints.len()).partition(has_gap);
+        let [own, others] = [own, others].map(|of| of.iter().map(|&j| joints[j].clone()).collect::<Vec<_>>());
+        let at = (reference.as_slice(), self.length);
+        let gap = Closing::new((&own, &bodies), at).by_size();
+        Closing::new((&others, &bodies), at).approach(&Aim::Gaps(&gap), &mut x);
+        issues.extend(open(&gaps, &joints, &x, self.length));
+        None
     }
 
     /// Joints of a step that hold when it is assembled.

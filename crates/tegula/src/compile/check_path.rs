@@ -20,7 +20,7 @@ pub(super) fn path(model: &Model, path: &PathAnalysis, c: &mut Checker) {
         );
     }
     c.positive("analysis.tolerance", "the tolerance", path.tolerance);
-    for (key, value) in [("max_expansions", path.max_expansions), ("points", path.points)] {
+    for (key, value) in [("max_steps", path.max_steps), ("points", path.points)] {
         if value == 0 {
             c.add(format!("analysis.{key}"), format!("`{key}` is 0"), "give at least 1");
         }
@@ -30,6 +30,15 @@ pub(super) fn path(model: &Model, path: &PathAnalysis, c: &mut Checker) {
             "analysis.switch_at",
             "there is no bifurcation number 0",
             "count bifurcations from 1 along the path; a negative number means the other side of the crossing path",
+        );
+    }
+    let mut numbers: Vec<u32> = path.switch_at.iter().map(|number| number.unsigned_abs()).collect();
+    numbers.sort_unstable();
+    if let Some(twice) = numbers.windows(2).find(|pair| pair[0] == pair[1]) {
+        c.add(
+            "analysis.switch_at",
+            format!("bifurcation {} is named twice: the path can go over to one side of it only", twice[0]),
+            "name each bifurcation once, with the sign of the side",
         );
     }
     if !(5..=60).contains(&path.order) {

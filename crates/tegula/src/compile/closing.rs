@@ -21,6 +21,7 @@
 use nalgebra::{DMatrix, DVector, Matrix3};
 
 use crate::constraint::{Joint, Row};
+use crate::mesh::Random;
 use crate::norm::max_norm;
 use crate::system::coordinates::Body;
 use crate::{Mat3, Vec3};
@@ -38,6 +39,12 @@ const ITERATIONS: usize = 200;
 const NEAREST: f64 = 1e-13;
 /// Length of a step over that of the unconstrained minimum: least and most.
 const STEPS: [f64; 2] = [1e-6, 1e2];
+/// Positions with turned bodies from which the nearest one is looked for: least number, sum over the bodies, most.
+const STARTS: [usize; 3] = [8, 400, 48];
+/// Largest angles by which bodies are turned there (rad).
+const TURNS: [f64; 4] = [3.1, 0.05, 1.5, 0.5];
+/// Distance over that of the nearest position so far, below which another one is nearer.
+const NEARER: f64 = 1.0 - 1e-6;
 /// Smallest moment of the Euler tensor beside the largest one, and what a body without inertia about an axis has in its place.
 const WITHOUT_INERTIA: f64 = 1e-12;
 const SUBSTITUTE: f64 = 1e-3;
@@ -418,6 +425,40 @@ impl<'a> Closing<'a> {
             part = if curvature > 0.0 { (part / curvature).clamp(STEPS[0], STEPS[1]) } else { 1.0 };
             (*x, descent, square) = (trial, next, next_square);
         }
+    }
+
+    /// Nearest of the closed positions that are reached from `x` and from positions in which the bodies are turned; `None` where none is
+    /// closed. Mechanisms have several positions, and where parts lie in one line a path from there may reach none of them.
+    pub(super) fn nearest(&self, x: Vec<Vec3>, axes: &[Vec3]) -> Option<Vec<Vec3>> {
+        let mut best: Option<(f64, Vec<Vec3>)> = None;
+        let count = (STARTS[1] / self.bodies.len().max(1)).clamp(STARTS[0], STARTS[2]);
+        for number in 0..=count {
+            let mut trial = if number == 0 { x.clone() } else { self.turned(number, axes) };
+            self.close(&mut trial);
+            if !self.is_closed(&trial) {
+                continue;
+            }
+            self.approach(&Aim::Reference, &mut trial);
+            let distance = self.distance(&trial);
+            if best.as_ref().is_none_or(|(least, _)| distance < NEARER * least) {
+                best = Some((distance, trial));
+            }
+        }
+        best.map(|(_, x)| x)
+    }
+
+    /// Reference positions in which each body is turned by a random angle, about an axis of the joints or one of its own.
+    fn turned(&self, number: usize, axes: &[Vec3]) -> Vec<Vec3> {
+        let mut random = Random(number as u64);
+        let largest = TURNS[number / 2 % TURNS.len()];
+        let common = axes.get(number / 2 % axes.len().max(1)).filter(|_| number % 2 == 1);
+        let mut x = self.reference.to_vec();
+        for body in self.bodies {
+            let own = Vec3::from_fn(|_, _| random.symmetric());
+            let axis = common.unwrap_or(&own).normalize();
+            body.turn(&[Vec3::zeros(), axis * (largest * random.symmetric())], &mut x);
+        }
+        x
     }
 
     /// Whether some body can change the constraints of a joint.

@@ -108,6 +108,15 @@ pub(super) fn wheels_beside_carriers(model: &Model) -> Vec<Issue> {
     found
 }
 
+/// Joint with another axis on its second side beside which something turns whose sides are named in the other order: its axis would be that
+/// of the joint's first side on its second one.
+fn exchanged(model: &Model, between: &[String; 2], motion: Motion) -> Option<String> {
+    let turned = model.joints.iter().filter(|joint| joint.common().second_side().axis.is_some());
+    let guides = turned.filter_map(|joint| guide(joint, motion));
+    let mut exchanged = guides.filter(|(_, other, _)| other[0] == between[1] && other[1] == between[0]);
+    exchanged.next().map(|(name, ..)| name.to_owned())
+}
+
 fn one(
     model: &Model,
     (key, what): (&str, &str),
@@ -115,6 +124,17 @@ fn one(
     motion: Motion,
     c: &mut Checker,
 ) {
+    if let Some(name) = exchanged(model, between, motion) {
+        c.add(
+            key.replace("axis", "between").replace("axes", "between"),
+            format!(
+                "{what} names its sides in the other order than the joint \"{name}\", whose axis lies elsewhere on its second side \
+                 (`second_axis`)"
+            ),
+            "name the sides of both in the same order; the sense of an angle changes with it",
+        );
+        return;
+    }
     let axis = Vec3::from(axis);
     let same = |other: &[String; 2]| other == between || (other[0] == between[1] && other[1] == between[0]);
     let guides = model.joints.iter().filter_map(|joint| guide(joint, motion));

@@ -18,7 +18,7 @@ use crate::load::LoadFactor;
 use crate::mesh::Mesh;
 use crate::model::{Analysis, Model};
 use crate::system::supports::Support;
-use crate::system::{DeadLoad, LocalFrames, Procedure, StepStart, System, lumping};
+use crate::system::{DeadLoad, LocalFrames, StepStart, System, lumping};
 
 /// Two nodal vectors and the mass that is added for them.
 type AddedEntry = (u32, u32, f64);
@@ -93,8 +93,10 @@ impl Compiler<'_> {
         if issues.is_empty() && is_static && !self.keeps_supports(step, &system.supports) {
             release_supports(system, self.mesh);
         }
-        if issues.is_empty() && system.procedure == Procedure::Path {
-            issues.extend(path::outside_of_scope(system));
+        if let Analysis::Path(options) = &model.analysis
+            && issues.is_empty()
+        {
+            issues.extend(path::outside_of_scope(system, options));
         }
     }
 

@@ -60,7 +60,7 @@ pub use joint::{
 };
 pub use loads::{Load, LoadStiffness, NodalLoad};
 pub use mesh_source::*;
-pub use path::PathAnalysis;
+pub use path::{PathAnalysis, PathMethod};
 pub use prescribed_strain::*;
 pub use response::{FrequencyResponse, ResponseInput, Spacing};
 pub(crate) use scheme::schemes;

@@ -12,10 +12,13 @@ pub struct PathAnalysis {
     /// Load factor at which the path ends when it gets there; a negative one starts the path with falling loads.
     #[serde(default = "full_load")]
     pub end_load: f64,
-    /// Expansions after which the path ends.
+    /// Method that follows the path; left out: power series where the model has some, else the arc-length method, and the run says why.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub method: Option<PathMethod>,
+    /// Steps, expansions into power series or arc-length steps, after which the path ends.
     #[schemars(range(min = 1))]
     #[serde(default = "two_hundred")]
-    pub max_expansions: u32,
+    pub max_steps: u32,
     /// Highest order of the power series.
     #[schemars(range(min = 5, max = 60))]
     #[serde(default = "twenty")]
@@ -24,7 +27,7 @@ pub struct PathAnalysis {
     #[serde(default = "tolerance")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub tolerance: f64,
-    /// Points of the path that each step reports, its end included.
+    /// Points of the path that each expansion reports, its end included; an arc-length step reports its end.
     #[schemars(range(min = 1))]
     #[serde(default = "ten")]
     pub points: u32,
@@ -37,11 +40,23 @@ pub struct PathAnalysis {
     pub stop: Vec<StopCondition>,
 }
 
+/// Method that follows a path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PathMethod {
+    /// Power series (asymptotic numerical method): one factorisation a step, for elements with free directors, linear materials and
+    /// loads of constant direction in proportion to the load factor.
+    Series,
+    /// Arc-length method: Newton's method on planes across the path, for all models.
+    ArcLength,
+}
+
 impl Default for PathAnalysis {
     fn default() -> Self {
         Self {
             end_load: full_load(),
-            max_expansions: two_hundred(),
+            method: None,
+            max_steps: two_hundred(),
             order: twenty(),
             tolerance: tolerance(),
             points: ten(),

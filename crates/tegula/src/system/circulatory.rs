@@ -19,7 +19,7 @@ use super::assembly::TangentCoefficients;
 use super::dof_map::CONSTRAINED;
 use super::evaluation_point::current_vector;
 use super::{System, VectorKind};
-use crate::element::Motion;
+use crate::element::{Motion, Nodal};
 use crate::load::{FollowerLoad, LoadFactor};
 use crate::{Mat3, Vec3};
 
@@ -27,6 +27,32 @@ use crate::{Mat3, Vec3};
 const CANCELLED: f64 = 1e-12;
 /// Skew blocks below this part of the load's stiffness are round-off.
 const ROUNDING: f64 = 1e-13;
+
+impl System {
+    /// Bound of the work `½ |m × θ| |θ|` of the skew stiffness `½ [m]×` of moments m that are constant in space, on bodies that turn by θ in a
+    /// small motion from displacements `u` [force·length]. It vanishes where all bodies turn about the axes of their moments: only then
+    /// these moments have a potential. `factor` multiplies the factors of the loads.
+    pub fn skew_work_of_moments(
+        &self,
+        u: &[Nodal],
+        motion: &[Nodal],
+        factor: impl Fn(&LoadFactor) -> f64,
+    ) -> f64 {
+        let of_load = |load: &FollowerLoad| {
+            let FollowerLoad::BodyMoment { directors, moment, factor: of_load } = load else { return 0.0 };
+            let turn: Vec3 = directors
+                .iter()
+                .map(|&v| {
+                    let v = v as usize;
+                    let director = Vec3::from(self.coordinates.reference[v]) + Vec3::from(u[v]);
+                    0.5 * director.cross(&Vec3::from(motion[v]))
+                })
+                .sum();
+            0.5 * factor(of_load).abs() * moment.cross(&turn).norm() * turn.norm()
+        };
+        self.followers.iter().map(of_load).sum()
+    }
+}
 
 /// An edge on the boundary of a surface under pressure.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,6 +5,11 @@ use super::{System, VectorKind};
 use crate::element::Nodal;
 use tegula_sparse::norm::larger;
 
+/// Displacements over the model's length and changes of directors that are round-off of them.
+const ROUND_OFF: f64 = 1e-9;
+/// Relative difference of components that count as equal: that of modes found by iteration.
+const EQUAL: f64 = 1e-5;
+
 impl System {
     /// Scalar product of two changes of all nodal vectors: mean over them of the products of displacements over the square of the
     /// model's length, and of the products of changes of directors.
@@ -21,6 +26,36 @@ impl System {
     /// model's length and change of director.
     pub fn norm(&self, field: &[Nodal]) -> f64 {
         self.inner_product(field, field).sqrt()
+    }
+
+    /// Size of forces on all nodal vectors, dual to [`norm`](Self::norm): root of the number of vectors times the sum of the squares of
+    /// force times the model's length and of director force, so that `|f · u| ≤ force_norm(f) norm(u)` [force·length].
+    pub fn force_norm(&self, forces: &[Nodal]) -> f64 {
+        let square = |(f, kind): (&Nodal, &VectorKind)| {
+            let s = dot3(*f, *f);
+            if *kind == VectorKind::Position { s * self.length * self.length } else { s }
+        };
+        (forces.len() as f64 * forces.iter().zip(&self.coordinates.kinds).map(square).sum::<f64>()).sqrt()
+    }
+
+    /// Gives a mode the sign with which its largest component is positive: of its displacements, of the directors where nothing is
+    /// displaced; of several equal ones the first in the order of the nodes.
+    pub fn orient(&self, mode: &mut [Nodal]) {
+        let kinds = &self.coordinates.kinds;
+        let largest = |position: bool| {
+            let of_kind =
+                mode.iter().zip(kinds).filter(|(_, kind)| (**kind == VectorKind::Position) == position);
+            of_kind.flat_map(|(v, _)| v.map(f64::abs)).fold(0.0, larger)
+        };
+        let sizes = [largest(false), largest(true)];
+        let position = sizes[1] > ROUND_OFF * self.length * sizes[0];
+        let least = (1.0 - EQUAL) * sizes[usize::from(position)];
+        let mut of_kind =
+            mode.iter().zip(kinds).filter(|(_, kind)| (**kind == VectorKind::Position) == position);
+        let first = of_kind.find_map(|(v, _)| v.iter().copied().find(|x| x.abs() >= least));
+        if first.is_some_and(|x| x < 0.0) {
+            mode.as_flattened_mut().iter_mut().for_each(|x| *x = -*x);
+        }
     }
 
     /// Multiplies displacements by the weights of [`norm`](Self::norm), but for the mean.

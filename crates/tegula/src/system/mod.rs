@@ -363,7 +363,7 @@ impl System {
     }
 
     /// Factors of all loads and prescribed strains.
-    fn load_factors(&self) -> impl Iterator<Item = &LoadFactor> {
+    pub fn load_factors(&self) -> impl Iterator<Item = &LoadFactor> {
         let dead = self.dead_loads.iter().map(|load| &load.factor);
         let followers = self.followers.iter().map(FollowerLoad::factor);
         let centrifugal = self.centrifugal.iter().map(|load| &load.factor);

@@ -450,3 +450,29 @@ fn mistakes_in_the_keys_are_found() {
     let found = issues(&m);
     assert!(found.contains("steps[1].loads") && found.contains("steps[1].analysis.type"), "{found}");
 }
+
+/// A plate that is free to expand has no stress under uniform heating, but for round-off.
+#[test]
+fn strains_that_a_structure_follows_freely_are_refused() {
+    let strip = Strip::SLENDER;
+    let mut m = strip.model([8, 4], ElementKind::Ems);
+    let fix = |on: &str, position: &[Axis]| {
+        Condition::Fix(FixComponents { on: on.into(), position: position.to_vec(), director: Vec::new() })
+    };
+    m.conditions = vec![
+        fix("u_min", &[Axis::X, Axis::Z]),
+        fix("u_max", &[Axis::Z]),
+        fix("v_min", &[Axis::Z]),
+        fix("v_max", &[Axis::Z]),
+        fix("u_min_v_min", &[Axis::Y]),
+    ];
+    m.loads.clear();
+    m.prescribed_strains = vec![PrescribedStrain::Natural(NaturalStrain {
+        on: "all".into(),
+        strain: [1e-3, 1e-3, 0.0],
+        curvature: [0.0; 3],
+        direction: [1.0, 0.0, 0.0],
+        amplitude: None,
+    })];
+    assert!(message(&m).contains("produce no stress"), "{}", message(&m));
+}

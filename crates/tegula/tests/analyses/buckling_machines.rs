@@ -149,3 +149,68 @@ fn a_column_of_beam_elements_buckles() {
     let found = extrapolated(model, 16);
     assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
 }
+
+/// A pendulum that stands on a hinge with a torsion spring k: it buckles at P = k/l. A stressed spring whose line passes through the hinge
+/// has no effect but a reaction there; bodies and springs of any unit of force have the same factors.
+#[test]
+fn springs_that_are_stressed_at_the_start_load_the_joints_there() {
+    let (length, stiffness) = (2.0, 3.0);
+    let pendulum = |unit: f64, stressed: bool| {
+        let foot = axis_joint("foot", "ground", "bar", [0.0; 3], [0.0, 0.0, 1.0]);
+        let joints = vec![Joint::Revolute(foot.into())];
+        let mut m = buckling_machine(vec![bar("bar", [length, 0.0, 0.0])], joints, "bar", [-unit, 0.0, 0.0]);
+        m.torsion_springs = vec![torsion_spring(["ground", "bar"], unit * stiffness)];
+        if stressed {
+            m.springs = vec![SpringDamper {
+                name: "stressed".into(),
+                between: ["ground".into(), "bar".into()],
+                points: [[0.0; 3], [length, 0.0, 0.0]],
+                stiffness: 10.0 * unit,
+                damping: 0.0,
+                force: None,
+                length: Some(0.95 * length),
+            }];
+        }
+        m
+    };
+    for unit in [1.0, 1e12, 1e-12] {
+        for stressed in [false, true] {
+            let found = factors(&pendulum(unit, stressed))[0];
+            assert!((found / (stiffness / length) - 1.0).abs() < 1e-9, "{unit:e} {stressed}: {found}");
+        }
+    }
+    // A spring across the hinge would turn the pendulum: the start is no equilibrium.
+    let mut m = pendulum(1.0, true);
+    m.springs[0].points[0] = [0.0, 1.0, 0.0];
+    assert!(message(&m).contains("no equilibrium"), "{}", message(&m));
+}
+
+/// A moment that is constant in space has a potential where a body turns about its axis, and none on a beam that bends and twists.
+#[test]
+fn moments_without_potential_are_refused() {
+    let mut m = buckling_machine(
+        vec![bar("bar", [1.0, 0.0, 0.0])],
+        vec![hinge("foot", ["ground", "bar"], 0.0)],
+        "bar",
+        [-1.0, 0.0, 0.0],
+    );
+    m.torsion_springs = vec![torsion_spring(["ground", "bar"], 30.0)];
+    m.loads.push(Load::Moment(VectorLoad::new("bar", [0.0, 0.0, 1e-3])));
+    assert!((factors(&m)[0] / 30.0 - 1.0).abs() < 1e-9);
+    let section = BeamSection::Rectangle(RectangularSection { size: [0.2, 0.01] });
+    let beam = Beam {
+        material: Some("m".into()),
+        ..Beam::straight("b", [[0.0; 3], [2.0, 0.0, 0.0]], 16, [0.0, 0.0, 1.0], section)
+    };
+    let foot = Joint::Fixed(PointJoint {
+        name: "foot".into(),
+        between: ["ground".into(), "b.start".into()],
+        at: [0.0; 3],
+        second_at: None,
+    });
+    let mut m = Model::of_bodies(Analysis::Buckling(BucklingAnalysis::new(1)), Vec::new(), vec![foot]);
+    m.materials.insert("m".into(), Material::Isotropic(Isotropic::new(1e6, 0.3, 1.0)));
+    m.beams = vec![beam];
+    m.loads = vec![Load::Moment(VectorLoad::new("b.end", [0.0, 1.0, 0.0]))];
+    assert!(message(&m).contains("no potential"), "{}", message(&m));
+}

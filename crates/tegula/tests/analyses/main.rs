@@ -6,6 +6,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod arc_length;
 mod assembly;
 mod bdf2;
 mod beams;
@@ -57,6 +58,7 @@ mod nonlinear_materials;
 mod outlines;
 mod patch_refusals;
 mod patches;
+mod path_edges;
 mod paths;
 mod racks;
 mod reactions;

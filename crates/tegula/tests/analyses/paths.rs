@@ -9,10 +9,10 @@ use tegula::system::System;
 use tegula::{Error, Result};
 
 /// Force on the whole roof at load factor 1 (N).
-const FULL: f64 = 3000.0;
+pub const FULL: f64 = 3000.0;
 
 /// The hinged roof, whose path ends at a deflection of 30 mm.
-fn roof(n: u32, thickness: f64) -> Model {
+pub fn roof(n: u32, thickness: f64) -> Model {
     let deflected = StopCondition { column: "w".into(), value: 30.0, direction: Crossing::Rising };
     let options = PathAnalysis { end_load: 2.0, stop: vec![deflected], ..Default::default() };
     Model { analysis: Analysis::Path(options), ..hinged_roof(n, thickness, FULL) }
@@ -42,7 +42,7 @@ impl Observer for Curve<'_> {
     }
 }
 
-fn follow(m: &Model, corner: &str) -> (PathOutcome, Vec<[f64; 2]>) {
+pub fn follow(m: &Model, corner: &str) -> (PathOutcome, Vec<[f64; 2]>) {
     let Analysis::Path(options) = &m.analysis else { panic!("no path") };
     let (mesh, system) = compile(m);
     let mut curve = Curve { mesh: &mesh, system: &system, corner, points: vec![[0.0; 2]] };
@@ -50,7 +50,7 @@ fn follow(m: &Model, corner: &str) -> (PathOutcome, Vec<[f64; 2]>) {
     (outcome, curve.points)
 }
 
-fn critical(outcome: &PathOutcome) -> Vec<CriticalPoint> {
+pub fn critical(outcome: &PathOutcome) -> Vec<CriticalPoint> {
     outcome.state.path.as_ref().unwrap().critical.clone()
 }
 
@@ -75,11 +75,8 @@ fn limit_points_of_hinged_roofs_are_those_of_an_independent_program() {
     }
 }
 
-/// A path does not depend on units: lengths in other units, stresses in others.
-#[test]
-fn paths_do_not_depend_on_units() {
-    let (length, stress) = (1e3, 1e9);
-    let m = roof(6, 6.35);
+/// A hinged roof in other units of length and stress.
+pub fn in_other_units(m: &Model, length: f64, stress: f64) -> Model {
     let mut scaled = m.clone();
     if let MeshSource::Cylinder(mesh) = &mut scaled.mesh {
         mesh.radius *= length;
@@ -95,6 +92,15 @@ fn paths_do_not_depend_on_units() {
     if let Analysis::Path(path) = &mut scaled.analysis {
         path.stop[0].value *= length;
     }
+    scaled
+}
+
+/// A path does not depend on units: lengths in other units, stresses in others.
+#[test]
+fn paths_do_not_depend_on_units() {
+    let (length, stress) = (1e3, 1e9);
+    let m = roof(6, 6.35);
+    let scaled = in_other_units(&m, length, stress);
     let [(a, first), (b, second)] = [&m, &scaled].map(|m| follow(m, "u_min_v_min"));
     assert_eq!(a.statistics, b.statistics);
     assert_eq!(first.len(), second.len());
@@ -182,7 +188,7 @@ fn a_resumed_path_has_the_same_bits() {
 ///
 /// the path is a curve q(β), β = μ S/2, with w = p/μ⁴ (cos μs/cos β − 1) − p/(2 μ²) (S²/4 − s²) and p = (q − N/R)/EI. The arch bifurcates
 /// without symmetry at β = π.
-struct Arch {
+pub struct Arch {
     radius: f64,
     length: f64,
     /// EA and EI of the unit width.
@@ -220,7 +226,7 @@ impl Arch {
 }
 
 /// Strip bent to an arch of half angle 0.1 rad, pinned at both ends.
-fn arch(n: u32, thickness: f64) -> (Model, Arch) {
+pub fn arch(n: u32, thickness: f64) -> (Model, Arch) {
     let (radius, half) = (10.0, 0.1_f64);
     let mesh = MeshSource::Cylinder(CylinderMesh {
         center: [0.0; 3],
@@ -243,7 +249,7 @@ fn arch(n: u32, thickness: f64) -> (Model, Arch) {
 
 /// Largest upper and smallest lower load of an arch beyond the pole at β = π/2, where both roots belong to one path, and the loads at
 /// which it bifurcates on the way to the one and behind the other.
-fn critical_loads(arch: &Arch) -> [f64; 4] {
+pub fn critical_loads(arch: &Arch) -> [f64; 4] {
     let pi = std::f64::consts::PI;
     let betas = || (10_001..30_000).map(|i| 0.5 * pi * f64::from(i) / 10_000.0);
     let largest = betas().filter_map(|beta| arch.loads(beta)).map(|q| q[1]).max_by(f64::total_cmp).unwrap();
@@ -315,7 +321,7 @@ fn elliptic(k: f64) -> f64 {
 
 /// Load over that of Euler of a clamped–free elastica whose end is deflected by z over its length: with the modulus k,
 /// `z/L = 2 k/K(k)` and `P/P_E = (2 K/π)²` (S. P. Timoshenko, J. M. Gere, *Theory of Elastic Stability*, 2nd ed., Sect. 2.7).
-fn elastica(z: f64) -> f64 {
+pub fn elastica(z: f64) -> f64 {
     let (mut low, mut high) = (0.0, 0.9);
     for _ in 0..80 {
         let k = 0.5 * (low + high);
@@ -428,7 +434,7 @@ fn an_imperfect_arch_has_a_limit_point_in_place_of_the_bifurcation() {
     let loads = critical_loads(&exact);
     let path_with = |side: f64, m: &mut Model| {
         m.loads = vec![Load::Traction(vector_load("all", [side * loads[1], 0.0, -loads[1]]))];
-        m.analysis = Analysis::Path(PathAnalysis { end_load: 0.9, max_expansions: 60, ..Default::default() });
+        m.analysis = Analysis::Path(PathAnalysis { end_load: 0.9, max_steps: 60, ..Default::default() });
         critical(&follow(m, "u_min_v_min").0)[0].clone()
     };
     let perfect = path_with(0.0, &mut m);

@@ -75,6 +75,12 @@ impl Increment {
         let mut response = vec![[0.0; 3]; system.vectors()];
         newton.assembly.frames.expand(&free, &mut response);
         add(&mut displacements, &response);
+        if strained && relieved(system, newton, [&before, &after], &displacements) {
+            return Err(Error::Singular {
+                what: "The prescribed strains produce no stress under which the structure could buckle: it is free to follow them.".into(),
+                help: "Support the structure so that it cannot expand, or leave the strains out.".into(),
+            });
+        }
         if !displacements.as_flattened().iter().chain(&multipliers).all(|x| x.is_finite()) {
             return Err(Error::Singular {
                 what: "The linear response to the loads is not finite.".into(),
@@ -87,6 +93,25 @@ impl Increment {
 
 fn subtract(field: &mut [Nodal], other: &[Nodal]) {
     field.as_flattened_mut().iter_mut().zip(other.as_flattened()).for_each(|(x, y)| *x -= y);
+}
+
+/// Strain energy of a structure under prescribed strains over that of the same strains prevented, below which its stresses are round-off.
+const RELIEVED: f64 = 1e-20;
+
+/// Whether a structure that begins without stress follows the prescribed strains freely.
+fn relieved(
+    system: &System,
+    newton: &mut Newton,
+    [before, after]: [&EvaluationPoint; 2],
+    displacements: &[Nodal],
+) -> bool {
+    let mut energy = |k: &EvaluationPoint| newton.assembly.strain_energy(system, k);
+    let mut moved = displacements.to_vec();
+    let (Motion::State { u, .. } | Motion::Step { new: u, .. }) = before.motion;
+    add(&mut moved, u);
+    let motion = Motion::State { u: &moved, velocity: None };
+    let end = energy(&EvaluationPoint { motion, linear: true, ..*after });
+    energy(before) == 0.0 && end <= RELIEVED * energy(after)
 }
 
 /// Whether prescribed strains are among the loads.

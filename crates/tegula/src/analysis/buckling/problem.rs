@@ -14,6 +14,18 @@ use tegula_sparse::{Factor as _, SymmetricPattern};
 /// Load factors between which the loads of the analysis grow. At the first one all loads and prescribed strains are those of the base state.
 pub(super) const TIMES: [f64; 2] = [-1.0, 1.0];
 
+/// Error of a base state in which springs are stressed that joints do not balance.
+fn out_of_balance() -> Error {
+    Error::Singular {
+        what: "Springs, torsion springs or bushings have forces where the analysis begins, which joints and supports do not balance: the \
+               state is no equilibrium."
+            .into(),
+        help: "Let a static step find the equilibrium before this one, or give springs the `length` and torsion springs the \
+               `free_angle` that they have at the start."
+            .into(),
+    }
+}
+
 /// Stiffness and geometric stiffness of the free degrees of freedom about the base state.
 pub(super) struct Problem<'a> {
     pub system: &'a System,
@@ -41,8 +53,14 @@ impl<'a> Problem<'a> {
     /// The factor does not fit in memory.
     pub fn new(system: &'a System) -> Result<Self> {
         let mut newton = Newton::new(system, Some(NewtonMethod::Displacement))?;
-        let state = State { time: TIMES[0], ..State::first(system) };
+        let mut state = State { time: TIMES[0], ..State::first(system) };
         newton.count_turns(system, &state);
+        if !system.continues() && modal::has_springs(system) {
+            let unbalanced = equilibrium::unbalanced(system, &mut newton.assembly, &state);
+            if !equilibrium::find_multipliers(system, &newton.assembly, &mut state, &unbalanced) {
+                return Err(out_of_balance());
+            }
+        }
         let penalty = equilibrium::penalty(system, &mut newton.assembly, &state);
         let loads = equilibrium::external(system, &state.point(system));
         equilibrium::assemble_tangent(system, &mut newton.assembly, (&state, penalty), &loads);

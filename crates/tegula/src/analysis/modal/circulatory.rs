@@ -48,6 +48,35 @@ pub(super) fn with_inputs() -> Error {
     }
 }
 
+/// Refuses modes in which bodies turn about other axes than those of moments on them that are constant in space.
+///
+/// # Errors
+/// The work of the skew stiffness of such moments is more than 0.2 % of that of the stiffness.
+pub(super) fn refuse_moments(system: &System, state: &State, modes: &[Mode]) -> Result<()> {
+    let mut inertia = vec![[0.0; 3]; system.vectors()];
+    for mode in modes {
+        let factor = |load: &crate::load::LoadFactor| system.factor(load, state.time);
+        let skew = system.skew_work_of_moments(&state.u, &mode.shape, factor);
+        if skew == 0.0 {
+            continue;
+        }
+        inertia.fill([0.0; 3]);
+        system.pattern.add_mass_product(1.0, &mode.shape, &mut inertia);
+        let stiffness = mode.omega.powi(2) * crate::system::dot(&inertia, &mode.shape);
+        if !(skew <= NEGLIGIBLE * stiffness) {
+            return Err(Error::Singular {
+                what: format!(
+                    "Moments that are constant in space have no potential where bodies or nodes of beams turn about other axes than theirs, as \
+                     in the mode of ω = {:.4e} rad/time; their effect on it is not known.",
+                    mode.omega
+                ),
+                help: "Run a transient analysis about the equilibrium; or use pairs of forces.".into(),
+            });
+        }
+    }
+    Ok(())
+}
+
 /// Refuses modes if the circulatory stiffness would change an elastic one of the first `wanted` ones.
 ///
 /// # Errors

@@ -77,6 +77,8 @@ pub(super) struct Problem<'a> {
     pub stress_free: bool,
     /// Whether the model has springs.
     sprung: bool,
+    /// Whether joints balance the springs that are stressed in the reference configuration.
+    pub balanced: bool,
     /// State about which the model vibrates.
     pub state: State,
     /// Weight of the augmented Lagrangian of joints, which is part of the stiffness.
@@ -97,7 +99,17 @@ impl<'a> Problem<'a> {
     /// The factor does not fit in memory, or there is no mass or stiffness.
     pub fn new(system: &'a System, equilibrium: Option<&State>) -> Result<Self> {
         let mut newton = Newton::new(system, Some(NewtonMethod::Displacement))?;
-        let state = equilibrium.cloned().unwrap_or_else(|| State::unloaded(system));
+        let mut state = equilibrium.cloned().unwrap_or_else(|| State::unloaded(system));
+        let mut balanced = true;
+        if equilibrium.is_none() && !system.continues() && has_springs(system) && is_preloaded(system, &state)
+        {
+            let k = state.point(system);
+            newton.assembly.follow(system, &k);
+            let mut forces = vec![[0.0; 3]; system.vectors()];
+            newton.assembly.forces(system, &k, &mut forces);
+            forces.as_flattened_mut().iter_mut().for_each(|f| *f = -*f);
+            balanced = equilibrium::find_multipliers(system, &newton.assembly, &mut state, &forces);
+        }
         let penalty = equilibrium::penalty(system, &mut newton.assembly, &state);
         let (u, time) = (state.u.as_slice(), state.time);
         let stiffness = stiffness(system, &mut newton, (&state, penalty), equilibrium.is_some());
@@ -131,6 +143,7 @@ impl<'a> Problem<'a> {
             rigid,
             stress_free: equilibrium.is_none() && linear && !strained && !preloaded,
             sprung,
+            balanced,
             state,
             penalty,
             softening: 0.0,

@@ -9,8 +9,8 @@ use crate::norm::larger;
 use crate::system::System;
 
 /// Value of a constraint over its size, to which iterations go on, and above which a joint counts as open where they cannot.
-const CLOSED: f64 = 1e-12;
-const OPEN: f64 = 1e-9;
+pub(super) const CLOSED: f64 = 1e-12;
+pub(super) const OPEN: f64 = 1e-9;
 
 /// Energy of increments over that of the model, below which they may stall: displacements are then right to eight digits.
 const STALLED: f64 = 1e-16;
@@ -102,7 +102,7 @@ impl<S: TangentSolver> Newton<S> {
     }
 
     /// Largest value of a constraint over its size, of an iterate; 0 without joints.
-    fn violation(&self, system: &System, equation: &dyn Equation) -> f64 {
+    pub(super) fn violation(&self, system: &System, equation: &dyn Equation) -> f64 {
         let at = (&equation.motion(), equation.parts().time);
         self.constraints.as_ref().map_or(0.0, |constraints| constraints.largest_violation(system, at))
     }

@@ -11,10 +11,10 @@ use crate::system::{EvaluationPoint, LocalFrames, System, VectorKind, dot};
 use crate::{Mat3, Vec3};
 
 /// Largest increment over the size of the model; beyond it the iteration diverges.
-const FLIGHT: f64 = 1e4;
+pub(super) const FLIGHT: f64 = 1e4;
 
 /// Rotation of a body in an increment (rad), beyond which the iteration diverges.
-const SPUN: f64 = 3.0;
+pub(super) const SPUN: f64 = 3.0;
 
 /// Failure of a step: its cause, and the message with its place.
 pub(super) type Failed = (Cause, String);
@@ -139,7 +139,7 @@ impl<S: TangentSolver> Newton<S> {
         Err((Cause::Iterations, reason))
     }
 
-    fn begin_step(&mut self) {
+    pub(super) fn begin_step(&mut self) {
         self.increments.clear();
         self.solver.begin_step();
         if let Some(loads) = &mut self.circulatory {
@@ -425,7 +425,7 @@ fn limit_rotation(system: &System, turn: f64, increment: &mut [Nodal]) {
 
 /// Retraction of the increments of inextensible directors onto the unit sphere, along the great circle (exponential
 /// map), and of the directors of rigid bodies onto rotations.
-fn retract(system: &System, frames: &LocalFrames, motion: &Motion, increment: &mut [Nodal]) {
+pub(super) fn retract(system: &System, frames: &LocalFrames, motion: &Motion, increment: &mut [Nodal]) {
     let (Motion::State { u, .. } | Motion::Step { new: u, .. }) = motion;
     retract_bodies(system, frames, u, increment);
     for unit in &frames.dofs().unit {
@@ -449,7 +449,7 @@ fn retract(system: &System, frames: &LocalFrames, motion: &Motion, increment: &m
 }
 
 /// Body that an increment of the degrees of freedom turns by more than [`SPUN`]: whole turns would look like none.
-fn spun_body<'a>(system: &'a System, increment: &[f64]) -> Option<&'a str> {
+pub(super) fn spun_body<'a>(system: &'a System, increment: &[f64]) -> Option<&'a str> {
     let turns = |d: &[u32; 3]| {
         let rotation = Vec3::from(system.dofs().of(d[0] as usize).map(|number| increment[number as usize]));
         !(rotation.norm() <= SPUN)

@@ -170,7 +170,7 @@ impl<S: TangentSolver> Newton<S> {
     /// Solves for the residual on the constraints of joints, whose drives move from an equilibrium to their places at a
     /// `time`, and with the unsymmetric tangent if it is `whole`; prescribed degrees of freedom keep their increment if they
     /// have `moved`, else they are at rest. Returns the norm of the increment.
-    fn find_response(
+    pub(super) fn find_response(
         &mut self,
         system: &System,
         (equilibrium, time): (&dyn Equation, f64),

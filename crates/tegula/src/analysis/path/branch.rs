@@ -9,9 +9,9 @@ use crate::element::Nodal;
 use crate::system::{System, add_multiple};
 
 /// Distance from the bifurcation at which the crossing path is looked for first ([`System::norm`]).
-const FIRST: f64 = 1e-3;
+pub const FIRST: f64 = 1e-3;
 /// Halvings of the distance.
-const HALVINGS: usize = 10;
+pub const HALVINGS: usize = 16;
 /// Iterations for one distance.
 const ITERATIONS: usize = 20;
 /// Increment over the distance with which the iteration ends.
@@ -37,16 +37,36 @@ pub fn onto_branch(
     system: &System,
     expansion: &mut Expansion,
     at: (&[Nodal], f64),
-    mode: &[Nodal],
+    (mode, end_load): (&[Nodal], f64),
 ) -> Result<Branch, String> {
     let mut distance = FIRST;
+    let mut passed = None;
     for _ in 0..HALVINGS {
         if let Some(branch) = correct(system, expansion, at, (mode, distance)) {
-            return Ok(branch);
+            passed = wanted_between(system, end_load, [at.1, branch.load]);
+            if passed.is_none() {
+                return Ok(branch);
+            }
         }
         distance *= 0.5;
     }
-    Err("no equilibrium was found on the path that crosses at the bifurcation".into())
+    Err(not_found(passed))
+}
+
+/// Wanted load factor, or that of the end of the path, between a bifurcation and the first point of a crossing path.
+pub fn wanted_between(system: &System, end_load: f64, [from, to]: [f64; 2]) -> Option<f64> {
+    let mut wanted = system.wanted_times.iter().copied().chain([end_load]);
+    wanted.find(|load| (from < *load && *load < to) || (to < *load && *load < from))
+}
+
+/// Reason of a crossing path that was not found, or whose first point has passed a wanted load factor.
+pub fn not_found(passed: Option<f64>) -> String {
+    match passed {
+        Some(load) => format!(
+            "load factor {load}, which is wanted, is so near to the bifurcation that the crossing path has no point between both"
+        ),
+        None => "no equilibrium was found on the path that crosses at the bifurcation".into(),
+    }
 }
 
 fn correct(

@@ -18,7 +18,7 @@ const VANISHING: f64 = 1e-9;
 /// Largest number of factorisations for one bifurcation.
 const MOST_TRIALS: usize = 40;
 /// Iterations of the inverse iteration for the eigenvalue next to zero.
-const INVERSE_ITERATIONS: usize = 12;
+pub const INVERSE_ITERATIONS: usize = 12;
 /// Work of the loads on a mode, over the norms of both, below which it is none.
 const WITHOUT_WORK: f64 = 1e-5;
 /// Part of the piece's length for differences of forces at a limit point.
@@ -67,7 +67,7 @@ fn limit_point(system: &System, expansion: &mut Expansion, series: &Series, (a, 
     let correction = if work == 0.0 { 0.0 } else { -unbalanced / work };
     let curvature = series.load_derivative(a, 2) * work;
     // A crossing path has an extremum of the load where it passes the bifurcation; its loads do no work on its mode there.
-    let crossing = work.abs() <= WITHOUT_WORK * (dot(&mode, &mode) * dot(&force, &force)).sqrt();
+    let crossing = work.abs() <= WITHOUT_WORK * system.norm(&mode) * system.force_norm(&force);
     let (kind, change) = match (crossing, curvature < 0.0) {
         (true, _) => (CriticalKind::Bifurcation, 0),
         (false, true) => (CriticalKind::Limit, 1),
@@ -79,20 +79,63 @@ fn limit_point(system: &System, expansion: &mut Expansion, series: &Series, (a, 
     Found { a, point }
 }
 
-/// Bifurcations of a piece up to the parameter `end`, where the tangent has `change` more negative pivots than at its start, beside
-/// those that its limit points explain. The tangent that is factored afterwards is another one.
+/// Curve of equilibria, on which critical points are looked for.
+pub trait Curve {
+    /// Equilibrium at a parameter.
+    ///
+    /// # Errors
+    /// There is none, or its tangent has no factor; the text gives the reason.
+    fn trial(&mut self, a: f64) -> Result<Trial, String>;
+}
+
+/// Equilibrium on a curve.
+pub struct Trial {
+    /// Displacements.
+    pub u: Vec<Nodal>,
+    /// Load factor.
+    pub load: f64,
+    /// Negative eigenvalues of the tangent.
+    pub negative: usize,
+    /// Its eigenvalue next to zero, and the eigenvector.
+    pub softest: (f64, Vec<Nodal>),
+}
+
+/// Curve of a power series.
+pub struct SeriesCurve<'a> {
+    /// The compiled model.
+    pub system: &'a System,
+    /// Workspace of the expansion.
+    pub expansion: &'a mut Expansion,
+    /// The series.
+    pub series: &'a Series,
+}
+
+impl Curve for SeriesCurve<'_> {
+    fn trial(&mut self, a: f64) -> Result<Trial, String> {
+        let Self { system, expansion, series } = self;
+        let mut u = vec![[0.0; 3]; system.vectors()];
+        series.displacements(a, &mut u);
+        let load = series.load(a);
+        let negative = expansion.factor(system, &u, load)?;
+        let mut softest = expansion.eigenvalue_next_to_zero(system, INVERSE_ITERATIONS)?;
+        system.orient(&mut softest.1);
+        Ok(Trial { u, load, negative, softest })
+    }
+}
+
+/// Bifurcations of a curve up to the parameter `end`, where the tangent has `change` more negative eigenvalues than the `start` ones at
+/// parameter 0, beside those that limit points explain (parameters and changes). The tangent that is factored afterwards is another one.
 ///
 /// # Errors
 /// The tangent has no factor where it should; the text gives the reason.
 pub fn bifurcations(
-    system: &System,
-    expansion: &mut Expansion,
-    (series, end): (&Series, f64),
+    curve: &mut dyn Curve,
+    end: f64,
     (start, change): (usize, i32),
-    limits: &[Found],
+    limits: &[(f64, i32)],
 ) -> Result<Vec<Found>, String> {
     let mut out = Vec::new();
-    let mut search = Search { system, expansion, series, start, limits };
+    let mut search = Search { curve, start, limits };
     let mut open = vec![([0.0, end], [0, change])];
     while let Some((interval, counts)) = open.pop() {
         if counts[0] == counts[1] {
@@ -119,32 +162,13 @@ enum Located {
 }
 
 struct Search<'a> {
-    system: &'a System,
-    expansion: &'a mut Expansion,
-    series: &'a Series,
-    /// Negative pivots at the start of the piece.
+    curve: &'a mut dyn Curve,
+    /// Negative eigenvalues at the start of the curve.
     start: usize,
-    limits: &'a [Found],
-}
-
-/// Tangent at a point of the path: negative pivots that limit points do not explain, and its eigenvalue next to zero with its
-/// eigenvector.
-struct Trial {
-    count: i32,
-    eigenvalue: f64,
-    mode: Vec<Nodal>,
+    limits: &'a [(f64, i32)],
 }
 
 impl Search<'_> {
-    fn trial(&mut self, a: f64) -> Result<Trial, String> {
-        let mut u = vec![[0.0; 3]; self.system.vectors()];
-        self.series.displacements(a, &mut u);
-        let negative = self.expansion.factor(self.system, &u, self.series.load(a))?;
-        let explained: i32 = self.limits.iter().filter(|l| l.a < a).map(|l| l.point.change).sum();
-        let (eigenvalue, mode) = self.expansion.eigenvalue_next_to_zero(self.system, INVERSE_ITERATIONS)?;
-        Ok(Trial { count: negative as i32 - self.start as i32 - explained, eigenvalue, mode })
-    }
-
     /// Finds the crossing of an interval by the secant of the eigenvalue next to zero, kept in the bracket of the count.
     fn locate(&mut self, interval: [f64; 2], counts: [i32; 2], whole: f64) -> Result<Located, String> {
         let [mut low, mut high] = interval;
@@ -153,21 +177,23 @@ impl Search<'_> {
         for number in 0..MOST_TRIALS {
             let middle = 0.5 * (low + high);
             let a = secant(&known).filter(|a| number % 4 != 3 && *a > low && *a < high).unwrap_or(middle);
-            let trial = self.trial(a)?;
-            if trial.count != counts[0] && trial.count != counts[1] {
-                return Ok(Located::Split(a, trial.count));
+            let trial = self.curve.trial(a)?;
+            let explained: i32 = self.limits.iter().filter(|(at, _)| *at < a).map(|(_, change)| change).sum();
+            let count = trial.negative as i32 - self.start as i32 - explained;
+            if count != counts[0] && count != counts[1] {
+                return Ok(Located::Split(a, count));
             }
-            known.push((a, trial.eigenvalue));
-            if trial.count == counts[0] {
+            let eigenvalue = trial.softest.0;
+            known.push((a, eigenvalue));
+            if count == counts[0] {
                 low = a
             } else {
                 high = a
             }
             let largest = known.iter().map(|(_, e)| e.abs()).fold(0.0, crate::norm::larger);
             // Of several crossings the first zero is not the only one.
-            let vanishes =
-                (counts[1] - counts[0]).abs() == 1 && trial.eigenvalue.abs() <= VANISHING * largest;
-            let better = best.as_ref().is_none_or(|(_, b)| trial.eigenvalue.abs() <= b.eigenvalue.abs());
+            let vanishes = (counts[1] - counts[0]).abs() == 1 && eigenvalue.abs() <= VANISHING * largest;
+            let better = best.as_ref().is_none_or(|(_, b)| eigenvalue.abs() <= b.softest.0.abs());
             if better {
                 best = Some((a, trial));
             }
@@ -175,14 +201,10 @@ impl Search<'_> {
                 break;
             }
         }
-        let (a, trial) = best.ok_or("no bifurcation was located")?;
-        let mut u = vec![[0.0; 3]; self.system.vectors()];
-        self.series.displacements(a, &mut u);
-        let mut mode = trial.mode;
-        orient(&mut mode);
+        let (a, Trial { u, load, softest: (_, mode), .. }) = best.ok_or("no bifurcation was located")?;
         let point = CriticalPoint {
             kind: CriticalKind::Bifurcation,
-            load: self.series.load(a),
+            load,
             position: 0.0,
             change: counts[1] - counts[0],
             u,
@@ -203,13 +225,5 @@ pub fn normalize(system: &System, mode: &mut [Nodal]) {
     let norm = system.norm(mode);
     if norm > 0.0 {
         mode.as_flattened_mut().iter_mut().for_each(|x| *x /= norm);
-    }
-}
-
-/// Turns a mode so that its largest component is positive.
-fn orient(mode: &mut [Nodal]) {
-    let largest = mode.as_flattened().iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs()));
-    if largest.is_some_and(|x| x < 0.0) {
-        mode.as_flattened_mut().iter_mut().for_each(|x| *x = -*x);
     }
 }

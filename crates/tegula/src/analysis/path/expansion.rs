@@ -24,7 +24,7 @@ use crate::model::PathAnalysis;
 use crate::norm::larger;
 use crate::system::assembly::TangentCoefficients;
 use crate::system::power_series::SeriesStresses;
-use crate::system::{Assembly, EvaluationPoint, System, add_multiple, dot};
+use crate::system::{Assembly, EvaluationPoint, System, add_multiple};
 use tegula_sparse::SparseLdlt;
 use tegula_sparse::gmres::noise;
 
@@ -138,18 +138,20 @@ impl Expansion {
         }
     }
 
-    /// Residual `λF − f` of a point in the free degrees of freedom, and the norm of the larger of both forces.
-    pub fn residual(&mut self, system: &System, u: &[Nodal], load: f64, out: &mut [f64]) -> f64 {
+    /// Residual `λF − f` of a point in the free degrees of freedom, and its size and that of the larger of both forces
+    /// ([`System::force_norm`]).
+    pub fn residual(&mut self, system: &System, u: &[Nodal], load: f64, out: &mut [f64]) -> [f64; 2] {
         let k = EvaluationPoint::at_rest(system, u, load, &[]);
         self.assembly.forces(system, &k, &mut self.field);
         let mut external = vec![[0.0; 3]; self.field.len()];
         system.add_dead_loads(load, 1.0, &mut external);
-        let size = larger(dot(&self.field, &self.field), dot(&external, &external)).sqrt();
+        let size = larger(system.force_norm(&self.field), system.force_norm(&external));
         for (e, f) in external.as_flattened_mut().iter_mut().zip(self.field.as_flattened()) {
             *e -= f;
         }
         self.assembly.frames.reduce(&external, out);
-        size
+        self.assembly.frames.expand(out, &mut external);
+        [system.force_norm(&external), size]
     }
 
     /// Force per load factor at a point, without the part of prescribed displacements: `−∂R/∂λ` at fixed displacements.
@@ -254,6 +256,10 @@ impl Expansion {
             let load = system.inner_product(&next, &series.coefficients[0]) / denominator;
             next.as_flattened_mut().iter_mut().for_each(|x| *x = -*x);
             add_multiple(&mut next, load, &unit);
+            if !(load.is_finite() && system.norm(&next).is_finite()) {
+                // Where the range is short, high orders are beyond the largest number: the series ends before them.
+                break;
+            }
             series.loads.push(load);
             series.coefficients.push(next);
         }

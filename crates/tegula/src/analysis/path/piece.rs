@@ -1,14 +1,14 @@
 //! Piece of a path: one series, the length up to which it is used, and the points on it that are reported.
 
 use super::branch::{Branch, onto_branch};
-use super::critical_points::{Found, bifurcations, limit_points};
+use super::critical_points::{Found, SeriesCurve, bifurcations, limit_points};
 use super::expansion::{Directions, Expansion};
 use super::geometric;
 use super::series::Series;
 use super::state::{CriticalKind, CriticalPoint, ExpansionPoint};
 use crate::element::Nodal;
 use crate::model::PathAnalysis;
-use crate::norm::{larger, max_norm};
+use crate::norm::larger;
 use crate::system::System;
 
 /// Residual at the end of a piece over the forces that is too large; the piece is shortened then.
@@ -93,15 +93,17 @@ impl Piece {
         let explained: i32 = critical.iter().map(|found| found.point.change).sum();
         let unexplained = end.negative as i32 - negative as i32 - explained;
         if unexplained != 0 {
-            let counts = (negative, unexplained);
-            let more = bifurcations(system, expansion, (&series, length), counts, &critical)?;
+            let limits: Vec<(f64, i32)> =
+                critical.iter().map(|found| (found.a, found.point.change)).collect();
+            let mut curve = SeriesCurve { system, expansion, series: &series };
+            let more = bifurcations(&mut curve, length, (negative, unexplained), &limits)?;
             critical.extend(more);
             critical.sort_by(|p, q| p.a.total_cmp(&q.a));
         }
         let mut branch = None;
         if let Some((found, mode)) = switched(&critical, point.bifurcations, &options.switch_at) {
             let at = (found.point.u.as_slice(), found.point.load);
-            branch = Some((onto_branch(system, expansion, at, &mode)?, mode));
+            branch = Some((onto_branch(system, expansion, at, (&mode, options.end_load))?, mode));
             (length, end_load) = (found.a, None);
             critical.retain(|found| found.a <= length);
         } else if unexplained != 0 {
@@ -110,7 +112,7 @@ impl Piece {
             series.displacements(length, &mut u);
             expansion.factor(system, &u, series.load(length))?;
         }
-        let run_out = point.number + 1 >= options.max_expansions && end_load.is_none();
+        let run_out = point.number + 1 >= options.max_steps && end_load.is_none();
         let points = points(system, &series, (length, options.points), &critical);
         let position = |a: f64| point.position + a;
         let critical =
@@ -225,15 +227,14 @@ impl Piece {
 /// Refuses a path that does not begin in equilibrium: the residual of later pieces is that of the series before.
 fn in_equilibrium(system: &System, expansion: &mut Expansion, point: &ExpansionPoint) -> Result<(), String> {
     let mut residual = vec![0.0; system.unknowns()];
-    let size = expansion.residual(system, &point.u, point.load, &mut residual);
-    let largest = max_norm(residual.iter().copied());
-    if largest <= LARGEST_RESIDUAL * size {
+    let [unbalanced, size] = expansion.residual(system, &point.u, point.load, &mut residual);
+    if unbalanced <= LARGEST_RESIDUAL * size {
         return Ok(());
     }
     Err(format!(
         "its start is not in equilibrium, the residual is {:.1e} of the forces: loads, prescribed displacements and strains must begin at \
          load factor 0 where the step before has left them (an amplitude must be 0 there in a first step)",
-        largest / size
+        unbalanced / size
     ))
 }
 
@@ -255,14 +256,14 @@ fn usable_end(
     let (mut u, mut direction) = (series.u.clone(), series.u.clone());
     let mut residual = vec![0.0; system.unknowns()];
     // Where the loads vanish, so do the forces.
-    let before = expansion.residual(system, &series.u, series.load(0.0), &mut residual);
+    let [_, before] = expansion.residual(system, &series.u, series.load(0.0), &mut residual);
     let mut length = wanted;
     for shortened in 0.. {
         series.displacements(length, &mut u);
         series.direction(length, &mut direction);
         let load = series.load(length);
-        let size = larger(before, expansion.residual(system, &u, load, &mut residual));
-        let relative = max_norm(residual.iter().copied()) / size;
+        let [unbalanced, size] = expansion.residual(system, &u, load, &mut residual);
+        let relative = unbalanced / larger(before, size);
         let mut judge = || {
             if !(relative <= LARGEST_RESIDUAL) {
                 return Err(format!("the residual at the end of the series is {relative:.1e} of the forces"));
@@ -286,7 +287,7 @@ fn usable_end(
 }
 
 /// First bifurcation of a piece at which the path goes over to the crossing one, and the mode on the side wanted.
-fn switched<'a>(critical: &'a [Found], passed: usize, wanted: &[i32]) -> Option<(&'a Found, Vec<Nodal>)> {
+pub fn switched<'a>(critical: &'a [Found], passed: usize, wanted: &[i32]) -> Option<(&'a Found, Vec<Nodal>)> {
     let bifurcations = critical.iter().filter(|found| found.point.kind == CriticalKind::Bifurcation);
     bifurcations.zip(passed + 1..).find_map(|(found, number)| {
         let choice = wanted.iter().find(|n| n.unsigned_abs() as usize == number)?;

@@ -1,6 +1,8 @@
-//! Scope of power series: models whose equilibrium equations are polynomials.
+//! Scope of the methods: power series need equilibrium equations that are polynomials, the arc-length method smooth loads.
 
+use crate::error::Issue;
 use crate::load::TimeFunction;
+use crate::model::{PathAnalysis, PathMethod};
 use crate::system::System;
 use crate::system::power_series::SeriesStresses;
 
@@ -21,6 +23,63 @@ pub fn stresses(system: &System, highest: usize) -> Result<SeriesStresses, Strin
     })
 }
 
+/// Method that follows a path: the one wanted, else power series where the model has some. Why it has none comes with it.
+pub fn method(system: &System, options: &PathAnalysis) -> Result<(PathMethod, Option<String>), Issue> {
+    let impossible = |reason: String| {
+        Issue::new(
+            "analysis.type",
+            format!("the path cannot be followed: {reason}"),
+            "take loads that grow from 0 smoothly with the load factor; or a static analysis, up to the limit point",
+        )
+    };
+    if let Some(reason) = jump(system) {
+        return Err(impossible(reason));
+    }
+    let why = match options.method {
+        Some(PathMethod::ArcLength) => None,
+        wanted => match (stresses(system, 2).err(), wanted) {
+            (None, _) => return Ok((PathMethod::Series, None)),
+            (Some(reason), Some(_)) => return Err(without_series(&reason)),
+            (why, None) => why,
+        },
+    };
+    match kink(system) {
+        Some(reason) => Err(impossible(reason)),
+        None => Ok((PathMethod::ArcLength, why)),
+    }
+}
+
+/// Mistake of a model for which power series are wanted, and which has none.
+pub fn without_series(reason: &str) -> Issue {
+    Issue::new(
+        "analysis.method",
+        format!("the path cannot be expanded into power series: {reason}"),
+        "take elements with free directors (`ems`, `cm`, `solid-shell`, `ancf-full`), linear materials, and loads of constant direction \
+         that grow from 0 in a straight line; or leave `method` out for the arc-length method",
+    )
+}
+
+/// Why the first state of a path is no equilibrium, as text.
+fn jump(system: &System) -> Option<String> {
+    let amplitudes = &system.amplitudes;
+    let jumps = system.load_factors().any(|factor| factor.jumps(amplitudes))
+        || system.dofs().prescribed.iter().any(|motion| motion.jumps(amplitudes));
+    jumps.then(|| {
+        "an amplitude is not at load factor 0 where the step before has left its load (0 in a first step): the path would not begin in \
+         equilibrium"
+            .into()
+    })
+}
+
+/// Amplitude with which a path would change its direction suddenly, as text.
+fn kink(system: &System) -> Option<String> {
+    let has_kinks =
+        |i: &usize| system.amplitudes.get(*i).is_some_and(|function| !function.kinks().is_empty());
+    let amplitude = system.amplitudes_in_use().map(|(i, _)| i).find(has_kinks)?;
+    let name = system.amplitude_name(amplitude);
+    Some(format!("the amplitude \"{name}\" has kinks, where the path would change its direction"))
+}
+
 fn reason(system: &System) -> Option<String> {
     let dofs = system.dofs();
     let bodies = !system.coordinates.bodies.is_empty() || !dofs.triads.is_empty();
@@ -33,17 +92,6 @@ fn reason(system: &System) -> Option<String> {
     ];
     if let Some((_, reason)) = given.into_iter().find(|(is, _)| *is) {
         return Some(reason.into());
-    }
-    let amplitudes = &system.amplitudes;
-    let jumps = system.dead_loads.iter().any(|load| load.factor.jumps(amplitudes))
-        || system.prescribed_strains.iter().any(|field| field.factor.jumps(amplitudes))
-        || dofs.prescribed.iter().any(|motion| motion.jumps(amplitudes));
-    if jumps {
-        return Some(
-            "an amplitude is not at load factor 0 where the step before has left its load (0 in a first step): the path would not begin in \
-             equilibrium"
-                .into(),
-        );
     }
     let bent = system.amplitudes_in_use().find(|(i, _)| !system.amplitudes.get(*i).is_some_and(is_affine))?;
     let name = system.amplitude_names.get(bent.0).map_or("", String::as_str);

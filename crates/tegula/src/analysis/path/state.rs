@@ -2,7 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::Error;
+use crate::analysis::newton::PathTangent;
+use crate::analysis::{Observer, State};
 use crate::element::Nodal;
+use crate::model::PathAnalysis;
 use crate::system::System;
 
 /// Place on a path at which it is expanded into a power series.
@@ -64,16 +68,31 @@ pub struct CriticalPoint {
 /// Distance of two points of a path over the size of the displacements, and difference of their load factors over them, below which they
 /// are one.
 const SAME: f64 = 1e-5;
+/// Way between two passages of one point over the size of the displacements: of points that lie as near to each other on a path, as those
+/// of nearly equal eigenvalues, none is passed again.
+const WAY: f64 = 100.0 * SAME;
 
 impl CriticalPoint {
     /// Whether a later point is this one.
     pub fn is_passed_again_at(&self, system: &System, later: &Self) -> bool {
         let difference: Vec<Nodal> =
             self.u.iter().zip(&later.u).map(|(a, b)| std::array::from_fn(|i| a[i] - b[i])).collect();
-        self.kind == later.kind
-            && system.norm(&difference) <= SAME * system.norm(&self.u)
+        let size = system.norm(&self.u);
+        // Where a crossing path returns to its bifurcation, its own load has an extremum.
+        (self.kind == later.kind || self.kind == CriticalKind::Bifurcation)
+            && later.position - self.position > WAY * size
+            && system.norm(&difference) <= SAME * size
             && (self.load - later.load).abs() <= SAME * self.load.abs()
     }
+}
+
+/// Where an arc-length step starts.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct ArcStart {
+    /// Direction of the path.
+    pub tangent: PathTangent,
+    /// Length of the next step ([`System::norm`]).
+    pub length: f64,
 }
 
 /// State of a path.
@@ -82,12 +101,82 @@ pub struct PathState {
     /// Path parameter from the start of the path, summed over the expansions: nearly the arc length of the displacements
     /// ([`System::norm`](crate::System::norm)).
     pub position: f64,
-    /// Where the present piece of the path is expanded.
+    /// Where the present piece of the path is expanded; of an arc-length path only the number of the step counts.
     pub expansion: ExpansionPoint,
+    /// Where the next arc-length step starts; `None` for power series, and before the first step.
+    #[serde(default)]
+    pub arc: Option<ArcStart>,
     /// Critical points passed so far.
     pub critical: Vec<CriticalPoint>,
     /// Least and largest load factor so far.
     pub loads: [f64; 2],
     /// Whether the path has ended.
     pub finished: bool,
+}
+
+impl PathState {
+    /// Notes a critical point that the path has passed, with `negative` negative eigenvalues behind it. The path ends where it passes the
+    /// point again: it is closed.
+    pub fn pass(
+        &mut self,
+        system: &System,
+        found: &CriticalPoint,
+        negative: usize,
+        observer: &mut dyn Observer,
+    ) {
+        observer.on_event(&format!(
+            "{} at load factor {:.9e}: the path behind it has {negative} negative eigenvalue(s)",
+            found.kind.name(),
+            found.load,
+        ));
+        if let Some(earlier) = self.critical.iter().find(|earlier| earlier.is_passed_again_at(system, found))
+        {
+            observer.on_event(&format!(
+                "the path is closed and ends here: it has passed this {} before, at the path parameter {:.6e}",
+                found.kind.name(),
+                earlier.position
+            ));
+            self.finished = true;
+        }
+        self.critical.push(found.clone());
+    }
+
+    /// Warns of what the path was to do and has not done: wanted load factors, bifurcations at which it was to go over to another path.
+    pub fn warn_of_what_was_missed(
+        &self,
+        system: &System,
+        options: &PathAnalysis,
+        observer: &mut dyn Observer,
+    ) {
+        let passed = self.critical.iter().filter(|point| point.kind == CriticalKind::Bifurcation).count();
+        for number in options.switch_at.iter().filter(|number| number.unsigned_abs() as usize > passed) {
+            observer.on_warning(&format!(
+                "the path has not gone over to another one at bifurcation {number} (`switch_at`): it has passed {passed} bifurcation(s)"
+            ));
+        }
+        let [least, largest] = self.loads;
+        for wanted in system.wanted_times.iter().filter(|load| !(least..=largest).contains(*load)) {
+            observer.on_warning(&format!(
+                "the path has not passed load factor {wanted} (`output.at`): it has been between {least:.6} and {largest:.6}"
+            ));
+        }
+    }
+}
+
+/// Error of a path that cannot be continued from a state.
+pub fn not_continued(state: &State, reason: &str) -> Error {
+    Error::NotConverged {
+        at: format!("load factor {:.6}", state.time),
+        reason: format!("the path could not be continued: {reason}"),
+        help: "Results up to this load factor are complete. Look at the shape there: elements may be inverted, or supports missing."
+            .into(),
+    }
+}
+
+/// Warns of a path that its number of steps has ended.
+pub fn ended_early(state: &State, options: &PathAnalysis, observer: &mut dyn Observer) {
+    observer.on_warning(&format!(
+        "the path ends after {} step(s) (`max_steps`) at load factor {:.6}, before it has reached load factor {}",
+        options.max_steps, state.time, options.end_load
+    ));
 }

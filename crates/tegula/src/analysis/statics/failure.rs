@@ -4,7 +4,7 @@ use super::{State, enhanced};
 use crate::analysis::newton::{Cause, Diverged, SoftestMode};
 use crate::analysis::path;
 use crate::element::Nodal;
-use crate::model::{LinearSolver, StaticAnalysis};
+use crate::model::{LinearSolver, PathAnalysis, StaticAnalysis};
 use crate::system::{System, VectorKind, dot};
 
 /// Energy of the softest mode over that of the whole response above which a critical point is a limit point: at a
@@ -229,7 +229,7 @@ impl Failure {
 /// Advice on how to pass a limit point, or the abrupt buckling of a nearly perfect structure.
 fn beyond_limit_point(system: &System, options: &StaticAnalysis) -> String {
     let mut advice = past_the_limit(system);
-    if path::outside_of_scope(system).is_none() {
+    if path::outside_of_scope(system, &PathAnalysis::default()).is_none() {
         advice.push_str(" An analysis of `type = \"path\"` follows all equilibria, through the limit point.");
     }
     if options.max_cutbacks < 25 {

@@ -2,8 +2,7 @@
 
 use super::connection::{SOFTER, Speeds, released_energy, turned_back};
 use super::failure::{CriticalPoint, Failure, Kind};
-use super::{StaticEquation, energies, follower_work, reactions, reactions_at, undefined};
-use crate::Vec3;
+use super::{StaticEquation, energies, equilibrium_step, reactions, undefined};
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::mobility;
 use crate::analysis::newton::{Cause, Converged, Newton, Tolerances};
@@ -11,9 +10,9 @@ use crate::analysis::solver::TangentSolver;
 use crate::analysis::stepper::Reached;
 use crate::analysis::stops::Stops;
 use crate::analysis::{Balance, Observer, Stability, State, Statistics, Stepper, Watched, equilibrium};
-use crate::element::{Motion, Nodal};
+use crate::element::Nodal;
 use crate::model::{NewtonMethod, StaticAnalysis};
-use crate::system::{EvaluationPoint, Internal, OffCurve, System, inverted_element};
+use crate::system::{EvaluationPoint, System, inverted_element};
 use crate::{Error, Result};
 
 /// Displacement of a step over the size of the model that is round-off of directors, as where loads have not begun yet.
@@ -210,21 +209,8 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             return Err(Failure::new(Kind::Inverted, inverted, converged.most_negative_pivots));
         }
         let negative = converged.negative_pivots;
-        if let Some(reason) = self.system.angle_turns_too_far([&self.state.angles, &self.equation.angles]) {
-            return Err(Failure::new(Kind::Iteration(Cause::Flight), reason, negative));
-        }
-        if let Some(OffCurve::TooFar(reason) | OffCurve::PastEnd(reason)) =
-            self.system.off_curve(&self.state.u, &self.equation.u)
-        {
-            return Err(Failure::new(Kind::Iteration(Cause::Flight), reason, negative));
-        }
-        if let Some(reason) = spring_that_turns_round(self.system, [&self.state.u, &self.equation.u], target)
-        {
-            return Err(Failure::new(Kind::Iteration(Cause::Flight), reason, negative));
-        }
-        let motion = Motion::Step { old: &self.state.u, new: &self.equation.u, dt: f64::INFINITY };
-        let step = EvaluationPoint::new(self.system, motion, target, &self.state.history);
-        if let Some(reason) = self.newton.assembly.pole_in_step(self.system, &step, self.state.time) {
+        let ends = (&self.state, &self.equation);
+        if let Some(reason) = equilibrium_step::refusal(self.system, &self.newton.assembly, ends) {
             return Err(Failure::new(Kind::Iteration(Cause::Flight), reason, negative));
         }
         let stability = self
@@ -329,35 +315,17 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             redundant.for_each(|message| observer.on_warning(&message));
         }
         state.negative_pivots = converged.negative_pivots;
-        state.work += follower_work(system, (&state.u, state.time), (&equation.u, target), external);
-        if !self.reactions.is_empty() {
-            // Before the history is committed: the stress at the end of the step must be that of the step.
-            let internal = Internal { history: &state.history, multipliers: &equation.multipliers };
-            let end = EvaluationPoint::at_rest(system, &equation.u, target, internal);
-            let after = reactions_at(system, &mut newton.assembly, &end);
-            for forces in [&self.reactions, &after] {
-                state.work += 0.5 * system.work_of_prescribed(forces, &state.u, &equation.u);
-            }
-            self.reactions = after;
-        }
-        // A step without rates, in the middle of which actuators act.
-        let motion = Motion::Step { old: &state.u, new: &equation.u, dt: f64::INFINITY };
-        let middle = EvaluationPoint::new(system, motion, 0.5 * (state.time + target), &state.history);
-        state.work += newton.assembly.work_of_actuators(system, &middle);
-        let before = (state.u.as_slice(), state.time, state.multipliers.as_slice());
-        state.work += system.work_of_driven_motions(before, (&equation.u, target, &equation.multipliers));
-        state.multipliers.copy_from_slice(&equation.multipliers);
         state.compliance = converged.first_increment / (target - state.time);
         // The length of a step that a stop has shortened is no measure for the next one.
         state.next_step = self.largest.min(state.next_step.max(2.0 * (target - state.time)));
-        state.u.copy_from_slice(&equation.u);
-        state.time = target;
-        state.step += 1;
-        equation.attempts = 0;
-        let motion = Motion::State { u: &state.u, velocity: None };
-        state.dissipated += newton.assembly.commit(system, motion, state.time, &mut state.history);
+        equilibrium_step::take(
+            system,
+            &mut newton.assembly,
+            (state, equation),
+            (external, &mut self.reactions),
+        );
         newton.assembly.reset_stress(system, &state.point(system));
-        state.angles.copy_from_slice(&equation.angles);
+        equation.attempts = 0;
         self.statistics.steps = state.step;
         if state.time >= 1.0 {
             // Writing the final results needs memory, too.
@@ -520,17 +488,6 @@ impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
     fn watch(&mut self, watched: &Watched) {
         self.state.watched.clone_from(watched);
     }
-}
-
-/// Spring whose direction changes by more than 90° between two configurations, as text: its points may have passed each other, and the
-/// equilibrium be that of the other side.
-fn spring_that_turns_round(system: &System, u: [&[Nodal]; 2], time: f64) -> Option<String> {
-    let at = |u: &[Nodal], v: usize| Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v]);
-    let (name, _) = system
-        .springs
-        .iter()
-        .find(|(_, spring)| spring.turns_round(|v| at(u[0], v), |v| at(u[1], v), time))?;
-    Some(format!("the spring \"{name}\" turns by more than 90° in the step, or its points pass each other"))
 }
 
 /// Error of a mechanism whose free motions come to no stable equilibrium under its loads.

@@ -1,0 +1,446 @@
+//! Newton's method with the load factor as an unknown: the equilibrium on a plane across the path (arc-length method).
+//!
+//! With the residual `R(u, λ)`, its derivative `F = ∂R/∂λ` and the tangent K, an increment from an iterate is
+//!
+//! ```text
+//! δ = K⁻¹R + δλ û,   û = K⁻¹F,   ⟨u + δ − u₀, n⟩ = s
+//! ```
+//!
+//! with the scalar product of [`System::norm`], the start u₀ of the step and the normal n of the plane, the direction of the path there.
+//! û is also the direction of the path at the equilibrium found. Prescribed displacements and drives of joints that follow λ are part of
+//! û; the multipliers of joints have a part of both solutions.
+//!
+//! E. Riks, *An incremental approach to the solution of snapping and buckling problems*, Int. J. Solids Structures 15 (1979) 529–551;
+//! E. Ramm, *Strategies for tracing the nonlinear response near limit points*, in: Nonlinear Finite Element Analysis in Structural
+//! Mechanics, Springer, 1981, 63–89.
+
+use super::convergence::{CLOSED, OPEN};
+use super::iteration::{FLIGHT, Failed, SPUN, retract, spun_body};
+use super::{Cause, Diverged, Equation, FactoredTangent, Newton, Tolerances, expand_free, largest, point};
+use crate::analysis::Observer;
+use crate::analysis::circulatory::{CirculatoryLoads, Purpose};
+use crate::analysis::constraints::Rates;
+use crate::analysis::solver::{Linearization, TangentSolver};
+use crate::analysis::statics::StaticEquation;
+use crate::element::Nodal;
+use crate::model::NewtonMethod;
+use crate::norm::larger;
+use crate::system::assembly::add_follower_stiffness;
+use crate::system::{System, add_multiple, dot};
+use serde::{Deserialize, Serialize};
+use tegula_sparse::gmres::noise;
+
+/// Difference of load factors with which loads are derived; it is exact for loads in proportion to the load factor.
+const LOAD_DIFFERENCE: f64 = 1e-4;
+/// Increment over the displacements that is round-off.
+const ROUND_OFF: f64 = 1e-10;
+
+/// Plane across a path on which an equilibrium is looked for.
+#[derive(Debug, Clone, Copy)]
+pub struct Plane<'a> {
+    /// Displacements from which the distance counts.
+    pub origin: &'a [Nodal],
+    /// Direction of unit norm.
+    pub normal: &'a [Nodal],
+    /// Distance from the origin.
+    pub distance: f64,
+}
+
+/// Direction of a path at one of its points.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct PathTangent {
+    /// Derivative of the displacements, of unit norm ([`System::norm`]).
+    pub direction: Vec<Nodal>,
+    /// Derivative of the multipliers of joints.
+    pub multipliers: Vec<f64>,
+    /// Derivative of the load factor.
+    pub load: f64,
+    /// Work of the loads per load factor on the direction: its product with the derivative of the load factor has the sign of the
+    /// tangent stiffness along the path.
+    pub work: f64,
+}
+
+impl PathTangent {
+    /// Turns the direction round.
+    pub fn reverse(&mut self) {
+        self.direction.as_flattened_mut().iter_mut().for_each(|x| *x = -*x);
+        self.multipliers.iter_mut().for_each(|x| *x = -*x);
+        (self.load, self.work) = (-self.load, -self.work);
+    }
+}
+
+/// Response of an equilibrium to a change of the load factor, with its buffers.
+#[derive(Debug, Clone, Default)]
+pub struct LoadResponse {
+    /// Forces per load factor.
+    force: Vec<Nodal>,
+    /// Prescribed displacements per load factor.
+    prescribed: Vec<Nodal>,
+    /// Change û of the displacements per load factor.
+    field: Vec<Nodal>,
+    free: Vec<f64>,
+    /// Change of the multipliers per load factor.
+    multipliers: Vec<f64>,
+    /// Work of the loads on û.
+    work: f64,
+}
+
+impl LoadResponse {
+    /// Buffers for a system.
+    pub fn new(system: &System) -> Self {
+        let fields = || vec![[0.0; 3]; system.vectors()];
+        Self {
+            force: fields(),
+            prescribed: fields(),
+            field: fields(),
+            free: vec![0.0; system.unknowns()],
+            multipliers: vec![0.0; system.constraints()],
+            work: 0.0,
+        }
+    }
+}
+
+impl<S: TangentSolver> Newton<S> {
+    /// Moves an equation along a direction of the path by a length. The stress of the next tangent is extrapolated.
+    pub fn predict(
+        &mut self,
+        system: &System,
+        (equation, history): (&mut StaticEquation, &[f64]),
+        tangent: &PathTangent,
+        length: f64,
+    ) {
+        let k = point(system, equation, history);
+        self.assembly.follow(system, &k);
+        self.assembly.reset_stress(system, &k);
+        self.increment.fill([0.0; 3]);
+        add_multiple(&mut self.increment, length, &tangent.direction);
+        self.assembly.extrapolate(system, &k, &self.increment, &equation.parts().weights);
+        if !system.linear {
+            retract(system, &self.assembly.frames, &equation.motion(), &mut self.increment);
+        }
+        equation.apply(system, &self.increment);
+        add_scaled(&mut equation.multipliers, length, &tangent.multipliers);
+        equation.time += length * tangent.load;
+        if !system.dofs().prescribed.is_empty() {
+            system.prescribe(equation.time, &mut equation.u);
+        }
+    }
+
+    /// Whether the tangents have no skew part of follower loads: then negative eigenvalues of the symmetric part tell stability.
+    pub fn is_symmetric(&self) -> bool {
+        self.circulatory.as_ref().is_none_or(CirculatoryLoads::is_zero)
+    }
+
+    /// Iterates an equation to the equilibrium on a plane, with the load factor as an unknown, from the history variables at the start
+    /// of the step. Returns the number of iterations.
+    ///
+    /// # Errors
+    /// The iteration did not converge; the iterate is useless then.
+    pub fn solve_on_plane(
+        &mut self,
+        system: &System,
+        (equation, history): (&mut StaticEquation, &[f64]),
+        (plane, response): (&Plane, &mut LoadResponse),
+        tolerances: &Tolerances,
+        observer: &mut dyn Observer,
+    ) -> Result<u32, Diverged> {
+        (self.iterations, self.most_negative_pivots) = (0, 0);
+        self.iterate_on_plane(system, (equation, history), (plane, response), tolerances, observer).map_err(
+            |(cause, reason)| Diverged {
+                iterations: self.iterations,
+                most_negative_pivots: self.most_negative_pivots,
+                cause,
+                reason,
+                began_with_old_factor: false,
+            },
+        )
+    }
+
+    fn iterate_on_plane(
+        &mut self,
+        system: &System,
+        (equation, history): (&mut StaticEquation, &[f64]),
+        (plane, response): (&Plane, &mut LoadResponse),
+        tolerances: &Tolerances,
+        observer: &mut dyn Observer,
+    ) -> Result<u32, Failed> {
+        self.begin_step();
+        let failed = |reason: String| (Cause::Tangent, reason);
+        let mixed = self.method == NewtonMethod::Mixed && !system.linear;
+        for number in 1..=tolerances.max_iterations {
+            self.iterations = number;
+            if observer.interrupted() {
+                return Err((Cause::Interrupted, "interrupted".into()));
+            }
+            let negative = self.linearize_with_load(system, equation, history, mixed, response)?;
+            self.most_negative_pivots = self.most_negative_pivots.max(negative);
+            self.find_load_response(system, equation, response).map_err(failed)?;
+            self.respond_to_residual(system, equation).map_err(failed)?;
+            let left = plane.distance - distance(system, plane, &equation.u);
+            let along = system.inner_product(plane.normal, &response.field);
+            let change = (left - system.inner_product(plane.normal, &self.increment)) / along;
+            add_multiple(&mut self.increment, change, &response.field);
+            add_multiple(&mut self.residual, change, &response.force);
+            let energy = dot(&self.increment, &self.residual).abs();
+            if !(energy.is_finite() && change.is_finite()) {
+                return Err((Cause::Flight, "the increment is not finite".into()));
+            }
+            if let Some(body) = spun_body(system, &self.solution) {
+                let reason =
+                    format!("divergence: an increment turns body \"{body}\" by more than {SPUN} rad");
+                return Err((Cause::Flight, reason));
+            }
+            if mixed {
+                let k = point(system, equation, history);
+                let weights = equation.parts().weights;
+                self.assembly.extrapolate(system, &k, &self.increment, &weights);
+            }
+            if !system.linear {
+                retract(system, &self.assembly.frames, &equation.motion(), &mut self.increment);
+            }
+            equation.apply(system, &self.increment);
+            if let Some(constraints) = &self.constraints {
+                equation.change_multipliers(constraints.change());
+            }
+            add_scaled(&mut equation.multipliers, change, &response.multipliers);
+            equation.time += change;
+            if !system.dofs().prescribed.is_empty() {
+                system.prescribe(equation.time, &mut equation.u);
+            }
+            let size = system.norm(&self.increment);
+            if size > FLIGHT && !system.linear {
+                let place = largest(system, &self.assembly.frames, &self.residual);
+                return Err((Cause::Flight, format!("divergence of the iteration; {place}")));
+            }
+            let scale = equation.displacement_scale(system);
+            let energy_scale = equation.energy_scale(system, &mut self.assembly, history);
+            observer.on_iteration(
+                number,
+                energy / energy_scale.max(f64::MIN_POSITIVE),
+                size / scale.max(f64::MIN_POSITIVE),
+            );
+            let small = energy <= tolerances.energy * energy_scale && size <= tolerances.increment * scale;
+            let rests = size <= larger(ROUND_OFF * scale, self.round_off);
+            if (small || rests)
+                && self.violation(system, equation) <= larger(CLOSED, self.round_off).min(OPEN)
+            {
+                return Ok(number);
+            }
+        }
+        if let Some(open) = self.open_joint(system, equation) {
+            return Err((Cause::Constraints, open));
+        }
+        let place = largest(system, &self.assembly.frames, &self.residual);
+        Err((
+            Cause::Iterations,
+            format!("not converged after {} iterations; {place}", tolerances.max_iterations),
+        ))
+    }
+
+    /// Direction of the path at an equilibrium, in the sense in which its product with `along` is positive (without one: that of a rising
+    /// load factor), and the number of negative eigenvalues of the tangent, which is factored.
+    ///
+    /// # Errors
+    /// The tangent has no factor, or nothing changes with the load factor; the text gives the reason.
+    pub fn path_tangent(
+        &mut self,
+        system: &System,
+        (equation, history): (&mut StaticEquation, &[f64]),
+        along: Option<&[Nodal]>,
+        response: &mut LoadResponse,
+    ) -> Result<(PathTangent, usize), String> {
+        let negative = self
+            .linearize_with_load(system, equation, history, false, response)
+            .map_err(|(_, reason)| reason)?;
+        self.find_load_response(system, equation, response)?;
+        let size = system.norm(&response.field);
+        if size == 0.0 {
+            return Err(
+                "no load, prescribed displacement, drive or prescribed strain changes with the load factor"
+                    .into(),
+            );
+        }
+        let backwards = along.is_some_and(|along| system.inner_product(along, &response.field) < 0.0);
+        let scale = if backwards { -1.0 / size } else { 1.0 / size };
+        let tangent = PathTangent {
+            direction: response.field.iter().map(|x| x.map(|x| scale * x)).collect(),
+            multipliers: response.multipliers.iter().map(|x| scale * x).collect(),
+            load: scale,
+            work: scale * response.work,
+        };
+        Ok((tangent, negative))
+    }
+
+    /// Eigenvalue next to zero of the tangent factored last, at an equilibrium, in the metric of [`System::norm`], and its eigenvector
+    /// of unit norm, by inverse iteration from a fixed start.
+    ///
+    /// # Errors
+    /// The linear solver failed.
+    pub fn eigenvalue_next_to_zero(
+        &mut self,
+        system: &System,
+        equation: &StaticEquation,
+        iterations: usize,
+    ) -> Result<(f64, Vec<Nodal>), String> {
+        let mut mode = vec![[0.0; 3]; system.vectors()];
+        self.solution.iter_mut().zip(noise()).for_each(|(x, start)| *x = start);
+        expand_free(&self.frames, &self.solution, false, &mut mode);
+        let mut eigenvalue = f64::NAN;
+        for _ in 0..iterations {
+            let size = system.norm(&mode);
+            mode.as_flattened_mut().iter_mut().for_each(|x| *x /= size);
+            let before = mode.clone();
+            system.apply_metric(&mut mode);
+            self.residual.copy_from_slice(&mode);
+            self.find_response(system, (equation, equation.time), false, false)?;
+            mode.copy_from_slice(&self.increment);
+            eigenvalue = 1.0 / system.inner_product(&before, &mode);
+        }
+        let size = system.norm(&mode);
+        mode.as_flattened_mut().iter_mut().for_each(|x| *x /= size);
+        Ok((eigenvalue, mode))
+    }
+
+    /// Factors the tangent at an iterate. The residual becomes that of the iterate, and the force of `response` its derivative with
+    /// respect to the load factor. Returns the number of negative eigenvalues of the tangent, on the constraints of joints.
+    fn linearize_with_load(
+        &mut self,
+        system: &System,
+        equation: &mut StaticEquation,
+        history: &[f64],
+        extrapolated: bool,
+        response: &mut LoadResponse,
+    ) -> Result<usize, Failed> {
+        self.find_load_rate(system, equation, history, response);
+        let moves = !system.dofs().prescribed.is_empty();
+        equation.external_minus_inertia(system, &mut self.residual);
+        let (k, parts) = (point(system, equation, history), equation.parts());
+        self.assembly.follow(system, &k);
+        self.assembly.forces(system, &k, &mut response.field);
+        self.factored = FactoredTangent::Nothing;
+        let Self { solver, assembly, internal, circulatory, residual, .. } = self;
+        if let Some(loads) = circulatory {
+            loads.take(system, &k.motion, &parts);
+        }
+        let prescribed = moves.then_some(response.prescribed.as_slice());
+        let at = Linearization { system, point: &k, parts: &parts, extrapolated, prescribed };
+        let mut negative = loop {
+            solver.assemble(assembly, &at, internal);
+            solver.add_curvature(assembly, &at, residual);
+            if system.has_body_curvature(&parts.weights) {
+                assembly.add_body_curvature(system, &k, &parts.weights, (extrapolated, residual));
+            }
+            if !internal.as_flattened().iter().all(|f| f.is_finite()) {
+                let reason = assembly.without_answer(system).map_or_else(
+                    || "the forces are no longer finite".to_owned(),
+                    |element| {
+                        format!("{element}: the material law could not be evaluated, or its enhanced strains")
+                    },
+                );
+                return Err((Cause::Flight, reason));
+            }
+            if let Some(done) = solver.prepare(assembly).transpose() {
+                break done.map_err(|reason| (Cause::Tangent, reason))?;
+            }
+        };
+        if moves {
+            let product = internal.as_flattened().iter().zip(response.field.as_flattened());
+            for (x, (with, without)) in response.force.as_flattened_mut().iter_mut().zip(product) {
+                *x -= with - without;
+            }
+            add_follower_stiffness(system, &k.motion, &parts, &response.prescribed, &mut response.force);
+        }
+        add_multiple(residual, -1.0, &response.field);
+        self.frames.copy_from(&self.assembly.frames);
+        if let Some(constraints) = &mut self.constraints {
+            constraints
+                .take(system, (&k, &parts.weights), &self.assembly.frames, &mut self.solver)
+                .map_err(|reason| (Cause::Tangent, reason))?;
+            negative = negative.saturating_sub(constraints.negative_eigenvalues());
+        }
+        Ok(negative)
+    }
+
+    /// Derivatives of the forces at fixed displacements, and of the prescribed displacements, with respect to the load factor.
+    fn find_load_rate(
+        &mut self,
+        system: &System,
+        equation: &mut StaticEquation,
+        history: &[f64],
+        response: &mut LoadResponse,
+    ) {
+        let LoadResponse { force, prescribed, field, .. } = response;
+        let load = equation.time;
+        force.fill([0.0; 3]);
+        prescribed.fill([0.0; 3]);
+        let of_elements = !system.prescribed_strains.is_empty() || system.has_actuators();
+        for sign in [1.0, -1.0] {
+            equation.time = load + sign * LOAD_DIFFERENCE;
+            let factor = 0.5 * sign / LOAD_DIFFERENCE;
+            equation.external_minus_inertia(system, field);
+            add_multiple(force, factor, field);
+            if of_elements {
+                self.assembly.forces(system, &point(system, equation, history), field);
+                add_multiple(force, -factor, field);
+            }
+            if !system.dofs().prescribed.is_empty() {
+                field.fill([0.0; 3]);
+                system.prescribe(equation.time, field);
+                add_multiple(prescribed, factor, field);
+            }
+        }
+        equation.time = load;
+    }
+
+    /// Solves for û and the multipliers that belong to it, with the tangent factored.
+    fn find_load_response(
+        &mut self,
+        system: &System,
+        equation: &StaticEquation,
+        response: &mut LoadResponse,
+    ) -> Result<(), String> {
+        let LoadResponse { force, prescribed, field, free, multipliers, work } = response;
+        self.frames.reduce(force, free);
+        self.right_side.copy_from_slice(free);
+        self.solver.solve_tangent(free)?;
+        if let Some(loads) = &mut self.circulatory {
+            loads.correct(&mut self.solver, &self.frames, free, Purpose::Increment)?;
+        }
+        *work = 0.0;
+        if let Some(constraints) = &mut self.constraints {
+            let at = (&equation.motion(), equation.time);
+            multipliers.copy_from_slice(constraints.project(system, at, Rates::First(prescribed), free));
+            let rates = constraints.rates(system, at, Rates::First(prescribed));
+            *work += rates.iter().zip(&*multipliers).map(|(a, b)| a * b).sum::<f64>();
+        }
+        *work += free.iter().zip(&self.right_side).map(|(a, b)| a * b).sum::<f64>();
+        field.copy_from_slice(prescribed);
+        expand_free(&self.frames, free, !system.dofs().prescribed.is_empty(), field);
+        Ok(())
+    }
+
+    /// Solves for the increment `K⁻¹R` at constant load factor.
+    fn respond_to_residual(&mut self, system: &System, equation: &StaticEquation) -> Result<(), String> {
+        self.frames.reduce(&self.residual, &mut self.right_side);
+        self.solution.copy_from_slice(&self.right_side);
+        self.solver.solve_tangent(&mut self.solution)?;
+        if let Some(loads) = &mut self.circulatory {
+            loads.correct(&mut self.solver, &self.frames, &mut self.solution, Purpose::Increment)?;
+        }
+        if let Some(constraints) = &mut self.constraints {
+            let at = (&equation.motion(), equation.time);
+            constraints.correct(system, at, equation.multipliers(), &mut self.solution);
+        }
+        expand_free(&self.frames, &self.solution, false, &mut self.increment);
+        Ok(())
+    }
+}
+
+/// Distance of displacements from the origin along the normal of a plane.
+pub fn distance(system: &System, plane: &Plane, u: &[Nodal]) -> f64 {
+    system.inner_product(plane.normal, u) - system.inner_product(plane.normal, plane.origin)
+}
+
+fn add_scaled(to: &mut [f64], factor: f64, what: &[f64]) {
+    to.iter_mut().zip(what).for_each(|(x, y)| *x += factor * y);
+}

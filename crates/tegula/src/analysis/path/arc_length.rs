@@ -1,0 +1,561 @@
+//! Steps of a path by the arc-length method.
+//!
+//! A step goes along the direction of the path by a length s, and Newton's method corrects on the plane across it at this distance. The
+//! tangent at the equilibrium found gives the next direction and the derivative of the load factor, and its negative eigenvalues tell
+//! critical points. A step whose two directions and chord do not fit one smooth curve is halved: it may have gone over to another path.
+//! The length follows from the distance between the predicted and the corrected point, half the curvature of the path times s².
+//!
+//! Steps end at limit points, at load factors that are wanted, and at the end of the path. There is nothing but the state between two
+//! steps, so that a run can be resumed anywhere.
+
+use super::critical_points::{Curve, Found, INVERSE_ITERATIONS, Trial, bifurcations};
+use super::series::{Series, roots};
+use super::state::{ArcStart, CriticalKind, CriticalPoint, PathState, ended_early, not_continued};
+use super::{branch, first_state};
+use crate::analysis::newton::{LoadResponse, Newton, PathTangent, Plane, Tolerances};
+use crate::analysis::solver::TangentSolver as _;
+use crate::analysis::statics::{self, StaticEquation, equilibrium_step, reactions};
+use crate::analysis::stepper::Reached;
+use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched, equilibrium};
+use crate::element::Nodal;
+use crate::model::PathAnalysis;
+use crate::norm::{larger, max_norm};
+use crate::system::{System, add_multiple, inverted_element};
+use crate::{Error, Result};
+
+/// Convergence of an equilibrium: energy of the last increment over the strain energy, its norm over that of the displacement, and the
+/// most iterations.
+const TOLERANCES: Tolerances = Tolerances { energy: 1e-18, increment: 1e-6, max_iterations: 20 };
+/// Part of the load factor at the end that the first step is expected to reach, and its largest length.
+const FIRST: f64 = 0.1;
+const FIRST_LENGTH: f64 = 0.05;
+/// Distance between the predicted and the corrected point over the length of a step that is aimed at.
+const DEPARTURE: f64 = 0.1;
+/// Bounds of the change of the length from step to step.
+const CHANGE: [f64; 2] = [0.5, 2.0];
+/// Iterations of a step above which the next one is not longer.
+const MANY: u32 = 7;
+/// Largest distance of the chord of a step, over its length, from the mean of the directions at both ends.
+const SMOOTH: f64 = 0.1;
+/// Least cosine of the angle between the directions at both ends.
+const TURN: f64 = 0.7;
+/// Halvings of a step after which the path is given up.
+const MOST_HALVINGS: u32 = 24;
+/// Change of the load factor over it that still separates a point from the limit point.
+const AT_LIMIT: f64 = 1e-10;
+/// Largest number of trials for a limit point.
+const MOST_TRIALS: usize = 30;
+/// Length of the first step on a crossing path over the distance at which it is looked for first.
+const ON_BRANCH: f64 = 10.0;
+/// Unbalanced force over the forces with which a path does not begin.
+const UNBALANCED: f64 = 1e-5;
+/// Distance of two load factors, over the size of the larger, below which they are one.
+const SAME_LOAD: f64 = 1e-12;
+
+/// A path of arc-length steps between two of its points.
+pub struct ArcLengthSteps<'a> {
+    newton: Newton,
+    response: LoadResponse,
+    system: &'a System,
+    options: &'a PathAnalysis,
+    /// The last equilibrium.
+    state: State,
+    /// Equation of the next equilibrium.
+    equation: StaticEquation,
+    balance: Balance,
+    statistics: Statistics,
+    /// Path parameter at which the next step ends at the latest.
+    limit: f64,
+    /// Reactions at the last equilibrium; empty where no motion is prescribed.
+    reactions: Vec<Nodal>,
+    force: Vec<Nodal>,
+}
+
+/// End of a step, an equilibrium on the path.
+#[derive(Clone)]
+struct End {
+    /// Distance from the start of the step.
+    a: f64,
+    equation: StaticEquation,
+    tangent: PathTangent,
+    negative: usize,
+    iterations: u32,
+}
+
+/// What a step has found.
+struct Outcome {
+    end: End,
+    critical: Vec<Found>,
+    /// Length of the next step.
+    length: f64,
+}
+
+impl<'a> ArcLengthSteps<'a> {
+    /// Path from `start`, a state of the same analysis, or from its first state.
+    ///
+    /// # Errors
+    /// There is not enough memory.
+    pub fn new(system: &'a System, options: &'a PathAnalysis, start: Option<State>) -> Result<Self> {
+        let mut newton = Newton::new(system, None)?;
+        let mut state = start.filter(|state| state.path.is_some()).unwrap_or_else(|| first_state(system));
+        newton.restore(system, &state, true);
+        if state.step == 0 && system.continues() {
+            state.energy_scale = statics::energies(system, &mut newton.assembly, &state).strain;
+            state.displacement_scale = system.norm(&state.u);
+        }
+        let moves = !system.dofs().prescribed.is_empty();
+        Ok(Self {
+            reactions: if moves { reactions(system, &mut newton.assembly, &state) } else { Vec::new() },
+            balance: statics::energies(system, &mut newton.assembly, &state),
+            statistics: Statistics { steps: state.step, ..Statistics::default() },
+            equation: StaticEquation {
+                penalty: equilibrium::penalty(system, &mut newton.assembly, &state),
+                ..StaticEquation::default()
+            },
+            response: LoadResponse::new(system),
+            force: vec![[0.0; 3]; system.vectors()],
+            limit: f64::INFINITY,
+            newton,
+            system,
+            options,
+            state,
+        })
+    }
+
+    fn path(&self) -> Option<&PathState> {
+        self.state.path.as_deref()
+    }
+
+    /// Equation at the last equilibrium.
+    fn go_back(&mut self) {
+        let Self { state, equation, newton, system, .. } = self;
+        equation.u.clone_from(&state.u);
+        equation.multipliers.clone_from(&state.multipliers);
+        equation.angles.clone_from(&state.angles);
+        equation.time = state.time;
+        equation.scales = [state.energy_scale, state.displacement_scale];
+        newton.count_turns(system, state);
+    }
+
+    /// Direction and length of the next step.
+    fn start_of_step(&mut self) -> std::result::Result<ArcStart, String> {
+        if let Some(arc) = self.path().and_then(|path| path.arc.clone()) {
+            return Ok(arc);
+        }
+        self.go_back();
+        let Self { newton, system, state, equation, response, options, .. } = self;
+        in_equilibrium(system, newton, state)?;
+        let at = (&mut *equation, state.history.as_slice());
+        let (mut tangent, negative) = newton.path_tangent(system, at, None, response)?;
+        if options.end_load < 0.0 {
+            tangent.reverse();
+        }
+        state.negative_pivots = negative;
+        let length = (FIRST * options.end_load / tangent.load).min(FIRST_LENGTH);
+        Ok(ArcStart { tangent, length })
+    }
+
+    /// Equilibrium at the distance `a` from the last one along a direction.
+    fn equilibrium_at(
+        &mut self,
+        tangent: &PathTangent,
+        a: f64,
+        observer: &mut dyn Observer,
+    ) -> std::result::Result<End, String> {
+        self.go_back();
+        let Self { newton, system, state, equation, response, statistics, .. } = self;
+        let history = state.history.as_slice();
+        newton.predict(system, (&mut *equation, history), tangent, a);
+        let plane = Plane { origin: &state.u, normal: &tangent.direction, distance: a };
+        let solved = newton.solve_on_plane(
+            system,
+            (&mut *equation, history),
+            (&plane, response),
+            &TOLERANCES,
+            observer,
+        );
+        let iterations = solved.as_ref().map_or_else(|failed| failed.iterations, |n| *n);
+        statistics.iterations += u64::from(iterations);
+        solved.map_err(|failed| failed.reason)?;
+        self.end_at(a, tangent, iterations)
+    }
+
+    /// End of a step at the equilibrium of the equation.
+    fn end_at(&mut self, a: f64, before: &PathTangent, iterations: u32) -> std::result::Result<End, String> {
+        let Self { newton, system, state, equation, response, .. } = self;
+        if let Some(inverted) = inverted_element(system, &equation.u) {
+            return Err(inverted);
+        }
+        if let Some(reason) = equilibrium_step::refusal(system, &newton.assembly, (state, equation)) {
+            return Err(reason);
+        }
+        let at = (&mut *equation, state.history.as_slice());
+        let (tangent, negative) = newton.path_tangent(system, at, Some(&before.direction), response)?;
+        Ok(End { a, equation: equation.clone(), tangent, negative, iterations })
+    }
+
+    /// Step along the path of at most a length.
+    fn find_step(
+        &mut self,
+        arc: &ArcStart,
+        length: f64,
+        observer: &mut dyn Observer,
+    ) -> std::result::Result<Outcome, String> {
+        let mut end = self.equilibrium_at(&arc.tangent, length, observer)?;
+        let departure = self.departure(arc, &end)?;
+        let mut next = length * (DEPARTURE / departure).clamp(CHANGE[0], CHANGE[1]);
+        if end.iterations > MANY {
+            next = next.min(length);
+        }
+        let loads = self.loads(arc, &end);
+        let limits = roots(length, |a| loads.load_derivative(a, 1));
+        if limits.len() > 1 {
+            return Err("there may be two limit points in the step".into());
+        }
+        let mut critical = Vec::new();
+        let limit = limits.first().copied().unwrap_or(f64::INFINITY);
+        let mut first = self.wanted(&loads, limit.min(length));
+        if first.is_none() && limits.len() == 1 {
+            let found = self.locate_limit(arc, &end, limit, observer)?;
+            let loads = self.loads(arc, &found);
+            first = self.wanted(&loads, found.a);
+            end = found;
+            if first.is_none() {
+                critical.push(self.limit_point(arc, &mut end));
+            }
+        }
+        if let Some((a, load)) = first {
+            end = self.at_load(arc, (a, load), observer)?;
+        }
+        if end.a < length || length < arc.length {
+            next = arc.length;
+        }
+        let explained: i32 = critical.iter().map(|found: &Found| found.point.change).sum();
+        let unexplained = end.negative as i32 - self.state.negative_pivots as i32 - explained;
+        if unexplained != 0 && self.newton.is_symmetric() {
+            let limits: Vec<(f64, i32)> = critical.iter().map(|f| (f.a, f.point.change)).collect();
+            let (start, a) = (self.state.negative_pivots, end.a);
+            let mut curve = PathCurve { steps: self, tangent: &arc.tangent, observer };
+            let found = bifurcations(&mut curve, a, (start, unexplained), &limits)?;
+            critical.extend(found);
+            critical.sort_by(|p, q| p.a.total_cmp(&q.a));
+            if let Some((at, mode)) = self.switched(&critical) {
+                critical.retain(|found| found.a <= at);
+                let end = self.onto_branch(arc, (at, mode), observer)?;
+                return Ok(Outcome { end, critical, length: (ON_BRANCH * branch::FIRST).min(arc.length) });
+            }
+        }
+        Ok(Outcome { end, critical, length: next })
+    }
+
+    /// Distance of the predicted from the corrected point over the length of a step.
+    ///
+    /// # Errors
+    /// The ends of the step do not lie on one smooth curve.
+    fn departure(&self, arc: &ArcStart, end: &End) -> std::result::Result<f64, String> {
+        let Self { system, state, .. } = self;
+        let mut chord = end.equation.u.clone();
+        add_multiple(&mut chord, -1.0, &state.u);
+        chord.as_flattened_mut().iter_mut().for_each(|x| *x /= end.a);
+        let mut away = chord.clone();
+        add_multiple(&mut away, -1.0, &arc.tangent.direction);
+        let departure = system.norm(&away);
+        let (first, last) = (&arc.tangent.direction, &end.tangent.direction);
+        let turn = system.inner_product(first, last);
+        // The directions per distance along the first one, as the chord is.
+        add_multiple(&mut chord, -0.5, first);
+        add_multiple(&mut chord, -0.5 / turn, last);
+        if turn >= TURN && system.norm(&chord) <= SMOOTH {
+            Ok(larger(departure, f64::MIN_POSITIVE))
+        } else {
+            Err("the directions of the path at both ends of the step do not belong to one smooth curve"
+                .into())
+        }
+    }
+
+    /// Load factor over a step, by its values and derivatives at both ends.
+    fn loads(&self, arc: &ArcStart, end: &End) -> Series {
+        let turn = self.system.inner_product(&arc.tangent.direction, &end.tangent.direction);
+        let (a, [from, to]) = (end.a, [self.state.time, end.equation.time]);
+        let (first, last) = (arc.tangent.load, end.tangent.load / turn);
+        let mean = (to - from) / a;
+        let loads =
+            vec![from, first, (3.0 * mean - 2.0 * first - last) / a, (first + last - 2.0 * mean) / (a * a)];
+        Series { loads, ..Series::default() }
+    }
+
+    /// First place of a step, up to `end`, at which the load factor has a value that is wanted, and this value.
+    fn wanted(&self, loads: &Series, end: f64) -> Option<(f64, f64)> {
+        let from = self.state.time;
+        let all = self.system.wanted_times.iter().copied().chain([self.options.end_load]);
+        let other = all.filter(|load| (load - from).abs() > SAME_LOAD * larger(load.abs(), from.abs()));
+        let places = other.filter_map(|load| Some((loads.reaches(load, end).first().copied()?, load)));
+        places.min_by(|p, q| p.0.total_cmp(&q.0))
+    }
+
+    /// Equilibrium at a load factor, near a distance from the last one.
+    fn at_load(
+        &mut self,
+        arc: &ArcStart,
+        (a, load): (f64, f64),
+        observer: &mut dyn Observer,
+    ) -> std::result::Result<End, String> {
+        let near = self.equilibrium_at(&arc.tangent, a, observer)?;
+        let Self { newton, system, state, equation, statistics, .. } = self;
+        equation.time = load;
+        newton.restore(system, state, false);
+        let solved = newton.solve(system, equation, &state.history, &TOLERANCES, observer);
+        statistics.iterations +=
+            u64::from(solved.as_ref().map_or_else(|failed| failed.iterations, |s| s.iterations));
+        solved.map_err(|failed| failed.reason)?;
+        let mut moved = self.equation.u.clone();
+        add_multiple(&mut moved, -1.0, &self.state.u);
+        let a = self.system.inner_product(&arc.tangent.direction, &moved);
+        self.end_at(a, &arc.tangent, near.iterations)
+    }
+
+    /// Limit point of a step by the secant of the derivative of the load factor, kept in a bracket, from a first estimate.
+    fn locate_limit(
+        &mut self,
+        arc: &ArcStart,
+        end: &End,
+        estimate: f64,
+        observer: &mut dyn Observer,
+    ) -> std::result::Result<End, String> {
+        let rises = arc.tangent.load > 0.0;
+        let (mut low, mut high) = ((0.0, arc.tangent.load), (end.a, end.tangent.load));
+        let (mut at, mut before) = (estimate, None::<(f64, f64)>);
+        for _ in 0..MOST_TRIALS {
+            let found = self.equilibrium_at(&arc.tangent, at, observer)?;
+            let here = (at, found.tangent.load);
+            let other = before.unwrap_or(if (here.1 > 0.0) == rises { high } else { low });
+            let slope = (here.1 - other.1) / (here.0 - other.0);
+            let rest = 0.5 * here.1 * here.1 / slope.abs();
+            if rest <= AT_LIMIT * found.equation.time.abs() {
+                return Ok(found);
+            }
+            if (here.1 > 0.0) == rises {
+                low = here
+            } else {
+                high = here
+            }
+            let secant = at - here.1 / slope;
+            before = Some(here);
+            at = if secant > low.0 && secant < high.0 { secant } else { 0.5 * (low.0 + high.0) };
+        }
+        Err("the limit point in the step was not located".into())
+    }
+
+    /// Limit point at the end of a step, behind which the step is taken to end.
+    fn limit_point(&self, arc: &ArcStart, end: &mut End) -> Found {
+        let change = if arc.tangent.load * end.tangent.work > 0.0 { 1 } else { -1 };
+        if (end.tangent.load > 0.0) == (arc.tangent.load > 0.0) {
+            // The pivots are those before the point.
+            end.negative = (end.negative as i32 + change).max(0) as usize;
+            end.tangent.load = -end.tangent.load;
+        }
+        let point = CriticalPoint {
+            kind: CriticalKind::Limit,
+            load: end.equation.time,
+            position: 0.0,
+            change,
+            u: end.equation.u.clone(),
+            mode: end.tangent.direction.clone(),
+        };
+        Found { a: end.a, point }
+    }
+
+    /// First bifurcation of a step at which the path goes over to the crossing one, and the mode on the side wanted.
+    fn switched(&self, critical: &[Found]) -> Option<(f64, Vec<Nodal>)> {
+        let passed = self.path().map_or(0, |path| path.expansion.bifurcations);
+        let (found, mode) = super::piece::switched(critical, passed, &self.options.switch_at)?;
+        Some((found.a, mode))
+    }
+
+    /// Equilibrium on the path that crosses at a bifurcation, on the side of its mode.
+    fn onto_branch(
+        &mut self,
+        arc: &ArcStart,
+        (a, mode): (f64, Vec<Nodal>),
+        observer: &mut dyn Observer,
+    ) -> std::result::Result<End, String> {
+        let at = self.equilibrium_at(&arc.tangent, a, observer)?;
+        let tangent = PathTangent { direction: mode, ..PathTangent::default() };
+        let (mut distance, mut passed) = (branch::FIRST, None);
+        for _ in 0..branch::HALVINGS {
+            let Self { newton, system, state, equation, response, statistics, .. } = self;
+            let history = state.history.as_slice();
+            equation.clone_from(&at.equation);
+            newton.predict(system, (&mut *equation, history), &tangent, distance);
+            let plane = Plane { origin: &at.equation.u, normal: &tangent.direction, distance };
+            let solved = newton.solve_on_plane(
+                system,
+                (&mut *equation, history),
+                (&plane, response),
+                &TOLERANCES,
+                observer,
+            );
+            statistics.iterations +=
+                u64::from(solved.as_ref().map_or_else(|failed| failed.iterations, |n| *n));
+            if let Ok(iterations) = solved {
+                let loads = [at.equation.time, self.equation.time];
+                passed = branch::wanted_between(self.system, self.options.end_load, loads);
+                if passed.is_none() {
+                    return self.end_at(a, &tangent, iterations);
+                }
+            }
+            distance *= 0.5;
+        }
+        Err(branch::not_found(passed))
+    }
+
+    /// Makes the end of a step the state.
+    fn accept(&mut self, outcome: Outcome, observer: &mut dyn Observer) {
+        let Outcome { end, critical, length } = outcome;
+        let Self { newton, system, state, equation, options, .. } = self;
+        *equation = end.equation;
+        let before = state.negative_pivots;
+        equilibrium_step::take(
+            system,
+            &mut newton.assembly,
+            (&mut *state, equation),
+            (&mut self.force, &mut self.reactions),
+        );
+        self.balance = statics::energies(system, &mut newton.assembly, state);
+        state.energy_scale = larger(state.energy_scale, self.balance.strain);
+        state.displacement_scale = larger(state.displacement_scale, system.norm(&state.u));
+        state.negative_pivots = end.negative;
+        self.statistics.steps = state.step;
+        let Some(path) = &mut state.path else { return };
+        let mut negative = before as i32;
+        for Found { a, point } in critical {
+            negative += point.change;
+            path.expansion.bifurcations += usize::from(point.kind == CriticalKind::Bifurcation);
+            let point = CriticalPoint { position: path.position + a, ..point };
+            path.pass(system, &point, negative.max(0) as usize, observer);
+        }
+        path.position += end.a;
+        path.expansion.number += 1;
+        path.loads = [path.loads[0].min(state.time), larger(path.loads[1], state.time)];
+        path.arc = Some(ArcStart { tangent: end.tangent, length });
+        path.finished |= state.time == options.end_load;
+        if !path.finished && path.expansion.number >= options.max_steps {
+            path.finished = true;
+            ended_early(&self.state, options, observer);
+        }
+    }
+}
+
+/// Path of arc-length steps from the last equilibrium on, along a direction.
+struct PathCurve<'s, 'a, 'o> {
+    steps: &'s mut ArcLengthSteps<'a>,
+    tangent: &'s PathTangent,
+    observer: &'o mut dyn Observer,
+}
+
+impl Curve for PathCurve<'_, '_, '_> {
+    fn trial(&mut self, a: f64) -> std::result::Result<Trial, String> {
+        let End { equation, negative, .. } = self.steps.equilibrium_at(self.tangent, a, self.observer)?;
+        let ArcLengthSteps { newton, system, .. } = &mut *self.steps;
+        let mut softest = newton.eigenvalue_next_to_zero(system, &equation, INVERSE_ITERATIONS)?;
+        system.orient(&mut softest.1);
+        Ok(Trial { u: equation.u, load: equation.time, negative, softest })
+    }
+}
+
+impl Stepper for ArcLengthSteps<'_> {
+    fn reached(&self) -> Reached<'_> {
+        let Self { state, balance, statistics, .. } = self;
+        Reached { state, balance, statistics, end: self.options.end_load }
+    }
+
+    fn is_finished(&self) -> bool {
+        self.path().is_none_or(|path| path.finished)
+    }
+
+    fn position(&self) -> f64 {
+        self.path().map_or(0.0, |path| path.position)
+    }
+
+    fn finish(self: Box<Self>) -> (State, Balance, Statistics) {
+        (self.state, self.balance, self.statistics)
+    }
+
+    fn begin(&mut self, _: &mut dyn Observer) -> Result<bool> {
+        Ok(false)
+    }
+
+    fn advance(&mut self, observer: &mut dyn Observer) -> Result<u32> {
+        if observer.interrupted() {
+            return Err(Error::Interrupted);
+        }
+        let arc = self.start_of_step().map_err(|reason| not_continued(&self.state, &reason))?;
+        let mut length = arc.length.min(self.limit - self.position());
+        let before = self.statistics.iterations;
+        for halving in 0.. {
+            let outcome = self.find_step(&arc, length, observer);
+            self.statistics.factorizations = self.newton.solver.tangents() as u64;
+            self.statistics.linear_iterations = self.newton.linear_iterations();
+            match outcome {
+                Ok(outcome) => {
+                    self.accept(outcome, observer);
+                    break;
+                }
+                Err(_) if observer.interrupted() => return Err(Error::Interrupted),
+                Err(reason) if halving == MOST_HALVINGS => {
+                    observer.on_repeat(&self.statistics);
+                    return Err(not_continued(&self.state, &reason));
+                }
+                Err(reason) => {
+                    length *= 0.5;
+                    self.statistics.cutbacks += 1;
+                    observer.on_repeat(&self.statistics);
+                    observer.on_event(&format!(
+                        "a step from load factor {:.6} is repeated with half its length: {reason}",
+                        self.state.time
+                    ));
+                }
+            }
+        }
+        Ok((self.statistics.iterations - before) as u32)
+    }
+
+    fn repeat(&mut self, start: &State, end: f64) {
+        let Self { newton, system, state, reactions: forces, .. } = self;
+        state.clone_from(start);
+        if !forces.is_empty() {
+            *forces = reactions(system, &mut newton.assembly, state);
+        }
+        self.balance = statics::energies(system, &mut newton.assembly, state);
+        self.statistics.steps = state.step;
+        self.limit = end;
+    }
+
+    fn release(&mut self) {
+        self.limit = f64::INFINITY;
+    }
+
+    fn watch(&mut self, watched: &Watched) {
+        self.state.watched.clone_from(watched);
+    }
+}
+
+/// Refuses a path that does not begin in equilibrium.
+fn in_equilibrium(system: &System, newton: &mut Newton, state: &State) -> std::result::Result<(), String> {
+    let unbalanced = equilibrium::unbalanced(system, &mut newton.assembly, state);
+    let external = equilibrium::external(system, &state.point(system));
+    let mut free = vec![0.0; system.unknowns()];
+    newton.assembly.frames.reduce(&unbalanced, &mut free);
+    let mut internal = external.clone();
+    add_multiple(&mut internal, -1.0, &unbalanced);
+    let size = larger(max_norm(external.as_flattened()), max_norm(internal.as_flattened()));
+    let largest = max_norm(&free);
+    if largest <= UNBALANCED * size {
+        return Ok(());
+    }
+    Err(format!(
+        "its start is not in equilibrium, the residual is {:.1e} of the forces; let a static step before it find the equilibrium under \
+         preloads",
+        largest / size
+    ))
+}

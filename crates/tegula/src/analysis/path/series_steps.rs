@@ -1,0 +1,198 @@
+//! Steps of a path by power series: from one reported point of a piece to the next.
+
+use super::expansion::Expansion;
+use super::piece::{Piece, Start};
+use super::state::{PathState, ended_early, not_continued};
+use super::{first_state, scope};
+use crate::analysis::statics::{self, reactions};
+use crate::analysis::stepper::Reached;
+use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched};
+use crate::element::Nodal;
+use crate::model::PathAnalysis;
+use crate::norm::larger;
+use crate::system::{System, inverted_element};
+use crate::{Error, Result};
+
+/// A path between two of its points.
+pub struct SeriesSteps<'a> {
+    system: &'a System,
+    options: &'a PathAnalysis,
+    expansion: Expansion,
+    /// Present piece; `None` before the first one, and in a run that is resumed.
+    piece: Option<Piece>,
+    state: State,
+    balance: Balance,
+    statistics: Statistics,
+    /// Path parameter at which the next step ends at the latest.
+    limit: f64,
+    /// Displacements of a point that is looked at.
+    trial: Vec<Nodal>,
+}
+
+impl<'a> SeriesSteps<'a> {
+    /// Path from `start`, a state of the same analysis, or from its first state.
+    ///
+    /// # Errors
+    /// The model has no power series, or there is not enough memory.
+    pub fn new(system: &'a System, options: &'a PathAnalysis, start: Option<State>) -> Result<Self> {
+        let stresses = scope::stresses(system, options.order as usize)
+            .map_err(|reason| Error::Model(vec![scope::without_series(&reason)]))?;
+        let mut expansion = Expansion::new(system, stresses)?;
+        let state = start.filter(|state| state.path.is_some()).unwrap_or_else(|| first_state(system));
+        Ok(Self {
+            balance: statics::energies(system, expansion.assembly(), &state),
+            statistics: Statistics { steps: state.step, ..Statistics::default() },
+            trial: state.u.clone(),
+            limit: f64::INFINITY,
+            piece: None,
+            system,
+            options,
+            expansion,
+            state,
+        })
+    }
+
+    /// Makes sure that the present piece leads on from the state.
+    fn provide_piece(&mut self) -> Result<()> {
+        let Some(path) = self.path() else { return Ok(()) };
+        let (position, recorded) = (path.position, path.expansion.clone());
+        while !self.piece.as_ref().is_some_and(|piece| piece.leads_on_from(position)) {
+            let goes_on = self.piece.as_mut().filter(|piece| position == piece.end_position());
+            let start = match goes_on.and_then(Piece::next_start) {
+                Some(start) => start,
+                // The piece of a run that is resumed or repeated is found anew; the state may be the end of it.
+                None => Start::new(self.system, &mut self.expansion, recorded.clone())
+                    .map_err(|reason| self.error(&reason))?,
+            };
+            self.piece = Some(self.find_piece(start)?);
+        }
+        Ok(())
+    }
+
+    fn find_piece(&mut self, start: Start) -> Result<Piece> {
+        let piece = Piece::new(self.system, &mut self.expansion, start, self.options);
+        self.statistics.factorizations = self.expansion.factorizations();
+        piece.map_err(|reason| self.error(&reason))
+    }
+
+    fn error(&self, reason: &str) -> Error {
+        not_continued(&self.state, reason)
+    }
+
+    fn path(&self) -> Option<&PathState> {
+        self.state.path.as_deref()
+    }
+
+    /// Goes to the parameter `a` of the present piece.
+    fn go_to(&mut self, a: f64, observer: &mut dyn Observer) {
+        let Self { system, state, trial, piece, expansion, .. } = self;
+        let Some(piece) = piece else { return };
+        piece.series().displacements(a, &mut state.u);
+        state.time = piece.load(a);
+        state.step += 1;
+        let Some(path) = &mut state.path else { return };
+        let from = path.position;
+        path.position = piece.position_of(a);
+        if path.expansion.position != piece.start().position || path.expansion.u.is_empty() {
+            path.expansion = piece.start().clone();
+        }
+        path.loads = [path.loads[0].min(state.time), larger(path.loads[1], state.time)];
+        for found in piece.passed(from, path.position) {
+            path.pass(system, found, piece.negative_at(found.position), observer);
+        }
+        path.finished |= piece.is_last() && path.position >= piece.end_position();
+        state.negative_pivots = piece.negative_at(path.position);
+        if !system.dofs().prescribed.is_empty() {
+            state.work += work_of_prescribed((system, expansion), piece, [from, path.position], trial);
+        }
+        self.statistics.steps = state.step;
+        self.balance = statics::energies(system, expansion.assembly(), state);
+    }
+}
+
+impl Stepper for SeriesSteps<'_> {
+    fn reached(&self) -> Reached<'_> {
+        let Self { state, balance, statistics, .. } = self;
+        Reached { state, balance, statistics, end: self.options.end_load }
+    }
+
+    fn is_finished(&self) -> bool {
+        self.path().is_none_or(|path| path.finished)
+    }
+
+    fn position(&self) -> f64 {
+        self.path().map_or(0.0, |path| path.position)
+    }
+
+    fn finish(self: Box<Self>) -> (State, Balance, Statistics) {
+        (self.state, self.balance, self.statistics)
+    }
+
+    fn begin(&mut self, _: &mut dyn Observer) -> Result<bool> {
+        Ok(false)
+    }
+
+    fn advance(&mut self, observer: &mut dyn Observer) -> Result<u32> {
+        if observer.interrupted() {
+            return Err(Error::Interrupted);
+        }
+        self.provide_piece()?;
+        let Some(piece) = &self.piece else { return Ok(0) };
+        let next = piece.next_point(self.position(), self.limit);
+        piece.series().displacements(next, &mut self.trial);
+        if let Some(inverted) = inverted_element(self.system, &self.trial) {
+            return Err(not_continued(&self.state, &inverted));
+        }
+        self.go_to(next, observer);
+        if self.is_finished() && self.piece.as_ref().is_some_and(Piece::has_run_out) {
+            ended_early(&self.state, self.options, observer);
+        }
+        Ok(0)
+    }
+
+    fn repeat(&mut self, start: &State, end: f64) {
+        self.state.clone_from(start);
+        self.balance = statics::energies(self.system, self.expansion.assembly(), &self.state);
+        self.statistics.steps = self.state.step;
+        self.limit = end;
+    }
+
+    fn release(&mut self) {
+        self.limit = f64::INFINITY;
+    }
+
+    fn watch(&mut self, watched: &Watched) {
+        self.state.watched.clone_from(watched);
+    }
+}
+
+/// Abscissas on (−1, 1) and weights of Gauss's rule of three points.
+const GAUSS: [(f64, f64); 3] =
+    [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
+/// Parts of a piece over which work is integrated.
+const PARTS: f64 = 8.0;
+
+/// Work of the reactions on prescribed motions between two positions of a piece. `u` is scratch space.
+fn work_of_prescribed(
+    (system, expansion): (&System, &mut Expansion),
+    piece: &Piece,
+    [from, to]: [f64; 2],
+    u: &mut [Nodal],
+) -> f64 {
+    let length = piece.end_position() - piece.start().position;
+    let parts = (PARTS * (to - from) / length).ceil().clamp(1.0, PARTS);
+    let (half, start) = (0.5 * (to - from) / parts, from - piece.start().position);
+    let mut state = State { u: u.to_vec(), ..State::default() };
+    let mut work = 0.0;
+    for part in 0..parts as u32 {
+        for (x, weight) in GAUSS {
+            let a = start + half * (2.0 * f64::from(part) + 1.0 + x);
+            piece.series().displacements(a, &mut state.u);
+            state.time = piece.series().load(a);
+            let forces = reactions(system, expansion.assembly(), &state);
+            piece.series().direction(a, u);
+            work += half * weight * system.product_of_prescribed(&forces, u);
+        }
+    }
+    work
+}

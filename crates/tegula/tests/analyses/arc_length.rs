@@ -1,0 +1,256 @@
+//! Equilibrium paths by the arc-length method: joints, bodies, beams, inextensible directors, follower loads.
+
+use std::f64::consts::PI;
+
+use crate::common::{compile, model, plate, vector_load};
+use crate::multibody::axis_joint;
+use crate::paths::{FULL, critical, elastica, follow, roof};
+use tegula::analysis::path::{self, CriticalKind, PathOutcome};
+use tegula::analysis::{Observer, State, Step};
+use tegula::model::*;
+use tegula::system::System;
+use tegula::{Result, Vec3};
+
+/// Takes the arc-length method for the path of a model.
+fn by_arc_length(m: &Model) -> Model {
+    let mut m = m.clone();
+    if let Analysis::Path(options) = &mut m.analysis {
+        options.method = Some(PathMethod::ArcLength);
+    }
+    m
+}
+
+/// Observer that keeps load factor, state and messages.
+#[derive(Default)]
+struct Record {
+    states: Vec<State>,
+    events: Vec<String>,
+}
+
+impl Observer for Record {
+    fn on_step(&mut self, step: &Step) -> Result<()> {
+        self.states.push(step.state.clone());
+        Ok(())
+    }
+    fn on_event(&mut self, message: &str) {
+        self.events.push(message.into());
+    }
+}
+
+fn run(m: &Model) -> (System, PathOutcome, Record) {
+    let Analysis::Path(options) = &m.analysis else { panic!("no path") };
+    let (_, system) = compile(m);
+    let mut record = Record::default();
+    let outcome = path::run(&system, options, None, &mut record).unwrap();
+    (system, outcome, record)
+}
+
+/// Place of a body's centre.
+fn centre(system: &System, state: &State, body: &str) -> Vec3 {
+    let body = system.coordinates.bodies.iter().find(|b| b.name == body).unwrap();
+    Vec3::from(system.coordinates.reference[body.centre as usize]) + Vec3::from(state.u[body.centre as usize])
+}
+
+/// Independent program with the elements of the paper on 8 × 8 elements, by power series: limit loads (N).
+#[test]
+fn limit_points_of_hinged_roofs_are_those_of_power_series() {
+    for (thickness, limits) in [(12.7, [2223.04, 520.39]), (6.35, [594.63, -382.49])] {
+        let m = roof(8, thickness);
+        let [(outcome, points), (series, _)] = [by_arc_length(&m), m].map(|m| follow(&m, "u_min_v_min"));
+        let found = critical(&outcome);
+        let kinds: Vec<_> = found.iter().map(|p| (p.kind, p.change)).collect();
+        assert_eq!(kinds, [(CriticalKind::Limit, 1), (CriticalKind::Limit, -1)]);
+        for ((point, limit), other) in found.iter().zip(limits).zip(critical(&series)) {
+            assert!((FULL * point.load - limit).abs() < 0.006, "{} {limit}", point.load);
+            assert!((point.load / other.load - 1.0).abs() < 1e-8, "{} {}", point.load, other.load);
+        }
+        let [w, _] = points.last().unwrap();
+        assert!((w / 30.0 - 1.0).abs() < 1e-6, "{w}");
+        assert_eq!(outcome.state.negative_pivots, 0);
+        let counts = outcome.statistics;
+        assert!(counts.steps < 40 && counts.factorizations < 200 && counts.cutbacks == 0, "{counts:?}");
+    }
+}
+
+/// A path does not depend on units: lengths in other units, stresses in others.
+#[test]
+fn arc_length_paths_do_not_depend_on_units() {
+    let m = by_arc_length(&roof(6, 6.35));
+    let (length, stress) = (1e3, 1e9);
+    let scaled = crate::paths::in_other_units(&m, length, stress);
+    let [(a, first), (b, second)] = [&m, &scaled].map(|m| follow(m, "u_min_v_min"));
+    assert_eq!(a.statistics, b.statistics);
+    assert_eq!(first.len(), second.len());
+    for (p, q) in first.iter().zip(&second) {
+        assert!((q[0] / length - p[0]).abs() < 1e-9 * 30.0 && (q[1] - p[1]).abs() < 1e-9, "{p:?} {q:?}");
+    }
+}
+
+/// A body on a vertical slide between two springs from supports at the distance b: with the lengths L₀ and
+/// `L = √(b² + (h − w)²)` the force is `P = 2 k (L₀/L − 1)(h − w)`; it is largest where `L³ = L₀ b²`.
+#[test]
+fn springs_in_a_truss_snap_at_the_load_of_von_mises() {
+    let (b, h, k) = (2.0_f64, 0.5_f64, 300.0);
+    let rest = b.hypot(h);
+    let slide = axis_joint("slide", "ground", "apex", [0.0, 0.0, h], [0.0, 0.0, 1.0]);
+    let body = RigidBody::new("apex", [0.0, 0.0, h], 1.0, Some([0.1; 3]));
+    let spring = |name: &str, x: f64| SpringDamper {
+        name: name.into(),
+        between: ["ground".into(), "apex".into()],
+        points: [[x, 0.0, 0.0], [0.0, 0.0, h]],
+        stiffness: k,
+        damping: 0.0,
+        force: None,
+        length: None,
+    };
+    let options = PathAnalysis { end_load: 2.0, ..Default::default() };
+    let mut m = Model::of_bodies(Analysis::Path(options), vec![body], vec![Joint::Prismatic(slide.into())]);
+    m.springs = vec![spring("left", -b), spring("right", b)];
+    let force = |w: f64| 2.0 * k * (rest / b.hypot(h - w) - 1.0) * (h - w);
+    let limit_height = ((rest * b * b).powf(2.0 / 3.0) - b * b).sqrt();
+    let limit = force(h - limit_height);
+    m.loads = vec![Load::Force(VectorLoad::new("apex", [0.0, 0.0, -limit]))];
+    let (system, outcome, record) = run(&m);
+    assert!(record.events[0].contains("arc-length method") && record.events[0].contains("rigid bodies"));
+    let found = critical(&outcome);
+    assert_eq!(
+        found.iter().map(|p| (p.kind, p.change)).collect::<Vec<_>>(),
+        [(CriticalKind::Limit, 1), (CriticalKind::Limit, -1)]
+    );
+    for (point, load) in found.iter().zip([1.0, -1.0]) {
+        assert!((point.load - load).abs() < 1e-9, "{} {load}", point.load);
+    }
+    assert_eq!(outcome.state.time, 2.0);
+    for state in &record.states {
+        let w = h - centre(&system, state, "apex").z;
+        assert!((state.time * limit - force(w)).abs() < 1e-9 * limit, "{w} {}", state.time);
+        let unstable = (h - w).abs() < limit_height * (1.0 - 1e-3);
+        assert!(!unstable || state.negative_pivots == 1, "{w}");
+    }
+    // The work of the force is the energy of the springs.
+    assert!(outcome.balance.strain > 0.0);
+}
+
+/// Two rigid bars of length L/2 between hinges with a torsion spring k at their common one: with the angle θ of each the energy
+/// ½ k (2θ)² − P L (1 − cos θ) gives P = 4 k θ/(L sin θ), from the bifurcation at 4 k/L on.
+#[test]
+fn a_column_of_two_rigid_bars_leaves_its_line_on_either_side() {
+    let (length, stiffness) = (2.0, 30.0);
+    let hinge = |name: &str, [a, b]: [&str; 2], x: f64| {
+        Joint::Revolute(axis_joint(name, a, b, [x, 0.0, 0.0], [0.0, 0.0, 1.0]).into())
+    };
+    let bar = |name: &str, x: f64| RigidBody::new(name, [x * length, 0.0, 0.0], 1.0, Some([0.1; 3]));
+    let slide = axis_joint("slide", "ground", "slider", [length, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    let bodies = vec![bar("left", 0.25), bar("right", 0.75), bar("slider", 1.0)];
+    let joints = vec![
+        hinge("foot", ["ground", "left"], 0.0),
+        hinge("knee", ["left", "right"], 0.5 * length),
+        hinge("head", ["right", "slider"], length),
+        Joint::Prismatic(slide.into()),
+    ];
+    let mut m = Model::of_bodies(Analysis::Path(PathAnalysis::default()), bodies, joints);
+    m.torsion_springs = vec![TorsionSpring {
+        name: "spring".into(),
+        between: ["left".into(), "right".into()],
+        axis: [0.0, 0.0, 1.0],
+        stiffness,
+        damping: 0.0,
+        moment: None,
+        free_angle: 0.0,
+    }];
+    m.loads = vec![Load::Force(VectorLoad::new("slider", [-4.0 * stiffness / length, 0.0, 0.0]))];
+    // The line of the bars carries any load: nothing moves on it.
+    let sides = [1, -1].map(|side| {
+        let mut m = m.clone();
+        m.loads.push(Load::Force(VectorLoad::new("left", [0.0, 1e-3 * f64::from(side), 0.0])));
+        m.analysis = Analysis::Path(PathAnalysis { end_load: 1.5, ..Default::default() });
+        let (system, outcome, record) = run(&m);
+        assert_eq!(outcome.state.time, 1.5);
+        assert!(critical(&outcome).is_empty());
+        for state in &record.states {
+            let at = centre(&system, state, "left");
+            let theta = at.y.atan2(at.x);
+            // The side load does the work of its lever of L/4.
+            let p = 4.0 * stiffness / length * state.time;
+            let side_moment = 1e-3 * f64::from(side) * state.time * 0.25 * length * theta.cos();
+            let residual = p * length * theta.sin() + side_moment - 4.0 * stiffness * theta;
+            assert!(residual.abs() < 1e-9 * stiffness, "{theta} {residual}");
+        }
+        centre(&system, &outcome.state, "left").y
+    });
+    assert!((sides[0] + sides[1]).abs() < 1e-9 && sides[0] > 0.3, "{sides:?}");
+}
+
+/// Post-buckling of a strip of elements with inextensible directors, and of a beam, L/h = 200.
+#[test]
+fn buckled_strips_and_beams_are_elasticas() {
+    let (length, h, young) = (10.0, 0.05_f64, 1e7);
+    let euler = PI.powi(2) * young * h.powi(3) / 12.0 / (4.0 * length * length);
+    let options = PathAnalysis { end_load: 1.5, switch_at: vec![1], ..Default::default() };
+    let mut strip = model(plate([length, 1.0], [64, 1], 0.0), young, h);
+    if let Some(Material::Isotropic(material)) = strip.materials.values_mut().next() {
+        material.poisson = 0.0;
+    }
+    strip.sections[0].element = ElementKind::Mitc4;
+    strip.loads = vec![Load::Edge(vector_load("u_max", [-euler, 0.0, 0.0]))];
+    strip.analysis = Analysis::Path(options.clone());
+    let section = BeamSection::Rectangle(RectangularSection { size: [h, 1.0] });
+    let ends = [[0.0; 3], [length, 0.0, 0.0]];
+    let beam = Beam {
+        material: Some("steel".into()),
+        ..Beam::straight("column", ends, 96, [0.0, 0.0, 1.0], section)
+    };
+    let foot = Joint::Fixed(PointJoint {
+        name: "foot".into(),
+        between: ["ground".into(), "column.start".into()],
+        at: [0.0; 3],
+        second_at: None,
+    });
+    let mut column = Model::of_bodies(Analysis::Path(options), Vec::new(), vec![foot]);
+    column.materials.insert("steel".into(), Material::Isotropic(Isotropic::new(young, 0.0, 1.0)));
+    column.beams = vec![beam];
+    column.loads = vec![Load::Force(VectorLoad::new("column.end", [-euler, 0.0, 0.0]))];
+    for (m, name) in [(strip, "strip"), (column, "column")] {
+        let (system, outcome, record) = run(&m);
+        let found = critical(&outcome);
+        assert_eq!(
+            found.iter().map(|p| (p.kind, p.change)).collect::<Vec<_>>(),
+            [(CriticalKind::Bifurcation, 1)],
+            "{name}"
+        );
+        assert!((found[0].load - 1.0).abs() < 3e-4, "{name} {}", found[0].load);
+        assert_eq!(outcome.state.negative_pivots, 0, "{name}");
+        assert_eq!(outcome.state.time, 1.5, "{name}");
+        let deflection = |state: &State| {
+            let tip = system.coordinates.reference.iter().zip(&state.u).filter(|(x, _)| x[0] == length);
+            tip.map(|(_, u)| u[2].abs()).fold(0.0, tegula::norm::larger) / length
+        };
+        let mut compared = 0;
+        for state in &record.states {
+            let z = deflection(state);
+            if z > 0.05 {
+                let exact = elastica(z);
+                assert!((state.time / exact - 1.0).abs() < 1e-3, "{name} {z}: {} {exact}", state.time);
+                compared += 1;
+            }
+        }
+        assert!(compared > 5, "{name} {compared}");
+    }
+}
+
+/// A run that is resumed from any of its states ends in the same bits.
+#[test]
+fn arc_length_paths_are_resumed_to_the_bit() {
+    let mut m = by_arc_length(&roof(6, 12.7));
+    if let Analysis::Path(options) = &mut m.analysis {
+        options.stop.clear();
+        options.end_load = 0.9;
+    }
+    let (system, outcome, record) = run(&m);
+    let Analysis::Path(options) = &m.analysis else { unreachable!() };
+    for state in record.states.iter().step_by(3) {
+        let again = path::run(&system, options, Some(state.clone()), &mut Record::default()).unwrap();
+        assert_eq!(again.state, outcome.state);
+        assert_eq!(again.balance, outcome.balance);
+    }
+}
