@@ -82,7 +82,7 @@ struct End {
     iterations: u32,
 }
 
-/// What a step has found.
+/// Result of a step.
 struct Outcome {
     end: End,
     critical: Vec<Found>,

@@ -1,4 +1,4 @@
-//! Equilibrium paths: all equilibria under loads that follow a load factor, through limit points, by power series or the arc-length
+//! Equilibrium paths: all equilibria under loads that depend on a load factor, through limit points, by power series or the arc-length
 //! method.
 //!
 //! **Power series.** Strains that are quadratic in the nodal vectors and linear materials make equilibrium a polynomial equation, and its path an
