@@ -20,6 +20,27 @@ fn the_plate_on_a_hub_swings_as_a_physical_pendulum() {
     assert!(s["balance"]["moment"].as_f64().unwrap() < 1e-9, "{s}");
 }
 
+/// Force of two springs between which a body slides, at all points of the path, and its limits.
+#[test]
+fn the_truss_of_von_mises_snaps_at_its_limit_load() {
+    let column = history_of("von_mises_truss.toml");
+    let (b, h, k) = (2.0_f64, 0.5_f64, 300.0);
+    let rest = b.hypot(h);
+    let force = |z: f64| 2.0 * k * (rest / b.hypot(z) - 1.0) * z;
+    let limit = force(((rest * b * b).powf(2.0 / 3.0) - b * b).sqrt());
+    let (loads, heights, unstable) =
+        (column("time"), column("body.apex.z"), column("path.negative_eigenvalues"));
+    assert!(loads.len() > 20 && *loads.last().unwrap() == 1.5);
+    for (load, z) in loads.iter().zip(&heights) {
+        assert!((load * limit - force(*z)).abs() < 1e-9 * limit, "{load} {z}");
+    }
+    let least = loads.iter().copied().fold(f64::NAN, f64::min);
+    assert!((least + 1.0).abs() < 1e-9, "{least}");
+    // Between the limits the tangent has a negative eigenvalue.
+    let between = loads.iter().zip(&heights).zip(&unstable).filter(|((_, z), _)| z.abs() < 0.28);
+    assert!(between.map(|(_, n)| *n).all(|n| n == 1.0));
+}
+
 /// Energy of a door that friction brakes, and an impact with a coefficient of restitution: the angle at which it sticks.
 #[test]
 fn the_door_rebounds_and_sticks_where_its_energy_is_spent() {

@@ -22,9 +22,9 @@ pub(super) fn draw(recorder: &mut Recorder<'_>) {
     let mut problems: Vec<OutputError> = Vec::new();
     let mut check = |result: Result<(), OutputError>| problems.extend(result.err());
     match csv::read(&recorder.folder.file("history.csv")) {
-        Ok((_, rows)) if rows.len() > 1 => {
+        Ok((head, rows)) if rows.len() > 1 => {
             if recorder.summary.analysis == "path" {
-                check(path::load_displacement(recorder, &rows));
+                check(path::load_displacement(recorder, (&head, &rows)));
             } else if recorder.summary.analysis == "static" {
                 check(load_displacement(recorder, &rows));
             } else {

@@ -81,6 +81,14 @@ impl Observer for Latest<'_> {
         self.inner.on_event(message);
     }
 
+    fn on_warning(&mut self, message: &str) {
+        self.inner.on_warning(message);
+    }
+
+    fn column(&mut self, name: &str, step: &Step) -> Option<f64> {
+        self.inner.column(name, step)
+    }
+
     fn interrupted(&self) -> bool {
         self.inner.interrupted()
     }

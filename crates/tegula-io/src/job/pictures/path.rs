@@ -1,31 +1,43 @@
 //! Load factor over displacements along an equilibrium path.
 
 use tegula::analysis::path::CriticalKind;
+use tegula::norm::max_norm;
 
-use super::{curve, moving, title, with_unit};
+use super::{STILL, curve, moving, title, with_unit};
 use crate::job::history;
 use crate::job::recorder::Recorder;
 use crate::out::OutputError;
 use crate::plot::{LinePlot, Series, Style, lines};
 
-/// Load factor over the displacements of the points that move: stable equilibria as lines, unstable ones dashed, critical points
-/// marked.
-pub(super) fn load_displacement(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Result<(), OutputError> {
+/// Load factor over the displacements of the points that move, or of the bodies where there are none: stable equilibria as lines, unstable
+/// ones dashed, critical points marked.
+pub(super) fn load_displacement(
+    recorder: &Recorder<'_>,
+    (head, rows): (&[String], &[Vec<f64>]),
+) -> Result<(), OutputError> {
     let names = history::names(&recorder.prepared.probes);
     let Some(columns) = rows.first().map(Vec::len) else { return Ok(()) };
     let [position, negative] = [columns - 2, columns - 1];
     let unstable = |row: &Vec<f64>| row.get(negative).is_some_and(|n| *n > 0.0);
     let mut series: Vec<Series> = Vec::new();
     let mut critical = [CriticalKind::Limit, CriticalKind::Bifurcation].map(|kind| (kind, Vec::new()));
-    for column in moving(recorder, rows) {
-        let all = curve(rows, column, 0);
+    let mut shown: Vec<(String, usize, f64)> = moving(recorder, rows)
+        .into_iter()
+        .map(|column| (names[column].replace('.', " "), column, 0.0))
+        .collect();
+    if shown.is_empty() {
+        shown = places_of_bodies(head, rows);
+    }
+    for (name, column, start) in shown {
+        let mut all = curve(rows, column, 0);
+        all.iter_mut().for_each(|(x, _)| *x -= start);
         let own = series.len();
         for (number, (dashed, points)) in
             runs(&all, |i| rows.get(i).is_some_and(unstable)).into_iter().enumerate()
         {
             let (name, style) = match (number, dashed) {
-                (0, false) => (names[column].replace('.', " "), Style::Line),
-                (0, true) => (names[column].replace('.', " "), Style::Dashed),
+                (0, false) => (name.clone(), Style::Line),
+                (0, true) => (name.clone(), Style::Dashed),
                 (_, false) => (String::new(), Style::LineLike(own)),
                 (_, true) => (String::new(), Style::DashedLike(own)),
             };
@@ -35,7 +47,7 @@ pub(super) fn load_displacement(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> R
             let at = rows.iter().find(|row| row.get(position).is_some_and(|p| *p == point.position));
             let places = critical.iter_mut().find(|(kind, _)| *kind == point.kind);
             if let (Some(row), Some((_, places))) = (at, places) {
-                places.push((row[column], point.load_factor));
+                places.push((row[column] - start, point.load_factor));
             }
         }
     }
@@ -54,6 +66,23 @@ pub(super) fn load_displacement(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> R
         ..LinePlot::default()
     };
     lines(&recorder.folder.file("load_displacement.png"), &plot)
+}
+
+/// Columns of the places of bodies that move, with their names and values at the start.
+fn places_of_bodies(head: &[String], rows: &[Vec<f64>]) -> Vec<(String, usize, f64)> {
+    let Some(first) = rows.first() else { return Vec::new() };
+    let place = |(column, name): (usize, &String)| {
+        let (body, axis) = name.strip_prefix("body.")?.rsplit_once('.')?;
+        if !["x", "y", "z"].contains(&axis) {
+            return None;
+        }
+        let start = *first.get(column)?;
+        let size = max_norm(rows.iter().filter_map(|row| row.get(column)).map(|x| x - start));
+        Some((size, (format!("{body} u{axis}"), column, start)))
+    };
+    let all: Vec<_> = head.iter().enumerate().filter_map(place).collect();
+    let largest = max_norm(all.iter().map(|(size, _)| *size));
+    all.into_iter().filter(|(size, _)| *size > STILL * largest).map(|(_, place)| place).collect()
 }
 
 /// Pieces of a curve that are stable or unstable as a whole, with their ends. The part between two points has the stability behind the

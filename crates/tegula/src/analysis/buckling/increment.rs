@@ -96,7 +96,7 @@ fn subtract(field: &mut [Nodal], other: &[Nodal]) {
 }
 
 /// Strain energy of a structure under prescribed strains over that of the same strains prevented, below which its stresses are round-off.
-const RELIEVED: f64 = 1e-20;
+const RELIEVED: f64 = 1e-16;
 
 /// Whether a structure that begins without stress follows the prescribed strains freely.
 fn relieved(

@@ -202,7 +202,7 @@ impl<'a> ArcLengthSteps<'a> {
         observer: &mut dyn Observer,
     ) -> std::result::Result<Outcome, String> {
         let mut end = self.equilibrium_at(&arc.tangent, length, observer)?;
-        let departure = self.departure(arc, &end)?;
+        let departure = larger(self.departure(arc, &end)?, self.load_departure(arc, &end));
         let mut next = length * (DEPARTURE / departure).clamp(CHANGE[0], CHANGE[1]);
         if end.iterations > MANY {
             next = next.min(length);
@@ -271,6 +271,15 @@ impl<'a> ArcLengthSteps<'a> {
             Err("the directions of the path at both ends of the step do not belong to one smooth curve"
                 .into())
         }
+    }
+
+    /// Distance of the predicted from the corrected load factor over the largest one so far: models of few degrees of freedom move along a
+    /// line.
+    fn load_departure(&self, arc: &ArcStart, end: &End) -> f64 {
+        let [least, most] = self.path().map_or([0.0; 2], |path| path.loads);
+        let largest = [least, most, end.equation.time].into_iter().map(f64::abs).fold(0.0, larger);
+        let away = end.equation.time - self.state.time - arc.tangent.load * end.a;
+        if largest > 0.0 { away.abs() / largest } else { 0.0 }
     }
 
     /// Load factor over a step, by its values and derivatives at both ends.

@@ -7,7 +7,7 @@ use crate::analysis::newton::PathTangent;
 use crate::analysis::{Observer, State};
 use crate::element::Nodal;
 use crate::model::PathAnalysis;
-use crate::system::System;
+use crate::system::{System, add_multiple};
 
 /// Place on a path at which it is expanded into a power series.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -72,17 +72,30 @@ const SAME: f64 = 1e-5;
 /// of nearly equal eigenvalues, none is passed again.
 const WAY: f64 = 100.0 * SAME;
 
+/// Distance along the critical mode over the size of the displacements at which a path that returns to its bifurcation may be rounded off.
+const ALONG_MODE: f64 = 3e-3;
+/// Distance across the mode over the square of that along it, times the size of the displacements.
+const CURVED: f64 = 10.0;
+
 impl CriticalPoint {
-    /// Whether a later point is this one.
+    /// Whether a later point is this one. Where a crossing path returns to its bifurcation it may be rounded off along the critical mode, and
+    /// have an extremum of the load there.
     pub fn is_passed_again_at(&self, system: &System, later: &Self) -> bool {
-        let difference: Vec<Nodal> =
-            self.u.iter().zip(&later.u).map(|(a, b)| std::array::from_fn(|i| a[i] - b[i])).collect();
         let size = system.norm(&self.u);
-        // Where a crossing path returns to its bifurcation, its own load has an extremum.
-        (self.kind == later.kind || self.kind == CriticalKind::Bifurcation)
-            && later.position - self.position > WAY * size
-            && system.norm(&difference) <= SAME * size
-            && (self.load - later.load).abs() <= SAME * self.load.abs()
+        let same_load = (self.load - later.load).abs() <= SAME * self.load.abs();
+        if !(same_load && later.position - self.position > WAY * size) {
+            return false;
+        }
+        let mut difference = later.u.clone();
+        add_multiple(&mut difference, -1.0, &self.u);
+        if self.kind == CriticalKind::Limit {
+            return later.kind == self.kind && system.norm(&difference) <= SAME * size;
+        }
+        let along = system.inner_product(&self.mode, &difference);
+        add_multiple(&mut difference, -along, &self.mode);
+        // Across the mode the path is curved.
+        along.abs() <= ALONG_MODE * size
+            && system.norm(&difference) <= SAME * size + CURVED * along * along / size
     }
 }
 
