@@ -29,8 +29,11 @@ const TOLERANCES: Tolerances = Tolerances { energy: 1e-18, increment: 1e-6, max_
 /// Part of the load factor at the end that the first step is expected to reach, and its largest length.
 const FIRST: f64 = 0.1;
 const FIRST_LENGTH: f64 = 0.05;
-/// Distance between the predicted and the corrected point over the length of a step that is aimed at.
-const DEPARTURE: f64 = 0.1;
+/// Distance between the predicted and the corrected point that is aimed at: of the displacements over the length of the step, of the load
+/// factor over the largest one so far.
+const DEPARTURE: [f64; 2] = [0.1, 0.03];
+/// Largest distance over those.
+const MOST_EXCESS: f64 = 5.0;
 /// Bounds of the change of the length from step to step.
 const CHANGE: [f64; 2] = [0.5, 2.0];
 /// Iterations of a step above which the next one is not longer.
@@ -194,16 +197,20 @@ impl<'a> ArcLengthSteps<'a> {
         Ok(End { a, equation: equation.clone(), tangent, negative, iterations })
     }
 
-    /// Step along the path of at most a length.
+    /// Step along the path of at most a length, which is the planned one but where the step has to end before.
     fn find_step(
         &mut self,
         arc: &ArcStart,
-        length: f64,
+        [length, planned]: [f64; 2],
         observer: &mut dyn Observer,
     ) -> std::result::Result<Outcome, String> {
         let mut end = self.equilibrium_at(&arc.tangent, length, observer)?;
-        let departure = larger(self.departure(arc, &end)?, self.load_departure(arc, &end));
-        let mut next = length * (DEPARTURE / departure).clamp(CHANGE[0], CHANGE[1]);
+        let departures = [self.departure(arc, &end)?, self.load_departure(arc, &end)];
+        let excess = larger(departures[0] / DEPARTURE[0], departures[1] / DEPARTURE[1]);
+        if excess > MOST_EXCESS {
+            return Err("the path curves too much over the step".into());
+        }
+        let mut next = length * (1.0 / excess).clamp(CHANGE[0], CHANGE[1]);
         if end.iterations > MANY {
             next = next.min(length);
         }
@@ -227,8 +234,8 @@ impl<'a> ArcLengthSteps<'a> {
         if let Some((a, load)) = first {
             end = self.at_load(arc, (a, load), observer)?;
         }
-        if end.a < length || length < arc.length {
-            next = arc.length;
+        if end.a < length || length < planned {
+            next = next.min(planned);
         }
         let explained: i32 = critical.iter().map(|found: &Found| found.point.change).sum();
         let unexplained = end.negative as i32 - self.state.negative_pivots as i32 - explained;
@@ -242,7 +249,7 @@ impl<'a> ArcLengthSteps<'a> {
             if let Some((at, mode)) = self.switched(&critical) {
                 critical.retain(|found| found.a <= at);
                 let end = self.onto_branch(arc, (at, mode), observer)?;
-                return Ok(Outcome { end, critical, length: (ON_BRANCH * branch::FIRST).min(arc.length) });
+                return Ok(Outcome { end, critical, length: (ON_BRANCH * branch::FIRST).min(planned) });
             }
         }
         Ok(Outcome { end, critical, length: next })
@@ -499,10 +506,11 @@ impl Stepper for ArcLengthSteps<'_> {
             return Err(Error::Interrupted);
         }
         let arc = self.start_of_step().map_err(|reason| not_continued(&self.state, &reason))?;
-        let mut length = arc.length.min(self.limit - self.position());
+        let mut planned = arc.length;
         let before = self.statistics.iterations;
         for halving in 0.. {
-            let outcome = self.find_step(&arc, length, observer);
+            let length = planned.min(self.limit - self.position());
+            let outcome = self.find_step(&arc, [length, planned], observer);
             self.statistics.factorizations = self.newton.solver.tangents() as u64;
             self.statistics.linear_iterations = self.newton.linear_iterations();
             match outcome {
@@ -516,7 +524,7 @@ impl Stepper for ArcLengthSteps<'_> {
                     return Err(not_continued(&self.state, &reason));
                 }
                 Err(reason) => {
-                    length *= 0.5;
+                    planned = 0.5 * length;
                     self.statistics.cutbacks += 1;
                     observer.on_repeat(&self.statistics);
                     observer.on_event(&format!(
