@@ -472,6 +472,8 @@ impl Checker {
             && !model.conditions.iter().any(|c| c.motion().is_some())
             && !model.joints.iter().any(|joint| joint.common().drive().is_some())
             && !model.has_preloaded_springs()
+            && !(model.has_springs()
+                && model.joints.iter().any(|joint| joint.common().second_side().is_given()))
         {
             self.add(
                 "loads",

@@ -10,6 +10,8 @@ use crate::model::{Analysis, BucklingAnalysis, Imperfection, ModeImperfection, M
 use crate::norm::larger;
 use crate::{Error, Result, Vec3};
 
+/// Relative difference of the load factors of modes that are not told apart.
+const MULTIPLE: f64 = 1e-6;
 /// Number of waves of a random field.
 const WAVES: usize = 400;
 
@@ -88,14 +90,32 @@ fn add(field: &mut [Vec3], shape: &[Vec3], factor: f64) {
 fn modes(model: &Model, mesh: &Mesh, number: u32, observer: &mut dyn Observer) -> Result<Vec<Vec<Vec3>>> {
     let Some(first) = steps(model).into_iter().next() else { return Ok(Vec::new()) };
     let mut nominal = first.model;
-    nominal.analysis = Analysis::Buckling(BucklingAnalysis::new(number));
+    // One mode more tells whether the last one is simple.
+    let options = BucklingAnalysis::new(number + 1);
+    nominal.analysis = Analysis::Buckling(options.clone());
     nominal.imperfections.clear();
     nominal.initial_velocities.clear();
     nominal.steps.clear();
     nominal.output = Default::default();
-    let options = BucklingAnalysis::new(number);
     let system = Compiler::new(&nominal, mesh)?.system(0, None)?;
     let found = buckling::run(&system, &options, observer)?;
+    let wanted = model.imperfections.iter().filter_map(|imperfection| match imperfection {
+        Imperfection::Mode(keys) => Some(keys.mode as usize),
+        Imperfection::Random(_) => None,
+    });
+    for mode in wanted {
+        let own = found.modes.get(mode - 1).map_or(f64::NAN, |mode| mode.factor);
+        let same = |other: usize| {
+            let other = found.modes.get(other).map_or(f64::NAN, |mode| mode.factor);
+            (other - own).abs() <= MULTIPLE * own.abs()
+        };
+        if same(mode) || (mode > 1 && same(mode - 2)) {
+            observer.on_warning(&format!(
+                "imperfection in the shape of buckling mode {mode}: its load factor {own:.6e} has several modes, of which any combination is \
+                 one; the imperfection depends on round-off. A slightly different load or shape separates them"
+            ));
+        }
+    }
     let of_node = |shape: &[crate::element::Nodal], &v: &u32| match v {
         u32::MAX => Vec3::zeros(),
         v => Vec3::from(shape[v as usize]),

@@ -621,6 +621,26 @@ fn the_nearer_of_two_positions_of_a_linkage_is_taken() {
     assert!(farther > 20);
 }
 
+/// A spring that the assembly stretches acts in a static analysis without loads.
+#[test]
+fn springs_that_the_assembly_stretches_act() {
+    let slide =
+        AxisJoint { second_at: Some([0.4, 0.0, 0.0]), ..axis_joint("slide", "ground", "bar", [0.0; 3], Z) };
+    let bar = body("bar", [0.9, 0.0, 0.0], 1.0, Some([0.1; 3]));
+    let mut model = machine(1.0, 0.1, vec![bar], vec![Joint::Revolute(slide.into())]);
+    model.springs = vec![SpringDamper {
+        name: "spring".into(),
+        between: between("ground", "bar"),
+        points: [[0.0, 1.0, 0.0], [0.9, 0.0, 0.0]],
+        stiffness: 10.0,
+        damping: 0.0,
+        force: None,
+        length: None,
+    }];
+    model.analysis = Analysis::Static(StaticAnalysis::default());
+    assert!(built(&model).closed_gaps.is_some());
+}
+
 /// Angle about z by which a body has turned that is drawn at an angle.
 fn turn_of(system: &System, body: usize, drawn: f64) -> f64 {
     moved(system, body).1 - drawn

@@ -1,6 +1,7 @@
 //! Imperfections of the reference geometry: shapes of buckling modes and random fields.
 
 use crate::common::{on, plate, vector_load};
+use crate::path_edges::{Warnings, hinged_plate};
 use tegula::analysis::{Silent, buckling, statics};
 use tegula::compile::{build, imperfect_mesh};
 use tegula::mesh::generators::generate;
@@ -146,4 +147,18 @@ fn mistakes_in_imperfections_are_found() {
     refused(vec![mode(1, f64::NAN)], "imperfections[0].amplitude");
     let rough = RandomImperfection { amplitude: 1.0, correlation_length: 0.0, seed: 0 };
     refused(vec![mode(1, 1.0), Imperfection::Random(rough)], "imperfections[1].correlation_length");
+}
+
+/// The second mode of a square plate under equal compression along both sides is one of two.
+#[test]
+fn imperfections_in_the_shape_of_a_multiple_mode_are_doubted() {
+    for (mode, across, doubted) in [(1, 1.0, false), (2, 1.0, true), (3, 1.0, true), (2, 0.5, false)] {
+        let mut m = hinged_plate(6, across, PathAnalysis::default());
+        m.imperfections = vec![Imperfection::Mode(ModeImperfection { mode, amplitude: 1e-4 })];
+        let mesh = tegula::mesh::generators::generate(&m.mesh).unwrap();
+        let mut warnings = Warnings::default();
+        tegula::compile::imperfect_mesh(&m, &mesh, &mut warnings).unwrap();
+        let found = warnings.0.iter().any(|warning| warning.contains("several modes"));
+        assert_eq!(found, doubted, "{mode} {across} {:?}", warnings.0);
+    }
 }

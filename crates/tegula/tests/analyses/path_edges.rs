@@ -9,7 +9,7 @@ use tegula::{Error, Result};
 
 /// Square plate of side 1 between hinges that may shorten, under compression of the Euler load of a wide strip along x and `across` of
 /// it along y.
-fn hinged_plate(n: u32, across: f64, options: PathAnalysis) -> Model {
+pub fn hinged_plate(n: u32, across: f64, options: PathAnalysis) -> Model {
     let (young, h, poisson) = (1e9, 0.01_f64, 0.3);
     let mut m = Model::new(
         plate([1.0; 2], [n, n], 0.0),
@@ -57,7 +57,7 @@ fn middle(m: &Model, outcome: &PathOutcome, at: [f64; 2]) -> f64 {
 }
 
 #[derive(Default)]
-struct Warnings(Vec<String>);
+pub struct Warnings(pub Vec<String>);
 
 impl Observer for Warnings {
     fn on_step(&mut self, _: &Step) -> Result<()> {
