@@ -69,7 +69,7 @@ impl<'a> EvaluationPoint<'a> {
             interior: InternalVariables { history, factors },
             inextensible: &system.coordinates.inextensible,
             multipliers: self.internal.multipliers,
-            time: self.time.max(0.0),
+            time: system.time_of_drives(self.time),
             drives,
         }
     }

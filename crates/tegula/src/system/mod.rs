@@ -310,12 +310,20 @@ impl System {
     /// Value of the drive of a joint at a time with its rates; zero for a joint without one. Before time 0, where static load grows
     /// to that of its amplitudes, drives stay where they begin.
     pub fn drive(&self, joint: &Joint, time: f64) -> DriveValue {
-        joint.drive.map_or_else(DriveValue::default, |drive| drive.at(&self.amplitudes, time.max(0.0)))
+        joint
+            .drive
+            .map_or_else(DriveValue::default, |drive| drive.at(&self.amplitudes, self.time_of_drives(time)))
     }
 
     /// Value of the drive of a joint at a time, without its rates.
     pub fn drive_value(&self, joint: &Joint, time: f64) -> f64 {
-        joint.drive.map_or(0.0, |drive| drive.value_at(&self.amplitudes, time.max(0.0)))
+        joint.drive.map_or(0.0, |drive| drive.value_at(&self.amplitudes, self.time_of_drives(time)))
+    }
+
+    /// Time (load factor) of drives and actuators: a static step that begins at load factor −1 has them at rest until 0; on a path the load
+    /// factor may be negative.
+    pub fn time_of_drives(&self, time: f64) -> f64 {
+        if self.parameter() == LoadParameter::PathFactor { time } else { time.max(0.0) }
     }
 
     /// Number of constraints, and of their Lagrange multipliers.

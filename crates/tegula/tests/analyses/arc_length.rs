@@ -254,3 +254,155 @@ fn arc_length_paths_are_resumed_to_the_bit() {
         assert_eq!(again.balance, outcome.balance);
     }
 }
+
+/// A body between two springs of slightly different stiffness that are steeper than wide: the path of the perfect truss bifurcates, and that
+/// of the imperfect one turns aside at the bifurcation. Limit loads of a continuation with two unknowns: ±233.574 for k and 1.001 k.
+#[test]
+fn steps_do_not_leap_over_the_turn_beside_a_bifurcation() {
+    for (second, limit, load) in [(300.3, 233.574, 700.0), (303.0, f64::NAN, 700.0)] {
+        for unit in [1.0, 1e-3] {
+            let h = 3.0 * unit;
+            let body = RigidBody::new("apex", [0.0, 0.0, h], 1.0, Some([0.01; 3]));
+            let plane = axis_joint("plane", "ground", "apex", [0.0, 0.0, h], [0.0, 1.0, 0.0]);
+            let spring = |name: &str, x: f64, k: f64| SpringDamper {
+                name: name.into(),
+                between: ["ground".into(), "apex".into()],
+                points: [[x * unit, 0.0, 0.0], [0.0, 0.0, h]],
+                stiffness: k / unit,
+                damping: 0.0,
+                force: None,
+                length: None,
+            };
+            let analysis = Analysis::Path(PathAnalysis::default());
+            let mut m = Model::of_bodies(analysis, vec![body], vec![Joint::Planar(plane)]);
+            m.springs = vec![spring("left", -1.0, 300.0), spring("right", 1.0, second)];
+            m.torsion_springs = vec![TorsionSpring {
+                name: "upright".into(),
+                between: ["ground".into(), "apex".into()],
+                axis: [0.0, 1.0, 0.0],
+                stiffness: 10.0 * unit,
+                damping: 0.0,
+                moment: None,
+                free_angle: 0.0,
+            }];
+            m.loads = vec![Load::Force(VectorLoad::new("apex", [0.0, 0.0, -load]))];
+            let (_, outcome, _) = run(&m);
+            let found = critical(&outcome);
+            assert!(found.iter().all(|p| p.kind == CriticalKind::Limit), "{second} {unit}");
+            assert_eq!(found.len(), 2, "{second} {unit}");
+            assert_eq!(outcome.state.time, 1.0);
+            if limit.is_finite() {
+                for (point, sign) in found.iter().zip([1.0, -1.0]) {
+                    assert!((point.load * load - sign * limit).abs() < 2e-3, "{} {limit}", point.load * load);
+                }
+            }
+        }
+    }
+}
+
+/// The truss of von Mises below a soft spring whose other end a drive moves down by D per load factor: with the force P(w) of the truss at
+/// the deflection w the drive is at `λ = (w + P(w)/c)/D`, which has limit points where the soft spring lets the truss snap.
+#[test]
+fn a_driven_truss_snaps_at_the_limits_of_its_drive() {
+    let (b, h, k, soft, drive) = (2.0_f64, 0.5_f64, 300.0, 5.0, 3.0);
+    let rest = b.hypot(h);
+    let slide = |name: &str, body: &str, z: f64| {
+        Joint::Prismatic(axis_joint(name, "ground", body, [0.0, 0.0, z], [0.0, 0.0, 1.0]).into())
+    };
+    let body = |name: &str, z: f64| RigidBody::new(name, [0.0, 0.0, z], 1.0, Some([0.1; 3]));
+    let spring = |name: &str, between: [&str; 2], points: [[f64; 3]; 2], stiffness: f64| SpringDamper {
+        name: name.into(),
+        between: between.map(Into::into),
+        points,
+        stiffness,
+        damping: 0.0,
+        force: None,
+        length: None,
+    };
+    let (apex, carriage) = ([0.0, 0.0, h], [0.0, 0.0, h + 5.0]);
+    let joints = vec![
+        slide("slide", "apex", h),
+        slide("guide", "carriage", h + 5.0),
+        Joint::DrivenLength(DrivenLengthJoint {
+            name: "drive".into(),
+            between: ["ground".into(), "carriage".into()],
+            at: carriage,
+            axis: [0.0, 0.0, -1.0],
+            length: drive,
+            amplitude: "t".into(),
+        }),
+    ];
+    let path_to = |end_load: f64| {
+        let analysis = Analysis::Path(PathAnalysis { end_load, ..Default::default() });
+        let bodies = vec![body("apex", h), body("carriage", h + 5.0)];
+        let mut m = Model::of_bodies(analysis, bodies, joints.clone());
+        let t = ExpressionAmplitude { expression: "t".into() };
+        m.amplitudes.insert("t".into(), Amplitude::Expression(t));
+        m.springs = vec![
+            spring("left", ["ground", "apex"], [[-b, 0.0, 0.0], apex], k),
+            spring("right", ["ground", "apex"], [[b, 0.0, 0.0], apex], k),
+            spring("soft", ["carriage", "apex"], [carriage, apex], soft),
+        ];
+        m
+    };
+    let force = |w: f64| 2.0 * k * (rest / b.hypot(h - w) - 1.0) * (h - w);
+    let at = |w: f64| (w + force(w) / soft) / drive;
+    // The maximum lies before the flat position, the minimum behind it.
+    let extremum = |sign: f64| {
+        let side = (0..50_000).map(|i| h - sign * 1e-5 * f64::from(i));
+        sign * side.map(|w| sign * at(w)).max_by(f64::total_cmp).unwrap()
+    };
+    let (_, outcome, record) = run(&path_to(1.0));
+    let system = compile(&path_to(1.0)).1;
+    let found = critical(&outcome);
+    let kinds: Vec<_> = found.iter().map(|p| (p.kind, p.change)).collect();
+    assert_eq!(kinds, [(CriticalKind::Limit, 1), (CriticalKind::Limit, -1)]);
+    for (point, sign) in found.iter().zip([1.0, -1.0]) {
+        let exact = extremum(sign);
+        assert!((point.load - exact).abs() < 1e-8, "{} {exact}", point.load);
+    }
+    let (other, _, falling) = run(&path_to(-0.5));
+    for (system, states) in [(&system, &record.states), (&other, &falling.states)] {
+        for state in states {
+            let w = h - centre(system, state, "apex").z;
+            assert!((state.time - at(w)).abs() < 1e-9, "{w} {}", state.time);
+        }
+    }
+    assert_eq!(falling.states.last().unwrap().time, -0.5);
+}
+
+/// Loads along a rigid bar, under which it stands still, and amplitudes with a maximum are refused with the reason.
+#[test]
+fn loads_without_a_path_are_refused() {
+    let refused = |load: [f64; 3], expression: &str| {
+        let bar = RigidBody::new("bar", [1.0, 0.0, 0.0], 1.0, Some([0.1; 3]));
+        let foot = axis_joint("foot", "ground", "bar", [0.0; 3], [0.0, 0.0, 1.0]);
+        let analysis = Analysis::Path(PathAnalysis::default());
+        let mut m = Model::of_bodies(analysis, vec![bar], vec![Joint::Revolute(foot.into())]);
+        m.torsion_springs = vec![TorsionSpring {
+            name: "spring".into(),
+            between: ["ground".into(), "bar".into()],
+            axis: [0.0, 0.0, 1.0],
+            stiffness: 2.0,
+            damping: 0.0,
+            moment: None,
+            free_angle: 0.0,
+        }];
+        let amplitude = ExpressionAmplitude { expression: expression.into() };
+        m.amplitudes.insert("a".into(), Amplitude::Expression(amplitude));
+        m.loads =
+            vec![Load::Force(VectorLoad { amplitude: Some("a".into()), ..VectorLoad::new("bar", load) })];
+        let mesh = tegula::mesh::generators::generate(&m.mesh).unwrap();
+        let system = match tegula::compile::build(&m, &mesh) {
+            Ok(system) => system,
+            Err(error) => return error.to_string(),
+        };
+        path::run(&system, &PathAnalysis::default(), None, &mut Record::default()).unwrap_err().to_string()
+    };
+    let along = refused([-5.0, 0.0, 0.0], "t");
+    assert!(along.contains("nothing moves"), "{along}");
+    for expression in ["sin(3*t)", "t^2", "1 - cos(t)"] {
+        let message = refused([0.0, 1.0, 0.0], expression);
+        assert!(message.contains("slope of the amplitude \"a\""), "{expression}: {message}");
+    }
+}

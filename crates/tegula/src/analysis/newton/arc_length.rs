@@ -23,6 +23,7 @@ use crate::analysis::constraints::Rates;
 use crate::analysis::solver::{Linearization, TangentSolver};
 use crate::analysis::statics::StaticEquation;
 use crate::element::Nodal;
+use crate::load::FollowerLoad;
 use crate::model::NewtonMethod;
 use crate::norm::larger;
 use crate::system::assembly::add_follower_stiffness;
@@ -34,6 +35,11 @@ use tegula_sparse::gmres::noise;
 const LOAD_DIFFERENCE: f64 = 1e-4;
 /// Increment over the displacements that is round-off.
 const ROUND_OFF: f64 = 1e-10;
+
+/// Reason of a path on which nothing moves.
+pub const NOTHING_MOVES: &str = "nothing moves with the load factor: no load, prescribed displacement, drive or prescribed strain changes with it, \
+                              or the loads hold the model where it is; a small imperfection or side load shows where it becomes unstable, and \
+                              linear buckling tells the load factor";
 
 /// Plane across a path on which an equilibrium is looked for.
 #[derive(Debug, Clone, Copy)]
@@ -55,8 +61,9 @@ pub struct PathTangent {
     pub multipliers: Vec<f64>,
     /// Derivative of the load factor.
     pub load: f64,
-    /// Work of the loads per load factor on the direction: its product with the derivative of the load factor has the sign of the
-    /// tangent stiffness along the path.
+    /// Work of the loads per load factor on the direction, less that of the multipliers on the drives of joints: its product with the
+    /// derivative of the load factor has the sign of the eigenvalue that vanishes at a limit point (from `K t + Gᵀ c = F dλ` and
+    /// `G t = −ġ dλ` with the eigenvector φ of K on `G φ = 0`, the direction t where dλ = 0: `φᵀK φ = dλ (φᵀF − ġᵀc)`).
     pub work: f64,
 }
 
@@ -126,9 +133,15 @@ impl<S: TangentSolver> Newton<S> {
         }
     }
 
-    /// Whether the tangents have no skew part of follower loads: then negative eigenvalues of the symmetric part tell stability.
-    pub fn is_symmetric(&self) -> bool {
-        self.circulatory.as_ref().is_none_or(CirculatoryLoads::is_zero)
+    /// Whether the tangents have no skew part of follower loads and moments: then negative eigenvalues of the symmetric part tell stability.
+    pub fn is_symmetric(&self, system: &System) -> bool {
+        let moments = system.followers.iter().any(|load| matches!(load, FollowerLoad::BodyMoment { .. }));
+        !moments && self.circulatory.as_ref().is_none_or(CirculatoryLoads::is_zero)
+    }
+
+    /// Size of the forces per load factor of a response ([`System::force_norm`]).
+    pub fn size_of_loads(system: &System, response: &LoadResponse) -> f64 {
+        system.force_norm(&response.force)
     }
 
     /// Iterates an equation to the equilibrium on a plane, with the load factor as an unknown, from the history variables at the start
@@ -255,10 +268,7 @@ impl<S: TangentSolver> Newton<S> {
         self.find_load_response(system, equation, response)?;
         let size = system.norm(&response.field);
         if size == 0.0 {
-            return Err(
-                "no load, prescribed displacement, drive or prescribed strain changes with the load factor"
-                    .into(),
-            );
+            return Err(NOTHING_MOVES.into());
         }
         let backwards = along.is_some_and(|along| system.inner_product(along, &response.field) < 0.0);
         let scale = if backwards { -1.0 / size } else { 1.0 / size };
@@ -411,7 +421,7 @@ impl<S: TangentSolver> Newton<S> {
             let at = (&equation.motion(), equation.time);
             multipliers.copy_from_slice(constraints.project(system, at, Rates::First(prescribed), free));
             let rates = constraints.rates(system, at, Rates::First(prescribed));
-            *work += rates.iter().zip(&*multipliers).map(|(a, b)| a * b).sum::<f64>();
+            *work -= rates.iter().zip(&*multipliers).map(|(a, b)| a * b).sum::<f64>();
         }
         *work += free.iter().zip(&self.right_side).map(|(a, b)| a * b).sum::<f64>();
         field.copy_from_slice(prescribed);

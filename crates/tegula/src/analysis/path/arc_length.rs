@@ -10,18 +10,20 @@
 
 use super::critical_points::{Curve, Found, INVERSE_ITERATIONS, Trial, bifurcations};
 use super::series::{Series, roots};
+use super::start::in_equilibrium;
 use super::state::{ArcStart, CriticalKind, CriticalPoint, PathState, ended_early, not_continued};
 use super::{branch, first_state};
-use crate::analysis::newton::{LoadResponse, Newton, PathTangent, Plane, Tolerances};
+use crate::analysis::newton::{LoadResponse, NOTHING_MOVES, Newton, PathTangent, Plane, Tolerances};
 use crate::analysis::solver::TangentSolver as _;
 use crate::analysis::statics::{self, StaticEquation, equilibrium_step, reactions};
 use crate::analysis::stepper::Reached;
 use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched, equilibrium};
 use crate::element::Nodal;
 use crate::model::PathAnalysis;
-use crate::norm::{larger, max_norm};
+use crate::norm::larger;
 use crate::system::{System, add_multiple, inverted_element};
 use crate::{Error, Result};
+use tegula_sparse::SparseLdlt;
 
 /// Convergence of an equilibrium: energy of the last increment over the strain energy, its norm over that of the displacement, and the
 /// most iterations.
@@ -50,8 +52,12 @@ const AT_LIMIT: f64 = 1e-10;
 const MOST_TRIALS: usize = 30;
 /// Length of the first step on a crossing path over the distance at which it is looked for first.
 const ON_BRANCH: f64 = 10.0;
-/// Unbalanced force over the forces with which a path does not begin.
-const UNBALANCED: f64 = 1e-5;
+/// Displacement under the load at the end of the path, by the tangent at its start, that is round-off.
+const MOTIONLESS: f64 = 1e-13;
+/// Critical points in succession at one load factor, after which a path does not get away from there.
+const IN_PLACE: usize = 3;
+/// Difference of load factors of critical points over them below which they are one.
+const SAME_PLACE: f64 = 1e-6;
 /// Distance of two load factors, over the size of the larger, below which they are one.
 const SAME_LOAD: f64 = 1e-12;
 
@@ -147,9 +153,18 @@ impl<'a> ArcLengthSteps<'a> {
         }
         self.go_back();
         let Self { newton, system, state, equation, response, options, .. } = self;
-        in_equilibrium(system, newton, state)?;
         let at = (&mut *equation, state.history.as_slice());
         let (mut tangent, negative) = newton.path_tangent(system, at, None, response)?;
+        let loads = Newton::<SparseLdlt>::size_of_loads(system, response) * options.end_load.abs();
+        in_equilibrium(
+            system,
+            newton,
+            state,
+            larger(loads, equation.penalty * system.length * system.length),
+        )?;
+        if (options.end_load / tangent.load).abs() <= MOTIONLESS {
+            return Err(NOTHING_MOVES.into());
+        }
         if options.end_load < 0.0 {
             tangent.reverse();
         }
@@ -239,13 +254,14 @@ impl<'a> ArcLengthSteps<'a> {
         }
         let explained: i32 = critical.iter().map(|found: &Found| found.point.change).sum();
         let unexplained = end.negative as i32 - self.state.negative_pivots as i32 - explained;
-        if unexplained != 0 && self.newton.is_symmetric() {
+        if unexplained != 0 && self.newton.is_symmetric(self.system) {
             let limits: Vec<(f64, i32)> = critical.iter().map(|f| (f.a, f.point.change)).collect();
             let (start, a) = (self.state.negative_pivots, end.a);
             let mut curve = PathCurve { steps: self, tangent: &arc.tangent, observer };
             let found = bifurcations(&mut curve, a, (start, unexplained), &limits)?;
             critical.extend(found);
             critical.sort_by(|p, q| p.a.total_cmp(&q.a));
+            self.gets_away(&critical)?;
             if let Some((at, mode)) = self.switched(&critical) {
                 critical.retain(|found| found.a <= at);
                 let end = self.onto_branch(arc, (at, mode), observer)?;
@@ -381,6 +397,19 @@ impl<'a> ArcLengthSteps<'a> {
         Found { a: end.a, point }
     }
 
+    /// Refuses a path that meets critical points at one load factor again and again: it does not get away from a bifurcation.
+    fn gets_away(&self, critical: &[Found]) -> std::result::Result<(), String> {
+        let Some(point) = critical.last().map(|found| &found.point) else { return Ok(()) };
+        let earlier = self.path().map_or(&[][..], |path| &path.critical);
+        let same = |other: &&CriticalPoint| (other.load - point.load).abs() <= SAME_PLACE * point.load.abs();
+        let number =
+            earlier.iter().rev().chain(critical.iter().map(|found| &found.point)).take_while(same).count();
+        if number <= IN_PLACE + critical.len() {
+            return Ok(());
+        }
+        Err(format!("the path does not get away from the critical point at load factor {:.6e}", point.load))
+    }
+
     /// First bifurcation of a step at which the path goes over to the crossing one, and the mode on the side wanted.
     fn switched(&self, critical: &[Found]) -> Option<(f64, Vec<Nodal>)> {
         let passed = self.path().map_or(0, |path| path.expansion.bifurcations);
@@ -429,6 +458,10 @@ impl<'a> ArcLengthSteps<'a> {
     fn accept(&mut self, outcome: Outcome, observer: &mut dyn Observer) {
         let Outcome { end, critical, length } = outcome;
         let Self { newton, system, state, equation, options, .. } = self;
+        if state.step == 0 {
+            let redundant = newton.constraints.iter().flat_map(|constraints| constraints.redundant(system));
+            redundant.for_each(|message| observer.on_warning(&message));
+        }
         *equation = end.equation;
         let before = state.negative_pivots;
         equilibrium_step::take(
@@ -555,24 +588,4 @@ impl Stepper for ArcLengthSteps<'_> {
     fn watch(&mut self, watched: &Watched) {
         self.state.watched.clone_from(watched);
     }
-}
-
-/// Refuses a path that does not begin in equilibrium.
-fn in_equilibrium(system: &System, newton: &mut Newton, state: &State) -> std::result::Result<(), String> {
-    let unbalanced = equilibrium::unbalanced(system, &mut newton.assembly, state);
-    let external = equilibrium::external(system, &state.point(system));
-    let mut free = vec![0.0; system.unknowns()];
-    newton.assembly.frames.reduce(&unbalanced, &mut free);
-    let mut internal = external.clone();
-    add_multiple(&mut internal, -1.0, &unbalanced);
-    let size = larger(max_norm(external.as_flattened()), max_norm(internal.as_flattened()));
-    let largest = max_norm(&free);
-    if largest <= UNBALANCED * size {
-        return Ok(());
-    }
-    Err(format!(
-        "its start is not in equilibrium, the residual is {:.1e} of the forces; let a static step before it find the equilibrium under \
-         preloads",
-        largest / size
-    ))
 }

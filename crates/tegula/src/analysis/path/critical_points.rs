@@ -15,6 +15,8 @@ use crate::system::{EvaluationPoint, System, dot};
 const LOCATED: f64 = 1e-9;
 /// Eigenvalue next to zero at a bifurcation, over that at the ends of the bracket.
 const VANISHING: f64 = 1e-9;
+/// Eigenvalue where the count changes over those at the ends of the bracket, above which it has not passed through zero.
+const JUMP: f64 = 1e-6;
 /// Largest number of factorisations for one bifurcation.
 const MOST_TRIALS: usize = 40;
 /// Iterations of the inverse iteration for the eigenvalue next to zero.
@@ -201,7 +203,12 @@ impl Search<'_> {
                 break;
             }
         }
-        let (a, Trial { u, load, softest: (_, mode), .. }) = best.ok_or("no bifurcation was located")?;
+        let largest = known.iter().map(|(_, e)| e.abs()).fold(0.0, crate::norm::larger);
+        let (a, Trial { u, load, softest: (eigenvalue, mode), .. }) =
+            best.ok_or("no bifurcation was located")?;
+        if !(eigenvalue.abs() <= JUMP * largest) {
+            return Err("an eigenvalue jumps: the step has gone over to another path".into());
+        }
         let point = CriticalPoint {
             kind: CriticalKind::Bifurcation,
             load,

@@ -19,6 +19,7 @@ mod piece;
 mod scope;
 mod series;
 mod series_steps;
+mod start;
 mod state;
 
 pub use arc_length::ArcLengthSteps;

@@ -43,7 +43,7 @@ pub fn method(system: &System, options: &PathAnalysis) -> Result<(PathMethod, Op
             (why, None) => why,
         },
     };
-    match kink(system) {
+    match kink(system).or_else(|| turning(system, options.end_load)) {
         Some(reason) => Err(impossible(reason)),
         None => Ok((PathMethod::ArcLength, why)),
     }
@@ -79,6 +79,32 @@ fn kink(system: &System) -> Option<String> {
     let name = system.amplitude_name(amplitude);
     Some(format!("the amplitude \"{name}\" has kinks, where the path would change its direction"))
 }
+
+/// Load factors up to the end of a path at which the slope of amplitudes is looked at.
+const LOOKS: u32 = 1000;
+
+/// Amplitude that does not rise or fall all the way, as text: where its slope vanishes the load factor is no measure of the load.
+fn turning(system: &System, end: f64) -> Option<String> {
+    let turns = |i: &usize| {
+        let Some(function) = system.amplitudes.get(*i) else { return false };
+        let first = function.rate(0.0);
+        let constant = (0..=LOOKS).all(|k| function.rate(end * f64::from(k) / f64::from(LOOKS)) == 0.0);
+        !constant
+            && (0..=LOOKS).any(|k| {
+                let rate = function.rate(end * f64::from(k) / f64::from(LOOKS));
+                !(rate * first > SLOPE * first * first)
+            })
+    };
+    let amplitude = system.amplitudes_in_use().map(|(i, _)| i).find(turns)?;
+    let name = system.amplitude_name(amplitude);
+    Some(format!(
+        "the slope of the amplitude \"{name}\" vanishes or changes its sign on the way to load factor {end}, so that the load factor is no \
+         measure of the load there"
+    ))
+}
+
+/// Slope of an amplitude over that at the start, below which it vanishes.
+const SLOPE: f64 = 1e-6;
 
 fn reason(system: &System) -> Option<String> {
     let dofs = system.dofs();

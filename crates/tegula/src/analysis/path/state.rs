@@ -181,7 +181,8 @@ pub fn not_continued(state: &State, reason: &str) -> Error {
     Error::NotConverged {
         at: format!("load factor {:.6}", state.time),
         reason: format!("the path could not be continued: {reason}"),
-        help: "Results up to this load factor are complete. Look at the shape there: elements may be inverted, or supports missing."
+        help: "Results up to this load factor are complete. Look at the shape there: elements may be inverted, parts may move freely, springs \
+               may have lost their length, or several paths may cross."
             .into(),
     }
 }
