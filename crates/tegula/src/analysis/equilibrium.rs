@@ -138,13 +138,14 @@ pub(super) fn find_multipliers(
     let m = gradients.len();
     let mut schur = Schur::new(m);
     let mut right = vec![0.0; m];
+    let weighted: Vec<f64> = free.iter().zip(&scales).map(|(x, s)| x * s).collect();
     let mut dense = vec![0.0; free.len()];
     for (i, gradient) in gradients.iter().enumerate() {
         gradient.iter().for_each(|&(n, g)| dense[n as usize] = g * scales[n as usize]);
         for (j, other) in gradients.iter().enumerate() {
             schur.matrix[i * m + j] = product(other, &dense);
         }
-        right[i] = product(gradient, &free.iter().zip(&scales).map(|(x, s)| x * s).collect::<Vec<_>>());
+        right[i] = product(gradient, &weighted);
         gradient.iter().for_each(|&(n, _)| dense[n as usize] = 0.0);
     }
     schur.factor();

@@ -19,7 +19,7 @@ mod iteration;
 mod response;
 mod stability;
 
-pub use arc_length::{LoadResponse, NOTHING_MOVES, PathTangent, Plane, distance};
+pub use arc_length::{LoadResponse, NOTHING_MOVES, PathTangent, Plane};
 pub use response::SoftestMode;
 pub use stability::Stability;
 

@@ -25,14 +25,14 @@ pub trait Stepper {
     fn end(&self) -> f64 {
         self.reached().end
     }
-    /// Whether the analysis has come to its end.
+    /// Whether the analysis has come to its end: of a path its state tells, of others the time (load factor).
     fn is_finished(&self) -> bool {
-        self.state().time >= self.end()
+        self.state().path.as_ref().map_or_else(|| self.state().time >= self.end(), |path| path.finished)
     }
     /// Place of the state among those of the analysis, which grows from step to step: the time (load factor), or the parameter of a
     /// path.
     fn position(&self) -> f64 {
-        self.state().time
+        self.state().path.as_ref().map_or(self.state().time, |path| path.position)
     }
     /// Ends the analysis; returns the last state reached, its energies and the run counters.
     fn finish(self: Box<Self>) -> (State, Balance, Statistics);

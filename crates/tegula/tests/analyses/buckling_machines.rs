@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::buckling::{YOUNG, extrapolated, factors, message};
-use crate::multibody::axis_joint;
+use crate::multibody::{self, axis_joint, spring};
 use tegula::model::*;
 
 fn buckling_machine(bodies: Vec<RigidBody>, joints: Vec<Joint>, on: &str, force: [f64; 3]) -> Model {
@@ -22,15 +22,7 @@ fn hinge(name: &str, [a, b]: [&str; 2], x: f64) -> Joint {
 }
 
 fn torsion_spring(between: [&str; 2], stiffness: f64) -> TorsionSpring {
-    TorsionSpring {
-        name: "spring".into(),
-        between: between.map(Into::into),
-        axis: [0.0, 0.0, 1.0],
-        stiffness,
-        damping: 0.0,
-        moment: None,
-        free_angle: 0.0,
-    }
+    multibody::torsion_spring(between, [0.0, 0.0, 1.0], stiffness)
 }
 
 /// Two rigid bars of length L/2 between hinges with a torsion spring k at their common one: with the angle θ of each the energy
@@ -92,15 +84,6 @@ fn a_rigid_bar_on_an_elastic_foot_buckles() {
 #[test]
 fn springs_in_line_buckle_against_a_spring_across() {
     let (length, across) = (2.0, 3.0);
-    let spring = |name: &str, between: [&str; 2], points: [[f64; 3]; 2], stiffness: f64| SpringDamper {
-        name: name.into(),
-        between: between.map(Into::into),
-        points,
-        stiffness,
-        damping: 0.0,
-        force: None,
-        length: None,
-    };
     let (middle, end) = ([0.5 * length, 0.0, 0.0], [length, 0.0, 0.0]);
     let bodies = vec![RigidBody::new("middle", middle, 1.0, None), RigidBody::new("end", end, 1.0, None)];
     let mut m = buckling_machine(bodies, Vec::new(), "end", [-1.0, 0.0, 0.0]);
@@ -161,15 +144,9 @@ fn springs_that_are_stressed_at_the_start_load_the_joints_there() {
         let mut m = buckling_machine(vec![bar("bar", [length, 0.0, 0.0])], joints, "bar", [-unit, 0.0, 0.0]);
         m.torsion_springs = vec![torsion_spring(["ground", "bar"], unit * stiffness)];
         if stressed {
-            m.springs = vec![SpringDamper {
-                name: "stressed".into(),
-                between: ["ground".into(), "bar".into()],
-                points: [[0.0; 3], [length, 0.0, 0.0]],
-                stiffness: 10.0 * unit,
-                damping: 0.0,
-                force: None,
-                length: Some(0.95 * length),
-            }];
+            let ends = [[0.0; 3], [length, 0.0, 0.0]];
+            let free = spring("stressed", ["ground", "bar"], ends, 10.0 * unit);
+            m.springs = vec![SpringDamper { length: Some(0.95 * length), ..free }];
         }
         m
     };

@@ -54,6 +54,7 @@ mod long_rotations;
 mod modes;
 mod modes_with_joints;
 mod multibody;
+mod nearest_assembly;
 mod nonlinear_materials;
 mod outlines;
 mod patch_refusals;

@@ -23,6 +23,32 @@ pub fn between(a: &str, b: &str) -> [String; 2] {
     [a.into(), b.into()]
 }
 
+/// A spring that is free of force at the start.
+pub fn spring(name: &str, [a, b]: [&str; 2], points: [[f64; 3]; 2], stiffness: f64) -> SpringDamper {
+    SpringDamper {
+        name: name.into(),
+        between: between(a, b),
+        points,
+        stiffness,
+        damping: 0.0,
+        force: None,
+        length: None,
+    }
+}
+
+/// A torsion spring that is free of moment at the start.
+pub fn torsion_spring([a, b]: [&str; 2], axis: [f64; 3], stiffness: f64) -> TorsionSpring {
+    TorsionSpring {
+        name: "spring".into(),
+        between: between(a, b),
+        axis,
+        stiffness,
+        damping: 0.0,
+        moment: None,
+        free_angle: 0.0,
+    }
+}
+
 pub fn gravity(value: [f64; 3]) -> Vec<Load> {
     vec![Load::Gravity(GravityLoad { value, amplitude: None })]
 }

@@ -95,18 +95,23 @@ pub fn in_other_units(m: &Model, length: f64, stress: f64) -> Model {
     scaled
 }
 
+/// The path of a roof in other units of length: the same steps, and the same points.
+pub fn same_path_in_units(m: &Model, scaled: &Model, length: f64) {
+    let [(a, first), (b, second)] = [m, scaled].map(|m| follow(m, "u_min_v_min"));
+    assert_eq!(a.statistics, b.statistics);
+    assert_eq!(first.len(), second.len());
+    for (p, q) in first.iter().zip(&second) {
+        assert!((q[0] / length - p[0]).abs() < 1e-9 * 30.0 && (q[1] - p[1]).abs() < 1e-9, "{p:?} {q:?}");
+    }
+}
+
 /// A path does not depend on units: lengths in other units, stresses in others.
 #[test]
 fn paths_do_not_depend_on_units() {
     let (length, stress) = (1e3, 1e9);
     let m = roof(6, 6.35);
     let scaled = in_other_units(&m, length, stress);
-    let [(a, first), (b, second)] = [&m, &scaled].map(|m| follow(m, "u_min_v_min"));
-    assert_eq!(a.statistics, b.statistics);
-    assert_eq!(first.len(), second.len());
-    for (p, q) in first.iter().zip(&second) {
-        assert!((q[0] / length - p[0]).abs() < 1e-9 * 30.0 && (q[1] - p[1]).abs() < 1e-9, "{p:?} {q:?}");
-    }
+    same_path_in_units(&m, &scaled, length);
 }
 
 /// Where the path has no limit point, its end is the equilibrium of a static analysis: under forces, prescribed displacements,

@@ -105,6 +105,17 @@ impl LoadResponse {
             work: 0.0,
         }
     }
+
+    /// Size of the forces per load factor ([`System::force_norm`]).
+    pub fn size_of_loads(&self, system: &System) -> f64 {
+        system.force_norm(&self.force)
+    }
+
+    /// Work of the forces on a motion over the norms of both; 0 without forces.
+    pub fn relative_work(&self, system: &System, motion: &[Nodal]) -> f64 {
+        let size = self.size_of_loads(system) * system.norm(motion);
+        if size > 0.0 { dot(&self.force, motion).abs() / size } else { 0.0 }
+    }
 }
 
 impl<S: TangentSolver> Newton<S> {
@@ -121,27 +132,13 @@ impl<S: TangentSolver> Newton<S> {
         self.assembly.reset_stress(system, &k);
         self.increment.fill([0.0; 3]);
         add_multiple(&mut self.increment, length, &tangent.direction);
-        self.assembly.extrapolate(system, &k, &self.increment, &equation.parts().weights);
-        if !system.linear {
-            retract(system, &self.assembly.frames, &equation.motion(), &mut self.increment);
-        }
-        equation.apply(system, &self.increment);
-        add_scaled(&mut equation.multipliers, length, &tangent.multipliers);
-        equation.time += length * tangent.load;
-        if !system.dofs().prescribed.is_empty() {
-            system.prescribe(equation.time, &mut equation.u);
-        }
+        self.move_by_increment(system, (equation, history), (length, tangent.load), &tangent.multipliers);
     }
 
     /// Whether the tangents have no skew part of follower loads and moments: then negative eigenvalues of the symmetric part tell stability.
     pub fn is_symmetric(&self, system: &System) -> bool {
         let moments = system.followers.iter().any(|load| matches!(load, FollowerLoad::BodyMoment { .. }));
         !moments && self.circulatory.as_ref().is_none_or(CirculatoryLoads::is_zero)
-    }
-
-    /// Size of the forces per load factor of a response ([`System::force_norm`]).
-    pub fn size_of_loads(system: &System, response: &LoadResponse) -> f64 {
-        system.force_norm(&response.force)
     }
 
     /// Iterates an equation to the equilibrium on a plane, with the load factor as an unknown, from the history variables at the start
@@ -203,22 +200,9 @@ impl<S: TangentSolver> Newton<S> {
                     format!("divergence: an increment turns body \"{body}\" by more than {SPUN} rad");
                 return Err((Cause::Flight, reason));
             }
-            if mixed {
-                let k = point(system, equation, history);
-                let weights = equation.parts().weights;
-                self.assembly.extrapolate(system, &k, &self.increment, &weights);
-            }
-            if !system.linear {
-                retract(system, &self.assembly.frames, &equation.motion(), &mut self.increment);
-            }
-            equation.apply(system, &self.increment);
+            self.move_by_increment(system, (equation, history), (change, 1.0), &response.multipliers);
             if let Some(constraints) = &self.constraints {
                 equation.change_multipliers(constraints.change());
-            }
-            add_scaled(&mut equation.multipliers, change, &response.multipliers);
-            equation.time += change;
-            if !system.dofs().prescribed.is_empty() {
-                system.prescribe(equation.time, &mut equation.u);
             }
             let size = system.norm(&self.increment);
             if size > FLIGHT && !system.linear {
@@ -248,6 +232,28 @@ impl<S: TangentSolver> Newton<S> {
             Cause::Iterations,
             format!("not converged after {} iterations; {place}", tolerances.max_iterations),
         ))
+    }
+
+    /// Moves an equation by the increment, and its load factor and multipliers by `factor` times their rates. The stress of the next
+    /// tangent is extrapolated.
+    fn move_by_increment(
+        &mut self,
+        system: &System,
+        (equation, history): (&mut StaticEquation, &[f64]),
+        (factor, load): (f64, f64),
+        multipliers: &[f64],
+    ) {
+        let k = point(system, equation, history);
+        self.assembly.extrapolate(system, &k, &self.increment, &equation.parts().weights);
+        if !system.linear {
+            retract(system, &self.assembly.frames, &equation.motion(), &mut self.increment);
+        }
+        equation.apply(system, &self.increment);
+        equation.multipliers.iter_mut().zip(multipliers).for_each(|(x, rate)| *x += factor * rate);
+        equation.time += factor * load;
+        if !system.dofs().prescribed.is_empty() {
+            system.prescribe(equation.time, &mut equation.u);
+        }
     }
 
     /// Direction of the path at an equilibrium, in the sense in which its product with `along` is positive (without one: that of a rising
@@ -447,10 +453,6 @@ impl<S: TangentSolver> Newton<S> {
 }
 
 /// Distance of displacements from the origin along the normal of a plane.
-pub fn distance(system: &System, plane: &Plane, u: &[Nodal]) -> f64 {
+fn distance(system: &System, plane: &Plane, u: &[Nodal]) -> f64 {
     system.inner_product(plane.normal, u) - system.inner_product(plane.normal, plane.origin)
-}
-
-fn add_scaled(to: &mut [f64], factor: f64, what: &[f64]) {
-    to.iter_mut().zip(what).for_each(|(x, y)| *x += factor * y);
 }

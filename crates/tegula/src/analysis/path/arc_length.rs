@@ -23,7 +23,6 @@ use crate::model::PathAnalysis;
 use crate::norm::larger;
 use crate::system::{System, add_multiple, inverted_element};
 use crate::{Error, Result};
-use tegula_sparse::SparseLdlt;
 
 /// Convergence of an equilibrium: energy of the last increment over the strain energy, its norm over that of the displacement, and the
 /// most iterations.
@@ -155,10 +154,10 @@ impl<'a> ArcLengthSteps<'a> {
         let Self { newton, system, state, equation, response, options, .. } = self;
         let at = (&mut *equation, state.history.as_slice());
         let (mut tangent, negative) = newton.path_tangent(system, at, None, response)?;
-        let loads = Newton::<SparseLdlt>::size_of_loads(system, response) * options.end_load.abs();
+        let loads = response.size_of_loads(system) * options.end_load.abs();
         in_equilibrium(
             system,
-            newton,
+            &mut newton.assembly,
             state,
             larger(loads, equation.penalty * system.length * system.length),
         )?;
@@ -181,21 +180,25 @@ impl<'a> ArcLengthSteps<'a> {
         observer: &mut dyn Observer,
     ) -> std::result::Result<End, String> {
         self.go_back();
-        let Self { newton, system, state, equation, response, statistics, .. } = self;
-        let history = state.history.as_slice();
-        newton.predict(system, (&mut *equation, history), tangent, a);
-        let plane = Plane { origin: &state.u, normal: &tangent.direction, distance: a };
-        let solved = newton.solve_on_plane(
-            system,
-            (&mut *equation, history),
-            (&plane, response),
-            &TOLERANCES,
-            observer,
-        );
-        let iterations = solved.as_ref().map_or_else(|failed| failed.iterations, |n| *n);
-        statistics.iterations += u64::from(iterations);
-        solved.map_err(|failed| failed.reason)?;
+        let iterations = self.correct(tangent, a, observer)?;
         self.end_at(a, tangent, iterations)
+    }
+
+    /// Moves the equation along a direction, and corrects on the plane across it at this distance. Returns the number of iterations.
+    fn correct(
+        &mut self,
+        tangent: &PathTangent,
+        distance: f64,
+        observer: &mut dyn Observer,
+    ) -> std::result::Result<u32, String> {
+        let Self { newton, system, state, equation, response, statistics, .. } = self;
+        let (history, origin) = (state.history.as_slice(), equation.u.clone());
+        newton.predict(system, (&mut *equation, history), tangent, distance);
+        let plane = Plane { origin: &origin, normal: &tangent.direction, distance };
+        let at = (&mut *equation, history);
+        let solved = newton.solve_on_plane(system, at, (&plane, response), &TOLERANCES, observer);
+        statistics.iterations += u64::from(solved.as_ref().map_or_else(|failed| failed.iterations, |n| *n));
+        solved.map_err(|failed| failed.reason)
     }
 
     /// End of a step at the equilibrium of the equation.
@@ -428,20 +431,8 @@ impl<'a> ArcLengthSteps<'a> {
         let tangent = PathTangent { direction: mode, ..PathTangent::default() };
         let (mut distance, mut passed) = (branch::FIRST, None);
         for _ in 0..branch::HALVINGS {
-            let Self { newton, system, state, equation, response, statistics, .. } = self;
-            let history = state.history.as_slice();
-            equation.clone_from(&at.equation);
-            newton.predict(system, (&mut *equation, history), &tangent, distance);
-            let plane = Plane { origin: &at.equation.u, normal: &tangent.direction, distance };
-            let solved = newton.solve_on_plane(
-                system,
-                (&mut *equation, history),
-                (&plane, response),
-                &TOLERANCES,
-                observer,
-            );
-            statistics.iterations +=
-                u64::from(solved.as_ref().map_or_else(|failed| failed.iterations, |n| *n));
+            self.equation.clone_from(&at.equation);
+            let solved = self.correct(&tangent, distance, observer);
             if let Ok(iterations) = solved {
                 let loads = [at.equation.time, self.equation.time];
                 passed = branch::wanted_between(self.system, self.options.end_load, loads);
@@ -505,10 +496,11 @@ struct PathCurve<'s, 'a, 'o> {
 impl Curve for PathCurve<'_, '_, '_> {
     fn trial(&mut self, a: f64) -> std::result::Result<Trial, String> {
         let End { equation, negative, .. } = self.steps.equilibrium_at(self.tangent, a, self.observer)?;
-        let ArcLengthSteps { newton, system, .. } = &mut *self.steps;
+        let ArcLengthSteps { newton, system, response, .. } = &mut *self.steps;
         let mut softest = newton.eigenvalue_next_to_zero(system, &equation, INVERSE_ITERATIONS)?;
         system.orient(&mut softest.1);
-        Ok(Trial { u: equation.u, load: equation.time, negative, softest })
+        let work = response.relative_work(system, &softest.1);
+        Ok(Trial { u: equation.u, load: equation.time, negative, softest, work })
     }
 }
 
@@ -516,14 +508,6 @@ impl Stepper for ArcLengthSteps<'_> {
     fn reached(&self) -> Reached<'_> {
         let Self { state, balance, statistics, .. } = self;
         Reached { state, balance, statistics, end: self.options.end_load }
-    }
-
-    fn is_finished(&self) -> bool {
-        self.path().is_none_or(|path| path.finished)
-    }
-
-    fn position(&self) -> f64 {
-        self.path().map_or(0.0, |path| path.position)
     }
 
     fn finish(self: Box<Self>) -> (State, Balance, Statistics) {

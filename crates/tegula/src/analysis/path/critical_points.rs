@@ -17,6 +17,9 @@ const LOCATED: f64 = 1e-9;
 const VANISHING: f64 = 1e-9;
 /// Eigenvalue where the count changes over those at the ends of the bracket, above which it has not passed through zero.
 const JUMP: f64 = 1e-6;
+/// Work of the loads on the mode at a bifurcation, over the norms of both. At the limit point of another path, onto which a step may leap
+/// beside a path that nearly crosses, it is larger.
+const WORK: f64 = 1e-4;
 /// Largest number of factorisations for one bifurcation.
 const MOST_TRIALS: usize = 40;
 /// Iterations of the inverse iteration for the eigenvalue next to zero.
@@ -100,6 +103,8 @@ pub struct Trial {
     pub negative: usize,
     /// Its eigenvalue next to zero, and the eigenvector.
     pub softest: (f64, Vec<Nodal>),
+    /// Work of the loads on the eigenvector over the norms of both; 0 on a curve that cannot jump.
+    pub work: f64,
 }
 
 /// Curve of a power series.
@@ -121,7 +126,7 @@ impl Curve for SeriesCurve<'_> {
         let negative = expansion.factor(system, &u, load)?;
         let mut softest = expansion.eigenvalue_next_to_zero(system, INVERSE_ITERATIONS)?;
         system.orient(&mut softest.1);
-        Ok(Trial { u, load, negative, softest })
+        Ok(Trial { u, load, negative, softest, work: 0.0 })
     }
 }
 
@@ -192,7 +197,7 @@ impl Search<'_> {
             } else {
                 high = a
             }
-            let largest = known.iter().map(|(_, e)| e.abs()).fold(0.0, crate::norm::larger);
+            let largest = largest_of(&known);
             // Of several crossings the first zero is not the only one.
             let vanishes = (counts[1] - counts[0]).abs() == 1 && eigenvalue.abs() <= VANISHING * largest;
             let better = best.as_ref().is_none_or(|(_, b)| eigenvalue.abs() <= b.softest.0.abs());
@@ -203,11 +208,14 @@ impl Search<'_> {
                 break;
             }
         }
-        let largest = known.iter().map(|(_, e)| e.abs()).fold(0.0, crate::norm::larger);
-        let (a, Trial { u, load, softest: (eigenvalue, mode), .. }) =
+        let largest = largest_of(&known);
+        let (a, Trial { u, load, softest: (eigenvalue, mode), work, .. }) =
             best.ok_or("no bifurcation was located")?;
-        if !(eigenvalue.abs() <= JUMP * largest) {
-            return Err("an eigenvalue jumps: the step has gone over to another path".into());
+        if !(eigenvalue.abs() <= JUMP * largest && work <= WORK) {
+            return Err(
+                "an eigenvalue does not vanish as at a bifurcation: the step has gone over to another path"
+                    .into(),
+            );
         }
         let point = CriticalPoint {
             kind: CriticalKind::Bifurcation,
@@ -219,6 +227,10 @@ impl Search<'_> {
         };
         Ok(Located::Point(Found { a, point }))
     }
+}
+
+fn largest_of(known: &[(f64, f64)]) -> f64 {
+    known.iter().map(|(_, eigenvalue)| eigenvalue.abs()).fold(0.0, crate::norm::larger)
 }
 
 /// Root of the line through the last two values.

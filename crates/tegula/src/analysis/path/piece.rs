@@ -75,9 +75,6 @@ impl Piece {
         options: &PathAnalysis,
     ) -> Result<Self, String> {
         let Start { point, directions, negative } = start;
-        if point.expected == 0.0 {
-            in_equilibrium(system, expansion, &point)?;
-        }
         let at = (point.u.as_slice(), point.load, directions);
         let mut series = expansion.series(system, at, (&point.direction, point.expected), options)?;
         // The search for bifurcations finds those that the extracted series tell.
@@ -222,20 +219,6 @@ impl Piece {
         let passed = self.critical.iter().filter(|point| point.position <= position);
         (self.negative as i32 + passed.map(|point| point.change).sum::<i32>()).max(0) as usize
     }
-}
-
-/// Refuses a path that does not begin in equilibrium: the residual of later pieces is that of the series before.
-fn in_equilibrium(system: &System, expansion: &mut Expansion, point: &ExpansionPoint) -> Result<(), String> {
-    let mut residual = vec![0.0; system.unknowns()];
-    let [unbalanced, size] = expansion.residual(system, &point.u, point.load, &mut residual);
-    if unbalanced <= LARGEST_RESIDUAL * size {
-        return Ok(());
-    }
-    Err(format!(
-        "its start is not in equilibrium, the residual is {:.1e} of the forces: loads, prescribed displacements and strains must begin at \
-         load factor 0 where the step before has left them (an amplitude must be 0 there in a first step)",
-        unbalanced / size
-    ))
 }
 
 /// End of a piece, where the tangent is factored.

@@ -2,6 +2,7 @@
 
 use super::expansion::Expansion;
 use super::piece::{Piece, Start};
+use super::start::in_equilibrium;
 use super::state::{PathState, ended_early, not_continued};
 use super::{first_state, scope};
 use crate::analysis::statics::{self, reactions};
@@ -56,6 +57,10 @@ impl<'a> SeriesSteps<'a> {
     fn provide_piece(&mut self) -> Result<()> {
         let Some(path) = self.path() else { return Ok(()) };
         let (position, recorded) = (path.position, path.expansion.clone());
+        if position == 0.0 && self.piece.is_none() {
+            in_equilibrium(self.system, self.expansion.assembly(), &self.state, 0.0)
+                .map_err(|reason| self.error(&reason))?;
+        }
         while !self.piece.as_ref().is_some_and(|piece| piece.leads_on_from(position)) {
             let goes_on = self.piece.as_mut().filter(|piece| position == piece.end_position());
             let start = match goes_on.and_then(Piece::next_start) {
@@ -114,14 +119,6 @@ impl Stepper for SeriesSteps<'_> {
     fn reached(&self) -> Reached<'_> {
         let Self { state, balance, statistics, .. } = self;
         Reached { state, balance, statistics, end: self.options.end_load }
-    }
-
-    fn is_finished(&self) -> bool {
-        self.path().is_none_or(|path| path.finished)
-    }
-
-    fn position(&self) -> f64 {
-        self.path().map_or(0.0, |path| path.position)
     }
 
     fn finish(self: Box<Self>) -> (State, Balance, Statistics) {
