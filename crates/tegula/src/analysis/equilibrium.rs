@@ -7,10 +7,12 @@
 use super::State;
 use super::constraints::{Schur, gradients_at, product};
 use crate::Result;
+use crate::constraint::Row;
 use crate::element::{Nodal, TangentWeights};
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
-use crate::system::dof_map::CONSTRAINED;
+use crate::system::dof_map::{CONSTRAINED, DofMap};
 use crate::system::{Assembly, EvaluationPoint, LocalFrames, System, VectorKind};
+use std::collections::BTreeSet;
 use tegula_sparse::SymmetricPattern;
 use tegula_sparse::norm::larger;
 
@@ -83,27 +85,51 @@ pub(super) fn penalty(system: &System, assembly: &mut Assembly, state: &State) -
         return 0.0;
     }
     assemble_tangent(system, assembly, (state, 0.0), &vec![[0.0; 3]; system.vectors()]);
-    let mean = |position: bool| {
-        let (mut sum, mut count) = (0.0, 0);
-        let of_kind = |v: &usize| (system.coordinates.kinds[*v] == VectorKind::Position) == position;
-        for v in (0..system.vectors()).filter(of_kind) {
-            for number in system.dofs().of(v).into_iter().filter(|n| *n != CONSTRAINED) {
-                let first = system.pattern.column_pointers[number as usize];
-                sum += assembly.values[first].abs();
-                count += 1;
-            }
-        }
-        (sum > 0.0).then(|| sum / f64::from(count))
-    };
-    // Bodies between torsion springs have stiffnesses of rotations only.
-    let of_rotations = || mean(false).map(|stiffness| stiffness / (system.length * system.length));
-    if let Some(stiffness) = mean(true).or_else(of_rotations) {
+    let (mut sum, mut count) = (0.0, 0);
+    for number in unknowns_of(system, system.dofs(), VectorKind::Position) {
+        sum += diagonal(system, assembly, number);
+        count += 1;
+    }
+    if sum > 0.0 {
+        return sum / f64::from(count);
+    }
+    if let Some(stiffness) = stiffness_of_rotations(system, assembly, state) {
         return stiffness;
     }
     // Of bodies without springs loads alone make the stiffness. That of centrifugal forces, up to −Ω² M, must not cancel this weight.
     let forces = external(system, &EvaluationPoint::at_rest(system, &state.u, 1.0, state.internal()));
     let largest = forces.as_flattened().iter().map(|x| x.abs()).fold(0.0, larger);
     if largest > 0.0 && !system.centrifugal.is_empty() { STIFFER * largest / system.length } else { 1.0 }
+}
+
+/// Free degrees of freedom of the vectors of a kind.
+fn unknowns_of<'a>(system: &'a System, dofs: &'a DofMap, kind: VectorKind) -> impl Iterator<Item = u32> + 'a {
+    let vectors = (0..system.vectors()).filter(move |&v| system.coordinates.kinds[v] == kind);
+    vectors.flat_map(move |v| dofs.of(v)).filter(|number| *number != CONSTRAINED)
+}
+
+fn diagonal(system: &System, assembly: &Assembly, number: u32) -> f64 {
+    assembly.values[system.pattern.column_pointers[number as usize]].abs()
+}
+
+/// Mean stiffness with which bodies that springs hold against rotations alone resist displacements of their joints; `None` without such
+/// bodies. It depends on the arms of the joints: beside a stiffness over the size of the model, which may be that of the bodies' inertia,
+/// constraints of short arms would look dependent.
+fn stiffness_of_rotations(system: &System, assembly: &Assembly, state: &State) -> Option<f64> {
+    let rotations: BTreeSet<u32> = unknowns_of(system, system.dofs(), VectorKind::Director).collect();
+    let gradients = gradients_at(system, &assembly.frames, state);
+    let rows = system.joints.iter().flat_map(|joint| joint.multipliers().zip(&joint.rows));
+    let of_places = rows.filter(|(_, row)| row.size == system.length);
+    let compliance = |(i, _): (usize, &Row)| {
+        let of_entry = |(number, g): &(u32, f64)| {
+            let stiffness =
+                if rotations.contains(number) { diagonal(system, assembly, *number) } else { 0.0 };
+            if stiffness > 0.0 { g * g / stiffness } else { 0.0 }
+        };
+        gradients[i].iter().map(of_entry).sum::<f64>()
+    };
+    let found: Vec<f64> = of_places.map(compliance).filter(|compliance| *compliance > 0.0).collect();
+    (!found.is_empty()).then(|| found.len() as f64 / found.iter().sum::<f64>())
 }
 
 /// Unbalanced forces over those that joints must balance, above which a state is no equilibrium.
@@ -125,8 +151,7 @@ pub(super) fn find_multipliers(
     assembly.frames.reduce(unbalanced, &mut free);
     // Forces times the length of the model and moments count alike.
     let mut scales = vec![1.0; free.len()];
-    let positions = (0..system.vectors()).filter(|&v| system.coordinates.kinds[v] == VectorKind::Position);
-    for number in positions.flat_map(|v| assembly.frames.of(v)).filter(|n| *n != CONSTRAINED) {
+    for number in unknowns_of(system, assembly.frames.dofs(), VectorKind::Position) {
         scales[number as usize] = system.length * system.length;
     }
     let size = |x: &[f64]| x.iter().zip(&scales).map(|(x, s)| x * x * s).sum::<f64>().sqrt();

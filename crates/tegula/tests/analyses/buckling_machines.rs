@@ -44,8 +44,13 @@ fn a_column_of_two_rigid_bars_buckles_at_its_spring() {
     ];
     let mut m = buckling_machine(bodies, joints, "slider", [-1.0, 0.0, 0.0]);
     m.torsion_springs = vec![torsion_spring(["left", "right"], stiffness)];
-    let found = factors(&m);
-    assert!((found[0] / (4.0 * stiffness / length) - 1.0).abs() < 1e-9, "{found:?}");
+    // The inertia of the bars, which is a measure of their size, does not matter.
+    for inertia in [1e-4, 0.1, 1e3, 1e6] {
+        m.bodies.iter_mut().for_each(|body| body.inertia = Some([inertia; 3]));
+        let found = factors(&m);
+        assert!((found[0] / (4.0 * stiffness / length) - 1.0).abs() < 1e-6, "{inertia:e}: {found:?}");
+        assert_eq!(found.len(), 1);
+    }
     // Without the spring it is a mechanism.
     m.torsion_springs.clear();
     assert!(message(&m).contains("mechanism"), "{}", message(&m));

@@ -13,9 +13,6 @@ use crate::system::{CirculatoryStiffness, EvaluationPoint, System};
 use crate::{Error, Result};
 use tegula_sparse::Factor as _;
 
-/// Skew load stiffness over the size of the loads per length of the model that is round-off.
-const ROUND_OFF: f64 = 1e-9;
-
 /// Linear response to the loads.
 pub(super) struct Increment {
     /// Displacements of all nodal vectors.
@@ -146,33 +143,19 @@ fn refuse(system: &System) -> Result<()> {
 /// Refuses follower loads that have no potential: with the skew part of their stiffness the factors need not be real.
 fn has_potential(system: &System, newton: &Newton, u: &[Nodal], forces: &[Nodal]) -> Result<()> {
     let motion = Motion::State { u, velocity: None };
-    let frames = &newton.assembly.frames;
-    let mut skew = CirculatoryStiffness::new(system);
     for time in TIMES {
-        let parts = TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time };
-        skew.take(system, &motion, &parts);
-        if skew.is_zero() {
-            continue;
-        }
         let at_time = EvaluationPoint { time, ..EvaluationPoint::at_rest(system, u, time, &[0.0; 0]) };
         let external = equilibrium::external(system, &at_time);
         let size = max_norm(external.as_flattened().iter().chain(forces.as_flattened()).copied());
-        let limit = ROUND_OFF * size / system.length;
-        let (mut x, mut product) = (vec![0.0; system.unknowns()], vec![0.0; system.unknowns()]);
-        for &number in skew.support() {
-            x[number as usize] = 1.0;
-            skew.product(frames, &x, &mut product);
-            x[number as usize] = 0.0;
-            if product.iter().any(|y| !(y.abs() <= limit)) {
-                return Err(Error::Singular {
-                    what: "The follower loads have no potential: their load stiffness is not symmetric, and load factors of buckling need not \
-                           exist (flutter)."
-                        .into(),
-                    help: "Use loads of constant direction (`traction`, `edge`, `force`), or pressures on surfaces whose edges are supported \
-                           across their pressure, which have a potential; or run a transient analysis."
-                        .into(),
-                });
-            }
+        if !CirculatoryStiffness::is_round_off(system, &newton.assembly.frames, (&motion, time), size) {
+            return Err(Error::Singular {
+                what: "The follower loads have no potential: their load stiffness is not symmetric, and load factors of buckling need not \
+                       exist (flutter)."
+                    .into(),
+                help: "Use loads of constant direction (`traction`, `edge`, `force`), or pressures on surfaces whose edges are supported \
+                       across their pressure, which have a potential; or run a transient analysis."
+                    .into(),
+            });
         }
     }
     Ok(())

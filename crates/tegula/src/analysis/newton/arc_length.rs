@@ -18,12 +18,11 @@ use super::convergence::{CLOSED, OPEN};
 use super::iteration::{FLIGHT, Failed, SPUN, retract, spun_body};
 use super::{Cause, Diverged, Equation, FactoredTangent, Newton, Tolerances, expand_free, largest, point};
 use crate::analysis::Observer;
-use crate::analysis::circulatory::{CirculatoryLoads, Purpose};
+use crate::analysis::circulatory::Purpose;
 use crate::analysis::constraints::Rates;
 use crate::analysis::solver::{Linearization, TangentSolver};
 use crate::analysis::statics::StaticEquation;
 use crate::element::Nodal;
-use crate::load::FollowerLoad;
 use crate::model::NewtonMethod;
 use crate::norm::larger;
 use crate::system::assembly::add_follower_stiffness;
@@ -133,12 +132,6 @@ impl<S: TangentSolver> Newton<S> {
         self.increment.fill([0.0; 3]);
         add_multiple(&mut self.increment, length, &tangent.direction);
         self.move_by_increment(system, (equation, history), (length, tangent.load), &tangent.multipliers);
-    }
-
-    /// Whether the tangents have no skew part of follower loads and moments: then negative eigenvalues of the symmetric part tell stability.
-    pub fn is_symmetric(&self, system: &System) -> bool {
-        let moments = system.followers.iter().any(|load| matches!(load, FollowerLoad::BodyMoment { .. }));
-        !moments && self.circulatory.as_ref().is_none_or(CirculatoryLoads::is_zero)
     }
 
     /// Iterates an equation to the equilibrium on a plane, with the load factor as an unknown, from the history variables at the start

@@ -18,10 +18,11 @@ use crate::analysis::solver::TangentSolver as _;
 use crate::analysis::statics::{self, StaticEquation, equilibrium_step, reactions};
 use crate::analysis::stepper::Reached;
 use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched, equilibrium};
-use crate::element::Nodal;
+use crate::element::{Motion, Nodal};
+use crate::load::FollowerLoad;
 use crate::model::PathAnalysis;
-use crate::norm::larger;
-use crate::system::{System, add_multiple, inverted_element};
+use crate::norm::{larger, max_norm};
+use crate::system::{CirculatoryStiffness, EvaluationPoint, System, add_multiple, inverted_element};
 use crate::{Error, Result};
 
 /// Convergence of an equilibrium: energy of the last increment over the strain energy, its norm over that of the displacement, and the
@@ -257,7 +258,13 @@ impl<'a> ArcLengthSteps<'a> {
         }
         let explained: i32 = critical.iter().map(|found: &Found| found.point.change).sum();
         let unexplained = end.negative as i32 - self.state.negative_pivots as i32 - explained;
-        if unexplained != 0 && self.newton.is_symmetric(self.system) {
+        if unexplained != 0 && !self.have_potential(&end.equation) {
+            observer.on_warning(&format!(
+                "between load factors {:.6} and {:.6} the symmetric part of the tangent has {unexplained:+} negative eigenvalue(s) more; \
+                 bifurcations under loads without a potential are not looked for",
+                self.state.time, end.equation.time
+            ));
+        } else if unexplained != 0 {
             let limits: Vec<(f64, i32)> = critical.iter().map(|f| (f.a, f.point.change)).collect();
             let (start, a) = (self.state.negative_pivots, end.a);
             let mut curve = PathCurve { steps: self, tangent: &arc.tangent, observer };
@@ -272,6 +279,19 @@ impl<'a> ArcLengthSteps<'a> {
             }
         }
         Ok(Outcome { end, critical, length: next })
+    }
+
+    /// Whether the follower loads have a potential at an equilibrium: then the tangent is symmetric. Moments that are constant in space
+    /// have none where bodies turn about other axes.
+    fn have_potential(&self, equation: &StaticEquation) -> bool {
+        let Self { system, newton, .. } = self;
+        if system.followers.iter().any(|load| matches!(load, FollowerLoad::BodyMoment { .. })) {
+            return false;
+        }
+        let motion = Motion::State { u: &equation.u, velocity: None };
+        let at = EvaluationPoint::new(system, motion, equation.time, &[0.0; 0]);
+        let size = max_norm(equilibrium::external(system, &at).as_flattened());
+        CirculatoryStiffness::is_round_off(system, &newton.assembly.frames, (&motion, equation.time), size)
     }
 
     /// Distance of the predicted from the corrected point over the length of a step.
