@@ -38,8 +38,7 @@ pub(super) fn run<T>(
         forward.on_event(&message);
     }
     for warning in &prepared.warnings {
-        forward.log(&format!("warning: {warning}"));
-        forward.watch.on_warning(&warning.to_string());
+        forward.on_warning(&warning.to_string());
     }
     let outcome = solve(&mut forward);
     let (before, mut failed) = (forward.before, forward.failed);
@@ -114,6 +113,11 @@ impl Observer for Forward<'_> {
     fn on_event(&mut self, message: &str) {
         self.log(message);
         self.watch.on_event(message);
+    }
+
+    fn on_warning(&mut self, message: &str) {
+        self.log(&format!("warning: {message}"));
+        self.watch.on_warning(message);
     }
 
     fn interrupted(&self) -> bool {

@@ -102,6 +102,9 @@ pub(super) fn penalty(system: &System, assembly: &mut Assembly, state: &State) -
     if largest > 0.0 && !system.centrifugal.is_empty() { STIFFER * largest / system.length } else { 1.0 }
 }
 
+/// Square of the size of a model over the shortest arms of joints that count.
+const SHORT_ARMS: f64 = 1e6;
+
 /// Free degrees of freedom of the vectors of a kind.
 fn unknowns_of<'a>(system: &'a System, dofs: &'a DofMap, kind: VectorKind) -> impl Iterator<Item = u32> + 'a {
     let vectors = (0..system.vectors()).filter(move |&v| system.coordinates.kinds[v] == kind);
@@ -129,20 +132,29 @@ fn stiffness_of_rotations(system: &System, assembly: &Assembly, state: &State) -
         gradients[i].iter().map(of_entry).sum::<f64>()
     };
     let found: Vec<f64> = of_places.map(compliance).filter(|compliance| *compliance > 0.0).collect();
-    (!found.is_empty()).then(|| found.len() as f64 / found.iter().sum::<f64>())
+    let stiffnesses: Vec<f64> =
+        rotations.iter().map(|number| diagonal(system, assembly, *number)).filter(|k| *k > 0.0).collect();
+    if found.is_empty() || stiffnesses.is_empty() {
+        return None;
+    }
+    // Of joints in mass centres the arms are round-off.
+    let mean = stiffnesses.iter().sum::<f64>() / stiffnesses.len() as f64;
+    let over_size = mean / (system.length * system.length);
+    Some((found.len() as f64 / found.iter().sum::<f64>()).clamp(over_size, SHORT_ARMS * over_size))
 }
 
-/// Unbalanced forces over those that joints must balance, above which a state is no equilibrium.
-const UNBALANCED: f64 = 1e-9;
+/// Unbalanced forces over those that joints must balance, above which a state is no equilibrium; and over the stiffness times the size of the
+/// model, below which they are round-off.
+const UNBALANCED: [f64; 2] = [1e-9, 1e-12];
 
 /// Finds the multipliers of joints that balance forces `unbalanced` on all nodal vectors of a state best: springs that are stressed in the
 /// reference configuration load the joints there. The local frames of `assembly` follow the state. Returns whether joints balance the
-/// forces.
+/// forces, of which those below the round-off of a stiffness `penalty` are none.
 pub(super) fn find_multipliers(
     system: &System,
     assembly: &Assembly,
     state: &mut State,
-    unbalanced: &[Nodal],
+    (unbalanced, penalty): (&[Nodal], f64),
 ) -> bool {
     if system.joints.is_empty() {
         return true;
@@ -178,7 +190,8 @@ pub(super) fn find_multipliers(
     for (gradient, multiplier) in gradients.iter().zip(&state.multipliers) {
         gradient.iter().for_each(|&(n, g)| free[n as usize] -= g * multiplier);
     }
-    size(&free) <= UNBALANCED * whole
+    let round_off = UNBALANCED[1] * penalty * system.length * system.length;
+    size(&free) <= larger(UNBALANCED[0] * whole, round_off)
 }
 
 /// Unbalanced forces `F − f_int(u, v) − M (a + α v)` of a state on all nodal vectors. The assembly's local frames follow the

@@ -42,8 +42,8 @@ fn run(m: &Model) -> (System, PathOutcome, Record) {
     let Analysis::Path(options) = &m.analysis else { panic!("no path") };
     let (_, system) = compile(m);
     let mut record = Record::default();
-    let outcome = path::run(&system, options, None, &mut record).unwrap();
-    (system, outcome, record)
+    let outcome = path::run(&system, options, None, &mut record);
+    (system, outcome.unwrap_or_else(|error| panic!("{error}: {:?}", record.events)), record)
 }
 
 /// Place of a body's centre.

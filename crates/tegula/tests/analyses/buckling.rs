@@ -274,7 +274,7 @@ pub fn ring(n: u32) -> Model {
 /// Gere, sect. 7.3). A load of constant direction would give 4 EI/R³. A quarter of a ring, whose mode has two waves.
 #[test]
 fn a_ring_buckles_under_pressure_that_follows_it() {
-    let (radius, thickness) = (1.0, 0.01_f64);
+    let (radius, thickness) = (1.0_f64, 0.01_f64);
     let expected = 3.0 * YOUNG * thickness.powi(3) / 12.0 / radius.powi(3);
     let found = extrapolated(ring, 32);
     assert!((found / expected - 1.0).abs() < 2e-4, "{found} {expected}");

@@ -55,13 +55,13 @@ impl<'a> Problem<'a> {
         let mut newton = Newton::new(system, Some(NewtonMethod::Displacement))?;
         let mut state = State { time: TIMES[0], ..State::first(system) };
         newton.count_turns(system, &state);
+        let penalty = equilibrium::penalty(system, &mut newton.assembly, &state);
         if !system.continues() && modal::has_springs(system) {
             let unbalanced = equilibrium::unbalanced(system, &mut newton.assembly, &state);
-            if !equilibrium::find_multipliers(system, &newton.assembly, &mut state, &unbalanced) {
+            if !equilibrium::find_multipliers(system, &newton.assembly, &mut state, (&unbalanced, penalty)) {
                 return Err(out_of_balance());
             }
         }
-        let penalty = equilibrium::penalty(system, &mut newton.assembly, &state);
         let loads = equilibrium::external(system, &state.point(system));
         equilibrium::assemble_tangent(system, &mut newton.assembly, (&state, penalty), &loads);
         let stiffness = newton.assembly.values.clone();

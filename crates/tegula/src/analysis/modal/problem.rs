@@ -100,6 +100,7 @@ impl<'a> Problem<'a> {
     pub fn new(system: &'a System, equilibrium: Option<&State>) -> Result<Self> {
         let mut newton = Newton::new(system, Some(NewtonMethod::Displacement))?;
         let mut state = equilibrium.cloned().unwrap_or_else(|| State::unloaded(system));
+        let penalty = equilibrium::penalty(system, &mut newton.assembly, &state);
         let mut balanced = true;
         if equilibrium.is_none() && !system.continues() && has_springs(system) && is_preloaded(system, &state)
         {
@@ -108,9 +109,9 @@ impl<'a> Problem<'a> {
             let mut forces = vec![[0.0; 3]; system.vectors()];
             newton.assembly.forces(system, &k, &mut forces);
             forces.as_flattened_mut().iter_mut().for_each(|f| *f = -*f);
-            balanced = equilibrium::find_multipliers(system, &newton.assembly, &mut state, &forces);
+            balanced =
+                equilibrium::find_multipliers(system, &newton.assembly, &mut state, (&forces, penalty));
         }
-        let penalty = equilibrium::penalty(system, &mut newton.assembly, &state);
         let (u, time) = (state.u.as_slice(), state.time);
         let stiffness = stiffness(system, &mut newton, (&state, penalty), equilibrium.is_some());
         let mut mass = vec![0.0; stiffness.len()];

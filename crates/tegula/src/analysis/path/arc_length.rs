@@ -9,7 +9,7 @@
 //! steps, so that a run can be resumed anywhere.
 
 use super::critical_points::{Curve, Found, INVERSE_ITERATIONS, Trial, bifurcations};
-use super::series::{Series, roots};
+use super::series::{Series, is_flat, roots};
 use super::start::in_equilibrium;
 use super::state::{ArcStart, CriticalKind, CriticalPoint, PathState, ended_early, not_continued};
 use super::{branch, first_state};
@@ -234,7 +234,11 @@ impl<'a> ArcLengthSteps<'a> {
             next = next.min(length);
         }
         let loads = self.loads(arc, &end);
-        let limits = roots(length, |a| loads.load_derivative(a, 1));
+        let mut limits = roots(length, |a| loads.load_derivative(a, 1));
+        if is_flat(&loads, length) && end.negative == self.state.negative_pivots {
+            // Next to a bifurcation the load of a crossing path is constant, but for round-off.
+            limits.clear();
+        }
         if limits.len() > 1 {
             return Err("there may be two limit points in the step".into());
         }

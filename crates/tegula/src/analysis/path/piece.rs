@@ -4,7 +4,7 @@ use super::branch::{Branch, onto_branch};
 use super::critical_points::{Found, SeriesCurve, bifurcations, limit_points};
 use super::expansion::{Directions, Expansion};
 use super::geometric;
-use super::series::Series;
+use super::series::{Series, is_flat};
 use super::state::{CriticalKind, CriticalPoint, ExpansionPoint};
 use crate::element::Nodal;
 use crate::model::PathAnalysis;
@@ -86,7 +86,11 @@ impl Piece {
         let end = usable_end(system, expansion, &series, length)?;
         let mut end_load = end_of_path.map(|_| options.end_load).filter(|_| end.length == length);
         length = end.length;
-        let mut critical = limit_points(system, expansion, &series, length);
+        let mut critical = if is_flat(&series, length) && end.negative == negative {
+            Vec::new()
+        } else {
+            limit_points(system, expansion, &series, length)
+        };
         let explained: i32 = critical.iter().map(|found| found.point.change).sum();
         let unexplained = end.negative as i32 - negative as i32 - explained;
         if unexplained != 0 {

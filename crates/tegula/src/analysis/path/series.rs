@@ -58,6 +58,16 @@ impl Series {
     }
 }
 
+/// Change of the load factor over it that is round-off next to a bifurcation, where a crossing path has a stationary load.
+const FLAT: f64 = 1e-5;
+
+/// Whether the load factor of a piece is constant up to the parameter `end`, but for round-off: limit points there are none unless an
+/// eigenvalue changes its sign.
+pub fn is_flat(series: &Series, end: f64) -> bool {
+    let start = series.load(0.0);
+    (1..=PARTS).all(|i| (series.load(end * i as f64 / PARTS as f64) - start).abs() <= FLAT * start.abs())
+}
+
 /// Root of a function between two places where its sign differs; `None` where it does not.
 fn root([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> Option<f64> {
     let (before, after) = (f(low), f(high));
