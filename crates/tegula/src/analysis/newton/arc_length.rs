@@ -34,6 +34,10 @@ use tegula_sparse::gmres::noise;
 const LOAD_DIFFERENCE: f64 = 1e-4;
 /// Increment over the displacements that is round-off.
 const ROUND_OFF: f64 = 1e-10;
+/// Increment over the displacements that is round-off next to a critical point, where the tangent is nearly singular, if its energy is small
+/// and it is not smaller by this factor than the one before.
+const SINGULAR_ROUND_OFF: f64 = 1e-3;
+const STAGNATES: f64 = 0.9;
 
 /// Reason of a path on which nothing moves.
 pub const NOTHING_MOVES: &str = "nothing moves with the load factor: no load, prescribed displacement, drive or prescribed strain changes with it, \
@@ -170,6 +174,7 @@ impl<S: TangentSolver> Newton<S> {
         self.begin_step();
         let failed = |reason: String| (Cause::Tangent, reason);
         let mixed = self.method == NewtonMethod::Mixed && !system.linear;
+        let mut before = f64::INFINITY;
         for number in 1..=tolerances.max_iterations {
             self.iterations = number;
             if observer.interrupted() {
@@ -209,7 +214,10 @@ impl<S: TangentSolver> Newton<S> {
                 energy / energy_scale.max(f64::MIN_POSITIVE),
                 size / scale.max(f64::MIN_POSITIVE),
             );
-            let small = energy <= tolerances.energy * energy_scale && size <= tolerances.increment * scale;
+            let without_energy = energy <= tolerances.energy * energy_scale;
+            let stagnates = size <= SINGULAR_ROUND_OFF * scale && size > STAGNATES * before;
+            before = size;
+            let small = without_energy && (size <= tolerances.increment * scale || stagnates);
             let rests = size <= larger(ROUND_OFF * scale, self.round_off);
             if (small || rests)
                 && self.violation(system, equation) <= larger(CLOSED, self.round_off).min(OPEN)
