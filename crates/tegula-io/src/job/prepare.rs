@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use tegula::analysis::Silent;
+use tegula::analysis::{Observer, Step};
 use tegula::compile::{
     Compiler, StepModel, check, imperfect_mesh, soft_folds, warnings, warnings_before_start,
 };
 use tegula::mesh::generators;
 use tegula::model::{
-    Analysis, BodyShape, Scheme, Sensor, StopCondition, TransientAnalysis, TriangulatedSurface,
+    Analysis, BodyShape, Imperfection, Scheme, Sensor, StopCondition, TransientAnalysis, TriangulatedSurface,
 };
 use tegula::result::Probe;
 use tegula::{Error, Issue, Mesh, Model, System};
@@ -17,12 +17,12 @@ use tegula::{Error, Issue, Mesh, Model, System};
 use super::{JobError, bodies, forces, history};
 use crate::deck::{Deck, Diagnostic};
 use crate::memory;
-use crate::mesh::{self, FileMesh, stl};
+use crate::mesh::{self, FileMesh, node_table, stl};
 use crate::out::fingerprint;
 
 /// A model file ready to run.
 pub struct Prepared {
-    /// The model, with the surfaces of its bodies.
+    /// The model, with the surfaces of its bodies and the tables of its imperfections.
     pub model: Arc<Model>,
     /// The mesh.
     pub mesh: Arc<Mesh>,
@@ -32,7 +32,7 @@ pub struct Prepared {
     pub probes: Vec<Probe>,
     /// Warnings: the model can be computed but is most likely not intended.
     pub warnings: Vec<Diagnostic>,
-    /// Fingerprint of the model file, of its mesh file and of the files of surfaces.
+    /// Fingerprint of the model file, of its mesh file, and of the files of surfaces and imperfections.
     pub fingerprint: u64,
 }
 
@@ -48,24 +48,40 @@ pub fn prepare(deck: &Deck) -> Result<Prepared, JobError> {
     let mut model = deck.model.clone();
     let mut issues = Vec::new();
     let surfaces = surfaces(deck, &mut model, &mut issues);
+    let displaced = displacements(deck, &mut model, &mut issues);
     let read = mesh(deck).map_err(|found| issues.extend(found));
     let (true, Ok((mesh, fingerprint))) = (issues.is_empty(), read) else {
         // Without a mesh the sets cannot be checked, but everything else can.
         issues.extend(check::keys(&model));
         return Err(located(issues));
     };
-    let fingerprint = surfaces.into_iter().fold(fingerprint, combined);
-    let mesh = match imperfect_mesh(&model, &mesh, &mut Silent) {
+    let fingerprint = surfaces.into_iter().chain(displaced).fold(fingerprint, combined);
+    let mut doubts = Doubts::default();
+    let mesh = match imperfect_mesh(&model, &mesh, &mut doubts) {
         Ok(imperfect) => imperfect.unwrap_or(mesh),
         Err(error) => return Err(located(of_imperfections(error))),
     };
     match compiled(&model, &mesh) {
         Ok((system, probes, warnings)) => {
-            let warnings = deck.locate(&[deck.warnings.clone(), warnings].concat());
+            let warnings = deck.locate(&[deck.warnings.clone(), doubts.0, warnings].concat());
             let (model, mesh) = (Arc::new(model), Arc::new(mesh));
             Ok(Prepared { model, mesh, system, probes, warnings, fingerprint })
         }
         Err(error) => Err(located(issues_of(error))),
+    }
+}
+
+/// Warnings of the buckling analysis whose modes are imperfections.
+#[derive(Default)]
+struct Doubts(Vec<Issue>);
+
+impl Observer for Doubts {
+    fn on_step(&mut self, _: &Step) -> tegula::Result<()> {
+        Ok(())
+    }
+
+    fn on_warning(&mut self, message: &str) {
+        self.0.push(Issue::new("imperfections", message, ""));
     }
 }
 
@@ -217,6 +233,22 @@ fn surfaces(deck: &Deck, model: &mut Model, issues: &mut Vec<Issue>) -> Vec<u64>
         if let Some((surface, print)) = of_file {
             shape.surface = Some(Arc::clone(surface));
             out.push(*print);
+        }
+    }
+    out
+}
+
+/// Reads the displacements of imperfections into the model; returns the fingerprints of their files.
+fn displacements(deck: &Deck, model: &mut Model, issues: &mut Vec<Issue>) -> Vec<u64> {
+    let mut out = Vec::new();
+    for (i, imperfection) in model.imperfections.iter_mut().enumerate() {
+        let Imperfection::File(keys) = imperfection else { continue };
+        match node_table::read(&deck.beside(&keys.file)) {
+            Ok((table, bytes)) => {
+                keys.displacements = Some(Arc::new(table));
+                out.push(fingerprint(&bytes));
+            }
+            Err(error) => issues.push(error.issue_at(format!("imperfections[{i}].file"))),
         }
     }
     out

@@ -1,5 +1,6 @@
 //! Readers of mesh files of other programs, which give a [`tegula::Mesh`], and of the surfaces of rigid bodies.
 
+pub mod node_table;
 pub mod stl;
 
 use std::fmt;

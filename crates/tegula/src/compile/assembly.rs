@@ -13,7 +13,7 @@ use super::closing::{Aim, Closing, Movable};
 use super::place::Place;
 use super::steps::StepModel;
 use crate::checker::Checker;
-use crate::constraint::joints::{End, RelativeAngle, SecondPlace, joint_at};
+use crate::constraint::joints::{End, NO_GAP, RelativeAngle, SecondPlace, joint_at};
 use crate::constraint::{Joint, Row};
 use crate::element::Nodal;
 use crate::model;
@@ -21,8 +21,6 @@ use crate::norm::larger;
 use crate::system::{ClosedGap, ClosedGaps, MovedBody, StepStart};
 use crate::{Issue, Mat3, Vec3};
 
-/// Gap over the size of the model (rad for angles) that is round-off.
-const NO_GAP: f64 = 1e-12;
 /// First and smallest part of the way from sides that meet to those of the model, along which joints are led.
 const WAY: [f64; 2] = [0.125, 1e-3];
 
@@ -133,7 +131,8 @@ impl Compiler<'_> {
             let next = f64::min(at + step, 1.0);
             let mut partly = joints.to_vec();
             for gap in gaps {
-                let sides = (gap.ends.clone(), End::Ground, SecondPlace::of(gap.keys.common(), next));
+                let sides =
+                    (gap.ends.clone(), End::Ground, SecondPlace::of(gap.keys.common(), next, self.length));
                 let Ok(made) = joint_at(&gap.keys, sides, self.length, (&[], None)) else { return };
                 let joint = &mut partly[gap.joint];
                 (joint.vectors, joint.rows) = (made.vectors, made.rows);

@@ -231,7 +231,7 @@ pub(super) fn joints(
             let amplitude = model.amplitudes.keys().position(|name| name == drive.amplitude)?;
             Some(Drive { amplitude, value: drive.value, offset: 0.0 })
         });
-        let second = SecondPlace::of(keys, 1.0).in_assembly(assembled);
+        let second = SecondPlace::of(keys, 1.0, length).in_assembly(assembled);
         match joint_at(data, (ends, carrier, second), length, (&out, drive)) {
             Ok(made) if made.vectors.is_empty() => {}
             Ok(made) => out.push(made),

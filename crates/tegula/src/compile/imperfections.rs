@@ -1,12 +1,16 @@
 //! Imperfections: the reference geometry of the mesh moved away from the nominal one, free of stress.
 
+use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use super::{Compiler, steps};
 use crate::analysis::{Observer, buckling};
 use crate::checker::Checker;
 use crate::mesh::{Mesh, Random};
-use crate::model::{Analysis, BucklingAnalysis, Imperfection, ModeImperfection, Model, RandomImperfection};
+use crate::model::{
+    Analysis, BucklingAnalysis, FileImperfection, Imperfection, ModeImperfection, Model, RandomImperfection,
+    WaveImperfection,
+};
 use crate::norm::larger;
 use crate::{Error, Result, Vec3};
 
@@ -32,11 +36,7 @@ pub fn imperfect_mesh(model: &Model, mesh: &Mesh, observer: &mut dyn Observer) -
         return Err(Error::Model(c.issues));
     }
     let mut displaced = vec![Vec3::zeros(); mesh.positions.len()];
-    let wanted = model.imperfections.iter().filter_map(|imperfection| match imperfection {
-        Imperfection::Mode(keys) => Some(keys.mode),
-        Imperfection::Random(_) => None,
-    });
-    let modes = match wanted.max() {
+    let modes = match wanted(model).max() {
         Some(number) => modes(model, mesh, number, observer)?,
         None => Vec::new(),
     };
@@ -53,6 +53,10 @@ pub fn imperfect_mesh(model: &Model, mesh: &Mesh, observer: &mut dyn Observer) -
                 add(&mut displaced, shape, *amplitude);
             }
             Imperfection::Random(keys) => add(&mut displaced, &random(mesh, keys), keys.amplitude),
+            Imperfection::Wave(keys) => add(&mut displaced, &wave(mesh, keys), keys.amplitude),
+            Imperfection::File(keys) => {
+                add(&mut displaced, &of_file(mesh, keys, &format!("imperfections[{i}].file"))?, keys.factor);
+            }
         }
     }
     Ok(Some(moved(mesh, &displaced)))
@@ -77,9 +81,33 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
                 );
                 keys.amplitude
             }
+            Imperfection::Wave(keys) => {
+                c.positive(&format!("{key}.wavelength"), "the wavelength", keys.wavelength);
+                c.finite(&format!("{key}.phase"), "the phase", &[keys.phase]);
+                c.finite(&format!("{key}.direction"), "the direction", &keys.direction);
+                c.not_zero(
+                    &format!("{key}.direction"),
+                    "the direction",
+                    Vec3::from(keys.direction).norm(),
+                    "give the direction in which the wave changes",
+                );
+                keys.amplitude
+            }
+            Imperfection::File(keys) => {
+                c.finite(&format!("{key}.factor"), "the factor", &[keys.factor]);
+                continue;
+            }
         };
         c.finite(&format!("{key}.amplitude"), "the amplitude", &[amplitude]);
     }
+}
+
+/// Numbers of the buckling modes that are imperfections.
+fn wanted(model: &Model) -> impl Iterator<Item = u32> + '_ {
+    model.imperfections.iter().filter_map(|imperfection| match imperfection {
+        Imperfection::Mode(keys) => Some(keys.mode),
+        _ => None,
+    })
 }
 
 fn add(field: &mut [Vec3], shape: &[Vec3], factor: f64) {
@@ -99,11 +127,7 @@ fn modes(model: &Model, mesh: &Mesh, number: u32, observer: &mut dyn Observer) -
     nominal.output = Default::default();
     let system = Compiler::new(&nominal, mesh)?.system(0, None)?;
     let found = buckling::run(&system, &options, observer)?;
-    let wanted = model.imperfections.iter().filter_map(|imperfection| match imperfection {
-        Imperfection::Mode(keys) => Some(keys.mode as usize),
-        Imperfection::Random(_) => None,
-    });
-    for mode in wanted {
+    for mode in wanted(model).map(|mode| mode as usize) {
         let own = found.modes.get(mode - 1).map_or(f64::NAN, |mode| mode.factor);
         let same = |other: usize| {
             let other = found.modes.get(other).map_or(f64::NAN, |mode| mode.factor);
@@ -141,6 +165,46 @@ fn random(mesh: &Mesh, keys: &RandomImperfection) -> Vec<Vec3> {
     normals(mesh).iter().zip(values).map(|(normal, x)| normal * (x * scale)).collect()
 }
 
+/// A plane wave of amplitude 1 along the normals.
+fn wave(mesh: &Mesh, keys: &WaveImperfection) -> Vec<Vec3> {
+    let along = Vec3::from(keys.direction).normalize() * (TAU / keys.wavelength);
+    let value = |x: &Vec3| (along.dot(x) + keys.phase.to_radians()).cos();
+    normals(mesh).iter().zip(&mesh.positions).map(|(normal, x)| normal * value(x)).collect()
+}
+
+/// Displacements of the nodes in a table.
+fn of_file(mesh: &Mesh, keys: &FileImperfection, key: &str) -> Result<Vec<Vec3>> {
+    let Some(table) = &keys.displacements else {
+        return Err(Error::model(
+            key,
+            format!("the table \"{}\" has not been read", keys.file),
+            "fill in `displacements`: the library opens no files",
+        ));
+    };
+    let nodes: HashMap<u64, usize> =
+        (0..mesh.positions.len()).map(|node| (mesh.node_label(node as u32), node)).collect();
+    let mut out = vec![Vec3::zeros(); mesh.positions.len()];
+    for row in table.iter() {
+        let Some(&node) = nodes.get(&row.node) else {
+            let help = if mesh.labels.is_some() {
+                "give the numbers of the mesh file".to_owned()
+            } else {
+                format!("the {} nodes of this mesh are counted from 0", mesh.positions.len())
+            };
+            return Err(Error::model(
+                key,
+                format!(
+                    "\"{}\" displaces node {}, and the mesh has no node of this number",
+                    keys.file, row.node
+                ),
+                help,
+            ));
+        };
+        out[node] = row.displacement.into();
+    }
+    Ok(out)
+}
+
 /// Uniform number in 0…1, without 0.
 fn uniform(numbers: &mut Random) -> f64 {
     0.5 * (1.0 - numbers.symmetric())
@@ -151,10 +215,13 @@ fn normal(numbers: &mut Random) -> f64 {
     (-2.0 * uniform(numbers).ln()).sqrt() * (TAU * uniform(numbers)).cos()
 }
 
-/// Mean unit normal of the facets at each node; zero where it has none.
+/// Mean unit normal of the surface at each node, or of the facets where that of the surface is not known; zero where there is none.
 fn normals(mesh: &Mesh) -> Vec<Vec3> {
     let mut out = vec![Vec3::zeros(); mesh.positions.len()];
-    for (quad, corners) in mesh.quads.iter().zip(mesh.facet_normals()) {
+    let facets = mesh.facet_normals();
+    let known = mesh.normals.as_ref();
+    for (i, (quad, corners)) in mesh.quads.iter().zip(&facets).enumerate() {
+        let corners = known.and_then(|known| known.get(i)).unwrap_or(corners);
         quad.iter().zip(corners).for_each(|(&node, normal)| out[node as usize] += normal);
     }
     out.iter().map(|normal| normal.try_normalize(0.0).unwrap_or_else(Vec3::zeros)).collect()

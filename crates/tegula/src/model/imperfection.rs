@@ -1,5 +1,7 @@
 //! Imperfections of the reference geometry.
 
+use std::sync::Arc;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +13,10 @@ pub enum Imperfection {
     Mode(ModeImperfection),
     /// Smooth random deviation along the normals.
     Random(RandomImperfection),
+    /// Plane wave along the normals.
+    Wave(WaveImperfection),
+    /// Displacements of nodes from a file.
+    File(FileImperfection),
 }
 
 /// Imperfection in the shape of a buckling mode.
@@ -39,6 +45,50 @@ pub struct RandomImperfection {
     pub seed: u64,
 }
 
+/// Plane wave a·cos(2π x·d/ℓ + φ) along the normals at the nodes x.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WaveImperfection {
+    /// Amplitude a (length); its sign chooses the side.
+    pub amplitude: f64,
+    /// Direction d in which the wave changes; of any length but zero.
+    pub direction: [f64; 3],
+    /// Wavelength ℓ (length).
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub wavelength: f64,
+    /// Phase φ at the origin (degrees).
+    #[serde(default)]
+    pub phase: f64,
+}
+
+/// Displacements of nodes, as they were measured or computed elsewhere.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FileImperfection {
+    /// Path of a table, relative to the model file: lines with the number of a node and its displacement, separated by commas, below an
+    /// optional line `node,x,y,z`. Nodes that are not in it stay where they are.
+    pub file: String,
+    /// Factor on all displacements.
+    #[serde(default = "one")]
+    pub factor: f64,
+    /// The table. The library opens no files: the caller reads it.
+    #[serde(skip)]
+    pub displacements: Option<Arc<Vec<NodeDisplacement>>>,
+}
+
+/// Displacement of a node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodeDisplacement {
+    /// Number of the node in the mesh file; nodes of generated meshes are counted from 0.
+    pub node: u64,
+    /// Displacement (length).
+    pub displacement: [f64; 3],
+}
+
 fn first() -> u32 {
     1
+}
+
+fn one() -> f64 {
+    1.0
 }

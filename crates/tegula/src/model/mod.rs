@@ -52,7 +52,9 @@ pub use element_kind::ElementKind;
 pub(crate) use element_kind::element_types;
 pub use foundation::{AreaFoundation, Foundation, FoundationOn};
 pub use gear_joint::GearJoint;
-pub use imperfection::{Imperfection, ModeImperfection, RandomImperfection};
+pub use imperfection::{
+    FileImperfection, Imperfection, ModeImperfection, NodeDisplacement, RandomImperfection, WaveImperfection,
+};
 pub(crate) use joint::joints;
 pub use joint::{
     AxisJoint, CoordinateJoint, DRIVE, DirectorJoint, DistanceJoint, DrivenAngleJoint, DrivenLengthJoint,

@@ -134,6 +134,64 @@ fn random_imperfections_are_smooth_and_normal_to_the_surface() {
     assert!((correlation(&a, &b) - 0.986).abs() < 0.01, "{}", correlation(&a, &b));
 }
 
+/// A wave along the axis of a cylinder is axisymmetric: its nodes stay in the planes of symmetry.
+#[test]
+fn waves_are_normal_to_the_surface() {
+    let mut m = column(1.0);
+    m.mesh = MeshSource::Cylinder(CylinderMesh {
+        center: [0.0; 3],
+        axis: [0.0, 1.0, 0.0],
+        start: [0.0, 0.0, 1.0],
+        radius: 2.0,
+        angles: [0.0, 90.0],
+        length: 2.0,
+        grid: Grid::uniform(9, 20),
+    });
+    let (amplitude, wavelength, phase) = (-1e-3, 0.7, 30.0_f64);
+    let wave = WaveImperfection { amplitude, direction: [0.0, 3.0, 0.0], wavelength, phase };
+    m.imperfections = vec![Imperfection::Wave(wave)];
+    let nominal = generate(&m.mesh).unwrap();
+    for (x, at) in bowed(&m).positions.iter().zip(&nominal.positions) {
+        let value = amplitude * (std::f64::consts::TAU * at.y / wavelength + phase.to_radians()).cos();
+        let expected = Vec3::new(at.x, 0.0, at.z) / 2.0 * value;
+        assert!((x - at - expected).norm() < 1e-15, "{x:?} {at:?}");
+    }
+}
+
+#[test]
+fn tables_displace_the_nodes_of_their_numbers() {
+    let mut m = column(1.0);
+    let table = [(3, [1e-3, 0.0, 2e-3]), (40, [0.0, -1e-3, 0.0])];
+    let rows = table.map(|(node, displacement)| NodeDisplacement { node, displacement });
+    let of = |displacements: Option<Vec<NodeDisplacement>>| {
+        let displacements = displacements.map(std::sync::Arc::new);
+        Imperfection::File(FileImperfection { file: "dents.csv".into(), factor: 2.0, displacements })
+    };
+    m.imperfections = vec![of(Some(rows.to_vec()))];
+    let nominal = generate(&m.mesh).unwrap();
+    let mut numbered = nominal.clone();
+    let nodes: Vec<u64> = (0..nominal.positions.len() as u64).rev().collect();
+    let last = nodes.len() - 1;
+    numbered.labels = Some(tegula::mesh::Labels { file: "a.msh".into(), nodes, quads: Vec::new() });
+    for (mesh, place) in [(&nominal, [3, 40]), (&numbered, [last - 3, last - 40])] {
+        let found = imperfect_mesh(&m, mesh, &mut Silent).unwrap().unwrap();
+        for (i, (x, at)) in found.positions.iter().zip(&nominal.positions).enumerate() {
+            let row = place.iter().position(|node| *node == i);
+            let expected = row.map_or(Vec3::zeros(), |row| Vec3::from(table[row].1) * 2.0);
+            assert!((x - at - expected).norm() < 1e-15, "{i}");
+        }
+    }
+    let unknown = NodeDisplacement { node: 1000, displacement: [0.0; 3] };
+    for (table, expected) in [(Some(vec![unknown]), "node 1000"), (None, "has not been read")] {
+        m.imperfections = vec![mode(1, 0.0), of(table)];
+        let Err(Error::Model(issues)) = imperfect_mesh(&m, &nominal, &mut Silent) else {
+            panic!("{expected}")
+        };
+        let text = issues[0].to_string();
+        assert!(text.contains("imperfections[1].file") && text.contains(expected), "{text}");
+    }
+}
+
 #[test]
 fn mistakes_in_imperfections_are_found() {
     let mut m = column(1.0);
@@ -147,6 +205,12 @@ fn mistakes_in_imperfections_are_found() {
     refused(vec![mode(1, f64::NAN)], "imperfections[0].amplitude");
     let rough = RandomImperfection { amplitude: 1.0, correlation_length: 0.0, seed: 0 };
     refused(vec![mode(1, 1.0), Imperfection::Random(rough)], "imperfections[1].correlation_length");
+    let wave = WaveImperfection { amplitude: 1.0, direction: [0.0; 3], wavelength: -1.0, phase: f64::NAN };
+    for key in ["direction", "wavelength", "phase"] {
+        refused(vec![Imperfection::Wave(wave.clone())], &format!("imperfections[0].{key}"));
+    }
+    let file = FileImperfection { file: String::new(), factor: f64::INFINITY, displacements: None };
+    refused(vec![Imperfection::File(file)], "imperfections[0].factor");
 }
 
 /// The second mode of a square plate under equal compression along both sides is one of two.

@@ -23,7 +23,7 @@ pub(crate) use coordinate::{Coordinate, check_law};
 pub use directors::Lack;
 use lock::Held;
 pub use lock::lock;
-pub(crate) use sides::SecondPlace;
+pub(crate) use sides::{NO_GAP, SecondPlace};
 
 /// Largest change of a relative angle in a step (rad); a longer step is cut back. Near π the turn would be lost.
 pub const LARGEST_TURN: f64 = 2.5;
@@ -414,7 +414,7 @@ pub fn joint(
     length: f64,
     (others, drive): (&[Joint], Option<Drive>),
 ) -> Result<Joint, Lack> {
-    let second = SecondPlace::of(joint.common(), 1.0);
+    let second = SecondPlace::of(joint.common(), 1.0, length);
     joint_at(joint, (ends, carrier, second), length, (others, drive))
 }
 

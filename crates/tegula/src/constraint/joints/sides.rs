@@ -11,6 +11,9 @@ use crate::element::geometry::tangents;
 use crate::model::JointKeys;
 use crate::{Mat3, Vec3};
 
+/// Distance of the sides of a joint over the size of the model, and angle between them (rad), that are round-off.
+pub(crate) const NO_GAP: f64 = 1e-12;
+
 /// Cosine of the angle between two directions above −1, below which the rotation between them has no axis of its own.
 const OPPOSITE: f64 = 1e-12;
 
@@ -34,11 +37,16 @@ impl SecondPlace {
         Self { rotation: Mat3::identity(), first: Vec3::zeros(), second: Vec3::zeros(), one_way: false }
     }
 
-    /// Place of a joint on its second side, of which it has gone this part of the way from that on the first one.
-    pub fn of(keys: &dyn JointKeys, part: f64) -> Self {
+    /// Place of a joint on its second side, of which it has gone this part of the way from that on the first one, in a model of this size. Sides
+    /// apart by round-off meet.
+    pub fn of(keys: &dyn JointKeys, part: f64, length: f64) -> Self {
         let given = keys.second_side();
         let first = keys.points().first().map_or_else(Vec3::zeros, |(_, x)| Vec3::from(*x));
-        let second = given.at.map_or(first, Vec3::from);
+        let second = given
+            .at
+            .map(Vec3::from)
+            .filter(|second| (second - first).norm() > NO_GAP * length)
+            .unwrap_or(first);
         let axes = keys.directions().first().map(|(_, a)| Vec3::from(*a)).zip(given.axis.map(Vec3::from));
         let rotation = axes.map_or_else(Mat3::identity, |(a, b)| rotation_between(&a, &b, part));
         Self { rotation, first, second: first + (second - first) * part, one_way: given.is_given() }
@@ -67,7 +75,7 @@ fn rotation_between(from: &Vec3, to: &Vec3, part: f64) -> Mat3 {
     let (a, b) = (from.normalize(), to.normalize());
     let across = a.cross(&b);
     let (sine, cosine) = (across.norm(), a.dot(&b));
-    if sine == 0.0 && cosine > 0.0 {
+    if sine <= NO_GAP && cosine > 0.0 {
         return Mat3::identity();
     }
     let axis = if cosine < OPPOSITE - 1.0 { tangents(&a)[0] } else { across / sine };
