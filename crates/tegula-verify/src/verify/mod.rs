@@ -62,6 +62,7 @@ cases! {
     patch,
     benchmarks,
     paths,
+    imperfect_cylinder,
     inside,
     follower_loads,
     macneal_beams,
