@@ -8,7 +8,9 @@
 //! Steps end at limit points, at load factors that are wanted, and at the end of the path. There is nothing but the state between two
 //! steps, so that a run can be resumed anywhere.
 
-use super::critical_points::{Curve, Found, INVERSE_ITERATIONS, Trial, bifurcations};
+mod inside_step;
+
+use super::critical_points::{Found, bifurcations};
 use super::series::{Series, is_flat, roots};
 use super::start::in_equilibrium;
 use super::state::{ArcStart, CriticalKind, CriticalPoint, PathState, ended_early, not_continued};
@@ -46,10 +48,6 @@ const SMOOTH: f64 = 0.1;
 const TURN: f64 = 0.7;
 /// Halvings of a step after which the path is given up.
 const MOST_HALVINGS: u32 = 24;
-/// Change of the load factor over it that still separates a point from the limit point.
-const AT_LIMIT: f64 = 1e-10;
-/// Largest number of trials for a limit point.
-const MOST_TRIALS: usize = 30;
 /// Length of the first step on a crossing path over the distance at which it is looked for first.
 const ON_BRANCH: f64 = 10.0;
 /// Displacement under the load at the end of the path, by the tangent at its start, that is round-off.
@@ -60,6 +58,8 @@ const IN_PLACE: usize = 3;
 const SAME_PLACE: f64 = 1e-6;
 /// Distance of two load factors, over the size of the larger, below which they are one.
 const SAME_LOAD: f64 = 1e-12;
+
+use inside_step::{Known, PathCurve};
 
 /// A path of arc-length steps between two of its points.
 pub struct ArcLengthSteps<'a> {
@@ -181,23 +181,24 @@ impl<'a> ArcLengthSteps<'a> {
         observer: &mut dyn Observer,
     ) -> std::result::Result<End, String> {
         self.go_back();
-        let iterations = self.correct(tangent, a, observer)?;
+        let origin = self.state.u.clone();
+        let plane = Plane { origin: &origin, normal: &tangent.direction, distance: a };
+        let iterations = self.correct((tangent, a), &plane, observer)?;
         self.end_at(a, tangent, iterations)
     }
 
-    /// Moves the equation along a direction, and corrects on the plane across it at this distance. Returns the number of iterations.
+    /// Moves the equation along a direction by a length, and corrects on a plane. Returns the number of iterations.
     fn correct(
         &mut self,
-        tangent: &PathTangent,
-        distance: f64,
+        (tangent, length): (&PathTangent, f64),
+        plane: &Plane,
         observer: &mut dyn Observer,
     ) -> std::result::Result<u32, String> {
         let Self { newton, system, state, equation, response, statistics, .. } = self;
-        let (history, origin) = (state.history.as_slice(), equation.u.clone());
-        newton.predict(system, (&mut *equation, history), tangent, distance);
-        let plane = Plane { origin: &origin, normal: &tangent.direction, distance };
+        let history = state.history.as_slice();
+        newton.predict(system, (&mut *equation, history), tangent, length);
         let at = (&mut *equation, history);
-        let solved = newton.solve_on_plane(system, at, (&plane, response), &TOLERANCES, observer);
+        let solved = newton.solve_on_plane(system, at, (plane, response), &TOLERANCES, observer);
         statistics.iterations += u64::from(solved.as_ref().map_or_else(|failed| failed.iterations, |n| *n));
         solved.map_err(|failed| failed.reason)
     }
@@ -244,9 +245,11 @@ impl<'a> ArcLengthSteps<'a> {
         }
         let mut critical = Vec::new();
         let limit = limits.first().copied().unwrap_or(f64::INFINITY);
+        let mut known = None;
         let mut first = self.wanted(&loads, limit.min(length));
         if first.is_none() && limits.len() == 1 {
-            let found = self.locate_limit(arc, &end, limit, observer)?;
+            let inside = known.insert(Known::new(self, arc, &end));
+            let found = self.locate_limit(inside, limit, observer)?;
             let loads = self.loads(arc, &found);
             first = self.wanted(&loads, found.a);
             end = found;
@@ -271,14 +274,15 @@ impl<'a> ArcLengthSteps<'a> {
         } else if unexplained != 0 {
             let limits: Vec<(f64, i32)> = critical.iter().map(|f| (f.a, f.point.change)).collect();
             let (start, a) = (self.state.negative_pivots, end.a);
-            let mut curve = PathCurve { steps: self, tangent: &arc.tangent, observer };
+            let known = known.get_or_insert_with(|| Known::new(self, arc, &end));
+            let mut curve = PathCurve { steps: self, known, observer };
             let found = bifurcations(&mut curve, a, (start, unexplained), &limits)?;
             critical.extend(found);
             critical.sort_by(|p, q| p.a.total_cmp(&q.a));
             self.gets_away(&critical)?;
             if let Some((at, mode)) = self.switched(&critical) {
                 critical.retain(|found| found.a <= at);
-                let end = self.onto_branch(arc, (at, mode), observer)?;
+                let end = self.onto_branch(known, (at, mode), observer)?;
                 return Ok(Outcome { end, critical, length: (ON_BRANCH * branch::FIRST).min(planned) });
             }
         }
@@ -373,57 +377,6 @@ impl<'a> ArcLengthSteps<'a> {
         self.end_at(a, &arc.tangent, near.iterations)
     }
 
-    /// Limit point of a step by the secant of the derivative of the load factor, kept in a bracket, from a first estimate.
-    fn locate_limit(
-        &mut self,
-        arc: &ArcStart,
-        end: &End,
-        estimate: f64,
-        observer: &mut dyn Observer,
-    ) -> std::result::Result<End, String> {
-        let rises = arc.tangent.load > 0.0;
-        let (mut low, mut high) = ((0.0, arc.tangent.load), (end.a, end.tangent.load));
-        let (mut at, mut before) = (estimate, None::<(f64, f64)>);
-        for _ in 0..MOST_TRIALS {
-            let found = self.equilibrium_at(&arc.tangent, at, observer)?;
-            let here = (at, found.tangent.load);
-            let other = before.unwrap_or(if (here.1 > 0.0) == rises { high } else { low });
-            let slope = (here.1 - other.1) / (here.0 - other.0);
-            let rest = 0.5 * here.1 * here.1 / slope.abs();
-            if rest <= AT_LIMIT * found.equation.time.abs() {
-                return Ok(found);
-            }
-            if (here.1 > 0.0) == rises {
-                low = here
-            } else {
-                high = here
-            }
-            let secant = at - here.1 / slope;
-            before = Some(here);
-            at = if secant > low.0 && secant < high.0 { secant } else { 0.5 * (low.0 + high.0) };
-        }
-        Err("the limit point in the step was not located".into())
-    }
-
-    /// Limit point at the end of a step, behind which the step is taken to end.
-    fn limit_point(&self, arc: &ArcStart, end: &mut End) -> Found {
-        let change = if arc.tangent.load * end.tangent.work > 0.0 { 1 } else { -1 };
-        if (end.tangent.load > 0.0) == (arc.tangent.load > 0.0) {
-            // The pivots are those before the point.
-            end.negative = (end.negative as i32 + change).max(0) as usize;
-            end.tangent.load = -end.tangent.load;
-        }
-        let point = CriticalPoint {
-            kind: CriticalKind::Limit,
-            load: end.equation.time,
-            position: 0.0,
-            change,
-            u: end.equation.u.clone(),
-            mode: end.tangent.direction.clone(),
-        };
-        Found { a: end.a, point }
-    }
-
     /// Refuses a path that meets critical points at one load factor again and again: it does not get away from a bifurcation.
     fn gets_away(&self, critical: &[Found]) -> std::result::Result<(), String> {
         let Some(point) = critical.last().map(|found| &found.point) else { return Ok(()) };
@@ -447,16 +400,17 @@ impl<'a> ArcLengthSteps<'a> {
     /// Equilibrium on the path that crosses at a bifurcation, on the side of its mode.
     fn onto_branch(
         &mut self,
-        arc: &ArcStart,
+        known: &Known,
         (a, mode): (f64, Vec<Nodal>),
         observer: &mut dyn Observer,
     ) -> std::result::Result<End, String> {
-        let at = self.equilibrium_at(&arc.tangent, a, observer)?;
+        let at = self.equilibrium_near(known, a, observer)?;
         let tangent = PathTangent { direction: mode, ..PathTangent::default() };
         let (mut distance, mut passed) = (branch::FIRST, None);
         for _ in 0..branch::HALVINGS {
             self.equation.clone_from(&at.equation);
-            let solved = self.correct(&tangent, distance, observer);
+            let plane = Plane { origin: &at.equation.u, normal: &tangent.direction, distance };
+            let solved = self.correct((&tangent, distance), &plane, observer);
             if let Ok(iterations) = solved {
                 let loads = [at.equation.time, self.equation.time];
                 passed = branch::wanted_between(self.system, self.options.end_load, loads);
@@ -507,24 +461,6 @@ impl<'a> ArcLengthSteps<'a> {
             path.finished = true;
             ended_early(&self.state, options, observer);
         }
-    }
-}
-
-/// Path of arc-length steps from the last equilibrium on, along a direction.
-struct PathCurve<'s, 'a, 'o> {
-    steps: &'s mut ArcLengthSteps<'a>,
-    tangent: &'s PathTangent,
-    observer: &'o mut dyn Observer,
-}
-
-impl Curve for PathCurve<'_, '_, '_> {
-    fn trial(&mut self, a: f64) -> std::result::Result<Trial, String> {
-        let End { equation, negative, .. } = self.steps.equilibrium_at(self.tangent, a, self.observer)?;
-        let ArcLengthSteps { newton, system, response, .. } = &mut *self.steps;
-        let mut softest = newton.eigenvalue_next_to_zero(system, &equation, INVERSE_ITERATIONS)?;
-        system.orient(&mut softest.1);
-        let work = response.relative_work(system, &softest.1);
-        Ok(Trial { u: equation.u, load: equation.time, negative, softest, work })
     }
 }
 

@@ -184,7 +184,17 @@ impl Search<'_> {
         for number in 0..MOST_TRIALS {
             let middle = 0.5 * (low + high);
             let a = secant(&known).filter(|a| number % 4 != 3 && *a > low && *a < high).unwrap_or(middle);
-            let trial = self.curve.trial(a)?;
+            let trial = match self.curve.trial(a) {
+                Ok(trial) => trial,
+                Err(reason) => {
+                    // Next to the point an equilibrium may be lost in round-off.
+                    let near = |(_, best): &(f64, Trial)| best.softest.0.abs() <= JUMP * largest_of(&known);
+                    if best.as_ref().is_some_and(near) {
+                        break;
+                    }
+                    return Err(reason);
+                }
+            };
             let explained: i32 = self.limits.iter().filter(|(at, _)| *at < a).map(|(_, change)| change).sum();
             let count = trial.negative as i32 - self.start as i32 - explained;
             if count != counts[0] && count != counts[1] {
