@@ -17,6 +17,10 @@
 //! multipliers are those of minimum norm, found anew in every iteration, not from those of the step before: these lead off the
 //! branch. Constraints that contradict each other cannot be satisfied, which [`violation`](Constraints::violation) finds. A
 //! constraint that was left out and stays open is taken back for the rest of the step.
+//!
+//! **Critical points.** S is singular, too, where the tangent of the constrained motion is: with `S y = 0` the field `K⁻¹Gᵀy` satisfies the
+//! constraints, and nothing balances it. It vanishes where the constraints y depend on each other, and is the mode of a critical point
+//! where they do not. Equilibrium paths [tell both apart](Constraints::pass_critical_points).
 
 mod complete_pivoting;
 mod compliance;
@@ -40,6 +44,9 @@ const READMITTED: f64 = 1e-3;
 
 /// Eigenvalue of the scaled Schur complement over the largest one that is round-off of a dependent constraint.
 const ROUNDING: f64 = 1e-10;
+
+/// Field of dependent constraints over those of its single ones, below which it vanishes.
+const NO_MODE: f64 = 1e-6;
 
 /// Number of products with a gradient that are summed together.
 const LANES: usize = 4;
@@ -79,6 +86,8 @@ pub(super) struct Constraints {
     right: Vec<f64>,
     /// Largest violation at the last test of a step.
     violation: f64,
+    /// Whether critical points are told from dependent constraints.
+    critical: bool,
     /// Components and field of a projection.
     free: Vec<f64>,
     field: Vec<Nodal>,
@@ -105,10 +114,16 @@ impl Constraints {
             change: vec![0.0; m],
             right: vec![0.0; m],
             violation: f64::INFINITY,
+            critical: false,
             free: vec![0.0; n],
             field: vec![[0.0; 3]; system.vectors()],
             end_frames: system.frames.clone(),
         })
+    }
+
+    /// Tells critical points of the constrained motion from dependent constraints: these are left out, those are not.
+    pub fn pass_critical_points(&mut self) {
+        self.critical = true;
     }
 
     /// Begins a step: the rank is decided anew.
@@ -160,7 +175,28 @@ impl Constraints {
         }
         self.laws.separate(&mut self.schur.matrix);
         self.schur.factor();
+        if self.critical {
+            self.admit_independent(system);
+        }
         Ok(())
+    }
+
+    /// Counts constraints as independent whose common response does not vanish.
+    fn admit_independent(&mut self, system: &System) {
+        let n = self.free.len();
+        while self.schur.first_null_vector(&mut self.right).is_some() {
+            self.free.fill(0.0);
+            let mut size = 0.0;
+            for (y, response) in self.right.iter().zip(self.responses.chunks(n)).filter(|(y, _)| **y != 0.0) {
+                self.free.iter_mut().zip(response).for_each(|(x, z)| *x += y * z);
+                self.end_frames.expand(response, &mut self.field);
+                size += y.abs() * system.norm(&self.field);
+            }
+            self.end_frames.expand(&self.free, &mut self.field);
+            if !(system.norm(&self.field) > NO_MODE * size && self.schur.factor.admit_next()) {
+                break;
+            }
+        }
     }
 
     /// Changes the increment `x = K⁻¹ R` to that of the constrained motion; the change of the multipliers is kept.
@@ -567,6 +603,13 @@ impl Schur {
             *x = b / s;
         }
     }
+    /// Coefficients of constraints that depend on each other, or nearly so; `None` where none do.
+    fn first_null_vector(&self, out: &mut [f64]) -> Option<()> {
+        self.factor.first_null_vector(out)?;
+        out.iter_mut().zip(&self.scale).for_each(|(y, scale)| *y /= scale);
+        Some(())
+    }
+
     /// Number of constraints that follow from others.
     pub fn dependent(&self) -> usize {
         self.factor.dependent().len()

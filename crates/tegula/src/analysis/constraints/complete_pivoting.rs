@@ -158,6 +158,27 @@ impl CompletePivoting {
         cholesky(&mut self.gram, k);
     }
 
+    /// Coefficients of all columns with which those of the pivots and the first dependent one nearly vanish; `None` at full rank.
+    pub fn first_null_vector(&self, out: &mut [f64]) -> Option<()> {
+        let (r, k) = (self.rank, self.n - self.rank);
+        out.fill(0.0);
+        out[*self.columns.get(r)?] = 1.0;
+        for (row, &column) in self.null.chunks_exact(k).zip(&self.columns[..r]) {
+            out[column] = -row[0];
+        }
+        Some(())
+    }
+
+    /// Counts the largest pivot that is left out, too. Returns whether there is one.
+    pub fn admit_next(&mut self) -> bool {
+        let pivot = |i: usize| self.factors[i * self.stride + i].abs();
+        let next = if self.rank < self.n { pivot(self.rank) } else { 0.0 };
+        if next > 0.0 {
+            self.decide_rank(0.5 * next / pivot(0));
+        }
+        next > 0.0
+    }
+
     /// Numbers of the rows that do not depend on others.
     pub fn independent(&self) -> &[usize] {
         &self.rows[..self.rank]

@@ -108,6 +108,9 @@ impl<'a> ArcLengthSteps<'a> {
         let mut newton = Newton::new(system, None)?;
         let mut state = start.filter(|state| state.path.is_some()).unwrap_or_else(|| first_state(system));
         newton.restore(system, &state, true);
+        if let Some(constraints) = &mut newton.constraints {
+            constraints.pass_critical_points();
+        }
         if state.step == 0 && system.continues() {
             state.energy_scale = statics::energies(system, &mut newton.assembly, &state).strain;
             state.displacement_scale = system.norm(&state.u);
