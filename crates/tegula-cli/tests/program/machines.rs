@@ -308,12 +308,8 @@ fn the_drive_of_the_flapping_wing_needs_the_moment_of_a_rigid_wing() {
 
 /// The fold is a cylinder of the curvature κ but for its free edges. There the surface deviates from it by w with
 /// D w'''' + E t κ² w = 0, w''' = 0 and w'' = −(1/R + ν κ): a beam on an elastic foundation that is bent at both ends.
-#[test]
-fn the_fold_of_the_tape_spring_grows_under_a_constant_moment() {
-    let column = history_of("tape_spring.toml");
-    let (time, strain, height) = (column("time"), column("strain"), column("middle.uz"));
-    let (left, right) = (column("joint.drive left.my"), column("joint.drive right.my"));
-    let (young, nu, t, radius, angle) = (131e9, 0.3_f64, 1e-4_f64, 0.015, 80_f64.to_radians());
+fn moments_of_fold(angle: f64) -> [f64; 2] {
+    let (young, nu, t, radius, angle) = (131e9, 0.3_f64, 1e-4_f64, 0.015, angle.to_radians());
     let stiffness = young * t.powi(3) / (12.0 * (1.0 - nu * nu));
     let cylinder = (1.0 + nu) * stiffness * angle;
     let width = radius * angle;
@@ -327,6 +323,15 @@ fn the_fold_of_the_tape_spring_grows_under_a_constant_moment() {
     };
     let curvatures = (0..400).map(|i| (0.8 + 0.001 * f64::from(i)) / radius);
     let curled = -curvatures.map(|k| -energy(k) / k).fold(f64::NEG_INFINITY, larger);
+    [cylinder, curled]
+}
+
+#[test]
+fn the_fold_of_the_tape_spring_grows_under_a_constant_moment() {
+    let column = history_of("tape_spring.toml");
+    let (time, strain, height) = (column("time"), column("strain"), column("middle.uz"));
+    let (left, right) = (column("joint.drive left.my"), column("joint.drive right.my"));
+    let [cylinder, curled] = moments_of_fold(80.0);
     assert!((cylinder - 0.02178).abs() < 1e-5 && (curled - 0.02043).abs() < 1e-5, "{cylinder} {curled}");
 
     // Work and angle of both ways. The viscosity of the material adds to the moment on the first what it subtracts on the second.
@@ -351,6 +356,37 @@ fn the_fold_of_the_tape_spring_grows_under_a_constant_moment() {
     assert!(most(&left) > 5.0 * mean, "{}", most(&left));
     assert!(*strain.last().unwrap() < 1e-3 * most(&strain), "{strain:?}");
     assert!(height.last().unwrap().abs() < 1e-5, "{height:?}");
+}
+
+/// Mean moment over the fold's growth, from 60° to 160° between both ends; the first angle at which the tape snaps, and the last one of the way back.
+#[test]
+fn the_path_of_the_tape_spring_has_a_snap_and_a_plateau() {
+    let column = history_of("tape_spring_path.toml");
+    let (turn, moment, unstable) =
+        (column("time"), column("joint.drive.my"), column("path.negative_eigenvalues"));
+    let [cylinder, curled] = moments_of_fold(120.0);
+    assert!((cylinder - 0.03266).abs() < 1e-5, "{cylinder}");
+    let plateau: Vec<usize> = (1..turn.len()).filter(|&i| turn[i - 1] > 0.25 && turn[i] < 0.9).collect();
+    let way: f64 = plateau.iter().map(|&i| turn[i] - turn[i - 1]).sum();
+    let work: f64 =
+        plateau.iter().map(|&i| 0.5 * (moment[i] + moment[i - 1]) * (turn[i] - turn[i - 1])).sum();
+    let mean = work / way;
+    assert!(
+        way > 0.4 && (mean / cylinder - 1.0).abs() < 0.02 && (mean / curled - 1.0).abs() < 0.04,
+        "{mean} {curled}"
+    );
+    assert!(plateau.iter().all(|&i| (moment[i] / mean - 1.0).abs() < 0.04 && unstable[i] == 0.0));
+    let largest = moment.iter().copied().fold(0.0, larger);
+    assert!((largest / cylinder - 24.0).abs() < 0.5, "{}", largest / cylinder);
+    // It snaps where the angle turns back first, and out of the fold where it is least behind that.
+    let first = (1..turn.len()).find(|&i| turn[i] < turn[i - 1]).unwrap() - 1;
+    let least = turn[first..].iter().copied().min_by(f64::total_cmp).unwrap();
+    assert!(
+        (180.0 * turn[first] - 6.8).abs() < 0.05 && (180.0 * least - 3.4).abs() < 0.05,
+        "{} {least}",
+        turn[first]
+    );
+    assert!(*turn.last().unwrap() == 1.0 && unstable[first + 1] >= 1.0);
 }
 
 /// Half a leaf is a cantilever of linear width. Its natural curvature is that of the force at its end, so the weight makes it flat.

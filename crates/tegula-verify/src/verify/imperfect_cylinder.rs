@@ -185,7 +185,8 @@ fn imperfect_cylinder(report: &mut Report) -> Result<()> {
     }
     report.element("ems");
     let Some(path) = report.picture("imperfect_cylinder.png") else { return Ok(()) };
-    let curve = |f: fn(f64) -> f64| (0..=100).map(|i| 0.0022 * f64::from(i)).map(|mu| (mu, f(mu))).collect();
+    let curve =
+        |f: fn(f64) -> f64| (0..=100).map(|i| 2.2e-5 * f64::from(i * i)).map(|mu| (mu, f(mu))).collect();
     let series =
         |name: &str, points: Vec<(f64, f64)>, style: Style| Series { name: name.into(), points, style };
     let plot = LinePlot {

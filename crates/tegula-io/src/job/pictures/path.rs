@@ -44,10 +44,10 @@ pub(super) fn load_displacement(
             series.push(Series { name, points, style });
         }
         for point in recorder.summary.critical_points.iter().flatten() {
-            let at = rows.iter().find(|row| row.get(position).is_some_and(|p| *p == point.position));
             let places = critical.iter_mut().find(|(kind, _)| *kind == point.kind);
-            if let (Some(row), Some((_, places))) = (at, places) {
-                places.push((row[column] - start, point.load_factor));
+            if let (Some(x), Some((_, places))) = (value_at(rows, [position, column], point.position), places)
+            {
+                places.push((x - start, point.load_factor));
             }
         }
     }
@@ -66,6 +66,15 @@ pub(super) fn load_displacement(
         ..LinePlot::default()
     };
     lines(&recorder.folder.file("load_displacement.png"), &plot)
+}
+
+/// Value of a column at a position of the path, by the rows on both sides: bifurcations lie inside arc-length steps.
+fn value_at(rows: &[Vec<f64>], [position, column]: [usize; 2], at: f64) -> Option<f64> {
+    let behind = rows.iter().position(|row| row.get(position).is_some_and(|p| *p >= at))?;
+    let (next, last) = (rows.get(behind)?, rows.get(behind.saturating_sub(1))?);
+    let (from, to) = (last[position], next[position]);
+    let part = if to > from { (at - from) / (to - from) } else { 1.0 };
+    Some(last[column] + part * (next[column] - last[column]))
 }
 
 /// Columns of the places of bodies that move, with their names and values at the start.
@@ -104,6 +113,14 @@ fn runs(points: &[(f64, f64)], unstable: impl Fn(usize) -> bool) -> Vec<(bool, V
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn values_between_rows_are_interpolated() {
+        let rows = vec![vec![0.0, 5.0], vec![1.0, 7.0], vec![3.0, 6.0]];
+        let at = |position: f64| value_at(&rows, [0, 1], position);
+        assert_eq!([at(0.0), at(1.0), at(2.0), at(3.0)], [Some(5.0), Some(7.0), Some(6.5), Some(6.0)]);
+        assert_eq!(at(3.1), None);
+    }
 
     #[test]
     fn pieces_share_the_points_between_them() {

@@ -77,7 +77,9 @@ fn kink(system: &System) -> Option<String> {
         |i: &usize| system.amplitudes.get(*i).is_some_and(|function| !function.kinks().is_empty());
     let amplitude = system.amplitudes_in_use().map(|(i, _)| i).find(has_kinks)?;
     let name = system.amplitude_name(amplitude);
-    Some(format!("the amplitude \"{name}\" has kinks, where the path would change its direction"))
+    Some(format!(
+        "the amplitude \"{name}\" has kinks, where the path would change its direction; a formula such as `expression = \"t\"` has none"
+    ))
 }
 
 /// Load factors up to the end of a path at which the slope of amplitudes is looked at.
