@@ -13,8 +13,10 @@ mod inside_step;
 use super::critical_points::{Found, bifurcations};
 use super::series::{Series, is_flat, roots};
 use super::start::in_equilibrium;
-use super::state::{ArcStart, CriticalKind, CriticalPoint, PathState, ended_early, not_continued};
-use super::{branch, first_state};
+use super::state::{
+    ArcStart, CriticalKind, CriticalPoint, ExpansionPoint, PathState, ended_early, not_continued,
+};
+use super::{SeriesSteps, branch, first_state};
 use crate::analysis::newton::{LoadResponse, NOTHING_MOVES, Newton, PathTangent, Plane, Tolerances};
 use crate::analysis::solver::TangentSolver as _;
 use crate::analysis::statics::{self, StaticEquation, equilibrium_step, reactions};
@@ -73,6 +75,8 @@ pub struct ArcLengthSteps<'a> {
     equation: StaticEquation,
     balance: Balance,
     statistics: Statistics,
+    /// Factorisations of the power series before.
+    earlier: u64,
     /// Path parameter at which the next step ends at the latest.
     limit: f64,
     /// Reactions at the last equilibrium; empty where no motion is prescribed.
@@ -126,12 +130,38 @@ impl<'a> ArcLengthSteps<'a> {
             },
             response: LoadResponse::new(system),
             force: vec![[0.0; 3]; system.vectors()],
+            earlier: 0,
             limit: f64::INFINITY,
             newton,
             system,
             options,
             state,
         })
+    }
+
+    /// Path behind the last piece of power series that lead no further, from the point where the next one was begun.
+    ///
+    /// # Errors
+    /// There is not enough memory, or the tangent has no factor.
+    pub fn behind(series: &SeriesSteps<'a>, end: &ExpansionPoint) -> Result<Self> {
+        let (system, options, state, statistics, limit) = series.parts();
+        let state = State { u: end.u.clone(), time: end.load, ..state.clone() };
+        let mut steps = Self::new(system, options, Some(state))?;
+        steps.go_back();
+        let Self { newton, state, equation, response, .. } = &mut steps;
+        let at = (&mut *equation, state.history.as_slice());
+        let (tangent, _) = newton
+            .path_tangent(system, at, Some(&end.direction), response)
+            .map_err(|reason| not_continued(state, &reason))?;
+        if let Some(path) = &mut state.path {
+            let on_branch = ON_BRANCH * branch::FIRST;
+            let length = if end.expected > 0.0 { end.expected.min(FIRST_LENGTH) } else { on_branch };
+            path.arc = Some(ArcStart { tangent, length });
+            path.expansion.clone_from(end);
+        }
+        steps.statistics = *statistics;
+        (steps.earlier, steps.limit) = (statistics.factorizations, limit);
+        Ok(steps)
     }
 
     fn path(&self) -> Option<&PathState> {
@@ -491,7 +521,7 @@ impl Stepper for ArcLengthSteps<'_> {
         for halving in 0.. {
             let length = planned.min(self.limit - self.position());
             let outcome = self.find_step(&arc, [length, planned], observer);
-            self.statistics.factorizations = self.newton.solver.tangents() as u64;
+            self.statistics.factorizations = self.earlier + self.newton.solver.tangents() as u64;
             self.statistics.linear_iterations = self.newton.linear_iterations();
             match outcome {
                 Ok(outcome) => {

@@ -8,9 +8,11 @@
 //! polynomial: reported points, wanted load factors, limit points and the end of the path are evaluated from it.
 //!
 //! **Arc-length method.** Of models whose equilibrium is no polynomial, with joints, bodies, beams, inextensible directors, nonlinear
-//! materials or follower loads, Newton's method finds the next equilibrium on a plane across the path, with the load factor as an unknown.
+//! materials or follower loads, Newton's method finds the next equilibrium on a plane across the path, with the load factor as an unknown. It
+//! goes on, too, where power series lead no further, unless these are asked for.
 
 mod arc_length;
+mod automatic;
 mod branch;
 mod critical_points;
 mod expansion;
@@ -31,6 +33,7 @@ use crate::error::Issue;
 use crate::model::{PathAnalysis, PathMethod};
 use crate::system::{Procedure, System};
 use crate::{Error, Result};
+use automatic::AutomaticSteps;
 
 /// Outcome of a path.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,7 +100,16 @@ pub fn steps<'a>(
     system.require(&[Procedure::Path])?;
     let (method, why) = scope::method(system, options).map_err(|issue| Error::Model(vec![issue]))?;
     let steps: Box<dyn Stepper + 'a> = match method {
-        PathMethod::Series => Box::new(SeriesSteps::new(system, options, start)?),
+        PathMethod::Series if options.method.is_some() => Box::new(SeriesSteps::new(system, options, start)?),
+        PathMethod::Series => {
+            let by_arc_length =
+                start.as_ref().and_then(|state| state.path.as_ref()).is_some_and(|path| path.arc.is_some());
+            Box::new(if by_arc_length {
+                AutomaticSteps::ArcLength(Box::new(ArcLengthSteps::new(system, options, start)?))
+            } else {
+                AutomaticSteps::Series(Box::new(SeriesSteps::new(system, options, start)?))
+            })
+        }
         PathMethod::ArcLength => Box::new(ArcLengthSteps::new(system, options, start)?),
     };
     Ok((steps, why))

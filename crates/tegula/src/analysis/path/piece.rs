@@ -42,6 +42,11 @@ impl Start {
         let directions = expansion.directions(system, &point.u, point.load)?;
         Ok(Self { point, directions, negative })
     }
+
+    /// The expansion point.
+    pub fn point(&self) -> &ExpansionPoint {
+        &self.point
+    }
 }
 
 /// Piece of a path.

@@ -3,7 +3,7 @@
 use super::expansion::Expansion;
 use super::piece::{Piece, Start};
 use super::start::in_equilibrium;
-use super::state::{PathState, ended_early, not_continued};
+use super::state::{ExpansionPoint, PathState, ended_early, not_continued};
 use super::{first_state, scope};
 use crate::analysis::statics::{self, reactions};
 use crate::analysis::stepper::Reached;
@@ -21,6 +21,8 @@ pub struct SeriesSteps<'a> {
     expansion: Expansion,
     /// Present piece; `None` before the first one, and in a run that is resumed.
     piece: Option<Piece>,
+    /// Where the last piece was begun.
+    begun: Option<ExpansionPoint>,
     state: State,
     balance: Balance,
     statistics: Statistics,
@@ -46,6 +48,7 @@ impl<'a> SeriesSteps<'a> {
             trial: state.u.clone(),
             limit: f64::INFINITY,
             piece: None,
+            begun: None,
             system,
             options,
             expansion,
@@ -54,34 +57,42 @@ impl<'a> SeriesSteps<'a> {
     }
 
     /// Makes sure that the present piece leads on from the state.
-    fn provide_piece(&mut self) -> Result<()> {
+    ///
+    /// # Errors
+    /// There is no piece that leads on; the text gives the reason.
+    pub(super) fn provide_piece(&mut self) -> std::result::Result<(), String> {
         let Some(path) = self.path() else { return Ok(()) };
         let (position, recorded) = (path.position, path.expansion.clone());
         if position == 0.0 && self.piece.is_none() {
-            in_equilibrium(self.system, self.expansion.assembly(), &self.state, 0.0)
-                .map_err(|reason| self.error(&reason))?;
+            in_equilibrium(self.system, self.expansion.assembly(), &self.state, 0.0)?;
         }
         while !self.piece.as_ref().is_some_and(|piece| piece.leads_on_from(position)) {
             let goes_on = self.piece.as_mut().filter(|piece| position == piece.end_position());
             let start = match goes_on.and_then(Piece::next_start) {
                 Some(start) => start,
                 // The piece of a run that is resumed or repeated is found anew; the state may be the end of it.
-                None => Start::new(self.system, &mut self.expansion, recorded.clone())
-                    .map_err(|reason| self.error(&reason))?,
+                None => Start::new(self.system, &mut self.expansion, recorded.clone())?,
             };
+            self.begun = Some(start.point().clone());
             self.piece = Some(self.find_piece(start)?);
         }
         Ok(())
     }
 
-    fn find_piece(&mut self, start: Start) -> Result<Piece> {
+    fn find_piece(&mut self, start: Start) -> std::result::Result<Piece, String> {
         let piece = Piece::new(self.system, &mut self.expansion, start, self.options);
         self.statistics.factorizations = self.expansion.factorizations();
-        piece.map_err(|reason| self.error(&reason))
+        piece
     }
 
-    fn error(&self, reason: &str) -> Error {
-        not_continued(&self.state, reason)
+    /// Point from which no piece led on: at the end of the last piece, or on the path that crosses there.
+    pub(super) fn end_of_series(&self) -> Option<&ExpansionPoint> {
+        self.begun.as_ref().filter(|point| point.position == self.position() && !point.direction.is_empty())
+    }
+
+    /// System, options, state, run counters, and the position at which the next step ends at the latest.
+    pub(super) fn parts(&self) -> (&'a System, &'a PathAnalysis, &State, &Statistics, f64) {
+        (self.system, self.options, &self.state, &self.statistics, self.limit)
     }
 
     fn path(&self) -> Option<&PathState> {
@@ -133,7 +144,7 @@ impl Stepper for SeriesSteps<'_> {
         if observer.interrupted() {
             return Err(Error::Interrupted);
         }
-        self.provide_piece()?;
+        self.provide_piece().map_err(|reason| not_continued(&self.state, &reason))?;
         let Some(piece) = &self.piece else { return Ok(0) };
         let next = piece.next_point(self.position(), self.limit);
         piece.series().displacements(next, &mut self.trial);
