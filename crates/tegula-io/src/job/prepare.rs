@@ -56,14 +56,14 @@ pub fn prepare(deck: &Deck) -> Result<Prepared, JobError> {
         return Err(located(issues));
     };
     let fingerprint = surfaces.into_iter().chain(displaced).fold(fingerprint, combined);
-    let mut doubts = Doubts::default();
-    let mesh = match imperfect_mesh(&model, &mesh, &mut doubts) {
+    let mut of_imperfections = Warnings::default();
+    let mesh = match imperfect_mesh(&model, &mesh, &mut of_imperfections) {
         Ok(imperfect) => imperfect.unwrap_or(mesh),
-        Err(error) => return Err(located(of_imperfections(error))),
+        Err(error) => return Err(located(imperfections_failed(error))),
     };
     match compiled(&model, &mesh) {
         Ok((system, probes, warnings)) => {
-            let warnings = deck.locate(&[deck.warnings.clone(), doubts.0, warnings].concat());
+            let warnings = deck.locate(&[deck.warnings.clone(), of_imperfections.0, warnings].concat());
             let (model, mesh) = (Arc::new(model), Arc::new(mesh));
             Ok(Prepared { model, mesh, system, probes, warnings, fingerprint })
         }
@@ -73,9 +73,9 @@ pub fn prepare(deck: &Deck) -> Result<Prepared, JobError> {
 
 /// Warnings of the buckling analysis whose modes are imperfections.
 #[derive(Default)]
-struct Doubts(Vec<Issue>);
+struct Warnings(Vec<Issue>);
 
-impl Observer for Doubts {
+impl Observer for Warnings {
     fn on_step(&mut self, _: &Step) -> tegula::Result<()> {
         Ok(())
     }
@@ -86,7 +86,7 @@ impl Observer for Doubts {
 }
 
 /// Issues of the buckling analysis whose modes are imperfections.
-fn of_imperfections(error: Error) -> Vec<Issue> {
+fn imperfections_failed(error: Error) -> Vec<Issue> {
     match error {
         Error::Model(issues) => issues,
         error => vec![Issue::new(

@@ -33,8 +33,8 @@ const YOUNG: f64 = 1.0;
 const POISSON: f64 = 0.3;
 const RADIUS: f64 = 1.0;
 const THICKNESS: f64 = 0.01;
-/// Waves of the imperfection along the axis, and the angle of half a wave of the buckles around it (degrees), nine of which are nearest to square
-/// buckles.
+/// Waves of the imperfection along the axis, and the angle of half a wave of the buckles around it (degrees): of whole numbers of waves nine make the
+/// buckles most nearly square.
 const WAVES: f64 = 2.0;
 const WEDGE: f64 = 20.0;
 const ELEMENTS: [u32; 2] = [18, 40];

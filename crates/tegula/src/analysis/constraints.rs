@@ -25,6 +25,7 @@
 mod complete_pivoting;
 mod compliance;
 mod laws;
+mod schur;
 
 use super::State;
 use super::solver::TangentSolver;
@@ -34,19 +35,15 @@ use crate::constraint::{CoordinateState, DriveValue, Joint, Row};
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::system::evaluation_point::current_vector;
 use crate::system::{EvaluationPoint, LocalFrames, System};
-use complete_pivoting::CompletePivoting;
 use laws::Laws;
-
-/// Pivot of the scaled Schur complement over the largest one, below which constraints count as dependent; and its decrease
-/// where one of these constraints stays open.
-const DEPENDENT: f64 = 1e-4;
-const READMITTED: f64 = 1e-3;
+pub(super) use schur::Schur;
 
 /// Eigenvalue of the scaled Schur complement over the largest one that is round-off of a dependent constraint.
 const ROUNDING: f64 = 1e-10;
 
-/// Field of dependent constraints over those of its single ones, below which it vanishes.
-const NO_MODE: f64 = 1e-6;
+/// Square of the size of a common response over that of the single ones, over its energy over theirs, above which it is a mode. Where
+/// constraints nearly depend on each other both are small.
+const MODE: f64 = 10.0;
 
 /// Number of products with a gradient that are summed together.
 const LANES: usize = 4;
@@ -129,14 +126,12 @@ impl Constraints {
     /// Begins a step: the rank is decided anew.
     pub fn begin_step(&mut self) {
         self.violation = f64::INFINITY;
-        if self.schur.cut < DEPENDENT {
-            self.schur.set_cut(DEPENDENT);
-        }
+        self.schur.reset_cut();
     }
 
     /// Takes constraints back that were left out as dependent, but stay open.
     pub fn readmit(&mut self) {
-        self.schur.set_cut(READMITTED * self.schur.cut);
+        self.schur.readmit();
     }
 
     /// Takes the tangent that `solver` has factored, at an evaluation point whose local frames are `frames`.
@@ -181,10 +176,11 @@ impl Constraints {
         Ok(())
     }
 
-    /// Counts constraints as independent whose common response does not vanish.
+    /// Counts constraints as independent whose common response is a mode: its energy `yᵀ S y` is negative, or small for its size. A mode whose pivot is
+    /// round-off is not told from dependent constraints.
     fn admit_independent(&mut self, system: &System) {
         let n = self.free.len();
-        while self.schur.first_null_vector(&mut self.right).is_some() {
+        while let Some(pivot) = self.schur.first_null_vector(&mut self.right) {
             self.free.fill(0.0);
             let mut size = 0.0;
             for (y, response) in self.right.iter().zip(self.responses.chunks(n)).filter(|(y, _)| **y != 0.0) {
@@ -193,9 +189,11 @@ impl Constraints {
                 size += y.abs() * system.norm(&self.field);
             }
             self.end_frames.expand(&self.free, &mut self.field);
-            if !(system.norm(&self.field) > NO_MODE * size && self.schur.factor.admit_next()) {
+            let relative = system.norm(&self.field) / size;
+            if !(pivot.abs() > ROUNDING && relative * relative > MODE * pivot) {
                 break;
             }
+            self.schur.admit_next();
         }
     }
 
@@ -324,7 +322,7 @@ impl Constraints {
 
     /// A free degree of freedom of each constraint that does not follow from others at the last tangent.
     pub fn independent(&self) -> impl Iterator<Item = u32> {
-        let independent = self.schur.factor.independent().iter();
+        let independent = self.schur.independent().iter();
         independent.filter_map(|&row| self.ends[row].first().map(|(number, _)| *number))
     }
 
@@ -553,79 +551,4 @@ fn products(gradient: &Gradient, fields: &[f64], n: usize, out: &mut [f64]) {
 
 pub(super) fn product(gradient: &Gradient, x: &[f64]) -> f64 {
     gradient.iter().map(|&(n, g)| g * x[n as usize]).sum()
-}
-
-/// Schur complement S with its factor.
-pub(super) struct Schur {
-    /// S by rows, scaled where it is factored.
-    pub matrix: Vec<f64>,
-    /// Square roots of the diagonal: rows and columns are scaled by their inverse.
-    scale: Vec<f64>,
-    factor: CompletePivoting,
-    /// Pivot over the largest one, below which constraints count as dependent.
-    cut: f64,
-}
-
-impl Schur {
-    pub fn new(m: usize) -> Self {
-        Self {
-            matrix: vec![0.0; m * m],
-            scale: vec![1.0; m],
-            factor: CompletePivoting::new(m),
-            cut: DEPENDENT,
-        }
-    }
-
-    pub fn factor(&mut self) {
-        let m = self.scale.len();
-        for (i, scale) in self.scale.iter_mut().enumerate() {
-            let diagonal = self.matrix[i * m + i].abs().sqrt();
-            *scale = if diagonal > 0.0 { diagonal } else { 1.0 };
-        }
-        for (row, a) in self.matrix.chunks_mut(m).zip(&self.scale) {
-            row.iter_mut().zip(&self.scale).for_each(|(x, b)| *x /= a * b);
-        }
-        self.factor.factor(&self.matrix);
-        self.factor.decide_rank(self.cut);
-    }
-
-    fn set_cut(&mut self, cut: f64) {
-        self.cut = cut;
-        self.factor.decide_rank(cut);
-    }
-
-    /// Solves `S x = b`, where b becomes scratch space. Where the rank falls, `x + old` has minimum norm.
-    pub fn solve(&mut self, b: &mut [f64], old: &[f64], x: &mut [f64]) {
-        let scale = &self.scale;
-        b.iter_mut().zip(scale).for_each(|(b, s)| *b /= s);
-        self.factor.solve(b, |i| old.get(i).map_or(0.0, |x| x * scale[i]));
-        for ((x, b), s) in x.iter_mut().zip(&*b).zip(scale) {
-            *x = b / s;
-        }
-    }
-    /// Coefficients of constraints that depend on each other, or nearly so; `None` where none do.
-    fn first_null_vector(&self, out: &mut [f64]) -> Option<()> {
-        self.factor.first_null_vector(out)?;
-        out.iter_mut().zip(&self.scale).for_each(|(y, scale)| *y /= scale);
-        Some(())
-    }
-
-    /// Number of constraints that follow from others.
-    pub fn dependent(&self) -> usize {
-        self.factor.dependent().len()
-    }
-
-    /// Messages about joints with constraints that are redundant in the last factor.
-    pub fn redundant<'a>(&'a self, system: &'a System) -> impl Iterator<Item = String> + 'a {
-        let dependent = self.factor.dependent();
-        let count =
-            move |joint: &Joint| dependent.iter().filter(|row| joint.multipliers().contains(*row)).count();
-        let counted = system.joints.iter().map(move |joint| (&joint.name, count(joint)));
-        counted.filter(|(_, count)| *count > 0).map(|(name, count)| {
-            format!(
-                "joint \"{name}\": {count} of its constraints follow from those of other joints and supports; its reactions \
-                 are not unique, and those of minimum norm are computed"
-            )
-        })
-    }
 }

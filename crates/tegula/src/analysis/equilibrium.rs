@@ -7,7 +7,7 @@
 use super::State;
 use super::constraints::{Schur, gradients_at, product};
 use crate::Result;
-use crate::constraint::Row;
+use crate::constraint::{Quantity, Row};
 use crate::element::{Nodal, TangentWeights};
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::system::dof_map::{CONSTRAINED, DofMap};
@@ -78,8 +78,9 @@ pub(super) fn assemble_tangent(
     assembly.add_body_curvature(system, &k, &parts.weights, (false, loads));
 }
 
-/// Weight of the augmented Lagrangian of joints: mean stiffness of the degrees of freedom at a state. It does not change the
-/// solution, but lets the tangent of parts that joints alone hold have a factor.
+/// Weight of the augmented Lagrangian of joints (force/length): mean stiffness of the free positions at a state, else that with which springs
+/// resist displacements of joints by rotations, else one of the loads. It does not change the solution, but lets the tangent of parts that
+/// joints alone hold have a factor.
 pub(super) fn penalty(system: &System, assembly: &mut Assembly, state: &State) -> f64 {
     if system.joints.is_empty() {
         return 0.0;
@@ -115,14 +116,15 @@ fn diagonal(system: &System, assembly: &Assembly, number: u32) -> f64 {
     assembly.values[system.pattern.column_pointers[number as usize]].abs()
 }
 
-/// Mean stiffness with which bodies that springs hold against rotations alone resist displacements of their joints; `None` without such
-/// bodies. It depends on the arms of the joints: beside a stiffness over the size of the model, which may be that of the bodies' inertia,
-/// constraints of short arms would look dependent.
+/// Stiffness with which bodies that springs hold against rotations alone resist displacements of their joints; `None` without such bodies:
+/// the harmonic mean of `1/Σ gᵢ²/kᵢ` over the constraints of positions, with the entries g of their gradients for rotations and the
+/// diagonal k of the tangent. The arms of the joints decide. A mean rotational stiffness over the square of the size of the model would be too
+/// small beside short arms, and their constraints would look dependent.
 fn stiffness_of_rotations(system: &System, assembly: &Assembly, state: &State) -> Option<f64> {
     let rotations: BTreeSet<u32> = unknowns_of(system, system.dofs(), VectorKind::Director).collect();
     let gradients = gradients_at(system, &assembly.frames, state);
     let rows = system.joints.iter().flat_map(|joint| joint.multipliers().zip(&joint.rows));
-    let of_places = rows.filter(|(_, row)| row.size == system.length);
+    let of_places = rows.filter(|(_, row)| row.keeps == Quantity::Position);
     let compliance = |(i, _): (usize, &Row)| {
         let of_entry = |(number, g): &(u32, f64)| {
             let stiffness =
@@ -134,12 +136,15 @@ fn stiffness_of_rotations(system: &System, assembly: &Assembly, state: &State) -
     let found: Vec<f64> = of_places.map(compliance).filter(|compliance| *compliance > 0.0).collect();
     let stiffnesses: Vec<f64> =
         rotations.iter().map(|number| diagonal(system, assembly, *number)).filter(|k| *k > 0.0).collect();
-    if found.is_empty() || stiffnesses.is_empty() {
+    if stiffnesses.is_empty() {
         return None;
     }
-    // Of joints in mass centres the arms are round-off.
     let mean = stiffnesses.iter().sum::<f64>() / stiffnesses.len() as f64;
     let over_size = mean / (system.length * system.length);
+    if found.is_empty() {
+        return Some(over_size);
+    }
+    // Of joints in mass centres the arms are round-off.
     Some((found.len() as f64 / found.iter().sum::<f64>()).clamp(over_size, SHORT_ARMS * over_size))
 }
 

@@ -1,7 +1,8 @@
 //! Free motions of mechanisms: the null space of their joints, described by bodies and axes.
 //!
 //! A velocity of the degrees of freedom is a free motion where it keeps all joints closed, `G v = 0`, and nothing else resists it,
-//! `K v = 0` for the stiffness K of springs and elastic parts. The null space is that of the singular values which are round-off; a basis
+//! `K v = 0` for the stiffness K of springs and elastic parts. The null space is that of the singular values which are round-off, without
+//! motions that have a strain energy above the round-off of its terms, as the bending of thin shells has; a basis
 //! in which each motion moves few bodies follows by elimination with complete pivoting.
 
 use nalgebra::DMatrix;
@@ -18,6 +19,8 @@ use tegula_sparse::norm::larger;
 const MOST: usize = 600;
 /// Singular value over the largest one that is round-off.
 const ROUND_OFF: f64 = 1e-9;
+/// Strain energy over the sum of its absolute terms that is round-off.
+const NO_ENERGY: f64 = 1e-13;
 /// Part of a motion, over the largest one, that is round-off.
 const NOTHING: f64 = 1e-7;
 
@@ -40,7 +43,8 @@ pub(super) fn free_motions(system: &System, state: &State, number: Option<usize>
             row
         })
         .collect();
-    rows.extend(stiffness_rows(system, state, frames));
+    let stiffness = stiffness_rows(system, state, frames);
+    rows.extend(stiffness.iter().map(|(_, row)| row.clone()));
     for row in &mut rows {
         row.iter_mut().zip(&lengths).for_each(|(x, length)| *x *= length);
         let size = row.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -55,8 +59,14 @@ pub(super) fn free_motions(system: &System, state: &State, number: Option<usize>
     let Some(right) = svd.v_t else { return Vec::new() };
     let mut free: Vec<usize> = (0..n).collect();
     free.sort_by(|&i, &j| svd.singular_values[i].total_cmp(&svd.singular_values[j]));
-    let round_off = |i: &usize| svd.singular_values[*i] <= ROUND_OFF * largest;
-    free.truncate(number.unwrap_or_else(|| free.iter().filter(|i| round_off(i)).count()));
+    let is_free = |i: &usize| {
+        let motion: Vec<f64> = (0..n).map(|j| right[(*i, j)] * lengths[j]).collect();
+        svd.singular_values[*i] <= ROUND_OFF * largest && !has_energy(&stiffness, &motion)
+    };
+    match number {
+        Some(number) => free.truncate(number),
+        None => free.retain(is_free),
+    }
     let mut basis = DMatrix::from_fn(n, free.len(), |i, j| right[(free[j], i)]);
     eliminate(&mut basis);
     let describe_column = |column: usize| {
@@ -81,8 +91,21 @@ fn lengths(system: &System) -> Vec<f64> {
     out
 }
 
-/// Rows of the material stiffness of springs and elastic parts that are not joints.
-fn stiffness_rows(system: &System, state: &State, frames: &LocalFrames) -> Vec<Vec<f64>> {
+/// Whether a motion strains springs or elastic parts of this stiffness.
+fn has_energy(stiffness: &[(usize, Vec<f64>)], motion: &[f64]) -> bool {
+    let (mut energy, mut size) = (0.0, 0.0);
+    for (i, row) in stiffness {
+        for (k, x) in row.iter().zip(motion) {
+            let term = motion[*i] * k * x;
+            energy += term;
+            size += term.abs();
+        }
+    }
+    energy > NO_ENERGY * size
+}
+
+/// Rows of the material stiffness of springs and elastic parts that are not joints, with their numbers; those that are zero are left out.
+fn stiffness_rows(system: &System, state: &State, frames: &LocalFrames) -> Vec<(usize, Vec<f64>)> {
     let n = system.unknowns();
     let (factors, point): (Vec<f64>, _) = (system.factors(state.time).collect(), state.point(system));
     let mut out = vec![vec![0.0; n]; n];
@@ -109,8 +132,7 @@ fn stiffness_rows(system: &System, state: &State, frames: &LocalFrames) -> Vec<V
             }
         }
     }
-    out.retain(|row| row.iter().any(|x| *x != 0.0));
-    out
+    out.into_iter().enumerate().filter(|(_, row)| row.iter().any(|x| *x != 0.0)).collect()
 }
 
 /// Adds a block of the stiffness to rows of the degrees of freedom.

@@ -16,6 +16,8 @@ use crate::{Error, Result, Vec3};
 
 /// Relative difference of the load factors of modes that are not told apart.
 const MULTIPLE: f64 = 1e-6;
+/// Largest displacement of the mesh over that of the model in a mode that moves other parts.
+const ELSEWHERE: f64 = 1e-3;
 /// Number of waves of a random field.
 const WAVES: usize = 400;
 
@@ -35,6 +37,13 @@ pub fn imperfect_mesh(model: &Model, mesh: &Mesh, observer: &mut dyn Observer) -
     if !c.issues.is_empty() {
         return Err(Error::Model(c.issues));
     }
+    if mesh.quads.is_empty() {
+        return Err(Error::model(
+            "imperfections",
+            "the model has no mesh that imperfections could displace: beams and bodies keep their places",
+            "leave them out, and let side loads or initial stresses disturb the beams; or model them as shells",
+        ));
+    }
     let mut displaced = vec![Vec3::zeros(); mesh.positions.len()];
     let modes = match wanted(model).max() {
         Some(number) => modes(model, mesh, number, observer)?,
@@ -50,7 +59,18 @@ pub fn imperfect_mesh(model: &Model, mesh: &Mesh, observer: &mut dyn Observer) -
                         "name one of them",
                     ));
                 };
-                add(&mut displaced, shape, *amplitude);
+                // The mode may move beams most, which are not displaced.
+                let largest = shape.iter().map(|u| u.norm()).fold(0.0, larger);
+                if !(largest > ELSEWHERE) {
+                    return Err(Error::model(
+                        format!("imperfections[{i}].mode"),
+                        format!(
+                            "buckling mode {mode} hardly moves the mesh: it moves beams or bodies, which imperfections do not displace"
+                        ),
+                        "name a mode of the mesh, or model the beams as shells",
+                    ));
+                }
+                add(&mut displaced, shape, *amplitude / largest);
             }
             Imperfection::Random(keys) => add(&mut displaced, &random(mesh, keys), keys.amplitude),
             Imperfection::Wave(keys) => add(&mut displaced, &wave(mesh, keys), keys.amplitude),

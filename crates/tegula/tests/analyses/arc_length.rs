@@ -163,19 +163,55 @@ fn a_column_of_two_rigid_bars_leaves_its_line_on_either_side() {
     assert!((sides[0] + sides[1]).abs() < 1e-9 && sides[0] > 0.3, "{sides:?}");
 }
 
+/// A clamped strip of length 10 and width 1 under its Euler load at load factor 1, and this load.
+fn strip(n: u32, element: ElementKind, h: f64, young: f64, options: &PathAnalysis) -> (Model, f64) {
+    let length = 10.0;
+    let euler = PI.powi(2) * young * h.powi(3) / 12.0 / (4.0 * length * length);
+    let mut strip = model(plate([length, 1.0], [n, 1], 0.0), young, h);
+    if let Some(Material::Isotropic(material)) = strip.materials.values_mut().next() {
+        material.poisson = 0.0;
+    }
+    strip.sections[0].element = element;
+    strip.loads = vec![Load::Edge(vector_load("u_max", [-euler, 0.0, 0.0]))];
+    strip.analysis = Analysis::Path(options.clone());
+    (strip, euler)
+}
+
+/// The coefficients of the series of a very thin strip are round-off next to its bifurcation.
+#[test]
+fn the_arc_length_method_goes_on_where_series_lead_no_further() {
+    let options = PathAnalysis { end_load: 1.5, switch_at: vec![1], ..Default::default() };
+    let (mut m, _) = strip(16, ElementKind::Ems, 0.003, 1e7, &options);
+    let (system, outcome, record) = run(&m);
+    let changes: Vec<&String> =
+        record.events.iter().filter(|event| event.contains("power series lead no further")).collect();
+    assert_eq!(changes.len(), 1, "{:?}", record.events);
+    let found = critical(&outcome);
+    assert!(found.len() == 1 && found[0].kind == CriticalKind::Bifurcation, "{found:?}");
+    assert_eq!(outcome.state.time, 1.5);
+    // The deflection of the end, which the mode moves up.
+    let end = |state: &State| state.u.iter().map(|u| u[2]).fold(0.0, tegula::norm::larger) / 10.0;
+    assert!((elastica(end(&outcome.state)) / 1.5 - 1.0).abs() < 1e-2, "{}", elastica(end(&outcome.state)));
+    // Resumed on either side of the change.
+    let Analysis::Path(options) = &m.analysis else { unreachable!() };
+    for state in record.states.iter().rev().step_by(4) {
+        let again = path::run(&system, options, Some(state.clone()), &mut Record::default()).unwrap();
+        assert!((end(&again.state) / end(&outcome.state) - 1.0).abs() < 1e-9);
+    }
+    // Wanted series end with an error.
+    if let Analysis::Path(options) = &mut m.analysis {
+        options.method = Some(PathMethod::Series);
+    }
+    let Analysis::Path(options) = &m.analysis else { unreachable!() };
+    assert!(path::run(&system, options, None, &mut Record::default()).is_err());
+}
+
 /// Post-buckling of a strip of elements with inextensible directors, and of a beam, L/h = 200.
 #[test]
 fn buckled_strips_and_beams_are_elasticas() {
     let (length, h, young) = (10.0, 0.05_f64, 1e7);
-    let euler = PI.powi(2) * young * h.powi(3) / 12.0 / (4.0 * length * length);
     let options = PathAnalysis { end_load: 1.5, switch_at: vec![1], ..Default::default() };
-    let mut strip = model(plate([length, 1.0], [64, 1], 0.0), young, h);
-    if let Some(Material::Isotropic(material)) = strip.materials.values_mut().next() {
-        material.poisson = 0.0;
-    }
-    strip.sections[0].element = ElementKind::Mitc4;
-    strip.loads = vec![Load::Edge(vector_load("u_max", [-euler, 0.0, 0.0]))];
-    strip.analysis = Analysis::Path(options.clone());
+    let (strip, euler) = strip(64, ElementKind::Mitc4, h, young, &options);
     let section = BeamSection::Rectangle(RectangularSection { size: [h, 1.0] });
     let ends = [[0.0; 3], [length, 0.0, 0.0]];
     let beam = Beam {

@@ -547,8 +547,10 @@ fn the_first_step_is_assembled_with_its_own_joints() {
 fn sides_apart_by_round_off_meet() {
     let motion = |apart: f64| {
         let rod = body("rod", [0.5, 0.0, 0.0], 2.0, Some(INERTIA));
-        let joint = ball("joint", "rod", "ground", [0.0; 3], [apart, 0.0, -apart]);
-        let mut m = machine(1.0, 0.1, vec![rod], vec![joint]);
+        let mut keys = axis_joint("joint", "rod", "ground", [0.0; 3], Z);
+        keys.second_at = Some([apart, 0.0, -apart]);
+        keys.second_axis = Some([0.0, apart, 1.0]);
+        let mut m = machine(1.0, 0.1, vec![rod], vec![Joint::Revolute(keys.into())]);
         m.loads = gravity([0.0, -9.81, 0.0]);
         let (system, state) = run(&m, &mut Silent);
         assert!(system.closed_gaps.is_none(), "{apart:e}");

@@ -213,6 +213,19 @@ fn mistakes_in_imperfections_are_found() {
     refused(vec![Imperfection::File(file)], "imperfections[0].factor");
 }
 
+/// Beams are not displaced.
+#[test]
+fn imperfections_without_a_mesh_are_refused() {
+    let section = BeamSection::Rectangle(RectangularSection { size: [0.01, 0.1] });
+    let ends = [[0.0; 3], [1.0, 0.0, 0.0]];
+    let mut m = Model::of_bodies(column(1.0).analysis, Vec::new(), Vec::new());
+    m.beams = vec![Beam::straight("beam", ends, 4, [0.0, 0.0, 1.0], section)];
+    let wave = WaveImperfection { amplitude: 1e-3, direction: [1.0, 0.0, 0.0], wavelength: 1.0, phase: 0.0 };
+    m.imperfections = vec![Imperfection::Wave(wave)];
+    let Err(error) = imperfect_mesh(&m, &generate(&m.mesh).unwrap(), &mut Silent) else { panic!() };
+    assert!(error.to_string().contains("no mesh"), "{error}");
+}
+
 /// The second mode of a square plate under equal compression along both sides is one of two.
 #[test]
 fn imperfections_in_the_shape_of_a_multiple_mode_are_doubted() {

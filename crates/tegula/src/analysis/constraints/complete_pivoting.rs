@@ -125,15 +125,16 @@ impl CompletePivoting {
 
     /// Counts the pivots above a share `cut` of the first one as the rank, and prepares solutions of minimum norm.
     pub fn decide_rank(&mut self, cut: f64) {
-        Arch::new().dispatch(|| self.prepare_null_space(cut));
+        let pivot = |i: usize| self.factors[i * self.stride + i].abs();
+        // Pivots that are no numbers count: the solution then is none either.
+        let rank = (0..self.n).take_while(|&i| !(pivot(i) <= cut * pivot(0))).count();
+        Arch::new().dispatch(|| self.prepare_null_space(rank));
     }
 
     #[inline(always)]
-    fn prepare_null_space(&mut self, cut: f64) {
+    fn prepare_null_space(&mut self, rank: usize) {
         let (n, stride) = (self.n, self.stride);
-        let pivot = |i: usize| self.factors[i * stride + i].abs();
-        // Pivots that are no numbers count: the solution then is none either.
-        self.rank = (0..n).take_while(|&i| !(pivot(i) <= cut * pivot(0))).count();
+        self.rank = rank;
         let (r, k) = (self.rank, n - self.rank);
         self.null.clear();
         self.null.resize(r * k, 0.0);
@@ -158,25 +159,22 @@ impl CompletePivoting {
         cholesky(&mut self.gram, k);
     }
 
-    /// Coefficients of all columns with which those of the pivots and the first dependent one nearly vanish; `None` at full rank.
-    pub fn first_null_vector(&self, out: &mut [f64]) -> Option<()> {
+    /// Pivot over the first one of the first dependent column, and the coefficients x of this column and those of the pivots for which all
+    /// entries of `A x` vanish but that of the pivot: with it left out, a right null vector. `None` at full rank.
+    pub fn first_null_vector(&self, x: &mut [f64]) -> Option<f64> {
         let (r, k) = (self.rank, self.n - self.rank);
-        out.fill(0.0);
-        out[*self.columns.get(r)?] = 1.0;
+        x.fill(0.0);
+        x[*self.columns.get(r)?] = 1.0;
         for (row, &column) in self.null.chunks_exact(k).zip(&self.columns[..r]) {
-            out[column] = -row[0];
+            x[column] = -row[0];
         }
-        Some(())
+        Some(self.factors[r * self.stride + r] / self.factors[0])
     }
 
-    /// Counts the largest pivot that is left out, too. Returns whether there is one.
-    pub fn admit_next(&mut self) -> bool {
-        let pivot = |i: usize| self.factors[i * self.stride + i].abs();
-        let next = if self.rank < self.n { pivot(self.rank) } else { 0.0 };
-        if next > 0.0 {
-            self.decide_rank(0.5 * next / pivot(0));
-        }
-        next > 0.0
+    /// Counts the first pivot that is left out, too.
+    pub fn admit_next(&mut self) {
+        let rank = (self.rank + 1).min(self.n);
+        Arch::new().dispatch(|| self.prepare_null_space(rank));
     }
 
     /// Numbers of the rows that do not depend on others.
@@ -319,6 +317,28 @@ mod tests {
         factors.factor(a.transpose().as_slice());
         factors.decide_rank(1e-9);
         factors
+    }
+
+    #[test]
+    fn null_vectors_belong_to_the_first_dependent_column() {
+        let a = matrix(9, 7);
+        let mut factors = factored(&a);
+        let mut x = vec![0.0; 9];
+        for rank in [7, 8] {
+            let pivot = factors.first_null_vector(&mut x).unwrap();
+            assert!(pivot.abs() < 1e-13);
+            let residual = (&a * DVector::from_column_slice(&x)).norm();
+            assert!(residual < 1e-12 * a.norm() && factors.dependent().len() == 9 - rank, "{residual}");
+            factors.admit_next();
+        }
+        assert!(factors.first_null_vector(&mut x).is_none());
+        // A pivot that is left out keeps its share of the product.
+        let nearly = DMatrix::from_diagonal(&DVector::from_vec(vec![4.0, 1e-6, 2.0]));
+        factors = CompletePivoting::new(3);
+        factors.factor(nearly.as_slice());
+        factors.decide_rank(1e-4);
+        assert_eq!(factors.first_null_vector(&mut x[..3]), Some(0.25e-6));
+        assert_eq!(x[..3], [0.0, 1.0, 0.0]);
     }
 
     #[test]

@@ -34,10 +34,11 @@ use tegula_sparse::gmres::noise;
 const LOAD_DIFFERENCE: f64 = 1e-4;
 /// Increment over the displacements that is round-off.
 const ROUND_OFF: f64 = 1e-10;
-/// Increment over the displacements that is round-off next to a critical point, where the tangent is nearly singular, if its energy is small
-/// and it is not smaller by this factor than the one before.
+/// Increment over the displacements that may be round-off next to a critical point, where the tangent is nearly singular.
 const SINGULAR_ROUND_OFF: f64 = 1e-3;
-const STAGNATES: f64 = 0.9;
+/// Bounds of an increment over the one before that does not decrease, nor leads away. The energies of both must be small: the second one is that
+/// of the residual behind the first.
+const STAGNATES: [f64; 2] = [0.9, 2.0];
 
 /// Reason of a path on which nothing moves.
 pub const NOTHING_MOVES: &str = "nothing moves with the load factor: no load, prescribed displacement, drive or prescribed strain changes with it, \
@@ -114,10 +115,9 @@ impl LoadResponse {
         system.force_norm(&self.force)
     }
 
-    /// Work of the forces on a motion over the norms of both; 0 without forces.
-    pub fn relative_work(&self, system: &System, motion: &[Nodal]) -> f64 {
-        let size = self.size_of_loads(system) * system.norm(motion);
-        if size > 0.0 { dot(&self.force, motion).abs() / size } else { 0.0 }
+    /// Work of the forces per load factor on a motion.
+    pub fn work_on(&self, motion: &[Nodal]) -> f64 {
+        dot(&self.force, motion)
     }
 }
 
@@ -135,7 +135,9 @@ impl<S: TangentSolver> Newton<S> {
         self.assembly.reset_stress(system, &k);
         self.increment.fill([0.0; 3]);
         add_multiple(&mut self.increment, length, &tangent.direction);
-        self.move_by_increment(system, (equation, history), (length, tangent.load), &tangent.multipliers);
+        let k = point(system, equation, history);
+        self.assembly.extrapolate(system, &k, &self.increment, &equation.parts().weights);
+        self.move_by_increment(system, equation, (length, tangent.load), &tangent.multipliers);
     }
 
     /// Iterates an equation to the equilibrium on a plane, with the load factor as an unknown, from the history variables at the start
@@ -174,7 +176,8 @@ impl<S: TangentSolver> Newton<S> {
         self.begin_step();
         let failed = |reason: String| (Cause::Tangent, reason);
         let mixed = self.method == NewtonMethod::Mixed && !system.linear;
-        let mut before = f64::INFINITY;
+        // Increment before whose energy is small.
+        let mut before = None::<f64>;
         for number in 1..=tolerances.max_iterations {
             self.iterations = number;
             if observer.interrupted() {
@@ -198,7 +201,11 @@ impl<S: TangentSolver> Newton<S> {
                     format!("divergence: an increment turns body \"{body}\" by more than {SPUN} rad");
                 return Err((Cause::Flight, reason));
             }
-            self.move_by_increment(system, (equation, history), (change, 1.0), &response.multipliers);
+            if mixed {
+                let k = point(system, equation, history);
+                self.assembly.extrapolate(system, &k, &self.increment, &equation.parts().weights);
+            }
+            self.move_by_increment(system, equation, (change, 1.0), &response.multipliers);
             if let Some(constraints) = &self.constraints {
                 equation.change_multipliers(constraints.change());
             }
@@ -215,8 +222,9 @@ impl<S: TangentSolver> Newton<S> {
                 size / scale.max(f64::MIN_POSITIVE),
             );
             let without_energy = energy <= tolerances.energy * energy_scale;
-            let stagnates = size <= SINGULAR_ROUND_OFF * scale && size > STAGNATES * before;
-            before = size;
+            let stagnates = size <= SINGULAR_ROUND_OFF * scale
+                && before.is_some_and(|before| size > STAGNATES[0] * before && size <= STAGNATES[1] * before);
+            before = without_energy.then_some(size);
             let small = without_energy && (size <= tolerances.increment * scale || stagnates);
             let rests = size <= larger(ROUND_OFF * scale, self.round_off);
             if (small || rests)
@@ -235,17 +243,14 @@ impl<S: TangentSolver> Newton<S> {
         ))
     }
 
-    /// Moves an equation by the increment, and its load factor and multipliers by `factor` times their rates. The stress of the next
-    /// tangent is extrapolated.
+    /// Moves an equation by the increment, and its load factor and multipliers by `factor` times their rates.
     fn move_by_increment(
         &mut self,
         system: &System,
-        (equation, history): (&mut StaticEquation, &[f64]),
+        equation: &mut StaticEquation,
         (factor, load): (f64, f64),
         multipliers: &[f64],
     ) {
-        let k = point(system, equation, history);
-        self.assembly.extrapolate(system, &k, &self.increment, &equation.parts().weights);
         if !system.linear {
             retract(system, &self.assembly.frames, &equation.motion(), &mut self.increment);
         }

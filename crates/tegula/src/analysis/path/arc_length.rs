@@ -28,6 +28,7 @@ use crate::model::PathAnalysis;
 use crate::norm::{larger, max_norm};
 use crate::system::{CirculatoryStiffness, EvaluationPoint, System, add_multiple, inverted_element};
 use crate::{Error, Result};
+use inside_step::{Known, PathCurve};
 
 /// Convergence of an equilibrium: energy of the last increment over the strain energy, its norm over that of the displacement, and the
 /// most iterations.
@@ -60,8 +61,6 @@ const IN_PLACE: usize = 3;
 const SAME_PLACE: f64 = 1e-6;
 /// Distance of two load factors, over the size of the larger, below which they are one.
 const SAME_LOAD: f64 = 1e-12;
-
-use inside_step::{Known, PathCurve};
 
 /// A path of arc-length steps between two of its points.
 pub struct ArcLengthSteps<'a> {
@@ -150,12 +149,16 @@ impl<'a> ArcLengthSteps<'a> {
         steps.go_back();
         let Self { newton, state, equation, response, .. } = &mut steps;
         let at = (&mut *equation, state.history.as_slice());
-        let (tangent, _) = newton
+        let (tangent, negative) = newton
             .path_tangent(system, at, Some(&end.direction), response)
             .map_err(|reason| not_continued(state, &reason))?;
         if let Some(path) = &mut state.path {
-            let on_branch = ON_BRANCH * branch::FIRST;
-            let length = if end.expected > 0.0 { end.expected.min(FIRST_LENGTH) } else { on_branch };
+            let is_on_branch = end.expected == 0.0;
+            let length =
+                if is_on_branch { ON_BRANCH * branch::FIRST } else { end.expected.min(FIRST_LENGTH) };
+            if is_on_branch {
+                state.negative_pivots = negative;
+            }
             path.arc = Some(ArcStart { tangent, length });
             path.expansion.clone_from(end);
         }
@@ -287,11 +290,12 @@ impl<'a> ArcLengthSteps<'a> {
             first = self.wanted(&loads, found.a);
             end = found;
             if first.is_none() {
-                critical.push(self.limit_point(arc, &mut end));
+                critical.push(self.extremum(inside, &mut end));
             }
         }
         if let Some((a, load)) = first {
-            end = self.at_load(arc, (a, load), observer)?;
+            let known = known.get_or_insert_with(|| Known::new(self, arc, &end));
+            end = self.at_load(known, (a, load), observer)?;
         }
         if end.a < length || length < planned {
             next = next.min(planned);
@@ -300,8 +304,8 @@ impl<'a> ArcLengthSteps<'a> {
         let unexplained = end.negative as i32 - self.state.negative_pivots as i32 - explained;
         if unexplained != 0 && !self.have_potential(&end.equation) {
             observer.on_warning(&format!(
-                "between load factors {:.6} and {:.6} the symmetric part of the tangent has {unexplained:+} negative eigenvalue(s) more; \
-                 bifurcations under loads without a potential are not looked for",
+                "between load factors {:.6} and {:.6} the number of negative eigenvalues of the symmetric part of the tangent changes by \
+                 {unexplained:+}; bifurcations under loads without a potential are not looked for",
                 self.state.time, end.equation.time
             ));
         } else if unexplained != 0 {
@@ -387,27 +391,6 @@ impl<'a> ArcLengthSteps<'a> {
         let other = all.filter(|load| (load - from).abs() > SAME_LOAD * larger(load.abs(), from.abs()));
         let places = other.filter_map(|load| Some((loads.reaches(load, end).first().copied()?, load)));
         places.min_by(|p, q| p.0.total_cmp(&q.0))
-    }
-
-    /// Equilibrium at a load factor, near a distance from the last one.
-    fn at_load(
-        &mut self,
-        arc: &ArcStart,
-        (a, load): (f64, f64),
-        observer: &mut dyn Observer,
-    ) -> std::result::Result<End, String> {
-        let near = self.equilibrium_at(&arc.tangent, a, observer)?;
-        let Self { newton, system, state, equation, statistics, .. } = self;
-        equation.time = load;
-        newton.restore(system, state, false);
-        let solved = newton.solve(system, equation, &state.history, &TOLERANCES, observer);
-        statistics.iterations +=
-            u64::from(solved.as_ref().map_or_else(|failed| failed.iterations, |s| s.iterations));
-        solved.map_err(|failed| failed.reason)?;
-        let mut moved = self.equation.u.clone();
-        add_multiple(&mut moved, -1.0, &self.state.u);
-        let a = self.system.inner_product(&arc.tangent.direction, &moved);
-        self.end_at(a, &arc.tangent, near.iterations)
     }
 
     /// Refuses a path that meets critical points at one load factor again and again: it does not get away from a bifurcation.

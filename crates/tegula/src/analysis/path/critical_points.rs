@@ -17,9 +17,11 @@ const LOCATED: f64 = 1e-9;
 const VANISHING: f64 = 1e-9;
 /// Eigenvalue where the count changes over those at the ends of the bracket, above which it has not passed through zero.
 const JUMP: f64 = 1e-6;
-/// Work of the loads on the mode at a bifurcation, over the norms of both. At the limit point of another path, onto which a step may leap
-/// beside a path that nearly crosses, it is larger.
+/// Work of the loads on the mode at a bifurcation, over that on the direction of the path. At the limit point of another path, onto which a step
+/// may leap beside a path that nearly crosses, it is larger.
 const WORK: f64 = 1e-4;
+/// Length of the bracket of a bifurcation over the curve below which an equilibrium that is not found is lost in round-off.
+const NARROW: f64 = 1e-3;
 /// Largest number of factorisations for one bifurcation.
 const MOST_TRIALS: usize = 40;
 /// Iterations of the inverse iteration for the eigenvalue next to zero.
@@ -103,7 +105,7 @@ pub struct Trial {
     pub negative: usize,
     /// Its eigenvalue next to zero, and the eigenvector.
     pub softest: (f64, Vec<Nodal>),
-    /// Work of the loads on the eigenvector over the norms of both; 0 on a curve that cannot jump.
+    /// Work of the loads on the eigenvector over that on the direction of the curve; 0 on a curve that cannot jump.
     pub work: f64,
 }
 
@@ -189,7 +191,7 @@ impl Search<'_> {
                 Err(reason) => {
                     // Next to the point an equilibrium may be lost in round-off.
                     let near = |(_, best): &(f64, Trial)| best.softest.0.abs() <= JUMP * largest_of(&known);
-                    if best.as_ref().is_some_and(near) {
+                    if high - low <= NARROW * whole && best.as_ref().is_some_and(near) {
                         break;
                     }
                     return Err(reason);

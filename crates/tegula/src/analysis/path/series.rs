@@ -117,6 +117,15 @@ mod tests {
     }
 
     #[test]
+    fn loads_that_change_by_round_off_are_flat() {
+        let of = |loads: Vec<f64>| Series { loads, ..cubic() };
+        assert!(is_flat(&of(vec![-2.0, 0.0, 1e-6]), 1.0) && is_flat(&of(vec![3.0, 1e-5]), 1.0));
+        // It comes back to its first value.
+        assert!(!is_flat(&of(vec![3.0, 1e-3, -1e-3]), 1.0) && !is_flat(&of(vec![0.0, 1e-9]), 1.0));
+        assert!(!is_flat(&of(vec![3.0, f64::NAN]), 1.0));
+    }
+
+    #[test]
     fn roots_are_found_in_ascending_order() {
         let found = roots(4.0, |x| (x - 0.5) * (x - 1.75) * (x - 3.9));
         assert_eq!(found.len(), 3);

@@ -45,7 +45,7 @@ impl SecondPlace {
         let second = given
             .at
             .map(Vec3::from)
-            .filter(|second| (second - first).norm() > NO_GAP * length)
+            .filter(|second| !((second - first).norm() <= NO_GAP * length))
             .unwrap_or(first);
         let axes = keys.directions().first().map(|(_, a)| Vec3::from(*a)).zip(given.axis.map(Vec3::from));
         let rotation = axes.map_or_else(Mat3::identity, |(a, b)| rotation_between(&a, &b, part));

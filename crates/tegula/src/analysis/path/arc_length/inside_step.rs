@@ -3,19 +3,24 @@
 //! A trial begins at the nearest equilibrium that is known and goes along the direction there: next to a critical point the tangent is nearly
 //! singular, and an iteration that begins farther away may end on another path.
 
-use super::{ArcLengthSteps, ArcStart, End, Plane};
+use super::{ArcLengthSteps, ArcStart, End, Plane, TOLERANCES, TURN};
 use crate::analysis::Observer;
 use crate::analysis::path::critical_points::{Curve, Found, INVERSE_ITERATIONS, Trial};
 use crate::analysis::path::state::{CriticalKind, CriticalPoint};
 use crate::analysis::statics::StaticEquation;
+use crate::norm::larger;
 use crate::system::add_multiple;
 
 /// Change of the load factor over it that still separates a point from the limit point.
 const AT_LIMIT: f64 = 1e-10;
 /// Largest number of trials for a limit point.
 const MOST_TRIALS: usize = 30;
-/// Distance of a trial from the nearest equilibrium over that along the step, and over the length of the step, above which it lies on another path.
+/// Largest distance of a trial from the nearest known equilibrium on the same path: twice that along the step and a twentieth of the step.
 const FAR: [f64; 2] = [2.0, 0.05];
+
+/// Work of the loads on the direction at an extremum of the load factor, over that at the ends of the step, below which it is none: the direction is
+/// the mode of a bifurcation.
+const CROSSING: f64 = 1e-2;
 
 /// Known equilibria of a step: its start and end, and trials.
 pub(super) struct Known(Vec<End>);
@@ -63,15 +68,48 @@ impl ArcLengthSteps<'_> {
         equation.multipliers.clone_from(&near.equation.multipliers);
         equation.time = near.equation.time;
         let normal = &start.tangent.direction;
-        let length = (a - near.a) / system.inner_product(normal, &near.tangent.direction);
+        // Next to a critical point the direction may be that of the mode.
+        let along = system.inner_product(normal, &near.tangent.direction);
+        let (tangent, length) =
+            if along >= TURN { (&near.tangent, (a - near.a) / along) } else { (&start.tangent, a - near.a) };
         let plane = Plane { origin: &start.equation.u, normal, distance: a };
-        let iterations = self.correct((&near.tangent, length), &plane, observer)?;
+        let iterations = self.correct((tangent, length), &plane, observer)?;
+        self.stays_near(near, FAR[0] * (a - near.a).abs() + FAR[1] * end.a)?;
+        self.end_at(a, &start.tangent, iterations)
+    }
+
+    /// Refuses an equation that lies farther from an equilibrium than a distance.
+    fn stays_near(&self, near: &End, distance: f64) -> std::result::Result<(), String> {
         let mut moved = self.equation.u.clone();
         add_multiple(&mut moved, -1.0, &near.equation.u);
-        if !(self.system.norm(&moved) <= FAR[0] * length.abs() + FAR[1] * end.a) {
-            return Err("an equilibrium between the ends of the step lies on another path".into());
+        if self.system.norm(&moved) <= distance {
+            Ok(())
+        } else {
+            Err("an equilibrium between the ends of the step lies on another path".into())
         }
-        self.end_at(a, &start.tangent, iterations)
+    }
+
+    /// Equilibrium at a load factor, near a distance from the start of the step.
+    pub(super) fn at_load(
+        &mut self,
+        known: &Known,
+        (a, load): (f64, f64),
+        observer: &mut dyn Observer,
+    ) -> std::result::Result<End, String> {
+        let near = self.equilibrium_near(known, a, observer)?;
+        let Self { newton, system, state, equation, statistics, .. } = self;
+        equation.time = load;
+        newton.restore(system, state, false);
+        let solved = newton.solve(system, equation, &state.history, &TOLERANCES, observer);
+        statistics.iterations +=
+            u64::from(solved.as_ref().map_or_else(|failed| failed.iterations, |s| s.iterations));
+        solved.map_err(|failed| failed.reason)?;
+        let [start, end] = known.ends();
+        self.stays_near(&near, FAR[1] * end.a)?;
+        let mut moved = self.equation.u.clone();
+        add_multiple(&mut moved, -1.0, &start.equation.u);
+        let a = self.system.inner_product(&start.tangent.direction, &moved);
+        self.end_at(a, &start.tangent, near.iterations)
     }
 
     /// Limit point of a step by the secant of the derivative of the load factor, kept in a bracket, from a first estimate.
@@ -107,16 +145,29 @@ impl ArcLengthSteps<'_> {
         Err("the limit point in the step was not located".into())
     }
 
-    /// Limit point at the end of a step, behind which the step is taken to end.
-    pub(super) fn limit_point(&self, arc: &ArcStart, end: &mut End) -> Found {
-        let change = if arc.tangent.load * end.tangent.work > 0.0 { 1 } else { -1 };
-        if (end.tangent.load > 0.0) == (arc.tangent.load > 0.0) {
-            // The pivots are those before the point.
+    /// Extremum of the load factor at the end of a step, behind which the step is taken to end: a limit point, or a bifurcation that the path
+    /// passes as the crossing one.
+    pub(super) fn extremum(&self, known: &Known, end: &mut End) -> Found {
+        let ends @ [start, whole] = known.ends();
+        let works = ends.map(|end| end.tangent.work.abs());
+        let crosses = end.tangent.work.abs() <= CROSSING * larger(works[0], works[1]);
+        let is_before = (end.tangent.load > 0.0) == (start.tangent.load > 0.0);
+        let (kind, change) = match (crosses, start.tangent.load * end.tangent.work > 0.0) {
+            (true, _) => (CriticalKind::Bifurcation, 0),
+            (false, true) => (CriticalKind::Limit, 1),
+            (false, false) => (CriticalKind::Limit, -1),
+        };
+        if crosses {
+            // An eigenvalue touches zero there.
+            end.negative = whole.negative;
+        } else if is_before {
             end.negative = (end.negative as i32 + change).max(0) as usize;
+        }
+        if is_before {
             end.tangent.load = -end.tangent.load;
         }
         let point = CriticalPoint {
-            kind: CriticalKind::Limit,
+            kind,
             load: end.equation.time,
             position: 0.0,
             change,
@@ -140,7 +191,9 @@ impl Curve for PathCurve<'_, '_, '_> {
         let ArcLengthSteps { newton, system, response, .. } = &mut *self.steps;
         let mut softest = newton.eigenvalue_next_to_zero(system, &end.equation, INVERSE_ITERATIONS)?;
         system.orient(&mut softest.1);
-        let work = response.relative_work(system, &softest.1);
+        let on_path = self.known.ends().map(|end| end.tangent.work.abs());
+        let work = response.work_on(&softest.1).abs();
+        let work = if work > 0.0 { work / larger(on_path[0], on_path[1]) } else { 0.0 };
         let (u, load, negative) = (end.equation.u.clone(), end.equation.time, end.negative);
         self.known.add(end);
         Ok(Trial { u, load, negative, softest, work })
