@@ -62,7 +62,7 @@ fn asymptotic(mu: f64) -> f64 {
     b - (b * b - 1.0).sqrt()
 }
 
-/// The same of any amplitude, by one term of the buckles: the lowest root of `(1 − λ)³ − c μ (1 + λ/2)(1 − λ) + (c μ)²/2 = 0`.
+/// Bifurcation load over the classical one of any amplitude, by one term of the buckles: the lowest root of `(1 − λ)³ − c μ (1 + λ/2)(1 − λ) + (c μ)²/2 = 0`.
 ///
 /// With the imperfection −δ cos(p x) the compressed shell has the curvature `δ p² cos(p x)/(1 − λ)` and the hoop force
 /// `−E h δ λ cos(p x)/(R (1 − λ))` before it buckles. Into Donnell's equations about this state

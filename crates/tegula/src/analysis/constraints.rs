@@ -44,6 +44,8 @@ const ROUNDING: f64 = 1e-10;
 /// Square of the size of a common response over that of the single ones, over its energy over theirs, above which it is a mode. Where
 /// constraints nearly depend on each other both are small.
 const MODE: f64 = 10.0;
+/// Share of drives in constraints that depend on each other, above which the mechanism cannot follow them.
+const DRIVEN: f64 = 1e-3;
 
 /// Number of products with a gradient that are summed together.
 const LANES: usize = 4;
@@ -171,16 +173,26 @@ impl Constraints {
         self.laws.separate(&mut self.schur.matrix);
         self.schur.factor();
         if self.critical {
-            self.admit_independent(system);
+            self.admit_independent(system, (&k.motion, k.time));
         }
         Ok(())
     }
 
     /// Counts constraints as independent whose common response is a mode: its energy `yᵀ S y` is negative, or small for its size. A mode whose pivot is
     /// round-off is not told from dependent constraints.
-    fn admit_independent(&mut self, system: &System) {
+    ///
+    /// Dependent constraints of which one is driven are independent, too: where a mechanism cannot follow its drive, the load factor does not
+    /// change.
+    fn admit_independent(&mut self, system: &System, at: (&Motion, f64)) {
         let n = self.free.len();
+        if self.schur.dependent() == 0 {
+            return;
+        }
+        let at_rest = vec![[0.0; 3]; system.vectors()];
+        let driven: Vec<bool> =
+            self.rates(system, at, Rates::First(&at_rest)).iter().map(|rate| *rate != 0.0).collect();
         while let Some(pivot) = self.schur.first_null_vector(&mut self.right) {
+            let [whole, of_drives] = [false, true].map(|only| self.schur.largest(&self.right, &driven, only));
             self.free.fill(0.0);
             let mut size = 0.0;
             for (y, response) in self.right.iter().zip(self.responses.chunks(n)).filter(|(y, _)| **y != 0.0) {
@@ -190,7 +202,8 @@ impl Constraints {
             }
             self.end_frames.expand(&self.free, &mut self.field);
             let relative = system.norm(&self.field) / size;
-            if !(pivot.abs() > ROUNDING && relative * relative > MODE * pivot) {
+            let is_mode = relative * relative > MODE * pivot || of_drives > DRIVEN * whole;
+            if !(pivot.abs() > ROUNDING && is_mode) {
                 break;
             }
             self.schur.admit_next();

@@ -116,10 +116,10 @@ fn diagonal(system: &System, assembly: &Assembly, number: u32) -> f64 {
     assembly.values[system.pattern.column_pointers[number as usize]].abs()
 }
 
-/// Stiffness with which bodies that springs hold against rotations alone resist displacements of their joints; `None` without such bodies:
+/// Stiffness with which bodies whose rotations alone are held by springs resist displacements of their joints; `None` without such bodies:
 /// the harmonic mean of `1/Σ gᵢ²/kᵢ` over the constraints of positions, with the entries g of their gradients for rotations and the
-/// diagonal k of the tangent. The arms of the joints decide. A mean rotational stiffness over the square of the size of the model would be too
-/// small beside short arms, and their constraints would look dependent.
+/// diagonal k of the tangent. The arms of the joints decide. The square of the size of the model in place of the arms would make
+/// it too small for short ones, and their constraints would look dependent.
 fn stiffness_of_rotations(system: &System, assembly: &Assembly, state: &State) -> Option<f64> {
     let rotations: BTreeSet<u32> = unknowns_of(system, system.dofs(), VectorKind::Director).collect();
     let gradients = gradients_at(system, &assembly.frames, state);

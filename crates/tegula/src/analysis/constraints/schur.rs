@@ -2,6 +2,7 @@
 
 use super::complete_pivoting::CompletePivoting;
 use crate::constraint::Joint;
+use crate::norm::larger;
 use crate::system::System;
 
 /// Pivot of the scaled Schur complement over the largest one, below which constraints count as dependent; and its decrease
@@ -80,6 +81,12 @@ impl Schur {
         let energy: f64 = (0..self.scale.len()).map(of_unit_diagonal).sum();
         y.iter_mut().zip(&self.scale).for_each(|(y, scale)| *y /= scale);
         Some(pivot.abs().copysign(energy))
+    }
+
+    /// Largest of the coefficients y of constraints of unit compliance; only of some constraints where wanted.
+    pub(super) fn largest(&self, y: &[f64], some: &[bool], only: bool) -> f64 {
+        let scaled = y.iter().zip(&self.scale).zip(some);
+        scaled.filter(|(_, is)| **is || !only).map(|((y, scale), _)| (y * scale).abs()).fold(0.0, larger)
     }
 
     /// Counts the first of the constraints that depend on others as independent, until the rank is decided again.

@@ -145,6 +145,10 @@ impl ArcLengthSteps<'_> {
         Err("the limit point in the step was not located".into())
     }
 
+    fn is_driven(&self) -> bool {
+        self.system.joints.iter().any(|joint| joint.drive.is_some())
+    }
+
     /// Extremum of the load factor at the end of a step, behind which the step is taken to end: a limit point, or a bifurcation that the path
     /// passes as the crossing one.
     pub(super) fn extremum(&self, known: &Known, end: &mut End) -> Found {
@@ -154,6 +158,8 @@ impl ArcLengthSteps<'_> {
         let is_before = (end.tangent.load > 0.0) == (start.tangent.load > 0.0);
         let (kind, change) = match (crosses, start.tangent.load * end.tangent.work > 0.0) {
             (true, _) => (CriticalKind::Bifurcation, 0),
+            // In a dead centre a mechanism cannot follow its drive; no eigenvalue vanishes there.
+            _ if self.is_driven() && whole.negative == start.negative => (CriticalKind::Limit, 0),
             (false, true) => (CriticalKind::Limit, 1),
             (false, false) => (CriticalKind::Limit, -1),
         };
