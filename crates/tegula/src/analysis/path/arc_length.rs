@@ -272,8 +272,8 @@ impl<'a> ArcLengthSteps<'a> {
         }
         let loads = self.loads(arc, &end);
         let mut limits = roots(length, |a| loads.load_derivative(a, 1));
-        if is_flat(&loads, length) && end.negative == self.state.negative_pivots {
-            // Next to a bifurcation the load of a crossing path is constant, but for round-off.
+        if is_flat(&loads, length) && end.negative == self.state.negative_pivots && !self.is_driven() {
+            // Next to a bifurcation the load of a crossing path is constant, but for round-off. In a dead centre no eigenvalue vanishes.
             limits.clear();
         }
         if limits.len() > 1 {
@@ -285,12 +285,12 @@ impl<'a> ArcLengthSteps<'a> {
         let mut first = self.wanted(&loads, limit.min(length));
         if first.is_none() && limits.len() == 1 {
             let inside = known.insert(Known::new(self, arc, &end));
-            let found = self.locate_limit(inside, limit, observer)?;
+            let (found, load) = self.locate_limit(inside, limit, observer)?;
             let loads = self.loads(arc, &found);
             first = self.wanted(&loads, found.a);
             end = found;
             if first.is_none() {
-                critical.push(self.extremum(inside, &mut end));
+                critical.push(self.extremum(inside, (&mut end, load)));
             }
         }
         if let Some((a, load)) = first {

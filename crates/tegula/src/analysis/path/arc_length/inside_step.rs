@@ -11,8 +11,10 @@ use crate::analysis::statics::StaticEquation;
 use crate::norm::larger;
 use crate::system::add_multiple;
 
-/// Change of the load factor over it that still separates a point from the limit point.
+/// Change of the load factor over it that still separates a point from the limit point; in mechanisms, whose constraints depend on each other in the dead
+/// centre.
 const AT_LIMIT: f64 = 1e-10;
+const AT_DEAD_CENTRE: f64 = 1e-8;
 /// Largest number of trials for a limit point.
 const MOST_TRIALS: usize = 30;
 /// Largest distance of a trial from the nearest known equilibrium on the same path: twice that along the step and a twentieth of the step.
@@ -112,13 +114,15 @@ impl ArcLengthSteps<'_> {
         self.end_at(a, &start.tangent, near.iterations)
     }
 
-    /// Limit point of a step by the secant of the derivative of the load factor, kept in a bracket, from a first estimate.
+    /// Limit point of a step by the secant of the derivative of the load factor, kept in a bracket, from a first estimate: an equilibrium next to it, and
+    /// its load factor.
     pub(super) fn locate_limit(
         &mut self,
         known: &mut Known,
         estimate: f64,
         observer: &mut dyn Observer,
-    ) -> std::result::Result<End, String> {
+    ) -> std::result::Result<(End, f64), String> {
+        let near = if self.is_driven() { AT_DEAD_CENTRE } else { AT_LIMIT };
         let [start, end] = known.ends();
         let rises = start.tangent.load > 0.0;
         let (mut low, mut high) = ((0.0, start.tangent.load), (end.a, end.tangent.load));
@@ -129,8 +133,9 @@ impl ArcLengthSteps<'_> {
             let other = before.unwrap_or(if (here.1 > 0.0) == rises { high } else { low });
             let slope = (here.1 - other.1) / (here.0 - other.0);
             let rest = 0.5 * here.1 * here.1 / slope.abs();
-            if rest <= AT_LIMIT * found.equation.time.abs() {
-                return Ok(found);
+            if rest <= near * found.equation.time.abs() {
+                let limit = found.equation.time + if rises { rest } else { -rest };
+                return Ok((found, limit));
             }
             if (here.1 > 0.0) == rises {
                 low = here
@@ -145,13 +150,14 @@ impl ArcLengthSteps<'_> {
         Err("the limit point in the step was not located".into())
     }
 
-    fn is_driven(&self) -> bool {
+    /// Whether the motion of joints follows the load factor.
+    pub(super) fn is_driven(&self) -> bool {
         self.system.joints.iter().any(|joint| joint.drive.is_some())
     }
 
     /// Extremum of the load factor at the end of a step, behind which the step is taken to end: a limit point, or a bifurcation that the path
     /// passes as the crossing one.
-    pub(super) fn extremum(&self, known: &Known, end: &mut End) -> Found {
+    pub(super) fn extremum(&self, known: &Known, (end, load): (&mut End, f64)) -> Found {
         let ends @ [start, whole] = known.ends();
         let works = ends.map(|end| end.tangent.work.abs());
         let crosses = end.tangent.work.abs() <= CROSSING * larger(works[0], works[1]);
@@ -174,7 +180,7 @@ impl ArcLengthSteps<'_> {
         }
         let point = CriticalPoint {
             kind,
-            load: end.equation.time,
+            load,
             position: 0.0,
             change,
             u: end.equation.u.clone(),
