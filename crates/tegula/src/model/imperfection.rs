@@ -52,6 +52,7 @@ pub struct WaveImperfection {
     /// Amplitude a (length); its sign chooses the side.
     pub amplitude: f64,
     /// Direction d in which the wave changes; of any length but zero.
+    #[schemars(extend("x-marker" = "direction"))]
     pub direction: [f64; 3],
     /// Wavelength ℓ (length).
     #[schemars(extend("exclusiveMinimum" = 0))]
