@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::common::{compile, on, plate, vector_load};
+use crate::common::{compile, cylinder, on, plate, vector_load};
 use tegula::analysis::buckling::{self, BucklingMode, BucklingOutcome};
 use tegula::analysis::{Silent, statics};
 use tegula::compile::{Compiler, build};
@@ -248,15 +248,7 @@ fn a_square_plate_under_compression_buckles_as_thin_and_as_shear_flexible_plates
 /// Quarter of a ring of radius 1 and thickness 0.01 under pressure, with planes of symmetry.
 pub fn ring(n: u32) -> Model {
     let (radius, thickness, width) = (1.0, 0.01, 0.1);
-    let mesh = MeshSource::Cylinder(CylinderMesh {
-        center: [0.0; 3],
-        axis: [0.0, 1.0, 0.0],
-        start: [0.0, 0.0, 1.0],
-        radius,
-        angles: [0.0, 90.0],
-        length: width,
-        grid: Grid::uniform(n, 1),
-    });
+    let mesh = cylinder(radius, [0.0, 90.0], width, [n, 1]);
     let analysis = Analysis::Buckling(BucklingAnalysis::new(1));
     let mut m = Model::new(mesh, analysis, Isotropic::new(YOUNG, 0.0, 1.0), thickness);
     let plane = |set: &str, normal: [f64; 3]| Condition::Symmetry(SymmetryPlane { on: set.into(), normal });
@@ -286,15 +278,7 @@ fn a_ring_buckles_under_pressure_that_follows_it() {
 #[test]
 fn a_cylinder_buckles_under_axial_compression() {
     let (radius, thickness, length) = (1.0, 0.01, 2.0);
-    let mesh = MeshSource::Cylinder(CylinderMesh {
-        center: [0.0; 3],
-        axis: [0.0, 1.0, 0.0],
-        start: [0.0, 0.0, 1.0],
-        radius,
-        angles: [0.0, 90.0],
-        length,
-        grid: Grid::uniform(40, 80),
-    });
+    let mesh = cylinder(radius, [0.0, 90.0], length, [40, 80]);
     let analysis = Analysis::Buckling(BucklingAnalysis::new(3));
     let mut m = Model::new(mesh, analysis, Isotropic::new(YOUNG, 0.3, 1.0), thickness);
     let plane = |set: &str, normal: [f64; 3]| Condition::Symmetry(SymmetryPlane { on: set.into(), normal });

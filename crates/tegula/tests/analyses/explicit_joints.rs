@@ -3,9 +3,10 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::common::{Notes, move_in_time};
-use crate::multibody::{axis_joint, between, body, gravity, heavy_top, machine, pose, revolute, run, spin};
+use crate::multibody::{
+    axis_joint, between, body, gravity, heavy_top, machine, pose, revolute, run, spin, spring,
+};
 use crate::patches::{hub, strip};
-use crate::spring_formulas::linear_spring;
 use crate::step_joints::{self, step};
 use tegula::analysis::{Silent, dynamics};
 use tegula::model::*;
@@ -361,7 +362,7 @@ fn stiff_springs_between_bodies_limit_the_step() {
     };
     let mut model =
         explicit(0.05, None, bodies, vec![slide("slide a", "a", 0.0), slide("slide b", "b", 1.0)]);
-    model.springs = vec![linear_spring("spring", ["a", "b"], [[0.0; 3], [1.0, 0.0, 0.0]], k)];
+    model.springs = vec![spring("spring", ["a", "b"], [[0.0; 3], [1.0, 0.0, 0.0]], k)];
     let critical = |model: &Model| {
         let (system, options) = (built(model), options(model));
         let outcome = dynamics::run(&system, options, None, &mut Notes::default()).unwrap();

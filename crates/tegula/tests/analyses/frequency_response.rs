@@ -2,8 +2,7 @@
 //! equations of a damped plate.
 
 use crate::common::{compile, model, plate, vector_load};
-use crate::multibody::{between, body, gravity, revolute};
-use crate::spring_formulas::linear_spring;
+use crate::multibody::{between, body, gravity, revolute, spring};
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
 use tegula::analysis::modal::{self, ReducedModel, Response};
@@ -133,7 +132,7 @@ fn masses_that_drift_respond_as_their_closed_form() {
         vec![body("a", [0.0; 3], m[0], Some([0.1; 3])), body("b", [1.0, 0.0, 0.0], m[1], Some([0.2; 3]))];
     let slides = vec![slide("a", [0.0; 3]), slide("b", [1.0, 0.0, 0.0])];
     let mut model = Model::of_bodies(Analysis::Modal(analysis), bodies, slides);
-    model.springs = vec![linear_spring("spring", ["a", "b"], [[0.0; 3], [1.0, 0.0, 0.0]], k)];
+    model.springs = vec![spring("spring", ["a", "b"], [[0.0; 3], [1.0, 0.0, 0.0]], k)];
     let (system, _, response) = respond(&model).unwrap();
     for frequency in response.frequencies {
         let w2 = (TAU * frequency).powi(2);

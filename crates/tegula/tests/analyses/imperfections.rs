@@ -1,6 +1,6 @@
 //! Imperfections of the reference geometry: shapes of buckling modes and random fields.
 
-use crate::common::{on, plate, vector_load};
+use crate::common::{cylinder, on, plate, vector_load};
 use crate::path_edges::{Warnings, hinged_plate};
 use tegula::analysis::{Silent, buckling, statics};
 use tegula::compile::{build, imperfect_mesh};
@@ -88,15 +88,7 @@ fn imperfections_add_up() {
 /// uncorrelated with another seed.
 #[test]
 fn random_imperfections_are_smooth_and_normal_to_the_surface() {
-    let mesh = MeshSource::Cylinder(CylinderMesh {
-        center: [0.0; 3],
-        axis: [0.0, 1.0, 0.0],
-        start: [0.0, 0.0, 1.0],
-        radius: 1.0,
-        angles: [0.0, 180.0],
-        length: 2.0,
-        grid: Grid::uniform(60, 40),
-    });
+    let mesh = cylinder(1.0, [0.0, 180.0], 2.0, [60, 40]);
     let analysis = Analysis::Static(StaticAnalysis::default());
     let mut m = Model::new(mesh, analysis, Isotropic::new(1.0, 0.3, 1.0), 0.01);
     let nominal = generate(&m.mesh).unwrap();
@@ -138,15 +130,7 @@ fn random_imperfections_are_smooth_and_normal_to_the_surface() {
 #[test]
 fn waves_are_normal_to_the_surface() {
     let mut m = column(1.0);
-    m.mesh = MeshSource::Cylinder(CylinderMesh {
-        center: [0.0; 3],
-        axis: [0.0, 1.0, 0.0],
-        start: [0.0, 0.0, 1.0],
-        radius: 2.0,
-        angles: [0.0, 90.0],
-        length: 2.0,
-        grid: Grid::uniform(9, 20),
-    });
+    m.mesh = cylinder(2.0, [0.0, 90.0], 2.0, [9, 20]);
     let (amplitude, wavelength, phase) = (-1e-3, 0.7, 30.0_f64);
     let wave = WaveImperfection { amplitude, direction: [0.0, 3.0, 0.0], wavelength, phase };
     m.imperfections = vec![Imperfection::Wave(wave)];

@@ -2,8 +2,7 @@
 //! of the path.
 
 use crate::common::{Notes, static_options, vector_load};
-use crate::multibody::{between, body, pose, revolute, spherical};
-use crate::spring_formulas::linear_spring;
+use crate::multibody::{between, body, pose, revolute, spherical, spring};
 use tegula::Error;
 use tegula::analysis::statics::{self, StaticOutcome};
 use tegula::model::*;
@@ -84,7 +83,7 @@ fn an_arm_that_is_pulled_over_a_spring_stops_at_its_limit_point() {
         let joints = vec![revolute("hinge", "ground", "bar", [0.0; 3], [0.0, 0.0, 1.0])];
         let mut model = mechanism(load_steps, bodies, joints);
         let points = [[1.0, -1.0, 0.0], [1.0, 0.0, 0.0]];
-        model.springs = vec![linear_spring("spring", ["ground", "bar"], points, k)];
+        model.springs = vec![spring("spring", ["ground", "bar"], points, k)];
         model.loads = vec![Load::Force(vector_load("bar", [0.0, -force, 0.0]))];
         let error = solved(&model).err().unwrap();
         let Error::NotConverged { at, reason, .. } = &error else { panic!("{error}") };

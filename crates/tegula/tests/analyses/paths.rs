@@ -1,6 +1,6 @@
 //! Equilibrium paths by power series: hinged roofs through limit points and a snap-back.
 
-use crate::common::{Notes, compile, displacement, hinged_roof, model, on, plate, vector_load};
+use crate::common::{Notes, compile, cylinder, displacement, hinged_roof, model, on, plate, vector_load};
 use tegula::analysis::path::{self, CriticalKind, CriticalPoint, PathOutcome};
 use tegula::analysis::{Observer, State, Step, statics};
 use tegula::mesh::Mesh;
@@ -233,15 +233,7 @@ impl Arch {
 /// Strip bent to an arch of half angle 0.1 rad, pinned at both ends.
 pub fn arch(n: u32, thickness: f64) -> (Model, Arch) {
     let (radius, half) = (10.0, 0.1_f64);
-    let mesh = MeshSource::Cylinder(CylinderMesh {
-        center: [0.0; 3],
-        axis: [0.0, 1.0, 0.0],
-        start: [0.0, 0.0, 1.0],
-        radius,
-        angles: [-half.to_degrees(), half.to_degrees()],
-        length: 0.2,
-        grid: Grid::uniform(n, 1),
-    });
+    let mesh = cylinder(radius, [-half.to_degrees(), half.to_degrees()], 0.2, [n, 1]);
     let young = 2e6;
     let mut m = model(mesh, young, thickness);
     if let Some(Material::Isotropic(material)) = m.materials.values_mut().next() {

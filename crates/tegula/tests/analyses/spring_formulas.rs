@@ -8,19 +8,6 @@ use tegula::norm::max_norm;
 use tegula::result::bodies::{spring_lengths_and_forces, torsion_angles_and_moments};
 use tegula::{Error, compile, mesh};
 
-/// A linear spring between two points of the ground or of bodies, without force at the start.
-pub fn linear_spring(name: &str, [a, b]: [&str; 2], points: [[f64; 3]; 2], stiffness: f64) -> SpringDamper {
-    SpringDamper {
-        name: name.into(),
-        between: between(a, b),
-        points,
-        stiffness,
-        damping: 0.0,
-        force: None,
-        length: None,
-    }
-}
-
 /// A spring from the ground to the mass `bob` at the origin, 2 long along x, with this elongation at the start.
 fn spring(force: &str, elongation: f64) -> SpringDamper {
     SpringDamper {

@@ -5,8 +5,8 @@
 //! same values in Sect. 5.2.
 
 use crate::common::{
-    Notes, compile, displacement, model, on, plate, quarter_cylinder, side_by_side, solve, static_options,
-    vector_load,
+    Notes, compile, cylinder, displacement, model, on, plate, quarter_cylinder, side_by_side, solve,
+    static_options, vector_load,
 };
 use tegula::analysis::statics::{self, StaticOutcome};
 use tegula::analysis::{Silent, State};
@@ -322,17 +322,7 @@ fn loads_that_are_no_numbers_are_refused() {
 /// A tube under six equal radial forces, and its twelfth part between two inclined planes of symmetry.
 #[test]
 fn inclined_symmetry_planes_stand_for_the_whole() {
-    let tube = |angles: [f64; 2], elements: u32| {
-        MeshSource::Cylinder(CylinderMesh {
-            center: [0.0; 3],
-            axis: [0.0, 1.0, 0.0],
-            start: [0.0, 0.0, 1.0],
-            radius: 1.0,
-            angles,
-            length: 1.5,
-            grid: Grid::uniform(elements, 4),
-        })
-    };
+    let tube = |angles: [f64; 2], elements: u32| cylinder(1.0, angles, 1.5, [elements, 4]);
     let radial = |degrees: f64| Vec3::new(degrees.to_radians().sin(), 0.0, degrees.to_radians().cos());
     let across = |degrees: f64| Vec3::new(degrees.to_radians().cos(), 0.0, -degrees.to_radians().sin());
     let force = 400.0;

@@ -1,7 +1,6 @@
 //! Modes of analysis steps that release and lock joints.
 
-use crate::multibody::{between, body, gravity};
-use crate::spring_formulas::linear_spring;
+use crate::multibody::{between, body, gravity, spring};
 use crate::step_joints::{at_rest, step};
 use tegula::analysis::{Silent, State, modal, statics};
 use tegula::model::*;
@@ -32,7 +31,7 @@ fn omegas(model: &Model, number: usize) -> Vec<f64> {
 fn modes_with_locked_and_released_joints_are_those_with_fixed_ones_and_without() {
     let modes = |count| Analysis::Modal(ModalAnalysis::new(count));
     let spring = |name: &str, body: &str, from: [f64; 3], to: [f64; 3], stiffness| {
-        linear_spring(name, ["ground", body], [from, to], stiffness)
+        spring(name, ["ground", body], [from, to], stiffness)
     };
     for joint in Joint::examples().into_iter().filter(Joint::can_be_locked) {
         let mut model = Model::of_bodies(

@@ -60,18 +60,23 @@ pub fn pendulum(n: u32) -> Model {
     m
 }
 
-/// Quarter of the hinged cylindrical roof under a force on the whole roof in the middle (K. Y. Sze, X. H. Liu, S. H. Lo, *Popular
-/// benchmark problems for geometric nonlinear analysis of shells*, Finite Elem. Anal. Des. 40 (2004) 1551–1569, Sect. 3.6); millimetres, N.
-pub fn hinged_roof(n: u32, thickness: f64, force: f64) -> Model {
-    let mesh = MeshSource::Cylinder(CylinderMesh {
+/// Part of a cylinder about the y axis from y = 0 on; the angles (degrees) count from the z axis towards the x axis.
+pub fn cylinder(radius: f64, angles: [f64; 2], length: f64, [around, along]: [u32; 2]) -> MeshSource {
+    MeshSource::Cylinder(CylinderMesh {
         center: [0.0; 3],
         axis: [0.0, 1.0, 0.0],
         start: [0.0, 0.0, 1.0],
-        radius: 2540.0,
-        angles: [0.0, 0.1_f64.to_degrees()],
-        length: 254.0,
-        grid: Grid::uniform(n, n),
-    });
+        radius,
+        angles,
+        length,
+        grid: Grid::uniform(around, along),
+    })
+}
+
+/// Quarter of the hinged cylindrical roof under a force on the whole roof in the middle (K. Y. Sze, X. H. Liu, S. H. Lo, *Popular
+/// benchmark problems for geometric nonlinear analysis of shells*, Finite Elem. Anal. Des. 40 (2004) 1551–1569, Sect. 3.6); millimetres, N.
+pub fn hinged_roof(n: u32, thickness: f64, force: f64) -> Model {
+    let mesh = cylinder(2540.0, [0.0, 0.1_f64.to_degrees()], 254.0, [n, n]);
     let mut m = model(mesh, 3102.75, thickness);
     let plane = |on: &str, normal| Condition::Symmetry(SymmetryPlane { on: on.into(), normal });
     m.conditions =

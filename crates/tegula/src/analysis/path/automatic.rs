@@ -9,21 +9,25 @@ use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched};
 /// A path of power series, and of arc-length steps from where they lead no further.
 pub(super) enum AutomaticSteps<'a> {
     Series(Box<SeriesSteps<'a>>),
-    ArcLength(Box<ArcLengthSteps<'a>>),
+    ArcLength {
+        steps: Box<ArcLengthSteps<'a>>,
+        /// State from which the steps began behind power series: the state before, which has no direction, does not tell it.
+        begun: Option<Box<State>>,
+    },
 }
 
 impl<'a> AutomaticSteps<'a> {
     fn steps(&self) -> &dyn Stepper {
         match self {
             Self::Series(steps) => steps.as_ref(),
-            Self::ArcLength(steps) => steps.as_ref(),
+            Self::ArcLength { steps, .. } => steps.as_ref(),
         }
     }
 
     fn steps_mut(&mut self) -> &mut (dyn Stepper + 'a) {
         match self {
             Self::Series(steps) => steps.as_mut(),
-            Self::ArcLength(steps) => steps.as_mut(),
+            Self::ArcLength { steps, .. } => steps.as_mut(),
         }
     }
 }
@@ -36,7 +40,7 @@ impl Stepper for AutomaticSteps<'_> {
     fn finish(self: Box<Self>) -> (State, Balance, Statistics) {
         match *self {
             Self::Series(steps) => steps.finish(),
-            Self::ArcLength(steps) => steps.finish(),
+            Self::ArcLength { steps, .. } => steps.finish(),
         }
     }
 
@@ -55,13 +59,19 @@ impl Stepper for AutomaticSteps<'_> {
                 "power series lead no further than load factor {:.6} ({reason}); the arc-length method goes on from there",
                 series.state().time
             ));
-            *self = Self::ArcLength(Box::new(steps));
+            let begun = Some(Box::new(steps.state().clone()));
+            *self = Self::ArcLength { steps: Box::new(steps), begun };
         }
         self.steps_mut().advance(observer)
     }
 
     fn repeat(&mut self, start: &State, end: f64) {
-        self.steps_mut().repeat(start, end);
+        match self {
+            Self::ArcLength { steps, begun: Some(begun) } if has_no_direction(start) => {
+                steps.repeat(begun, end)
+            }
+            _ => self.steps_mut().repeat(start, end),
+        }
     }
 
     fn release(&mut self) {
@@ -71,4 +81,8 @@ impl Stepper for AutomaticSteps<'_> {
     fn watch(&mut self, watched: &Watched) {
         self.steps_mut().watch(watched);
     }
+}
+
+fn has_no_direction(state: &State) -> bool {
+    state.path.as_ref().is_some_and(|path| path.arc.is_none())
 }

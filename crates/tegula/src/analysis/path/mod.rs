@@ -105,7 +105,8 @@ pub fn steps<'a>(
             let by_arc_length =
                 start.as_ref().and_then(|state| state.path.as_ref()).is_some_and(|path| path.arc.is_some());
             Box::new(if by_arc_length {
-                AutomaticSteps::ArcLength(Box::new(ArcLengthSteps::new(system, options, start)?))
+                let steps = Box::new(ArcLengthSteps::new(system, options, start)?);
+                AutomaticSteps::ArcLength { steps, begun: None }
             } else {
                 AutomaticSteps::Series(Box::new(SeriesSteps::new(system, options, start)?))
             })
