@@ -177,10 +177,12 @@ impl ResultFolder {
         for point in earlier.points.keys() {
             remove(&self.path.join(format!("point_{point}.png")))?;
         }
-        earlier.analyses.iter().try_for_each(|step| self.clear_step(&step.folder))
+        let analyses = earlier.analyses.iter().map(|step| &step.folder);
+        let branches = earlier.branches.iter().map(|branch| &branch.folder);
+        analyses.chain(branches).try_for_each(|folder| self.clear_step(folder))
     }
 
-    /// Removes the results of an analysis step, in a folder of its own, as far as they are of this program.
+    /// Removes the results of an analysis step or of a branch, in a folder of its own, as far as they are of this program.
     fn clear_step(&self, folder: &str) -> Result<(), JobError> {
         let path = self.path.join(folder);
         // A summary that was changed by hand must not lead elsewhere.
@@ -260,11 +262,17 @@ fn refuse(path: &Path, reason: &str) -> JobError {
     JobError::Folder { folder: path.to_owned(), reason: reason.into() }
 }
 
-/// True for the folder of an analysis step in the result folder of a run of several. Files of the user in it stay.
+/// True for the folder of an analysis step in the result folder of a run of several, and for that of a branch of a path. Files of the user in it
+/// stay.
 fn is_step(path: &Path) -> bool {
     let name = path.file_name().and_then(|name| name.to_str());
     let whole = path.parent().and_then(|parent| Summary::read(parent).ok());
-    whole.is_some_and(|summary| summary.analyses.iter().any(|step| Some(step.folder.as_str()) == name))
+    whole.is_some_and(|summary| {
+        let analyses = summary.analyses.iter().map(|step| step.folder.as_str());
+        analyses
+            .chain(summary.branches.iter().map(|branch| branch.folder.as_str()))
+            .any(|own| Some(own) == name)
+    })
 }
 
 /// The summary of the result that the folder holds.

@@ -7,6 +7,7 @@
 //! | `history.csv` | motion of the points, energies, momenta, reactions: a row a step |
 //! | `modes.csv`, `modes.pvd`, `modes/NNNN.vtu` | natural frequencies and mode shapes; load factors of buckling and buckling modes |
 //! | `critical_modes.pvd`, `critical_modes/NNNN.vtu` | modes at the limit points and bifurcations of a path |
+//! | `branch-N…` | folders with the paths that cross at the bifurcations of a path |
 //! | `campbell.csv` | frequencies of a model over the angular velocity with which it turns |
 //! | `frequency_response.csv`, `state_space*` | response to the inputs of a modal analysis |
 //! | `*.png` | pictures of all that |
@@ -21,6 +22,7 @@
 
 mod assembly;
 mod bodies;
+mod branches;
 mod buckling;
 mod campbell;
 mod critical_modes;
@@ -55,7 +57,9 @@ pub use folder::{Claim, ResultFolder};
 pub use forces::{AccelerationResult, BalanceResult, ForceResult};
 pub use prepare::{Prepared, prepare};
 pub use run::run;
-pub use summary::{CriticalResult, Energy, PointResult, Status, StepSummary, StopResult, Summary};
+pub use summary::{
+    BranchResult, CriticalResult, Energy, PointResult, Status, StepSummary, StopResult, Summary,
+};
 
 /// How to run.
 #[derive(Debug, Clone, PartialEq, Eq)]

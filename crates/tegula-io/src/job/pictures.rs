@@ -2,8 +2,11 @@
 
 mod path;
 
+pub(super) use path::with_branches;
+
 use tegula::norm::max_norm;
-use tegula::{Mesh, System};
+use tegula::result::Probe;
+use tegula::{Mesh, Model, System};
 
 use super::history::{BEHIND, PER_POINT};
 use super::recorder::Recorder;
@@ -23,8 +26,17 @@ pub(super) fn draw(recorder: &mut Recorder<'_>) {
     let mut check = |result: Result<(), OutputError>| problems.extend(result.err());
     match csv::read(&recorder.folder.file("history.csv")) {
         Ok((head, rows)) if rows.len() > 1 => {
-            if recorder.summary.analysis == "path" {
-                check(path::load_displacement(recorder, (&head, &rows)));
+            if recorder.memory.state.path.is_some() {
+                let primary = path::Followed {
+                    rows: rows.clone(),
+                    start: 0.0,
+                    critical: recorder.summary.critical_points.clone(),
+                };
+                check(path::load_displacement(
+                    (recorder.model, recorder.prepared, recorder.folder.path()),
+                    &head,
+                    &[primary],
+                ));
             } else if recorder.summary.analysis == "static" {
                 check(load_displacement(recorder, &rows));
             } else {
@@ -53,8 +65,8 @@ fn curve(rows: &[Vec<f64>], x: usize, y: usize) -> Vec<(f64, f64)> {
 }
 
 /// Title of the model, and what the picture shows.
-fn title(recorder: &Recorder<'_>, what: &str) -> String {
-    let title = &recorder.model.title;
+fn title(model: &Model, what: &str) -> String {
+    let title = &model.title;
     if title.is_empty() { what.to_owned() } else { format!("{title}: {what}") }
 }
 
@@ -81,7 +93,7 @@ fn points(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Vec<Result<(), OutputEr
             style: style(rows),
         });
         let plot = LinePlot {
-            title: title(recorder, &format!("displacement of {}", probe.name)),
+            title: title(&recorder.model, &format!("displacement of {}", probe.name)),
             x_label: time_label(recorder),
             y_label: with_unit("displacement", recorder.model.output.units.length.as_deref()),
             series: series.collect(),
@@ -96,10 +108,9 @@ fn points(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Vec<Result<(), OutputEr
 const STILL: f64 = 1e-6;
 
 /// Columns with the displacements of the points that move.
-fn moving(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Vec<usize> {
+fn moving(probes: &[Probe], rows: &[Vec<f64>]) -> Vec<usize> {
     let size = |c: usize| max_norm(rows.iter().filter_map(|row| row.get(c).copied()));
-    let columns =
-        (0..recorder.prepared.probes.len()).flat_map(|i| (0..3).map(move |c| 1 + PER_POINT * i + 3 + c));
+    let columns = (0..probes.len()).flat_map(|i| (0..3).map(move |c| 1 + PER_POINT * i + 3 + c));
     let columns: Vec<(usize, f64)> = columns.map(|c| (c, size(c))).collect();
     let largest = max_norm(columns.iter().map(|(_, size)| *size));
     columns.into_iter().filter(|(_, size)| *size > STILL * largest).map(|(c, _)| c).collect()
@@ -108,7 +119,7 @@ fn moving(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Vec<usize> {
 /// Load factor over the displacements of the points that move.
 fn load_displacement(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Result<(), OutputError> {
     let names = history::names(&recorder.prepared.probes);
-    let series: Vec<Series> = moving(recorder, rows)
+    let series: Vec<Series> = moving(&recorder.prepared.probes, rows)
         .into_iter()
         .map(|c| Series { name: names[c].replace('.', " "), points: curve(rows, c, 0), style: style(rows) })
         .collect();
@@ -116,7 +127,7 @@ fn load_displacement(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Result<(), O
         return Ok(());
     }
     let plot = LinePlot {
-        title: title(recorder, "displacement under the load"),
+        title: title(&recorder.model, "displacement under the load"),
         x_label: with_unit("displacement", recorder.model.output.units.length.as_deref()),
         y_label: "load factor".into(),
         series,
@@ -141,7 +152,7 @@ fn energy(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Result<(), OutputError>
         return Ok(());
     }
     let plot = LinePlot {
-        title: title(recorder, "energy"),
+        title: title(&recorder.model, "energy"),
         x_label: time_label(recorder),
         y_label: with_unit("energy", recorder.model.output.units.of_energy().as_deref()),
         series,
@@ -163,7 +174,7 @@ fn step_size(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Result<(), OutputErr
     let points = curve(rows, 0, column(recorder, "step_size")).split_off(1);
     let s = &recorder.summary;
     let plot = LinePlot {
-        title: title(recorder, "time steps"),
+        title: title(&recorder.model, "time steps"),
         x_label: time_label(recorder),
         y_label: with_unit("step size", recorder.model.output.units.time.as_deref()),
         series: vec![Series { name: String::new(), points, style: Style::Line }],
@@ -205,7 +216,7 @@ fn snapshots(recorder: &Recorder<'_>) -> Result<(), OutputError> {
     let parts = if mesh.quads.is_empty() { "motion" } else { "deformed shell" };
     let what = if scale == 1.0 { parts.into() } else { format!("displacements × {scale}") };
     let plot = SurfacePlot {
-        title: title(recorder, &what),
+        title: title(&recorder.model, &what),
         snapshots: shots.collect(),
         quads: mesh.quads.clone(),
         bodies,

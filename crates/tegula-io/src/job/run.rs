@@ -9,9 +9,9 @@ use super::resume::CheckpointData;
 use super::summary::StopResult;
 use super::{
     AssemblyResult, Claim, Energy, JobError, JobObserver, JobOptions, Prepared, ResultFolder, Start, Status,
-    Summary, buckling, modal, pictures, prepare, steps,
+    Summary, branches, buckling, modal, pictures, prepare, steps,
 };
-use crate::deck::Deck;
+use crate::deck::{Deck, Diagnostic};
 use crate::out::OutputError;
 
 /// Runs a model file and leaves the results in a folder.
@@ -28,10 +28,26 @@ pub fn run(deck: &Deck, options: &JobOptions, watch: &mut dyn JobObserver) -> Re
     }
 }
 
-/// Runs the one analysis of a model that is prepared.
+/// Runs the one analysis of a model that is prepared, and the branches of a path.
 pub(super) fn run_prepared(
     deck: &Deck,
     prepared: &Prepared,
+    options: &JobOptions,
+    watch: &mut dyn JobObserver,
+) -> Result<Summary, JobError> {
+    let done = run_one(deck, (prepared, &prepared.warnings), options, watch)?;
+    match &deck.model.analysis {
+        Analysis::Path(path) if path.branches.is_some() => {
+            branches::run((deck, path), prepared, options, (done, watch))
+        }
+        _ => Ok(done),
+    }
+}
+
+/// Runs the one analysis of a model that is prepared, with warnings of its model.
+pub(super) fn run_one(
+    deck: &Deck,
+    (prepared, warnings): (&Prepared, &[Diagnostic]),
     options: &JobOptions,
     watch: &mut dyn JobObserver,
 ) -> Result<Summary, JobError> {
@@ -41,7 +57,11 @@ pub(super) fn run_prepared(
         Analysis::Static(_) | Analysis::Path(_) | Analysis::Transient(_) => {}
     }
     if let Some(done) = completed(prepared, options) {
-        watch.on_warning("the run in this folder is complete: there is nothing to resume, and its results stay as they are");
+        if !branches::are_left(&deck.model.analysis, &done) {
+            watch.on_warning(
+                "the run in this folder is complete: there is nothing to resume, and its results stay as they are",
+            );
+        }
         return Ok(done);
     }
     let folder = if options.resume {
@@ -65,7 +85,7 @@ pub(super) fn run_prepared(
             if let Some(gaps) = prepared.system.closed_gaps.as_ref().filter(|_| !options.resume) {
                 gaps.messages().iter().for_each(|message| recorder.on_event(message));
             }
-            recorder.warn(&prepared.warnings)?;
+            recorder.warn(warnings)?;
             Ok(recorder)
         });
     let mut recorder = opened.inspect_err(|error| opening.write_failure(&place, error))?;
@@ -185,6 +205,7 @@ pub(super) fn summary(deck: &Deck, prepared: &Prepared, start: &Start) -> Summar
         linear_iterations: None,
         negative_pivots: None,
         critical_points: None,
+        branches: Vec::new(),
         assembly: prepared.system.closed_gaps.as_deref().map(AssemblyResult::from),
         energy: Energy::default(),
         points: Default::default(),

@@ -1,6 +1,6 @@
 //! Analysis steps of a model, each with results in a folder of its own.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use tegula::compile::{Compiler, StepModel, warnings_at_start};
 use tegula::model::Analysis;
@@ -39,7 +39,7 @@ pub(super) fn run(
         watch.on_warning(&warning.to_string());
         folder.log(&format!("warning: {warning}"))?;
     }
-    let outcome = whole.run(deck, prepared, &compiler, options, (&mut folder, watch));
+    let outcome = whole.run(deck, prepared, compiler, options, (&mut folder, watch));
     whole.conclude(&mut folder, outcome)
 }
 
@@ -65,13 +65,14 @@ impl Whole {
         &mut self,
         deck: &Deck,
         prepared: &Prepared,
-        compiler: &Compiler<'_>,
+        mut compiler: Compiler<'_>,
         options: &JobOptions,
         (folder, watch): (&mut ResultFolder, &mut dyn JobObserver),
     ) -> Result<(), JobError> {
         let count = compiler.steps().len();
         let mut ends: Vec<Option<StepStart>> = Vec::new();
-        for (i, step) in compiler.steps().iter().enumerate() {
+        for i in 0..count {
+            let step = &compiler.steps()[i].clone();
             let place = options.folder.join(&self.summary.analyses[i].folder);
             let begun = step.starts_from.and_then(|before| ends.get(before).cloned().flatten());
             self.present.clone_from(&step.name);
@@ -111,10 +112,11 @@ impl Whole {
                 }
             };
             self.take(i, &done);
-            if matches!(step.model.analysis, Analysis::Path(_)) && done.time != 1.0 && i + 1 < count {
-                return Err(ended_early(&done, place));
+            let end = end_of(&step.model.analysis, &place, &of_step)?;
+            if let Some((_, time)) = end {
+                compiler.end_step(i, time);
             }
-            ends.push(end_of(&step.model.analysis, &place, &of_step)?);
+            ends.push(end.map(|(end, _)| end));
         }
         Ok(())
     }
@@ -182,16 +184,6 @@ impl Whole {
     }
 }
 
-/// Error of a path that has not reached load factor 1, where the next step begins.
-fn ended_early(summary: &Summary, folder: PathBuf) -> JobError {
-    let error = tegula::Error::NotConverged {
-        at: format!("load factor {:.6}", summary.time),
-        reason: "the path has ended before load factor 1, where the loads of the next step begin".into(),
-        help: "Give it more `max_steps`, or let it be the last step.".into(),
-    };
-    JobError::Analysis { error, folder }
-}
-
 fn listed(number: usize, step: &StepModel) -> StepSummary {
     let analysis = match step.model.analysis {
         Analysis::Static(_) => "static",
@@ -220,13 +212,13 @@ fn resumable(analysis: &Analysis, place: &Path) -> bool {
         && Summary::read(place).is_ok()
 }
 
-/// State at which a step has ended, from its checkpoint; `None` where it has none, as modes.
-fn end_of(analysis: &Analysis, place: &Path, step: &Prepared) -> Result<Option<StepStart>, JobError> {
+/// State at which a step has ended, from its checkpoint, and its time or load factor; `None` where it has none, as modes.
+fn end_of(analysis: &Analysis, place: &Path, step: &Prepared) -> Result<Option<(StepStart, f64)>, JobError> {
     if matches!(analysis, Analysis::Modal(_) | Analysis::Buckling(_)) {
         return Ok(None);
     }
     let data = CheckpointData::load(&place.join("checkpoint.bin"), step.fingerprint, &step.system)?;
-    Ok(Some(data.state.end_of_step()))
+    Ok(Some((data.state.end_of_step(), data.state.time)))
 }
 
 fn model_error(deck: &Deck, folder: &Path, error: tegula::Error) -> JobError {

@@ -148,6 +148,21 @@ pub struct StepSummary {
     pub stop: Option<StopResult>,
 }
 
+/// Path that crosses the primary one at a bifurcation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BranchResult {
+    /// Number of the bifurcation along the primary path, from 1; negative for the other side of its mode, as in `switch_at`.
+    pub bifurcation: i32,
+    /// Folder of its results within the result folder.
+    pub folder: String,
+    /// Status; null before it begins.
+    #[serde(default)]
+    pub status: Option<Status>,
+    /// Load factor at its end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub load_factor: Option<f64>,
+}
+
 /// The contents of `summary.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
@@ -211,6 +226,9 @@ pub struct Summary {
     /// Critical points of a path, in the order in which it passes them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub critical_points: Option<Vec<CriticalResult>>,
+    /// Paths that cross at the bifurcations of a path, where they are followed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub branches: Vec<BranchResult>,
     /// Gaps that were closed at the start and bodies that have moved for it, where the joints do not meet in the reference configuration.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub assembly: Option<AssemblyResult>,

@@ -5,9 +5,11 @@ use tegula::analysis::{Observer, Step};
 use tegula::compile::build;
 use tegula::model::{
     Analysis, Condition, Crossing, ElementKind, Isotropic, Load, Material, Model, MooneyRivlin, NeoHookean,
-    PathAnalysis, PressureLoad, StopCondition, SymmetryPlane,
+    PathAnalysis, PressureLoad, Sensor, StopCondition, SymmetryPlane, VolumeSensor,
 };
 use tegula::norm::{larger, max_norm};
+use tegula::result::{sensor_columns, sensor_values};
+use tegula::system::System;
 use tegula::{Error, Mesh, Result, Vec3};
 use tegula_io::plot::{LinePlot, Series, Style, lines};
 
@@ -225,14 +227,14 @@ fn full_load(report: &mut Report) -> Result<()> {
 /// Mean stretch of a sphere of radius 1 along a path, and the pressure `p R/(μ h)`.
 struct Stretch<'a> {
     mesh: &'a Mesh,
-    position_of: &'a [u32],
+    system: &'a System,
     points: Vec<(f64, f64)>,
 }
 
 impl Stretch<'_> {
     fn mean(&self, step: &Step) -> f64 {
         let stretch = |(node, x): (usize, &Vec3)| {
-            let u = Vec3::from(step.state.u[self.position_of[node] as usize]);
+            let u = Vec3::from(step.state.u[self.system.coordinates.position_of[node] as usize]);
             (x + u).norm() / x.norm()
         };
         let sum: f64 = self.mesh.positions.iter().enumerate().map(stretch).sum();
@@ -246,7 +248,8 @@ impl Observer for Stretch<'_> {
         Ok(())
     }
     fn column(&mut self, name: &str, step: &Step) -> Option<f64> {
-        (name == "stretch").then(|| self.mean(step))
+        let column = sensor_columns(self.system).iter().position(|column| column == name)?;
+        sensor_values(self.system, step.state).get(column).copied()
     }
 }
 
@@ -262,13 +265,20 @@ fn balloon(report: &mut Report) -> Result<()> {
         ("neo-Hooke", Material::NeoHookean(neo_hooke), [2.0, 0.0], 7_f64.powf(1.0 / 6.0)),
         ("Mooney-Rivlin", Material::MooneyRivlin(mooney_rivlin), [2.8, 0.4], 1.535),
     ];
-    let (mesh, largest) = (octant(8), 2.5);
+    let (mesh, largest) = (octant(8), 2.5_f64);
     for (name, material, [first, second], at_limit) in laws {
-        let blown_up =
-            StopCondition { column: "stretch".into(), value: largest, direction: Crossing::Rising };
+        // Volume control: the path ends at the volume of this stretch.
+        let inside = VolumeSensor { name: "inside".into(), on: "all".into(), tip: [0.0; 3] };
+        let volume = largest.powi(3) * volume(&mesh);
+        let blown_up = StopCondition {
+            column: "sensor.inside.volume".into(),
+            value: volume,
+            direction: Crossing::Rising,
+        };
         let options = PathAnalysis { end_load: 10.0, stop: vec![blown_up], ..PathAnalysis::default() };
         let analysis = Analysis::Path(options.clone());
         let mut model = Model::new(flat([1.0; 2], [1, 1]), analysis, Isotropic::new(1.0, 0.3, 1.0), H);
+        model.sensors = vec![Sensor::Volume(inside)];
         model.materials.insert("m".into(), material);
         model.sections[0].element = ElementKind::Cm;
         for (on, normal) in
@@ -279,8 +289,7 @@ fn balloon(report: &mut Report) -> Result<()> {
         // Positive pressure pushes against the directors, which point outwards here.
         model.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: -H, amplitude: None })];
         let system = build(&model, &mesh)?;
-        let mut curve =
-            Stretch { mesh: &mesh, position_of: &system.coordinates.position_of, points: Vec::new() };
+        let mut curve = Stretch { mesh: &mesh, system: &system, points: Vec::new() };
         let outcome = run_path(&system, &options, &mut curve)?;
         let pressure = |l: f64| (l.recip() - l.powi(-7)) * (first + second * l * l);
         let error = |(stretch, p): &(f64, f64)| (p / pressure(*stretch) - 1.0).abs();
@@ -294,6 +303,19 @@ fn balloon(report: &mut Report) -> Result<()> {
         report.relative(CASE, &quantity("limit pressure"), "3x8x8", limit, pressure(at_limit), 5e-3);
     }
     Ok(())
+}
+
+/// Volume of the cone from the origin over a mesh, by its quads as pairs of triangles on either diagonal.
+fn volume(mesh: &Mesh) -> f64 {
+    let tetrahedron = |[a, b, c]: [u32; 3]| {
+        let x = [a, b, c].map(|node| mesh.positions[node as usize]);
+        x[0].dot(&x[1].cross(&x[2])) / 6.0
+    };
+    let cone = |[a, b, c, d]: &[u32; 4]| {
+        let halves = [[*a, *b, *c], [*a, *c, *d], [*a, *b, *d], [*b, *c, *d]];
+        0.5 * halves.into_iter().map(tetrahedron).sum::<f64>()
+    };
+    mesh.quads.iter().map(cone).sum()
 }
 
 const CASE: &str = "path-balloon";

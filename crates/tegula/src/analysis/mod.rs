@@ -110,7 +110,7 @@ impl State {
         match &system.start {
             None => Self::at_rest(system),
             Some(start) => {
-                let StepStart { u, v, history, multipliers, angles, coordinates } = start.clone();
+                let StepStart { u, v, history, multipliers, angles, coordinates, .. } = start.clone();
                 Self { u, v, history, multipliers, angles, coordinates, ..Self::default() }
             }
         }
@@ -156,8 +156,8 @@ impl State {
 
     /// Displacements, velocities, history variables, multipliers and angles of sensors from which the next analysis step starts.
     pub fn end_of_step(&self) -> StepStart {
-        let Self { u, v, history, multipliers, angles, coordinates, .. } = self.clone();
-        StepStart { u, v, history, multipliers, angles, coordinates }
+        let Self { time, u, v, history, multipliers, angles, coordinates, .. } = self.clone();
+        StepStart { time, u, v, history, multipliers, angles, coordinates }
     }
 }
 

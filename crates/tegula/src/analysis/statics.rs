@@ -1,6 +1,7 @@
 //! Static equilibrium.
 
 mod connection;
+mod continued;
 mod enhanced;
 pub mod equilibrium_step;
 mod failure;
@@ -19,6 +20,8 @@ use crate::{Error, Result, Vec3};
 use tegula_sparse::norm::{larger, max_norm};
 
 use crate::system::inertia_relief::KEY as RELIEF;
+use continued::ContinuedSteps;
+pub(crate) use continued::path_options;
 use load_steps::LoadSteps;
 pub use load_steps::first_state;
 
@@ -214,6 +217,15 @@ pub fn steps<'a>(
     options: &'a StaticAnalysis,
     start: Option<State>,
 ) -> Result<Box<dyn Stepper + 'a>> {
+    if options.continuation.is_some() {
+        system.require(&[Procedure::Path])?;
+        let load_steps = |start| {
+            let newton = Newton::new(system, options.method)?;
+            Ok(LoadSteps::new(newton, system, options, Some(start)))
+        };
+        let start = start.unwrap_or_else(|| first_state(system, options));
+        return Ok(Box::new(ContinuedSteps::new(system, options, load_steps, start)?));
+    }
     system.require(&[Procedure::Static, Procedure::IterativeStatic, Procedure::Modal])?;
     Ok(match options.linear_solver {
         LinearSolver::Direct => {

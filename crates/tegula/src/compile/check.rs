@@ -499,6 +499,7 @@ impl Checker {
                         "set linear_solver = \"direct\", or leave `allow_unstable` out",
                     );
                 }
+                super::check_path::continued(s, self);
                 self.something_acts(model, continues);
             }
             Analysis::Path(path) => {

@@ -1,7 +1,33 @@
 //! Checks of the keys of a path.
 
 use crate::checker::Checker;
-use crate::model::{Model, PathAnalysis};
+use crate::model::{Branches, LinearSolver, Model, PathAnalysis, StaticAnalysis};
+
+/// Mistakes in the keys of a static analysis that goes on along a path.
+pub(super) fn continued(options: &StaticAnalysis, c: &mut Checker) {
+    let excluded = [
+        (options.linear, "linear", "without the terms of large displacements there are no limit points"),
+        (
+            options.linear_solver == LinearSolver::Iterative,
+            "linear_solver",
+            "the iterative linear solver finds stable equilibria only",
+        ),
+        (
+            options.inertia_relief,
+            "inertia_relief",
+            "inertia relief chooses its supports anew in each load step",
+        ),
+    ];
+    for (_, key, reason) in
+        excluded.into_iter().filter(|(given, ..)| *given && options.continuation.is_some())
+    {
+        c.add(
+            "analysis.continue",
+            format!("a static analysis with `{key}` does not go on along a path: {reason}"),
+            format!("leave `continue` or `{key}` out"),
+        );
+    }
+}
 
 /// Mistakes in the keys of a path.
 pub(super) fn path(model: &Model, path: &PathAnalysis, c: &mut Checker) {
@@ -30,6 +56,20 @@ pub(super) fn path(model: &Model, path: &PathAnalysis, c: &mut Checker) {
             "analysis.switch_at",
             "there is no bifurcation number 0",
             "count bifurcations from 1 along the path; a negative number means the other side of the crossing path",
+        );
+    }
+    if path.branches == Some(Branches::First(0)) {
+        c.add(
+            "analysis.branches",
+            "no branch is followed",
+            "give the number of bifurcations, or leave `branches` out",
+        );
+    }
+    if path.branches.is_some() && !path.switch_at.is_empty() {
+        c.add(
+            "analysis.branches",
+            "`branches` follows the crossing paths beside the primary one, and with `switch_at` the path itself is a crossing one",
+            "leave one of both keys out",
         );
     }
     let mut numbers: Vec<u32> = path.switch_at.iter().map(|number| number.unsigned_abs()).collect();

@@ -49,7 +49,7 @@ use crate::constraint::{
     TorsionSpringGroup,
 };
 use crate::element::{ElementGroup, Nodal, director_angle};
-use crate::load::{FollowerLoad, LoadFactor, NodalLoad, OwnLoad};
+use crate::load::{FollowerLoad, NodalLoad, OwnLoad};
 use crate::material::{MaterialLaw, OwnLaw};
 use crate::mesh::directors::Directors;
 use crate::mesh::folds::Folds;
@@ -87,6 +87,8 @@ pub fn build(model: &Model, mesh: &Mesh) -> Result<System> {
 /// Compiler of a model: it makes nodal vectors and elements once, and from them a system for each analysis step.
 pub struct Compiler<'a> {
     mesh: &'a Mesh,
+    /// The model, with the nodes of its beams.
+    model: Model,
     steps: Vec<StepModel>,
     directors: Directors,
     vectors: Vectors,
@@ -207,6 +209,7 @@ impl<'a> Compiler<'a> {
         };
         let mut compiler = Self {
             mesh,
+            model: model.clone(),
             linear: steps.iter().any(linear),
             steps,
             directors,
@@ -258,6 +261,15 @@ impl<'a> Compiler<'a> {
         Some([of(&self.vectors.coordinates.position_of)?, of(&self.vectors.coordinates.director_of)?])
     }
 
+    /// Takes over at which time or load factor a step has ended: the loads of later steps continue from there.
+    pub fn end_step(&mut self, step: usize, at: f64) {
+        let mut ends: Vec<f64> = self.steps.iter().map(|step| step.ends_at).collect();
+        if let Some(end) = ends.get_mut(step) {
+            *end = at;
+            self.steps = steps::steps_with_ends(&self.model, &ends);
+        }
+    }
+
     /// Adds a load of the caller to all steps compiled from now on. In a static step it grows with the load factor, unless
     /// an earlier step had it, in a transient one it acts from the start.
     pub fn add_load(&mut self, name: &str, load: Arc<dyn NodalLoad>) {
@@ -300,6 +312,20 @@ impl<'a> Compiler<'a> {
                 "take the start from a state of this model, by `State::end_of_step`",
             ));
         }
+        let before = step.starts_from.and_then(|before| self.steps.get(before));
+        if let Some((start, before)) = start.as_ref().zip(before)
+            && before.model.analysis.seeks_equilibria()
+            && start.time != before.ends_at
+        {
+            return Err(Error::model(
+                "steps",
+                format!(
+                    "the step before has ended at load factor {}, and the loads of this one continue from load factor {}",
+                    start.time, before.ends_at
+                ),
+                "tell the compiler where the step before has ended, by `Compiler::end_step`",
+            ));
+        }
         let (start, closed_gaps) = match assembled {
             Some((start, gaps)) => (Some(start), Some(gaps)),
             None => (start, None),
@@ -337,6 +363,10 @@ impl<'a> Compiler<'a> {
     ) -> Option<(Vec<Support>, LocalFrames, Option<InertiaRelief>)> {
         let vectors = &self.vectors;
         let mut supports = supports(&step.model, self.mesh, vectors, names, issues);
+        supports
+            .iter_mut()
+            .filter(|support| step.stays(&support.key))
+            .for_each(|support| support.motion = None);
         issues.extend(patches::supported(&supports, &vectors.coordinates, self.mesh));
         let at = (supports.as_slice(), &*vectors.coordinates);
         issues.extend(couplings::held(&step.model, &self.joints, at, self.mesh));
@@ -482,8 +512,7 @@ fn inputs(model: &Model) -> Vec<Range<usize>> {
 
 /// Load of a caller in an analysis step: new in the first one, continued in the others.
 fn of_caller(load: &OwnLoad, step: &StepModel) -> FollowerLoad {
-    let start = if step.starts_from.is_some() { 1.0 } else { 0.0 };
-    FollowerLoad::Own { load: load.clone(), factor: LoadFactor { start, ..LoadFactor::new(None) } }
+    FollowerLoad::Own { load: load.clone(), factor: step.of_caller.factor(None) }
 }
 
 /// A law for a material that is not there, or is linear: linear materials are integrated when the model is compiled.

@@ -6,6 +6,7 @@ use crate::system::Procedure;
 /// Kind of analysis for which a system has to be compiled.
 pub(super) fn procedure(analysis: &Analysis) -> Procedure {
     match analysis {
+        Analysis::Static(s) if s.continuation.is_some() => Procedure::Path,
         Analysis::Static(s) if s.linear_solver == LinearSolver::Iterative => Procedure::IterativeStatic,
         Analysis::Static(_) => Procedure::Static,
         Analysis::Path(_) => Procedure::Path,

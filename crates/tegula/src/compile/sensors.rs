@@ -6,8 +6,8 @@ use super::place::{Place, end_at, ends, not_beside};
 use crate::Issue;
 use crate::checker::Checker;
 use crate::constraint::joints::{End, RelativeAngle};
-use crate::constraint::{Attachment, Joint, Measure, Sensor};
-use crate::model::{self, Analysis, DistanceSensor, Model, PointSensor};
+use crate::constraint::{Attachment, ConeVolume, Joint, Measure, Sensor};
+use crate::model::{self, Analysis, DistanceSensor, Model, PointSensor, VolumeSensor};
 
 /// Mistakes in the values of sensors of a model with these joints, some of which may not act.
 pub(super) fn keys(model: &Model, joints: &[model::Joint], c: &mut Checker) {
@@ -34,6 +34,18 @@ pub(super) fn keys(model: &Model, joints: &[model::Joint], c: &mut Checker) {
             }
             model::Sensor::Point(keys) => {
                 keys.at.iter().for_each(|x| c.finite(&format!("{key}.at"), "the point", x));
+            }
+            model::Sensor::Volume(keys) => {
+                if is_linear(model) {
+                    c.add(
+                        &key,
+                        format!(
+                            "{what} measures a volume, and a linear analysis has small displacements only"
+                        ),
+                        "leave `linear` out, or measure the displacement of a point",
+                    );
+                }
+                c.finite(&format!("{key}.tip"), "the tip", &keys.tip);
             }
             model::Sensor::Reaction(keys) => {
                 let coupled = model.bodies.iter().filter(|body| !body.distributed.is_empty());
@@ -91,6 +103,7 @@ fn measure(
             angle.map(Measure::Angle)
         }
         model::Sensor::Point(keys) => point(place, (key, keys), c),
+        model::Sensor::Volume(keys) => volume(place, (key, keys), c),
         model::Sensor::Reaction(keys) => {
             joints.iter().position(|joint| joint.name == keys.joint).map(Measure::Reaction)
         }
@@ -101,6 +114,16 @@ fn distance(place: &Place, (key, keys): (&str, &DistanceSensor), c: &mut Checker
     let points = [0, 1].map(|side| Some((format!("{key}.points[{side}]"), keys.points[side])));
     let [a, b] = ends(place, (key, &keys.between), points, c)?;
     Some(Measure::Distance([a.point(&keys.points[0].into()), b.point(&keys.points[1].into())]))
+}
+
+fn volume(place: &Place, (key, keys): (&str, &VolumeSensor), c: &mut Checker) -> Option<Measure> {
+    let Some(quads) = place.mesh.quads_on(&keys.on) else {
+        c.missing(format!("{key}.on"), "set of elements", &keys.on, place.mesh.quad_sets.keys());
+        return None;
+    };
+    let position = |node: u32| place.coordinates.position_of[node as usize];
+    let quads = quads.into_iter().map(|quad| place.mesh.quads[quad as usize].map(position)).collect();
+    Some(Measure::Volume(ConeVolume { quads, tip: keys.tip.into() }))
 }
 
 fn point(place: &Place, (key, keys): (&str, &PointSensor), c: &mut Checker) -> Option<Measure> {

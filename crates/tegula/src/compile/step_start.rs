@@ -93,10 +93,13 @@ impl Compiler<'_> {
         if issues.is_empty() && is_static && !self.keeps_supports(step, &system.supports) {
             release_supports(system, self.mesh);
         }
-        if let Analysis::Path(options) = &model.analysis
-            && issues.is_empty()
-        {
-            issues.extend(path::outside_of_scope(system, options));
+        let options = match &model.analysis {
+            Analysis::Path(options) => Some(options.clone()),
+            Analysis::Static(options) => options.continuation.map(|_| statics::path_options()),
+            Analysis::Modal(_) | Analysis::Buckling(_) | Analysis::Transient(_) => None,
+        };
+        if issues.is_empty() {
+            issues.extend(options.and_then(|options| path::outside_of_scope(system, &options)));
         }
     }
 

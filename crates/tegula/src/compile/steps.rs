@@ -4,7 +4,7 @@ use super::step_joints;
 use crate::Issue;
 use crate::checker::Checker;
 use crate::load::{LoadFactor, TimeFunction};
-use crate::model::{Analysis, AnalysisStep, Load, ModalAnalysis, Model, PrescribedStrain};
+use crate::model::{Analysis, AnalysisStep, Condition, Load, ModalAnalysis, Model, PrescribedStrain};
 
 /// Longest name of a step: it becomes the name of a folder.
 const LONGEST_NAME: usize = 40;
@@ -18,6 +18,10 @@ pub struct StepModel {
     pub model: Model,
     /// Index of the step at whose end this one starts; `None`: the reference configuration at rest.
     pub starts_from: Option<usize>,
+    /// Time or load factor at which the step ends.
+    pub ends_at: f64,
+    /// Whether each of the model's conditions prescribes a motion that stays where the step before has left it.
+    pub(super) staying: Vec<bool>,
     /// Names of joints that do not act in the step; `model` does not have them.
     pub released: Vec<String>,
     /// Names of joints whose sides do not move against each other in the step.
@@ -26,6 +30,8 @@ pub struct StepModel {
     pub(super) loads: Vec<Continued>,
     /// Continuation of each of [`all_strains`] from the step before.
     pub(super) strains: Vec<(Continued, Option<String>)>,
+    /// Continuation of the loads that a caller adds to all steps.
+    pub(super) of_caller: Continued,
     /// Keys of the model file in place of those of `model`.
     keys: Vec<(String, String)>,
     /// Key of the step in the model file; `None` for the one analysis of a model without steps.
@@ -80,6 +86,16 @@ impl StepModel {
         }
     }
 
+    /// Whether the condition with a key of the step's model prescribes a motion that stays where the step before has left it.
+    pub(super) fn stays(&self, key: &str) -> bool {
+        self.staying.iter().enumerate().any(|(i, stays)| *stays && key == format!("conditions[{i}]"))
+    }
+
+    /// Whether the loads grow with a load factor that has not reached 1 at the end of the step.
+    fn ends_below_full_load(&self) -> bool {
+        self.model.analysis.seeks_equilibria() && self.ends_at != 1.0
+    }
+
     /// Issues of the step's model at the keys of the model file.
     pub fn located(&self, issues: Vec<Issue>) -> Vec<Issue> {
         let locate = |issue: Issue| Issue { place: crate::Place::key(self.key(&issue.place.key)), ..issue };
@@ -132,13 +148,21 @@ fn partners<T: PartialEq>(old: &[T], new: &[T], without_amplitude: impl Fn(&T) -
     out
 }
 
-/// Analysis steps of a model, at least one: a model without `steps` has the step of its `analysis`.
+/// Analysis steps of a model, at least one: a model without `steps` has the step of its `analysis`. Each ends where it ends without a stop
+/// condition.
 pub fn steps(model: &Model) -> Vec<StepModel> {
+    steps_with_ends(model, &[])
+}
+
+/// Analysis steps of a model of which the first ones have ended at these times or load factors.
+pub(super) fn steps_with_ends(model: &Model, ends: &[f64]) -> Vec<StepModel> {
     if model.steps.is_empty() {
         let mut only = StepModel {
             name: String::new(),
             model: model.clone(),
             starts_from: None,
+            ends_at: end_of(&model.analysis),
+            staying: vec![false; model.conditions.len()],
             released: Vec::new(),
             locked: Vec::new(),
             loads: vec![Continued::default(); model.loads.len()],
@@ -147,6 +171,7 @@ pub fn steps(model: &Model) -> Vec<StepModel> {
                 .iter()
                 .map(|strain| (Continued::default(), strain.amplitude().cloned()))
                 .collect(),
+            of_caller: Continued::default(),
             keys: Vec::new(),
             place: None,
         };
@@ -165,6 +190,7 @@ pub fn steps(model: &Model) -> Vec<StepModel> {
             _ => one_step(model, number, step, before.map(|i| (i, &out[i]))),
         };
         next.add_inputs(&format!("steps[{number}].analysis"));
+        next.ends_at = ends.get(number).copied().unwrap_or_else(|| end_of(&step.analysis));
         out.push(next);
     }
     out
@@ -184,11 +210,6 @@ fn beside_held_loads(
     before: &StepModel,
     all: &[PrescribedStrain],
 ) -> StepModel {
-    let held = |was: &Continued, amplitude: Option<&str>| Continued {
-        start: end_factor(before, was, amplitude),
-        released: false,
-        held: true,
-    };
     let mut out = base;
     let mut own_keys = |list: &str, first: usize, own: usize| {
         let key = |i: usize| (format!("{list}[{}]", first + i), format!("steps[{number}].{list}[{i}]"));
@@ -197,14 +218,11 @@ fn beside_held_loads(
     own_keys("conditions", before.model.conditions.len(), step.conditions.len());
     own_keys("loads", before.model.loads.len(), step.loads.len());
     own_keys("prescribed_strains", before.model.prescribed_strains.len(), step.prescribed_strains.len());
-    let of_base = before.loads.iter().zip(&before.model.loads);
-    out.loads = of_base.map(|(was, load)| held(was, load.amplitude().as_deref())).collect();
     out.loads.resize(out.loads.len() + step.loads.len(), Continued::default());
     out.model.loads.extend_from_slice(&step.loads);
     out.model.conditions.extend_from_slice(&step.conditions);
+    out.staying.resize(out.model.conditions.len(), false);
     out.model.prescribed_strains.extend_from_slice(&step.prescribed_strains);
-    let of_base = before.strains.iter().map(|(was, amplitude)| (held(was, amplitude.as_deref()), None));
-    out.strains = of_base.collect();
     for strain in &step.prescribed_strains {
         let bare = strain.without_amplitude();
         let is_free = |i: &usize| all[*i] == bare && out.strains[*i].0 == held_at_zero();
@@ -220,7 +238,7 @@ fn held_at_zero() -> Continued {
     Continued { held: true, ..Continued::default() }
 }
 
-/// Modal step: the conditions and loads of the step at whose end it stands.
+/// Modal step: the conditions of the step at whose end it stands, and its loads with their factors there.
 fn about_the_end(
     model: &Model,
     number: usize,
@@ -228,8 +246,18 @@ fn about_the_end(
     before: &StepModel,
     index: usize,
 ) -> StepModel {
+    let held = |was: &Continued, amplitude: Option<&str>| Continued {
+        start: end_factor(before, was, amplitude),
+        released: false,
+        held: true,
+    };
+    let loads = before.loads.iter().zip(&before.model.loads);
+    let strains = before.strains.iter();
     StepModel {
         name: name(step, number),
+        loads: loads.map(|(was, load)| held(was, load.amplitude().as_deref())).collect(),
+        strains: strains.map(|(was, amplitude)| (held(was, amplitude.as_deref()), None)).collect(),
+        of_caller: held(&before.of_caller, None),
         model: Model { analysis: step.analysis.clone(), output: output(model, step), ..before.model.clone() },
         starts_from: Some(index),
         place: Some(format!("steps[{number}]")),
@@ -270,7 +298,10 @@ fn one_step(
         for ((old, was), partner) in before.model.loads.iter().zip(&before.loads).zip(found) {
             let start = end_factor(before, was, old.amplitude().as_deref());
             match partner {
-                Some(i) => continued[i].start = start,
+                Some(i) => {
+                    let stays = stays_as_left(step, before) && loads[i].amplitude().is_none();
+                    continued[i] = Continued { start, held: stays, ..Continued::default() };
+                }
                 None if is_static && start != 0.0 => {
                     loads.push(old.clone());
                     continued.push(Continued { start, released: true, held: false });
@@ -287,17 +318,31 @@ fn one_step(
         let earlier = before.and_then(|(_, b)| Some((b, b.strains.get(i)?)));
         let start = earlier.map_or(0.0, |(b, (was, amplitude))| end_factor(b, was, amplitude.as_deref()));
         let amplitude = own.and_then(|o| strains[o].amplitude().cloned());
-        (Continued { start, released: own.is_none(), held: false }, amplitude)
+        let had = earlier.is_some_and(|(_, (was, _))| !was.released);
+        let stays = own.is_some()
+            && amplitude.is_none()
+            && had
+            && before.is_some_and(|(_, before)| stays_as_left(step, before));
+        (Continued { start, released: own.is_none(), held: stays }, amplitude)
+    };
+    let conditions = [model.conditions.clone(), step.conditions.clone()].concat();
+    let stays = |condition: &Condition| {
+        let without_amplitude = condition.motion().is_some_and(|motion| motion.amplitude.is_none());
+        let left =
+            |before: &StepModel| stays_as_left(step, before) && before.model.conditions.contains(condition);
+        without_amplitude && before.is_some_and(|(_, before)| left(before))
     };
     StepModel {
         name: name(step, number),
         starts_from: before.map(|(i, _)| i),
+        ends_at: end_of(&step.analysis),
+        staying: conditions.iter().map(stays).collect(),
         released: step.released.clone(),
         locked: step.locked.clone(),
         strains: own.iter().enumerate().map(continued_strain).collect(),
         model: Model {
             analysis: step.analysis.clone(),
-            conditions: [model.conditions.clone(), step.conditions.clone()].concat(),
+            conditions,
             loads,
             prescribed_strains: strains,
             joints,
@@ -307,6 +352,11 @@ fn one_step(
             ..model.clone()
         },
         loads: continued,
+        of_caller: before.map_or_else(Continued::default, |(_, before)| Continued {
+            start: end_factor(before, &before.of_caller, None),
+            released: false,
+            held: stays_as_left(step, before),
+        }),
         keys,
         place: Some(format!("steps[{number}]")),
     }
@@ -325,12 +375,28 @@ fn end_factor(step: &StepModel, load: &Continued, amplitude: Option<&str>) -> f6
     if load.released {
         return 0.0;
     }
-    let end = match &step.model.analysis {
-        Analysis::Static(_) | Analysis::Path(_) | Analysis::Modal(_) | Analysis::Buckling(_) => 1.0,
-        Analysis::Transient(t) => t.end_time,
-    };
+    if load.held {
+        return load.start;
+    }
+    let end = step.ends_at;
     let function = amplitude.and_then(|name| TimeFunction::new(step.model.amplitudes.get(name)?).ok());
-    function.map_or(1.0, |f| f.value(end))
+    let own = || if step.ends_below_full_load() { load.start + end * (1.0 - load.start) } else { 1.0 };
+    function.map_or_else(own, |f| f.value(end))
+}
+
+/// Time or load factor at which an analysis ends where no stop condition ends it.
+fn end_of(analysis: &Analysis) -> f64 {
+    match analysis {
+        Analysis::Static(_) | Analysis::Modal(_) | Analysis::Buckling(_) => 1.0,
+        Analysis::Path(path) => path.end_load,
+        Analysis::Transient(transient) => transient.end_time,
+    }
+}
+
+/// Whether loads, motions and strains without amplitude stay in a step as the one before has left them: in motions behind a static step or a
+/// path that has ended before load factor 1.
+fn stays_as_left(step: &AnalysisStep, before: &StepModel) -> bool {
+    matches!(step.analysis, Analysis::Transient(_)) && before.ends_below_full_load()
 }
 
 /// Mistakes in the order and the keys of the analysis steps.
@@ -392,22 +458,6 @@ pub(super) fn issues(model: &Model) -> Vec<Issue> {
             Analysis::Buckling(_) => buckling_step(&mut c, &key, (step, i), (model, first)),
             Analysis::Modal(modal) => modal_step(&mut c, &key, (step, i), (model, modal)),
             Analysis::Transient(_) => moving = true,
-            Analysis::Static(s) if !s.stop.is_empty() && i + 1 < model.steps.len() => c.add(
-                format!("{key}.analysis.stop"),
-                "a static step that may end before load factor 1 is followed by another step, whose loads continue those at load \
-                 factor 1",
-                "let this step be the last one, or leave `stop` out; transient steps may stop anywhere",
-            ),
-            Analysis::Path(p) if !p.stop.is_empty() && i + 1 < model.steps.len() => c.add(
-                format!("{key}.analysis.stop"),
-                "a path that may end before load factor 1 is followed by another step, whose loads continue those at load factor 1",
-                "let this step be the last one, or leave `stop` out",
-            ),
-            Analysis::Path(p) if p.end_load != 1.0 && i + 1 < model.steps.len() => c.add(
-                format!("{key}.analysis.end_load"),
-                "a path that does not end at load factor 1 is followed by another step, whose loads continue those at load factor 1",
-                "let the path end at load factor 1, with loads of another size, or let it be the last step",
-            ),
             Analysis::Static(_) | Analysis::Path(_) => {}
         }
         if !step.initial_velocities.is_empty() && !matches!(step.analysis, Analysis::Transient(_)) {

@@ -91,7 +91,9 @@ pub fn soft_folds(steps: &[StepModel], system: &System) -> Option<Issue> {
 
 /// Warnings of an analysis step that starts where another one has ended, at the keys of the model file.
 pub fn warnings_at_start(step: &StepModel, system: &System) -> Vec<Issue> {
-    step.located(jumping_supports(&step.model, system))
+    let mut found = jumping_supports(&step.model, system);
+    found.retain(|issue| !step.stays(&issue.place.key));
+    step.located(found)
 }
 
 fn independent_of_the_start(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {

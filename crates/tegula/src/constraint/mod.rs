@@ -36,7 +36,7 @@ pub use coordinate_law::{CoordinateLaw, CoordinateMode, CoordinateState};
 pub use foundation::{FoundationElement, FoundationGroup};
 pub use joint::{Drive, Joint, JointGroup, Role};
 pub use row::{DriveValue, Quantity, Row};
-pub use sensor::{Measure, Sensor};
+pub use sensor::{ConeVolume, Measure, Sensor};
 pub use spline::{CurvePoint, Spline};
 pub use spring::{Spring, SpringGroup};
 pub use spring_law::SpringLaw;

@@ -62,14 +62,14 @@ pub use joint::{
 };
 pub use loads::{Load, LoadStiffness, NodalLoad};
 pub use mesh_source::*;
-pub use path::{PathAnalysis, PathMethod};
+pub use path::{AllBranches, Branches, PathAnalysis, PathEnd, PathMethod};
 pub use prescribed_strain::*;
 pub use response::{FrequencyResponse, ResponseInput, Spacing};
 pub(crate) use scheme::schemes;
 pub use scheme::*;
 pub use second_side::SecondSide;
 pub use section::{Layup, LayupPly, Section, StackedPly};
-pub use sensor::{AngleSensor, DistanceSensor, PointSensor, ReactionSensor, Sensor};
+pub use sensor::{AngleSensor, DistanceSensor, PointSensor, ReactionSensor, Sensor, VolumeSensor};
 pub use spring::{SpringDamper, TorsionSpring};
 pub use supports::Condition;
 pub use surface::TriangulatedSurface;

@@ -35,9 +35,55 @@ pub struct PathAnalysis {
     /// mode; a negative number: on the other side.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub switch_at: Vec<i32>,
+    /// Bifurcations whose crossing paths are followed behind this one, on both sides: a number, the first ones, or `"all"`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub branches: Option<Branches>,
+    /// Kind of critical point at the first of which the path ends.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end_at: Option<PathEnd>,
     /// Conditions at which the path ends.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stop: Vec<StopCondition>,
+}
+
+/// Bifurcations of a path whose crossing paths are followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Branches {
+    /// The first ones, this many.
+    First(u32),
+    /// All of them.
+    All(AllBranches),
+}
+
+/// All bifurcations of a path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum AllBranches {
+    /// All of them.
+    All,
+}
+
+impl Branches {
+    /// Number of those among `bifurcations` whose crossing paths are followed.
+    pub fn among(self, bifurcations: usize) -> usize {
+        match self {
+            Self::First(number) => bifurcations.min(number as usize),
+            Self::All(AllBranches::All) => bifurcations,
+        }
+    }
+}
+
+/// Kind of critical point at which a path ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PathEnd {
+    /// Limit point.
+    LimitPoint,
+    /// Bifurcation.
+    Bifurcation,
+    /// Limit point or bifurcation.
+    CriticalPoint,
 }
 
 /// Method that follows a path.
@@ -61,6 +107,8 @@ impl Default for PathAnalysis {
             tolerance: tolerance(),
             points: ten(),
             switch_at: Vec::new(),
+            branches: None,
+            end_at: None,
             stop: Vec::new(),
         }
     }

@@ -15,6 +15,8 @@ pub enum Sensor {
     Point(PointSensor),
     /// Magnitudes of the force and the moment in a joint.
     Reaction(ReactionSensor),
+    /// Volume that a surface encloses, and its rate.
+    Volume(VolumeSensor),
 }
 
 impl Sensor {
@@ -25,6 +27,7 @@ impl Sensor {
             Self::Angle(keys) => &keys.name,
             Self::Point(keys) => &keys.name,
             Self::Reaction(keys) => &keys.name,
+            Self::Volume(keys) => &keys.name,
         }
     }
 }
@@ -78,4 +81,19 @@ pub struct ReactionSensor {
     pub name: String,
     /// Name of the joint, or of a body with `distributed` nodes; the components are columns of the history without a sensor.
     pub joint: String,
+}
+
+/// Volume that a surface encloses.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VolumeSensor {
+    /// Name of the sensor in results.
+    pub name: String,
+    /// Name of a set of elements. A closed surface whose directors point outwards has a positive volume.
+    pub on: String,
+    /// Tip of the cone over a surface that is open (length): its volume counts. On planes of symmetry that cut the surface the tip makes it that of
+    /// the part on this side of them.
+    #[serde(default)]
+    #[schemars(extend("x-marker" = "point"))]
+    pub tip: [f64; 3],
 }

@@ -19,6 +19,7 @@ pub fn sensor_columns(system: &System) -> Vec<String> {
             Measure::Angle(_) => (&["angle"], &["rate"]),
             Measure::Point(_) => (&["x", "y", "z"], &["vx", "vy", "vz", "ax", "ay", "az"]),
             Measure::Reaction(_) => (&["force", "moment"], &[]),
+            Measure::Volume(_) => (&["volume"], &["rate"]),
         };
         let rates = if moves { rates } else { &[] };
         out.extend(columns.iter().chain(rates).map(|column| format!("sensor.{}.{column}", sensor.name)));
@@ -55,6 +56,11 @@ pub fn sensor_values(system: &System, state: &State) -> Vec<f64> {
             Measure::Reaction(joint) => {
                 let (force, moment) = joint_reaction(system, state, &system.joints[*joint]);
                 out.extend([force.norm(), moment.norm()]);
+            }
+            Measure::Volume(cone) => {
+                let [volume, rate] = cone.value_and_rate(at, |v| vector(&state.v, v));
+                out.push(volume);
+                out.extend(moves.then_some(rate));
             }
         }
     }

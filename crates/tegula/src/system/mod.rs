@@ -138,6 +138,8 @@ pub struct PrescribedField {
 /// State at which an analysis step starts, left by the step before.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StepStart {
+    /// Time or load factor at which that step has ended.
+    pub time: f64,
     /// Displacements of the nodal vectors.
     pub u: Vec<Nodal>,
     /// Velocities; empty where the step before was static.

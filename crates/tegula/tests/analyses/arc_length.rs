@@ -193,7 +193,7 @@ impl Observer for Deflection<'_> {
 #[test]
 fn the_arc_length_method_goes_on_where_series_lead_no_further() {
     let options = PathAnalysis { end_load: 1.5, switch_at: vec![1], ..Default::default() };
-    let (mut m, _) = strip(16, ElementKind::Ems, 0.003, 1e7, &options);
+    let (mut m, _) = strip(32, ElementKind::Ems, 0.001, 1e7, &options);
     let (system, outcome, record) = run(&m);
     let changes: Vec<&String> =
         record.events.iter().filter(|event| event.contains("power series lead no further")).collect();
@@ -227,6 +227,68 @@ fn the_arc_length_method_goes_on_where_series_lead_no_further() {
     }
     let Analysis::Path(options) = &m.analysis else { unreachable!() };
     assert!(path::run(&system, options, None, &mut Record::default()).is_err());
+}
+
+/// A still thinner strip has no series at the start of the path.
+#[test]
+fn the_arc_length_method_begins_where_there_are_no_series() {
+    let options = PathAnalysis { end_load: 1.5, switch_at: vec![1], ..Default::default() };
+    let (m, _) = strip(32, ElementKind::Ems, 0.0002, 1e7, &options);
+    let (_, outcome, record) = run(&m);
+    let changes = record.events.iter().filter(|event| event.contains("no further than load factor 0.0"));
+    assert_eq!(changes.count(), 1, "{:?}", record.events);
+    let end = outcome.state.u.iter().map(|u| u[2]).fold(0.0, tegula::norm::larger) / 10.0;
+    assert!((elastica(end) / 1.5 - 1.0).abs() < 2e-3, "{}", elastica(end));
+}
+
+/// Slightly curved strips, which bend more and more below the Euler load, where a small residual stands for a large error along the path: the end of the
+/// path is the equilibrium of statics.
+#[test]
+fn paths_of_very_thin_imperfect_strips_are_those_of_statics() {
+    for (h, load) in [(0.01, 1.0), (0.0005, 0.998)] {
+        let (mut m, _) =
+            strip(32, ElementKind::Ems, h, 1e7, &PathAnalysis { end_load: load, ..Default::default() });
+        m.imperfections = vec![Imperfection::Mode(ModeImperfection { mode: 1, amplitude: 1e-5 })];
+        let nominal = tegula::mesh::generators::generate(&m.mesh).unwrap();
+        let mesh =
+            tegula::compile::imperfect_mesh(&m, &nominal, &mut tegula::analysis::Silent).unwrap().unwrap();
+        let ends = [
+            m.analysis.clone(),
+            Analysis::Path(PathAnalysis {
+                end_load: load,
+                method: Some(PathMethod::ArcLength),
+                ..Default::default()
+            }),
+            Analysis::Static(StaticAnalysis::default()),
+        ]
+        .map(|analysis| {
+            let mut m = Model { analysis, ..m.clone() };
+            let state = match &m.analysis.clone() {
+                Analysis::Path(options) => {
+                    let system = tegula::compile::build(&m, &mesh).unwrap();
+                    path::run(&system, options, None, &mut tegula::analysis::Silent).unwrap().state
+                }
+                Analysis::Static(options) => {
+                    m.loads = m.loads.iter().map(|l| scaled(l, load)).collect();
+                    let system = tegula::compile::build(&m, &mesh).unwrap();
+                    tegula::analysis::statics::run(&system, options, None, &mut tegula::analysis::Silent)
+                        .unwrap()
+                        .state
+                }
+                _ => unreachable!(),
+            };
+            state.u.iter().map(|u| u[2].abs()).fold(0.0, tegula::norm::larger)
+        });
+        assert!(ends[2] > 1e-4, "{ends:?}");
+        for end in &ends[..2] {
+            assert!((end / ends[2] - 1.0).abs() < 1e-4, "{h}: {ends:?}");
+        }
+    }
+}
+
+fn scaled(load: &Load, factor: f64) -> Load {
+    let Load::Edge(load) = load else { panic!("no load on an edge") };
+    Load::Edge(VectorLoad { value: load.value.map(|x| factor * x), ..load.clone() })
 }
 
 /// Post-buckling of a strip of elements with inextensible directors, and of a beam, L/h = 200.

@@ -426,13 +426,4 @@ fn wrong_sensors_and_conditions_are_refused_at_their_keys() {
         let found = refused(&with_stops(model.clone(), ENERGY_MOMENTUM, Some(0.1), conditions));
         assert!(found[0].starts_with(&format!("analysis.stop[0].{key}")), "{found:?}");
     }
-    let mut steps = machine(1.0, 0.1, model.bodies.clone(), vec![]);
-    let stopped = StaticAnalysis { stop: vec![stop("px", 1.0, Crossing::Either)], ..Default::default() };
-    let then = steps.analysis.clone();
-    steps.steps = vec![AnalysisStep::new("a", Analysis::Static(stopped)), AnalysisStep::new("b", then)];
-    assert!(
-        refused(&steps).iter().any(|issue| issue.starts_with("steps[0].analysis.stop")),
-        "{:?}",
-        refused(&steps)
-    );
 }

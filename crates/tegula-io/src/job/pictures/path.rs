@@ -1,53 +1,97 @@
-//! Load factor over displacements along an equilibrium path.
+//! Load factor over displacements along equilibrium paths.
 
+use std::path::Path;
+
+use tegula::Model;
 use tegula::analysis::path::CriticalKind;
 use tegula::norm::max_norm;
 
 use super::{STILL, curve, moving, title, with_unit};
-use crate::job::history;
-use crate::job::recorder::Recorder;
-use crate::out::OutputError;
+use crate::job::{CriticalResult, Prepared, Summary, branches, history};
+use crate::out::{OutputError, csv};
 use crate::plot::{LinePlot, Series, Style, lines};
+
+/// Path that has been followed.
+pub(super) struct Followed {
+    /// Rows of its history.
+    pub rows: Vec<Vec<f64>>,
+    /// Path parameter from which on it is drawn.
+    pub start: f64,
+    /// Its critical points.
+    pub critical: Option<Vec<CriticalResult>>,
+}
+
+/// Draws a path and its branches in the place of the picture of the path alone.
+pub(in crate::job) fn with_branches(
+    (model, prepared): (&Model, &Prepared),
+    (primary, folder): (&Summary, &Path),
+) -> Result<(), OutputError> {
+    let (head, rows) = csv::read(&folder.join("history.csv"))?;
+    let mut paths = vec![Followed { rows, start: 0.0, critical: primary.critical_points.clone() }];
+    for branch in &primary.branches {
+        let place = folder.join(&branch.folder);
+        let (_, rows) = csv::read(&place.join("history.csv"))?;
+        let start = branches::start_of(primary, branch.bifurcation);
+        paths.push(Followed { rows, start, critical: Summary::read(&place)?.critical_points });
+    }
+    load_displacement((model, prepared, folder), &head, &paths)
+}
+
+impl Followed {
+    /// Rows that are drawn, and the one before them.
+    fn drawn(&self, position: usize) -> &[Vec<f64>] {
+        let first = self.rows.iter().position(|row| row.get(position).is_some_and(|p| *p >= self.start));
+        self.rows.get(first.unwrap_or(0).saturating_sub(1)..).unwrap_or(&[])
+    }
+
+    fn is_unstable(row: &[f64]) -> bool {
+        row.last().is_some_and(|negative| *negative > 0.0)
+    }
+}
 
 /// Load factor over the displacements of the points that move, or of the bodies where there are none: stable equilibria as lines, unstable
 /// ones dashed, critical points marked.
 pub(super) fn load_displacement(
-    recorder: &Recorder<'_>,
-    (head, rows): (&[String], &[Vec<f64>]),
+    (model, prepared, folder): (&Model, &Prepared, &Path),
+    head: &[String],
+    paths: &[Followed],
 ) -> Result<(), OutputError> {
-    let names = history::names(&recorder.prepared.probes);
-    let Some(columns) = rows.first().map(Vec::len) else { return Ok(()) };
-    let [position, negative] = [columns - 2, columns - 1];
-    let unstable = |row: &Vec<f64>| row.get(negative).is_some_and(|n| *n > 0.0);
+    let names = history::names(&prepared.probes);
+    let all: Vec<Vec<f64>> = paths.iter().flat_map(|path| path.rows.iter().cloned()).collect();
+    let Some(columns) = all.first().map(Vec::len) else { return Ok(()) };
+    let position = columns - 2;
     let mut series: Vec<Series> = Vec::new();
     let mut critical = [CriticalKind::Limit, CriticalKind::Bifurcation].map(|kind| (kind, Vec::new()));
-    let mut shown: Vec<(String, usize, f64)> = moving(recorder, rows)
+    let mut shown: Vec<(String, usize, f64)> = moving(&prepared.probes, &all)
         .into_iter()
         .map(|column| (names[column].replace('.', " "), column, 0.0))
         .collect();
     if shown.is_empty() {
-        shown = places_of_bodies(head, rows);
+        shown = places_of_bodies(head, &all);
     }
     for (name, column, start) in shown {
-        let mut all = curve(rows, column, 0);
-        all.iter_mut().for_each(|(x, _)| *x -= start);
         let own = series.len();
-        for (number, (dashed, points)) in
-            runs(&all, |i| rows.get(i).is_some_and(unstable)).into_iter().enumerate()
-        {
-            let (name, style) = match (number, dashed) {
-                (0, false) => (name.clone(), Style::Line),
-                (0, true) => (name.clone(), Style::Dashed),
-                (_, false) => (String::new(), Style::LineLike(own)),
-                (_, true) => (String::new(), Style::DashedLike(own)),
-            };
-            series.push(Series { name, points, style });
-        }
-        for point in recorder.summary.critical_points.iter().flatten() {
-            let places = critical.iter_mut().find(|(kind, _)| *kind == point.kind);
-            if let (Some(x), Some((_, places))) = (value_at(rows, [position, column], point.position), places)
+        for path in paths {
+            let rows = path.drawn(position);
+            let mut points = curve(rows, column, 0);
+            points.iter_mut().for_each(|(x, _)| *x -= start);
+            for (dashed, points) in
+                runs(&points, |i| rows.get(i).is_some_and(|row| Followed::is_unstable(row)))
             {
-                places.push((x - start, point.load_factor));
+                let (name, style) = match (series.len() == own, dashed) {
+                    (true, false) => (name.clone(), Style::Line),
+                    (true, true) => (name.clone(), Style::Dashed),
+                    (false, false) => (String::new(), Style::LineLike(own)),
+                    (false, true) => (String::new(), Style::DashedLike(own)),
+                };
+                series.push(Series { name, points, style });
+            }
+            for point in path.critical.iter().flatten().filter(|point| point.position >= path.start) {
+                let places = critical.iter_mut().find(|(kind, _)| *kind == point.kind);
+                let at = value_at(&path.rows, [position, column], point.position);
+                if let (Some(x), Some((_, places))) = (at, places) {
+                    places.push((x - start, point.load_factor));
+                }
             }
         }
     }
@@ -58,14 +102,14 @@ pub(super) fn load_displacement(
         return Ok(());
     }
     let plot = LinePlot {
-        title: title(recorder, "equilibrium path"),
-        x_label: with_unit("displacement", recorder.model.output.units.length.as_deref()),
+        title: title(model, if paths.len() > 1 { "equilibrium paths" } else { "equilibrium path" }),
+        x_label: with_unit("displacement", model.output.units.length.as_deref()),
         y_label: "load factor".into(),
         series,
         note: "Dashed: unstable equilibria.".into(),
         ..LinePlot::default()
     };
-    lines(&recorder.folder.file("load_displacement.png"), &plot)
+    lines(&folder.join("load_displacement.png"), &plot)
 }
 
 /// Value of a column at a position of the path, by the rows on both sides: bifurcations lie inside arc-length steps.

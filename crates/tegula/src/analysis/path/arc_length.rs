@@ -62,12 +62,17 @@ const SAME_PLACE: f64 = 1e-6;
 /// Distance of two load factors, over the size of the larger, below which they are one.
 const SAME_LOAD: f64 = 1e-12;
 
+/// Difference of load factors over them at which a point lies beside a bifurcation, and work of the loads on the direction there over their size, below
+/// which they do hardly any.
+const BESIDE: f64 = 1e-4;
+const WORKLESS: f64 = 1e-2;
+
 /// A path of arc-length steps between two of its points.
 pub struct ArcLengthSteps<'a> {
     newton: Newton,
     response: LoadResponse,
     system: &'a System,
-    options: &'a PathAnalysis,
+    options: PathAnalysis,
     /// The last equilibrium.
     state: State,
     /// Equation of the next equilibrium.
@@ -107,7 +112,7 @@ impl<'a> ArcLengthSteps<'a> {
     ///
     /// # Errors
     /// There is not enough memory.
-    pub fn new(system: &'a System, options: &'a PathAnalysis, start: Option<State>) -> Result<Self> {
+    pub fn new(system: &'a System, options: &PathAnalysis, start: Option<State>) -> Result<Self> {
         let mut newton = Newton::new(system, None)?;
         let mut state = start.filter(|state| state.path.is_some()).unwrap_or_else(|| first_state(system));
         newton.restore(system, &state, true);
@@ -132,10 +137,23 @@ impl<'a> ArcLengthSteps<'a> {
             earlier: 0,
             limit: f64::INFINITY,
             newton,
+            options: options.clone(),
             system,
-            options,
             state,
         })
+    }
+
+    /// Path behind other steps, from their last state.
+    ///
+    /// # Errors
+    /// There is not enough memory.
+    pub fn behind_steps(
+        system: &'a System,
+        options: &PathAnalysis,
+        (state, statistics, limit): (&State, &Statistics, f64),
+    ) -> Result<Self> {
+        let steps = Self::new(system, options, Some(state.clone()))?;
+        Ok(Self { statistics: *statistics, earlier: statistics.factorizations, limit, ..steps })
     }
 
     /// Path behind the last piece of power series that lead no further, from the point where the next one was begun.
@@ -272,7 +290,14 @@ impl<'a> ArcLengthSteps<'a> {
         }
         let loads = self.loads(arc, &end);
         let mut limits = roots(length, |a| loads.load_derivative(a, 1));
-        if is_flat(&loads, length) && end.negative == self.state.negative_pivots && !self.is_driven() {
+        let flat = is_flat(&loads, length) && !self.is_driven();
+        let flat_limit = limits.last().is_some_and(|limit| is_flat(&loads, *limit));
+        if flat_limit && self.begins_beside_bifurcation(&arc.tangent) {
+            // The eigenvalue that vanishes there, and the derivative of the load, are round-off at the start of the step.
+            limits.clear();
+            self.state.negative_pivots = end.negative;
+        }
+        if flat && end.negative == self.state.negative_pivots {
             // Next to a bifurcation the load of a crossing path is constant, but for round-off. In a dead centre no eigenvalue vanishes.
             limits.clear();
         }
@@ -322,8 +347,26 @@ impl<'a> ArcLengthSteps<'a> {
                 let end = self.onto_branch(known, (at, mode), observer)?;
                 return Ok(Outcome { end, critical, length: (ON_BRANCH * branch::FIRST).min(planned) });
             }
+            if let Some(last) =
+                critical.iter().find(|found| found.point.kind.ends(&self.options)).map(|f| f.a)
+            {
+                critical.retain(|found| found.a <= last);
+                end = self.equilibrium_near(known, last, observer)?;
+            }
         }
         Ok(Outcome { end, critical, length: next })
+    }
+
+    /// Whether a step in a direction leads away from a bifurcation at its load factor along the crossing path, on which the loads do hardly any work
+    /// there.
+    fn begins_beside_bifurcation(&self, direction: &PathTangent) -> bool {
+        let last = self.path().and_then(|path| path.critical.last());
+        let load = self.state.time;
+        let is_near = last.is_some_and(|point| {
+            point.kind == CriticalKind::Bifurcation && (point.load - load).abs() <= BESIDE * load.abs()
+        });
+        let size = self.response.size_of_loads(self.system);
+        is_near && direction.work.abs() <= WORKLESS * size
     }
 
     /// Whether the follower loads have a potential at an equilibrium: then the tangent is symmetric. Moments that are constant in space
@@ -466,7 +509,7 @@ impl<'a> ArcLengthSteps<'a> {
             negative += point.change;
             path.expansion.bifurcations += usize::from(point.kind == CriticalKind::Bifurcation);
             let point = CriticalPoint { position: path.position + a, ..point };
-            path.pass(system, &point, negative.max(0) as usize, observer);
+            path.pass((system, options), &point, negative.max(0) as usize, observer);
         }
         path.position += end.a;
         path.expansion.number += 1;
@@ -475,7 +518,7 @@ impl<'a> ArcLengthSteps<'a> {
         path.finished |= state.time == options.end_load;
         if !path.finished && path.expansion.number >= options.max_steps {
             path.finished = true;
-            ended_early(&self.state, options, observer);
+            ended_early(state, options, observer);
         }
     }
 }

@@ -2,9 +2,9 @@
 
 use super::state::not_continued;
 use super::{ArcLengthSteps, SeriesSteps};
-use crate::Result;
 use crate::analysis::stepper::Reached;
 use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched};
+use crate::{Error, Result};
 
 /// A path of power series, and of arc-length steps from where they lead no further.
 pub(super) enum AutomaticSteps<'a> {
@@ -53,14 +53,21 @@ impl Stepper for AutomaticSteps<'_> {
             && let Err(reason) = series.provide_piece()
         {
             let failed = not_continued(series.state(), &reason);
-            let Some(end) = series.end_of_series() else { return Err(failed) };
-            let Ok(steps) = ArcLengthSteps::behind(series, end) else { return Err(failed) };
+            let from_start = series.end_of_series().is_none();
+            let Some(steps) = going_on(series) else { return Err(failed) };
             observer.on_event(&format!(
                 "power series lead no further than load factor {:.6} ({reason}); the arc-length method goes on from there",
                 series.state().time
             ));
             let begun = Some(Box::new(steps.state().clone()));
             *self = Self::ArcLength { steps: Box::new(steps), begun };
+            let outcome = self.steps_mut().advance(observer);
+            // A path that neither method begins has the reason of the first one.
+            return if from_start && matches!(outcome, Err(Error::NotConverged { .. })) {
+                Err(failed)
+            } else {
+                outcome
+            };
         }
         self.steps_mut().advance(observer)
     }
@@ -80,6 +87,18 @@ impl Stepper for AutomaticSteps<'_> {
 
     fn watch(&mut self, watched: &Watched) {
         self.steps_mut().watch(watched);
+    }
+}
+
+/// Arc-length steps from where series lead no further: behind the last one, or from the start of the path.
+fn going_on<'a>(series: &SeriesSteps<'a>) -> Option<ArcLengthSteps<'a>> {
+    let (system, options, state, statistics, limit) = series.parts();
+    match series.end_of_series() {
+        Some(end) => ArcLengthSteps::behind(series, end).ok(),
+        None if series.has_none_at_start() => {
+            ArcLengthSteps::behind_steps(system, options, (state, statistics, limit)).ok()
+        }
+        None => None,
     }
 }
 

@@ -50,9 +50,10 @@ impl Directions {
         (increment, unit, change)
     }
 
-    /// Error of the displacements across a direction of the path.
-    pub fn error_across(&self, system: &System, direction: &[Nodal]) -> f64 {
-        system.norm(&self.clone().across(system, direction).0)
+    /// Error of the displacements across a direction of the path, and that of the load factor.
+    pub fn errors_across(&self, system: &System, direction: &[Nodal]) -> [f64; 2] {
+        let (across, _, change) = self.clone().across(system, direction);
+        [system.norm(&across), change.abs()]
     }
 }
 

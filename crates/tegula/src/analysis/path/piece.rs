@@ -13,8 +13,9 @@ use crate::system::System;
 
 /// Residual at the end of a piece over the forces that is too large; the piece is shortened then.
 const LARGEST_RESIDUAL: f64 = 1e-5;
-/// Error of the displacements at the end of a piece over them that is too large.
-const LARGEST_ERROR: f64 = 1e-6;
+/// Errors of the displacements and of the load factor at the end of a piece over them that are too large. Next to a bifurcation small
+/// residuals have large responses along the path, which are errors of the load factor; and small errors of it move the displacements there.
+const LARGEST_ERRORS: [f64; 2] = [1e-6, 1e-8];
 /// Factor by which a piece is shortened whose end has too large a residual or error, or a singular tangent.
 const SHORTER: f64 = 0.8;
 /// Shortenings after which a piece is given up.
@@ -49,6 +50,20 @@ impl Start {
     }
 }
 
+/// Why there is no piece.
+pub struct NoPiece {
+    /// Reason, as text.
+    pub reason: String,
+    /// Whether there is a series, but no equilibrium on the crossing path to which it was to go over.
+    pub without_branch: bool,
+}
+
+impl From<String> for NoPiece {
+    fn from(reason: String) -> Self {
+        Self { reason, without_branch: false }
+    }
+}
+
 /// Piece of a path.
 pub struct Piece {
     series: Series,
@@ -78,7 +93,7 @@ impl Piece {
         expansion: &mut Expansion,
         start: Start,
         options: &PathAnalysis,
-    ) -> Result<Self, String> {
+    ) -> Result<Self, NoPiece> {
         let Start { point, directions, negative } = start;
         let at = (point.u.as_slice(), point.load, directions);
         let mut series = expansion.series(system, at, (&point.direction, point.expected), options)?;
@@ -109,7 +124,9 @@ impl Piece {
         let mut branch = None;
         if let Some((found, mode)) = switched(&critical, point.bifurcations, &options.switch_at) {
             let at = (found.point.u.as_slice(), found.point.load);
-            branch = Some((onto_branch(system, expansion, at, (&mode, options.end_load))?, mode));
+            let crossing = onto_branch(system, expansion, at, (&mode, options.end_load))
+                .map_err(|reason| NoPiece { reason, without_branch: true })?;
+            branch = Some((crossing, mode));
             (length, end_load) = (found.a, None);
             critical.retain(|found| found.a <= length);
         } else if unexplained != 0 {
@@ -262,11 +279,15 @@ fn usable_end(
             }
             let negative = expansion.factor(system, &u, load)?;
             let directions = expansion.directions(system, &u, load)?;
-            let error = directions.error_across(system, &direction) / larger(system.norm(&u), length);
-            if !(error <= LARGEST_ERROR) {
-                return Err(format!(
-                    "the error of the displacements at the end of the series is {error:.1e} of them"
-                ));
+            let errors = directions.errors_across(system, &direction);
+            let sizes = [larger(system.norm(&u), length), larger(load.abs(), series.load(0.0).abs())];
+            for (i, what) in ["displacements", "load factor"].into_iter().enumerate() {
+                if !(errors[i] <= LARGEST_ERRORS[i] * sizes[i]) {
+                    let relative = errors[i] / sizes[i];
+                    return Err(format!(
+                        "the error of the {what} at the end of the series is {relative:.1e} of it"
+                    ));
+                }
             }
             Ok(End { length, directions, negative })
         };

@@ -23,6 +23,8 @@ pub struct SeriesSteps<'a> {
     piece: Option<Piece>,
     /// Where the last piece was begun.
     begun: Option<ExpansionPoint>,
+    /// Whether the last piece was not found because of the crossing path to which it was to go over.
+    without_branch: bool,
     state: State,
     balance: Balance,
     statistics: Statistics,
@@ -49,6 +51,7 @@ impl<'a> SeriesSteps<'a> {
             limit: f64::INFINITY,
             piece: None,
             begun: None,
+            without_branch: false,
             system,
             options,
             expansion,
@@ -82,7 +85,13 @@ impl<'a> SeriesSteps<'a> {
     fn find_piece(&mut self, start: Start) -> std::result::Result<Piece, String> {
         let piece = Piece::new(self.system, &mut self.expansion, start, self.options);
         self.statistics.factorizations = self.expansion.factorizations();
-        piece
+        self.without_branch = piece.as_ref().is_err_and(|failed| failed.without_branch);
+        piece.map_err(|failed| failed.reason)
+    }
+
+    /// Whether the path has no series at its start.
+    pub(super) fn has_none_at_start(&self) -> bool {
+        self.position() == 0.0 && !self.without_branch
     }
 
     /// Point from which no piece led on: at the end of the last piece, or on the path that crosses there.
@@ -101,7 +110,7 @@ impl<'a> SeriesSteps<'a> {
 
     /// Goes to the parameter `a` of the present piece.
     fn go_to(&mut self, a: f64, observer: &mut dyn Observer) {
-        let Self { system, state, trial, piece, expansion, .. } = self;
+        let Self { system, options, state, trial, piece, expansion, .. } = self;
         let Some(piece) = piece else { return };
         piece.series().displacements(a, &mut state.u);
         state.time = piece.load(a);
@@ -114,7 +123,7 @@ impl<'a> SeriesSteps<'a> {
         }
         path.loads = [path.loads[0].min(state.time), larger(path.loads[1], state.time)];
         for found in piece.passed(from, path.position) {
-            path.pass(system, found, piece.negative_at(found.position), observer);
+            path.pass((system, options), found, piece.negative_at(found.position), observer);
         }
         path.finished |= piece.is_last() && path.position >= piece.end_position();
         state.negative_pivots = piece.negative_at(path.position);

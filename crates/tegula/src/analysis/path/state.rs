@@ -6,7 +6,7 @@ use crate::Error;
 use crate::analysis::newton::PathTangent;
 use crate::analysis::{Observer, State};
 use crate::element::Nodal;
-use crate::model::PathAnalysis;
+use crate::model::{PathAnalysis, PathEnd};
 use crate::system::{System, add_multiple};
 
 /// Place on a path at which it is expanded into a power series.
@@ -39,6 +39,15 @@ pub enum CriticalKind {
 }
 
 impl CriticalKind {
+    /// Whether a path is to end at a critical point of this kind.
+    pub fn ends(self, options: &PathAnalysis) -> bool {
+        options.end_at.is_some_and(|end| match end {
+            PathEnd::LimitPoint => self == Self::Limit,
+            PathEnd::Bifurcation => self == Self::Bifurcation,
+            PathEnd::CriticalPoint => true,
+        })
+    }
+
     /// Name in messages.
     pub fn name(self) -> &'static str {
         match self {
@@ -128,11 +137,11 @@ pub struct PathState {
 }
 
 impl PathState {
-    /// Notes a critical point that the path has passed, with `negative` negative eigenvalues behind it. The path ends where it passes the
-    /// point again: it is closed.
+    /// Notes a critical point that the path has passed, with `negative` negative eigenvalues behind it. The path ends where it is to end at
+    /// such a point, and where it passes the point again: it is closed.
     pub fn pass(
         &mut self,
-        system: &System,
+        (system, options): (&System, &PathAnalysis),
         found: &CriticalPoint,
         negative: usize,
         observer: &mut dyn Observer,
@@ -151,6 +160,7 @@ impl PathState {
             ));
             self.finished = true;
         }
+        self.finished |= found.kind.ends(options);
         self.critical.push(found.clone());
     }
 
@@ -162,6 +172,12 @@ impl PathState {
         observer: &mut dyn Observer,
     ) {
         let passed = self.critical.iter().filter(|point| point.kind == CriticalKind::Bifurcation).count();
+        let wanted = self.critical.iter().any(|point| point.kind.ends(options));
+        if options.end_at.is_some() && !wanted {
+            observer.on_warning(
+                "the path has not ended at a critical point (`end_at`): it has passed none of the kind that is named",
+            );
+        }
         for number in options.switch_at.iter().filter(|number| number.unsigned_abs() as usize > passed) {
             observer.on_warning(&format!(
                 "the path has not gone over to another one at bifurcation {number} (`switch_at`): it has passed {passed} bifurcation(s)"

@@ -70,6 +70,11 @@ impl CriticalPoint {
         (proved || likely).then_some(Self { limit, mode: mode.shape, enhanced: None })
     }
 
+    /// Whether it is a limit point.
+    pub fn is_limit(&self) -> bool {
+        self.limit
+    }
+
     /// Finds the share of the enhanced strains of the elements in the stiffness of the mode.
     pub fn look_at_enhanced_strains(&mut self, system: &System, state: &State) {
         self.enhanced = enhanced::share(system, &state.u, &self.mode);
@@ -230,7 +235,10 @@ impl Failure {
 fn beyond_limit_point(system: &System, options: &StaticAnalysis) -> String {
     let mut advice = past_the_limit(system);
     if path::outside_of_scope(system, &PathAnalysis::default()).is_none() {
-        advice.push_str(" An analysis of `type = \"path\"` follows all equilibria, through the limit point.");
+        advice.push_str(
+            " `continue = \"path\"` goes on along the equilibrium path to load factor 1; an analysis of `type = \"path\"` follows all \
+             equilibria.",
+        );
     }
     if options.max_cutbacks < 25 {
         advice.push_str(

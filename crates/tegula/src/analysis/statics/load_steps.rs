@@ -1,6 +1,7 @@
 //! Load steps of a static analysis, with cut-backs.
 
 use super::connection::{SOFTER, Speeds, released_energy, turned_back};
+use super::continued::on_path;
 use super::failure::{CriticalPoint, Failure, Kind};
 use super::{StaticEquation, energies, equilibrium_step, reactions, undefined};
 use crate::analysis::drilling::DrillingWatch;
@@ -12,6 +13,7 @@ use crate::analysis::stops::Stops;
 use crate::analysis::{Balance, Observer, Stability, State, Statistics, Stepper, Watched, equilibrium};
 use crate::element::Nodal;
 use crate::model::{NewtonMethod, StaticAnalysis};
+use crate::norm::larger;
 use crate::system::{EvaluationPoint, System, inverted_element};
 use crate::{Error, Result};
 
@@ -29,11 +31,12 @@ const MOST_CUTBACKS: i32 = 40;
 /// State of a static analysis before its first step: where the analysis step before has ended, or the reference
 /// configuration.
 pub fn first_state(system: &System, options: &StaticAnalysis) -> State {
-    State {
+    let state = State {
         time: system.first_load_factor(),
         next_step: 1.0 / f64::from(options.load_steps.max(1)),
         ..State::first(system)
-    }
+    };
+    if options.continuation.is_some() { on_path(state) } else { state }
 }
 
 /// Static analysis between two load steps.
@@ -62,6 +65,8 @@ pub(super) struct LoadSteps<'a, S> {
     /// Reactions at the last equilibrium; empty where no motion is prescribed.
     reactions: Vec<Nodal>,
     drilling: DrillingWatch,
+    /// Whether the last step has failed at a limit point.
+    at_limit_point: bool,
     /// Scratch space for the forces in the snap-through test of a step.
     buffers: [Vec<Nodal>; 2],
 }
@@ -110,12 +115,23 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             external: vec![[0.0; 3]; system.vectors()],
             reactions: if moved { reactions(system, &mut newton.assembly, &state) } else { Vec::new() },
             drilling: DrillingWatch::new(),
+            at_limit_point: false,
             buffers: std::array::from_fn(|_| vec![[0.0; 3]; system.vectors()]),
             newton,
             system,
             options,
             state,
         }
+    }
+
+    /// Whether the last step has failed at a limit point.
+    pub fn ended_at_limit_point(&self) -> bool {
+        self.at_limit_point
+    }
+
+    /// State, run counters, and the load factor at which the next step ends at the latest.
+    pub fn parts(&self) -> (&State, &Statistics, f64) {
+        (&self.state, &self.statistics, self.limit)
     }
 
     /// Load factor at the end of the next step.
@@ -327,6 +343,11 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         newton.assembly.reset_stress(system, &state.point(system));
         equation.attempts = 0;
         self.statistics.steps = state.step;
+        if let Some(path) = &mut state.path {
+            path.position = state.time;
+            path.loads = [path.loads[0].min(state.time), larger(path.loads[1], state.time)];
+            path.finished = state.time >= 1.0;
+        }
         if state.time >= 1.0 {
             // Writing the final results needs memory, too.
             newton.solver.release();
@@ -368,6 +389,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             return of_mechanism(&self.state, target, (&free, failure));
         }
         let critical = self.critical_point(target, failure);
+        self.at_limit_point = critical.as_ref().is_some_and(CriticalPoint::is_limit);
         let (system, options, state) = (self.system, self.options, &self.state);
         let unknown = critical.is_none() && matches!(failure.kind, Kind::Rounding | Kind::Iteration(_));
         if let Some(spring) = [&state.u, &self.equation.u].into_iter().filter(|_| unknown).find_map(|u| {

@@ -12,7 +12,7 @@ use crate::model::JointKeys;
 use crate::{Mat3, Vec3};
 
 /// Distance of the sides of a joint over the size of the model, and angle between them (rad), that are round-off.
-pub(crate) const NO_GAP: f64 = 1e-12;
+pub(crate) const NO_GAP: f64 = 1e-9;
 
 /// Cosine of the angle between two directions above −1, below which the rotation between them has no axis of its own.
 const OPPOSITE: f64 = 1e-12;
