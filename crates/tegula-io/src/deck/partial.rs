@@ -168,7 +168,9 @@ impl<'s> Filler<'s> {
         const SMALL: f64 = 0.25;
         Some(match wanted(self.root, schema) {
             Wanted::Number => Value::Float(SMALL),
-            Wanted::Integer(low, _) => Value::Integer(i64::try_from(low.max(1)).ok()?),
+            Wanted::Integer(low, _) | Wanted::Count((low, _), _) => {
+                Value::Integer(i64::try_from(low.max(1)).ok()?)
+            }
             Wanted::Boolean => Value::Boolean(false),
             Wanted::Choice(choices) => Value::String((*choices.first()?).to_owned()),
             Wanted::String => Value::String(match key {

@@ -35,6 +35,8 @@ pub(super) enum Wanted<'s> {
     Number,
     /// An integer in a range, both ends included.
     Integer(i128, i128),
+    /// An integer in a range, both ends included, or one of these strings.
+    Count((i128, i128), Vec<&'s str>),
     /// Any string.
     String,
     /// `true` or `false`.
@@ -81,8 +83,11 @@ pub(super) fn resolve<'s>(root: &'s Value, mut schema: &'s Value) -> &'s Value {
     for _ in 0..16 {
         let target = schema.get("$ref").and_then(Value::as_str).and_then(|r| r.strip_prefix('#'));
         let some = || {
-            let alternatives = schema.get("anyOf")?.as_array()?;
-            alternatives.iter().find(|s| s.get("type").and_then(Value::as_str) != Some("null"))
+            // More than one are no optional value.
+            match own_alternatives(schema)?.as_slice() {
+                [only] => Some(*only),
+                _ => None,
+            }
         };
         match target.and_then(|pointer| root.pointer(pointer)).or_else(some) {
             Some(next) => schema = next,
@@ -92,11 +97,33 @@ pub(super) fn resolve<'s>(root: &'s Value, mut schema: &'s Value) -> &'s Value {
     schema
 }
 
+/// Alternatives of `anyOf` but for `null`.
+fn own_alternatives(schema: &Value) -> Option<Vec<&Value>> {
+    let all = schema.get("anyOf")?.as_array()?;
+    Some(all.iter().filter(|s| s.get("type").and_then(Value::as_str) != Some("null")).collect())
+}
+
+/// `anyOf`: an integer or constant strings.
+fn count<'s>(root: &'s Value, branches: &[&'s Value]) -> Wanted<'s> {
+    let (mut range, mut choices) = (None, Vec::new());
+    for branch in branches {
+        match wanted(root, branch) {
+            Wanted::Integer(low, high) => range = Some((low, high)),
+            Wanted::Choice(more) => choices.extend(more),
+            _ => return Wanted::Anything,
+        }
+    }
+    range.map_or(Wanted::Anything, |range| Wanted::Count(range, choices))
+}
+
 /// Kind of value that `schema`, part of the schema `root`, expects.
 pub(super) fn wanted<'s>(root: &'s Value, schema: &'s Value) -> Wanted<'s> {
     let schema = resolve(root, schema);
     if let Some(choices) = schema.get("enum").and_then(Value::as_array) {
         return Wanted::Choice(choices.iter().filter_map(Value::as_str).collect());
+    }
+    if let Some(branches) = own_alternatives(schema) {
+        return count(root, &branches);
     }
     if let Some(branches) = schema.get("oneOf").and_then(Value::as_array) {
         return alternatives(root, branches);
@@ -182,6 +209,10 @@ impl Wanted<'_> {
             }
             Self::Number => "a number".into(),
             Self::Integer(..) => "an integer".into(),
+            Self::Count(_, choices) => {
+                let quoted: Vec<String> = choices.iter().map(|choice| format!("\"{choice}\"")).collect();
+                format!("an integer or {}", quoted.join(", "))
+            }
             Self::Boolean => "true or false".into(),
             Self::Anything => "a value".into(),
         }
@@ -195,6 +226,7 @@ impl Wanted<'_> {
             Self::List(..) => "lists",
             Self::Number => "numbers",
             Self::Integer(..) => "integers",
+            Self::Count(..) => "integers or strings",
             Self::Boolean => "true or false",
             Self::Anything => "values",
         }

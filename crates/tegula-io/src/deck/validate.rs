@@ -58,8 +58,10 @@ impl<'s> Validator<'_, 's> {
             (Wanted::List(items, low, high), DeValue::Array(found)) => {
                 self.list(items, (*low, *high), found, place);
             }
-            (Wanted::Choice(choices), DeValue::String(found)) => self.choice(choices, found, place),
-            (Wanted::Integer(low, high), DeValue::Integer(found)) => {
+            (Wanted::Choice(choices) | Wanted::Count(_, choices), DeValue::String(found)) => {
+                self.choice(choices, found, place);
+            }
+            (Wanted::Integer(low, high) | Wanted::Count((low, high), _), DeValue::Integer(found)) => {
                 let value = i128::from_str_radix(found.as_str(), found.radix()).ok();
                 if !value.is_some_and(|value| (low..=high).contains(&&value)) {
                     self.report(

@@ -60,7 +60,8 @@ pub(super) fn run(
         }
         primary.branches[i].status = Some(Status::Running);
         primary.write(&job.folder)?;
-        let options = PathAnalysis { switch_at: vec![bifurcation], branches: None, ..options.clone() };
+        let options =
+            PathAnalysis { switch_at: vec![bifurcation], branches: None, end_at: None, ..options.clone() };
         let title = format!(
             "branch at bifurcation {}{}",
             bifurcation.abs(),

@@ -260,6 +260,7 @@ fn distinct(system: &System) -> CheckpointData {
         position,
         expansion,
         arc: Some(ArcStart { tangent, length }),
+        direction: field(n),
         critical: vec![point],
         loads: [80.0, 81.0],
         finished: true,

@@ -35,9 +35,9 @@ pub enum Style {
 }
 
 impl Style {
-    /// Number of the series whose colour the series number `own` has.
-    pub(super) fn colour(self, own: usize) -> usize {
-        if let Self::LineLike(other) | Self::DashedLike(other) = self { other } else { own }
+    /// Number of the series whose colour a series has; `None` where it has its own.
+    fn like(self) -> Option<usize> {
+        if let Self::LineLike(other) | Self::DashedLike(other) = self { Some(other) } else { None }
     }
 
     /// Whether points get markers.
@@ -55,6 +55,14 @@ pub struct Series {
     pub points: Vec<(f64, f64)>,
     /// How it is drawn.
     pub style: Style,
+}
+
+impl LinePlot {
+    /// Number of the colour and the marker of a series: those with a colour of their own are counted.
+    fn look(&self, series: usize) -> usize {
+        let owner = self.series.get(series).and_then(|s| s.style.like()).unwrap_or(series);
+        self.series.iter().take(owner).filter(|s| s.style.like().is_none()).count()
+    }
 }
 
 /// A plot of curves over two axes.
@@ -180,7 +188,7 @@ fn draw(plot: &LinePlot) -> Canvas {
 
     draw_grid(&mut canvas, &frame, &x_ticks, &y_ticks);
     for (index, series) in plot.series.iter().enumerate() {
-        strokes::series(&mut canvas, index, series, &frame.chains(plot, series));
+        strokes::series(&mut canvas, plot.look(index), series, &frame.chains(plot, series));
     }
     draw_words(&mut canvas, &frame, plot, &remarks);
     if let Some(corner) = corner {
@@ -207,7 +215,8 @@ fn entries(plot: &LinePlot) -> Vec<Entry> {
         let any = series.points.iter().any(|&p| plot.shows(p));
         let name = if any { series.name.clone() } else { format!("{} (no values)", series.name) };
         let (name, _) = fitted(&name, TICK, 0.35 * f64::from(SIZE.0));
-        Entry { name, index, colour: palette(series.style.colour(index)), style: series.style }
+        let look = plot.look(index);
+        Entry { name, index: look, colour: palette(look), style: series.style }
     });
     entries.collect()
 }

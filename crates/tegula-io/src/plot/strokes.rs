@@ -7,9 +7,9 @@ use super::lines::{Series, Style};
 /// Width of a line in pixels.
 const LINE: f64 = 1.9;
 
-/// Draws the series number `index`, given as chains of points on the sheet.
+/// Draws a series with colour and marker of this number, given as chains of points on the sheet.
 pub(super) fn series(canvas: &mut Canvas, index: usize, series: &Series, chains: &[Vec<Point>]) {
-    let colour = palette(series.style.colour(index));
+    let colour = palette(index);
     for chain in chains {
         // A point between two that cannot be shown has no line; it must not vanish.
         if chain.len() == 1 && !series.style.has_markers() {

@@ -85,14 +85,8 @@ pub(super) fn penalty(system: &System, assembly: &mut Assembly, state: &State) -
     if system.joints.is_empty() {
         return 0.0;
     }
-    assemble_tangent(system, assembly, (state, 0.0), &vec![[0.0; 3]; system.vectors()]);
-    let (mut sum, mut count) = (0.0, 0);
-    for number in unknowns_of(system, system.dofs(), VectorKind::Position) {
-        sum += diagonal(system, assembly, number);
-        count += 1;
-    }
-    if sum > 0.0 {
-        return sum / f64::from(count);
+    if let Some(stiffness) = mean_stiffness(system, assembly, state) {
+        return stiffness;
     }
     if let Some(stiffness) = stiffness_of_rotations(system, assembly, state) {
         return stiffness;
@@ -101,6 +95,17 @@ pub(super) fn penalty(system: &System, assembly: &mut Assembly, state: &State) -
     let forces = external(system, &EvaluationPoint::at_rest(system, &state.u, 1.0, state.internal()));
     let largest = forces.as_flattened().iter().map(|x| x.abs()).fold(0.0, larger);
     if largest > 0.0 && !system.centrifugal.is_empty() { STIFFER * largest / system.length } else { 1.0 }
+}
+
+/// Mean stiffness of the free positions at a state (force/length), if there is some.
+pub(super) fn mean_stiffness(system: &System, assembly: &mut Assembly, state: &State) -> Option<f64> {
+    assemble_tangent(system, assembly, (state, 0.0), &vec![[0.0; 3]; system.vectors()]);
+    let (mut sum, mut count) = (0.0, 0);
+    for number in unknowns_of(system, system.dofs(), VectorKind::Position) {
+        sum += diagonal(system, assembly, number);
+        count += 1;
+    }
+    (sum > 0.0).then(|| sum / f64::from(count))
 }
 
 /// Square of the size of a model over the shortest arms of joints that count.

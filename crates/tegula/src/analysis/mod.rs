@@ -157,7 +157,13 @@ impl State {
     /// Displacements, velocities, history variables, multipliers and angles of sensors from which the next analysis step starts.
     pub fn end_of_step(&self) -> StepStart {
         let Self { time, u, v, history, multipliers, angles, coordinates, .. } = self.clone();
-        StepStart { time, u, v, history, multipliers, angles, coordinates }
+        let path = self.path.as_ref().filter(|_| self.negative_pivots > 0);
+        let direction = path.map(|path| match &path.arc {
+            Some(arc) => arc.tangent.direction.clone(),
+            None => path.direction.clone(),
+        });
+        let direction = direction.unwrap_or_default();
+        StepStart { time, direction, u, v, history, multipliers, angles, coordinates }
     }
 }
 

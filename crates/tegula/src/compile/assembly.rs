@@ -161,6 +161,7 @@ impl Compiler<'_> {
         let gears = self.joints.iter().filter_map(|joint| joint.counted.as_deref()).map(angle);
         let start = StepStart {
             time: 0.0,
+            direction: Vec::new(),
             u: x.iter().zip(reference).map(|(x, at)| Nodal::from(x - at)).collect(),
             v: Vec::new(),
             history: vec![0.0; self.offsets.last().map_or(0, |last| last.history.end)],

@@ -299,7 +299,8 @@ fn one_step(
             let start = end_factor(before, was, old.amplitude().as_deref());
             match partner {
                 Some(i) => {
-                    let stays = stays_as_left(step, before) && loads[i].amplitude().is_none();
+                    let stays = (stays_as_left(step, before) || stays_again(step, was))
+                        && loads[i].amplitude().is_none();
                     continued[i] = Continued { start, held: stays, ..Continued::default() };
                 }
                 None if is_static && start != 0.0 => {
@@ -322,14 +323,17 @@ fn one_step(
         let stays = own.is_some()
             && amplitude.is_none()
             && had
-            && before.is_some_and(|(_, before)| stays_as_left(step, before));
+            && earlier
+                .is_some_and(|(before, (was, _))| stays_as_left(step, before) || stays_again(step, was));
         (Continued { start, released: own.is_none(), held: stays }, amplitude)
     };
     let conditions = [model.conditions.clone(), step.conditions.clone()].concat();
     let stays = |condition: &Condition| {
         let without_amplitude = condition.motion().is_some_and(|motion| motion.amplitude.is_none());
-        let left =
-            |before: &StepModel| stays_as_left(step, before) && before.model.conditions.contains(condition);
+        let left = |before: &StepModel| {
+            let place = before.model.conditions.iter().position(|other| other == condition);
+            place.is_some_and(|i| stays_as_left(step, before) || (is_motion(step) && before.staying[i]))
+        };
         without_amplitude && before.is_some_and(|(_, before)| left(before))
     };
     StepModel {
@@ -355,7 +359,7 @@ fn one_step(
         of_caller: before.map_or_else(Continued::default, |(_, before)| Continued {
             start: end_factor(before, &before.of_caller, None),
             released: false,
-            held: stays_as_left(step, before),
+            held: stays_as_left(step, before) || stays_again(step, &before.of_caller),
         }),
         keys,
         place: Some(format!("steps[{number}]")),
@@ -396,7 +400,16 @@ fn end_of(analysis: &Analysis) -> f64 {
 /// Whether loads, motions and strains without amplitude stay in a step as the one before has left them: in motions behind a static step or a
 /// path that has ended before load factor 1.
 fn stays_as_left(step: &AnalysisStep, before: &StepModel) -> bool {
-    matches!(step.analysis, Analysis::Transient(_)) && before.ends_below_full_load()
+    is_motion(step) && before.ends_below_full_load()
+}
+
+/// Whether a load that has stayed in the motion before stays in a step, too.
+fn stays_again(step: &AnalysisStep, was: &Continued) -> bool {
+    is_motion(step) && was.held
+}
+
+fn is_motion(step: &AnalysisStep) -> bool {
+    matches!(step.analysis, Analysis::Transient(_))
 }
 
 /// Mistakes in the order and the keys of the analysis steps.

@@ -140,6 +140,8 @@ pub struct PrescribedField {
 pub struct StepStart {
     /// Time or load factor at which that step has ended.
     pub time: f64,
+    /// Direction of a path that has ended at a critical point or behind one; empty otherwise.
+    pub direction: Vec<Nodal>,
     /// Displacements of the nodal vectors.
     pub u: Vec<Nodal>,
     /// Velocities; empty where the step before was static.
@@ -160,6 +162,8 @@ pub struct System {
     pub coordinates: Arc<Coordinates>,
     /// Local frames of the nodal vectors where the analysis step starts, and the degree-of-freedom map.
     pub frames: LocalFrames,
+    /// Direction of the path of the step before, where it has ended at a critical point or behind one; empty otherwise.
+    pub path_before: Vec<Nodal>,
     /// Elements.
     pub groups: Arc<Vec<Arc<dyn ElementGroup>>>,
     /// Ranges of each group in the arrays that hold the data of all groups.

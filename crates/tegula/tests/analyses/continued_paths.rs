@@ -394,3 +394,120 @@ fn prescribed_motions_stay_where_a_path_has_ended() {
     assert!((largest(&end.u) - 1.0).abs() < 0.3);
     assert!(largest(&moved) < 1e-6, "{:e}", largest(&moved));
 }
+
+/// A path that has ended at the limit point, or behind it: the next path and statics that go on along it lead forward, to the equilibrium beyond the
+/// snap under the full load, with all points on the curve of the truss.
+#[test]
+fn paths_go_on_forward_from_a_limit_point_and_behind_it() {
+    let full = 1.5 * limit().0;
+    let stop = vec![StopCondition { column: "w".into(), value: 0.8 * TRUSS.1, direction: Crossing::Rising }];
+    let firsts = [
+        PathAnalysis { end_at: Some(PathEnd::LimitPoint), ..Default::default() },
+        PathAnalysis { stop, ..Default::default() },
+    ];
+    let nexts = [Analysis::Path(PathAnalysis::default()), Analysis::Static(continued())];
+    for first in &firsts {
+        for next in &nexts {
+            let steps = vec![
+                AnalysisStep::new("first", Analysis::Path(first.clone())),
+                AnalysisStep::new("next", next.clone()),
+            ];
+            let m = with_steps(truss(Analysis::Static(StaticAnalysis::default()), full), steps);
+            let ends = run_steps(&m);
+            let start = ends[0].0.time;
+            assert_eq!(ends[1].0.time, 1.0);
+            for [factor, w] in &ends[1].1 {
+                let load = start + factor * (1.0 - start);
+                assert!((force(*w) - load * full).abs() < 1e-7 * full, "{factor} {w}");
+                assert!(*w > ends[0].1.last().unwrap()[1] - 1e-6, "{w}");
+            }
+            let w = ends[1].1.last().unwrap()[1];
+            assert!((w / behind_the_snap(full) - 1.0).abs() < 1e-7, "{w}");
+        }
+    }
+}
+
+/// Loads that a motion keeps from the path before it stay through the next motions, too.
+#[test]
+fn loads_stay_through_all_motions_behind_a_path() {
+    let path =
+        AnalysisStep::new("path", Analysis::Path(PathAnalysis { end_load: 0.4, ..Default::default() }));
+    let steps = vec![path, AnalysisStep::new("first", motion(1.0)), AnalysisStep::new("second", motion(1.0))];
+    let m = with_steps(truss(Analysis::Static(StaticAnalysis::default()), 0.9 * limit().0), steps);
+    let ends = run_steps(&m);
+    let w = ends[0].1.last().unwrap()[1];
+    assert!(w > 0.01);
+    for [_, there] in ends[1].1.iter().chain(&ends[2].1) {
+        assert!((there - w).abs() < 1e-6 * w, "{there} {w}");
+    }
+}
+
+/// A strip that natural curvature has bent freely has no stress, and a path goes on from there: its end lies at `(1 − cos κL)/κ`.
+#[test]
+fn paths_begin_where_natural_curvature_has_bent_a_strip() {
+    let mut m = crate::common::model(crate::common::plate([1.0, 0.1], [16, 1], 0.0), 1e9, 0.01);
+    if let Some(Material::Isotropic(material)) = m.materials.values_mut().next() {
+        material.poisson = 0.0;
+    }
+    m.loads.clear();
+    let bent = NaturalStrain {
+        on: "all".into(),
+        strain: [0.0; 3],
+        curvature: [1.0, 0.0, 0.0],
+        direction: [1.0, 0.0, 0.0],
+        amplitude: None,
+    };
+    m.prescribed_strains = vec![PrescribedStrain::Natural(bent)];
+    let first = PathAnalysis { end_load: 0.4, ..Default::default() };
+    let steps = vec![
+        AnalysisStep::new("first", Analysis::Path(first)),
+        AnalysisStep::new("next", Analysis::Path(PathAnalysis::default())),
+    ];
+    let m = with_steps(m, steps);
+    let mesh = generate(&m.mesh).unwrap();
+    let mut compiler = Compiler::new(&m, &mesh).unwrap();
+    let mut start = None;
+    for (i, curvature) in [(0, 0.4_f64), (1, 1.0)] {
+        let system = compiler.system(i, start).unwrap();
+        let Analysis::Path(options) = compiler.steps()[i].model.analysis.clone() else { unreachable!() };
+        let state = path::run(&system, &options, None, &mut Record::new(&system)).unwrap().state;
+        let highest = state.u.iter().map(|u| u[2].abs()).fold(0.0, tegula::norm::larger);
+        let exact = (1.0 - curvature.cos()) / curvature;
+        assert!((highest / exact - 1.0).abs() < 2e-3, "{highest} {exact}");
+        compiler.end_step(i, state.time);
+        start = Some(state.end_of_step());
+    }
+}
+
+/// Limit point of a cylinder with a large imperfection under axial load, where the loads do little work on the mode: both methods tell it from a bifurcation.
+#[test]
+fn limit_points_of_local_modes_are_limit_points() {
+    let mut m = crate::common::model(crate::common::cylinder(1.0, [0.0, 90.0], 0.5, [8, 12]), 1e9, 0.005);
+    let plane = |on: &str, normal| Condition::Symmetry(SymmetryPlane { on: on.into(), normal });
+    m.conditions = vec![
+        plane("u_min", [1.0, 0.0, 0.0]),
+        plane("u_max", [0.0, 0.0, 1.0]),
+        plane("v_min", [0.0, 1.0, 0.0]),
+        Condition::Fix(FixComponents {
+            on: "v_max".into(),
+            position: vec![Axis::X, Axis::Z],
+            director: vec![],
+        }),
+    ];
+    m.loads = vec![Load::Edge(vector_load("v_max", [0.0, -15_130.688_316_720_061, 0.0]))];
+    m.imperfections = vec![Imperfection::Mode(ModeImperfection { mode: 1, amplitude: 0.0015 })];
+    let nominal = generate(&m.mesh).unwrap();
+    m.analysis = Analysis::Path(PathAnalysis::default());
+    let mesh = tegula::compile::imperfect_mesh(&m, &nominal, &mut tegula::analysis::Silent).unwrap().unwrap();
+    let limits = [None, Some(PathMethod::ArcLength)].map(|method| {
+        let options = PathAnalysis { method, end_at: Some(PathEnd::LimitPoint), ..Default::default() };
+        let system =
+            tegula::compile::build(&Model { analysis: Analysis::Path(options.clone()), ..m.clone() }, &mesh)
+                .unwrap();
+        let path = path::run(&system, &options, None, &mut Record::new(&system)).unwrap().state.path.unwrap();
+        let kinds: Vec<_> = path.critical.iter().map(|point| (point.kind, point.change)).collect();
+        assert_eq!(kinds, [(CriticalKind::Limit, 1)], "{method:?}");
+        path.critical[0].load
+    });
+    assert!((limits[0] / limits[1] - 1.0).abs() < 1e-7, "{limits:?}");
+}

@@ -71,20 +71,27 @@ pub(super) fn load_displacement(
     }
     for (name, column, start) in shown {
         let own = series.len();
-        for path in paths {
-            let rows = path.drawn(position);
-            let mut points = curve(rows, column, 0);
-            points.iter_mut().for_each(|(x, _)| *x -= start);
-            for (dashed, points) in
-                runs(&points, |i| rows.get(i).is_some_and(|row| Followed::is_unstable(row)))
-            {
-                let (name, style) = match (series.len() == own, dashed) {
-                    (true, false) => (name.clone(), Style::Line),
-                    (true, true) => (name.clone(), Style::Dashed),
-                    (false, false) => (String::new(), Style::LineLike(own)),
-                    (false, true) => (String::new(), Style::DashedLike(own)),
-                };
-                series.push(Series { name, points, style });
+        let curves: Vec<Vec<(f64, f64)>> = paths
+            .iter()
+            .map(|path| {
+                curve(path.drawn(position), column, 0).into_iter().map(|(x, y)| (x - start, y)).collect()
+            })
+            .collect();
+        let size = extent(&curves);
+        for (number, path) in paths.iter().enumerate() {
+            let (rows, points) = (path.drawn(position), &curves[number]);
+            for part in new_parts(points, &curves[..number], size) {
+                let unstable =
+                    |i: usize| rows.get(part.start + i).is_some_and(|row| Followed::is_unstable(row));
+                for (dashed, points) in runs(points.get(part.clone()).unwrap_or(&[]), unstable) {
+                    let (name, style) = match (series.len() == own, dashed) {
+                        (true, false) => (name.clone(), Style::Line),
+                        (true, true) => (name.clone(), Style::Dashed),
+                        (false, false) => (String::new(), Style::LineLike(own)),
+                        (false, true) => (String::new(), Style::DashedLike(own)),
+                    };
+                    series.push(Series { name, points, style });
+                }
             }
             for point in path.critical.iter().flatten().filter(|point| point.position >= path.start) {
                 let places = critical.iter_mut().find(|(kind, _)| *kind == point.kind);
@@ -110,6 +117,66 @@ pub(super) fn load_displacement(
         ..LinePlot::default()
     };
     lines(&folder.join("load_displacement.png"), &plot)
+}
+
+/// Distance from a curve that is drawn, over the size of the picture, within which points are not drawn again: dashes would fill each other's gaps.
+const DRAWN: f64 = 3e-3;
+/// Length of a curve between two of its points, over the size of the picture, from which on they are compared.
+const APART: f64 = 5.0 * DRAWN;
+
+/// Sizes of curves in both directions.
+fn extent(curves: &[Vec<(f64, f64)>]) -> [f64; 2] {
+    let size = |of: fn(&(f64, f64)) -> f64| {
+        let values = || curves.iter().flatten().map(of).filter(|x| x.is_finite());
+        values()
+            .max_by(f64::total_cmp)
+            .zip(values().min_by(f64::total_cmp))
+            .map_or(0.0, |(most, least)| most - least)
+    };
+    [size(|p| p.0), size(|p| p.1)].map(|size| if size > 0.0 { size } else { 1.0 })
+}
+
+/// Parts of a curve that do not lie on curves that are drawn, with the points on both sides of each.
+fn new_parts(
+    points: &[(f64, f64)],
+    drawn: &[Vec<(f64, f64)>],
+    size: [f64; 2],
+) -> Vec<std::ops::Range<usize>> {
+    let scaled = |p: &(f64, f64)| [p.0 / size[0], p.1 / size[1]];
+    let is_near = |p: [f64; 2], a: [f64; 2], b: [f64; 2]| {
+        let (way, from) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
+        let length = way[0] * way[0] + way[1] * way[1];
+        let part =
+            if length > 0.0 { ((from[0] * way[0] + from[1] * way[1]) / length).clamp(0.0, 1.0) } else { 0.0 };
+        (from[0] - part * way[0]).hypot(from[1] - part * way[1]) <= DRAWN
+    };
+    let lies_on = |p: [f64; 2], pair: &[(f64, f64)]| is_near(p, scaled(&pair[0]), scaled(&pair[1]));
+    // Length of the curve itself up to each point: where it runs back on itself it is drawn already.
+    let mut length = 0.0;
+    let lengths: Vec<f64> = (0..points.len())
+        .map(|i| {
+            if let Some(before) = i.checked_sub(1) {
+                let [a, b] = [before, i].map(|i| scaled(&points[i]));
+                length += (b[0] - a[0]).hypot(b[1] - a[1]);
+            }
+            length
+        })
+        .collect();
+    let is_drawn = |i: usize| {
+        let p = scaled(&points[i]);
+        let own = (1..i).filter(|&j| lengths[j] < lengths[i] - APART);
+        drawn.iter().any(|curve| curve.windows(2).any(|pair| lies_on(p, pair)))
+            || own.into_iter().any(|j| lies_on(p, &points[j - 1..=j]))
+    };
+    let mut parts: Vec<std::ops::Range<usize>> = Vec::new();
+    for i in (0..points.len()).filter(|i| !is_drawn(*i)) {
+        let around = i.saturating_sub(1)..(i + 2).min(points.len());
+        match parts.last_mut() {
+            Some(last) if around.start < last.end => last.end = around.end,
+            _ => parts.push(around),
+        }
+    }
+    parts
 }
 
 /// Value of a column at a position of the path, by the rows on both sides: bifurcations lie inside arc-length steps.
@@ -164,6 +231,21 @@ mod tests {
         let at = |position: f64| value_at(&rows, [0, 1], position);
         assert_eq!([at(0.0), at(1.0), at(2.0), at(3.0)], [Some(5.0), Some(7.0), Some(6.5), Some(6.0)]);
         assert_eq!(at(3.1), None);
+    }
+
+    #[test]
+    fn curves_are_drawn_once() {
+        let line: Vec<(f64, f64)> = (0..=10).map(|i| (f64::from(i), 0.0)).collect();
+        let leaving: Vec<(f64, f64)> =
+            [(1.5, 0.0), (2.5, 0.0), (3.0, 4.0), (4.0, 9.0), (5.5, 0.0), (6.5, 0.0)].into();
+        let size = extent(&[line.clone(), leaving.clone()]);
+        assert_eq!(size, [10.0, 9.0]);
+        assert_eq!(new_parts(&leaving, std::slice::from_ref(&line), size), [1..5]);
+        assert_eq!(new_parts(&line, &[], size), [0..11]);
+        assert_eq!(new_parts(&line, std::slice::from_ref(&line), size), []);
+        let there_and_back: Vec<(f64, f64)> =
+            (0..=20).map(|i| (10.0 - f64::from(i - 10).abs(), 0.0)).collect();
+        assert_eq!(new_parts(&there_and_back, &[], size), [0..12]);
     }
 
     #[test]

@@ -12,7 +12,7 @@ mod inside_step;
 
 use super::critical_points::{Found, bifurcations};
 use super::series::{Series, is_flat, roots};
-use super::start::in_equilibrium;
+use super::start::{forward, in_equilibrium};
 use super::state::{
     ArcStart, CriticalKind, CriticalPoint, ExpansionPoint, PathState, ended_early, not_continued,
 };
@@ -219,11 +219,15 @@ impl<'a> ArcLengthSteps<'a> {
         if (options.end_load / tangent.load).abs() <= MOTIONLESS {
             return Err(NOTHING_MOVES.into());
         }
-        if options.end_load < 0.0 {
+        let backwards = match forward(system, &tangent.direction) {
+            Some(forward) if state.step == 0 => !forward,
+            _ => options.end_load < 0.0,
+        };
+        if backwards {
             tangent.reverse();
         }
         state.negative_pivots = negative;
-        let length = (FIRST * options.end_load / tangent.load).min(FIRST_LENGTH);
+        let length = (FIRST * options.end_load / tangent.load).abs().min(FIRST_LENGTH);
         Ok(ArcStart { tangent, length })
     }
 

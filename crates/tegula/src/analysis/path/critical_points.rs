@@ -26,8 +26,12 @@ const NARROW: f64 = 1e-3;
 const MOST_TRIALS: usize = 40;
 /// Iterations of the inverse iteration for the eigenvalue next to zero.
 pub const INVERSE_ITERATIONS: usize = 12;
-/// Work of the loads on a mode, over the norms of both, below which it is none.
-const WITHOUT_WORK: f64 = 1e-5;
+/// Work of the loads on a mode, over the norms of both, below which it is none, and below which it may be that on a local mode: the number of negative
+/// eigenvalues decides then.
+const WITHOUT_WORK: f64 = 1e-9;
+const HARDLY_ANY_WORK: f64 = 1e-4;
+/// Part of the piece's length before and behind an extremum at which negative eigenvalues are counted.
+const BESIDE: f64 = 1e-3;
 /// Part of the piece's length for differences of forces at a limit point.
 const DIFFERENCE: f64 = 1e-4;
 
@@ -39,10 +43,27 @@ pub struct Found {
     pub point: CriticalPoint,
 }
 
-/// Limit points of a piece up to the parameter `end`.
+/// Limit points of a piece up to the parameter `end`. The tangent that is factored afterwards may be another one.
 pub fn limit_points(system: &System, expansion: &mut Expansion, series: &Series, end: f64) -> Vec<Found> {
     let places = roots(end, |a| series.load_derivative(a, 1));
     places.into_iter().map(|a| limit_point(system, expansion, series, (a, end))).collect()
+}
+
+/// Change of the number of negative eigenvalues at an extremum of the load factor; `None` where it is not known.
+fn change_at(
+    system: &System,
+    expansion: &mut Expansion,
+    series: &Series,
+    (a, end): (f64, f64),
+) -> Option<i32> {
+    let mut u = vec![[0.0; 3]; system.vectors()];
+    let mut count = |at: f64| {
+        series.displacements(at, &mut u);
+        expansion.factor(system, &u, series.load(at)).ok()
+    };
+    let before = count(f64::max(a - BESIDE * end, 0.5 * a))?;
+    let behind = count(f64::min(a + BESIDE * end, 0.5 * (a + end)))?;
+    Some(behind as i32 - before as i32)
 }
 
 fn limit_point(system: &System, expansion: &mut Expansion, series: &Series, (a, end): (f64, f64)) -> Found {
@@ -74,7 +95,10 @@ fn limit_point(system: &System, expansion: &mut Expansion, series: &Series, (a, 
     let correction = if work == 0.0 { 0.0 } else { -unbalanced / work };
     let curvature = series.load_derivative(a, 2) * work;
     // A crossing path has an extremum of the load where it passes the bifurcation; its loads do no work on its mode there.
-    let crossing = work.abs() <= WITHOUT_WORK * system.norm(&mode) * system.force_norm(&force);
+    let size = system.norm(&mode) * system.force_norm(&force);
+    let crossing = work.abs() <= WITHOUT_WORK * size
+        || (work.abs() <= HARDLY_ANY_WORK * size
+            && change_at(system, expansion, series, (a, end)).is_none_or(|change| change == 0));
     let (kind, change) = match (crossing, curvature < 0.0) {
         (true, _) => (CriticalKind::Bifurcation, 0),
         (false, true) => (CriticalKind::Limit, 1),

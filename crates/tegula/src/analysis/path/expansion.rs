@@ -50,6 +50,12 @@ impl Directions {
         (increment, unit, change)
     }
 
+    /// Newton increment across a direction of the path, and the change of the load factor that comes with it.
+    pub fn correction(&self, system: &System, direction: &[Nodal]) -> (Vec<Nodal>, f64) {
+        let (across, _, change) = self.clone().across(system, direction);
+        (across, change)
+    }
+
     /// Error of the displacements across a direction of the path, and that of the load factor.
     pub fn errors_across(&self, system: &System, direction: &[Nodal]) -> [f64; 2] {
         let (across, _, change) = self.clone().across(system, direction);

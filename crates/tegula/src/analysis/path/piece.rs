@@ -5,21 +5,29 @@ use super::critical_points::{Found, SeriesCurve, bifurcations, limit_points};
 use super::expansion::{Directions, Expansion};
 use super::geometric;
 use super::series::{Series, is_flat};
+use super::start::forward;
 use super::state::{CriticalKind, CriticalPoint, ExpansionPoint};
 use crate::element::Nodal;
 use crate::model::PathAnalysis;
 use crate::norm::larger;
-use crate::system::System;
+use crate::system::{System, add_multiple};
 
 /// Residual at the end of a piece over the forces that is too large; the piece is shortened then.
 const LARGEST_RESIDUAL: f64 = 1e-5;
 /// Errors of the displacements and of the load factor at the end of a piece over them that are too large. Next to a bifurcation small
-/// residuals have large responses along the path, which are errors of the load factor; and small errors of it move the displacements there.
-const LARGEST_ERRORS: [f64; 2] = [1e-6, 1e-8];
+/// residuals have large responses along the path, which are errors of the load factor.
+const LARGEST_ERROR: f64 = 1e-6;
+/// Error of the load factor over it from which on the next piece begins at a corrected point: else errors would add up from piece to piece.
+const CORRECTED: f64 = 1e-8;
+/// Corrections of the end of a piece.
+const CORRECTIONS: usize = 3;
+/// Largest correction of the displacements at the end of a path, at its load factor, over them.
+const LARGEST_CORRECTION: f64 = 1e-2;
 /// Factor by which a piece is shortened whose end has too large a residual or error, or a singular tangent.
 const SHORTER: f64 = 0.8;
-/// Shortenings after which a piece is given up.
+/// Shortenings after which a piece is given up: where the method is not given, the arc-length method goes on with longer steps.
 const MOST_SHORTENED: usize = 40;
+const MOST_BEFORE_ARC_LENGTH: usize = 10;
 /// Largest length of a piece over that at which the residual of the step before has faded: beyond, it would grow.
 const BEYOND: f64 = 2.0;
 /// Distance of two points over the length of the piece below which they are one.
@@ -41,7 +49,11 @@ impl Start {
     pub fn new(system: &System, expansion: &mut Expansion, point: ExpansionPoint) -> Result<Self, String> {
         let negative = expansion.factor(system, &point.u, point.load)?;
         let directions = expansion.directions(system, &point.u, point.load)?;
-        Ok(Self { point, directions, negative })
+        let direction = match forward(system, &directions.unit) {
+            Some(_) if point.position == 0.0 && point.direction.is_empty() => system.path_before.clone(),
+            _ => point.direction,
+        };
+        Ok(Self { point: ExpansionPoint { direction, ..point }, directions, negative })
     }
 
     /// The expansion point.
@@ -79,6 +91,8 @@ pub struct Piece {
     end_load: Option<f64>,
     /// Whether the path ends with this piece because of the number of steps.
     run_out: bool,
+    /// Displacements at the end of the path, corrected at its load factor.
+    last: Option<Vec<Nodal>>,
     /// Start of the next piece, until it is taken.
     next: Option<Start>,
 }
@@ -103,9 +117,11 @@ impl Piece {
         let mut length = series.range.min(longest);
         let end_of_path = series.reaches(options.end_load, length).first().copied();
         length = end_of_path.unwrap_or(length);
-        let end = usable_end(system, expansion, &series, length)?;
+        let most = if options.method.is_some() { MOST_SHORTENED } else { MOST_BEFORE_ARC_LENGTH };
+        let end = usable_end(system, expansion, &series, (length, most))?;
         let mut end_load = end_of_path.map(|_| options.end_load).filter(|_| end.length == length);
         length = end.length;
+        let at_end = expansion.factorizations();
         let mut critical = if is_flat(&series, length) && end.negative == negative {
             Vec::new()
         } else {
@@ -129,12 +145,14 @@ impl Piece {
             branch = Some((crossing, mode));
             (length, end_load) = (found.a, None);
             critical.retain(|found| found.a <= length);
-        } else if unexplained != 0 {
+        } else if expansion.factorizations() != at_end {
             // The tangent at the end serves the next piece.
-            let mut u = vec![[0.0; 3]; system.vectors()];
-            series.displacements(length, &mut u);
-            expansion.factor(system, &u, series.load(length))?;
+            expansion.factor(system, &end.u, end.load)?;
         }
+        let last = match end_load {
+            Some(load) => end.at_load(system, load),
+            None => None,
+        };
         let run_out = point.number + 1 >= options.max_steps && end_load.is_none();
         let points = points(system, &series, (length, options.points), &critical);
         let position = |a: f64| point.position + a;
@@ -149,6 +167,7 @@ impl Piece {
             points,
             end_load,
             run_out,
+            last,
             next: None,
         };
         piece.next = Some(match branch {
@@ -175,6 +194,14 @@ impl Piece {
     /// Load factor at a parameter; at the end of the path exactly that at which it ends.
     pub fn load(&self, a: f64) -> f64 {
         self.end_load.filter(|_| a == self.length).unwrap_or_else(|| self.series.load(a))
+    }
+
+    /// Displacements at a parameter; at the end of the path the corrected ones.
+    pub fn displacements(&self, a: f64, out: &mut [Nodal]) {
+        match self.last.as_ref().filter(|_| a == self.length) {
+            Some(last) => out.copy_from_slice(last),
+            None => self.series.displacements(a, out),
+        }
     }
 
     /// Path parameter from the start of the path.
@@ -208,11 +235,9 @@ impl Piece {
     }
 
     /// Start of the next piece at the end of this one.
-    fn going_on(&self, End { directions, negative, .. }: End) -> Start {
-        let (mut u, mut direction) = (self.series.u.clone(), self.series.u.clone());
-        self.series.displacements(self.length, &mut u);
+    fn going_on(&self, End { u, load, directions, negative, .. }: End) -> Start {
+        let mut direction = self.series.u.clone();
         self.series.direction(self.length, &mut direction);
-        let load = self.load(self.length);
         let point = ExpansionPoint { u, load, direction, expected: self.length, ..self.behind() };
         Start { point, directions, negative }
     }
@@ -250,17 +275,89 @@ impl Piece {
 /// End of a piece, where the tangent is factored.
 struct End {
     length: f64,
+    u: Vec<Nodal>,
+    load: f64,
     directions: Directions,
     negative: usize,
 }
 
-/// End up to which a series has a small residual, and a small error of its displacements across the path, and at which the tangent has a
-/// factor: at the wanted length or a shorter one.
+impl End {
+    /// Point of a series, at which the tangent is factored.
+    fn new(system: &System, expansion: &mut Expansion, series: &Series, length: f64) -> Result<Self, String> {
+        let mut u = series.u.clone();
+        series.displacements(length, &mut u);
+        let load = series.load(length);
+        let negative = expansion.factor(system, &u, load)?;
+        let directions = expansion.directions(system, &u, load)?;
+        Ok(Self { length, u, load, directions, negative })
+    }
+
+    /// Moves to a point, at which the tangent is factored.
+    fn move_to(
+        &mut self,
+        system: &System,
+        expansion: &mut Expansion,
+        (u, load): (Vec<Nodal>, f64),
+    ) -> Result<(), String> {
+        self.negative = expansion.factor(system, &u, load)?;
+        self.directions = expansion.directions(system, &u, load)?;
+        (self.u, self.load) = (u, load);
+        Ok(())
+    }
+
+    /// Error of the load factor over the larger size of it at both ends of the piece, and that of the displacements over theirs.
+    fn errors(&self, system: &System, series: &Series, direction: &[Nodal]) -> [f64; 2] {
+        let [displacements, load] = self.directions.errors_across(system, direction);
+        let size = larger(self.load.abs(), series.load(0.0).abs());
+        let relative = if load == 0.0 { 0.0 } else { load / size };
+        [displacements / larger(system.norm(&self.u), self.length), relative]
+    }
+
+    /// Newton's method across the direction of the path, with the load factor as an unknown, until its error is round-off.
+    fn correct(
+        &mut self,
+        system: &System,
+        expansion: &mut Expansion,
+        (series, direction): (&Series, &[Nodal]),
+    ) -> Result<(), String> {
+        for _ in 0..CORRECTIONS {
+            let [_, error] = self.errors(system, series, direction);
+            if error <= CORRECTED {
+                break;
+            }
+            let (increment, change) = self.directions.correction(system, direction);
+            let mut u = self.u.clone();
+            add_multiple(&mut u, 1.0, &increment);
+            let load = self.load + change;
+            self.move_to(system, expansion, (u, load))?;
+            let [_, rest] = self.errors(system, series, direction);
+            if !(rest <= 0.5 * error) {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Displacements at a load factor by a Newton increment; `None` where it is not small, as at limit points.
+    fn at_load(&self, system: &System, load: f64) -> Option<Vec<Nodal>> {
+        let Directions { increment, unit } = &self.directions;
+        let mut moved = increment.clone();
+        add_multiple(&mut moved, load - self.load, unit);
+        if !(system.norm(&moved) <= LARGEST_CORRECTION * system.norm(&self.u)) {
+            return None;
+        }
+        add_multiple(&mut moved, 1.0, &self.u);
+        Some(moved)
+    }
+}
+
+/// End up to which a series has a small residual, and a small error of its displacements across the path and of its load factor, and at which the
+/// tangent has a factor: at the wanted length or a shorter one. The point there is corrected.
 fn usable_end(
     system: &System,
     expansion: &mut Expansion,
     series: &Series,
-    wanted: f64,
+    (wanted, most_shortened): (f64, usize),
 ) -> Result<End, String> {
     let (mut u, mut direction) = (series.u.clone(), series.u.clone());
     let mut residual = vec![0.0; system.unknowns()];
@@ -270,29 +367,26 @@ fn usable_end(
     for shortened in 0.. {
         series.displacements(length, &mut u);
         series.direction(length, &mut direction);
-        let load = series.load(length);
-        let [unbalanced, size] = expansion.residual(system, &u, load, &mut residual);
+        let [unbalanced, size] = expansion.residual(system, &u, series.load(length), &mut residual);
         let relative = unbalanced / larger(before, size);
         let mut judge = || {
             if !(relative <= LARGEST_RESIDUAL) {
                 return Err(format!("the residual at the end of the series is {relative:.1e} of the forces"));
             }
-            let negative = expansion.factor(system, &u, load)?;
-            let directions = expansion.directions(system, &u, load)?;
-            let errors = directions.errors_across(system, &direction);
-            let sizes = [larger(system.norm(&u), length), larger(load.abs(), series.load(0.0).abs())];
-            for (i, what) in ["displacements", "load factor"].into_iter().enumerate() {
-                if !(errors[i] <= LARGEST_ERRORS[i] * sizes[i]) {
-                    let relative = errors[i] / sizes[i];
+            let mut end = End::new(system, expansion, series, length)?;
+            let errors = end.errors(system, series, &direction);
+            for (error, what) in errors.into_iter().zip(["displacements", "load factor"]) {
+                if !(error <= LARGEST_ERROR) {
                     return Err(format!(
-                        "the error of the {what} at the end of the series is {relative:.1e} of it"
+                        "the error of the {what} at the end of the series is {error:.1e} of it"
                     ));
                 }
             }
-            Ok(End { length, directions, negative })
+            end.correct(system, expansion, (series, &direction))?;
+            Ok(end)
         };
         match judge() {
-            Err(_) if shortened < MOST_SHORTENED => length *= SHORTER,
+            Err(_) if shortened < most_shortened => length *= SHORTER,
             outcome => return outcome,
         }
     }

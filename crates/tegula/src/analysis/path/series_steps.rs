@@ -112,7 +112,7 @@ impl<'a> SeriesSteps<'a> {
     fn go_to(&mut self, a: f64, observer: &mut dyn Observer) {
         let Self { system, options, state, trial, piece, expansion, .. } = self;
         let Some(piece) = piece else { return };
-        piece.series().displacements(a, &mut state.u);
+        piece.displacements(a, &mut state.u);
         state.time = piece.load(a);
         state.step += 1;
         let Some(path) = &mut state.path else { return };
@@ -121,6 +121,8 @@ impl<'a> SeriesSteps<'a> {
         if path.expansion.position != piece.start().position || path.expansion.u.is_empty() {
             path.expansion = piece.start().clone();
         }
+        path.direction.resize(state.u.len(), [0.0; 3]);
+        piece.series().direction(a, &mut path.direction);
         path.loads = [path.loads[0].min(state.time), larger(path.loads[1], state.time)];
         for found in piece.passed(from, path.position) {
             path.pass((system, options), found, piece.negative_at(found.position), observer);

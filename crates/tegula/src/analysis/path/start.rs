@@ -1,6 +1,7 @@
 //! Start of a path: it must be an equilibrium.
 
 use crate::analysis::{State, equilibrium};
+use crate::element::Nodal;
 use crate::norm::larger;
 use crate::system::{Assembly, System, add_multiple};
 
@@ -28,9 +29,28 @@ pub fn in_equilibrium(
     if largest <= larger(UNBALANCED[0] * size, UNBALANCED[1] * scale) {
         return Ok(());
     }
+    // Without stress, as where prescribed strains have bent the model freely, all forces are round-off.
+    let stiffness = equilibrium::mean_stiffness(system, assembly, state).unwrap_or(0.0);
+    if largest <= UNBALANCED[1] * stiffness * system.length * system.length {
+        return Ok(());
+    }
     Err(format!(
         "its start is not in equilibrium, the residual is {:.1e} of the forces; let a static step before it find the equilibrium under \
          preloads",
         largest / size
     ))
+}
+
+/// Cosine of the angle between the direction of a path and that of the path before at its end, above which one continues the other.
+const CONTINUES: f64 = 0.5;
+
+/// Whether a direction in which the load factor rises goes on (true) or back along the path of the step before, which has ended at a critical point or behind
+/// one; `None` where it does neither.
+pub fn forward(system: &System, rising: &[Nodal]) -> Option<bool> {
+    let before = &system.path_before;
+    if before.is_empty() {
+        return None;
+    }
+    let product = system.inner_product(before, rising);
+    (product.abs() > CONTINUES * system.norm(before) * system.norm(rising)).then_some(product > 0.0)
 }

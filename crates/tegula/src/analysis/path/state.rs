@@ -128,6 +128,9 @@ pub struct PathState {
     /// Where the next arc-length step starts; `None` for power series, and before the first step.
     #[serde(default)]
     pub arc: Option<ArcStart>,
+    /// Direction of power series at the state; empty for arc-length steps, and before the first step.
+    #[serde(default)]
+    pub direction: Vec<Nodal>,
     /// Critical points passed so far.
     pub critical: Vec<CriticalPoint>,
     /// Least and largest load factor so far.

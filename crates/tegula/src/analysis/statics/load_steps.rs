@@ -28,6 +28,9 @@ const INCREMENT_TOLERANCE: f64 = 1e-6;
 /// Number of halvings of a load step after which its length is round-off of the load factor.
 const MOST_CUTBACKS: i32 = 40;
 
+/// Cut-backs of a step after which an analysis that goes on along the path does so where there is evidence of a limit point.
+const BEFORE_PATH: u32 = 3;
+
 /// State of a static analysis before its first step: where the analysis step before has ended, or the reference
 /// configuration.
 pub fn first_state(system: &System, options: &StaticAnalysis) -> State {
@@ -367,6 +370,12 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             observer.on_repeat(&self.statistics);
             return Err(self.give_up(target, &failure));
         }
+        if self.options.continuation.is_some() && self.equation.attempts >= BEFORE_PATH {
+            let critical = self.critical_point(target, &failure);
+            if critical.as_ref().is_some_and(CriticalPoint::is_limit) {
+                return Err(self.give_up(target, &failure));
+            }
+        }
         self.statistics.cutbacks += 1;
         self.equation.attempts += 1;
         observer.on_repeat(&self.statistics);
@@ -389,7 +398,9 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             return of_mechanism(&self.state, target, (&free, failure));
         }
         let critical = self.critical_point(target, failure);
-        self.at_limit_point = critical.as_ref().is_some_and(CriticalPoint::is_limit);
+        let other = matches!(failure.kind, Kind::Unstable | Kind::Leap | Kind::Iteration(_))
+            && failure.kind != Kind::Iteration(Cause::Material);
+        self.at_limit_point = critical.as_ref().map_or(other, CriticalPoint::is_limit);
         let (system, options, state) = (self.system, self.options, &self.state);
         let unknown = critical.is_none() && matches!(failure.kind, Kind::Rounding | Kind::Iteration(_));
         if let Some(spring) = [&state.u, &self.equation.u].into_iter().filter(|_| unknown).find_map(|u| {

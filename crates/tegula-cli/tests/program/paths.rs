@@ -1,0 +1,165 @@
+//! Examples and runs of equilibrium paths: branches, steps behind paths, statics that go on along a path.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::machines::history_of;
+use super::{errors, example, summary, tegula, text};
+
+/// Columns of a history.
+fn rows(folder: &Path, columns: &[&str]) -> Vec<Vec<f64>> {
+    let history = fs::read_to_string(folder.join("history.csv")).unwrap();
+    let mut lines = history.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let head = lines.next().unwrap();
+    let columns: Vec<usize> =
+        columns.iter().map(|name| head.iter().position(|c| c == name).unwrap()).collect();
+    lines.map(|line| columns.iter().map(|&c| line[c].parse().unwrap()).collect()).collect()
+}
+
+/// Bifurcations and limit point of Pi, Bradford and Uy; the branches connect both bifurcations, where the asymmetric shapes begin and end.
+#[test]
+fn branches_of_the_arch_connect_its_bifurcations() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let run = |more: &[&str]| {
+        let file = example("arch_branches.toml");
+        let arguments = [&["run", text(&file), "--out", text(&out), "--quiet"], more].concat();
+        let run = tegula(&arguments);
+        assert!(run.status.success(), "{}", errors(&run));
+        errors(&run)
+    };
+    assert_eq!(run(&[]), "");
+    let s = summary(&out);
+    let loads: Vec<f64> =
+        s["critical_points"].as_array().unwrap().iter().map(|p| p["load_factor"].as_f64().unwrap()).collect();
+    for (i, exact) in [(0, 1.21066), (1, 1.98173), (3, -0.52881)] {
+        assert!((3.0 * loads[i] / exact - 1.0).abs() < 5e-3, "{loads:?} {exact}");
+    }
+    let branches = s["branches"].as_array().unwrap();
+    let numbers: Vec<i64> = branches.iter().map(|b| b["bifurcation"].as_i64().unwrap()).collect();
+    assert_eq!(numbers, [1, -1, 2, -2]);
+    for branch in branches {
+        assert_eq!(branch["status"], "complete");
+        let end = branch["load_factor"].as_f64().unwrap();
+        let own = if branch["bifurcation"].as_i64().unwrap().abs() == 1 { 0 } else { 3 };
+        // It is closed: at one of the bifurcations it ends.
+        assert!([0, 3].iter().any(|&i| (end / loads[i] - 1.0).abs() < 1e-6), "{branch}");
+        // Behind the bifurcation the point at the quarter leaves the shape of symmetry, with one negative eigenvalue, and no load is above.
+        let place = out.join(branch["folder"].as_str().unwrap());
+        let start = s["critical_points"][own]["position"].as_f64().unwrap();
+        let rows =
+            rows(&place, &["path.position", "time", "quarter.uz", "top.ux", "path.negative_eigenvalues"]);
+        let behind: Vec<&Vec<f64>> = rows.iter().filter(|row| row[0] > start * (1.0 + 1e-9)).collect();
+        assert!(behind.len() > 10);
+        assert!(behind.iter().all(|row| row[1] < loads[0] + 1e-6 && row[1] > loads[3] - 1e-6), "{branch}");
+        let sideways = behind.iter().map(|row| row[3].abs()).fold(0.0, tegula::norm::larger);
+        assert!(sideways > 5e-4, "{sideways}");
+    }
+    let picture = fs::metadata(out.join("load_displacement.png")).unwrap().len();
+    assert!(picture > 10_000, "{picture}");
+    // A run that was interrupted in a branch goes on there.
+    let mut left = s.clone();
+    left["branches"][2]["status"] = Value::from("running");
+    left["branches"][3]["status"] = Value::Null;
+    fs::write(out.join("summary.json"), left.to_string()).unwrap();
+    fs::remove_dir_all(out.join("branch-2-other-side")).unwrap();
+    fs::remove_file(out.join("branch-2/summary.json")).unwrap();
+    run(&["--resume"]);
+    let again = summary(&out);
+    assert_eq!(again["branches"], s["branches"]);
+    assert!(run(&["--resume"]).contains("nothing to resume"));
+    // A new run clears those of the one before.
+    let fewer = fs::read_to_string(example("arch_branches.toml"))
+        .unwrap()
+        .replace("branches = \"all\"", "branches = 1");
+    let file = folder.path().join("fewer.toml");
+    fs::write(&file, fewer).unwrap();
+    let run = tegula(&["run", text(&file), "--out", text(&out), "--quiet", "--force"]);
+    assert!(run.status.success(), "{}", errors(&run));
+    assert_eq!(summary(&out)["branches"].as_array().unwrap().len(), 2);
+    assert!(out.join("branch-1").exists() && !out.join("branch-2").exists());
+    // Words other than "all" are refused.
+    let wrong = fs::read_to_string(&file).unwrap().replace("branches = 1", "branches = \"every\"");
+    fs::write(&file, wrong).unwrap();
+    let run = tegula(&["check", text(&file)]);
+    assert!(errors(&run).contains("analysis.branches: unknown value \"every\""), "{}", errors(&run));
+}
+
+/// The limit point of Pi, Bradford and Uy; the motion under 101 % of its load ends where statics along the path end under this load.
+#[test]
+fn the_arch_snaps_to_the_equilibrium_beyond_its_limit_point() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let run = tegula(&["run", text(&example("arch_snap.toml")), "--out", text(&out), "--quiet"]);
+    assert!(run.status.success() && run.stderr.is_empty(), "{}", errors(&run));
+    let path = rows(&out.join("1-to_the_limit_point"), &["time", "top.uz"]);
+    let [limit, before] = path.last().unwrap()[..] else { unreachable!() };
+    assert!((10.0 * limit / 7.38452 - 1.0).abs() < 5e-3, "{limit}");
+    let motion = rows(&out.join("2-snap"), &["time", "top.uz", "load.traction.all.fz"]);
+    assert!((motion[0][1] / before - 1.0).abs() < 1e-12 && motion.last().unwrap()[0] == 60.0);
+    // Load of the limit point on the area of the arch.
+    let force = -10.0 * limit * 0.4;
+    assert!(motion.iter().all(|row| (row[2] / force - 1.0).abs() < 1e-2), "{force} {:?}", motion[0]);
+    let rest = motion.last().unwrap()[1];
+    assert!(rest < -0.1, "{rest}");
+
+    let steps = fs::read_to_string(example("arch_snap.toml")).unwrap();
+    let (head, tail) = (steps.find("[[steps]]").unwrap(), steps.find("[output]").unwrap());
+    let load = format!("{:.17}]", -(10.0 * limit + 0.0738));
+    let full = steps[..head].replace("-10.0]", &load);
+    let statics = format!("{full}[analysis]\ntype = \"static\"\ncontinue = \"path\"\n{}", &steps[tail..]);
+    let file = folder.path().join("statics.toml");
+    fs::write(&file, &statics).unwrap();
+    let out = folder.path().join("statics");
+    let run = tegula(&["run", text(&file), "--out", text(&out), "--quiet"]);
+    assert!(run.status.success() && run.stderr.is_empty(), "{}", errors(&run));
+    let s = summary(&out);
+    let along = s["points"]["top"]["displacement"][2].as_f64().unwrap();
+    assert!((rest / along - 1.0).abs() < 2e-4, "{rest} {along}");
+    assert_eq!(s["time"], 1.0);
+    assert_eq!(s["critical_points"].as_array().unwrap().len(), 2);
+    assert!(out.join("load_displacement.png").exists() && out.join("critical_modes.pvd").exists());
+    let positions = rows(&out, &["path.position", "time"]);
+    assert!(positions.windows(2).all(|pair| pair[0][0] < pair[1][0]));
+    assert!(positions.windows(2).any(|pair| pair[0][1] > pair[1][1] + 0.01), "the load has not fallen");
+    let log = fs::read_to_string(out.join("log.txt")).unwrap();
+    assert!(log.contains("goes on along the equilibrium path"), "{log}");
+
+    // Without the key it is an error that names the limit point and the key.
+    fs::write(&file, statics.replace("continue = \"path\"\n", "")).unwrap();
+    let run = tegula(&["run", text(&file), "--out", text(&out), "--quiet", "--force"]);
+    let message = errors(&run);
+    assert!(!run.status.success() && message.contains("limit point"), "{message}");
+    assert!(message.contains("continue = \"path\""), "{message}");
+}
+
+/// The truss of the example under 1.2 times its limit load: statics end beyond the snap, `2 k (L₀/L − 1) z = P`.
+#[test]
+fn statics_of_the_truss_go_on_to_the_full_load() {
+    let path = history_of("von_mises_truss.toml");
+    let limit = path("time").into_iter().zip(path("body.apex.z")).find(|(load, _)| *load == 1.0);
+    let model = fs::read_to_string(example("von_mises_truss.toml")).unwrap();
+    let model = model.replace("type = \"path\"\nend_load = 1.5", "type = \"static\"\ncontinue = \"path\"");
+    assert!(model.contains("continue") && limit.is_none_or(|(_, z)| z < 0.0), "{limit:?}");
+    let folder = tempfile::tempdir().unwrap();
+    let (file, out) = (folder.path().join("truss.toml"), folder.path().join("out"));
+    fs::write(&file, model.replace("-3.4999", "-4.1999")).unwrap();
+    let run = tegula(&["run", text(&file), "--out", text(&out), "--quiet"]);
+    assert!(run.status.success(), "{}", errors(&run));
+    let last = rows(&out, &["time", "body.apex.z"]).pop().unwrap();
+    let (b, k, z) = (2.0_f64, 300.0, last[1]);
+    let load = 2.0 * k * (b.hypot(0.5) / b.hypot(z) - 1.0) * z;
+    let wanted = fs::read_to_string(&file).unwrap();
+    let value = wanted
+        .split("value = [0.0, 0.0, -")
+        .nth(1)
+        .unwrap()
+        .split(']')
+        .next()
+        .unwrap()
+        .parse::<f64>()
+        .unwrap();
+    assert!(last[0] == 1.0 && z < -0.5 && (load / value - 1.0).abs() < 1e-9, "{last:?} {load} {value}");
+}
