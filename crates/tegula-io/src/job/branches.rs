@@ -88,10 +88,11 @@ pub(super) fn run(
             Err(error) => return Err(error),
         }
     }
-    if deck.model.output.pictures {
-        if let Err(problem) = pictures::with_branches((&deck.model, prepared), (&primary, &job.folder)) {
-            watch.on_event(&format!("a picture is missing: {problem}"));
-        }
+    let drawn = || pictures::with_branches((&deck.model, prepared), (&primary, &job.folder));
+    if deck.model.output.pictures
+        && let Err(problem) = drawn()
+    {
+        watch.on_event(&format!("a picture is missing: {problem}"));
     }
     Ok(primary)
 }

@@ -93,7 +93,7 @@ fn points(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Vec<Result<(), OutputEr
             style: style(rows),
         });
         let plot = LinePlot {
-            title: title(&recorder.model, &format!("displacement of {}", probe.name)),
+            title: title(recorder.model, &format!("displacement of {}", probe.name)),
             x_label: time_label(recorder),
             y_label: with_unit("displacement", recorder.model.output.units.length.as_deref()),
             series: series.collect(),
@@ -127,7 +127,7 @@ fn load_displacement(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Result<(), O
         return Ok(());
     }
     let plot = LinePlot {
-        title: title(&recorder.model, "displacement under the load"),
+        title: title(recorder.model, "displacement under the load"),
         x_label: with_unit("displacement", recorder.model.output.units.length.as_deref()),
         y_label: "load factor".into(),
         series,
@@ -152,7 +152,7 @@ fn energy(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Result<(), OutputError>
         return Ok(());
     }
     let plot = LinePlot {
-        title: title(&recorder.model, "energy"),
+        title: title(recorder.model, "energy"),
         x_label: time_label(recorder),
         y_label: with_unit("energy", recorder.model.output.units.of_energy().as_deref()),
         series,
@@ -174,7 +174,7 @@ fn step_size(recorder: &Recorder<'_>, rows: &[Vec<f64>]) -> Result<(), OutputErr
     let points = curve(rows, 0, column(recorder, "step_size")).split_off(1);
     let s = &recorder.summary;
     let plot = LinePlot {
-        title: title(&recorder.model, "time steps"),
+        title: title(recorder.model, "time steps"),
         x_label: time_label(recorder),
         y_label: with_unit("step size", recorder.model.output.units.time.as_deref()),
         series: vec![Series { name: String::new(), points, style: Style::Line }],
@@ -216,7 +216,7 @@ fn snapshots(recorder: &Recorder<'_>) -> Result<(), OutputError> {
     let parts = if mesh.quads.is_empty() { "motion" } else { "deformed shell" };
     let what = if scale == 1.0 { parts.into() } else { format!("displacements × {scale}") };
     let plot = SurfacePlot {
-        title: title(&recorder.model, &what),
+        title: title(recorder.model, &what),
         snapshots: shots.collect(),
         quads: mesh.quads.clone(),
         bodies,

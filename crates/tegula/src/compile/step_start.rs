@@ -10,7 +10,6 @@ use super::{
     Compiler, amplitudes, bodies, check, dead_loads, force_sets, foundations, initial_velocity, mechanism,
     patches, relief, supports,
 };
-use crate::Issue;
 use crate::analysis::{path, statics};
 use crate::constraint::Joint;
 use crate::element::Nodal;
@@ -19,6 +18,7 @@ use crate::mesh::Mesh;
 use crate::model::{Analysis, Model};
 use crate::system::supports::Support;
 use crate::system::{DeadLoad, LocalFrames, StepStart, System, lumping};
+use crate::{Issue, Place};
 
 /// Two nodal vectors and the mass that is added for them.
 type AddedEntry = (u32, u32, f64);
@@ -99,7 +99,12 @@ impl Compiler<'_> {
             Analysis::Modal(_) | Analysis::Buckling(_) | Analysis::Transient(_) => None,
         };
         if issues.is_empty() {
-            issues.extend(options.and_then(|options| path::outside_of_scope(system, &options)));
+            let found = options.and_then(|options| path::outside_of_scope(system, &options));
+            let is_static = matches!(model.analysis, Analysis::Static(_));
+            let place = |issue: Issue| {
+                if is_static { Issue { place: Place::key("analysis.continue"), ..issue } } else { issue }
+            };
+            issues.extend(found.map(place));
         }
     }
 

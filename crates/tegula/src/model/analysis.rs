@@ -118,16 +118,16 @@ pub struct StaticAnalysis {
     /// Conditions at which the analysis ends before load factor 1.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stop: Vec<StopCondition>,
-    /// How the analysis goes on from a limit point, at which load steps end; left out: it ends there with an error.
+    /// How the analysis continues behind a critical point, at which load steps end; left out: it ends there with an error.
     #[serde(default, rename = "continue", skip_serializing_if = "Option::is_none")]
     pub continuation: Option<Continuation>,
 }
 
-/// How a static analysis goes on from a limit point.
+/// How a static analysis continues behind a critical point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Continuation {
-    /// Along the equilibrium path, whose load factor falls behind the limit point, by the arc-length method until load factor 1.
+    /// Along the equilibrium path, whose load factor falls behind a limit point, by the arc-length method until load factor 1.
     Path,
 }
 

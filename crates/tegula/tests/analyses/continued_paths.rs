@@ -251,7 +251,7 @@ fn a_snap_is_followed_dynamically_from_the_limit_point() {
     assert!((last - exact).abs() < 1e-5 * exact, "{last} {exact}");
 }
 
-/// A path that a stop condition ends at 0.6 of the limit load: a motion stays in the equilibrium there, another static step goes on from there to the
+/// A path that a stop condition ends at 0.6 of the limit load: a motion stays in the equilibrium there, another static step leads from there to the
 /// full load.
 #[test]
 fn loads_continue_from_where_a_path_has_ended() {
@@ -442,7 +442,7 @@ fn loads_stay_through_all_motions_behind_a_path() {
     }
 }
 
-/// A strip that natural curvature has bent freely has no stress, and a path goes on from there: its end lies at `(1 − cos κL)/κ`.
+/// A strip that natural curvature has bent freely has no stress, and a path begins there: its end lies at `(1 − cos κL)/κ`.
 #[test]
 fn paths_begin_where_natural_curvature_has_bent_a_strip() {
     let mut m = crate::common::model(crate::common::plate([1.0, 0.1], [16, 1], 0.0), 1e9, 0.01);
@@ -510,4 +510,37 @@ fn limit_points_of_local_modes_are_limit_points() {
         path.critical[0].load
     });
     assert!((limits[0] / limits[1] - 1.0).abs() < 1e-7, "{limits:?}");
+}
+
+/// With `allow_unstable` load steps end at the critical point, too, whatever their number. An arch loaded between its bifurcation and its limit point
+/// comes to an unstable equilibrium of symmetry, which is refused without the key.
+#[test]
+fn unstable_ends_are_refused_or_accepted_whatever_the_number_of_load_steps() {
+    let full = 1.5 * limit().0;
+    for load_steps in [1, 2, 20] {
+        let options = StaticAnalysis { load_steps, allow_unstable: true, ..continued() };
+        let m = truss(Analysis::Static(options.clone()), full);
+        let (_, system) = compile(&m);
+        let outcome = statics::run(&system, &options, None, &mut Record::new(&system)).unwrap();
+        let w = deflection(&system, &outcome.state);
+        assert!((w / behind_the_snap(full) - 1.0).abs() < 1e-9, "{load_steps}: {w}");
+    }
+    let (mut m, shape) = arch(24, 0.01);
+    let [bifurcation, limit, ..] = critical_loads(&shape);
+    m.loads = vec![Load::Traction(vector_load("all", [0.0, 0.0, -0.5 * (bifurcation + limit)]))];
+    let run = |allow_unstable: bool, load_steps: u32| {
+        let options = StaticAnalysis { load_steps, allow_unstable, ..continued() };
+        let m = Model { analysis: Analysis::Static(options.clone()), ..m.clone() };
+        let (_, system) = compile(&m);
+        statics::run(&system, &options, None, &mut Record::new(&system))
+    };
+    for load_steps in [1, 4] {
+        let message = run(false, load_steps).unwrap_err().to_string();
+        assert!(
+            message.contains("unstable equilibrium") && message.contains("bifurcation at load factor"),
+            "{message}"
+        );
+        let outcome = run(true, load_steps).unwrap();
+        assert_eq!((outcome.state.time, outcome.negative_pivots), (1.0, 1));
+    }
 }

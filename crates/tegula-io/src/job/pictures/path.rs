@@ -240,12 +240,15 @@ mod tests {
             [(1.5, 0.0), (2.5, 0.0), (3.0, 4.0), (4.0, 9.0), (5.5, 0.0), (6.5, 0.0)].into();
         let size = extent(&[line.clone(), leaving.clone()]);
         assert_eq!(size, [10.0, 9.0]);
-        assert_eq!(new_parts(&leaving, std::slice::from_ref(&line), size), [1..5]);
-        assert_eq!(new_parts(&line, &[], size), [0..11]);
-        assert_eq!(new_parts(&line, std::slice::from_ref(&line), size), []);
+        let parts = |points: &[(f64, f64)], drawn: &[Vec<(f64, f64)>]| -> Vec<(usize, usize)> {
+            new_parts(points, drawn, size).into_iter().map(|part| (part.start, part.end)).collect()
+        };
+        assert_eq!(parts(&leaving, std::slice::from_ref(&line)), [(1, 5)]);
+        assert_eq!(parts(&line, &[]), [(0, 11)]);
+        assert_eq!(parts(&line, std::slice::from_ref(&line)), []);
         let there_and_back: Vec<(f64, f64)> =
             (0..=20).map(|i| (10.0 - f64::from(i - 10).abs(), 0.0)).collect();
-        assert_eq!(new_parts(&there_and_back, &[], size), [0..12]);
+        assert_eq!(parts(&there_and_back, &[]), [(0, 12)]);
     }
 
     #[test]

@@ -25,7 +25,7 @@ const CORRECTIONS: usize = 3;
 const LARGEST_CORRECTION: f64 = 1e-2;
 /// Factor by which a piece is shortened whose end has too large a residual or error, or a singular tangent.
 const SHORTER: f64 = 0.8;
-/// Shortenings after which a piece is given up: where the method is not given, the arc-length method goes on with longer steps.
+/// Shortenings after which a piece is given up: where the method is not given, the arc-length method takes over with longer steps.
 const MOST_SHORTENED: usize = 40;
 const MOST_BEFORE_ARC_LENGTH: usize = 10;
 /// Largest length of a piece over that at which the residual of the step before has faded: beyond, it would grow.

@@ -1,7 +1,9 @@
-//! Static analysis that goes on along the equilibrium path from the limit point at which load steps end.
+//! Static analysis that goes on along the equilibrium path from the critical point at which load steps end.
+//!
+//! Whether it is a limit point need not be known: behind a bifurcation the path is unstable, so that its end is refused.
 
 use super::load_steps::LoadSteps;
-use crate::analysis::path::{ArcLengthSteps, PathState};
+use crate::analysis::path::{ArcLengthSteps, CriticalKind, PathState};
 use crate::analysis::stepper::Reached;
 use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched};
 use crate::model::{PathAnalysis, PathMethod, StaticAnalysis};
@@ -9,7 +11,7 @@ use crate::system::System;
 use crate::{Error, Result};
 use tegula_sparse::SparseLdlt;
 
-/// Load steps, and arc-length steps from where they have ended at a limit point.
+/// Load steps, and arc-length steps from where they have ended at a critical point.
 pub(super) struct ContinuedSteps<'a> {
     system: &'a System,
     allow_unstable: bool,
@@ -80,12 +82,18 @@ impl<'a> ContinuedSteps<'a> {
             ));
         }
         if state.negative_pivots > 0 && !self.allow_unstable {
+            let critical = state.path.iter().flat_map(|path| &path.critical);
+            let bifurcation = critical.into_iter().find(|point| point.kind == CriticalKind::Bifurcation);
+            let passed = bifurcation
+                .map(|point| format!(" It has passed a bifurcation at load factor {:.6}.", point.load))
+                .unwrap_or_default();
             return Err(failed(
                 format!(
-                    "the path behind the limit point comes to load factor 1 in an unstable equilibrium with {} negative eigenvalue(s)",
+                    "the path comes to load factor 1 in an unstable equilibrium with {} negative eigenvalue(s).{passed}",
                     state.negative_pivots
                 ),
-                "`allow_unstable = true` accepts it; an analysis of `type = \"path\"` with a larger `end_load` follows the path beyond it.",
+                "`allow_unstable = true` accepts it. An analysis of `type = \"path\"` follows it beyond load factor 1 with a larger `end_load`, and crossing \
+                 paths at bifurcations with `switch_at` and `branches`; a small imperfection leads to them, too.",
             ));
         }
         Ok(())
@@ -111,7 +119,7 @@ impl Stepper for ContinuedSteps<'_> {
     fn advance(&mut self, observer: &mut dyn Observer) -> Result<u32> {
         if let Steps::Load(steps) = &mut self.steps {
             match steps.advance(observer) {
-                Err(Error::NotConverged { reason, .. }) if steps.ended_at_limit_point() => {
+                Err(Error::NotConverged { reason, .. }) if steps.path_leads_on() => {
                     observer.on_event(&format!(
                         "load steps lead no further than load factor {:.6} ({reason}); the analysis goes on along the equilibrium path",
                         steps.state().time

@@ -70,11 +70,6 @@ impl CriticalPoint {
         (proved || likely).then_some(Self { limit, mode: mode.shape, enhanced: None })
     }
 
-    /// Whether it is a limit point.
-    pub fn is_limit(&self) -> bool {
-        self.limit
-    }
-
     /// Finds the share of the enhanced strains of the elements in the stiffness of the mode.
     pub fn look_at_enhanced_strains(&mut self, system: &System, state: &State) {
         self.enhanced = enhanced::share(system, &state.u, &self.mode);

@@ -28,7 +28,7 @@ const INCREMENT_TOLERANCE: f64 = 1e-6;
 /// Number of halvings of a load step after which its length is round-off of the load factor.
 const MOST_CUTBACKS: i32 = 40;
 
-/// Cut-backs of a step after which an analysis that goes on along the path does so where there is evidence of a limit point.
+/// Cut-backs of a step after which an analysis that goes on along the path does so where there is evidence of a critical point.
 const BEFORE_PATH: u32 = 3;
 
 /// State of a static analysis before its first step: where the analysis step before has ended, or the reference
@@ -68,8 +68,8 @@ pub(super) struct LoadSteps<'a, S> {
     /// Reactions at the last equilibrium; empty where no motion is prescribed.
     reactions: Vec<Nodal>,
     drilling: DrillingWatch,
-    /// Whether the last step has failed at a limit point.
-    at_limit_point: bool,
+    /// Whether an equilibrium path may lead on from where the last step has failed.
+    goes_on: bool,
     /// Scratch space for the forces in the snap-through test of a step.
     buffers: [Vec<Nodal>; 2],
 }
@@ -118,7 +118,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             external: vec![[0.0; 3]; system.vectors()],
             reactions: if moved { reactions(system, &mut newton.assembly, &state) } else { Vec::new() },
             drilling: DrillingWatch::new(),
-            at_limit_point: false,
+            goes_on: false,
             buffers: std::array::from_fn(|_| vec![[0.0; 3]; system.vectors()]),
             newton,
             system,
@@ -127,14 +127,19 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         }
     }
 
-    /// Whether the last step has failed at a limit point.
-    pub fn ended_at_limit_point(&self) -> bool {
-        self.at_limit_point
+    /// Whether an equilibrium path may lead on from where the last step has failed: at a critical point.
+    pub fn path_leads_on(&self) -> bool {
+        self.goes_on
     }
 
     /// State, run counters, and the load factor at which the next step ends at the latest.
     pub fn parts(&self) -> (&State, &Statistics, f64) {
         (&self.state, &self.statistics, self.limit)
+    }
+
+    /// Whether unstable equilibria end load steps: where the analysis goes on along the path, they end at the first one.
+    fn accepts_unstable(&self) -> bool {
+        self.options.allow_unstable && self.options.continuation.is_none()
     }
 
     /// Load factor at the end of the next step.
@@ -236,7 +241,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             .newton
             .stability(self.system, negative)
             .map_err(|reason| Failure::new(Kind::Iteration(Cause::Tangent), reason, negative))?;
-        if matches!(stability, Stability::Unstable(_)) && !self.options.allow_unstable {
+        if matches!(stability, Stability::Unstable(_)) && !self.accepts_unstable() {
             return Err(Failure::new(
                 Kind::Unstable,
                 format!(
@@ -309,7 +314,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let reason = format!(
             "snap-through test: no stable path connects the equilibrium found with the last one: {doubt}"
         );
-        if self.options.allow_unstable {
+        if self.accepts_unstable() {
             observer.on_event(&format!("load factor {target:.6}: {reason}"));
             return Ok(());
         }
@@ -370,11 +375,9 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             observer.on_repeat(&self.statistics);
             return Err(self.give_up(target, &failure));
         }
-        if self.options.continuation.is_some() && self.equation.attempts >= BEFORE_PATH {
-            let critical = self.critical_point(target, &failure);
-            if critical.as_ref().is_some_and(CriticalPoint::is_limit) {
-                return Err(self.give_up(target, &failure));
-            }
+        let may_go_on = self.options.continuation.is_some() && self.equation.attempts >= BEFORE_PATH;
+        if may_go_on && self.critical_point(target, &failure).is_some() {
+            return Err(self.give_up(target, &failure));
         }
         self.statistics.cutbacks += 1;
         self.equation.attempts += 1;
@@ -400,7 +403,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let critical = self.critical_point(target, failure);
         let other = matches!(failure.kind, Kind::Unstable | Kind::Leap | Kind::Iteration(_))
             && failure.kind != Kind::Iteration(Cause::Material);
-        self.at_limit_point = critical.as_ref().map_or(other, CriticalPoint::is_limit);
+        self.goes_on = critical.is_some() || other;
         let (system, options, state) = (self.system, self.options, &self.state);
         let unknown = critical.is_none() && matches!(failure.kind, Kind::Rounding | Kind::Iteration(_));
         if let Some(spring) = [&state.u, &self.equation.u].into_iter().filter(|_| unknown).find_map(|u| {
