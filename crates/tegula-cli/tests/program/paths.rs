@@ -69,7 +69,8 @@ fn branches_of_the_arch_connect_its_bifurcations() {
     run(&["--resume"]);
     let again = summary(&out);
     assert_eq!(again["branches"], s["branches"]);
-    assert!(run(&["--resume"]).contains("nothing to resume"));
+    let complete = tegula(&["run", text(&example("arch_branches.toml")), "--out", text(&out), "--resume"]);
+    assert!(errors(&complete).contains("nothing to resume"), "{}", errors(&complete));
     // A new run clears those of the one before.
     let fewer = fs::read_to_string(example("arch_branches.toml"))
         .unwrap()

@@ -11,10 +11,12 @@ use crate::out::{OutputError, PvdSeries, printable, vtu};
 
 /// Names of the files that a run leaves, beside the numbered field files and the pictures of
 /// points.
-const OWN: [&str; 22] = [
+const OWN: [&str; 24] = [
     "fields.pvd",
     "bodies.pvd",
     "mode_bodies.pvd",
+    "critical_modes.pvd",
+    "critical_mode_bodies.pvd",
     "modes.pvd",
     "history.csv",
     "modes.csv",
@@ -37,7 +39,14 @@ const OWN: [&str; 22] = [
 ];
 
 /// Folders of numbered field files.
-const SERIES: [&str; 4] = [series::STATES[0], series::STATES[1], series::MODES[0], series::MODES[1]];
+const SERIES: [&str; 6] = [
+    series::STATES[0],
+    series::STATES[1],
+    series::MODES[0],
+    series::MODES[1],
+    series::CRITICAL_MODES[0],
+    series::CRITICAL_MODES[1],
+];
 
 /// A result folder.
 #[derive(Debug)]

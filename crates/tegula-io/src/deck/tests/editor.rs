@@ -72,6 +72,7 @@ fn mistakes(root: &Value, schema: &Value, value: &Value, path: &str) -> Vec<Stri
                 list().iter().for_each(|schema| out.extend(mistakes(root, schema, value, path)));
                 true
             }
+            "anyOf" => list().iter().any(|schema| mistakes(root, schema, value, path).is_empty()),
             "oneOf" => {
                 list().iter().filter(|schema| mistakes(root, schema, value, path).is_empty()).count() == 1
             }

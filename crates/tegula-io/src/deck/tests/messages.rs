@@ -40,7 +40,7 @@ fn unknown_keys_come_with_the_one_that_was_meant() {
     "#);
     insta::assert_snapshot!(with("load_steps = 4", "xyzzy = \"x\""), @r#"
     m.toml:4:1: analysis.xyzzy: unknown key "xyzzy"
-      help: the keys here are "type", "linear", "method", "load_steps", "max_iterations", "max_cutbacks", "allow_unstable", "inertia_relief", "linear_solver", "stop"
+      help: the keys here are "type", "linear", "method", "load_steps", "max_iterations", "max_cutbacks", "allow_unstable", "inertia_relief", "linear_solver", "stop", "continue"
     "#);
     insta::assert_snapshot!(with("[mesh.grid]\n", ""), @r#"
     m.toml:8:1: mesh.elements: unknown key "elements"

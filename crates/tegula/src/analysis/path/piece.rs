@@ -18,7 +18,7 @@ const LARGEST_RESIDUAL: f64 = 1e-5;
 /// residuals have large responses along the path, which are errors of the load factor.
 const LARGEST_ERROR: f64 = 1e-6;
 /// Error of the load factor over it from which on the next piece begins at a corrected point: else errors would add up from piece to piece.
-const CORRECTED: f64 = 1e-8;
+const CORRECTED: f64 = 1e-7;
 /// Corrections of the end of a piece.
 const CORRECTIONS: usize = 3;
 /// Largest correction of the displacements at the end of a path, at its load factor, over them.
@@ -118,7 +118,7 @@ impl Piece {
         let end_of_path = series.reaches(options.end_load, length).first().copied();
         length = end_of_path.unwrap_or(length);
         let most = if options.method.is_some() { MOST_SHORTENED } else { MOST_BEFORE_ARC_LENGTH };
-        let end = usable_end(system, expansion, &series, (length, most))?;
+        let end = usable_end(system, expansion, &series, (length, most), end_of_path.is_some())?;
         let mut end_load = end_of_path.map(|_| options.end_load).filter(|_| end.length == length);
         length = end.length;
         let at_end = expansion.factorizations();
@@ -358,6 +358,7 @@ fn usable_end(
     expansion: &mut Expansion,
     series: &Series,
     (wanted, most_shortened): (f64, usize),
+    ends: bool,
 ) -> Result<End, String> {
     let (mut u, mut direction) = (series.u.clone(), series.u.clone());
     let mut residual = vec![0.0; system.unknowns()];
@@ -382,7 +383,10 @@ fn usable_end(
                     ));
                 }
             }
-            end.correct(system, expansion, (series, &direction))?;
+            // The end of the path is corrected at its load factor.
+            if !(ends && length == wanted) {
+                end.correct(system, expansion, (series, &direction))?;
+            }
             Ok(end)
         };
         match judge() {
