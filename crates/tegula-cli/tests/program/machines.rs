@@ -225,7 +225,7 @@ fn the_driven_slider_follows_from_the_length_of_its_rod() {
 }
 
 /// Runs an example and gives the columns of its history by name.
-pub(super) fn history_of(name: &str) -> impl Fn(&str) -> Vec<f64> + use<> {
+fn history_of(name: &str) -> impl Fn(&str) -> Vec<f64> + use<> {
     let [history] = histories_of(name, [""]);
     history
 }

@@ -85,6 +85,9 @@ pub(super) fn run(
                 watch
                     .on_warning(&format!("the branch in {folder} could not be followed to its end: {error}"));
             }
+            Err(JobError::Interrupted { resumable, .. }) => {
+                return Err(JobError::Interrupted { folder: job.folder.clone(), resumable });
+            }
             Err(error) => return Err(error),
         }
     }

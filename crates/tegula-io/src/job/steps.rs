@@ -8,7 +8,10 @@ use tegula::system::StepStart;
 
 use super::resume::CheckpointData;
 use super::run::{claim, completed, run_prepared, start, summary};
-use super::{JobError, JobObserver, JobOptions, Prepared, ResultFolder, Status, StepSummary, Summary};
+use super::{
+    BranchResult, JobError, JobObserver, JobOptions, Prepared, ResultFolder, Status, StepSummary, Summary,
+    branches,
+};
 use crate::deck::Deck;
 use crate::out::fingerprint;
 
@@ -94,8 +97,8 @@ impl Whole {
                 Deck { model, path: deck.path.clone(), text: deck.text.clone(), warnings: Vec::new() };
             let own = JobOptions { folder: place.clone(), resume: false, force: true };
             let done = match completed(&of_step, &JobOptions { resume: options.resume, ..own.clone() }) {
-                Some(done) => done,
-                None => {
+                Some(done) if !branches::are_left(&step.model.analysis, &done) => done,
+                _ => {
                     self.begin(i, folder)?;
                     for warning in
                         step.starts_from.map(|_| warnings_at_start(step, &of_step.system)).unwrap_or_default()
@@ -149,6 +152,11 @@ impl Whole {
             cutbacks: parts().map(|p| p.cutbacks).sum(),
             wall_s: parts().map(|p| p.wall_s).sum(),
             cpu_s: parts().map(|p| p.cpu_s).sum(),
+            branches: of_step
+                .branches
+                .iter()
+                .map(|branch| within(&before.analyses[step].folder, branch))
+                .collect(),
             ..of_step.clone()
         };
         summary.analyses[step].status = Some(of_step.status);
@@ -182,6 +190,11 @@ impl Whole {
         self.summary.write(folder.path())?;
         outcome.map(|()| self.summary)
     }
+}
+
+/// Branch of a step, in the folder of the whole.
+fn within(step: &str, branch: &BranchResult) -> BranchResult {
+    BranchResult { folder: format!("{step}/{}", branch.folder), ..branch.clone() }
 }
 
 fn listed(number: usize, step: &StepModel) -> StepSummary {

@@ -205,6 +205,9 @@ pub fn run(
     let mut steps = steps(system, options, start)?;
     let stopped = stepper::run(steps.as_mut(), &options.stop, observer)?;
     let (state, balance, statistics) = steps.finish();
+    if options.continuation.is_some() && stopped.is_none() {
+        continued::accept_end(&state, options.allow_unstable)?;
+    }
     Ok(StaticOutcome { negative_pivots: state.negative_pivots, state, balance, statistics, stopped })
 }
 
@@ -224,7 +227,7 @@ pub fn steps<'a>(
             Ok(LoadSteps::new(newton, system, options, Some(start)))
         };
         let start = start.unwrap_or_else(|| first_state(system, options));
-        return Ok(Box::new(ContinuedSteps::new(system, options, load_steps, start)?));
+        return Ok(Box::new(ContinuedSteps::new(system, load_steps, start)?));
     }
     system.require(&[Procedure::Static, Procedure::IterativeStatic, Procedure::Modal])?;
     Ok(match options.linear_solver {

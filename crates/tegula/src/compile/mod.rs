@@ -326,6 +326,17 @@ impl<'a> Compiler<'a> {
                 "tell the compiler where the step before has ended, by `Compiler::end_step`",
             ));
         }
+        let earlier = before.and_then(|before| self.steps.get(before.starts_from?));
+        if let Some((before, what)) = before.and_then(|before| Some((before, before.falling(earlier)?))) {
+            return Err(Error::model(
+                "steps",
+                format!(
+                    "the step before has ended at load factor {}, where {what} has not fallen to 0 yet",
+                    before.ends_at
+                ),
+                "let that step end at load factor 1, and give the analysis that ends early a step of its own",
+            ));
+        }
         let (start, closed_gaps) = match assembled {
             Some((start, gaps)) => (Some(start), Some(gaps)),
             None => (start, None),

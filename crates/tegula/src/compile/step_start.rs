@@ -10,6 +10,7 @@ use super::{
     Compiler, amplitudes, bodies, check, dead_loads, force_sets, foundations, initial_velocity, mechanism,
     patches, relief, supports,
 };
+use crate::Issue;
 use crate::analysis::{path, statics};
 use crate::constraint::Joint;
 use crate::element::Nodal;
@@ -18,7 +19,6 @@ use crate::mesh::Mesh;
 use crate::model::{Analysis, Model};
 use crate::system::supports::Support;
 use crate::system::{DeadLoad, LocalFrames, StepStart, System, lumping};
-use crate::{Issue, Place};
 
 /// Two nodal vectors and the mass that is added for them.
 type AddedEntry = (u32, u32, f64);
@@ -101,9 +101,9 @@ impl Compiler<'_> {
         if issues.is_empty() {
             let found = options.and_then(|options| path::outside_of_scope(system, &options));
             let is_static = matches!(model.analysis, Analysis::Static(_));
-            let place = |issue: Issue| {
-                if is_static { Issue { place: Place::key("analysis.continue"), ..issue } } else { issue }
-            };
+            let help = "take loads that grow from 0 smoothly with the load factor, or leave `continue` out";
+            let of_static = |issue: Issue| Issue::new("analysis.continue", issue.message, help);
+            let place = |issue: Issue| if is_static { of_static(issue) } else { issue };
             issues.extend(found.map(place));
         }
     }

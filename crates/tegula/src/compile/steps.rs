@@ -91,8 +91,26 @@ impl StepModel {
         self.staying.iter().enumerate().any(|(i, stays)| *stays && key == format!("conditions[{i}]"))
     }
 
-    /// Whether the loads grow with a load factor that has not reached 1 at the end of the step.
-    fn ends_below_full_load(&self) -> bool {
+    /// Forces that fall to 0 over the step, behind the step `before`: they have not where it ends early.
+    pub(super) fn falling(&self, before: Option<&Self>) -> Option<&'static str> {
+        let lost = |before: &Self| before.model.conditions.iter().any(|c| !self.model.conditions.contains(c));
+        let unlocked = |before: &Self| before.locked.iter().any(|name| !self.locked.contains(name));
+        let falls = |load: &Continued| load.released && load.start != 0.0;
+        let found = [
+            (self.loads.iter().any(falls), "a load that it does not have any more"),
+            (
+                self.strains.iter().any(|(strain, _)| falls(strain)),
+                "a prescribed strain that it does not have any more",
+            ),
+            (before.is_some() && !self.released.is_empty(), "the force of a joint that it releases"),
+            (before.is_some_and(unlocked), "the force of a joint that it does not lock any more"),
+            (before.is_some_and(lost), "the reaction of a support that it does not have any more"),
+        ];
+        found.into_iter().find(|(falls, _)| *falls).map(|(_, what)| what).filter(|_| self.ends_early())
+    }
+
+    /// Whether the loads depend on a load factor that is another one than 1 at the end of the step.
+    fn ends_early(&self) -> bool {
         self.model.analysis.seeks_equilibria() && self.ends_at != 1.0
     }
 
@@ -300,6 +318,7 @@ fn one_step(
             match partner {
                 Some(i) => {
                     let stays = (stays_as_left(step, before) || stays_again(step, was))
+                        && !was.released
                         && loads[i].amplitude().is_none();
                     continued[i] = Continued { start, held: stays, ..Continued::default() };
                 }
@@ -376,16 +395,14 @@ fn output(model: &Model, step: &AnalysisStep) -> crate::model::Output {
 
 /// Factor of a load at the end of a step.
 fn end_factor(step: &StepModel, load: &Continued, amplitude: Option<&str>) -> f64 {
-    if load.released {
-        return 0.0;
-    }
-    if load.held {
-        return load.start;
-    }
-    let end = step.ends_at;
     let function = amplitude.and_then(|name| TimeFunction::new(step.model.amplitudes.get(name)?).ok());
-    let own = || if step.ends_below_full_load() { load.start + end * (1.0 - load.start) } else { 1.0 };
-    function.map_or_else(own, |f| f.value(end))
+    let full = step.model.analysis.seeks_equilibria() && step.ends_at == 1.0;
+    if full && function.is_none() && !load.released && !load.held {
+        return 1.0;
+    }
+    let factor = load.factor(function.as_ref().map(|_| 0));
+    let amplitudes: Vec<TimeFunction> = function.into_iter().collect();
+    factor.value(&amplitudes, super::procedure(&step.model.analysis).parameter(), step.ends_at)
 }
 
 /// Time or load factor at which an analysis ends where no stop condition ends it.
@@ -398,9 +415,9 @@ fn end_of(analysis: &Analysis) -> f64 {
 }
 
 /// Whether loads, motions and strains without amplitude stay in a step as the one before has left them: in motions behind a static step or a
-/// path that has ended before load factor 1.
+/// path that has ended at another load factor than 1.
 fn stays_as_left(step: &AnalysisStep, before: &StepModel) -> bool {
-    is_motion(step) && before.ends_below_full_load()
+    is_motion(step) && before.ends_early()
 }
 
 /// Whether a load that has stayed in the motion before stays in a step, too.

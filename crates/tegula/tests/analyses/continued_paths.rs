@@ -544,3 +544,37 @@ fn unstable_ends_are_refused_or_accepted_whatever_the_number_of_load_steps() {
         assert_eq!((outcome.state.time, outcome.negative_pivots), (1.0, 1));
     }
 }
+
+/// Loads that a step has not let go of yet cannot be left behind by an early end of it.
+#[test]
+fn steps_that_end_while_loads_fall_are_refused() {
+    let load = Load::Force(vector_load("apex", [0.0, 0.0, -0.5]));
+    let step = |name: &str, analysis: Analysis, loads: &[Load]| AnalysisStep {
+        loads: loads.to_vec(),
+        ..AnalysisStep::new(name, analysis)
+    };
+    let early = Analysis::Path(PathAnalysis { end_load: 0.4, ..Default::default() });
+    let full = Analysis::Static(StaticAnalysis::default());
+    let steps = vec![
+        step("loaded", full.clone(), std::slice::from_ref(&load)),
+        step("falling", early, &[]),
+        step("again", motion(1.0), &[load]),
+    ];
+    let m = with_steps(truss(full, 1.0), steps);
+    let mesh = generate(&m.mesh).unwrap();
+    let mut compiler = Compiler::new(&m, &mesh).unwrap();
+    let mut start = None;
+    for i in 0..2 {
+        let system = compiler.system(i, start).unwrap();
+        let mut record = Record::new(&system);
+        let state = match &compiler.steps()[i].model.analysis {
+            Analysis::Static(options) => statics::run(&system, options, None, &mut record).unwrap().state,
+            Analysis::Path(options) => path::run(&system, options, None, &mut record).unwrap().state,
+            _ => unreachable!(),
+        };
+        compiler.end_step(i, state.time);
+        start = Some(state.end_of_step());
+    }
+    let Err(Error::Model(issues)) = compiler.system(2, start) else { panic!("accepted") };
+    assert!(issues[0].message.contains("has not fallen to 0 yet"), "{:?}", issues[0]);
+}

@@ -220,7 +220,7 @@ impl<'a> ArcLengthSteps<'a> {
             return Err(NOTHING_MOVES.into());
         }
         let backwards = match forward(system, &tangent.direction) {
-            Some(forward) if state.step == 0 => !forward,
+            Some(forward) if state.step == 0 && options.end_load > 0.0 => !forward,
             _ => options.end_load < 0.0,
         };
         if backwards {
@@ -548,6 +548,7 @@ impl Stepper for ArcLengthSteps<'_> {
         let arc = self.start_of_step().map_err(|reason| not_continued(&self.state, &reason))?;
         let mut planned = arc.length;
         let before = self.statistics.iterations;
+        let negative = self.state.negative_pivots;
         for halving in 0.. {
             let length = planned.min(self.limit - self.position());
             let outcome = self.find_step(&arc, [length, planned], observer);
@@ -564,6 +565,7 @@ impl Stepper for ArcLengthSteps<'_> {
                     return Err(not_continued(&self.state, &reason));
                 }
                 Err(reason) => {
+                    self.state.negative_pivots = negative;
                     planned = 0.5 * length;
                     self.statistics.cutbacks += 1;
                     observer.on_repeat(&self.statistics);

@@ -46,11 +46,17 @@ impl Start {
     ///
     /// # Errors
     /// The tangent is singular; the text gives the reason.
-    pub fn new(system: &System, expansion: &mut Expansion, point: ExpansionPoint) -> Result<Self, String> {
+    pub fn new(
+        system: &System,
+        expansion: &mut Expansion,
+        (point, options): (ExpansionPoint, &PathAnalysis),
+    ) -> Result<Self, String> {
         let negative = expansion.factor(system, &point.u, point.load)?;
         let directions = expansion.directions(system, &point.u, point.load)?;
         let direction = match forward(system, &directions.unit) {
-            Some(_) if point.position == 0.0 && point.direction.is_empty() => system.path_before.clone(),
+            Some(_) if point.position == 0.0 && point.direction.is_empty() && options.end_load > 0.0 => {
+                system.path_before.clone()
+            }
             _ => point.direction,
         };
         Ok(Self { point: ExpansionPoint { direction, ..point }, directions, negative })

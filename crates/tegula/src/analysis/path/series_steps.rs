@@ -74,7 +74,7 @@ impl<'a> SeriesSteps<'a> {
             let start = match goes_on.and_then(Piece::next_start) {
                 Some(start) => start,
                 // The piece of a run that is resumed or repeated is found anew; the state may be the end of it.
-                None => Start::new(self.system, &mut self.expansion, recorded.clone())?,
+                None => Start::new(self.system, &mut self.expansion, (recorded.clone(), self.options))?,
             };
             self.begun = Some(start.point().clone());
             self.piece = Some(self.find_piece(start)?);

@@ -6,7 +6,7 @@ use super::load_steps::LoadSteps;
 use crate::analysis::path::{ArcLengthSteps, CriticalKind, PathState};
 use crate::analysis::stepper::Reached;
 use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched};
-use crate::model::{PathAnalysis, PathMethod, StaticAnalysis};
+use crate::model::{PathAnalysis, PathMethod};
 use crate::system::System;
 use crate::{Error, Result};
 use tegula_sparse::SparseLdlt;
@@ -14,7 +14,6 @@ use tegula_sparse::SparseLdlt;
 /// Load steps, and arc-length steps from where they have ended at a critical point.
 pub(super) struct ContinuedSteps<'a> {
     system: &'a System,
-    allow_unstable: bool,
     steps: Steps<'a>,
 }
 
@@ -40,17 +39,17 @@ impl<'a> ContinuedSteps<'a> {
     /// There is not enough memory.
     pub fn new(
         system: &'a System,
-        options: &'a StaticAnalysis,
         load_steps: impl FnOnce(State) -> Result<LoadSteps<'a, SparseLdlt>>,
         start: State,
     ) -> Result<Self> {
+        let start = if start.path.is_none() { on_path(start) } else { start };
         let behind_limit = start.path.as_ref().is_some_and(|path| path.arc.is_some());
         let steps = if behind_limit {
             Steps::ArcLength(Box::new(ArcLengthSteps::new(system, &path_options(), Some(start))?))
         } else {
             Steps::Load(Box::new(load_steps(start)?))
         };
-        Ok(Self { system, allow_unstable: options.allow_unstable, steps })
+        Ok(Self { system, steps })
     }
 
     fn steps(&self) -> &dyn Stepper {
@@ -65,38 +64,6 @@ impl<'a> ContinuedSteps<'a> {
             Steps::Load(steps) => steps.as_mut(),
             Steps::ArcLength(steps) => steps.as_mut(),
         }
-    }
-
-    /// Refuses the end of a path that is no stable equilibrium under the full loads.
-    fn accept_end(&self) -> Result<()> {
-        let state = self.steps().state();
-        let failed = |reason: String, help: &str| Error::NotConverged {
-            at: format!("load factor {:.6}", state.time),
-            reason,
-            help: format!("Results up to this load factor are complete. {help}"),
-        };
-        if state.time != 1.0 {
-            return Err(failed(
-                "the path behind the limit point has ended before it has come to load factor 1".into(),
-                "An analysis of `type = \"path\"` shows all of it, and a smaller `end_load` or a stop condition ends it earlier.",
-            ));
-        }
-        if state.negative_pivots > 0 && !self.allow_unstable {
-            let critical = state.path.iter().flat_map(|path| &path.critical);
-            let bifurcation = critical.into_iter().find(|point| point.kind == CriticalKind::Bifurcation);
-            let passed = bifurcation
-                .map(|point| format!(" It has passed a bifurcation at load factor {:.6}.", point.load))
-                .unwrap_or_default();
-            return Err(failed(
-                format!(
-                    "the path comes to load factor 1 in an unstable equilibrium with {} negative eigenvalue(s).{passed}",
-                    state.negative_pivots
-                ),
-                "`allow_unstable = true` accepts it. An analysis of `type = \"path\"` follows it beyond load factor 1 with a larger `end_load`, and crossing \
-                 paths at bifurcations with `switch_at` and `branches`; a small imperfection leads to them, too.",
-            ));
-        }
-        Ok(())
     }
 }
 
@@ -130,11 +97,7 @@ impl Stepper for ContinuedSteps<'_> {
                 outcome => return outcome,
             }
         }
-        let iterations = self.steps_mut().advance(observer)?;
-        if self.is_finished() {
-            self.accept_end()?;
-        }
-        Ok(iterations)
+        self.steps_mut().advance(observer)
     }
 
     fn repeat(&mut self, start: &State, end: f64) {
@@ -148,4 +111,35 @@ impl Stepper for ContinuedSteps<'_> {
     fn watch(&mut self, watched: &Watched) {
         self.steps_mut().watch(watched);
     }
+}
+
+/// Refuses the end of a path that is no stable equilibrium under the full loads.
+pub(super) fn accept_end(state: &State, allow_unstable: bool) -> Result<()> {
+    let failed = |reason: String, help: &str| Error::NotConverged {
+        at: format!("load factor {:.6}", state.time),
+        reason,
+        help: format!("Results up to this load factor are complete. {help}"),
+    };
+    if state.time != 1.0 {
+        return Err(failed(
+            "the path behind the critical point has ended before it has come to load factor 1".into(),
+            "An analysis of `type = \"path\"` takes more steps (`max_steps`), and ends at a smaller `end_load`.",
+        ));
+    }
+    if state.negative_pivots > 0 && !allow_unstable {
+        let critical = state.path.iter().flat_map(|path| &path.critical);
+        let bifurcation = critical.into_iter().find(|point| point.kind == CriticalKind::Bifurcation);
+        let passed = bifurcation
+            .map(|point| format!(" It has passed a bifurcation at load factor {:.6}.", point.load))
+            .unwrap_or_default();
+        return Err(failed(
+            format!(
+                "the path comes to load factor 1 in an unstable equilibrium with {} negative eigenvalue(s).{passed}",
+                state.negative_pivots
+            ),
+            "`allow_unstable = true` accepts it. An analysis of `type = \"path\"` follows it beyond load factor 1 with a larger `end_load`, and crossing \
+             paths at bifurcations with `switch_at` and `branches`; a small imperfection leads to them, too.",
+        ));
+    }
+    Ok(())
 }
