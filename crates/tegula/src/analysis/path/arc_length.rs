@@ -62,8 +62,7 @@ const SAME_PLACE: f64 = 1e-6;
 /// Distance of two load factors, over the size of the larger, below which they are one.
 const SAME_LOAD: f64 = 1e-12;
 
-/// Difference of load factors over them at which a point lies beside a bifurcation, and work of the loads on the direction there over their size, below
-/// which they do hardly any.
+/// Difference of load factors over them beside a bifurcation, and work of the loads on the direction there over their size that is hardly any.
 const BESIDE: f64 = 1e-4;
 const WORKLESS: f64 = 1e-2;
 
