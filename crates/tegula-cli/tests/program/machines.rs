@@ -6,7 +6,7 @@ use std::fs;
 use serde_json::Value;
 use tegula::norm::larger;
 
-use super::{errors, example, near, result_of, tegula, text};
+use super::{errors, near, result_of, results_of, tegula, text};
 
 /// The period of the physical pendulum by the complete elliptic integral; the disc takes its moment through the patch.
 #[test]
@@ -134,10 +134,7 @@ fn the_motor_of_the_gear_train_feels_the_reduced_inertia() {
 /// forward and backward frequencies of both bending pairs, and the table of modes at the last speed.
 #[test]
 fn the_rotor_whirls_as_in_the_benchmark() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("out");
-    let output = tegula(&["run", text(&example("rotor_campbell.toml")), "--out", text(&out), "--quiet"]);
-    assert!(output.status.success() && output.stderr.is_empty(), "{}", errors(&output));
+    let (_folder, out) = results_of("rotor_campbell.toml");
     let rows = |file: &str| -> Vec<Vec<f64>> {
         let text = fs::read_to_string(out.join(file)).unwrap();
         let lines = text.lines().skip(1);
@@ -232,10 +229,7 @@ fn history_of(name: &str) -> impl Fn(&str) -> Vec<f64> + use<> {
 
 /// Runs an example and gives the columns of the histories in folders of its results.
 fn histories_of<const N: usize>(name: &str, steps: [&str; N]) -> [impl Fn(&str) -> Vec<f64> + use<N>; N] {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("out");
-    let output = tegula(&["run", text(&example(name)), "--out", text(&out), "--quiet"]);
-    assert!(output.status.success() && output.stderr.is_empty(), "{}", errors(&output));
+    let (_folder, out) = results_of(name);
     steps.map(|step| {
         let history = fs::read_to_string(out.join(step).join("history.csv")).unwrap();
         let rows: Vec<Vec<String>> = history
@@ -507,10 +501,7 @@ fn check_prints_mass_centre_and_inertia_of_a_body_from_an_stl_file() {
 /// of the model changes the part in phase by less than 0.1 %.
 #[test]
 fn the_cantilever_responds_as_a_beam_between_its_resonances() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("out");
-    let output = tegula(&["run", text(&example("frequency_response.toml")), "--out", text(&out), "--quiet"]);
-    assert!(output.status.success() && output.stderr.is_empty(), "{}", errors(&output));
+    let (_folder, out) = results_of("frequency_response.toml");
     let table = fs::read_to_string(out.join("frequency_response.csv")).unwrap();
     let mut lines = table.lines();
     let names: Vec<&str> = lines.next().unwrap().split(',').collect();

@@ -31,12 +31,18 @@ fn summary(folder: &Path) -> Value {
     serde_json::from_str(&fs::read_to_string(folder.join("summary.json")).unwrap()).unwrap()
 }
 
-/// Runs an example and gives its summary.
-fn result_of(name: &str) -> Value {
+/// Runs an example, and gives the temporary folder and the result folder in it.
+fn results_of(name: &str) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let output = tegula(&["run", text(&example(name)), "--out", text(&out), "--quiet"]);
     assert!(output.status.success() && output.stderr.is_empty(), "{}", errors(&output));
+    (folder, out)
+}
+
+/// Runs an example and gives its summary.
+fn result_of(name: &str) -> Value {
+    let (_folder, out) = results_of(name);
     summary(&out)
 }
 
@@ -185,10 +191,7 @@ fn the_bimetal_strip_of_timoshenko() {
 /// The path goes through a snap-back: one deflection three times, limit loads of an independent program.
 #[test]
 fn the_path_of_the_hinged_roof_has_a_snap_back() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("out");
-    let run = tegula(&["run", text(&example("hinged_roof_path.toml")), "--out", text(&out), "--quiet"]);
-    assert!(run.status.success() && run.stderr.is_empty(), "{}", errors(&run));
+    let (_folder, out) = results_of("hinged_roof_path.toml");
     let summary: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap();
     let points = summary["critical_points"].as_array().unwrap();
@@ -214,10 +217,7 @@ fn the_path_of_the_hinged_roof_has_a_snap_back() {
 /// Step by step the mean moment of a strip bent beyond yield, from the work over the angle.
 #[test]
 fn the_yielding_strip_has_the_moment_of_its_elastic_core() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("out");
-    let run = tegula(&["run", text(&example("yielding_strip.toml")), "--out", text(&out), "--quiet"]);
-    assert!(run.status.success() && run.stderr.is_empty(), "{}", errors(&run));
+    let (_folder, out) = results_of("yielding_strip.toml");
     let history = fs::read_to_string(out.join("history.csv")).unwrap();
     let mut lines = history.lines().map(|l| l.split(',').collect::<Vec<_>>());
     let head = lines.next().unwrap();
@@ -560,10 +560,7 @@ thickness = 0.1
 
 #[test]
 fn the_preloaded_plate_vibrates_at_the_frequency_of_its_mode() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("out");
-    let output = tegula(&["run", text(&example("preloaded_plate.toml")), "--out", text(&out), "--quiet"]);
-    assert!(output.status.success() && output.stderr.is_empty(), "{}", errors(&output));
+    let (_folder, out) = results_of("preloaded_plate.toml");
     let modes = summary(&out.join("2-modes"));
     let frequency = modes["frequencies_hz"][0].as_f64().unwrap();
     // f² = [D π² (1/a² + 1/b²)² + N/a²]/(4ρh) (Leissa, NASA SP-160, Sect. 10.1).

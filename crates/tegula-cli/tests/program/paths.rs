@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::{errors, example, summary, tegula, text};
+use super::{errors, example, results_of, summary, tegula, text};
 
 /// Columns of a history.
 fn rows(folder: &Path, columns: &[&str]) -> Vec<Vec<f64>> {
@@ -64,6 +64,15 @@ fn branches_of_the_arch_connect_its_bifurcations() {
     }
     let picture = fs::metadata(out.join("load_displacement.png")).unwrap().len();
     assert!(picture > 10_000, "{picture}");
+    // A branch is resumed with its path only.
+    let alone = tegula(&[
+        "run",
+        text(&example("arch_branches.toml")),
+        "--out",
+        text(&out.join("branch-1")),
+        "--resume",
+    ]);
+    assert!(!alone.status.success() && errors(&alone).contains("branch of the run"), "{}", errors(&alone));
     // A run that was interrupted in a branch goes on there.
     let mut left = s.clone();
     left["branches"][2]["status"] = Value::from("running");
@@ -96,10 +105,7 @@ fn branches_of_the_arch_connect_its_bifurcations() {
 /// The limit point of Pi, Bradford and Uy; the motion under 101 % of its load ends where statics along the path end under this load.
 #[test]
 fn the_arch_snaps_to_the_equilibrium_beyond_its_limit_point() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("out");
-    let run = tegula(&["run", text(&example("arch_snap.toml")), "--out", text(&out), "--quiet"]);
-    assert!(run.status.success() && run.stderr.is_empty(), "{}", errors(&run));
+    let (folder, out) = results_of("arch_snap.toml");
     let path = rows(&out.join("1-to_the_limit_point"), &["time", "top.uz"]);
     let [limit, before] = path.last().unwrap()[..] else { unreachable!() };
     assert!((10.0 * limit / 7.38452 - 1.0).abs() < 5e-3, "{limit}");

@@ -126,6 +126,22 @@ impl ResultFolder {
         Ok(folder)
     }
 
+    /// Refuses to resume the folder of a branch on its own: it belongs to the run of its path.
+    ///
+    /// # Errors
+    /// It is one.
+    pub(super) fn refuse_branch(path: &Path) -> Result<(), JobError> {
+        let name = path.file_name().and_then(|name| name.to_str());
+        let primary = path.parent().and_then(|parent| Some((parent, Summary::read(parent).ok()?)));
+        match primary.filter(|(_, s)| s.branches.iter().any(|branch| Some(branch.folder.as_str()) == name)) {
+            None => Ok(()),
+            Some((primary, _)) => Err(refuse(
+                path,
+                &format!("it is a branch of the run in `{}`. Resume that run", primary.display()),
+            )),
+        }
+    }
+
     /// Refuses a folder with a file of somebody else that has the name of a field file.
     ///
     /// # Errors

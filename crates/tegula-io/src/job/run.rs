@@ -20,6 +20,9 @@ use crate::out::OutputError;
 /// The model is wrong, the folder cannot be used, the analysis failed or was interrupted. In the last
 /// two cases the folder holds everything up to the last finished step.
 pub fn run(deck: &Deck, options: &JobOptions, watch: &mut dyn JobObserver) -> Result<Summary, JobError> {
+    if options.resume {
+        ResultFolder::refuse_branch(&options.folder)?;
+    }
     let prepared = prepare(deck)?;
     if deck.model.steps.is_empty() {
         run_prepared(deck, &prepared, options, watch)

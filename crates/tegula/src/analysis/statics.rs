@@ -8,6 +8,7 @@ mod failure;
 mod load_steps;
 
 use super::newton::{Equation, Newton};
+use super::path::{ArcLengthSteps, HandOver};
 use super::solver::Iterative;
 use super::{Balance, Observer, State, Statistics, Stepper, Stopped, equilibrium, stepper};
 use crate::element::{Motion, Nodal, TangentWeights};
@@ -20,7 +21,6 @@ use crate::{Error, Result, Vec3};
 use tegula_sparse::norm::{larger, max_norm};
 
 use crate::system::inertia_relief::KEY as RELIEF;
-use continued::ContinuedSteps;
 pub(crate) use continued::path_options;
 use load_steps::LoadSteps;
 pub use load_steps::first_state;
@@ -222,12 +222,14 @@ pub fn steps<'a>(
 ) -> Result<Box<dyn Stepper + 'a>> {
     if options.continuation.is_some() {
         system.require(&[Procedure::Path])?;
-        let load_steps = |start| {
+        let start = continued::on_path(start.unwrap_or_else(|| first_state(system, options)));
+        return Ok(Box::new(if continued::is_behind_load_steps(&start) {
+            let steps = ArcLengthSteps::new(system, &path_options(), Some(start))?;
+            HandOver::ArcLength { steps: Box::new(steps), begun: None }
+        } else {
             let newton = Newton::new(system, options.method)?;
-            Ok(LoadSteps::new(newton, system, options, Some(start)))
-        };
-        let start = start.unwrap_or_else(|| first_state(system, options));
-        return Ok(Box::new(ContinuedSteps::new(system, load_steps, start)?));
+            HandOver::Before(Box::new(LoadSteps::new(newton, system, options, Some(start))))
+        }));
     }
     system.require(&[Procedure::Static, Procedure::IterativeStatic, Procedure::Modal])?;
     Ok(match options.linear_solver {

@@ -20,15 +20,7 @@ pub(super) fn keys(model: &Model, joints: &[model::Joint], c: &mut Checker) {
                 not_with_itself((&what, &keys.between), &key, c);
             }
             model::Sensor::Angle(keys) => {
-                if is_linear(model) {
-                    c.add(
-                        &key,
-                        format!(
-                            "{what} measures an angle, and a linear analysis has small displacements only"
-                        ),
-                        "leave `linear` out, or measure the displacement of a point",
-                    );
-                }
+                of_large_displacements(model, (&key, &what, "an angle"), c);
                 direction(&format!("{key}.axis"), keys.axis, c);
                 not_with_itself((&what, &keys.between), &key, c);
             }
@@ -36,15 +28,7 @@ pub(super) fn keys(model: &Model, joints: &[model::Joint], c: &mut Checker) {
                 keys.at.iter().for_each(|x| c.finite(&format!("{key}.at"), "the point", x));
             }
             model::Sensor::Volume(keys) => {
-                if is_linear(model) {
-                    c.add(
-                        &key,
-                        format!(
-                            "{what} measures a volume, and a linear analysis has small displacements only"
-                        ),
-                        "leave `linear` out, or measure the displacement of a point",
-                    );
-                }
+                of_large_displacements(model, (&key, &what, "a volume"), c);
                 c.finite(&format!("{key}.tip"), "the tip", &keys.tip);
             }
             model::Sensor::Reaction(keys) => {
@@ -59,11 +43,19 @@ pub(super) fn keys(model: &Model, joints: &[model::Joint], c: &mut Checker) {
     }
 }
 
-fn is_linear(model: &Model) -> bool {
-    match &model.analysis {
+/// Refuses a quantity of large displacements in a linear analysis.
+fn of_large_displacements(model: &Model, (key, what, quantity): (&str, &str, &str), c: &mut Checker) {
+    let linear = match &model.analysis {
         Analysis::Static(options) => options.linear,
         Analysis::Transient(options) => options.linear,
         Analysis::Path(_) | Analysis::Modal(_) | Analysis::Buckling(_) => false,
+    };
+    if linear {
+        c.add(
+            key,
+            format!("{what} measures {quantity}, and a linear analysis has small displacements only"),
+            "leave `linear` out, or measure the displacement of a point",
+        );
     }
 }
 

@@ -1,6 +1,6 @@
 //! Analyses that go on where loads have a limit: statics along the path, and steps behind paths that end anywhere.
 
-use crate::common::{compile, vector_load};
+use crate::common::{Notes, compile, vector_load};
 use crate::multibody::{axis_joint, spring};
 use crate::paths::{arch, critical_loads, roof};
 use tegula::Vec3;
@@ -60,30 +60,24 @@ fn deflection(system: &System, state: &State) -> f64 {
     -Vec3::from(state.u[body.centre as usize]).z
 }
 
-/// Observer that keeps messages and warnings, and has the deflection of the truss as the column `w`.
+/// Observer that keeps messages and states, and has the deflection of the truss as the column `w`.
 struct Record<'a> {
     system: &'a System,
-    events: Vec<String>,
-    warnings: Vec<String>,
-    states: Vec<State>,
+    notes: Notes,
 }
 
 impl<'a> Record<'a> {
     fn new(system: &'a System) -> Self {
-        Self { system, events: Vec::new(), warnings: Vec::new(), states: Vec::new() }
+        Self { system, notes: Notes::keeping() }
     }
 }
 
 impl Observer for Record<'_> {
     fn on_step(&mut self, step: &Step) -> Result<()> {
-        self.states.push(step.state.clone());
-        Ok(())
+        self.notes.on_step(step)
     }
     fn on_event(&mut self, message: &str) {
-        self.events.push(message.into());
-    }
-    fn on_warning(&mut self, message: &str) {
-        self.warnings.push(message.into());
+        self.notes.on_event(message);
     }
     fn column(&mut self, name: &str, step: &Step) -> Option<f64> {
         (name == "w").then(|| deflection(self.system, step.state))
@@ -107,22 +101,22 @@ fn statics_go_on_along_the_path_behind_a_limit_point() {
     assert!((deflection(&system, &outcome.state) / exact - 1.0).abs() < 1e-9);
     assert_eq!((outcome.state.time, outcome.negative_pivots), (1.0, 0));
     assert!(
-        record.events.iter().any(|event| event.contains("goes on along the equilibrium path")),
+        record.notes.events.iter().any(|event| event.contains("goes on along the equilibrium path")),
         "{:?}",
-        record.events
+        record.notes.events
     );
     let path = outcome.state.path.as_ref().unwrap();
     assert_eq!(path.critical.len(), 2);
     assert!((path.critical[0].load * full / limit().0 - 1.0).abs() < 1e-9);
-    for state in &record.states {
+    for state in &record.notes.states {
         let w = deflection(&system, state);
         assert!((state.time * full - force(w)).abs() < 1e-8 * full, "{w} {}", state.time);
     }
     let positions: Vec<f64> =
-        record.states.iter().map(|state| state.path.as_ref().unwrap().position).collect();
+        record.notes.states.iter().map(|state| state.path.as_ref().unwrap().position).collect();
     assert!(positions.windows(2).all(|pair| pair[0] < pair[1]), "{positions:?}");
     // Resumed anywhere, in load steps and on the path.
-    for state in &record.states[..record.states.len() - 1] {
+    for state in &record.notes.states[..record.notes.states.len() - 1] {
         let again = statics::run(&system, options, Some(state.clone()), &mut Record::new(&system)).unwrap();
         assert_eq!(again.state.u, outcome.state.u);
     }
@@ -218,8 +212,8 @@ fn run_steps(m: &Model) -> Vec<(State, Vec<[f64; 2]>, Vec<String>)> {
             Analysis::Transient(options) => dynamics::run(&system, options, None, &mut record).unwrap().state,
             Analysis::Modal(_) | Analysis::Buckling(_) => unreachable!(),
         };
-        let points = record.states.iter().map(|s| [s.time, deflection(&system, s)]).collect();
-        let messages = [record.events, record.warnings].concat();
+        let points = record.notes.states.iter().map(|s| [s.time, deflection(&system, s)]).collect();
+        let messages = record.notes.events;
         compiler.end_step(i, state.time);
         ends.push((state, points, messages));
     }
@@ -356,7 +350,11 @@ fn paths_end_at_the_critical_point_that_is_named() {
         let (_, system) = compile(&m);
         let mut record = Record::new(&system);
         assert_eq!(path::run(&system, &options, None, &mut record).unwrap().state.time, 0.1);
-        assert!(record.warnings.iter().any(|warning| warning.contains("end_at")), "{:?}", record.warnings);
+        assert!(
+            record.notes.events.iter().any(|warning| warning.contains("end_at")),
+            "{:?}",
+            record.notes.events
+        );
     }
 }
 

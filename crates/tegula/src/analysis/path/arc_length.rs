@@ -101,6 +101,8 @@ struct End {
 /// Result of a step.
 struct Outcome {
     end: End,
+    /// Negative eigenvalues at the start of the step.
+    negative: usize,
     critical: Vec<Found>,
     /// Length of the next step.
     length: f64,
@@ -295,12 +297,13 @@ impl<'a> ArcLengthSteps<'a> {
         let mut limits = roots(length, |a| loads.load_derivative(a, 1));
         let flat = is_flat(&loads, length) && !self.is_driven();
         let flat_limit = limits.last().is_some_and(|limit| is_flat(&loads, *limit));
+        let mut negative = self.state.negative_pivots;
         if flat_limit && self.begins_beside_bifurcation(&arc.tangent) {
             // The eigenvalue that vanishes there, and the derivative of the load, are round-off at the start of the step.
             limits.clear();
-            self.state.negative_pivots = end.negative;
+            negative = end.negative;
         }
-        if flat && end.negative == self.state.negative_pivots {
+        if flat && end.negative == negative {
             // Next to a bifurcation the load of a crossing path is constant, but for round-off. In a dead centre no eigenvalue vanishes.
             limits.clear();
         }
@@ -312,7 +315,7 @@ impl<'a> ArcLengthSteps<'a> {
         let mut known = None;
         let mut first = self.wanted(&loads, limit.min(length));
         if first.is_none() && limits.len() == 1 {
-            let inside = known.insert(Known::new(self, arc, &end));
+            let inside = known.insert(Known::new(self, (arc, negative), &end));
             let (found, load) = self.locate_limit(inside, limit, observer)?;
             let loads = self.loads(arc, &found);
             first = self.wanted(&loads, found.a);
@@ -322,14 +325,14 @@ impl<'a> ArcLengthSteps<'a> {
             }
         }
         if let Some((a, load)) = first {
-            let known = known.get_or_insert_with(|| Known::new(self, arc, &end));
+            let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), &end));
             end = self.at_load(known, (a, load), observer)?;
         }
         if end.a < length || length < planned {
             next = next.min(planned);
         }
         let explained: i32 = critical.iter().map(|found: &Found| found.point.change).sum();
-        let unexplained = end.negative as i32 - self.state.negative_pivots as i32 - explained;
+        let unexplained = end.negative as i32 - negative as i32 - explained;
         if unexplained != 0 && !self.have_potential(&end.equation) {
             observer.on_warning(&format!(
                 "between load factors {:.6} and {:.6} the number of negative eigenvalues of the symmetric part of the tangent changes by \
@@ -338,26 +341,29 @@ impl<'a> ArcLengthSteps<'a> {
             ));
         } else if unexplained != 0 {
             let limits: Vec<(f64, i32)> = critical.iter().map(|f| (f.a, f.point.change)).collect();
-            let (start, a) = (self.state.negative_pivots, end.a);
-            let known = known.get_or_insert_with(|| Known::new(self, arc, &end));
+            let a = end.a;
+            let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), &end));
             let mut curve = PathCurve { steps: self, known, observer };
-            let found = bifurcations(&mut curve, a, (start, unexplained), &limits)?;
+            let found = bifurcations(&mut curve, a, (negative, unexplained), &limits)?;
             critical.extend(found);
             critical.sort_by(|p, q| p.a.total_cmp(&q.a));
             self.gets_away(&critical)?;
             if let Some((at, mode)) = self.switched(&critical) {
                 critical.retain(|found| found.a <= at);
                 let end = self.onto_branch(known, (at, mode), observer)?;
-                return Ok(Outcome { end, critical, length: (ON_BRANCH * branch::FIRST).min(planned) });
+                let length = (ON_BRANCH * branch::FIRST).min(planned);
+                return Ok(Outcome { end, negative, critical, length });
             }
-            if let Some(last) =
-                critical.iter().find(|found| found.point.kind.ends(&self.options)).map(|f| f.a)
-            {
+            let ends = |found: &&Found| found.point.kind.ends(&self.options) && found.a < end.a;
+            if let Some(last) = critical.iter().find(ends).map(|found| found.a) {
                 critical.retain(|found| found.a <= last);
+                let changes: i32 = critical.iter().map(|found| found.point.change).sum();
                 end = self.equilibrium_near(known, last, observer)?;
+                // The eigenvalue that vanishes there is round-off.
+                end.negative = (negative as i32 + changes).max(0) as usize;
             }
         }
-        Ok(Outcome { end, critical, length: next })
+        Ok(Outcome { end, negative, critical, length: next })
     }
 
     /// Whether a step in a direction leads away from a bifurcation at its load factor along the crossing path, on which the loads do hardly any work
@@ -487,14 +493,13 @@ impl<'a> ArcLengthSteps<'a> {
 
     /// Makes the end of a step the state.
     fn accept(&mut self, outcome: Outcome, observer: &mut dyn Observer) {
-        let Outcome { end, critical, length } = outcome;
+        let Outcome { end, negative, critical, length } = outcome;
         let Self { newton, system, state, equation, options, .. } = self;
         if state.step == 0 {
             let redundant = newton.constraints.iter().flat_map(|constraints| constraints.redundant(system));
             redundant.for_each(|message| observer.on_warning(&message));
         }
         *equation = end.equation;
-        let before = state.negative_pivots;
         equilibrium_step::take(
             system,
             &mut newton.assembly,
@@ -507,7 +512,7 @@ impl<'a> ArcLengthSteps<'a> {
         state.negative_pivots = end.negative;
         self.statistics.steps = state.step;
         let Some(path) = &mut state.path else { return };
-        let mut negative = before as i32;
+        let mut negative = negative as i32;
         for Found { a, point } in critical {
             negative += point.change;
             path.expansion.bifurcations += usize::from(point.kind == CriticalKind::Bifurcation);
@@ -547,7 +552,6 @@ impl Stepper for ArcLengthSteps<'_> {
         let arc = self.start_of_step().map_err(|reason| not_continued(&self.state, &reason))?;
         let mut planned = arc.length;
         let before = self.statistics.iterations;
-        let negative = self.state.negative_pivots;
         for halving in 0.. {
             let length = planned.min(self.limit - self.position());
             let outcome = self.find_step(&arc, [length, planned], observer);
@@ -564,7 +568,6 @@ impl Stepper for ArcLengthSteps<'_> {
                     return Err(not_continued(&self.state, &reason));
                 }
                 Err(reason) => {
-                    self.state.negative_pivots = negative;
                     planned = 0.5 * length;
                     self.statistics.cutbacks += 1;
                     observer.on_repeat(&self.statistics);

@@ -41,25 +41,14 @@ pub struct Directions {
 }
 
 impl Directions {
-    /// Newton increment without its part along a direction of the path: it is a change of the load factor.
-    fn across(self, system: &System, direction: &[Nodal]) -> (Vec<Nodal>, Vec<Nodal>, f64) {
-        let Self { mut increment, unit } = self;
-        let along = system.inner_product(direction, &unit);
-        let change = if along == 0.0 { 0.0 } else { -system.inner_product(direction, &increment) / along };
-        add_multiple(&mut increment, change, &unit);
-        (increment, unit, change)
-    }
-
-    /// Newton increment across a direction of the path, and the change of the load factor that comes with it.
-    pub fn correction(&self, system: &System, direction: &[Nodal]) -> (Vec<Nodal>, f64) {
-        let (across, _, change) = self.clone().across(system, direction);
+    /// Newton increment without its part along a direction of the path, and the change of the load factor that this part stands for.
+    pub fn across(&self, system: &System, direction: &[Nodal]) -> (Vec<Nodal>, f64) {
+        let Self { increment, unit } = self;
+        let along = system.inner_product(direction, unit);
+        let change = if along == 0.0 { 0.0 } else { -system.inner_product(direction, increment) / along };
+        let mut across = increment.clone();
+        add_multiple(&mut across, change, unit);
         (across, change)
-    }
-
-    /// Error of the displacements across a direction of the path, and that of the load factor.
-    pub fn errors_across(&self, system: &System, direction: &[Nodal]) -> [f64; 2] {
-        let (across, _, change) = self.clone().across(system, direction);
-        [system.norm(&across), change.abs()]
     }
 }
 
@@ -221,7 +210,8 @@ impl Expansion {
         options: &PathAnalysis,
     ) -> std::result::Result<Series, String> {
         // Next to a bifurcation the response to the residual is large along the path.
-        let (mut first, unit, change) = directions.across(system, before);
+        let (mut first, change) = directions.across(system, before);
+        let unit = directions.unit;
         if system.norm(&unit) == 0.0 {
             return Err(
                 "no load, prescribed displacement or prescribed strain changes with the load factor".into()

@@ -12,11 +12,11 @@
 //! goes on, too, where power series lead no further, unless these are asked for.
 
 mod arc_length;
-mod automatic;
 mod branch;
 mod critical_points;
 mod expansion;
 mod geometric;
+mod hand_over;
 mod piece;
 mod scope;
 mod series;
@@ -33,7 +33,7 @@ use crate::error::Issue;
 use crate::model::{PathAnalysis, PathMethod};
 use crate::system::{Procedure, System};
 use crate::{Error, Result};
-use automatic::AutomaticSteps;
+pub(in crate::analysis) use hand_over::{Advance, BeforeArcLength, HandOver};
 
 /// Outcome of a path.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,9 +106,9 @@ pub fn steps<'a>(
                 start.as_ref().and_then(|state| state.path.as_ref()).is_some_and(|path| path.arc.is_some());
             Box::new(if by_arc_length {
                 let steps = Box::new(ArcLengthSteps::new(system, options, start)?);
-                AutomaticSteps::ArcLength { steps, begun: None }
+                HandOver::ArcLength { steps, begun: None }
             } else {
-                AutomaticSteps::Series(Box::new(SeriesSteps::new(system, options, start)?))
+                HandOver::Before(Box::new(SeriesSteps::new(system, options, start)?))
             })
         }
         PathMethod::ArcLength => Box::new(ArcLengthSteps::new(system, options, start)?),

@@ -21,8 +21,6 @@ const LARGEST_ERROR: f64 = 1e-6;
 const CORRECTED: f64 = 1e-7;
 /// Corrections of the end of a piece.
 const CORRECTIONS: usize = 3;
-/// Largest correction of the displacements at the end of a path, at its load factor, over them.
-const LARGEST_CORRECTION: f64 = 1e-2;
 /// Factor by which a piece is shortened whose end has too large a residual or error, or a singular tangent.
 const SHORTER: f64 = 0.8;
 /// Shortenings after which a piece is given up: where the method is not given, the arc-length method takes over with longer steps.
@@ -124,7 +122,7 @@ impl Piece {
         let end_of_path = series.reaches(options.end_load, length).first().copied();
         length = end_of_path.unwrap_or(length);
         let most = if options.method.is_some() { MOST_SHORTENED } else { MOST_BEFORE_ARC_LENGTH };
-        let end = usable_end(system, expansion, &series, (length, most), end_of_path.is_some())?;
+        let end = usable_end(system, expansion, &series, (length, most, end_of_path.is_some()))?;
         let mut end_load = end_of_path.map(|_| options.end_load).filter(|_| end.length == length);
         length = end.length;
         let at_end = expansion.factorizations();
@@ -155,10 +153,7 @@ impl Piece {
             // The tangent at the end serves the next piece.
             expansion.factor(system, &end.u, end.load)?;
         }
-        let last = match end_load {
-            Some(load) => end.at_load(system, load),
-            None => None,
-        };
+        let last = end_load.and_then(|load| end.at_load(system, expansion, load));
         let run_out = point.number + 1 >= options.max_steps && end_load.is_none();
         let points = points(system, &series, (length, options.points), &critical);
         let position = |a: f64| point.position + a;
@@ -298,62 +293,48 @@ impl End {
         Ok(Self { length, u, load, directions, negative })
     }
 
-    /// Moves to a point, at which the tangent is factored.
-    fn move_to(
-        &mut self,
-        system: &System,
-        expansion: &mut Expansion,
-        (u, load): (Vec<Nodal>, f64),
-    ) -> Result<(), String> {
-        self.negative = expansion.factor(system, &u, load)?;
-        self.directions = expansion.directions(system, &u, load)?;
-        (self.u, self.load) = (u, load);
-        Ok(())
-    }
-
-    /// Error of the load factor over the larger size of it at both ends of the piece, and that of the displacements over theirs.
-    fn errors(&self, system: &System, series: &Series, direction: &[Nodal]) -> [f64; 2] {
-        let [displacements, load] = self.directions.errors_across(system, direction);
+    /// Newton increment across the direction of the path with its change of the load factor, and the relative errors of displacements and load factor
+    /// that they are.
+    fn errors(&self, system: &System, series: &Series, direction: &[Nodal]) -> (Vec<Nodal>, f64, [f64; 2]) {
+        let (increment, change) = self.directions.across(system, direction);
         let size = larger(self.load.abs(), series.load(0.0).abs());
-        let relative = if load == 0.0 { 0.0 } else { load / size };
-        [displacements / larger(system.norm(&self.u), self.length), relative]
+        let of_load = if change == 0.0 { 0.0 } else { change.abs() / size };
+        let of_displacements = system.norm(&increment) / larger(system.norm(&self.u), self.length);
+        (increment, change, [of_displacements, of_load])
     }
 
-    /// Newton's method across the direction of the path, with the load factor as an unknown, until its error is round-off.
+    /// Newton's method across the direction of the path, with the load factor as an unknown, until its error is small or round-off.
     fn correct(
         &mut self,
         system: &System,
         expansion: &mut Expansion,
         (series, direction): (&Series, &[Nodal]),
     ) -> Result<(), String> {
+        let mut before = f64::INFINITY;
         for _ in 0..CORRECTIONS {
-            let [_, error] = self.errors(system, series, direction);
-            if error <= CORRECTED {
+            let (increment, change, [_, error]) = self.errors(system, series, direction);
+            if error <= CORRECTED || !(error <= 0.5 * before) {
                 break;
             }
-            let (increment, change) = self.directions.correction(system, direction);
-            let mut u = self.u.clone();
-            add_multiple(&mut u, 1.0, &increment);
-            let load = self.load + change;
-            self.move_to(system, expansion, (u, load))?;
-            let [_, rest] = self.errors(system, series, direction);
-            if !(rest <= 0.5 * error) {
-                break;
-            }
+            before = error;
+            add_multiple(&mut self.u, 1.0, &increment);
+            self.load += change;
+            self.negative = expansion.factor(system, &self.u, self.load)?;
+            self.directions = expansion.directions(system, &self.u, self.load)?;
         }
         Ok(())
     }
 
-    /// Displacements at a load factor by a Newton increment; `None` where it is not small, as at limit points.
-    fn at_load(&self, system: &System, load: f64) -> Option<Vec<Nodal>> {
+    /// Displacements at a load factor by a Newton increment; `None` where it does not halve the residual, as at limit points.
+    fn at_load(&self, system: &System, expansion: &mut Expansion, load: f64) -> Option<Vec<Nodal>> {
         let Directions { increment, unit } = &self.directions;
-        let mut moved = increment.clone();
-        add_multiple(&mut moved, load - self.load, unit);
-        if !(system.norm(&moved) <= LARGEST_CORRECTION * system.norm(&self.u)) {
-            return None;
-        }
-        add_multiple(&mut moved, 1.0, &self.u);
-        Some(moved)
+        let mut u = self.u.clone();
+        add_multiple(&mut u, 1.0, increment);
+        add_multiple(&mut u, load - self.load, unit);
+        let mut left = vec![0.0; system.unknowns()];
+        let [before, _] = expansion.residual(system, &self.u, load, &mut left);
+        let [behind, _] = expansion.residual(system, &u, load, &mut left);
+        (behind <= 0.5 * before).then_some(u)
     }
 }
 
@@ -363,8 +344,7 @@ fn usable_end(
     system: &System,
     expansion: &mut Expansion,
     series: &Series,
-    (wanted, most_shortened): (f64, usize),
-    ends: bool,
+    (wanted, most_shortened, ends_path): (f64, usize, bool),
 ) -> Result<End, String> {
     let (mut u, mut direction) = (series.u.clone(), series.u.clone());
     let mut residual = vec![0.0; system.unknowns()];
@@ -381,7 +361,7 @@ fn usable_end(
                 return Err(format!("the residual at the end of the series is {relative:.1e} of the forces"));
             }
             let mut end = End::new(system, expansion, series, length)?;
-            let errors = end.errors(system, series, &direction);
+            let (_, _, errors) = end.errors(system, series, &direction);
             for (error, what) in errors.into_iter().zip(["displacements", "load factor"]) {
                 if !(error <= LARGEST_ERROR) {
                     return Err(format!(
@@ -390,7 +370,7 @@ fn usable_end(
                 }
             }
             // The end of the path is corrected at its load factor.
-            if !(ends && length == wanted) {
+            if !(ends_path && length == wanted) {
                 end.correct(system, expansion, (series, &direction))?;
             }
             Ok(end)

@@ -132,9 +132,9 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         self.goes_on
     }
 
-    /// State, run counters, and the load factor at which the next step ends at the latest.
-    pub fn parts(&self) -> (&State, &Statistics, f64) {
-        (&self.state, &self.statistics, self.limit)
+    /// System, state, run counters, and the load factor at which the next step ends at the latest.
+    pub fn parts(&self) -> (&'a System, &State, &Statistics, f64) {
+        (self.system, &self.state, &self.statistics, self.limit)
     }
 
     /// Whether unstable equilibria end load steps: where the analysis goes on along the path, they end at the first one.

@@ -28,8 +28,8 @@ const CROSSING: f64 = 1e-2;
 pub(super) struct Known(Vec<End>);
 
 impl Known {
-    /// Start and end of a step.
-    pub fn new(steps: &ArcLengthSteps, arc: &ArcStart, end: &End) -> Self {
+    /// Start, with its negative eigenvalues, and end of a step.
+    pub fn new(steps: &ArcLengthSteps, (arc, negative): (&ArcStart, usize), end: &End) -> Self {
         let state = &steps.state;
         let equation = StaticEquation {
             u: state.u.clone(),
@@ -37,7 +37,7 @@ impl Known {
             time: state.time,
             ..StaticEquation::default()
         };
-        let (tangent, negative) = (arc.tangent.clone(), state.negative_pivots);
+        let tangent = arc.tangent.clone();
         Self(vec![End { a: 0.0, equation, tangent, negative, iterations: 0 }, end.clone()])
     }
 
