@@ -36,7 +36,10 @@ impl LaneWork for ForcesOfOrder<'_> {
         let (p, stored) = (known.order(), g.stored);
         let origin = g.current_basis(l, known.u);
         x.clear();
-        x.extend(known.coefficients.iter().map(|v| g.basis(l, v)));
+        // A closure would be compiled without the instruction set of the registers.
+        for v in known.coefficients {
+            x.push(g.basis(l, v));
+        }
         let per_batch = BATCH * stored * (known.highest - 1);
         let batch = &mut self.stresses[offset / BATCH * per_batch..][..per_batch];
         let stresses = S::as_mut_simd_f64s(batch).0;
