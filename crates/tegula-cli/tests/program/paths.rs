@@ -173,3 +173,77 @@ fn statics_of_the_truss_go_on_to_the_full_load() {
         .unwrap();
     assert!(last[0] == 1.0 && z < -0.5 && (load / value - 1.0).abs() < 1e-9, "{last:?} {load} {value}");
 }
+
+/// Plate under a force along it, pressure, and a temperature that bends it: an imperfect bifurcation near half of the loads, behind which there
+/// are stable shapes on the other side, too. Whatever the first load step and the method, the analysis ends where the path ends.
+#[test]
+fn statics_stay_on_the_path_of_an_imperfect_plate() {
+    let folder = tempfile::tempdir().unwrap();
+    let end = |name: &str, analysis: &str, force: [f64; 3], pressure: f64, temperature: [f64; 2]| {
+        let model = format!(
+            r#"
+            [analysis]
+            {analysis}
+            [mesh]
+            type = "plate"
+            size = [1.0, 0.2]
+            grid = {{ elements = [6, 2] }}
+            [materials.m]
+            type = "isotropic"
+            young = 1e7
+            poisson = 0.3
+            expansion = 1e-3
+            [[sections]]
+            material = "m"
+            thickness = 0.02
+            [[conditions]]
+            type = "clamp"
+            on = "u_min"
+            [[conditions]]
+            type = "prescribe"
+            on = "u_max"
+            component = "y"
+            value = 0.000685
+            [[loads]]
+            type = "edge"
+            on = "u_max"
+            value = {force:?}
+            [[loads]]
+            type = "pressure"
+            on = "all"
+            value = {pressure}
+            [[prescribed_strains]]
+            type = "thermal"
+            temperature = {}
+            gradient = {}
+            [output]
+            points = [{{ name = "left", on = "u_max_v_min" }}, {{ name = "right", on = "u_max_v_max" }}]
+            pictures = false
+            "#,
+            temperature[0], temperature[1]
+        );
+        let (file, out) = (folder.path().join(format!("{name}.toml")), folder.path().join(name));
+        fs::write(&file, model).unwrap();
+        let run = tegula(&["run", text(&file), "--out", text(&out), "--quiet"]);
+        assert!(run.status.success(), "{name}: {}", errors(&run));
+        let s = summary(&out);
+        ["left", "right"].map(|point| s["points"][point]["displacement"][2].as_f64().unwrap())
+    };
+    let first = ([0.0685, 0.3425, 1.37], -3.425, [2.055, 205.5]);
+    let second = ([0.497906, -0.988418, 3.63076], 5.50415, [2.50841, -183.594]);
+    for (case, (force, pressure, temperature)) in [first, second].into_iter().enumerate() {
+        let ends = ["type = \"path\"", "type = \"static\"", "type = \"static\"\nload_steps = 10"];
+        let ends: Vec<[f64; 2]> = ends
+            .iter()
+            .enumerate()
+            .map(|(k, analysis)| end(&format!("{case}-{k}"), analysis, force, pressure, temperature))
+            .collect();
+        let size = tegula::norm::larger(ends[0][0].abs(), ends[0][1].abs());
+        // On one side of the bifurcation the plate is twisted.
+        assert!((ends[0][0] - ends[0][1]).abs() > 0.02 * size, "{ends:?}");
+        for other in &ends[1..] {
+            let apart = (0..2).map(|i| (other[i] - ends[0][i]).abs()).fold(0.0, tegula::norm::larger);
+            assert!(apart < 1e-6 * size, "{case} {ends:?}");
+        }
+    }
+}

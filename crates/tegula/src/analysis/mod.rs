@@ -89,6 +89,9 @@ pub struct State {
     /// Whether the last static equilibrium was found with the form of Newton's method that is not the default one for
     /// the materials.
     pub other_form: bool,
+    /// Load factor at which an unstable equilibrium has been found: up to there static steps follow a smooth path.
+    #[serde(default)]
+    pub doubtful_until: Option<f64>,
     /// Norm of the response to the loads at the start of the last static step, over the step's length.
     pub compliance: f64,
     /// Negative pivots of the tangent at the last static equilibrium: above 0 it is unstable, unless follower loads
@@ -157,13 +160,8 @@ impl State {
     /// Displacements, velocities, history variables, multipliers and angles of sensors from which the next analysis step starts.
     pub fn end_of_step(&self) -> StepStart {
         let Self { time, u, v, history, multipliers, angles, coordinates, .. } = self.clone();
-        let path = self.path.as_ref().filter(|_| self.negative_pivots > 0);
-        let direction = path.map(|path| match &path.arc {
-            Some(arc) => arc.tangent.direction.clone(),
-            None => path.direction.clone(),
-        });
-        let direction = direction.unwrap_or_default();
-        StepStart { time, direction, u, v, history, multipliers, angles, coordinates }
+        let path = self.path.as_ref().map(|path| path.before(self.negative_pivots)).unwrap_or_default();
+        StepStart { time, path, u, v, history, multipliers, angles, coordinates }
     }
 }
 

@@ -18,7 +18,7 @@ use crate::constraint::{Joint, Row};
 use crate::element::Nodal;
 use crate::model;
 use crate::norm::larger;
-use crate::system::{ClosedGap, ClosedGaps, MovedBody, StepStart};
+use crate::system::{ClosedGap, ClosedGaps, MovedBody, PathBefore, StepStart};
 use crate::{Issue, Mat3, Vec3};
 
 /// First and smallest part of the way from sides that meet to those of the model, along which joints are led.
@@ -161,7 +161,7 @@ impl Compiler<'_> {
         let gears = self.joints.iter().filter_map(|joint| joint.counted.as_deref()).map(angle);
         let start = StepStart {
             time: 0.0,
-            direction: Vec::new(),
+            path: PathBefore::default(),
             u: x.iter().zip(reference).map(|(x, at)| Nodal::from(x - at)).collect(),
             v: Vec::new(),
             history: vec![0.0; self.offsets.last().map_or(0, |last| last.history.end)],

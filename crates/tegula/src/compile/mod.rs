@@ -456,7 +456,7 @@ impl<'a> Compiler<'a> {
         let initial_velocity = self.initial_velocities(step, (&frames, start.as_ref()), &mut issues);
         let mut system = System {
             coordinates: Arc::clone(&vectors.coordinates),
-            path_before: start.as_ref().map(|start| start.direction.clone()).unwrap_or_default(),
+            path_before: start.as_ref().map(|start| start.path.clone()).unwrap_or_default(),
             frames,
             groups,
             offsets: Arc::clone(&self.offsets),

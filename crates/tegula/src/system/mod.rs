@@ -135,13 +135,22 @@ pub struct PrescribedField {
     pub factor: LoadFactor,
 }
 
+/// Path of an analysis step that has ended at a critical point or behind one.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PathBefore {
+    /// Its direction at the end; empty where there is no such path.
+    pub direction: Vec<Nodal>,
+    /// Whether it has ended at a bifurcation.
+    pub at_bifurcation: bool,
+}
+
 /// State at which an analysis step starts, left by the step before.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StepStart {
     /// Time or load factor at which that step has ended.
     pub time: f64,
-    /// Direction of a path that has ended at a critical point or behind one; empty otherwise.
-    pub direction: Vec<Nodal>,
+    /// Path that has ended at a critical point or behind one.
+    pub path: PathBefore,
     /// Displacements of the nodal vectors.
     pub u: Vec<Nodal>,
     /// Velocities; empty where the step before was static.
@@ -162,8 +171,8 @@ pub struct System {
     pub coordinates: Arc<Coordinates>,
     /// Local frames of the nodal vectors where the analysis step starts, and the degree-of-freedom map.
     pub frames: LocalFrames,
-    /// Direction of the path of the step before, where it has ended at a critical point or behind one; empty otherwise.
-    pub path_before: Vec<Nodal>,
+    /// Path of the step before, where it has ended at a critical point or behind one.
+    pub path_before: PathBefore,
     /// Elements.
     pub groups: Arc<Vec<Arc<dyn ElementGroup>>>,
     /// Ranges of each group in the arrays that hold the data of all groups.

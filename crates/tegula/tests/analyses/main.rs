@@ -61,6 +61,7 @@ mod outlines;
 mod patch_refusals;
 mod patches;
 mod path_edges;
+mod path_switching;
 mod paths;
 mod racks;
 mod reactions;

@@ -72,6 +72,24 @@ pub struct PathTangent {
 }
 
 impl PathTangent {
+    /// Tangent between those at two places of a path, at a part of the way.
+    pub fn between(system: &System, [first, last]: [&Self; 2], part: f64) -> Self {
+        let mix = |a: f64, b: f64| a + part * (b - a);
+        let mut direction = first.direction.clone();
+        for (x, y) in direction.as_flattened_mut().iter_mut().zip(last.direction.as_flattened()) {
+            *x = mix(*x, *y);
+        }
+        let size = system.norm(&direction);
+        direction.as_flattened_mut().iter_mut().for_each(|x| *x /= size);
+        let multipliers = first.multipliers.iter().zip(&last.multipliers).map(|(x, y)| mix(*x, *y) / size);
+        Self {
+            direction,
+            multipliers: multipliers.collect(),
+            load: mix(first.load, last.load) / size,
+            work: mix(first.work, last.work) / size,
+        }
+    }
+
     /// Turns the direction round.
     pub fn reverse(&mut self) {
         self.direction.as_flattened_mut().iter_mut().for_each(|x| *x = -*x);

@@ -23,7 +23,7 @@ pub struct SoftestMode {
 }
 
 impl<S: TangentSolver> Newton<S> {
-    /// Norm of the linear response of the last equilibrium to the change of the loads from `before` to `after`, two
+    /// Norm of the linear response of the last equilibrium to the change of the loads back from `after` to `before`, two
     /// equations with its displacements. The factor of the last tangent of the iteration is reused.
     ///
     /// # Errors
@@ -45,6 +45,11 @@ impl<S: TangentSolver> Newton<S> {
             self.change_of_forces(system, (after, before), history);
         }
         self.find_response(system, (after, before.parts().time), moved, true)
+    }
+
+    /// Displacements of the last response that was found.
+    pub fn last_response(&self) -> &[Nodal] {
+        &self.increment
     }
 
     /// Factors the tangent of an equilibrium and finds its linear response to a change of the loads from there to

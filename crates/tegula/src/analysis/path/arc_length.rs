@@ -9,10 +9,11 @@
 //! steps, so that a run can be resumed anywhere.
 
 mod inside_step;
+mod switching;
 
 use super::critical_points::{Found, bifurcations};
 use super::series::{Series, is_flat, roots};
-use super::start::{forward, in_equilibrium};
+use super::start::{away_from_bifurcation, forward, in_equilibrium};
 use super::state::{
     ArcStart, CriticalKind, CriticalPoint, ExpansionPoint, PathState, ended_early, not_continued,
 };
@@ -307,6 +308,8 @@ impl<'a> ArcLengthSteps<'a> {
             // Next to a bifurcation the load of a crossing path is constant, but for round-off. In a dead centre no eigenvalue vanishes.
             limits.clear();
         }
+        let simple = limits.is_empty() && end.negative == negative;
+        let has_potential = simple || self.have_potential(&end.equation);
         if limits.len() > 1 {
             return Err("there may be two limit points in the step".into());
         }
@@ -321,7 +324,7 @@ impl<'a> ArcLengthSteps<'a> {
             first = self.wanted(&loads, found.a);
             end = found;
             if first.is_none() {
-                critical.push(self.extremum(inside, (&mut end, load)));
+                critical.push(self.extremum(inside, (&mut end, load), has_potential));
             }
         }
         if let Some((a, load)) = first {
@@ -331,26 +334,36 @@ impl<'a> ArcLengthSteps<'a> {
         if end.a < length || length < planned {
             next = next.min(planned);
         }
-        let explained: i32 = critical.iter().map(|found: &Found| found.point.change).sum();
+        // Without a potential limit points are no zeros of the symmetric part.
+        let explains = |found: &&Found| has_potential && found.point.change != 0;
+        let limits: Vec<(f64, i32)> =
+            critical.iter().filter(explains).map(|f| (f.a, f.point.change)).collect();
+        let explained: i32 = limits.iter().map(|(_, change)| change).sum();
         let unexplained = end.negative as i32 - negative as i32 - explained;
-        if unexplained != 0 && !self.have_potential(&end.equation) {
-            observer.on_warning(&format!(
-                "between load factors {:.6} and {:.6} the number of negative eigenvalues of the symmetric part of the tangent changes by \
-                 {unexplained:+}; bifurcations under loads without a potential are not looked for",
-                self.state.time, end.equation.time
-            ));
-        } else if unexplained != 0 {
-            let limits: Vec<(f64, i32)> = critical.iter().map(|f| (f.a, f.point.change)).collect();
-            let a = end.a;
+        if unexplained != 0 {
+            let (a, load) = (end.a, end.equation.time);
             let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), &end));
-            let mut curve = PathCurve { steps: self, known, observer };
+            let mut curve = PathCurve { steps: self, known, observer, has_potential };
+            // Also of the symmetric part alone an eigenvalue passes through zero, unless the step has leapt to another path.
             let found = bifurcations(&mut curve, a, (negative, unexplained), &limits)?;
-            critical.extend(found);
+            if !has_potential {
+                observer.on_warning(&format!(
+                    "between load factors {:.6} and {load:.6} the number of negative eigenvalues of the symmetric part of the tangent changes \
+                     by {unexplained:+}; bifurcations under loads without a potential are not looked for",
+                    self.state.time
+                ));
+            } else {
+                critical.extend(found);
+            }
             critical.sort_by(|p, q| p.a.total_cmp(&q.a));
             self.gets_away(&critical)?;
-            if let Some((at, mode)) = self.switched(&critical) {
+        }
+        if !critical.is_empty() {
+            let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), &end));
+            if let Some((found, sign)) = self.switched(&critical) {
+                let (at, direction) = (found.a, self.leaving(arc, (found, sign))?);
                 critical.retain(|found| found.a <= at);
-                let end = self.onto_branch(known, (at, mode), observer)?;
+                let end = self.onto_branch(known, (at, direction), observer)?;
                 let length = (ON_BRANCH * branch::FIRST).min(planned);
                 return Ok(Outcome { end, negative, critical, length });
             }
@@ -358,9 +371,10 @@ impl<'a> ArcLengthSteps<'a> {
             if let Some(last) = critical.iter().find(ends).map(|found| found.a) {
                 critical.retain(|found| found.a <= last);
                 let changes: i32 = critical.iter().map(|found| found.point.change).sum();
-                end = self.equilibrium_near(known, last, observer)?;
-                // The eigenvalue that vanishes there is round-off.
-                end.negative = (negative as i32 + changes).max(0) as usize;
+                let tangent = PathTangent::between(self.system, [&arc.tangent, &end.tangent], last / end.a);
+                // The eigenvalue that vanishes there is round-off, and the response to the loads its eigenvector.
+                let negative = (negative as i32 + changes).max(0) as usize;
+                end = End { negative, tangent, ..self.equilibrium_near(known, last, observer)? };
             }
         }
         Ok(Outcome { end, negative, critical, length: next })
@@ -458,39 +472,6 @@ impl<'a> ArcLengthSteps<'a> {
         Err(format!("the path does not get away from the critical point at load factor {:.6e}", point.load))
     }
 
-    /// First bifurcation of a step at which the path goes over to the crossing one, and the mode on the side wanted.
-    fn switched(&self, critical: &[Found]) -> Option<(f64, Vec<Nodal>)> {
-        let passed = self.path().map_or(0, |path| path.expansion.bifurcations);
-        let (found, mode) = super::piece::switched(critical, passed, &self.options.switch_at)?;
-        Some((found.a, mode))
-    }
-
-    /// Equilibrium on the path that crosses at a bifurcation, on the side of its mode.
-    fn onto_branch(
-        &mut self,
-        known: &Known,
-        (a, mode): (f64, Vec<Nodal>),
-        observer: &mut dyn Observer,
-    ) -> std::result::Result<End, String> {
-        let at = self.equilibrium_near(known, a, observer)?;
-        let tangent = PathTangent { direction: mode, ..PathTangent::default() };
-        let (mut distance, mut passed) = (branch::FIRST, None);
-        for _ in 0..branch::HALVINGS {
-            self.equation.clone_from(&at.equation);
-            let plane = Plane { origin: &at.equation.u, normal: &tangent.direction, distance };
-            let solved = self.correct((&tangent, distance), &plane, observer);
-            if let Ok(iterations) = solved {
-                let loads = [at.equation.time, self.equation.time];
-                passed = branch::wanted_between(self.system, self.options.end_load, loads);
-                if passed.is_none() {
-                    return self.end_at(a, &tangent, iterations);
-                }
-            }
-            distance *= 0.5;
-        }
-        Err(branch::not_found(passed))
-    }
-
     /// Makes the end of a step the state.
     fn accept(&mut self, outcome: Outcome, observer: &mut dyn Observer) {
         let Outcome { end, negative, critical, length } = outcome;
@@ -549,9 +530,16 @@ impl Stepper for ArcLengthSteps<'_> {
         if observer.interrupted() {
             return Err(Error::Interrupted);
         }
+        let before = self.statistics.iterations;
+        let start = self.state.step == 0 && self.path().is_some_and(|path| path.arc.is_none());
+        if let Some(direction) = away_from_bifurcation(self.system, &self.options).filter(|_| start) {
+            let outcome = self.step_away(direction, observer);
+            let outcome = outcome.map_err(|reason| not_continued(&self.state, &reason))?;
+            self.accept(outcome, observer);
+            return Ok((self.statistics.iterations - before) as u32);
+        }
         let arc = self.start_of_step().map_err(|reason| not_continued(&self.state, &reason))?;
         let mut planned = arc.length;
-        let before = self.statistics.iterations;
         for halving in 0.. {
             let length = planned.min(self.limit - self.position());
             let outcome = self.find_step(&arc, [length, planned], observer);

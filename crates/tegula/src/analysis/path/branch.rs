@@ -3,7 +3,11 @@
 //! The crossing path leaves the bifurcation along the critical mode φ. Its equilibrium at the distance s, `⟨φ, u − u_b⟩ = s`, is found by
 //! Newton's method with the load factor as an unknown, from `u_b + s φ`: `δ = K⁻¹R + δλ û` with `⟨φ, δ⟩ = 0`. The primary path does not
 //! have such an equilibrium next to the bifurcation.
+//!
+//! A path that passes the bifurcation as the crossing one goes along φ itself: its load factor has an extremum there. The other path
+//! is then the primary one, and ψ, the response to the loads without its part along φ, stands in the place of φ.
 
+use super::critical_points::normalize;
 use super::expansion::{Directions, Expansion};
 use crate::element::Nodal;
 use crate::system::{System, add_multiple};
@@ -27,6 +31,21 @@ pub struct Branch {
     pub load: f64,
     /// Negative pivots of the tangent, which is factored.
     pub negative: usize,
+}
+
+/// Direction ψ in which the primary path leaves a bifurcation, towards rising (sign 1) or falling (−1) loads: the response to rising loads
+/// without its part along the eigenvector of the eigenvalue next to zero, both next to the bifurcation.
+pub fn primary_direction(
+    system: &System,
+    response: &[Nodal],
+    eigenvector: &[Nodal],
+    sign: f64,
+) -> Vec<Nodal> {
+    let mut direction = response.to_vec();
+    add_multiple(&mut direction, -system.inner_product(eigenvector, response), eigenvector);
+    normalize(system, &mut direction);
+    direction.as_flattened_mut().iter_mut().for_each(|x| *x *= sign);
+    direction
 }
 
 /// Finds an equilibrium on the path that crosses at a bifurcation (displacements, load factor), on the side of `mode`.

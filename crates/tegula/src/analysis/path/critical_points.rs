@@ -43,6 +43,18 @@ pub struct Found {
     pub point: CriticalPoint,
 }
 
+impl Found {
+    /// Whether the path passes this bifurcation as the crossing one, along the critical mode: no eigenvalue changes its sign then.
+    pub fn is_passed_along_mode(&self) -> bool {
+        self.point.kind == CriticalKind::Bifurcation && self.point.change == 0
+    }
+
+    /// Critical mode on the side of a sign.
+    pub fn mode_on_side(&self, sign: f64) -> Vec<Nodal> {
+        self.point.mode.iter().map(|x| x.map(|x| sign * x)).collect()
+    }
+}
+
 /// Limit points of a piece up to the parameter `end`. The tangent that is factored afterwards may be another one.
 pub fn limit_points(system: &System, expansion: &mut Expansion, series: &Series, end: f64) -> Vec<Found> {
     let places = roots(end, |a| series.load_derivative(a, 1));

@@ -1,11 +1,11 @@
 //! Piece of a path: one series, the length up to which it is used, and the points on it that are reported.
 
-use super::branch::{Branch, onto_branch};
-use super::critical_points::{Found, SeriesCurve, bifurcations, limit_points};
+use super::branch::{self, Branch, onto_branch};
+use super::critical_points::{Found, INVERSE_ITERATIONS, SeriesCurve, bifurcations, limit_points};
 use super::expansion::{Directions, Expansion};
 use super::geometric;
 use super::series::{Series, is_flat};
-use super::start::forward;
+use super::start::{away_from_bifurcation, forward};
 use super::state::{CriticalKind, CriticalPoint, ExpansionPoint};
 use crate::element::Nodal;
 use crate::model::PathAnalysis;
@@ -28,6 +28,8 @@ const MOST_SHORTENED: usize = 40;
 const MOST_BEFORE_ARC_LENGTH: usize = 10;
 /// Largest length of a piece over that at which the residual of the step before has faded: beyond, it would grow.
 const BEYOND: f64 = 2.0;
+/// Place at which the tangent is not yet singular, over the parameter of a bifurcation.
+const BEFORE_BIFURCATION: f64 = 0.9;
 /// Distance of two points over the length of the piece below which they are one.
 const SAME: f64 = 1e-9;
 
@@ -49,15 +51,36 @@ impl Start {
         expansion: &mut Expansion,
         (point, options): (ExpansionPoint, &PathAnalysis),
     ) -> Result<Self, String> {
+        let at_start = point.position == 0.0 && point.direction.is_empty();
+        if let Some(direction) = away_from_bifurcation(system, options).filter(|_| at_start) {
+            return Self::away_from_bifurcation(system, expansion, (point, direction), options);
+        }
         let negative = expansion.factor(system, &point.u, point.load)?;
         let directions = expansion.directions(system, &point.u, point.load)?;
         let direction = match forward(system, &directions.unit) {
-            Some(_) if point.position == 0.0 && point.direction.is_empty() && options.end_load > 0.0 => {
-                system.path_before.clone()
-            }
+            Some(_) if at_start && options.end_load > 0.0 => system.path_before.direction.clone(),
             _ => point.direction,
         };
         Ok(Self { point: ExpansionPoint { direction, ..point }, directions, negative })
+    }
+
+    /// Start next to a bifurcation, at which a path begins, in a direction.
+    fn away_from_bifurcation(
+        system: &System,
+        expansion: &mut Expansion,
+        (point, direction): (ExpansionPoint, &[Nodal]),
+        options: &PathAnalysis,
+    ) -> Result<Self, String> {
+        if !system.dofs().prescribed.is_empty() {
+            return Err(
+                "the path begins at a bifurcation, and prescribed motions work on the way from there".into(),
+            );
+        }
+        let at = (point.u.as_slice(), point.load);
+        let Branch { u, load, negative } = onto_branch(system, expansion, at, (direction, options.end_load))?;
+        let directions = expansion.directions(system, &u, load)?;
+        let direction = direction.to_vec();
+        Ok(Self { point: ExpansionPoint { u, load, direction, ..point }, directions, negative })
     }
 
     /// The expansion point.
@@ -142,8 +165,9 @@ impl Piece {
             critical.sort_by(|p, q| p.a.total_cmp(&q.a));
         }
         let mut branch = None;
-        if let Some((found, mode)) = switched(&critical, point.bifurcations, &options.switch_at) {
+        if let Some((found, sign)) = switched(&critical, point.bifurcations, &options.switch_at) {
             let at = (found.point.u.as_slice(), found.point.load);
+            let mode = leaving(system, expansion, &series, (found, sign))?;
             let crossing = onto_branch(system, expansion, at, (&mode, options.end_load))
                 .map_err(|reason| NoPiece { reason, without_branch: true })?;
             branch = Some((crossing, mode));
@@ -383,14 +407,32 @@ fn usable_end(
     Err("the series has no usable length".into())
 }
 
-/// First bifurcation of a piece at which the path goes over to the crossing one, and the mode on the side wanted.
-pub fn switched<'a>(critical: &'a [Found], passed: usize, wanted: &[i32]) -> Option<(&'a Found, Vec<Nodal>)> {
+/// First bifurcation of a piece at which the path goes over to the crossing one, and the sign of the side wanted.
+pub fn switched<'a>(critical: &'a [Found], passed: usize, wanted: &[i32]) -> Option<(&'a Found, f64)> {
     let bifurcations = critical.iter().filter(|found| found.point.kind == CriticalKind::Bifurcation);
     bifurcations.zip(passed + 1..).find_map(|(found, number)| {
         let choice = wanted.iter().find(|n| n.unsigned_abs() as usize == number)?;
-        let sign = f64::from(choice.signum());
-        Some((found, found.point.mode.iter().map(|x| x.map(|x| sign * x)).collect()))
+        Some((found, f64::from(choice.signum())))
     })
+}
+
+/// Direction in which the other path leaves a bifurcation of a series. The tangent that is factored afterwards may be another one.
+fn leaving(
+    system: &System,
+    expansion: &mut Expansion,
+    series: &Series,
+    (found, sign): (&Found, f64),
+) -> Result<Vec<Nodal>, String> {
+    if !found.is_passed_along_mode() {
+        return Ok(found.mode_on_side(sign));
+    }
+    let before = BEFORE_BIFURCATION * found.a;
+    let (mut u, load) = (series.u.clone(), series.load(before));
+    series.displacements(before, &mut u);
+    expansion.factor(system, &u, load)?;
+    let response = expansion.directions(system, &u, load)?.unit;
+    let (_, eigenvector) = expansion.eigenvalue_next_to_zero(system, INVERSE_ITERATIONS)?;
+    Ok(branch::primary_direction(system, &response, &eigenvector, sign))
 }
 
 /// Points of a piece that are reported: equal parts of it, wanted load factors, critical points, its end.

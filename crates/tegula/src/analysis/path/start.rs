@@ -2,6 +2,7 @@
 
 use crate::analysis::{State, equilibrium};
 use crate::element::Nodal;
+use crate::model::PathAnalysis;
 use crate::norm::larger;
 use crate::system::{Assembly, System, add_multiple};
 
@@ -44,10 +45,17 @@ pub fn in_equilibrium(
 /// Cosine of the angle between the direction of a path and that of the path before at its end, above which one continues the other.
 const CONTINUES: f64 = 0.5;
 
+/// Direction in which a path with rising loads leads away from a bifurcation at its start: that of the path before, which has ended there. The
+/// tangent is singular, and does not tell the direction.
+pub fn away_from_bifurcation<'s>(system: &'s System, options: &PathAnalysis) -> Option<&'s [Nodal]> {
+    let before = &system.path_before;
+    (before.at_bifurcation && options.end_load > 0.0).then_some(&before.direction)
+}
+
 /// Whether a direction in which the load factor rises goes on (true) or back along the path of the step before, which has ended at a critical point or behind
 /// one; `None` where it does neither.
 pub fn forward(system: &System, rising: &[Nodal]) -> Option<bool> {
-    let before = &system.path_before;
+    let before = &system.path_before.direction;
     if before.is_empty() {
         return None;
     }

@@ -7,7 +7,7 @@ use crate::analysis::newton::PathTangent;
 use crate::analysis::{Observer, State};
 use crate::element::Nodal;
 use crate::model::{PathAnalysis, PathEnd};
-use crate::system::{System, add_multiple};
+use crate::system::{PathBefore, System, add_multiple};
 
 /// Place on a path at which it is expanded into a power series.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -140,6 +140,17 @@ pub struct PathState {
 }
 
 impl PathState {
+    /// Direction and kind of the end of this path, for the next analysis step; the tangent has a number of negative pivots there.
+    pub fn before(&self, negative_pivots: usize) -> PathBefore {
+        let last = self.critical.last().filter(|point| point.position == self.position);
+        let at_bifurcation = last.is_some_and(|point| point.kind == CriticalKind::Bifurcation);
+        if negative_pivots == 0 && !at_bifurcation {
+            return PathBefore::default();
+        }
+        let direction = self.arc.as_ref().map_or(&self.direction, |arc| &arc.tangent.direction).clone();
+        PathBefore { direction, at_bifurcation }
+    }
+
     /// Notes a critical point that the path has passed, with `negative` negative eigenvalues behind it. The path ends where it is to end at
     /// such a point, and where it passes the point again: it is closed.
     pub fn pass(

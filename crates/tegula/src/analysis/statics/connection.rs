@@ -28,6 +28,18 @@
 //!   less is doubted, too.
 //! - **Direction.** A path leaves its start along u'(0). A step that leads the other way has reached another branch.
 //!
+//! Behind a bifurcation, a model with a small imperfection has stable equilibria on both sides, but its path leads to one of them; the
+//! other side begins at a limit point of its own. A step to there passes all three tests: it releases no energy, and the model is about as
+//! stiff on either side. That such a point is near shows where Newton's method has found an unstable equilibrium, which lies
+//! between the two sides. From there back, steps must be short enough to follow a smooth path:
+//!
+//! ```text
+//! |Δu − ½ (u'(0) + u'(1))| ≤ 0.1 |Δu|
+//! ```
+//!
+//! Where only the iteration met negative pivots, a step that is not smooth must at least end on the side, along the softest mode there, to which its
+//! start moves.
+//!
 //! J. M. T. Thompson, G. W. Hunt, *A General Theory of Elastic Stability*, Wiley 1973, for the sign of ΔF·u'.
 //!
 //! The tests miss a snap within one step whose tangents at both ends are as soft as the snap is long, and which
@@ -37,7 +49,7 @@ use super::StaticEquation;
 use crate::analysis::newton::Equation;
 use crate::element::Nodal;
 use crate::norm::larger;
-use crate::system::{Assembly, EvaluationPoint, System, VectorKind, dot, dot3};
+use crate::system::{Assembly, EvaluationPoint, System, VectorKind, add_multiple, dot, dot3};
 
 /// Ratio of the displacement of a step to that of the faster of its two ends above which the step is refused. Large
 /// steps on smooth paths reach 1.27 (quarter cylinder of Sect. 5.2 in one step), snaps of roofs begin at 2.1.
@@ -50,6 +62,10 @@ pub(super) const SOFTER: f64 = 1.1;
 const LEAST_STORED: f64 = 0.5;
 /// Cosine between the first tangent and the step below which the step is doubted.
 const BACKWARDS: f64 = -0.2;
+/// Part of the displacement of a step by which it may differ from what the tangents at its ends predict, beside an unstable equilibrium.
+pub(super) const SMOOTH: f64 = 0.1;
+/// Part of the displacement of a step along the softest mode above which its side counts.
+const SIDEWAYS: f64 = 1e-2;
 /// Round-off of energies, over their sum.
 const ROUNDING: f64 = 1e-9;
 
@@ -124,6 +140,35 @@ pub(super) fn turned_back(system: &System, step: &[Nodal], response: &[Nodal]) -
     let cosine = product(step, response) / (product(step, step) * product(response, response)).sqrt();
     (cosine < BACKWARDS).then(|| {
         format!("the step leads away from the direction in which its first tangent moves the model (cosine {cosine:.2})")
+    })
+}
+
+/// Part of its displacement by which a step differs from the mean of the speeds u'(0) and −u'(1) at its ends.
+pub(super) fn bend(system: &System, step: &[Nodal], (start, back): (&[Nodal], &[Nodal])) -> f64 {
+    let mut away = step.to_vec();
+    add_multiple(&mut away, -0.5, start);
+    add_multiple(&mut away, 0.5, back);
+    system.norm(&away) / system.norm(step)
+}
+
+/// Reason to doubt a step that is bent by a part of it, beside an unstable equilibrium, as text.
+pub(super) fn bent(part: f64) -> String {
+    format!(
+        "an unstable equilibrium has been found near by, and the displacement of the step differs by {:.0} % from what the tangents at its ends \
+         predict",
+        100.0 * part
+    )
+}
+
+/// Reason to doubt a step whose iteration met negative pivots, as text: along the softest mode at its end it has gone to the other side than its
+/// start moves to.
+pub(super) fn other_side(system: &System, [step, start]: [&[Nodal]; 2], mode: &[Nodal]) -> Option<String> {
+    let [moved, speed] = [step, start].map(|x| system.inner_product(mode, x));
+    let noticeable = moved.abs() > SIDEWAYS * system.norm(step);
+    (noticeable && moved * speed < 0.0).then(|| {
+        "the iteration met negative pivots, and along the softest mode the step has gone to the other side than its first tangent \
+         moves the model to"
+            .into()
     })
 }
 

@@ -1,6 +1,6 @@
 //! Load steps of a static analysis, with cut-backs.
 
-use super::connection::{SOFTER, Speeds, released_energy, turned_back};
+use super::connection::{SMOOTH, SOFTER, Speeds, bend, bent, other_side, released_energy, turned_back};
 use super::continued::on_path;
 use super::failure::{CriticalPoint, Failure, Kind};
 use super::{StaticEquation, energies, equilibrium_step, reactions, undefined};
@@ -14,7 +14,7 @@ use crate::analysis::{Balance, Observer, Stability, State, Statistics, Stepper, 
 use crate::element::Nodal;
 use crate::model::{NewtonMethod, StaticAnalysis};
 use crate::norm::larger;
-use crate::system::{EvaluationPoint, System, inverted_element};
+use crate::system::{EvaluationPoint, System, add_multiple, inverted_element};
 use crate::{Error, Result};
 
 /// Displacement of a step over the size of the model that is round-off of directors, as where loads have not begun yet.
@@ -27,6 +27,9 @@ const ENERGY_TOLERANCE: f64 = 1e-18;
 const INCREMENT_TOLERANCE: f64 = 1e-6;
 /// Number of halvings of a load step after which its length is round-off of the load factor.
 const MOST_CUTBACKS: i32 = 40;
+
+/// Inverse iterations for the softest mode at the end of a step.
+const INVERSE_ITERATIONS: usize = 12;
 
 /// Cut-backs of a step after which an analysis that goes on along the path does so where there is evidence of a critical point.
 const BEFORE_PATH: u32 = 3;
@@ -291,6 +294,10 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             .filter(|_| system.prescribed_strains.is_empty());
         let steps = (&before, &*equation, state.history.as_slice());
         let released = released_energy(system, &mut newton.assembly, steps, &newton.first_response, loads);
+        // Internal variables make paths that are not smooth.
+        let smooth = system.without_internal_variables();
+        let beside_unstable = smooth && state.doubtful_until.is_some_and(|end| state.time < end);
+        let over_unstable = smooth && converged.most_negative_pivots > 0;
         let speeds = Speeds {
             moved,
             start: converged.first_increment,
@@ -303,10 +310,23 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             && newton.assembly.strain_energy(system, &state.point(system)) > 0.0;
         let doubt = if let Some(doubt) = released.or(away).filter(|_| !preloaded) {
             Some(doubt)
-        } else if speeds.need_the_end() {
+        } else if beside_unstable || over_unstable || speeds.need_the_end() {
             let unloaded = StaticEquation { u: equation.u.clone(), ..before };
             let end = newton.response(system, (&unloaded, &*equation), &state.history).unwrap_or(0.0);
-            speeds.doubt(end)
+            external.copy_from_slice(&equation.u);
+            add_multiple(external, -1.0, &state.u);
+            let ends = (newton.first_response.as_slice(), newton.last_response());
+            let part = bend(system, external, ends);
+            if let Some(doubt) = speeds.doubt(end) {
+                Some(doubt)
+            } else if part <= SMOOTH || !(beside_unstable || over_unstable) {
+                None
+            } else if beside_unstable {
+                Some(bent(part))
+            } else {
+                let mode = newton.eigenvalue_next_to_zero(system, equation, INVERSE_ITERATIONS);
+                mode.ok().and_then(|(_, mode)| other_side(system, [external, &newton.first_response], &mode))
+            }
         } else {
             None
         };
@@ -325,9 +345,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
     fn moved(&mut self) -> f64 {
         let Self { external, equation, state, system, .. } = self;
         external.copy_from_slice(&equation.u);
-        for (x, u) in external.as_flattened_mut().iter_mut().zip(state.u.as_flattened()) {
-            *x -= u;
-        }
+        add_multiple(external, -1.0, &state.u);
         system.norm(external)
     }
 
@@ -378,6 +396,10 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let may_go_on = self.options.continuation.is_some() && self.equation.attempts >= BEFORE_PATH;
         if may_go_on && self.critical_point(target, &failure).is_some() {
             return Err(self.give_up(target, &failure));
+        }
+        if failure.kind == Kind::Unstable {
+            let known = self.state.doubtful_until.unwrap_or(target);
+            self.state.doubtful_until = Some(larger(known, target));
         }
         self.statistics.cutbacks += 1;
         self.equation.attempts += 1;

@@ -157,7 +157,7 @@ impl ArcLengthSteps<'_> {
 
     /// Extremum of the load factor at the end of a step, behind which the step is taken to end: a limit point, or a bifurcation that the path
     /// passes as the crossing one.
-    pub(super) fn extremum(&self, known: &Known, (end, load): (&mut End, f64)) -> Found {
+    pub(super) fn extremum(&self, known: &Known, (end, load): (&mut End, f64), has_potential: bool) -> Found {
         let ends @ [start, whole] = known.ends();
         let works = ends.map(|end| end.tangent.work.abs());
         let crosses = end.tangent.work.abs() <= CROSSING * larger(works[0], works[1]);
@@ -169,7 +169,9 @@ impl ArcLengthSteps<'_> {
             (false, true) => (CriticalKind::Limit, 1),
             (false, false) => (CriticalKind::Limit, -1),
         };
-        if crosses {
+        if !has_potential {
+            // The eigenvalue that vanishes is not one of the symmetric part.
+        } else if crosses {
             // An eigenvalue touches zero there.
             end.negative = whole.negative;
         } else if is_before {
@@ -195,6 +197,8 @@ pub(super) struct PathCurve<'s, 'a, 'o> {
     pub steps: &'s mut ArcLengthSteps<'a>,
     pub known: &'s mut Known,
     pub observer: &'o mut dyn Observer,
+    /// Whether the loads have a potential; else the eigenvalues are those of the symmetric part of the tangent.
+    pub has_potential: bool,
 }
 
 impl Curve for PathCurve<'_, '_, '_> {
@@ -205,7 +209,7 @@ impl Curve for PathCurve<'_, '_, '_> {
         system.orient(&mut softest.1);
         let on_path = self.known.ends().map(|end| end.tangent.work.abs());
         let work = response.work_on(&softest.1).abs();
-        let work = if work > 0.0 { work / larger(on_path[0], on_path[1]) } else { 0.0 };
+        let work = if work > 0.0 && self.has_potential { work / larger(on_path[0], on_path[1]) } else { 0.0 };
         let (u, load, negative) = (end.equation.u.clone(), end.equation.time, end.negative);
         self.known.add(end);
         Ok(Trial { u, load, negative, softest, work })

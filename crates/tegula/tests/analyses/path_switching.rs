@@ -1,0 +1,117 @@
+//! Paths that go over to the other path at a bifurcation, or begin at one, on the pinned arch of symmetry.
+
+use crate::common::{Notes, compile, vector_load};
+use crate::paths::{arch, critical_loads};
+use tegula::analysis::State;
+use tegula::analysis::path::{self, CriticalKind, PathOutcome};
+use tegula::compile::Compiler;
+use tegula::mesh::generators::generate;
+use tegula::model::*;
+use tegula::norm::larger;
+use tegula::system::{System, VectorKind};
+
+use CriticalKind::{Bifurcation, Limit};
+
+const METHODS: [Option<PathMethod>; 2] = [None, Some(PathMethod::ArcLength)];
+
+/// The arch under 1.5 times its upper limit load, and the loads at which it bifurcates or has a limit, over the full one.
+fn loaded_arch(options: PathAnalysis) -> (Model, [f64; 4]) {
+    let (mut m, exact) = arch(24, 0.02);
+    let loads = critical_loads(&exact);
+    let full = 1.5 * loads[1];
+    m.loads = vec![Load::Traction(vector_load("all", [0.0, 0.0, -full]))];
+    m.analysis = Analysis::Path(options);
+    (m, loads.map(|load| load / full))
+}
+
+/// Sway of the arch over its deflection: zero on the path of symmetry.
+fn sway(system: &System, state: &State) -> f64 {
+    let kinds = &system.coordinates.kinds;
+    let places = || state.u.iter().zip(kinds).filter(|(_, kind)| **kind == VectorKind::Position);
+    let [along, down] = [0, 2].map(|i| places().map(|(u, _)| u[i]).sum::<f64>());
+    (along / down).abs()
+}
+
+fn found(outcome: &PathOutcome) -> Vec<(CriticalKind, i32, f64)> {
+    let path = outcome.state.path.as_ref().unwrap();
+    path.critical.iter().map(|point| (point.kind, point.change, point.load)).collect()
+}
+
+/// At its second bifurcation the path of sway meets the path of symmetry again: it goes over to that, with rising loads to the full one, or
+/// with falling ones over both limits back to the first bifurcation.
+#[test]
+fn the_crossing_path_of_an_arch_goes_back_to_the_path_of_symmetry() {
+    for method in METHODS {
+        for side in [2, -2] {
+            let options =
+                PathAnalysis { method, switch_at: vec![1, side], end_load: 1.0, ..Default::default() };
+            let (m, loads) = loaded_arch(options.clone());
+            let (_, system) = compile(&m);
+            let mut notes = Notes::keeping();
+            let outcome = path::run(&system, &options, None, &mut notes).unwrap();
+            let found = found(&outcome);
+            let kinds: Vec<_> = found.iter().map(|(kind, change, _)| (*kind, *change)).collect();
+            assert_eq!(kinds[..2], [(Bifurcation, 1), (Bifurcation, 0)], "{method:?} {side} {found:?}");
+            let wanted: &[f64] = if side > 0 {
+                assert_eq!(kinds.len(), 2, "{method:?} {found:?}");
+                assert_eq!((outcome.state.time, outcome.state.negative_pivots), (1.0, 0));
+                &[loads[0], loads[3]]
+            } else {
+                assert_eq!(kinds[2..4], [(Limit, 1), (Limit, -1)], "{method:?} {found:?}");
+                assert!(outcome.state.path.as_ref().unwrap().finished);
+                &[loads[0], loads[3], loads[2], loads[1], loads[0]]
+            };
+            assert_eq!(found.len(), wanted.len());
+            for ((_, _, load), exact) in found.iter().zip(wanted) {
+                assert!((load - exact).abs() < 0.02 * loads[1], "{method:?} {side}: {load} {exact}");
+            }
+            let sways: Vec<f64> = notes.states.iter().map(|state| sway(&system, state)).collect();
+            assert!(sways.iter().copied().fold(0.0, larger) > 0.05, "the path of sway");
+            let last = sway(&system, &outcome.state);
+            assert!(last < 1e-5, "{method:?} {side}: {last:e}");
+        }
+    }
+}
+
+/// A path that has ended at the bifurcation and another one behind it pass the critical points of one path.
+#[test]
+fn a_path_goes_on_from_the_bifurcation_at_which_the_one_before_has_ended() {
+    for method in METHODS {
+        let whole = PathAnalysis { method, ..Default::default() };
+        let (m, loads) = loaded_arch(whole.clone());
+        let (_, system) = compile(&m);
+        let expected = found(&path::run(&system, &whole, None, &mut Notes::default()).unwrap());
+        let first = PathAnalysis { end_at: Some(PathEnd::Bifurcation), ..whole.clone() };
+        let steps = vec![
+            AnalysisStep::new("first", Analysis::Path(first)),
+            AnalysisStep::new("next", Analysis::Path(whole)),
+        ];
+        let m = Model { steps, ..m };
+        let mesh = generate(&m.mesh).unwrap();
+        let mut compiler = Compiler::new(&m, &mesh).unwrap();
+        let mut start = None;
+        let mut all = Vec::new();
+        let mut factor = 0.0;
+        for i in 0..2 {
+            let system = compiler.system(i, start).unwrap();
+            let Analysis::Path(options) = &compiler.steps()[i].model.analysis else { unreachable!() };
+            let outcome = path::run(&system, options, None, &mut Notes::default()).unwrap();
+            let of_whole = |load: f64| factor + load * (1.0 - factor);
+            all.extend(
+                found(&outcome).into_iter().map(|(kind, change, load)| (kind, change, of_whole(load))),
+            );
+            // Next to the bifurcation sway is round-off over a small eigenvalue.
+            let (last, most) = (sway(&system, &outcome.state), [1e-3, 1e-5][i]);
+            assert!(last < most, "{method:?} {last:e}");
+            factor = of_whole(outcome.state.time);
+            compiler.end_step(i, outcome.state.time);
+            start = Some(outcome.state.end_of_step());
+        }
+        assert_eq!(factor, 1.0);
+        assert_eq!(all.len(), expected.len(), "{method:?} {all:?} {expected:?}");
+        for ((kind, change, load), (other, same, exact)) in all.iter().zip(&expected) {
+            assert_eq!((kind, change), (other, same));
+            assert!((load - exact).abs() < 1e-6 * loads[1], "{method:?} {load} {exact}");
+        }
+    }
+}
