@@ -4,27 +4,24 @@ A job gives `element` (S4 or S8R), `increment` (the first, as part of the whole 
 longest) and `controls` (lines of `*CONTROLS`).
 """
 
-import re
-import shutil
-
 import paths_roof as roof
+import peer_calculix
+from problems import quads, read_job, serendipity
 
-NAME = "CalculiX"
+NAME = peer_calculix.NAME
 
 
 def command(_python, job_file):
-    if shutil.which("ccx") is None:
-        raise FileNotFoundError("ccx is not installed: apt-get install calculix-ccx")
-    job, folder = roof.read_job(job_file)
+    job, folder = read_job(job_file)
     write_input(job, folder / "case.inp")
-    return ["ccx", "-i", "case"]
+    return peer_calculix.run_input()
 
 
 def write_input(job, path):
     n = job["elements"]
-    quadratic = job["element"].startswith("S8")
+    quadratic = peer_calculix.quadratic(job)
     fine = 2 * n if quadratic else n
-    elements = list(roof.serendipity(n) if quadratic else roof.quads(n))
+    elements = list(serendipity(n) if quadratic else quads(n))
     used = {a for element in elements for a in element}
     lines = ["*NODE, NSET=ALL"]
     lines += ["%d, %.12g, %.12g, %.12g" % (k + 1, *x) for k, x in enumerate(roof.nodes(fine)) if k in used]
@@ -55,13 +52,6 @@ def finish(_job, folder):
             into = forces
         elif into is not None and len(words) >= 3:
             into.append(float(words[-1]))
-    steps, iterations = 0, 0
-    for line in (folder / "case.sta").read_text().splitlines():
-        words = line.split()
-        if len(words) == 7 and words[0].isdigit():
-            steps, iterations = steps + 1, iterations + int(words[3])
-    log = (folder / "log.txt").read_text()
-    version = re.search(r"CalculiX Version ([\d.]+)", log)
-    return roof.measures({"version": version.group(1) if version else "", "steps": steps, "factorisations": iterations,
-                          "unknowns": max((int(x) for x in re.findall(r"number of equations\s+(\d+)", log)), default=0),
+    found = peer_calculix.statistics(folder)
+    return roof.measures({**found, "factorisations": found["iterations"],
                           "path": [(0.0, 0.0)] + [(-u, 4.0 * f) for u, f in zip(deflections, forces)]})

@@ -11,7 +11,6 @@ How times are measured and runs kept is told in `compare.py`. The book's page sa
 
 import argparse
 import datetime
-import json
 import pathlib
 
 import compare

@@ -4,9 +4,11 @@ A job gives `element`, `solver`, `steps` (equal steps of the deflection) and `to
 the step), or `arc_length` (parameters of `ArcLengthStrategy`) with `steps`, the most steps, and `force`, that of the first one.
 """
 
+import json
 import sys
 
 import paths_roof as roof
+from problems import quads, read_job
 
 NAME = "Kratos"
 
@@ -16,7 +18,7 @@ def command(python, job_file):
 
 
 def main():
-    job, folder = roof.read_job(sys.argv[1])
+    job, folder = read_job(sys.argv[1])
     import KratosMultiphysics as KM
     import KratosMultiphysics.ConstitutiveLawsApplication
     import KratosMultiphysics.LinearSolversApplication
@@ -37,7 +39,7 @@ def main():
     properties.SetValue(KM.CONSTITUTIVE_LAW, KM.KratosGlobals.GetConstitutiveLaw(law).Clone())
     for k, x in enumerate(roof.nodes(n)):
         part.CreateNewNode(k + 1, *x)
-    for k, quad in enumerate(roof.quads(n)):
+    for k, quad in enumerate(quads(n)):
         part.CreateNewElement(job["element"], k + 1, [a + 1 for a in quad], properties)
     for axis in "XYZ":
         KM.VariableUtils().AddDof(getattr(KM, "DISPLACEMENT_" + axis), getattr(KM, "REACTION_" + axis), part)
@@ -56,7 +58,6 @@ def main():
     path, iterations = [(0.0, 0.0)], 0
     arc = "arc_length" in job
     if arc:
-        import json
         loaded = part.CreateSubModelPart("loaded")
         loaded.AddNodes([1])
         loaded.CreateNewCondition("PointLoadCondition3D1N", 1, [1], properties)

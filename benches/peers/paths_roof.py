@@ -4,9 +4,8 @@ Lengths in mm, forces in N. Node i (n + 1) + j lies at the angle 0.1 i/n from th
 middle. The straight edge i = n is hinged, the curved edge j = n is free; the force acts on the middle, node 0.
 """
 
-import math
-import pathlib
 import json
+import math
 
 RADIUS, ANGLE, HALF_LENGTH = 2540.0, 0.1, 254.0
 YOUNG, POISSON = 3102.75, 0.3
@@ -17,23 +16,6 @@ END = 30.0
 def nodes(n):
     return [(RADIUS * math.sin(ANGLE * i / n), HALF_LENGTH * j / n, RADIUS * math.cos(ANGLE * i / n))
             for i in range(n + 1) for j in range(n + 1)]
-
-
-def quads(n):
-    """Corners of the elements, counterclockwise seen from outside."""
-    for i in range(n):
-        for j in range(n):
-            k = i * (n + 1) + j
-            yield k, k + n + 1, k + n + 2, k + 1
-
-
-def serendipity(n):
-    """Nodes of the elements with eight nodes, corners first, on the nodes of a mesh twice as fine."""
-    row = 2 * n + 1
-    for i in range(n):
-        for j in range(n):
-            k = 2 * i * row + 2 * j
-            yield k, k + 2 * row, k + 2 * row + 2, k + 2, k + row, k + 2 * row + 1, k + row + 2, k + 1
 
 
 def crest(n):
@@ -48,12 +30,6 @@ def middle(n):
 
 def hinge(n):
     return range(n * (n + 1), (n + 1) ** 2)
-
-
-def read_job(path):
-    """The job, and the folder that its results go to."""
-    path = pathlib.Path(path)
-    return json.loads(path.read_text()), path.parent
 
 
 def write_path(folder, points, **statistics):

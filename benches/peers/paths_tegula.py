@@ -8,6 +8,7 @@ import json
 
 import paths_roof as roof
 import peer_tegula
+from problems import read_job
 
 NAME = "tegula"
 # Force on the whole roof at load factor 1; the path ends before it.
@@ -15,7 +16,7 @@ FORCE = 6000.0
 
 
 def command(_python, job_file):
-    job, folder = roof.read_job(job_file)
+    job, folder = read_job(job_file)
     (folder / "case.toml").write_text(model(job))
     return [str(peer_tegula.PROGRAM.resolve()), "run", "case.toml", "--out", "out", "--threads", "1", "--quiet"]
 

@@ -17,10 +17,15 @@ PROGRAM = "ccx"
 
 
 def command(_python, job_file):
-    if shutil.which(PROGRAM) is None:
-        raise FileNotFoundError("ccx is not installed: apt-get install calculix-ccx")
     job, folder = problems.read_job(job_file)
     write_input(job, folder / "case.inp")
+    return run_input()
+
+
+def run_input():
+    """Command line that computes the file case.inp."""
+    if shutil.which(PROGRAM) is None:
+        raise FileNotFoundError("ccx is not installed: apt-get install calculix-ccx")
     return [PROGRAM, "-i", "case"]
 
 
@@ -74,6 +79,15 @@ def finish(job, folder):
             motion.append([[float("nan")] * 3 for _ in range((fine + 1) ** 2)])
         elif len(words) == 4 and words[0].isdigit():
             motion[-1][int(words[0]) - 1] = [float(x) for x in words[1:]]
+    found = statistics(folder)
+    if job["problem"] in problems.STATIC:
+        return {**found, **problems.measures(job["problem"], n, motion[-1], quadratic(job))}
+    start = [[0.0] * 3 for _ in range((fine + 1) ** 2)]
+    return {**found, **problems.motion_measures(n, [start, *motion], quadratic(job))}
+
+
+def statistics(folder):
+    """Version, increments, iterations and equations of a run."""
     steps, iterations = 0, 0
     for line in (folder / "case.sta").read_text().splitlines():
         words = line.split()
@@ -82,9 +96,4 @@ def finish(job, folder):
     log = (folder / "log.txt").read_text()
     unknowns = max((int(x) for x in re.findall(r"number of equations\s+(\d+)", log)), default=0)
     version = re.search(r"CalculiX Version ([\d.]+)", log)
-    found = {"version": version.group(1) if version else "", "steps": steps, "iterations": iterations,
-             "unknowns": unknowns}
-    if job["problem"] in problems.STATIC:
-        return {**found, **problems.measures(job["problem"], n, motion[-1], quadratic(job))}
-    start = [[0.0] * 3 for _ in range((fine + 1) ** 2)]
-    return {**found, **problems.motion_measures(n, [start, *motion], quadratic(job))}
+    return {"version": version.group(1) if version else "", "steps": steps, "iterations": iterations, "unknowns": unknowns}

@@ -89,9 +89,6 @@ pub struct State {
     /// Whether the last static equilibrium was found with the form of Newton's method that is not the default one for
     /// the materials.
     pub other_form: bool,
-    /// Load factor at which an unstable equilibrium has been found: up to there static steps follow a smooth path.
-    #[serde(default)]
-    pub doubtful_until: Option<f64>,
     /// Norm of the response to the loads at the start of the last static step, over the step's length.
     pub compliance: f64,
     /// Negative pivots of the tangent at the last static equilibrium: above 0 it is unstable, unless follower loads

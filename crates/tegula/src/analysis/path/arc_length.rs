@@ -11,7 +11,7 @@
 mod inside_step;
 mod switching;
 
-use super::critical_points::{Found, bifurcations};
+use super::critical_points::Found;
 use super::series::{Series, is_flat, roots};
 use super::start::{away_from_bifurcation, forward, in_equilibrium};
 use super::state::{
@@ -29,7 +29,7 @@ use crate::model::PathAnalysis;
 use crate::norm::{larger, max_norm};
 use crate::system::{CirculatoryStiffness, EvaluationPoint, System, add_multiple, inverted_element};
 use crate::{Error, Result};
-use inside_step::{Known, PathCurve};
+use inside_step::{Explained, Known};
 
 /// Convergence of an equilibrium: energy of the last increment over the strain energy, its norm over that of the displacement, and the
 /// most iterations.
@@ -334,48 +334,20 @@ impl<'a> ArcLengthSteps<'a> {
         if end.a < length || length < planned {
             next = next.min(planned);
         }
-        // Without a potential limit points are no zeros of the symmetric part.
-        let explains = |found: &&Found| has_potential && found.point.change != 0;
-        let limits: Vec<(f64, i32)> =
-            critical.iter().filter(explains).map(|f| (f.a, f.point.change)).collect();
-        let explained: i32 = limits.iter().map(|(_, change)| change).sum();
-        let unexplained = end.negative as i32 - negative as i32 - explained;
-        if unexplained != 0 {
-            let (a, load) = (end.a, end.equation.time);
-            let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), &end));
-            let mut curve = PathCurve { steps: self, known, observer, has_potential };
-            // Also of the symmetric part alone an eigenvalue passes through zero, unless the step has leapt to another path.
-            let found = bifurcations(&mut curve, a, (negative, unexplained), &limits)?;
-            if !has_potential {
-                observer.on_warning(&format!(
-                    "between load factors {:.6} and {load:.6} the number of negative eigenvalues of the symmetric part of the tangent changes \
-                     by {unexplained:+}; bifurcations under loads without a potential are not looked for",
-                    self.state.time
-                ));
-            } else {
-                critical.extend(found);
-            }
+        let all = Explained { limits: &critical, negative, has_potential };
+        let found = self.other_bifurcations(&all, (arc, &mut known), &end, observer)?;
+        if !found.is_empty() {
+            critical.extend(found);
             critical.sort_by(|p, q| p.a.total_cmp(&q.a));
             self.gets_away(&critical)?;
         }
         if !critical.is_empty() {
             let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), &end));
-            if let Some((found, sign)) = self.switched(&critical) {
-                let (at, direction) = (found.a, self.leaving(arc, (found, sign))?);
-                critical.retain(|found| found.a <= at);
-                let end = self.onto_branch(known, (at, direction), observer)?;
+            if let Some(end) = self.go_over(arc, known, &mut critical, observer)? {
                 let length = (ON_BRANCH * branch::FIRST).min(planned);
                 return Ok(Outcome { end, negative, critical, length });
             }
-            let ends = |found: &&Found| found.point.kind.ends(&self.options) && found.a < end.a;
-            if let Some(last) = critical.iter().find(ends).map(|found| found.a) {
-                critical.retain(|found| found.a <= last);
-                let changes: i32 = critical.iter().map(|found| found.point.change).sum();
-                let tangent = PathTangent::between(self.system, [&arc.tangent, &end.tangent], last / end.a);
-                // The eigenvalue that vanishes there is round-off, and the response to the loads its eigenvector.
-                let negative = (negative as i32 + changes).max(0) as usize;
-                end = End { negative, tangent, ..self.equilibrium_near(known, last, observer)? };
-            }
+            self.end_inside(arc, known, (&mut critical, negative), &mut end, observer)?;
         }
         Ok(Outcome { end, negative, critical, length: next })
     }

@@ -33,6 +33,7 @@ use crate::error::Issue;
 use crate::model::{PathAnalysis, PathMethod};
 use crate::system::{Procedure, System};
 use crate::{Error, Result};
+pub(in crate::analysis) use critical_points::INVERSE_ITERATIONS;
 pub(in crate::analysis) use hand_over::{Advance, BeforeArcLength, HandOver};
 
 /// Outcome of a path.

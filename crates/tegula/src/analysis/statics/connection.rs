@@ -30,15 +30,13 @@
 //!
 //! Behind a bifurcation, a model with a small imperfection has stable equilibria on both sides, but its path leads to one of them; the
 //! other side begins at a limit point of its own. A step to there passes all three tests: it releases no energy, and the model is about as
-//! stiff on either side. That such a point is near shows where Newton's method has found an unstable equilibrium, which lies
-//! between the two sides. From there back, steps must be short enough to follow a smooth path:
+//! stiff on either side. That such a point is near show negative pivots of the iteration. Then a step that does not follow a smooth path,
 //!
 //! ```text
-//! |Δu − ½ (u'(0) + u'(1))| ≤ 0.1 |Δu|
+//! |Δu − ½ (u'(0) + u'(1))| > 0.1 |Δu|,
 //! ```
 //!
-//! Where only the iteration met negative pivots, a step that is not smooth must at least end on the side, along the softest mode there, to which its
-//! start moves.
+//! must end on the side, along the softest mode at its end, to which u'(0) moves the model.
 //!
 //! J. M. T. Thompson, G. W. Hunt, *A General Theory of Elastic Stability*, Wiley 1973, for the sign of ΔF·u'.
 //!
@@ -62,8 +60,8 @@ pub(super) const SOFTER: f64 = 1.1;
 const LEAST_STORED: f64 = 0.5;
 /// Cosine between the first tangent and the step below which the step is doubted.
 const BACKWARDS: f64 = -0.2;
-/// Part of the displacement of a step by which it may differ from what the tangents at its ends predict, beside an unstable equilibrium.
-pub(super) const SMOOTH: f64 = 0.1;
+/// Part of the displacement of a step by which it differs at most from the mean of the speeds at its ends on a smooth path.
+const SMOOTH: f64 = 0.1;
 /// Part of the displacement of a step along the softest mode above which its side counts.
 const SIDEWAYS: f64 = 1e-2;
 /// Round-off of energies, over their sum.
@@ -143,21 +141,12 @@ pub(super) fn turned_back(system: &System, step: &[Nodal], response: &[Nodal]) -
     })
 }
 
-/// Part of its displacement by which a step differs from the mean of the speeds u'(0) and −u'(1) at its ends.
-pub(super) fn bend(system: &System, step: &[Nodal], (start, back): (&[Nodal], &[Nodal])) -> f64 {
+/// Whether a step follows a smooth path, from the speeds u'(0) and −u'(1) at its ends.
+pub(super) fn is_smooth(system: &System, step: &[Nodal], (start, back): (&[Nodal], &[Nodal])) -> bool {
     let mut away = step.to_vec();
     add_multiple(&mut away, -0.5, start);
     add_multiple(&mut away, 0.5, back);
-    system.norm(&away) / system.norm(step)
-}
-
-/// Reason to doubt a step that is bent by a part of it, beside an unstable equilibrium, as text.
-pub(super) fn bent(part: f64) -> String {
-    format!(
-        "an unstable equilibrium has been found near by, and the displacement of the step differs by {:.0} % from what the tangents at its ends \
-         predict",
-        100.0 * part
-    )
+    system.norm(&away) <= SMOOTH * system.norm(step)
 }
 
 /// Reason to doubt a step whose iteration met negative pivots, as text: along the softest mode at its end it has gone to the other side than its

@@ -4,7 +4,7 @@ use super::{State, enhanced};
 use crate::analysis::newton::{Cause, Diverged, SoftestMode};
 use crate::analysis::path;
 use crate::element::Nodal;
-use crate::model::{LinearSolver, PathAnalysis, StaticAnalysis};
+use crate::model::{LinearSolver, NewtonMethod, PathAnalysis, StaticAnalysis};
 use crate::system::{System, VectorKind, dot};
 
 /// Energy of the softest mode over that of the whole response above which a critical point is a limit point: at a
@@ -282,4 +282,12 @@ fn place(system: &System, field: &[Nodal]) -> Option<(f64, String)> {
     let positions = (0..field.len()).filter(|&v| system.coordinates.kinds[v] == VectorKind::Position);
     let v = positions.max_by(|&a, &b| size(a).total_cmp(&size(b)))?;
     (size(v) > 0.0).then(|| (size(v), format!("at {}", system.place_name(v))))
+}
+
+/// Name of a form of Newton's method in messages.
+pub(super) fn name(form: NewtonMethod) -> &'static str {
+    match form {
+        NewtonMethod::Mixed => "mixed Newton",
+        NewtonMethod::Displacement => "displacement-based Newton",
+    }
 }

@@ -1,12 +1,13 @@
 //! Load steps of a static analysis, with cut-backs.
 
-use super::connection::{SMOOTH, SOFTER, Speeds, bend, bent, other_side, released_energy, turned_back};
+use super::connection::{SOFTER, Speeds, is_smooth, other_side, released_energy, turned_back};
 use super::continued::on_path;
-use super::failure::{CriticalPoint, Failure, Kind};
+use super::failure::{CriticalPoint, Failure, Kind, name};
 use super::{StaticEquation, energies, equilibrium_step, reactions, undefined};
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::mobility;
-use crate::analysis::newton::{Cause, Converged, Newton, Tolerances};
+use crate::analysis::newton::{Cause, Converged, Equation, Newton, Tolerances};
+use crate::analysis::path::INVERSE_ITERATIONS;
 use crate::analysis::solver::TangentSolver;
 use crate::analysis::stepper::Reached;
 use crate::analysis::stops::Stops;
@@ -27,9 +28,6 @@ const ENERGY_TOLERANCE: f64 = 1e-18;
 const INCREMENT_TOLERANCE: f64 = 1e-6;
 /// Number of halvings of a load step after which its length is round-off of the load factor.
 const MOST_CUTBACKS: i32 = 40;
-
-/// Inverse iterations for the softest mode at the end of a step.
-const INVERSE_ITERATIONS: usize = 12;
 
 /// Cut-backs of a step after which an analysis that goes on along the path does so where there is evidence of a critical point.
 const BEFORE_PATH: u32 = 3;
@@ -294,10 +292,6 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             .filter(|_| system.prescribed_strains.is_empty());
         let steps = (&before, &*equation, state.history.as_slice());
         let released = released_energy(system, &mut newton.assembly, steps, &newton.first_response, loads);
-        // Internal variables make paths that are not smooth.
-        let smooth = system.without_internal_variables();
-        let beside_unstable = smooth && state.doubtful_until.is_some_and(|end| state.time < end);
-        let over_unstable = smooth && converged.most_negative_pivots > 0;
         let speeds = Speeds {
             moved,
             start: converged.first_increment,
@@ -310,25 +304,8 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             && newton.assembly.strain_energy(system, &state.point(system)) > 0.0;
         let doubt = if let Some(doubt) = released.or(away).filter(|_| !preloaded) {
             Some(doubt)
-        } else if beside_unstable || over_unstable || speeds.need_the_end() {
-            let unloaded = StaticEquation { u: equation.u.clone(), ..before };
-            let end = newton.response(system, (&unloaded, &*equation), &state.history).unwrap_or(0.0);
-            external.copy_from_slice(&equation.u);
-            add_multiple(external, -1.0, &state.u);
-            let ends = (newton.first_response.as_slice(), newton.last_response());
-            let part = bend(system, external, ends);
-            if let Some(doubt) = speeds.doubt(end) {
-                Some(doubt)
-            } else if part <= SMOOTH || !(beside_unstable || over_unstable) {
-                None
-            } else if beside_unstable {
-                Some(bent(part))
-            } else {
-                let mode = newton.eigenvalue_next_to_zero(system, equation, INVERSE_ITERATIONS);
-                mode.ok().and_then(|(_, mode)| other_side(system, [external, &newton.first_response], &mode))
-            }
         } else {
-            None
+            self.doubt_of_tangents(&speeds, converged)
         };
         let Some(doubt) = doubt else { return Ok(()) };
         let reason = format!(
@@ -341,7 +318,30 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         Err(Failure::new(Kind::Leap, reason, converged.most_negative_pivots))
     }
 
-    /// Norm of the displacement of the step ([`System::norm`]).
+    /// Reason to doubt a step from the tangents at both its ends, as text.
+    fn doubt_of_tangents(&mut self, speeds: &Speeds, converged: &Converged) -> Option<String> {
+        // Internal variables make paths that are not smooth.
+        let over_unstable = converged.most_negative_pivots > 0 && self.system.without_internal_variables();
+        if !(over_unstable || speeds.need_the_end()) {
+            return None;
+        }
+        let unloaded = StaticEquation { time: self.state.time, ..self.equation.clone() };
+        let ends = (&unloaded as &dyn Equation, &self.equation as &dyn Equation);
+        let end = self.newton.response(self.system, ends, &self.state.history).unwrap_or(0.0);
+        let doubt = speeds.doubt(end);
+        if doubt.is_some() || !over_unstable {
+            return doubt;
+        }
+        self.moved();
+        let Self { newton, system, equation, external: step, .. } = self;
+        if is_smooth(system, step, (&newton.first_response, newton.last_response())) {
+            return None;
+        }
+        let (_, mode) = newton.eigenvalue_next_to_zero(system, equation, INVERSE_ITERATIONS).ok()?;
+        other_side(system, [step, &newton.first_response], &mode)
+    }
+
+    /// Norm of the displacement of the step, which `external` holds then ([`System::norm`]).
     fn moved(&mut self) -> f64 {
         let Self { external, equation, state, system, .. } = self;
         external.copy_from_slice(&equation.u);
@@ -396,10 +396,6 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let may_go_on = self.options.continuation.is_some() && self.equation.attempts >= BEFORE_PATH;
         if may_go_on && self.critical_point(target, &failure).is_some() {
             return Err(self.give_up(target, &failure));
-        }
-        if failure.kind == Kind::Unstable {
-            let known = self.state.doubtful_until.unwrap_or(target);
-            self.state.doubtful_until = Some(larger(known, target));
         }
         self.statistics.cutbacks += 1;
         self.equation.attempts += 1;
@@ -584,12 +580,4 @@ fn of_falling_force(state: &State, target: f64, (spring, failure): (&str, &Failu
 /// configuration, which need not be an equilibrium.
 fn is_loaded(system: &System, state: &State) -> bool {
     state.step > 0 || system.continues()
-}
-
-/// Name of a form of Newton's method in messages.
-fn name(form: NewtonMethod) -> &'static str {
-    match form {
-        NewtonMethod::Mixed => "mixed Newton",
-        NewtonMethod::Displacement => "displacement-based Newton",
-    }
 }

@@ -5,7 +5,7 @@
 
 use super::{ArcLengthSteps, ArcStart, End, Plane, TOLERANCES, TURN};
 use crate::analysis::Observer;
-use crate::analysis::path::critical_points::{Curve, Found, INVERSE_ITERATIONS, Trial};
+use crate::analysis::path::critical_points::{Curve, Found, INVERSE_ITERATIONS, Trial, bifurcations};
 use crate::analysis::path::state::{CriticalKind, CriticalPoint};
 use crate::analysis::statics::StaticEquation;
 use crate::norm::larger;
@@ -192,8 +192,54 @@ impl ArcLengthSteps<'_> {
     }
 }
 
+/// Limit points of a step and negative eigenvalues at its start, which explain those at its end.
+pub(super) struct Explained<'f> {
+    /// Limit points of the step.
+    pub limits: &'f [Found],
+    /// Negative eigenvalues at its start.
+    pub negative: usize,
+    /// Whether the loads have a potential.
+    pub has_potential: bool,
+}
+
+impl ArcLengthSteps<'_> {
+    /// Bifurcations of a step up to its end, where there are more or less negative eigenvalues than its limit points explain. Without a potential
+    /// the eigenvalues are those of the symmetric part of the tangent, and tell no bifurcations: a warning says where their number changes.
+    ///
+    /// # Errors
+    /// No eigenvalue passes through zero: the step has gone over to another path.
+    pub(super) fn other_bifurcations(
+        &mut self,
+        &Explained { limits, negative, has_potential }: &Explained,
+        (arc, known): (&ArcStart, &mut Option<Known>),
+        end: &End,
+        observer: &mut dyn Observer,
+    ) -> std::result::Result<Vec<Found>, String> {
+        // Without a potential limit points are no zeros of the symmetric part.
+        let explains = |found: &&Found| has_potential && found.point.change != 0;
+        let limits: Vec<(f64, i32)> = limits.iter().filter(explains).map(|f| (f.a, f.point.change)).collect();
+        let explained: i32 = limits.iter().map(|(_, change)| change).sum();
+        let unexplained = end.negative as i32 - negative as i32 - explained;
+        if unexplained == 0 {
+            return Ok(Vec::new());
+        }
+        let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), end));
+        let mut curve = PathCurve { steps: self, known, observer, has_potential };
+        let found = bifurcations(&mut curve, end.a, (negative, unexplained), &limits)?;
+        if has_potential {
+            return Ok(found);
+        }
+        observer.on_warning(&format!(
+            "between load factors {:.6} and {:.6} the number of negative eigenvalues of the symmetric part of the tangent changes by \
+             {unexplained:+}; bifurcations under loads without a potential are not looked for",
+            self.state.time, end.equation.time
+        ));
+        Ok(Vec::new())
+    }
+}
+
 /// Path of an arc-length step.
-pub(super) struct PathCurve<'s, 'a, 'o> {
+struct PathCurve<'s, 'a, 'o> {
     pub steps: &'s mut ArcLengthSteps<'a>,
     pub known: &'s mut Known,
     pub observer: &'o mut dyn Observer,

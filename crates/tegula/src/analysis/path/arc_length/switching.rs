@@ -10,14 +10,45 @@ use crate::analysis::statics::StaticEquation;
 use crate::element::Nodal;
 
 impl ArcLengthSteps<'_> {
-    /// First bifurcation of a step at which the path goes over to the crossing one, and the sign of the side wanted.
-    pub(super) fn switched<'f>(&self, critical: &'f [Found]) -> Option<(&'f Found, f64)> {
+    /// Goes over to the crossing path at the first bifurcation of a step where this is wanted; drops the critical points behind it.
+    pub(super) fn go_over(
+        &mut self,
+        arc: &ArcStart,
+        known: &Known,
+        critical: &mut Vec<Found>,
+        observer: &mut dyn Observer,
+    ) -> std::result::Result<Option<End>, String> {
         let passed = self.path().map_or(0, |path| path.expansion.bifurcations);
-        piece::switched(critical, passed, &self.options.switch_at)
+        let Some((found, sign)) = piece::switched(critical, passed, &self.options.switch_at) else {
+            return Ok(None);
+        };
+        let (at, direction) = (found.a, self.leaving(arc, (found, sign))?);
+        critical.retain(|found| found.a <= at);
+        self.onto_branch(known, (at, direction), observer).map(Some)
+    }
+
+    /// Ends a step at its first critical point at which the path is to end, and drops those behind it.
+    pub(super) fn end_inside(
+        &mut self,
+        arc: &ArcStart,
+        known: &Known,
+        (critical, negative): (&mut Vec<Found>, usize),
+        end: &mut End,
+        observer: &mut dyn Observer,
+    ) -> std::result::Result<(), String> {
+        let ends = |found: &&Found| found.point.kind.ends(&self.options) && found.a < end.a;
+        let Some(last) = critical.iter().find(ends).map(|found| found.a) else { return Ok(()) };
+        critical.retain(|found| found.a <= last);
+        let changes: i32 = critical.iter().map(|found| found.point.change).sum();
+        // The eigenvalue that vanishes there is round-off, and the response to the loads its eigenvector.
+        let tangent = PathTangent::between(self.system, [&arc.tangent, &end.tangent], last / end.a);
+        let negative = (negative as i32 + changes).max(0) as usize;
+        *end = End { negative, tangent, ..self.equilibrium_near(known, last, observer)? };
+        Ok(())
     }
 
     /// Direction in which the other path leaves a bifurcation of a step.
-    pub(super) fn leaving(
+    fn leaving(
         &mut self,
         arc: &ArcStart,
         (found, sign): (&Found, f64),
@@ -36,7 +67,7 @@ impl ArcLengthSteps<'_> {
     }
 
     /// Equilibrium on the path that crosses at a bifurcation, on the side of a direction.
-    pub(super) fn onto_branch(
+    fn onto_branch(
         &mut self,
         known: &Known,
         (a, direction): (f64, Vec<Nodal>),
