@@ -247,3 +247,62 @@ fn statics_stay_on_the_path_of_an_imperfect_plate() {
         }
     }
 }
+
+/// Strip between hinges with an imperfection of 1 % of its thickness that a natural strain of many times the critical one, π²h²/(12 L²), bends up or
+/// down: static analyses end on the side to which the path bends, although their first steps pass the bifurcation.
+#[test]
+fn strained_strips_bend_to_the_side_of_their_imperfection() {
+    let folder = tempfile::tempdir().unwrap();
+    let middle = |name: &str, analysis: &str, strain: f64| {
+        let model = format!(
+            r#"
+            [analysis]
+            {analysis}
+            [mesh]
+            type = "plate"
+            size = [1.0, 0.1]
+            grid = {{ elements = [20, 1] }}
+            [materials.m]
+            type = "isotropic"
+            young = 1e9
+            poisson = 0.0
+            [[sections]]
+            material = "m"
+            thickness = 0.01
+            [[imperfections]]
+            type = "random"
+            amplitude = 1e-4
+            correlation_length = 0.2
+            seed = 3
+            [[conditions]]
+            type = "hinge"
+            on = "u_min"
+            [[conditions]]
+            type = "hinge"
+            on = "u_max"
+            [[prescribed_strains]]
+            type = "natural"
+            strain = [{strain}, 0.0, 0.0]
+            [output]
+            points = [{{ name = "middle", at = [0.5, 0.0, 0.0] }}]
+            pictures = false
+            "#
+        );
+        let (file, out) = (folder.path().join(format!("{name}.toml")), folder.path().join(name));
+        fs::write(&file, model).unwrap();
+        let run = tegula(&["run", text(&file), "--out", text(&out), "--quiet"]);
+        assert!(run.status.success(), "{name}: {}", errors(&run));
+        summary(&out)["points"]["middle"]["displacement"][2].as_f64().unwrap()
+    };
+    for (times, load_steps) in [(50.0, [1, 5].as_slice()), (300.0, &[20])] {
+        let strain = times * std::f64::consts::PI.powi(2) * 1e-4 / 12.0;
+        let path = middle(&format!("path-{times}"), "type = \"path\"", strain);
+        // An inextensible strip of the length (1 + ε) L between the hinges rises by about 2/π √ε L.
+        assert!((path.abs() / (2.0 / std::f64::consts::PI * strain.sqrt()) - 1.0).abs() < 0.05, "{path}");
+        for steps in load_steps {
+            let analysis = format!("type = \"static\"\nload_steps = {steps}");
+            let end = middle(&format!("static-{times}-{steps}"), &analysis, strain);
+            assert!((end / path - 1.0).abs() < 1e-6, "{steps}: {end} {path}");
+        }
+    }
+}
