@@ -140,8 +140,10 @@ pub struct PrescribedField {
 pub struct PathBefore {
     /// Its direction at the end; empty where there is no such path.
     pub direction: Vec<Nodal>,
-    /// Whether it has ended at a bifurcation.
-    pub at_bifurcation: bool,
+    /// Whether it has ended at a critical point, a limit point or a bifurcation.
+    pub at_critical_point: bool,
+    /// Change of the number of negative eigenvalues there: where it grows, the stable equilibria lie against the direction.
+    pub change: i32,
 }
 
 /// State at which an analysis step starts, left by the step before.

@@ -73,26 +73,25 @@ fn the_crossing_path_of_an_arch_goes_back_to_the_path_of_symmetry() {
     }
 }
 
-/// A path that has ended at the bifurcation and another one behind it pass the critical points of one path.
+/// Paths that end at the next critical point, one behind another, pass those of one path.
 #[test]
-fn a_path_goes_on_from_the_bifurcation_at_which_the_one_before_has_ended() {
+fn a_path_goes_on_from_the_critical_point_at_which_the_one_before_has_ended() {
     for method in METHODS {
         let whole = PathAnalysis { method, ..Default::default() };
         let (m, loads) = loaded_arch(whole.clone());
         let (_, system) = compile(&m);
         let expected = found(&path::run(&system, &whole, None, &mut Notes::default()).unwrap());
-        let first = PathAnalysis { end_at: Some(PathEnd::Bifurcation), ..whole.clone() };
-        let steps = vec![
-            AnalysisStep::new("first", Analysis::Path(first)),
-            AnalysisStep::new("next", Analysis::Path(whole)),
-        ];
+        let part = PathAnalysis { end_at: Some(PathEnd::CriticalPoint), ..whole.clone() };
+        let mut steps: Vec<_> =
+            (1..5).map(|i| AnalysisStep::new(&format!("part {i}"), Analysis::Path(part.clone()))).collect();
+        steps.push(AnalysisStep::new("last", Analysis::Path(whole)));
         let m = Model { steps, ..m };
         let mesh = generate(&m.mesh).unwrap();
         let mut compiler = Compiler::new(&m, &mesh).unwrap();
         let mut start = None;
         let mut all = Vec::new();
         let mut factor = 0.0;
-        for i in 0..2 {
+        for i in 0..5 {
             let system = compiler.system(i, start).unwrap();
             let Analysis::Path(options) = &compiler.steps()[i].model.analysis else { unreachable!() };
             let outcome = path::run(&system, options, None, &mut Notes::default()).unwrap();
@@ -101,7 +100,7 @@ fn a_path_goes_on_from_the_bifurcation_at_which_the_one_before_has_ended() {
                 found(&outcome).into_iter().map(|(kind, change, load)| (kind, change, of_whole(load))),
             );
             // Next to the bifurcation sway is round-off over a small eigenvalue.
-            let (last, most) = (sway(&system, &outcome.state), [1e-3, 1e-5][i]);
+            let (last, most) = (sway(&system, &outcome.state), if i < 4 { 1e-3 } else { 1e-5 });
             assert!(last < most, "{method:?} {last:e}");
             factor = of_whole(outcome.state.time);
             compiler.end_step(i, outcome.state.time);
@@ -112,6 +111,29 @@ fn a_path_goes_on_from_the_bifurcation_at_which_the_one_before_has_ended() {
         for ((kind, change, load), (other, same, exact)) in all.iter().zip(&expected) {
             assert_eq!((kind, change), (other, same));
             assert!((load - exact).abs() < 1e-6 * loads[1], "{method:?} {load} {exact}");
+        }
+    }
+}
+
+/// Load factors that are wanted at a bifurcation, as where they come from an earlier result, or next to the end: the path passes both.
+#[test]
+fn a_path_passes_wanted_loads_at_a_bifurcation_and_next_to_its_end() {
+    for method in METHODS {
+        let options = PathAnalysis { method, ..Default::default() };
+        let (m, _) = loaded_arch(options.clone());
+        let (_, system) = compile(&m);
+        let expected = found(&path::run(&system, &options, None, &mut Notes::default()).unwrap());
+        for part in [1.0, 1.0 - 1e-7, 1.0 + 1e-7] {
+            let mut system = compile(&m).1;
+            system.wanted_times = vec![expected[0].2 * part, 1.0 - 1e-13];
+            let outcome = path::run(&system, &options, None, &mut Notes::default()).unwrap();
+            let found = found(&outcome);
+            assert!((outcome.state.time - 1.0).abs() < 1e-12, "{method:?} {part} {found:?}");
+            assert_eq!(found.len(), expected.len(), "{method:?} {part} {found:?}");
+            for ((kind, change, load), (other, same, exact)) in found.iter().zip(&expected) {
+                assert_eq!((kind, change), (other, same), "{method:?} {part}");
+                assert!((load - exact).abs() < 1e-6, "{method:?} {part}: {load} {exact}");
+            }
         }
     }
 }

@@ -13,7 +13,7 @@ mod switching;
 
 use super::critical_points::Found;
 use super::series::{Series, is_flat, roots};
-use super::start::{away_from_bifurcation, forward, in_equilibrium};
+use super::start::{away_from_critical_point, forward, in_equilibrium};
 use super::state::{
     ArcStart, CriticalKind, CriticalPoint, ExpansionPoint, PathState, ended_early, not_continued,
 };
@@ -63,8 +63,7 @@ const SAME_PLACE: f64 = 1e-6;
 /// Distance of two load factors, over the size of the larger, below which they are one.
 const SAME_LOAD: f64 = 1e-12;
 
-/// Difference of load factors over them beside a bifurcation, and work of the loads on the direction there over their size that is hardly any.
-const BESIDE: f64 = 1e-4;
+/// Work of the loads on the direction beside a bifurcation, over their size, that is hardly any.
 const WORKLESS: f64 = 1e-2;
 
 /// A path of arc-length steps between two of its points.
@@ -329,7 +328,12 @@ impl<'a> ArcLengthSteps<'a> {
         }
         if let Some((a, load)) = first {
             let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), &end));
+            let tangent = PathTangent::between(self.system, [&arc.tangent, &end.tangent], a / end.a);
             end = self.at_load(known, (a, load), observer)?;
+            if self.system.inner_product(&tangent.direction, &end.tangent.direction) < TURN {
+                // Next to a bifurcation the response to the loads is the eigenvector of the eigenvalue that vanishes there.
+                end.tangent = tangent;
+            }
         }
         if end.a < length || length < planned {
             next = next.min(planned);
@@ -356,10 +360,7 @@ impl<'a> ArcLengthSteps<'a> {
     /// there.
     fn begins_beside_bifurcation(&self, direction: &PathTangent) -> bool {
         let last = self.path().and_then(|path| path.critical.last());
-        let load = self.state.time;
-        let is_near = last.is_some_and(|point| {
-            point.kind == CriticalKind::Bifurcation && (point.load - load).abs() <= BESIDE * load.abs()
-        });
+        let is_near = last.is_some_and(|point| point.is_bifurcation_beside(self.state.time));
         let size = self.response.size_of_loads(self.system);
         is_near && direction.work.abs() <= WORKLESS * size
     }
@@ -426,7 +427,7 @@ impl<'a> ArcLengthSteps<'a> {
     fn wanted(&self, loads: &Series, end: f64) -> Option<(f64, f64)> {
         let from = self.state.time;
         let all = self.system.wanted_times.iter().copied().chain([self.options.end_load]);
-        let other = all.filter(|load| (load - from).abs() > SAME_LOAD * larger(load.abs(), from.abs()));
+        let other = all.filter(|load| !is_same_load(*load, from));
         let places = other.filter_map(|load| Some((loads.reaches(load, end).first().copied()?, load)));
         places.min_by(|p, q| p.0.total_cmp(&q.0))
     }
@@ -476,12 +477,16 @@ impl<'a> ArcLengthSteps<'a> {
         path.expansion.number += 1;
         path.loads = [path.loads[0].min(state.time), larger(path.loads[1], state.time)];
         path.arc = Some(ArcStart { tangent: end.tangent, length });
-        path.finished |= state.time == options.end_load;
+        path.finished |= is_same_load(state.time, options.end_load);
         if !path.finished && path.expansion.number >= options.max_steps {
             path.finished = true;
             ended_early(state, options, observer);
         }
     }
+}
+
+fn is_same_load(a: f64, b: f64) -> bool {
+    (a - b).abs() <= SAME_LOAD * larger(a.abs(), b.abs())
 }
 
 impl Stepper for ArcLengthSteps<'_> {
@@ -504,7 +509,7 @@ impl Stepper for ArcLengthSteps<'_> {
         }
         let before = self.statistics.iterations;
         let start = self.state.step == 0 && self.path().is_some_and(|path| path.arc.is_none());
-        if let Some(direction) = away_from_bifurcation(self.system, &self.options).filter(|_| start) {
+        if let Some(direction) = away_from_critical_point(self.system, &self.options).filter(|_| start) {
             let outcome = self.step_away(direction, observer);
             let outcome = outcome.map_err(|reason| not_continued(&self.state, &reason))?;
             self.accept(outcome, observer);

@@ -5,7 +5,7 @@ use super::critical_points::{Found, INVERSE_ITERATIONS, SeriesCurve, bifurcation
 use super::expansion::{Directions, Expansion};
 use super::geometric;
 use super::series::{Series, is_flat};
-use super::start::{away_from_bifurcation, forward};
+use super::start::{away_from_critical_point, forward};
 use super::state::{CriticalKind, CriticalPoint, ExpansionPoint};
 use crate::element::Nodal;
 use crate::model::PathAnalysis;
@@ -52,8 +52,8 @@ impl Start {
         (point, options): (ExpansionPoint, &PathAnalysis),
     ) -> Result<Self, String> {
         let at_start = point.position == 0.0 && point.direction.is_empty();
-        if let Some(direction) = away_from_bifurcation(system, options).filter(|_| at_start) {
-            return Self::away_from_bifurcation(system, expansion, (point, direction), options);
+        if let Some(direction) = away_from_critical_point(system, options).filter(|_| at_start) {
+            return Self::away_from_critical_point(system, expansion, (point, direction), options);
         }
         let negative = expansion.factor(system, &point.u, point.load)?;
         let directions = expansion.directions(system, &point.u, point.load)?;
@@ -64,8 +64,8 @@ impl Start {
         Ok(Self { point: ExpansionPoint { direction, ..point }, directions, negative })
     }
 
-    /// Start next to a bifurcation, at which a path begins, in a direction.
-    fn away_from_bifurcation(
+    /// Start next to a critical point, at which a path begins, in a direction.
+    fn away_from_critical_point(
         system: &System,
         expansion: &mut Expansion,
         (point, direction): (ExpansionPoint, &[Nodal]),
@@ -73,7 +73,8 @@ impl Start {
     ) -> Result<Self, String> {
         if !system.dofs().prescribed.is_empty() {
             return Err(
-                "the path begins at a bifurcation, and prescribed motions work on the way from there".into(),
+                "the path begins at a critical point, and prescribed motions work on the way from there"
+                    .into(),
             );
         }
         let at = (point.u.as_slice(), point.load);
@@ -125,14 +126,15 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// Expands the path at a point whose tangent is factored; the tangent at the end of the piece is factored then.
+    /// Expands the path at a point whose tangent is factored, and which may lie beside the bifurcation that was passed last; the tangent at the
+    /// end of the piece is factored then.
     ///
     /// # Errors
     /// There is no series, its residual is too large, or the tangent has no factor; the text gives the reason.
     pub fn new(
         system: &System,
         expansion: &mut Expansion,
-        start: Start,
+        (start, beside_bifurcation): (Start, bool),
         options: &PathAnalysis,
     ) -> Result<Self, NoPiece> {
         let Start { point, directions, negative } = start;
@@ -149,7 +151,8 @@ impl Piece {
         let mut end_load = end_of_path.map(|_| options.end_load).filter(|_| end.length == length);
         length = end.length;
         let at_end = expansion.factorizations();
-        let mut critical = if is_flat(&series, length) && end.negative == negative {
+        let mut critical = if beside_bifurcation && is_flat(&series, length) && end.negative == negative {
+            // Behind it the load of a crossing path is constant, but for round-off.
             Vec::new()
         } else {
             limit_points(system, expansion, &series, length)

@@ -83,7 +83,9 @@ impl<'a> SeriesSteps<'a> {
     }
 
     fn find_piece(&mut self, start: Start) -> std::result::Result<Piece, String> {
-        let piece = Piece::new(self.system, &mut self.expansion, start, self.options);
+        let last = self.path().and_then(|path| path.critical.last());
+        let beside = last.is_some_and(|point| point.is_bifurcation_beside(start.point().load));
+        let piece = Piece::new(self.system, &mut self.expansion, (start, beside), self.options);
         self.statistics.factorizations = self.expansion.factorizations();
         self.without_branch = piece.as_ref().is_err_and(|failed| failed.without_branch);
         piece.map_err(|failed| failed.reason)

@@ -45,11 +45,11 @@ pub fn in_equilibrium(
 /// Cosine of the angle between the direction of a path and that of the path before at its end, above which one continues the other.
 const CONTINUES: f64 = 0.5;
 
-/// Direction in which a path with rising loads leads away from a bifurcation at its start: that of the path before, which has ended there. The
-/// tangent is singular, and does not tell the direction.
-pub fn away_from_bifurcation<'s>(system: &'s System, options: &PathAnalysis) -> Option<&'s [Nodal]> {
+/// Direction in which a path with rising loads leads away from a critical point at its start: that of the path before, which has ended there. The
+/// tangent is singular; at a bifurcation it does not tell the direction, and a limit point would be found again.
+pub fn away_from_critical_point<'s>(system: &'s System, options: &PathAnalysis) -> Option<&'s [Nodal]> {
     let before = &system.path_before;
-    (before.at_bifurcation && options.end_load > 0.0).then_some(&before.direction)
+    (before.at_critical_point && options.end_load > 0.0).then_some(&before.direction)
 }
 
 /// Whether a direction in which the load factor rises goes on (true) or back along the path of the step before, which has ended at a critical point or behind

@@ -86,7 +86,15 @@ const ALONG_MODE: f64 = 3e-3;
 /// Distance across the mode over the square of that along it, times the size of the displacements.
 const CURVED: f64 = 10.0;
 
+/// Difference of load factors over them beside a bifurcation.
+const BESIDE: f64 = 1e-4;
+
 impl CriticalPoint {
+    /// Whether this is a bifurcation next to which a load factor lies.
+    pub fn is_bifurcation_beside(&self, load: f64) -> bool {
+        self.kind == CriticalKind::Bifurcation && (self.load - load).abs() <= BESIDE * load.abs()
+    }
+
     /// Whether a later point is this one. Where a crossing path returns to its bifurcation it may be rounded off along the critical mode, and
     /// have an extremum of the load there.
     pub fn is_passed_again_at(&self, system: &System, later: &Self) -> bool {
@@ -142,13 +150,16 @@ pub struct PathState {
 impl PathState {
     /// Direction and kind of the end of this path, for the next analysis step; the tangent has a number of negative pivots there.
     pub fn before(&self, negative_pivots: usize) -> PathBefore {
-        let last = self.critical.last().filter(|point| point.position == self.position);
-        let at_bifurcation = last.is_some_and(|point| point.kind == CriticalKind::Bifurcation);
-        if negative_pivots == 0 && !at_bifurcation {
+        let end = self.critical.last().filter(|point| point.position == self.position);
+        if negative_pivots == 0 && end.is_none() {
             return PathBefore::default();
         }
         let direction = self.arc.as_ref().map_or(&self.direction, |arc| &arc.tangent.direction).clone();
-        PathBefore { direction, at_bifurcation }
+        PathBefore {
+            direction,
+            at_critical_point: end.is_some(),
+            change: end.map_or(0, |point| point.change),
+        }
     }
 
     /// Notes a critical point that the path has passed, with `negative` negative eigenvalues behind it. The path ends where it is to end at

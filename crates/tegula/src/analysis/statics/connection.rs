@@ -47,7 +47,7 @@ use super::StaticEquation;
 use crate::analysis::newton::Equation;
 use crate::element::Nodal;
 use crate::norm::larger;
-use crate::system::{Assembly, EvaluationPoint, System, VectorKind, add_multiple, dot, dot3};
+use crate::system::{Assembly, EvaluationPoint, System, add_multiple, dot};
 
 /// Ratio of the displacement of a step to that of the faster of its two ends above which the step is refused. Large
 /// steps on smooth paths reach 1.27 (quarter cylinder of Sect. 5.2 in one step), snaps of roofs begin at 2.1.
@@ -129,16 +129,30 @@ pub(super) fn released_energy(
 
 /// Reason to doubt that a path leads through the step Δu, whose start moves with the speed u'(0) in the opposite direction, as text.
 pub(super) fn turned_back(system: &System, step: &[Nodal], response: &[Nodal]) -> Option<String> {
-    let weight = |v: usize| {
-        if system.coordinates.kinds[v] == VectorKind::Position { system.length.powi(-2) } else { 1.0 }
-    };
-    let product = |a: &[Nodal], b: &[Nodal]| -> f64 {
-        a.iter().zip(b).enumerate().map(|(v, (a, b))| weight(v) * dot3(*a, *b)).sum()
-    };
-    let cosine = product(step, response) / (product(step, step) * product(response, response)).sqrt();
+    let cosine = cosine(system, step, response);
     (cosine < BACKWARDS).then(|| {
         format!("the step leads away from the direction in which its first tangent moves the model (cosine {cosine:.2})")
     })
+}
+
+/// Reason to doubt the first step behind a path that has ended at a critical point, as text: it leads to the side on which that path is unstable.
+pub(super) fn unstable_side(system: &System, step: &[Nodal]) -> Option<String> {
+    let path = &system.path_before;
+    if !path.at_critical_point || path.change == 0 {
+        return None;
+    }
+    let along = cosine(system, step, &path.direction);
+    let onto_stable = if path.change > 0 { -along } else { along };
+    (onto_stable < BACKWARDS).then(|| {
+        format!(
+            "the path before has ended at a critical point, and the step leads to the side on which that path is unstable (cosine {along:.2} \
+             with its direction)"
+        )
+    })
+}
+
+fn cosine(system: &System, a: &[Nodal], b: &[Nodal]) -> f64 {
+    system.inner_product(a, b) / (system.norm(a) * system.norm(b))
 }
 
 /// Whether a step follows a smooth path, from the speeds u'(0) and −u'(1) at its ends.

@@ -1,6 +1,6 @@
 //! Load steps of a static analysis, with cut-backs.
 
-use super::connection::{SOFTER, Speeds, is_smooth, other_side, released_energy, turned_back};
+use super::connection::{SOFTER, Speeds, is_smooth, other_side, released_energy, turned_back, unstable_side};
 use super::continued::on_path;
 use super::failure::{CriticalPoint, Failure, Kind, name};
 use super::{StaticEquation, energies, equilibrium_step, reactions, undefined};
@@ -289,7 +289,8 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let loads: [&mut [Nodal]; 3] = [first, last, external];
         // `external` holds the displacement of the step. Prescribed strains roll shells up by many turns in one step.
         let away = turned_back(system, loads[2], &newton.first_response)
-            .filter(|_| system.prescribed_strains.is_empty());
+            .filter(|_| system.prescribed_strains.is_empty())
+            .or_else(|| unstable_side(system, loads[2]).filter(|_| state.step == 0));
         let steps = (&before, &*equation, state.history.as_slice());
         let released = released_energy(system, &mut newton.assembly, steps, &newton.first_response, loads);
         let speeds = Speeds {

@@ -20,6 +20,9 @@ const MOST_TRIALS: usize = 30;
 /// Largest distance of a trial from the nearest known equilibrium on the same path: twice that along the step and a twentieth of the step.
 const FAR: [f64; 2] = [2.0, 0.05];
 
+/// Length of a step in which a zero of the symmetric part need not be found: next to it the unsymmetric tangent may be singular.
+const SHORT: f64 = 1e-3;
+
 /// Work of the loads on the direction at an extremum of the load factor, over that at the ends of the step, below which it is none: the direction is
 /// the mode of a bifurcation.
 const CROSSING: f64 = 1e-2;
@@ -225,9 +228,12 @@ impl ArcLengthSteps<'_> {
         }
         let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), end));
         let mut curve = PathCurve { steps: self, known, observer, has_potential };
-        let found = bifurcations(&mut curve, end.a, (negative, unexplained), &limits)?;
-        if has_potential {
-            return Ok(found);
+        let found = bifurcations(&mut curve, end.a, (negative, unexplained), &limits);
+        if has_potential || end.a > SHORT {
+            let found = found?;
+            if has_potential {
+                return Ok(found);
+            }
         }
         observer.on_warning(&format!(
             "between load factors {:.6} and {:.6} the number of negative eigenvalues of the symmetric part of the tangent changes by \

@@ -77,7 +77,7 @@ impl ArcLengthSteps<'_> {
         Ok(End { a, ..self.beside(&at, direction, observer)? })
     }
 
-    /// Step from a bifurcation, at which the path begins, in a direction.
+    /// Step from a critical point, at which the path begins, in a direction.
     pub(super) fn step_away(
         &mut self,
         direction: &[Nodal],
