@@ -232,11 +232,11 @@ fn statics_stay_on_the_path_of_an_imperfect_plate() {
     let first = ([0.0685, 0.3425, 1.37], -3.425, [2.055, 205.5]);
     let second = ([0.497906, -0.988418, 3.63076], 5.50415, [2.50841, -183.594]);
     for (case, (force, pressure, temperature)) in [first, second].into_iter().enumerate() {
-        let ends = ["type = \"path\"", "type = \"static\"", "type = \"static\"\nload_steps = 10"];
-        let ends: Vec<[f64; 2]> = ends
-            .iter()
+        let statics = [1, 2, 10].map(|steps| format!("type = \"static\"\nload_steps = {steps}"));
+        let analyses = std::iter::once("type = \"path\"".to_owned()).chain(statics);
+        let ends: Vec<[f64; 2]> = analyses
             .enumerate()
-            .map(|(k, analysis)| end(&format!("{case}-{k}"), analysis, force, pressure, temperature))
+            .map(|(k, analysis)| end(&format!("{case}-{k}"), &analysis, force, pressure, temperature))
             .collect();
         let size = tegula::norm::larger(ends[0][0].abs(), ends[0][1].abs());
         // On one side of the bifurcation the plate is twisted.

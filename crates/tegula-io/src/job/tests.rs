@@ -255,7 +255,13 @@ fn distinct(system: &System) -> CheckpointData {
     let kind = CriticalKind::Bifurcation;
     let point = CriticalPoint { kind, load: factor, position: at, change: -2, u: field(n), mode: field(n) };
     let [rate, work, length] = field(1)[0];
-    let tangent = PathTangent { direction: field(n), multipliers: field(1)[0].to_vec(), load: rate, work };
+    let tangent = PathTangent {
+        direction: field(n),
+        multipliers: field(1)[0].to_vec(),
+        load: rate,
+        work,
+        determinant_sign: -1,
+    };
     state.path = Some(Box::new(PathState {
         position,
         expansion,

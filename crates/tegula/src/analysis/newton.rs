@@ -16,12 +16,13 @@
 mod arc_length;
 mod convergence;
 mod iteration;
+mod linear_solution;
 mod response;
 mod stability;
 
 pub use arc_length::{LoadResponse, NOTHING_MOVES, PathTangent, Plane};
 pub use response::SoftestMode;
-pub use stability::Stability;
+pub use stability::{Stability, TangentPart};
 
 use crate::Result;
 use crate::element::{Motion, Nodal};

@@ -15,6 +15,7 @@ mod buckling_machines;
 mod buckling_materials;
 mod bushing_elements;
 mod bushings;
+mod circulatory_paths;
 mod clearance;
 mod composition;
 mod continued_paths;

@@ -18,7 +18,7 @@ const THICKNESS: f64 = 0.02;
 const INERTIA: f64 = WIDTH * THICKNESS * THICKNESS * THICKNESS / 12.0;
 
 /// Joints of the nodes of an edge of the strip with another side, made by `joint` from a name, the set and the position of the node.
-fn on_edge(m: &mut Model, x: f64, joint: &dyn Fn(String, &str, [f64; 3]) -> Joint) {
+pub fn on_edge(m: &mut Model, x: f64, joint: &dyn Fn(String, &str, [f64; 3]) -> Joint) {
     for (i, p) in generate(&m.mesh).unwrap().positions.iter().enumerate() {
         if (p.x - x).abs() < 1e-9 {
             m.joints.push(joint(format!("joint{i}"), &format!("node{i}"), (*p).into()));
@@ -27,7 +27,7 @@ fn on_edge(m: &mut Model, x: f64, joint: &dyn Fn(String, &str, [f64; 3]) -> Join
 }
 
 /// Mesh of a model with a set `node0`, `node1`, … for each node.
-fn mesh_of(m: &Model) -> tegula::Mesh {
+pub fn mesh_of(m: &Model) -> tegula::Mesh {
     let mut mesh = generate(&m.mesh).unwrap();
     for node in 0..mesh.positions.len() as u32 {
         mesh.node_sets.insert(format!("node{node}"), vec![node]);
@@ -39,7 +39,8 @@ fn aligned(name: String, between: [String; 2]) -> Joint {
     Joint::DirectorAlignment(DirectorJoint { name, between })
 }
 
-fn clamp(name: String, between: [String; 2], at: [f64; 3]) -> Joint {
+/// Joint that holds the position and the director of a node.
+pub fn clamp(name: String, between: [String; 2], at: [f64; 3]) -> Joint {
     Joint::ClampedDirector(PointJoint { name, between, at, second_at: None })
 }
 

@@ -28,7 +28,6 @@ use crate::norm::larger;
 use crate::system::assembly::add_follower_stiffness;
 use crate::system::{System, add_multiple, dot};
 use serde::{Deserialize, Serialize};
-use tegula_sparse::gmres::noise;
 
 /// Difference of load factors with which loads are derived; it is exact for loads in proportion to the load factor.
 const LOAD_DIFFERENCE: f64 = 1e-4;
@@ -69,10 +68,14 @@ pub struct PathTangent {
     /// derivative of the load factor has the sign of the eigenvalue that vanishes at a limit point (from `K t + Gᵀ c = F dλ` and
     /// `G t = −ġ dλ` with the eigenvector φ of K on `G φ = 0`, the direction t where dλ = 0: `φᵀK φ = dλ (φᵀF − ġᵀc)`).
     pub work: f64,
+    /// Sign of the determinant of the tangent in models whose follower loads may have no potential, 1 or −1: it changes where a real
+    /// eigenvalue passes through zero. It is 0 in other models, whose negative eigenvalues are counted, and where it is not found.
+    #[serde(default)]
+    pub determinant_sign: i8,
 }
 
 impl PathTangent {
-    /// Tangent between those at two places of a path, at a part of the way.
+    /// Tangent between those at two places of a path, at a part of the way; the sign of the determinant is that of the second one.
     pub fn between(system: &System, [first, last]: [&Self; 2], part: f64) -> Self {
         let mix = |a: f64, b: f64| a + part * (b - a);
         let mut direction = first.direction.clone();
@@ -87,6 +90,7 @@ impl PathTangent {
             multipliers: multipliers.collect(),
             load: mix(first.load, last.load) / size,
             work: mix(first.work, last.work) / size,
+            determinant_sign: last.determinant_sign,
         }
     }
 
@@ -307,38 +311,9 @@ impl<S: TangentSolver> Newton<S> {
             multipliers: response.multipliers.iter().map(|x| scale * x).collect(),
             load: scale,
             work: scale * response.work,
+            determinant_sign: self.determinant_sign(negative)?,
         };
         Ok((tangent, negative))
-    }
-
-    /// Eigenvalue next to zero of the tangent factored last, at an equilibrium, in the metric of [`System::norm`], and its eigenvector
-    /// of unit norm, by inverse iteration from a fixed start.
-    ///
-    /// # Errors
-    /// The linear solver failed.
-    pub fn eigenvalue_next_to_zero(
-        &mut self,
-        system: &System,
-        equation: &StaticEquation,
-        iterations: usize,
-    ) -> Result<(f64, Vec<Nodal>), String> {
-        let mut mode = vec![[0.0; 3]; system.vectors()];
-        self.solution.iter_mut().zip(noise()).for_each(|(x, start)| *x = start);
-        expand_free(&self.frames, &self.solution, false, &mut mode);
-        let mut eigenvalue = f64::NAN;
-        for _ in 0..iterations {
-            let size = system.norm(&mode);
-            mode.as_flattened_mut().iter_mut().for_each(|x| *x /= size);
-            let before = mode.clone();
-            system.apply_metric(&mut mode);
-            self.residual.copy_from_slice(&mode);
-            self.find_response(system, (equation, equation.time), false, false)?;
-            mode.copy_from_slice(&self.increment);
-            eigenvalue = 1.0 / system.inner_product(&before, &mode);
-        }
-        let size = system.norm(&mode);
-        mode.as_flattened_mut().iter_mut().for_each(|x| *x /= size);
-        Ok((eigenvalue, mode))
     }
 
     /// Factors the tangent at an iterate. The residual becomes that of the iterate, and the force of `response` its derivative with
@@ -440,16 +415,14 @@ impl<S: TangentSolver> Newton<S> {
         response: &mut LoadResponse,
     ) -> Result<(), String> {
         let LoadResponse { force, prescribed, field, free, multipliers, work } = response;
-        self.frames.reduce(force, free);
-        self.right_side.copy_from_slice(free);
-        self.solver.solve_tangent(free)?;
-        if let Some(loads) = &mut self.circulatory {
-            loads.correct(&mut self.solver, &self.frames, free, Purpose::Increment)?;
-        }
+        self.frames.reduce(force, &mut self.right_side);
+        let at = (&equation.motion(), equation.time);
+        self.solve_for_right_side(Some(Purpose::Path), |constraints, x| {
+            multipliers.copy_from_slice(constraints.project(system, at, Rates::First(prescribed), x));
+        })?;
+        free.copy_from_slice(&self.solution);
         *work = 0.0;
         if let Some(constraints) = &mut self.constraints {
-            let at = (&equation.motion(), equation.time);
-            multipliers.copy_from_slice(constraints.project(system, at, Rates::First(prescribed), free));
             let rates = constraints.rates(system, at, Rates::First(prescribed));
             *work -= rates.iter().zip(&*multipliers).map(|(a, b)| a * b).sum::<f64>();
         }
@@ -462,15 +435,10 @@ impl<S: TangentSolver> Newton<S> {
     /// Solves for the increment `K⁻¹R` at constant load factor.
     fn respond_to_residual(&mut self, system: &System, equation: &StaticEquation) -> Result<(), String> {
         self.frames.reduce(&self.residual, &mut self.right_side);
-        self.solution.copy_from_slice(&self.right_side);
-        self.solver.solve_tangent(&mut self.solution)?;
-        if let Some(loads) = &mut self.circulatory {
-            loads.correct(&mut self.solver, &self.frames, &mut self.solution, Purpose::Increment)?;
-        }
-        if let Some(constraints) = &mut self.constraints {
+        self.solve_for_right_side(Some(Purpose::Path), |constraints, x| {
             let at = (&equation.motion(), equation.time);
-            constraints.correct(system, at, equation.multipliers(), &mut self.solution);
-        }
+            constraints.correct(system, at, equation.multipliers(), x);
+        })?;
         expand_free(&self.frames, &self.solution, false, &mut self.increment);
         Ok(())
     }

@@ -317,19 +317,13 @@ impl<S: TangentSolver> Newton<S> {
         setting: &Setting,
     ) -> Result<f64, Failed> {
         let tangent_failed = |reason: String| (Cause::Tangent, reason);
-        self.solution.copy_from_slice(&self.right_side);
-        self.solver.solve_tangent(&mut self.solution).map_err(tangent_failed)?;
-        if let Some(loads) = &mut self.circulatory {
-            let old = setting.reuse || setting.coefficients.mass != 0.0;
-            let purpose = if old { Purpose::Contraction } else { Purpose::Increment };
-            loads
-                .correct(&mut self.solver, &self.frames, &mut self.solution, purpose)
-                .map_err(tangent_failed)?;
-        }
-        if let Some(constraints) = &mut self.constraints {
+        let old = setting.reuse || setting.coefficients.mass != 0.0;
+        let purpose = if old { Purpose::Contraction } else { Purpose::Increment };
+        let solved = self.solve_for_right_side(Some(purpose), |constraints, x| {
             let at = (&equation.motion(), equation.parts().time);
-            constraints.correct(system, at, equation.multipliers(), &mut self.solution);
-        }
+            constraints.correct(system, at, equation.multipliers(), x);
+        });
+        solved.map_err(tangent_failed)?;
         if let Some(body) = spun_body(system, &self.solution) {
             return Err((
                 Cause::Flight,

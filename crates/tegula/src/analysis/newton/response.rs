@@ -44,7 +44,7 @@ impl<S: TangentSolver> Newton<S> {
             subtract(&mut self.residual, &self.internal);
             self.change_of_forces(system, (after, before), history);
         }
-        self.find_response(system, (after, before.parts().time), moved, true)
+        self.find_response(system, (after, before.parts().time), moved, Some(Purpose::Increment))
     }
 
     /// Displacements of the last response that was found.
@@ -71,7 +71,8 @@ impl<S: TangentSolver> Newton<S> {
             subtract(&mut self.residual, &self.internal);
             self.change_of_forces(system, (equilibrium, loaded), history);
         }
-        let response = self.find_response(system, (equilibrium, loaded.parts().time), moved, true)?;
+        let response =
+            self.find_response(system, (equilibrium, loaded.parts().time), moved, Some(Purpose::Increment))?;
         let answer = self.increment.clone();
         let work: f64 =
             self.residual.as_flattened().iter().zip(answer.as_flattened()).map(|(f, u)| f * u).sum();
@@ -84,7 +85,7 @@ impl<S: TangentSolver> Newton<S> {
         for _ in 0..INVERSE_ITERATIONS {
             self.residual.copy_from_slice(&shape);
             system.apply_metric(&mut self.residual);
-            let size = self.find_response(system, (equilibrium, equilibrium.parts().time), false, false)?;
+            let size = self.find_response(system, (equilibrium, equilibrium.parts().time), false, None)?;
             compliance = size;
             for (x, y) in shape.as_flattened_mut().iter_mut().zip(self.increment.as_flattened()) {
                 *x = y / size;
@@ -173,24 +174,20 @@ impl<S: TangentSolver> Newton<S> {
     }
 
     /// Solves for the residual on the constraints of joints, whose drives move from an equilibrium to their places at a
-    /// `time`, and with the unsymmetric tangent if it is `whole`; prescribed degrees of freedom keep their increment if they
+    /// `time`, and with the unsymmetric tangent where it has a `purpose`; prescribed degrees of freedom keep their increment if they
     /// have `moved`, else they are at rest. Returns the norm of the increment.
     pub(super) fn find_response(
         &mut self,
         system: &System,
         (equilibrium, time): (&dyn Equation, f64),
         moved: bool,
-        whole: bool,
+        purpose: Option<Purpose>,
     ) -> Result<f64, String> {
-        self.frames.reduce(&self.residual, &mut self.solution);
-        self.solver.solve_tangent(&mut self.solution)?;
-        if let Some(loads) = self.circulatory.as_mut().filter(|_| whole) {
-            loads.correct(&mut self.solver, &self.frames, &mut self.solution, Purpose::Increment)?;
-        }
-        if let Some(constraints) = &mut self.constraints {
+        self.frames.reduce(&self.residual, &mut self.right_side);
+        self.solve_for_right_side(purpose, |constraints, x| {
             let at = (&equilibrium.motion(), time);
-            constraints.correct(system, at, equilibrium.multipliers(), &mut self.solution);
-        }
+            constraints.correct(system, at, equilibrium.multipliers(), x);
+        })?;
         expand_free(&self.frames, &self.solution, moved, &mut self.increment);
         Ok(system.norm(&self.increment))
     }

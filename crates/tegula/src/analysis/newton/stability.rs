@@ -1,9 +1,11 @@
 //! Stability of an equilibrium by divergence: inertia of the symmetric tangent (Sylvester's law, negative pivots), and
 //! eigenvalues of the unsymmetric one.
 
-use super::{Newton, expand_free};
-use crate::analysis::circulatory::Purpose;
+use super::{Constraints, Newton, expand_free};
+use crate::analysis::circulatory::{CirculatoryLoads, Purpose};
 use crate::analysis::solver::TangentSolver;
+use crate::analysis::statics::StaticEquation;
+use crate::element::Nodal;
 use crate::system::System;
 use tegula_sparse::gmres::{Gmres, noise};
 
@@ -34,6 +36,17 @@ pub enum Stability {
     Undecided(usize),
 }
 
+/// Tangent of which an eigenvector is wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TangentPart {
+    /// The symmetric part K; the whole tangent where all loads have a potential.
+    Symmetric,
+    /// The tangent K + N with the circulatory part N of follower loads.
+    Whole,
+    /// The transposed tangent K − N, whose eigenvectors are the left ones of K + N.
+    Transposed,
+}
+
 /// Eigenvalues of an unsymmetric tangent next to zero.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct NextToZero {
@@ -54,11 +67,10 @@ impl<S: TangentSolver> Newton<S> {
             // xᵀ(K + N) x = xᵀ K x > 0: no eigenvalue has a negative real part.
             return Ok(Stability::Stable);
         }
-        let Self { circulatory, solver, frames, .. } = self;
-        let Some(loads) = circulatory.as_mut().filter(|loads| !loads.is_zero()) else {
+        if self.circulatory.as_ref().is_none_or(CirculatoryLoads::is_zero) {
             return Ok(Stability::Unstable(negative_pivots));
-        };
-        let crossings = loads.zero_crossings(solver, frames)?;
+        }
+        let crossings = self.zero_crossings()?;
         // Each crossing changes the number of real negative eigenvalues by one: an odd number is never zero.
         if crossings.is_some_and(|n| (negative_pivots + n) % 2 == 1) {
             return Ok(Stability::Unstable(negative_pivots));
@@ -70,6 +82,78 @@ impl<S: TangentSolver> Newton<S> {
             return Ok(Stability::Unstable(negative_pivots));
         }
         Ok(Stability::Undecided(negative_pivots))
+    }
+
+    /// Number of real eigenvalues of the tangent factored last that pass through zero while its circulatory part grows from zero:
+    /// [`CirculatoryLoads::zero_crossings`].
+    fn zero_crossings(&mut self) -> Result<Option<usize>, String> {
+        let mut linear = self.linear_system();
+        let Some(loads) = linear.circulatory.take() else { return Ok(Some(0)) };
+        let frames = linear.frames;
+        loads.zero_crossings(&mut |x| linear.solve_at_rest(x), frames)
+    }
+
+    /// Sign of the determinant of the tangent factored last, 1 or −1, in models whose follower loads may make it unsymmetric: its symmetric
+    /// part has the number of negative eigenvalues `negative`. 0 in other models, and where the sign is not found.
+    ///
+    /// # Errors
+    /// The linear solver failed; the text gives the reason.
+    pub(super) fn determinant_sign(&mut self, negative: usize) -> Result<i8, String> {
+        let crossings = match &self.circulatory {
+            None => return Ok(0),
+            // As at load factor 0.
+            Some(loads) if loads.is_zero() => Some(0),
+            Some(_) => self.zero_crossings()?,
+        };
+        Ok(crossings.map_or(0, |n| if (negative + n).is_multiple_of(2) { 1 } else { -1 }))
+    }
+
+    /// Eigenvalue next to zero of the tangent factored last, at an equilibrium, in the metric of [`System::norm`], and its eigenvector
+    /// of unit norm, by inverse iteration from a fixed start.
+    ///
+    /// # Errors
+    /// The linear solver failed.
+    pub fn eigenvalue_next_to_zero(
+        &mut self,
+        system: &System,
+        equation: &StaticEquation,
+        (tangent, iterations): (TangentPart, usize),
+    ) -> Result<(f64, Vec<Nodal>), String> {
+        if let Some(loads) = &mut self.circulatory {
+            loads.transpose(tangent == TangentPart::Transposed);
+        }
+        let purpose = (tangent != TangentPart::Symmetric).then_some(Purpose::Path);
+        let found = self.inverse_iteration(system, equation, (purpose, iterations));
+        if let Some(loads) = &mut self.circulatory {
+            loads.transpose(false);
+        }
+        found
+    }
+
+    /// Inverse iteration with the whole tangent where it has a `purpose`, else with the symmetric part.
+    fn inverse_iteration(
+        &mut self,
+        system: &System,
+        equation: &StaticEquation,
+        (purpose, iterations): (Option<Purpose>, usize),
+    ) -> Result<(f64, Vec<Nodal>), String> {
+        let mut mode = vec![[0.0; 3]; system.vectors()];
+        self.solution.iter_mut().zip(noise()).for_each(|(x, start)| *x = start);
+        expand_free(&self.frames, &self.solution, false, &mut mode);
+        let mut eigenvalue = f64::NAN;
+        for _ in 0..iterations {
+            let size = system.norm(&mode);
+            mode.as_flattened_mut().iter_mut().for_each(|x| *x /= size);
+            let before = mode.clone();
+            system.apply_metric(&mut mode);
+            self.residual.copy_from_slice(&mode);
+            self.find_response(system, (equation, equation.time), false, purpose)?;
+            mode.copy_from_slice(&self.increment);
+            eigenvalue = 1.0 / system.inner_product(&before, &mode);
+        }
+        let size = system.norm(&mode);
+        mode.as_flattened_mut().iter_mut().for_each(|x| *x /= size);
+        Ok((eigenvalue, mode))
     }
 
     /// Eigenvalues next to zero of the tangent of the equilibrium found last, with the circulatory part of follower
@@ -91,16 +175,13 @@ impl<S: TangentSolver> Newton<S> {
             last = now;
             found.real_negative || without == LOOKS_WITHOUT
         };
-        let Self { solver, frames, circulatory, increment, .. } = self;
+        let (mut force, mut right) = (vec![[0.0; 3]; system.vectors()], vec![0.0; size]);
         arnoldi.ritz_values(&start, EIGENVALUE_STEPS, &mut looked, |v, out| {
-            expand_free(frames, v, false, increment);
-            system.apply_metric(increment);
-            frames.reduce(increment, out);
-            solver.solve_tangent(out)?;
-            match circulatory {
-                Some(loads) => loads.correct(solver, frames, out, Purpose::Eigenvalues),
-                None => Ok(()),
-            }
+            expand_free(&self.frames, v, false, &mut force);
+            system.apply_metric(&mut force);
+            self.frames.reduce(&force, &mut right);
+            let linear = self.linear_system();
+            linear.solve(&right, out, Some(Purpose::Eigenvalues), Constraints::constrain)
         })?;
         Ok(found)
     }

@@ -10,6 +10,7 @@
 
 mod inside_step;
 mod switching;
+mod without_potential;
 
 use super::critical_points::Found;
 use super::series::{Series, is_flat, roots};
@@ -297,17 +298,18 @@ impl<'a> ArcLengthSteps<'a> {
         let mut limits = roots(length, |a| loads.load_derivative(a, 1));
         let flat = is_flat(&loads, length) && !self.is_driven();
         let flat_limit = limits.last().is_some_and(|limit| is_flat(&loads, *limit));
-        let mut negative = self.state.negative_pivots;
+        let (mut negative, mut sign) = (self.state.negative_pivots, arc.tangent.determinant_sign);
         if flat_limit && self.begins_beside_bifurcation(&arc.tangent) {
             // The eigenvalue that vanishes there, and the derivative of the load, are round-off at the start of the step.
             limits.clear();
-            negative = end.negative;
+            (negative, sign) = (end.negative, end.tangent.determinant_sign);
         }
         if flat && end.negative == negative {
             // Next to a bifurcation the load of a crossing path is constant, but for round-off. In a dead centre no eigenvalue vanishes.
             limits.clear();
         }
-        let simple = limits.is_empty() && end.negative == negative;
+        let unchanged = end.negative == negative && end.tangent.determinant_sign == sign;
+        let simple = limits.is_empty() && unchanged;
         let has_potential = simple || self.have_potential(&end.equation);
         if limits.len() > 1 {
             return Err("there may be two limit points in the step".into());
@@ -323,7 +325,7 @@ impl<'a> ArcLengthSteps<'a> {
             first = self.wanted(&loads, found.a);
             end = found;
             if first.is_none() {
-                critical.push(self.extremum(inside, (&mut end, load), has_potential));
+                critical.push(self.extremum(inside, (&mut end, load), (has_potential, sign))?);
             }
         }
         if let Some((a, load)) = first {
@@ -332,13 +334,13 @@ impl<'a> ArcLengthSteps<'a> {
             end = self.at_load(known, (a, load), observer)?;
             if self.system.inner_product(&tangent.direction, &end.tangent.direction) < TURN {
                 // Next to a bifurcation the response to the loads is the eigenvector of the eigenvalue that vanishes there.
-                end.tangent = tangent;
+                end.tangent = PathTangent { determinant_sign: end.tangent.determinant_sign, ..tangent };
             }
         }
         if end.a < length || length < planned {
             next = next.min(planned);
         }
-        let all = Explained { limits: &critical, negative, has_potential };
+        let all = Explained { limits: &critical, negative, sign, has_potential };
         let found = self.other_bifurcations(&all, (arc, &mut known), &end, observer)?;
         if !found.is_empty() {
             critical.extend(found);

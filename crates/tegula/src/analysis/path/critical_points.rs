@@ -9,6 +9,7 @@ use super::expansion::Expansion;
 use super::series::{Series, roots};
 use super::state::{CriticalKind, CriticalPoint};
 use crate::element::Nodal;
+use crate::norm::larger;
 use crate::system::{EvaluationPoint, System, dot};
 
 /// Part of the length of a piece within which a bifurcation is located.
@@ -17,11 +18,12 @@ const LOCATED: f64 = 1e-9;
 const VANISHING: f64 = 1e-9;
 /// Eigenvalue where the count changes over those at the ends of the bracket, above which it has not passed through zero.
 const JUMP: f64 = 1e-6;
-/// Work of the loads on the mode at a bifurcation, over that on the direction of the path. At the limit point of another path, onto which a step
-/// may leap beside a path that nearly crosses, it is larger.
-const WORK: f64 = 1e-4;
-/// Length of the bracket of a bifurcation over the curve below which an equilibrium that is not found is lost in round-off.
-const NARROW: f64 = 1e-3;
+/// Eigenvalue next to zero over the largest one at the nearest equilibrium from which one that is lost in round-off is approached again, by half of
+/// the way; and that from which the bifurcation is extrapolated.
+const RETREAT: f64 = 1e-2;
+const LOST: f64 = 1e-4;
+/// Difference of two slopes of the eigenvalue over them up to which they belong to one curve.
+const SAME_SLOPE: f64 = 0.1;
 /// Largest number of factorisations for one bifurcation.
 const MOST_TRIALS: usize = 40;
 /// Iterations of the inverse iteration for the eigenvalue next to zero.
@@ -141,8 +143,10 @@ pub struct Trial {
     pub negative: usize,
     /// Its eigenvalue next to zero, and the eigenvector.
     pub softest: (f64, Vec<Nodal>),
-    /// Work of the loads on the eigenvector over that on the direction of the curve; 0 on a curve that cannot jump.
-    pub work: f64,
+    /// Work of the loads on the eigenvector over that on the direction of the curve, 0 on a curve that cannot jump, and the largest one at a
+    /// bifurcation. It may be in proportion to the eigenvalue. At the limit point of another path, onto which a step may leap beside a path that
+    /// nearly crosses, it does not vanish with the eigenvalue.
+    pub work: [f64; 2],
 }
 
 /// Curve of a power series.
@@ -164,7 +168,7 @@ impl Curve for SeriesCurve<'_> {
         let negative = expansion.factor(system, &u, load)?;
         let mut softest = expansion.eigenvalue_next_to_zero(system, INVERSE_ITERATIONS)?;
         system.orient(&mut softest.1);
-        Ok(Trial { u, load, negative, softest, work: 0.0 })
+        Ok(Trial { u, load, negative, softest, work: [0.0; 2] })
     }
 }
 
@@ -217,21 +221,30 @@ impl Search<'_> {
     /// Finds the crossing of an interval by the secant of the eigenvalue next to zero, kept in the bracket of the count.
     fn locate(&mut self, interval: [f64; 2], counts: [i32; 2], whole: f64) -> Result<Located, String> {
         let [mut low, mut high] = interval;
-        let mut known: Vec<(f64, f64)> = Vec::new();
+        let mut known: Vec<Known> = Vec::new();
         let mut best: Option<(f64, Trial)> = None;
+        let (mut again, mut extrapolated) = (None, None);
         for number in 0..MOST_TRIALS {
             let middle = 0.5 * (low + high);
-            let a = secant(&known).filter(|a| number % 4 != 3 && *a > low && *a < high).unwrap_or(middle);
-            let trial = match self.curve.trial(a) {
-                Ok(trial) => trial,
-                Err(reason) => {
+            let next = secant(&known).filter(|a| number % 4 != 3 && *a > low && *a < high);
+            let a = again.take().or(next).unwrap_or(middle);
+            let trial = match (self.curve.trial(a), &best) {
+                (Ok(trial), _) => trial,
+                (Err(reason), Some((nearest, best))) => {
                     // Next to the point an equilibrium may be lost in round-off.
-                    let near = |(_, best): &(f64, Trial)| best.softest.0.abs() <= JUMP * largest_of(&known);
-                    if high - low <= NARROW * whole && best.as_ref().is_some_and(near) {
+                    let part = best.softest.0.abs() / largest_of(&known);
+                    extrapolated = extrapolated_zero(&known, *nearest)
+                        .filter(|[zero, _]| part <= LOST && *zero >= low && *zero <= high);
+                    if part <= JUMP || extrapolated.is_some() {
                         break;
                     }
-                    return Err(reason);
+                    if !(part <= RETREAT && high - low > LOCATED * whole) {
+                        return Err(reason);
+                    }
+                    again = Some(0.5 * (nearest + a));
+                    continue;
                 }
+                (Err(reason), None) => return Err(reason),
             };
             let explained: i32 = self.limits.iter().filter(|(at, _)| *at < a).map(|(_, change)| change).sum();
             let count = trial.negative as i32 - self.start as i32 - explained;
@@ -239,7 +252,7 @@ impl Search<'_> {
                 return Ok(Located::Split(a, count));
             }
             let eigenvalue = trial.softest.0;
-            known.push((a, eigenvalue));
+            known.push(Known { a, eigenvalue, load: trial.load });
             if count == counts[0] {
                 low = a
             } else {
@@ -257,9 +270,12 @@ impl Search<'_> {
             }
         }
         let largest = largest_of(&known);
-        let (a, Trial { u, load, softest: (eigenvalue, mode), work, .. }) =
+        let (mut a, Trial { u, mut load, softest: (eigenvalue, mode), work, .. }) =
             best.ok_or("no bifurcation was located")?;
-        if !(eigenvalue.abs() <= JUMP * largest && work <= WORK) {
+        let vanishing = if extrapolated.is_some() { LOST } else { JUMP };
+        [a, load] = extrapolated.unwrap_or([a, load]);
+        let part = eigenvalue.abs() / largest;
+        if !(part <= vanishing && work[0] <= larger(part, work[1])) {
             return Err(
                 "an eigenvalue does not vanish as at a bifurcation: the step has gone over to another path"
                     .into(),
@@ -277,14 +293,38 @@ impl Search<'_> {
     }
 }
 
-fn largest_of(known: &[(f64, f64)]) -> f64 {
-    known.iter().map(|(_, eigenvalue)| eigenvalue.abs()).fold(0.0, crate::norm::larger)
+/// Equilibrium of a search.
+struct Known {
+    a: f64,
+    eigenvalue: f64,
+    load: f64,
 }
 
-/// Root of the line through the last two values.
-fn secant(known: &[(f64, f64)]) -> Option<f64> {
-    let [.., (a, x), (b, y)] = known else { return None };
-    (x != y).then(|| b - y * (b - a) / (y - x))
+fn largest_of(known: &[Known]) -> f64 {
+    known.iter().map(|known| known.eigenvalue.abs()).fold(0.0, crate::norm::larger)
+}
+
+/// Root of the line through the eigenvalues at a place and at the nearest one with the same sign, and the load factor there. The eigenvalue must
+/// go on along this line to the nearest one with the other sign: where a step has gone over to another path, it jumps.
+fn extrapolated_zero(known: &[Known], nearest: f64) -> Option<[f64; 2]> {
+    let p = known.iter().find(|p| p.a == nearest)?;
+    let nearest_with = |same: bool| {
+        let others =
+            known.iter().filter(|q| q.a != p.a && ((q.eigenvalue > 0.0) == (p.eigenvalue > 0.0)) == same);
+        others.min_by(|q, r| (q.a - p.a).abs().total_cmp(&(r.a - p.a).abs()))
+    };
+    let (same, other) = (nearest_with(true)?, nearest_with(false)?);
+    let slope = |q: &Known| (q.eigenvalue - p.eigenvalue) / (q.a - p.a);
+    let goes_on = (slope(other) / slope(same) - 1.0).abs() <= SAME_SLOPE;
+    let part = p.eigenvalue / (p.eigenvalue - same.eigenvalue);
+    goes_on.then_some([p.a + part * (same.a - p.a), p.load + part * (same.load - p.load)])
+}
+
+/// Root of the line through the last two eigenvalues.
+fn secant(known: &[Known]) -> Option<f64> {
+    let [.., p, q] = known else { return None };
+    let a = q.a - q.eigenvalue * (q.a - p.a) / (q.eigenvalue - p.eigenvalue);
+    (p.eigenvalue != q.eigenvalue).then_some(a)
 }
 
 /// Scales a mode to unit norm.

@@ -36,6 +36,7 @@
 //! |Δu − ½ (u'(0) + u'(1))| > 0.1 |Δu|,
 //! ```
 //!
+//! is doubtful: the equilibrium path decides which equilibrium belongs to it. Where the path cannot be followed, the step
 //! must end on the side, along the softest mode at its end, to which u'(0) moves the model.
 //!
 //! J. M. T. Thompson, G. W. Hunt, *A General Theory of Elastic Stability*, Wiley 1973, for the sign of ΔF·u'.

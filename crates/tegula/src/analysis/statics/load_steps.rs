@@ -1,21 +1,22 @@
 //! Load steps of a static analysis, with cut-backs.
 
-use super::connection::{SOFTER, Speeds, is_smooth, other_side, released_energy, turned_back, unstable_side};
+mod along_path;
+mod judgement;
+
 use super::continued::on_path;
 use super::failure::{CriticalPoint, Failure, Kind, name};
 use super::{StaticEquation, energies, equilibrium_step, reactions, undefined};
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::mobility;
-use crate::analysis::newton::{Cause, Converged, Equation, Newton, Tolerances};
-use crate::analysis::path::INVERSE_ITERATIONS;
+use crate::analysis::newton::{Cause, Converged, Newton, Tolerances};
 use crate::analysis::solver::TangentSolver;
 use crate::analysis::stepper::Reached;
 use crate::analysis::stops::Stops;
-use crate::analysis::{Balance, Observer, Stability, State, Statistics, Stepper, Watched, equilibrium};
+use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched, equilibrium};
 use crate::element::Nodal;
 use crate::model::{NewtonMethod, StaticAnalysis};
 use crate::norm::larger;
-use crate::system::{EvaluationPoint, System, add_multiple, inverted_element};
+use crate::system::{EvaluationPoint, System};
 use crate::{Error, Result};
 
 /// Displacement of a step over the size of the model that is round-off of directors, as where loads have not begun yet.
@@ -69,6 +70,8 @@ pub(super) struct LoadSteps<'a, S> {
     /// Reactions at the last equilibrium; empty where no motion is prescribed.
     reactions: Vec<Nodal>,
     drilling: DrillingWatch,
+    /// Tangents factored along equilibrium paths that are no results.
+    factorizations_on_paths: u64,
     /// Whether an equilibrium path may lead on from where the last step has failed.
     goes_on: bool,
     /// Scratch space for the forces in the snap-through test of a step.
@@ -119,6 +122,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             external: vec![[0.0; 3]; system.vectors()],
             reactions: if moved { reactions(system, &mut newton.assembly, &state) } else { Vec::new() },
             drilling: DrillingWatch::new(),
+            factorizations_on_paths: 0,
             goes_on: false,
             buffers: std::array::from_fn(|_| vec![[0.0; 3]; system.vectors()]),
             newton,
@@ -223,133 +227,6 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         }
     }
 
-    /// Refuses inverted elements, unstable equilibria, and equilibria that no stable path connects with the last one.
-    fn judge(
-        &mut self,
-        target: f64,
-        converged: Converged,
-        observer: &mut dyn Observer,
-    ) -> std::result::Result<Converged, Failure> {
-        if let Some(inverted) = inverted_element(self.system, &self.equation.u) {
-            return Err(Failure::new(Kind::Inverted, inverted, converged.most_negative_pivots));
-        }
-        let negative = converged.negative_pivots;
-        let ends = (&self.state, &self.equation);
-        if let Some(reason) = equilibrium_step::refusal(self.system, &self.newton.assembly, ends) {
-            return Err(Failure::new(Kind::Iteration(Cause::Flight), reason, negative));
-        }
-        let stability = self
-            .newton
-            .stability(self.system, negative)
-            .map_err(|reason| Failure::new(Kind::Iteration(Cause::Tangent), reason, negative))?;
-        if matches!(stability, Stability::Unstable(_)) && !self.accepts_unstable() {
-            return Err(Failure::new(
-                Kind::Unstable,
-                format!(
-                    "the equilibrium found is unstable ({negative} negative pivot(s) of the tangent): the structure \
-                     would buckle"
-                ),
-                negative,
-            ));
-        }
-        self.connect(target, &converged, observer)?;
-        if matches!(stability, Stability::Undecided(_)) {
-            // Moments and pressures need not have a potential: the symmetric part alone does not decide.
-            observer.on_event(&format!(
-                "load factor {target}: {negative} negative pivot(s) of the symmetric part of the tangent, but no real \
-                 negative eigenvalue of the tangent with the circulatory part of the follower loads: no static \
-                 instability (divergence); flutter is not examined"
-            ));
-        }
-        if converged.floor {
-            observer.on_event(&format!(
-                "load factor {target}: the increments stagnate at round-off; the equilibrium is accepted"
-            ));
-        }
-        Ok(converged)
-    }
-
-    /// Refuses an equilibrium that no stable path leads to (snap-through test, see `connection`).
-    fn connect(
-        &mut self,
-        target: f64,
-        converged: &Converged,
-        observer: &mut dyn Observer,
-    ) -> std::result::Result<(), Failure> {
-        let moved = self.moved();
-        let scale = self.system.norm(&self.equation.u).max(self.state.displacement_scale);
-        let noticeable = self.tolerances.increment * scale;
-        if self.system.linear || moved <= noticeable.max(ROUND_OFF) {
-            return Ok(());
-        }
-        let before =
-            StaticEquation { u: self.state.u.clone(), time: self.state.time, ..self.equation.clone() };
-        let Self { newton, system, equation, external, buffers, state, .. } = self;
-        let [first, last] = buffers;
-        let loads: [&mut [Nodal]; 3] = [first, last, external];
-        // `external` holds the displacement of the step. Prescribed strains roll shells up by many turns in one step.
-        let away = turned_back(system, loads[2], &newton.first_response)
-            .filter(|_| system.prescribed_strains.is_empty())
-            .or_else(|| unstable_side(system, loads[2]).filter(|_| state.step == 0));
-        let steps = (&before, &*equation, state.history.as_slice());
-        let released = released_energy(system, &mut newton.assembly, steps, &newton.first_response, loads);
-        let speeds = Speeds {
-            moved,
-            start: converged.first_increment,
-            softens: state.compliance > 0.0
-                && converged.first_increment > SOFTER * state.compliance * (target - state.time),
-        };
-        // Preloaded springs are out of equilibrium in the reference configuration, and release energy on the way to the first one.
-        let preloaded = state.step == 0
-            && !system.continues()
-            && newton.assembly.strain_energy(system, &state.point(system)) > 0.0;
-        let doubt = if let Some(doubt) = released.or(away).filter(|_| !preloaded) {
-            Some(doubt)
-        } else {
-            self.doubt_of_tangents(&speeds, converged)
-        };
-        let Some(doubt) = doubt else { return Ok(()) };
-        let reason = format!(
-            "snap-through test: no stable path connects the equilibrium found with the last one: {doubt}"
-        );
-        if self.accepts_unstable() {
-            observer.on_event(&format!("load factor {target:.6}: {reason}"));
-            return Ok(());
-        }
-        Err(Failure::new(Kind::Leap, reason, converged.most_negative_pivots))
-    }
-
-    /// Reason to doubt a step from the tangents at both its ends, as text.
-    fn doubt_of_tangents(&mut self, speeds: &Speeds, converged: &Converged) -> Option<String> {
-        // Internal variables make paths that are not smooth.
-        let over_unstable = converged.most_negative_pivots > 0 && self.system.without_internal_variables();
-        if !(over_unstable || speeds.need_the_end()) {
-            return None;
-        }
-        let unloaded = StaticEquation { time: self.state.time, ..self.equation.clone() };
-        let ends = (&unloaded as &dyn Equation, &self.equation as &dyn Equation);
-        let end = self.newton.response(self.system, ends, &self.state.history).unwrap_or(0.0);
-        let doubt = speeds.doubt(end);
-        if doubt.is_some() || !over_unstable {
-            return doubt;
-        }
-        self.moved();
-        let Self { newton, system, equation, external: step, .. } = self;
-        if is_smooth(system, step, (&newton.first_response, newton.last_response())) {
-            return None;
-        }
-        let (_, mode) = newton.eigenvalue_next_to_zero(system, equation, INVERSE_ITERATIONS).ok()?;
-        other_side(system, [step, &newton.first_response], &mode)
-    }
-
-    /// Norm of the displacement of the step, which `external` holds then ([`System::norm`]).
-    fn moved(&mut self) -> f64 {
-        let Self { external, equation, state, system, .. } = self;
-        external.copy_from_slice(&equation.u);
-        add_multiple(external, -1.0, &state.u);
-        system.norm(external)
-    }
-
     /// Accepts the equilibrium as the state at the end of the step.
     fn accept(&mut self, target: f64, converged: &Converged, observer: &mut dyn Observer) {
         let Self { newton, system, state, equation, external, .. } = self;
@@ -386,11 +263,16 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         self.drilling.look(system, at, observer, || format!("load factor {target}"));
     }
 
+    /// Whether a step is not cut back any more.
+    fn has_shortest_length(&self, target: f64) -> bool {
+        let (last, next) = self.stops.bracket(self.state.time, self.options.load_steps);
+        0.5 * (target - self.state.time) < (next - last) * self.smallest_part
+    }
+
     /// Cuts a step that failed back to half its length, or gives up.
     fn cut_back(&mut self, target: f64, failure: Failure, observer: &mut dyn Observer) -> Result<()> {
         let step = 0.5 * (target - self.state.time);
-        let (last, next) = self.stops.bracket(self.state.time, self.options.load_steps);
-        if step < (next - last) * self.smallest_part {
+        if self.has_shortest_length(target) {
             observer.on_repeat(&self.statistics);
             return Err(self.give_up(target, &failure));
         }
@@ -510,7 +392,14 @@ impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
                 continue;
             }
             let outcome = self.attempt(target, observer);
-            self.statistics.factorizations = self.newton.solver.tangents() as u64;
+            let outcome = match outcome {
+                Ok(Err(failure)) if self.has_shortest_length(target) => {
+                    Ok(self.at_sharp_turn(target, failure, observer))
+                }
+                outcome => outcome,
+            };
+            self.statistics.factorizations =
+                self.newton.solver.tangents() as u64 + self.factorizations_on_paths;
             self.statistics.linear_iterations = self.newton.linear_iterations();
             match outcome? {
                 Ok(converged) => {

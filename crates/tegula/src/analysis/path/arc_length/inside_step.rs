@@ -5,6 +5,7 @@
 
 use super::{ArcLengthSteps, ArcStart, End, Plane, TOLERANCES, TURN};
 use crate::analysis::Observer;
+use crate::analysis::newton::TangentPart;
 use crate::analysis::path::critical_points::{Curve, Found, INVERSE_ITERATIONS, Trial, bifurcations};
 use crate::analysis::path::state::{CriticalKind, CriticalPoint};
 use crate::analysis::statics::StaticEquation;
@@ -27,6 +28,9 @@ const SHORT: f64 = 1e-3;
 /// the mode of a bifurcation.
 const CROSSING: f64 = 1e-2;
 
+/// Work of the loads on the mode at a bifurcation, over that on the direction of the path, that may be round-off.
+const WORK: f64 = 1e-4;
+
 /// Known equilibria of a step: its start and end, and trials.
 pub(super) struct Known(Vec<End>);
 
@@ -48,7 +52,7 @@ impl Known {
         [&self.0[0], &self.0[1]]
     }
 
-    fn add(&mut self, trial: End) {
+    pub fn add(&mut self, trial: End) {
         self.0.push(trial);
     }
 
@@ -160,12 +164,22 @@ impl ArcLengthSteps<'_> {
 
     /// Extremum of the load factor at the end of a step, behind which the step is taken to end: a limit point, or a bifurcation that the path
     /// passes as the crossing one.
-    pub(super) fn extremum(&self, known: &Known, (end, load): (&mut End, f64), has_potential: bool) -> Found {
+    ///
+    /// # Errors
+    /// The linear solver failed; the text gives the reason.
+    pub(super) fn extremum(
+        &mut self,
+        known: &Known,
+        (end, load): (&mut End, f64),
+        (has_potential, sign): (bool, i8),
+    ) -> std::result::Result<Found, String> {
         let ends @ [start, whole] = known.ends();
         let works = ends.map(|end| end.tangent.work.abs());
-        let crosses = end.tangent.work.abs() <= CROSSING * larger(works[0], works[1]);
+        let by_sign = !has_potential && sign != 0 && whole.tangent.determinant_sign != 0;
+        let work = if by_sign { self.work_on_left_eigenvector(end)? } else { end.tangent.work };
+        let crosses = work.abs() <= CROSSING * larger(works[0], works[1]);
         let is_before = (end.tangent.load > 0.0) == (start.tangent.load > 0.0);
-        let (kind, change) = match (crosses, start.tangent.load * end.tangent.work > 0.0) {
+        let (kind, change) = match (crosses, start.tangent.load * work > 0.0) {
             (true, _) => (CriticalKind::Bifurcation, 0),
             // In a dead centre a mechanism cannot follow its drive; no eigenvalue vanishes there.
             _ if self.is_driven() && whole.negative == start.negative => (CriticalKind::Limit, 0),
@@ -180,6 +194,14 @@ impl ArcLengthSteps<'_> {
         } else if is_before {
             end.negative = (end.negative as i32 + change).max(0) as usize;
         }
+        if by_sign {
+            // At the extremum the sign that was found is round-off.
+            let [first, last] = [sign, whole.tangent.determinant_sign];
+            end.tangent.determinant_sign = if change == 0 { first } else { -first };
+            if end.tangent.determinant_sign != last {
+                return Err("there may be two critical points in the step".into());
+            }
+        }
         if is_before {
             end.tangent.load = -end.tangent.load;
         }
@@ -191,7 +213,7 @@ impl ArcLengthSteps<'_> {
             u: end.equation.u.clone(),
             mode: end.tangent.direction.clone(),
         };
-        Found { a: end.a, point }
+        Ok(Found { a: end.a, point })
     }
 }
 
@@ -201,43 +223,49 @@ pub(super) struct Explained<'f> {
     pub limits: &'f [Found],
     /// Negative eigenvalues at its start.
     pub negative: usize,
+    /// Sign of the determinant at its start.
+    pub sign: i8,
     /// Whether the loads have a potential.
     pub has_potential: bool,
 }
 
 impl ArcLengthSteps<'_> {
     /// Bifurcations of a step up to its end, where there are more or less negative eigenvalues than its limit points explain. Without a potential
-    /// the eigenvalues are those of the symmetric part of the tangent, and tell no bifurcations: a warning says where their number changes.
+    /// the eigenvalues are those of the symmetric part of the tangent, and the sign of the determinant tells bifurcations; where it is not found,
+    /// a warning says so.
     ///
     /// # Errors
     /// No eigenvalue passes through zero: the step has gone over to another path.
     pub(super) fn other_bifurcations(
         &mut self,
-        &Explained { limits, negative, has_potential }: &Explained,
+        &Explained { limits, negative, sign, has_potential }: &Explained,
         (arc, known): (&ArcStart, &mut Option<Known>),
         end: &End,
         observer: &mut dyn Observer,
     ) -> std::result::Result<Vec<Found>, String> {
         // Without a potential limit points are no zeros of the symmetric part.
         let explains = |found: &&Found| has_potential && found.point.change != 0;
-        let limits: Vec<(f64, i32)> = limits.iter().filter(explains).map(|f| (f.a, f.point.change)).collect();
-        let explained: i32 = limits.iter().map(|(_, change)| change).sum();
+        let zeros: Vec<(f64, i32)> = limits.iter().filter(explains).map(|f| (f.a, f.point.change)).collect();
+        let explained: i32 = zeros.iter().map(|(_, change)| change).sum();
         let unexplained = end.negative as i32 - negative as i32 - explained;
-        if unexplained == 0 {
+        let by_sign = !has_potential && sign != 0 && end.tangent.determinant_sign != 0 && limits.is_empty();
+        if (unexplained == 0 && !by_sign) || (!has_potential && sign != 0 && !limits.is_empty()) {
             return Ok(Vec::new());
         }
         let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), end));
-        let mut curve = PathCurve { steps: self, known, observer, has_potential };
-        let found = bifurcations(&mut curve, end.a, (negative, unexplained), &limits);
-        if has_potential || end.a > SHORT {
-            let found = found?;
+        if unexplained != 0 && (has_potential || end.a > SHORT) {
+            let mut curve = PathCurve { steps: self, known, observer, has_potential };
+            let found = bifurcations(&mut curve, end.a, (negative, unexplained), &zeros)?;
             if has_potential {
                 return Ok(found);
             }
         }
+        if by_sign {
+            return self.changes_of_sign(sign, (arc, known), end, observer);
+        }
         observer.on_warning(&format!(
             "between load factors {:.6} and {:.6} the number of negative eigenvalues of the symmetric part of the tangent changes by \
-             {unexplained:+}; bifurcations under loads without a potential are not looked for",
+             {unexplained:+}; bifurcations under these loads, which have no potential, are not looked for",
             self.state.time, end.equation.time
         ));
         Ok(Vec::new())
@@ -257,13 +285,17 @@ impl Curve for PathCurve<'_, '_, '_> {
     fn trial(&mut self, a: f64) -> std::result::Result<Trial, String> {
         let end = self.steps.equilibrium_near(self.known, a, self.observer)?;
         let ArcLengthSteps { newton, system, response, .. } = &mut *self.steps;
-        let mut softest = newton.eigenvalue_next_to_zero(system, &end.equation, INVERSE_ITERATIONS)?;
+        let mut softest = newton.eigenvalue_next_to_zero(
+            system,
+            &end.equation,
+            (TangentPart::Symmetric, INVERSE_ITERATIONS),
+        )?;
         system.orient(&mut softest.1);
         let on_path = self.known.ends().map(|end| end.tangent.work.abs());
         let work = response.work_on(&softest.1).abs();
         let work = if work > 0.0 && self.has_potential { work / larger(on_path[0], on_path[1]) } else { 0.0 };
         let (u, load, negative) = (end.equation.u.clone(), end.equation.time, end.negative);
         self.known.add(end);
-        Ok(Trial { u, load, negative, softest, work })
+        Ok(Trial { u, load, negative, softest, work: [work, WORK] })
     }
 }

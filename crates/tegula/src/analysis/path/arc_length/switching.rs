@@ -3,7 +3,7 @@
 use super::inside_step::Known;
 use super::{ArcLengthSteps, ArcStart, End, ON_BRANCH, Outcome};
 use crate::analysis::Observer;
-use crate::analysis::newton::{PathTangent, Plane};
+use crate::analysis::newton::{PathTangent, Plane, TangentPart};
 use crate::analysis::path::critical_points::{Found, INVERSE_ITERATIONS};
 use crate::analysis::path::{branch, piece};
 use crate::analysis::statics::StaticEquation;
@@ -61,7 +61,8 @@ impl ArcLengthSteps<'_> {
         let Self { newton, system, state, equation, response, .. } = self;
         let at = (&mut *equation, state.history.as_slice());
         let (tangent, _) = newton.path_tangent(system, at, Some(&arc.tangent.direction), response)?;
-        let (_, eigenvector) = newton.eigenvalue_next_to_zero(system, equation, INVERSE_ITERATIONS)?;
+        let (_, eigenvector) =
+            newton.eigenvalue_next_to_zero(system, equation, (TangentPart::Whole, INVERSE_ITERATIONS))?;
         let rising = sign * tangent.load.signum();
         Ok(branch::primary_direction(system, &tangent.direction, &eigenvector, rising))
     }

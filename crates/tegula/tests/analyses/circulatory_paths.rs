@@ -1,0 +1,172 @@
+//! Equilibrium paths under follower loads without a potential: their bifurcations by divergence, and near crossings of paths.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use crate::common::{Notes, compile, cylinder, model, on, plate, vector_load};
+use crate::shell_joints::{clamp, mesh_of, on_edge};
+use tegula::analysis::path::{self, CriticalKind, PathOutcome};
+use tegula::compile::Compiler;
+use tegula::element::Nodal;
+use tegula::model::*;
+use tegula::{Mat3, Mesh, Vec3};
+
+/// Length, width and thickness of the column, and its Young's modulus.
+const COLUMN: [f64; 3] = [10.0, 1.0, 0.05];
+const YOUNG: f64 = 1e7;
+
+/// Force on a node of a strip along x of a size that acts against the direction `e_y × d` of the strip there.
+#[derive(Debug)]
+struct FollowerForce {
+    vectors: [u32; 2],
+    size: f64,
+}
+
+impl NodalLoad for FollowerForce {
+    fn vectors(&self) -> &[u32] {
+        &self.vectors
+    }
+
+    fn forces(&self, x: &[Vec3], out: &mut [Nodal]) {
+        out[0] = (-self.size * Vec3::y().cross(&x[1])).into();
+        out[1] = [0.0; 3];
+    }
+
+    fn stiffness(&self, _: &[Vec3]) -> LoadStiffness {
+        let mut k = [[Mat3::zeros(); 4]; 4];
+        k[0][1] = self.size * Vec3::y().cross_matrix();
+        k
+    }
+}
+
+/// Load of Euler of the column.
+fn euler() -> f64 {
+    let [length, width, h] = COLUMN;
+    PI.powi(2) * YOUNG * width * h.powi(3) / 12.0 / (4.0 * length * length)
+}
+
+/// Column, clamped at one end by supports or by joints, and its mesh with sets of single nodes.
+fn column(elements: u32, by_joints: bool) -> (Model, Mesh) {
+    let [length, width, h] = COLUMN;
+    let mut m = model(plate([length, width], [elements, 1], 0.0), YOUNG, h);
+    if let Some(Material::Isotropic(material)) = m.materials.values_mut().next() {
+        material.poisson = 0.0;
+    }
+    if by_joints {
+        m.conditions.clear();
+        on_edge(&mut m, 0.0, &|name, node, at| clamp(name, [node.into(), "ground".into()], at));
+    }
+    let mesh = mesh_of(&m);
+    (m, mesh)
+}
+
+/// Path of the column under an axial load of Euler's size, of which a part follows its end, and the deflection of this end.
+fn loaded((mut m, mesh): (Model, Mesh), part: f64, options: PathAnalysis) -> (PathOutcome, f64) {
+    let width = COLUMN[1];
+    m.loads = vec![Load::Edge(vector_load("u_max", [-(1.0 - part) * euler() / width, 0.0, 0.0]))];
+    m.analysis = Analysis::Path(options.clone());
+    let mut compiler = Compiler::new(&m, &mesh).unwrap();
+    for node in mesh.nodes_on("u_max").unwrap() {
+        let vectors = compiler.vectors_of(node).unwrap();
+        compiler.add_load("follower", Arc::new(FollowerForce { vectors, size: 0.5 * part * euler() }));
+    }
+    let system = compiler.system(0, None).unwrap();
+    let outcome = path::run(&system, &options, None, &mut Notes::default()).unwrap();
+    let end = mesh.nodes_on("u_max").unwrap()[0];
+    let deflection = outcome.state.u[system.coordinates.position_of[end as usize] as usize][2];
+    (outcome, deflection)
+}
+
+fn found(outcome: &PathOutcome) -> Vec<(CriticalKind, i32, f64)> {
+    let path = outcome.state.path.as_ref().unwrap();
+    path.critical.iter().map(|point| (point.kind, point.change, point.load)).collect()
+}
+
+/// A cantilever under a load of which the part η follows its end buckles by divergence at `cos kL = η/(η − 1)`, P = EI k² (from `w⁗ + k² w″ = 0` with
+/// `w‴ + (1 − η) k² w′ = 0` at the end; H. Ziegler, *Principles of structural stability*, 1968). It does not for η > ½.
+#[test]
+fn columns_under_partial_follower_loads_bifurcate_by_divergence() {
+    for part in [-1.0_f64, 0.25, 0.4] {
+        let exact = ((part / (part - 1.0)).acos() / (0.5 * PI)).powi(2);
+        let options = PathAnalysis { end_load: 1.2 * exact, ..Default::default() };
+        let load = |elements| {
+            let (outcome, _) = loaded(column(elements, false), part, options.clone());
+            let found = found(&outcome);
+            assert!(matches!(found[..], [(CriticalKind::Bifurcation, 1, _)]), "{part} {found:?}");
+            found[0].2
+        };
+        let [coarse, fine] = [16, 32].map(load);
+        let extrapolated = fine + (fine - coarse) / 3.0;
+        // The column is shortened by P/EA and sheared by P/kGA, both below 1e-5.
+        assert!((extrapolated / exact - 1.0).abs() < 5e-5, "{part}: {coarse} {fine} {exact}");
+    }
+    let options = PathAnalysis { end_load: 6.0, ..Default::default() };
+    let (outcome, _) = loaded(column(16, false), 0.6, options);
+    assert!(found(&outcome).is_empty() && outcome.state.time == 6.0);
+}
+
+/// Behind the bifurcation the path goes over to either side of the crossing one, which are mirror images of each other. A column that joints hold
+/// does the same as one on supports.
+#[test]
+fn columns_under_partial_follower_loads_buckle_to_both_sides_whatever_holds_them() {
+    let along = |by_joints, side: i32| {
+        let options = PathAnalysis { end_load: 1.9, switch_at: vec![side], ..Default::default() };
+        let (outcome, deflection) = loaded(column(16, by_joints), 0.25, options);
+        let found = found(&outcome);
+        assert!(matches!(found[..], [(CriticalKind::Bifurcation, 1, _)]), "{found:?}");
+        assert_eq!(outcome.state.time, 1.9);
+        (found[0].2, deflection)
+    };
+    let (load, up) = along(false, 1);
+    let (_, down) = along(false, -1);
+    assert!(up.abs() > 1.0 && (up + down).abs() < 1e-6 * up.abs(), "{up} {down}");
+    let (jointed, other) = along(true, 1);
+    assert!((jointed / load - 1.0).abs() < 1e-7, "{load} {jointed}");
+    assert!((other.abs() / up.abs() - 1.0).abs() < 1e-5, "{up} {other}");
+}
+
+/// Clamped arch of 120° under a pressure that follows it, with a weak load to the side. Its long edges are free, or planes of symmetry: then the
+/// pressure has a potential. Critical points of its path, and the displacement of a quarter point at the full load.
+fn arch_under_pressure(side: f64, free: bool) -> (Vec<(CriticalKind, i32, f64)>, Vec3) {
+    let mut m = model(cylinder(10.0, [-60.0, 60.0], 0.2, [32, 1]), 2e6, 0.05);
+    if let Some(Material::Isotropic(material)) = m.materials.values_mut().next() {
+        material.poisson = 0.0;
+    }
+    m.conditions = ["u_min", "u_max"].map(|edge| Condition::Clamp(on(edge))).to_vec();
+    if !free {
+        let symmetry = |edge: &str| SymmetryPlane { on: edge.into(), normal: [0.0, 1.0, 0.0] };
+        m.conditions.extend(["v_min", "v_max"].map(|edge| Condition::Symmetry(symmetry(edge))));
+    }
+    let pressure = PressureLoad { on: "all".into(), value: 0.625, amplitude: None };
+    m.loads = vec![Load::Pressure(pressure), Load::Traction(vector_load("all", [side, 0.0, 0.0]))];
+    m.analysis = Analysis::Path(PathAnalysis { method: Some(PathMethod::ArcLength), ..Default::default() });
+    let (mesh, system) = compile(&m);
+    let Analysis::Path(options) = &m.analysis else { unreachable!() };
+    let outcome = path::run(&system, options, None, &mut Notes::default()).unwrap();
+    assert_eq!(outcome.state.time, 1.0, "{side} {free}");
+    let quarter = mesh.positions.iter().position(|x| x.x > 4.9 && x.x < 5.1).unwrap();
+    let u = outcome.state.u[system.coordinates.position_of[quarter] as usize];
+    (found(&outcome), u.into())
+}
+
+/// The free edges give the pressure no potential, but hardly change the critical points of a narrow arch: the bifurcation of the perfect one,
+/// and beside it a limit point of its imperfections, near which the paths of both sides nearly cross.
+#[test]
+fn narrow_arches_under_pressure_do_not_leap_between_paths_that_nearly_cross() {
+    for side in [0.0, 1e-5, 1e-4] {
+        let [(with, u), (without, v)] = [false, true].map(|free| arch_under_pressure(side, free));
+        let kinds: Vec<_> = with.iter().map(|(kind, change, _)| (*kind, *change)).collect();
+        let expected: &[_] = if side == 0.0 {
+            &[(CriticalKind::Bifurcation, 1)]
+        } else {
+            &[(CriticalKind::Limit, 1), (CriticalKind::Limit, -1)]
+        };
+        assert_eq!(kinds, expected, "{side} {with:?}");
+        assert_eq!(with.len(), without.len(), "{side} {with:?} {without:?}");
+        for (a, b) in with.iter().zip(&without) {
+            assert_eq!((a.0, a.1), (b.0, b.1), "{side} {with:?} {without:?}");
+            assert!((a.2 / b.2 - 1.0).abs() < 1e-4, "{side} {with:?} {without:?}");
+        }
+        assert!((u - v).norm() < 1e-3 * u.norm(), "{side} {u} {v}");
+    }
+}
