@@ -231,13 +231,18 @@ fn statics_stay_on_the_path_of_an_imperfect_plate() {
     };
     let first = ([0.0685, 0.3425, 1.37], -3.425, [2.055, 205.5]);
     let second = ([0.497906, -0.988418, 3.63076], 5.50415, [2.50841, -183.594]);
-    for (case, (force, pressure, temperature)) in [first, second].into_iter().enumerate() {
+    // Hardly any imperfection beside the heat: trials of the path pass the fold of the nearly crossing one.
+    let third = ([-0.318707, -0.220034, -0.338754], 8.90691, [154.713, 179.032]);
+    let fourth = ([-38.6186, -0.673665, 1.95318], 10.1073, [286.75, 386.725]);
+    for (case, (force, pressure, temperature)) in [first, second, third, fourth].into_iter().enumerate() {
         let statics = [1, 2, 10].map(|steps| format!("type = \"static\"\nload_steps = {steps}"));
         let analyses = std::iter::once("type = \"path\"".to_owned()).chain(statics);
         let ends: Vec<[f64; 2]> = analyses
             .enumerate()
             .map(|(k, analysis)| end(&format!("{case}-{k}"), &analysis, force, pressure, temperature))
             .collect();
+        let path = summary(&folder.path().join(format!("{case}-0")));
+        assert_eq!(path["critical_points"].as_array().unwrap().len(), 0, "{case}");
         let size = tegula::norm::larger(ends[0][0].abs(), ends[0][1].abs());
         // On one side of the bifurcation the plate is twisted.
         assert!((ends[0][0] - ends[0][1]).abs() > 0.02 * size, "{ends:?}");
@@ -304,5 +309,131 @@ fn strained_strips_bend_to_the_side_of_their_imperfection() {
             let end = middle(&format!("static-{times}-{steps}"), &analysis, strain);
             assert!((end / path - 1.0).abs() < 1e-6, "{steps}: {end} {path}");
         }
+    }
+}
+
+/// Plate of 1 × 0.5 × 0.003 between hinges with random imperfections of 0.017 of its thickness, under twice its critical load in three steps: the
+/// first one passes the bifurcation, so that the path is followed from the unloaded plate.
+#[test]
+fn statics_of_an_unloaded_plate_end_where_its_path_ends() {
+    let folder = tempfile::tempdir().unwrap();
+    let [path, statics] = ["path", "static"].map(|analysis| {
+        let steps = if analysis == "static" { "load_steps = 3" } else { "" };
+        let hinges = ["u_max", "v_min", "v_max"]
+            .map(|edge| format!("[[conditions]]\ntype = \"fix\"\non = \"{edge}\"\nposition = [\"z\"]\n"))
+            .concat();
+        let model = format!(
+            r#"
+            [analysis]
+            type = "{analysis}"
+            {steps}
+            [mesh]
+            type = "plate"
+            size = [1.0, 0.5]
+            grid = {{ elements = [12, 6] }}
+            [materials.m]
+            type = "isotropic"
+            young = 1e9
+            poisson = 0.3
+            [[sections]]
+            element = "mitc4"
+            material = "m"
+            thickness = 0.003
+            [[imperfections]]
+            type = "random"
+            amplitude = 5.185e-5
+            correlation_length = 0.2
+            seed = 87
+            [[conditions]]
+            type = "fix"
+            on = "u_min"
+            position = ["x", "z"]
+            {hinges}
+            [[conditions]]
+            type = "fix"
+            on = "u_min_v_min"
+            position = ["y"]
+            [[loads]]
+            type = "edge"
+            on = "u_max"
+            value = [-3904.5, 0.0, 0.0]
+            [output]
+            points = [{{ name = "middle", at = [0.5, 0.25, 0.0] }}, {{ name = "quarter", at = [0.25, 0.25, 0.0] }}]
+            pictures = false
+            "#
+        );
+        let (file, out) = (folder.path().join(format!("{analysis}.toml")), folder.path().join(analysis));
+        fs::write(&file, model).unwrap();
+        let run = tegula(&["run", text(&file), "--out", text(&out), "--quiet"]);
+        assert!(run.status.success(), "{analysis}: {}", errors(&run));
+        let s = summary(&out);
+        ["middle", "quarter"].map(|point| s["points"][point]["displacement"][2].as_f64().unwrap())
+    });
+    let log = fs::read_to_string(folder.path().join("static/log.txt")).unwrap();
+    assert!(log.contains("arc-length steps lead to its equilibrium"), "{log}");
+    for (a, b) in path.iter().zip(&statics) {
+        assert!(a.abs() > 0.003 && (a - b).abs() < 1e-6 * a.abs(), "{path:?} {statics:?}");
+    }
+}
+
+/// Trusses of two springs side by side, with their rises and stiffnesses, springs between neighbours, and loads: a model without its analysis.
+fn trusses(of: &[[f64; 2]], between: &[f64], loads: &[(usize, f64)]) -> String {
+    let spring = |name: String, ends: [String; 2], [a, b]: [[f64; 3]; 2], stiffness: f64| {
+        format!(
+            "[[springs]]\nname = {name:?}\nbetween = {ends:?}\npoints = [{a:?}, {b:?}]\nstiffness = {stiffness}\n"
+        )
+    };
+    let body = |k: usize| format!("b{k}");
+    let top = |k: usize| [0.0, k as f64, of[k][0]];
+    let mut model = String::from("[output]\npictures = false\n");
+    for (k, [_, stiffness]) in of.iter().enumerate() {
+        let (at, y) = (top(k), k as f64);
+        model += &format!(
+            "[[bodies]]\nname = \"b{k}\"\nat = {at:?}\nmass = 1.0\ninertia = [0.01, 0.01, 0.01]\n\
+             [[joints]]\ntype = \"prismatic\"\nname = \"s{k}\"\nbetween = [\"ground\", \"b{k}\"]\nat = {at:?}\n\
+             axis = [0.0, 0.0, 1.0]\n"
+        );
+        for (side, x) in [("left", -2.0), ("right", 2.0)] {
+            model += &spring(format!("{side}{k}"), ["ground".into(), body(k)], [[x, y, 0.0], at], *stiffness);
+        }
+    }
+    for (k, stiffness) in between.iter().enumerate() {
+        model += &spring(format!("c{k}"), [body(k), body(k + 1)], [top(k), top(k + 1)], *stiffness);
+    }
+    for (k, force) in loads {
+        model += &format!("[[loads]]\ntype = \"force\"\non = \"b{k}\"\nvalue = [0.0, 0.0, {force}]\n");
+    }
+    model
+}
+
+/// Of coupled trusses the softest one snaps at 0.1 % of the loads, or the pair at 97 %. One load step does not pass the limit point, and the refusal
+/// tells its load factor, which is that of the path.
+#[test]
+fn one_load_step_does_not_pass_a_limit_point() {
+    let folder = tempfile::tempdir().unwrap();
+    let early = trusses(
+        &[[0.109, 157.29], [0.463, 476.82], [0.769, 87.24]],
+        &[1.14, 2.51],
+        &[(0, -25.611), (2, -5.382)],
+    );
+    let late = trusses(&[[0.356, 24.6], [0.67, 44.5]], &[2.71], &[(0, -5.0)]);
+    for (name, model, expected) in [("early", early, 1.1e-3), ("late", late, 0.973)] {
+        let run = |analysis: &str| {
+            let (file, out) =
+                (folder.path().join(format!("{name}-{analysis}.toml")), folder.path().join(analysis));
+            fs::write(&file, format!("[analysis]\ntype = \"{analysis}\"\n{model}")).unwrap();
+            (tegula(&["run", text(&file), "--out", text(&out), "--quiet", "--force"]), out)
+        };
+        let (path, out) = run("path");
+        assert!(path.status.success(), "{}", errors(&path));
+        let limit = summary(&out)["critical_points"][0]["load_factor"].as_f64().unwrap();
+        assert!((limit - expected).abs() < 0.05 * expected, "{name}: {limit}");
+        let (refused, _) = run("static");
+        let message = errors(&refused);
+        assert!(!refused.status.success(), "{name}: the limit point is passed in silence");
+        assert!(message.contains("limit point"), "{message}");
+        let last = message.split("The last equilibrium was at load factor ").nth(1).unwrap();
+        let last: f64 = last.split(". ").next().unwrap().parse().unwrap();
+        assert!(last <= limit && last > 0.9 * limit, "{name}: {last} {limit}");
     }
 }

@@ -23,6 +23,7 @@ use crate::analysis::constraints::Rates;
 use crate::analysis::solver::{Linearization, TangentSolver};
 use crate::analysis::statics::StaticEquation;
 use crate::element::Nodal;
+use crate::load::LoadParameter;
 use crate::model::NewtonMethod;
 use crate::norm::larger;
 use crate::system::assembly::add_follower_stiffness;
@@ -389,9 +390,9 @@ impl<S: TangentSolver> Newton<S> {
         force.fill([0.0; 3]);
         prescribed.fill([0.0; 3]);
         let of_elements = !system.prescribed_strains.is_empty() || system.has_actuators();
-        for sign in [1.0, -1.0] {
-            equation.time = load + sign * LOAD_DIFFERENCE;
-            let factor = 0.5 * sign / LOAD_DIFFERENCE;
+        for &(steps, weight) in differences(system.parameter(), load) {
+            equation.time = load + steps * LOAD_DIFFERENCE;
+            let factor = weight / LOAD_DIFFERENCE;
             equation.external_minus_inertia(system, field);
             add_multiple(force, factor, field);
             if of_elements {
@@ -441,6 +442,17 @@ impl<S: TangentSolver> Newton<S> {
         })?;
         expand_free(&self.frames, &self.solution, false, &mut self.increment);
         Ok(())
+    }
+}
+
+/// Places of a difference quotient of second order, in steps of the difference, and their weights. Load factors of static steps do not
+/// leave the range from 0 to 1: loads are constant outside.
+fn differences(parameter: LoadParameter, load: f64) -> &'static [(f64, f64)] {
+    let inside = |load: f64| parameter != LoadParameter::LoadFactor || (0.0..=1.0).contains(&load);
+    match [inside(load - LOAD_DIFFERENCE), inside(load + LOAD_DIFFERENCE)] {
+        [false, true] => &[(0.0, -1.5), (1.0, 2.0), (2.0, -0.5)],
+        [true, false] => &[(0.0, 1.5), (-1.0, -2.0), (-2.0, 0.5)],
+        _ => &[(1.0, 0.5), (-1.0, -0.5)],
     }
 }
 

@@ -24,6 +24,11 @@ const RETREAT: f64 = 1e-2;
 const LOST: f64 = 1e-4;
 /// Difference of two slopes of the eigenvalue over them up to which they belong to one curve.
 const SAME_SLOPE: f64 = 0.1;
+/// Eigenvalue over the largest one at the trials from which it is no round-off.
+const RESOLVED: f64 = 1e-5;
+/// Eigenvalue of a trial farther away over the largest one and over that next to zero, and the largest ratio of the slopes up to both.
+const FARTHER: [f64; 2] = [1e-2, 4.0];
+const STEADY: f64 = 2.0;
 /// Largest number of factorisations for one bifurcation.
 const MOST_TRIALS: usize = 40;
 /// Iterations of the inverse iteration for the eigenvalue next to zero.
@@ -147,6 +152,8 @@ pub struct Trial {
     /// bifurcation. It may be in proportion to the eigenvalue. At the limit point of another path, onto which a step may leap beside a path that
     /// nearly crosses, it does not vanish with the eigenvalue.
     pub work: [f64; 2],
+    /// Whether no other path nearly crosses this one, to which trials could go over.
+    pub is_alone: bool,
 }
 
 /// Curve of a power series.
@@ -168,7 +175,7 @@ impl Curve for SeriesCurve<'_> {
         let negative = expansion.factor(system, &u, load)?;
         let mut softest = expansion.eigenvalue_next_to_zero(system, INVERSE_ITERATIONS)?;
         system.orient(&mut softest.1);
-        Ok(Trial { u, load, negative, softest, work: [0.0; 2] })
+        Ok(Trial { u, load, negative, softest, work: [0.0; 2], is_alone: true })
     }
 }
 
@@ -270,12 +277,13 @@ impl Search<'_> {
             }
         }
         let largest = largest_of(&known);
-        let (mut a, Trial { u, mut load, softest: (eigenvalue, mode), work, .. }) =
+        let (mut a, Trial { u, mut load, softest: (eigenvalue, mode), work, is_alone, .. }) =
             best.ok_or("no bifurcation was located")?;
         let vanishing = if extrapolated.is_some() { LOST } else { JUMP };
         [a, load] = extrapolated.unwrap_or([a, load]);
         let part = eigenvalue.abs() / largest;
-        if !(part <= vanishing && work[0] <= larger(part, work[1])) {
+        let is_steady = is_alone || passes_steadily(&known);
+        if !(part <= vanishing && work[0] <= larger(part, work[1]) && is_steady) {
             return Err(
                 "an eigenvalue does not vanish as at a bifurcation: the step has gone over to another path"
                     .into(),
@@ -318,6 +326,27 @@ fn extrapolated_zero(known: &[Known], nearest: f64) -> Option<[f64; 2]> {
     let goes_on = (slope(other) / slope(same) - 1.0).abs() <= SAME_SLOPE;
     let part = p.eigenvalue / (p.eigenvalue - same.eigenvalue);
     goes_on.then_some([p.a + part * (same.a - p.a), p.load + part * (same.load - p.load)])
+}
+
+/// Whether the eigenvalue goes through zero at a slope that it has farther away, too, as at a bifurcation. Trials that have gone over to another
+/// path pass its fold, and next to it the eigenvalue is much steeper.
+fn passes_steadily(known: &[Known]) -> bool {
+    let size = |p: &Known| p.eigenvalue.abs();
+    let slope = |p: &Known, q: &Known| (q.eigenvalue - p.eigenvalue) / (q.a - p.a);
+    let smallest = |p: &&Known, q: &&Known| size(p).total_cmp(&size(q));
+    let Some(zero) = known.iter().min_by(smallest) else { return false };
+    let largest = largest_of(known);
+    let Some(next) = known.iter().filter(|p| p.a != zero.a && size(p) >= RESOLVED * largest).min_by(smallest)
+    else {
+        return true;
+    };
+    let far = larger(FARTHER[0] * largest, FARTHER[1] * size(next));
+    let mut farther = known.iter().filter(|p| size(p) >= far).peekable();
+    let goes_on = |p: &Known| {
+        let ratio = slope(zero, next) / slope(next, p);
+        (1.0 / STEADY..=STEADY).contains(&ratio)
+    };
+    farther.peek().is_none() || farther.any(goes_on)
 }
 
 /// Root of the line through the last two eigenvalues.

@@ -1,6 +1,6 @@
 //! Snap-through test of a load step: whether a stable path leads from the last equilibrium to the new one.
 //!
-//! A path of stable equilibria u(τ) under the loads F(τ) of a step, 0 ≤ τ ≤ 1, has three properties that are tested from what
+//! A path of stable equilibria u(τ) under the loads F(τ) of a step, 0 ≤ τ ≤ 1, has four properties that are tested from what
 //! is known at the ends of the step.
 //!
 //! - **Speed.** The step is `Δu = ∫ u' dτ`, so it is not longer than the fastest part of the path. Where both ends are slow
@@ -13,9 +13,10 @@
 //!   Near a limit point u'(0) grows beyond all bounds and carries no information. A step that begins softer than the one
 //!   before must therefore not end with less than half of the speed: `|u'(1)| ≥ ½ |u'(0)|`.
 //!
-//!   u'(0) is the first increment of Newton's method, u'(1) costs a solution with the last factor, and only where the first
-//!   increment is short or the path softens. The norm is that of `System::norm`. Halving the step decides: on a path u'
-//!   becomes uniform in the step, a snap keeps its length.
+//!   u'(0) is the first increment of Newton's method, u'(1) costs a solution with the last factor. The norm is that of
+//!   `System::norm`. Halving the step decides: on a path u' becomes uniform in the step, a snap keeps its length.
+//! - **Mean speed.** Where u' changes from one end to the other, its mean Δu lies in the triangle of u'(0), u'(1) and zero. A step that lies
+//!   half its length away from there has gone where neither tangent leads.
 //! - **Energy.** Loads of constant direction that grow in proportion, F = F₀ + τ ΔF, do the work of the strain energy U.
 //!   With `Π* = F·u − U` it is `dΠ*/dτ = ΔF·u`, and stability, `ΔF·u' = u'·K u' > 0`, lets ΔF·u grow along the path, so
 //!
@@ -29,7 +30,7 @@
 //! - **Direction.** A path leaves its start along u'(0). A step that leads the other way has reached another branch.
 //!
 //! Behind a bifurcation, a model with a small imperfection has stable equilibria on both sides, but its path leads to one of them; the
-//! other side begins at a limit point of its own. A step to there passes all three tests: it releases no energy, and the model is about as
+//! other side begins at a limit point of its own. A step to there passes all four tests: it releases no energy, and the model is about as
 //! stiff on either side. That such a point is near show negative pivots of the iteration. Then a step that does not follow a smooth path,
 //!
 //! ```text
@@ -41,7 +42,7 @@
 //!
 //! J. M. T. Thompson, G. W. Hunt, *A General Theory of Elastic Stability*, Wiley 1973, for the sign of ΔF·u'.
 //!
-//! The tests miss a snap within one step whose tangents at both ends are as soft as the snap is long, and which
+//! The tests miss a snap within one step whose tangents at both ends are as soft as the snap is long and lead the same way, and which
 //! releases less energy than the bound leaves: shorter load steps resolve more.
 
 use super::StaticEquation;
@@ -53,6 +54,9 @@ use crate::system::{Assembly, EvaluationPoint, System, add_multiple, dot};
 /// Ratio of the displacement of a step to that of the faster of its two ends above which the step is refused. Large
 /// steps on smooth paths reach 1.27 (quarter cylinder of Sect. 5.2 in one step), snaps of roofs begin at 2.1.
 const LEAP: f64 = 1.5;
+/// Distance of a step from the triangle of the speeds at its ends, over its length, above which it is refused. Large steps on smooth paths reach 0.46
+/// (quarter cylinder in one step).
+const AWAY: f64 = 0.5;
 /// Ratio of the speed at the end of a step to that at its start below which the step is refused on a path that softens.
 const STIFFER: f64 = 0.5;
 /// Ratio of the speed at the start of a step to that at the start of the one before above which a path softens.
@@ -154,6 +158,40 @@ pub(super) fn unstable_side(system: &System, step: &[Nodal]) -> Option<String> {
 
 fn cosine(system: &System, a: &[Nodal], b: &[Nodal]) -> f64 {
     system.inner_product(a, b) / (system.norm(a) * system.norm(b))
+}
+
+/// Reason to doubt a step that lies far from the triangle of the speeds u'(0) and −u'(1) at its ends and zero, as text.
+pub(super) fn leaves_speeds(system: &System, step: &[Nodal], speeds: (&[Nodal], &[Nodal])) -> Option<String> {
+    let away = distance_from_speeds(system, step, speeds);
+    (away > AWAY).then(|| {
+        format!(
+            "the step goes where neither tangent at its ends leads, {away:.2} of its length away from there"
+        )
+    })
+}
+
+/// Distance of the displacement of a step from the triangle of the speeds u'(0) and −u'(1) at its ends and zero, over the displacement.
+fn distance_from_speeds(system: &System, step: &[Nodal], (start, back): (&[Nodal], &[Nodal])) -> f64 {
+    let end: Vec<Nodal> = back.iter().map(|x| x.map(|x| -x)).collect();
+    let product = |a: &[Nodal], b: &[Nodal]| system.inner_product(a, b);
+    let (aa, ab, bb) = (product(start, start), product(start, &end), product(&end, &end));
+    let (ad, bd, dd) = (product(start, step), product(&end, step), product(step, step));
+    // Squared distance at a point of the triangle.
+    let distance =
+        |[a, b]: [f64; 2]| dd - 2.0 * (a * ad + b * bd) + a * a * aa + 2.0 * a * b * ab + b * b * bb;
+    let part = |along: f64, length: f64| if length > 0.0 { (along / length).clamp(0.0, 1.0) } else { 0.0 };
+    let between = part(bd - ad + aa - ab, aa - 2.0 * ab + bb);
+    let edges = [[part(ad, aa), 0.0], [0.0, part(bd, bb)], [1.0 - between, between]];
+    let gram = aa * bb - ab * ab;
+    let inside = [(ad * bb - bd * ab) / gram, (bd * aa - ad * ab) / gram];
+    let is_inside = inside.iter().all(|x| *x >= 0.0) && inside[0] + inside[1] <= 1.0;
+    let least = if is_inside {
+        distance(inside)
+    } else {
+        edges.into_iter().map(distance).fold(f64::INFINITY, f64::min)
+    };
+    // The difference of equal products is round-off.
+    larger(least / dd, 0.0).sqrt()
 }
 
 /// Whether a step follows a smooth path, from the speeds u'(0) and −u'(1) at its ends.

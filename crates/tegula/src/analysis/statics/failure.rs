@@ -106,6 +106,14 @@ impl Failure {
         Self::new(Kind::Rounding, reason, 0)
     }
 
+    /// Failure at a limit point of the equilibrium path.
+    pub fn of_limit(load: f64) -> Self {
+        let reason = format!(
+            "the equilibrium path from the last equilibrium has a limit point at load factor {load:.6}"
+        );
+        Self::new(Kind::Leap, reason, 1)
+    }
+
     /// Whether the other form of Newton's method may find an equilibrium where this one has found none.
     pub fn depends_on_the_form(&self) -> bool {
         use Cause::{Flight, Iterations, Material, Stagnation};

@@ -72,6 +72,8 @@ pub(super) struct LoadSteps<'a, S> {
     drilling: DrillingWatch,
     /// Tangents factored along equilibrium paths that are no results.
     factorizations_on_paths: u64,
+    /// Load factor at the next limit point of the path, where it is known; no load step passes it.
+    limit_on_path: Option<f64>,
     /// Whether an equilibrium path may lead on from where the last step has failed.
     goes_on: bool,
     /// Scratch space for the forces in the snap-through test of a step.
@@ -123,6 +125,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             reactions: if moved { reactions(system, &mut newton.assembly, &state) } else { Vec::new() },
             drilling: DrillingWatch::new(),
             factorizations_on_paths: 0,
+            limit_on_path: None,
             goes_on: false,
             buffers: std::array::from_fn(|_| vec![[0.0; 3]; system.vectors()]),
             newton,
@@ -161,6 +164,9 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         target: f64,
         observer: &mut dyn Observer,
     ) -> Result<std::result::Result<Converged, Failure>> {
+        if let Some(limit) = self.limit_on_path.filter(|limit| target > *limit) {
+            return Ok(Err(Failure::of_limit(limit)));
+        }
         let form = self.form(self.state.other_form);
         self.newton.set_method(form);
         let failure = match self.iterate(target, observer)? {
@@ -414,6 +420,7 @@ impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
     fn repeat(&mut self, start: &State, end: f64) {
         let Self { newton, system, state, equation, .. } = self;
         state.clone_from(start);
+        self.limit_on_path = None;
         newton.reset();
         newton.restore(system, state, is_loaded(system, state));
         equation.attempts = 0;

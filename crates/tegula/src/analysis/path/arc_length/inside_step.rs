@@ -31,6 +31,10 @@ const CROSSING: f64 = 1e-2;
 /// Work of the loads on the mode at a bifurcation, over that on the direction of the path, that may be round-off.
 const WORK: f64 = 1e-4;
 
+/// This work up to which paths cross, but for round-off: with a larger one of an imperfection, the eigenvalue of a path that nearly crosses another one
+/// does not become less than about its power 2/3.
+const PERFECT: f64 = 1e-9;
+
 /// Known equilibria of a step: its start and end, and trials.
 pub(super) struct Known(Vec<End>);
 
@@ -294,8 +298,9 @@ impl Curve for PathCurve<'_, '_, '_> {
         let on_path = self.known.ends().map(|end| end.tangent.work.abs());
         let work = response.work_on(&softest.1).abs();
         let work = if work > 0.0 && self.has_potential { work / larger(on_path[0], on_path[1]) } else { 0.0 };
+        let is_alone = self.has_potential && work <= PERFECT;
         let (u, load, negative) = (end.equation.u.clone(), end.equation.time, end.negative);
         self.known.add(end);
-        Ok(Trial { u, load, negative, softest, work: [work, WORK] })
+        Ok(Trial { u, load, negative, softest, work: [work, WORK], is_alone })
     }
 }

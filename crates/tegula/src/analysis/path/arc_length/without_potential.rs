@@ -123,6 +123,13 @@ impl Curve for SignCurve<'_, '_, '_> {
         let work = -self.trials.iter().map(|trial| -trial.work).fold(f64::NEG_INFINITY, larger);
         let (u, load) = (end.equation.u.clone(), end.equation.time);
         self.known.add(end);
-        Ok(Trial { u, load, negative: usize::from(sign != self.first), softest, work: [work, WORK] })
+        Ok(Trial {
+            u,
+            load,
+            negative: usize::from(sign != self.first),
+            softest,
+            work: [work, WORK],
+            is_alone: false,
+        })
     }
 }

@@ -13,19 +13,27 @@ use crate::analysis::statics::failure::{Failure, Kind};
 use crate::analysis::{Observer, State, Statistics, Step, Stepper as _};
 use crate::model::PathAnalysis;
 
-/// Most arc-length steps for a load step.
+/// Most arc-length steps for a load step, and tangents after which none of them is repeated any more.
 const MOST_STEPS: u32 = 100;
+const MOST_TANGENTS: u64 = 500;
 
-/// Observer of a path that is no result: it can be interrupted.
-struct Unseen<'a>(&'a dyn Observer);
+/// Observer of a path that is no result: it can be interrupted, and ends where it takes too much work.
+struct Unseen<'a> {
+    observer: &'a dyn Observer,
+    is_tired: bool,
+}
 
 impl Observer for Unseen<'_> {
     fn on_step(&mut self, _: &Step) -> Result<()> {
         Ok(())
     }
 
+    fn on_repeat(&mut self, statistics: &Statistics) {
+        self.is_tired |= statistics.factorizations > MOST_TANGENTS;
+    }
+
     fn interrupted(&self) -> bool {
-        self.0.interrupted()
+        self.is_tired || self.observer.interrupted()
     }
 }
 
@@ -45,9 +53,11 @@ impl<S: TangentSolver> LoadSteps<'_, S> {
         let begun = (&on_path(state.clone()), &Statistics::default(), f64::INFINITY);
         let mut steps = ArcLengthSteps::behind_steps(system, &options, begun).ok()?;
         let mut limit = None;
+        let mut unseen = Unseen { observer: &*observer, is_tired: false };
         let reached = loop {
-            if let Err(error) = steps.advance(&mut Unseen(observer)) {
-                break Err(error.to_string());
+            if let Err(error) = steps.advance(&mut unseen) {
+                let tired = format!("it takes more than {MOST_TANGENTS} factorisations");
+                break Err(if unseen.is_tired { tired } else { error.to_string() });
             }
             let Some(path) = &steps.reached().state.path else { break Err("it has no direction".into()) };
             limit = path.critical.iter().find(|p| p.kind == CriticalKind::Limit).map(|p| p.load);
@@ -60,10 +70,8 @@ impl<S: TangentSolver> LoadSteps<'_, S> {
         self.statistics.iterations += counts.iterations;
         self.factorizations_on_paths += counts.factorizations;
         if let Some(limit) = limit {
-            let reason = format!(
-                "the equilibrium path from the last equilibrium has a limit point at load factor {limit:.6}"
-            );
-            return Some(Err(Failure::new(Kind::Leap, reason, 1)));
+            self.limit_on_path = Some(limit);
+            return Some(Err(Failure::of_limit(limit)));
         }
         if let Err(reason) = reached {
             observer.on_event(&format!(

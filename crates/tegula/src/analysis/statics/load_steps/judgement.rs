@@ -5,7 +5,7 @@ use crate::analysis::newton::{Cause, Converged, Equation, TangentPart};
 use crate::analysis::path::INVERSE_ITERATIONS;
 use crate::analysis::solver::TangentSolver;
 use crate::analysis::statics::connection::{
-    SOFTER, Speeds, is_smooth, other_side, released_energy, turned_back, unstable_side,
+    SOFTER, Speeds, is_smooth, leaves_speeds, other_side, released_energy, turned_back, unstable_side,
 };
 use crate::analysis::statics::failure::{Failure, Kind};
 use crate::analysis::statics::{StaticEquation, equilibrium_step};
@@ -99,14 +99,17 @@ impl<S: TangentSolver> LoadSteps<'_, S> {
         if doubt.is_none() {
             doubt = self.doubt_of_tangents(&speeds, &converged);
         }
-        if doubt.is_none() && !self.accepts_unstable() && self.turns_sharply(&converged) {
+        let away = if doubt.is_none() && !preloaded { self.leaves_speeds() } else { None };
+        if doubt.is_none() && !self.accepts_unstable() && (away.is_some() || self.turns_sharply(&converged)) {
             match self.along_path(target, observer) {
                 Some(end) => {
                     let first_increment = converged.first_increment;
                     return end.map(|end| Converged { first_increment, ..end });
                 }
-                None => doubt = self.other_side(),
+                None => doubt = away.or_else(|| self.other_side()),
             }
+        } else {
+            doubt = doubt.or(away);
         }
         let Some(doubt) = doubt else { return Ok(converged) };
         let reason = format!(
@@ -119,7 +122,7 @@ impl<S: TangentSolver> LoadSteps<'_, S> {
         Err(Failure::new(Kind::Leap, reason, converged.most_negative_pivots))
     }
 
-    /// Reason to doubt a step from the tangents at both its ends, as text.
+    /// Reason to doubt a step from the lengths of the responses at both its ends, as text.
     fn doubt_of_tangents(&mut self, speeds: &Speeds, converged: &Converged) -> Option<String> {
         if self.meets_unstable(converged) || speeds.need_the_end() {
             speeds.doubt(self.speed_at_end())
@@ -128,7 +131,19 @@ impl<S: TangentSolver> LoadSteps<'_, S> {
         }
     }
 
-    /// Norm of the linear response at the end of a step to the change of its loads, which the solver holds then.
+    /// Reason to doubt a step from the directions of the responses at both its ends, as text.
+    fn leaves_speeds(&mut self) -> Option<String> {
+        let is_direct = self.newton.linear_iterations() == 0;
+        let smooth = self.system.without_internal_variables() && self.system.prescribed_strains.is_empty();
+        if !(is_direct && smooth && self.speed_at_end() > 0.0) {
+            return None;
+        }
+        self.moved();
+        let speeds = (self.newton.first_response.as_slice(), self.newton.last_response());
+        leaves_speeds(self.system, &self.external, speeds)
+    }
+
+    /// Norm of the linear response at the end of a step to the change of its loads, which the solver holds then; 0 where it is not found.
     fn speed_at_end(&mut self) -> f64 {
         let unloaded = StaticEquation { time: self.state.time, ..self.equation.clone() };
         let ends = (&unloaded as &dyn Equation, &self.equation as &dyn Equation);
