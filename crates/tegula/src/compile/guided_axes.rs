@@ -1,6 +1,6 @@
 //! Axes of drives, gears and torsion springs against those of the joints beside which they stand.
 //!
-//! A drive of an angle about another axis than that of the hinge beside it holds an angle of projections, which is not the angle of the
+//! A drive of an angle about another axis than that of the hinge beside it holds the twist about this axis, which is not the angle of the
 //! hinge.
 
 use crate::checker::Checker;

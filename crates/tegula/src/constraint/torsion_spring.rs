@@ -1,6 +1,6 @@
 //! Torsion springs with dampers about the common axis of two bodies.
 //!
-//! The angle is `θ = atan2(g, h)` of two quadratic forms of nodal vectors, `g = e₂ᴬ·e₁ᴮ` and `h = e₁ᴬ·e₁ᴮ`, continued beyond ±π by the
+//! The angle is `θ = atan2(g, h)` of two quadratic forms of nodal vectors, `g = ½ (e₂ᴬ·e₁ᴮ − e₁ᴬ·e₂ᴮ)` and `h = ½ (e₁ᴬ·e₁ᴮ + e₂ᴬ·e₂ᴮ)`, continued beyond ±π by the
 //! angle at the end of the step before, which is the history variable of the spring. The moment is `M = k (θ − θ₀) + d θ̇`, or a formula; the
 //! forces are `M ∂θ/∂q`. In the energy–momentum scheme, with the forms at the ends of a step and their gradients in its middle,
 //!

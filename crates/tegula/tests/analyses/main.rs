@@ -66,6 +66,7 @@ mod path_switching;
 mod paths;
 mod racks;
 mod reactions;
+mod relative_angles;
 mod screws;
 mod sensors;
 mod sheet_to_membrane;

@@ -105,18 +105,25 @@ impl End {
     }
 }
 
-/// Sine `e₂ᴬ·e₁ᴮ` and cosine `e₁ᴬ·e₁ᴮ` of the angle by which the second end has turned about an axis relative to the first one; `None`
+/// Sine `½ (e₂ᴬ·e₁ᴮ − e₁ᴬ·e₂ᴮ)` and cosine `½ (e₁ᴬ·e₁ᴮ + e₂ᴬ·e₂ᴮ)` of the angle by which the second end has turned about an axis relative to the first one; `None`
 /// where an end has no axes. The directions of the second end are those at its place of the joint.
+///
+/// With the quaternion (q₀, **q**) of the relative rotation they are `2 q₀ q·e₃` and `q₀² − (q·e₃)²`: the angle `2 atan(q·e₃/q₀)` is the twist about the axis e₃, which a
+/// swing follows that tilts the axis on the shortest way (P. Dobrowolski, *Swing-twist decomposition in Clifford algebra*, 2015, arXiv:1506.05481). It does not depend
+/// on the directions e₁ and e₂ across the axis. Where the axis stays common, both products are the same.
 fn forms_of_angle(
     ([a, b], place): (&[End; 2], &SecondPlace),
     axis: &Vec3,
     vectors: &mut Vec<u32>,
 ) -> Option<[Row; 2]> {
     let [e1, e2] = crate::element::geometry::tangents(&axis.normalize());
-    let (first, second, turned) = (a.axis(&e1)?, a.axis(&e2)?, b.axis(&place.direction(&e1))?);
+    let fixed = [a.axis(&e1)?, a.axis(&e2)?];
+    let turned = [b.axis(&place.direction(&e1))?, b.axis(&place.direction(&e2))?];
     let (mut sine, mut cosine) = (Row::default(), Row::default());
-    sine.add_product(vectors, 1.0, &second, &turned);
-    cosine.add_product(vectors, 1.0, &first, &turned);
+    sine.add_product(vectors, 0.5, &fixed[1], &turned[0]);
+    sine.add_product(vectors, -0.5, &fixed[0], &turned[1]);
+    cosine.add_product(vectors, 0.5, &fixed[0], &turned[0]);
+    cosine.add_product(vectors, 0.5, &fixed[1], &turned[1]);
     Some([sine, cosine])
 }
 
