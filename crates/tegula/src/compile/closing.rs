@@ -152,7 +152,8 @@ impl<'a> Closing<'a> {
         let at_reference = out.linear(reference);
         for i in 0..out.rows.len() {
             let own = at_reference.schur[(i, i)];
-            out.weights[i] = if own > 0.0 { 1.0 / own.sqrt() } else { out.scale / out.row(i).1.size };
+            // The product of two axes that are parallel there has no gradient but for round-off.
+            out.weights[i] = f64::min(1.0 / own.sqrt(), out.scale / out.row(i).1.size);
         }
         out
     }

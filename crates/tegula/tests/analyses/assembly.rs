@@ -470,6 +470,33 @@ fn a_universal_joint_makes_its_axes_perpendicular() {
     assert!((report.joints[0].angle - 0.6_f64.asin()).abs() < 1e-12, "{report:?}");
 }
 
+/// A part that was drawn in another plane: its hinge's axis is at a right angle to that of the ground, where the product of both has no gradient.
+#[test]
+fn axes_a_right_angle_apart_are_closed() {
+    for second_axis in [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]] {
+        for off in [[0.0; 3], [0.5, 1.5, -0.2], [0.5, 0.0, 0.0]] {
+            let keys = AxisJoint {
+                second_at: Some([3.0, 1.0, 2.0]),
+                second_axis: Some(second_axis),
+                ..axis_joint("hinge", "ground", "part", [0.0; 3], Z)
+            };
+            let at = std::array::from_fn(|i| [3.0, 1.0, 2.0][i] + off[i]);
+            let part = body("part", at, 2.0, Some([0.1, 0.2, 0.25]));
+            let system = built(&machine(1.0, 0.1, vec![part], vec![Joint::Revolute(keys.into())]));
+            let (place, axes) = pose(&system, &State::first(&system), 0);
+            assert!(
+                (axes * Vec3::from(second_axis) - Vec3::z()).norm() < 1e-10,
+                "{second_axis:?} {off:?} {axes}"
+            );
+            assert!((place - axes * Vec3::from(off)).norm() < 1e-9, "{second_axis:?} {off:?} {place}");
+            if off == [0.0; 3] {
+                // About the mass centre it turns by no more than the right angle.
+                assert!((axes.trace() - 1.0).abs() < 1e-10, "{axes}");
+            }
+        }
+    }
+}
+
 /// A drawer whose rail has a stop begins where its sides have come to stand.
 #[test]
 fn stops_count_from_where_the_sides_would_meet() {
