@@ -1,7 +1,7 @@
 //! Examples and runs of equilibrium paths: branches, steps behind paths, statics that go on along a path.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
@@ -15,6 +15,20 @@ fn rows(folder: &Path, columns: &[&str]) -> Vec<Vec<f64>> {
     let columns: Vec<usize> =
         columns.iter().map(|name| head.iter().position(|c| c == name).unwrap()).collect();
     lines.map(|line| columns.iter().map(|&c| line[c].parse().unwrap()).collect()).collect()
+}
+
+/// Folder of results of a model, whose run succeeds.
+fn completed(folder: &Path, name: &str, model: &str) -> PathBuf {
+    let (file, out) = (folder.join(format!("{name}.toml")), folder.join(name));
+    fs::write(&file, model).unwrap();
+    let run = tegula(&["run", text(&file), "--out", text(&out), "--quiet"]);
+    assert!(run.status.success(), "{name}: {}", errors(&run));
+    out
+}
+
+/// Displacement along z of a point at the end of a run.
+fn deflection(out: &Path, point: &str) -> f64 {
+    summary(out)["points"][point]["displacement"][2].as_f64().unwrap()
 }
 
 /// Bifurcations and limit point of Pi, Bradford and Uy; the branches connect both bifurcations, where the asymmetric shapes begin and end.
@@ -222,12 +236,8 @@ fn statics_stay_on_the_path_of_an_imperfect_plate() {
             "#,
             temperature[0], temperature[1]
         );
-        let (file, out) = (folder.path().join(format!("{name}.toml")), folder.path().join(name));
-        fs::write(&file, model).unwrap();
-        let run = tegula(&["run", text(&file), "--out", text(&out), "--quiet"]);
-        assert!(run.status.success(), "{name}: {}", errors(&run));
-        let s = summary(&out);
-        ["left", "right"].map(|point| s["points"][point]["displacement"][2].as_f64().unwrap())
+        let out = completed(folder.path(), name, &model);
+        ["left", "right"].map(|point| deflection(&out, point))
     };
     let first = ([0.0685, 0.3425, 1.37], -3.425, [2.055, 205.5]);
     let second = ([0.497906, -0.988418, 3.63076], 5.50415, [2.50841, -183.594]);
@@ -293,11 +303,7 @@ fn strained_strips_bend_to_the_side_of_their_imperfection() {
             pictures = false
             "#
         );
-        let (file, out) = (folder.path().join(format!("{name}.toml")), folder.path().join(name));
-        fs::write(&file, model).unwrap();
-        let run = tegula(&["run", text(&file), "--out", text(&out), "--quiet"]);
-        assert!(run.status.success(), "{name}: {}", errors(&run));
-        summary(&out)["points"]["middle"]["displacement"][2].as_f64().unwrap()
+        deflection(&completed(folder.path(), name, &model), "middle")
     };
     for (times, load_steps) in [(50.0, [1, 5].as_slice()), (300.0, &[20])] {
         let strain = times * std::f64::consts::PI.powi(2) * 1e-4 / 12.0;
@@ -309,6 +315,126 @@ fn strained_strips_bend_to_the_side_of_their_imperfection() {
             let end = middle(&format!("static-{times}-{steps}"), &analysis, strain);
             assert!((end / path - 1.0).abs() < 1e-6, "{steps}: {end} {path}");
         }
+    }
+}
+
+/// Strip of 1 × 0.1 × 0.01 with a random imperfection of an amplitude, or straight, and a support at its right end besides its first one, without its analysis and loads.
+fn imperfect_strip(amplitude: f64, first: &str, last: &str) -> String {
+    format!(
+        r#"
+        [mesh]
+        type = "plate"
+        size = [1.0, 0.1]
+        grid = {{ elements = [20, 1] }}
+        [materials.m]
+        type = "isotropic"
+        young = 1e9
+        poisson = 0.0
+        [[sections]]
+        material = "m"
+        thickness = 0.01
+        {}
+        [[conditions]]
+        type = "{first}"
+        on = "u_min"
+        {last}
+        [output]
+        points = [{{ name = "middle", at = [0.5, 0.0, 0.0] }}]
+        pictures = false
+        "#,
+        if amplitude == 0.0 { String::new() } else { imperfection(amplitude) }
+    )
+}
+
+/// Random imperfection of an amplitude.
+fn imperfection(amplitude: f64) -> String {
+    format!(
+        "[[imperfections]]\ntype = \"random\"\namplitude = {amplitude}\ncorrelation_length = 0.2\nseed = 3\n"
+    )
+}
+
+/// Force on the right end of the strip per length, in Euler loads of the strip between hinges.
+fn thrust(times: f64) -> String {
+    let value = -times * std::f64::consts::PI.powi(2) * 1e3 / 12.0;
+    format!("type = \"edge\"\non = \"u_max\"\nvalue = [{value}, 0.0, 0.0]\n")
+}
+
+/// Strip with an imperfection of 1e-5 of its thickness that is bent by 1.3 and 1.6 times the Euler load, and then pulled: its path turns next to the
+/// bifurcation back to the straight shape, in which the same pull on the unloaded strip ends.
+#[test]
+fn a_buckled_strip_straightens_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let hinge = "[[conditions]]\ntype = \"fix\"\non = \"u_max\"\nposition = [\"y\", \"z\"]\n";
+    let strip = imperfect_strip(1e-7, "hinge", hinge);
+    for times in [1.3, 1.6] {
+        let statics = format!("[analysis]\ntype = \"static\"\n{strip}[[loads]]\n{}", thrust(-times));
+        let straight = deflection(&completed(folder.path(), &format!("pulled-{times}"), &statics), "middle");
+        assert!(straight.abs() < 1e-8 && straight != 0.0, "{straight}");
+        for method in ["series", "arc-length"] {
+            let analysis = if method == "series" { "" } else { ", method = \"arc-length\"" };
+            let step = |name: &str, load: f64| {
+                format!(
+                    "[[steps]]\nname = \"{name}\"\nanalysis = {{ type = \"path\"{analysis} }}\n[[steps.loads]]\n{}",
+                    thrust(load)
+                )
+            };
+            let model = format!("{strip}{}{}", step("buckled", times), step("pulled", -times));
+            let out = completed(folder.path(), &format!("{method}-{times}"), &model);
+            let [bent, back] = ["1-buckled", "2-pulled"].map(|step| deflection(&out.join(step), "middle"));
+            assert!(bent.abs() > 0.3, "{bent}");
+            assert!((back / straight - 1.0).abs() < 1e-6, "{method} {times}: {back} {straight}");
+            let found = &summary(&out.join("2-pulled"))["critical_points"];
+            assert_eq!(found.as_array().unwrap().len(), 0, "{method} {times}");
+        }
+    }
+}
+
+/// Clamped strip with imperfections of 1e-4 and 1e-5 of its thickness, 0.3 % above its buckling load, next to which displacements change much with the load:
+/// power series, the arc-length method and static steps end in one equilibrium.
+#[test]
+fn strips_next_to_their_buckling_load_end_in_one_equilibrium() {
+    let folder = tempfile::tempdir().unwrap();
+    // The Euler load of a cantilever, less its shear flexibility; G A = 5/12 E A.
+    let euler = std::f64::consts::PI.powi(2) * 1e3 / 48.0;
+    let times = 0.25 * 1.003 / (1.0 + euler / (5.0 / 12.0 * 1e7));
+    for amplitude in [1e-6, 1e-7] {
+        let strip = imperfect_strip(amplitude, "clamp", "");
+        let load = thrust(times);
+        let analyses = [
+            ("series", "path", ""),
+            ("arc-length", "path", "method = \"arc-length\""),
+            ("1", "static", ""),
+            ("3", "static", "load_steps = 3"),
+        ];
+        let ends = analyses.map(|(name, analysis, more)| {
+            let model = format!("[analysis]\ntype = \"{analysis}\"\n{more}\n{strip}[[loads]]\n{load}");
+            deflection(&completed(folder.path(), &format!("{name}-{amplitude}"), &model), "middle")
+        });
+        assert!(ends[1].abs() > 0.023, "{ends:?}");
+        assert!(ends.iter().all(|end| (end / ends[1] - 1.0).abs() < 1e-6), "{amplitude}: {ends:?}");
+    }
+}
+
+/// A straight clamped strip goes over to its crossing path by a jump of its deflection, and a stop condition within the jump ends the path behind it.
+#[test]
+fn stop_conditions_within_the_jump_to_a_crossing_path_end_behind_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let strip = imperfect_strip(0.0, "clamp", "");
+    for (method, value) in [("series", 2e-4), ("arc-length", 2e-4), ("arc-length", 1e-4)] {
+        let analysis = format!(
+            "[analysis]\ntype = \"path\"\nmethod = \"{method}\"\nend_load = 1.2\nswitch_at = [1]\n\
+             stop = [{{ column = \"middle.uz\", value = {value} }}]\n"
+        );
+        let out = completed(
+            folder.path(),
+            &format!("{method}-{value}"),
+            &format!("{analysis}{strip}[[loads]]\n{}", thrust(0.25)),
+        );
+        let s = summary(&out);
+        let (reached, end) = (s["stop"]["reached"].as_f64().unwrap(), s["time"].as_f64().unwrap());
+        assert!(reached > value && reached < 1e-3, "{method} {value}: {reached}");
+        // The buckling load of a clamped strip is a quarter of the Euler load, less its shear flexibility.
+        assert!((end - 1.0).abs() < 2e-3, "{end}");
     }
 }
 
@@ -362,12 +488,8 @@ fn statics_of_an_unloaded_plate_end_where_its_path_ends() {
             pictures = false
             "#
         );
-        let (file, out) = (folder.path().join(format!("{analysis}.toml")), folder.path().join(analysis));
-        fs::write(&file, model).unwrap();
-        let run = tegula(&["run", text(&file), "--out", text(&out), "--quiet"]);
-        assert!(run.status.success(), "{analysis}: {}", errors(&run));
-        let s = summary(&out);
-        ["middle", "quarter"].map(|point| s["points"][point]["displacement"][2].as_f64().unwrap())
+        let out = completed(folder.path(), analysis, &model);
+        ["middle", "quarter"].map(|point| deflection(&out, point))
     });
     let log = fs::read_to_string(folder.path().join("static/log.txt")).unwrap();
     assert!(log.contains("arc-length steps lead to its equilibrium"), "{log}");

@@ -229,15 +229,42 @@ impl<'a> StopWatch<'a> {
             };
             stands = stepper.position();
             let values = self.measure(last, stepper, observer)?;
-            bracket.take(self, Trial { position: stands, values });
+            if self.crossed(&values).next().is_none() {
+                stands = f64::NAN;
+            }
+            bracket.take(self, Trial { position: stepper.position(), values });
         }
         if stands != bracket.high.position {
-            stepper.repeat(&self.start, bracket.high.position);
+            let end = bracket.high.position;
+            let (ends, is_whole) = ([end, f64::INFINITY], end == bracket.whole.position);
+            let ends = if is_whole { &ends[..] } else { &ends[..1] };
+            (last, bracket.high.values) = self.repeat_up_to(ends, stepper, observer)?;
             repeats += 1;
-            last = stepper.advance(observer)?;
-            bracket.high.values = self.measure(last, stepper, observer)?;
         }
         Ok((last, bracket.high, repeats))
+    }
+
+    /// Repeats the step that leads across a value with limits of its end, until one leads across it again: a path goes over to another one at a bifurcation,
+    /// and for this has to pass the place at which the step ends. Returns the iterations of the step, and the columns at its end.
+    fn repeat_up_to(
+        &self,
+        limits: &[f64],
+        stepper: &mut dyn Stepper,
+        observer: &mut dyn Observer,
+    ) -> Result<(u32, Vec<f64>)> {
+        let mut outcome = Ok((0, Vec::new()));
+        for limit in limits {
+            stepper.repeat(&self.start, *limit);
+            outcome = match stepper.advance(observer) {
+                Ok(iterations) => Ok((iterations, self.measure(iterations, stepper, observer)?)),
+                Err(error @ (Error::Interrupted | Error::Outside(_))) => return Err(error),
+                Err(error) => Err(error),
+            };
+            if outcome.as_ref().is_ok_and(|(_, values)| self.crossed(values).next().is_some()) {
+                break;
+            }
+        }
+        outcome
     }
 }
 

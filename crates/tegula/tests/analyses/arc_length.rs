@@ -177,15 +177,15 @@ fn strip(n: u32, element: ElementKind, h: f64, young: f64, options: &PathAnalysi
     (strip, euler)
 }
 
-/// Observer with a function of the state as the column `end`.
-struct Deflection<'a>(&'a dyn Fn(&State) -> f64);
+/// Observer with the load factor as the column `load`.
+struct LoadFactor;
 
-impl Observer for Deflection<'_> {
+impl Observer for LoadFactor {
     fn on_step(&mut self, _: &Step) -> Result<()> {
         Ok(())
     }
     fn column(&mut self, name: &str, step: &Step) -> Option<f64> {
-        (name == "end").then(|| self.0(step.state))
+        (name == "load").then_some(step.state.time)
     }
 }
 
@@ -211,16 +211,19 @@ fn the_arc_length_method_goes_on_where_series_lead_no_further() {
         assert!((end(&again.state) / end(&outcome.state) - 1.0).abs() < 1e-9);
     }
     // A stop condition that is met in the first step behind the change: the step is repeated from where it began.
-    let first = record.states.iter().find(|state| state.path.as_ref().is_some_and(|path| path.arc.is_some()));
-    let wanted = 0.5 * end(first.unwrap());
+    let is_behind = |state: &State| state.path.as_ref().is_some_and(|path| path.arc.is_some());
+    let first = record.states.iter().position(is_behind).unwrap();
+    let begun = if first == 0 { 0.0 } else { record.states[first - 1].time };
+    let wanted = 0.5 * (begun + record.states[first].time);
     let mut stopping = m.clone();
     if let Analysis::Path(options) = &mut stopping.analysis {
         options.stop =
-            vec![StopCondition { column: "end".into(), value: wanted, direction: Crossing::Rising }];
+            vec![StopCondition { column: "load".into(), value: wanted, direction: Crossing::Rising }];
     }
     let Analysis::Path(with_stop) = &stopping.analysis else { unreachable!() };
-    let stopped = path::run(&system, with_stop, None, &mut Deflection(&end)).unwrap();
-    assert!(stopped.stopped.is_some() && (end(&stopped.state) / wanted - 1.0).abs() < 1e-3);
+    let stopped = path::run(&system, with_stop, None, &mut LoadFactor).unwrap();
+    let at = stopped.state.time;
+    assert!(stopped.stopped.is_some() && (at / wanted - 1.0).abs() < 1e-5, "{at} {wanted}");
     // Wanted series end with an error.
     if let Analysis::Path(options) = &mut m.analysis {
         options.method = Some(PathMethod::Series);

@@ -306,6 +306,10 @@ impl<'a> ArcLengthSteps<'a> {
         }
         if flat && end.negative == negative {
             // Next to a bifurcation the load of a crossing path is constant, but for round-off. In a dead centre no eigenvalue vanishes.
+            if let [at] = limits[..] {
+                let mut known = Known::new(self, (arc, negative), &end);
+                self.refuse_fold(&mut known, (at, loads.load(at)), observer)?;
+            }
             limits.clear();
         }
         let unchanged = end.negative == negative && end.tangent.determinant_sign == sign;
@@ -325,7 +329,7 @@ impl<'a> ArcLengthSteps<'a> {
             first = self.wanted(&loads, found.a);
             end = found;
             if first.is_none() {
-                critical.push(self.extremum(inside, (&mut end, load), (has_potential, sign))?);
+                critical.push(self.extremum(inside, (&mut end, load), (has_potential, sign), observer)?);
             }
         }
         if let Some((a, load)) = first {

@@ -22,6 +22,8 @@ const JUMP: f64 = 1e-6;
 /// the way; and that from which the bifurcation is extrapolated.
 const RETREAT: f64 = 1e-2;
 const LOST: f64 = 1e-4;
+/// Distance of eigenvalues over the largest one from their line that is round-off in very thin shells.
+const ROUND_OFF: f64 = 1e-3;
 /// Difference of two slopes of the eigenvalue over them up to which they belong to one curve.
 const SAME_SLOPE: f64 = 0.1;
 /// Eigenvalue over the largest one at the trials from which it is no round-off.
@@ -136,6 +138,11 @@ pub trait Curve {
     /// # Errors
     /// There is none, or its tangent has no factor; the text gives the reason.
     fn trial(&mut self, a: f64) -> Result<Trial, String>;
+
+    /// Whether the curve may pass bifurcations at which eigenvalues are lost in round-off.
+    fn passes_round_off(&self) -> bool {
+        true
+    }
 }
 
 /// Equilibrium on a curve.
@@ -176,6 +183,11 @@ impl Curve for SeriesCurve<'_> {
         let mut softest = expansion.eigenvalue_next_to_zero(system, INVERSE_ITERATIONS)?;
         system.orient(&mut softest.1);
         Ok(Trial { u, load, negative, softest, work: [0.0; 2], is_alone: true })
+    }
+
+    fn passes_round_off(&self) -> bool {
+        // Coefficients of the next series would be round-off, too.
+        false
     }
 }
 
@@ -279,10 +291,16 @@ impl Search<'_> {
         let largest = largest_of(&known);
         let (mut a, Trial { u, mut load, softest: (eigenvalue, mode), work, is_alone, .. }) =
             best.ok_or("no bifurcation was located")?;
+        let part = eigenvalue.abs() / largest;
+        let among_round_off = if self.curve.passes_round_off() && extrapolated.is_none() && part > JUMP {
+            zero_among_round_off(&known)
+        } else {
+            None
+        };
+        let is_steady = is_alone || among_round_off.is_some() || passes_steadily(&known);
+        extrapolated = extrapolated.or(among_round_off);
         let vanishing = if extrapolated.is_some() { LOST } else { JUMP };
         [a, load] = extrapolated.unwrap_or([a, load]);
-        let part = eigenvalue.abs() / largest;
-        let is_steady = is_alone || passes_steadily(&known);
         if !(part <= vanishing && work[0] <= larger(part, work[1]) && is_steady) {
             return Err(
                 "an eigenvalue does not vanish as at a bifurcation: the step has gone over to another path"
@@ -326,6 +344,24 @@ fn extrapolated_zero(known: &[Known], nearest: f64) -> Option<[f64; 2]> {
     let goes_on = (slope(other) / slope(same) - 1.0).abs() <= SAME_SLOPE;
     let part = p.eigenvalue / (p.eigenvalue - same.eigenvalue);
     goes_on.then_some([p.a + part * (same.a - p.a), p.load + part * (same.load - p.load)])
+}
+
+/// Zero of the line through the two smallest eigenvalues that are no round-off, and the load factor there, where the next one belongs to this line and all smaller
+/// ones lie beside it by no more than round-off of very thin shells. These change their signs with round-off, so that the place at which the count changes is
+/// none of the bifurcation.
+fn zero_among_round_off(known: &[Known]) -> Option<[f64; 2]> {
+    let size = |p: &Known| p.eigenvalue.abs();
+    let largest = largest_of(known);
+    let (mut resolved, others): (Vec<&Known>, Vec<&Known>) =
+        known.iter().partition(|p| size(p) >= RETREAT * largest);
+    resolved.sort_by(|p, q| size(p).total_cmp(&size(q)));
+    let [p, q, r, ..] = resolved[..] else { return None };
+    let slope = |q: &Known| (q.eigenvalue - p.eigenvalue) / (q.a - p.a);
+    let along = -p.eigenvalue / slope(q);
+    let (zero, load) = (p.a + along, p.load + along * (q.load - p.load) / (q.a - p.a));
+    let is_round_off = |o: &Known| (o.eigenvalue - slope(q) * (o.a - zero)).abs() <= ROUND_OFF * largest;
+    let goes_on = (slope(r) / slope(q) - 1.0).abs() <= SAME_SLOPE && others.iter().all(|o| is_round_off(o));
+    goes_on.then_some([zero, load])
 }
 
 /// Whether the eigenvalue goes through zero at a slope that it has farther away, too, as at a bifurcation. Trials that have gone over to another

@@ -14,6 +14,7 @@
 mod arc_length;
 mod branch;
 mod critical_points;
+mod crossing;
 mod expansion;
 mod geometric;
 mod hand_over;

@@ -2,6 +2,7 @@
 
 use super::branch::{self, Branch, onto_branch};
 use super::critical_points::{Found, INVERSE_ITERATIONS, SeriesCurve, bifurcations, limit_points};
+use super::crossing::refuse_fold_of_other_path;
 use super::expansion::{Directions, Expansion};
 use super::geometric;
 use super::series::{Series, is_flat};
@@ -21,6 +22,11 @@ const LARGEST_ERROR: f64 = 1e-6;
 const CORRECTED: f64 = 1e-7;
 /// Corrections of the end of a piece.
 const CORRECTIONS: usize = 3;
+/// Newton iterations at the load factor at which the path ends, and the largest first increment over the displacements: larger ones may lead to another path.
+const MOST_AT_LOAD: usize = 10;
+const MOST_CORRECTED: f64 = 1e-2;
+/// Increment over the displacements that is left out there.
+const AT_LOAD: f64 = 1e-9;
 /// Factor by which a piece is shortened whose end has too large a residual or error, or a singular tangent.
 const SHORTER: f64 = 0.8;
 /// Shortenings after which a piece is given up: where the method is not given, the arc-length method takes over with longer steps.
@@ -157,6 +163,9 @@ impl Piece {
         } else {
             limit_points(system, expansion, &series, length)
         };
+        for crossing in critical.iter().filter(|found| found.is_passed_along_mode()) {
+            refuse_fold(system, expansion, &series, (crossing, length))?;
+        }
         let explained: i32 = critical.iter().map(|found| found.point.change).sum();
         let unexplained = end.negative as i32 - negative as i32 - explained;
         if unexplained != 0 {
@@ -352,16 +361,31 @@ impl End {
         Ok(())
     }
 
-    /// Displacements at a load factor by a Newton increment; `None` where it does not halve the residual, as at limit points.
+    /// Displacements at a load factor by Newton's method from this end, the tangent of which is factored; `None` where it does not converge, as at
+    /// limit points. The next increment is expected to be as much less as the residual is.
     fn at_load(&self, system: &System, expansion: &mut Expansion, load: f64) -> Option<Vec<Nodal>> {
         let Directions { increment, unit } = &self.directions;
-        let mut u = self.u.clone();
-        add_multiple(&mut u, 1.0, increment);
-        add_multiple(&mut u, load - self.load, unit);
+        let (mut u, mut increment) = (self.u.clone(), increment.clone());
+        add_multiple(&mut increment, load - self.load, unit);
         let mut left = vec![0.0; system.unknowns()];
-        let [before, _] = expansion.residual(system, &self.u, load, &mut left);
-        let [behind, _] = expansion.residual(system, &u, load, &mut left);
-        (behind <= 0.5 * before).then_some(u)
+        let [mut residual, _] = expansion.residual(system, &u, load, &mut left);
+        let mut before = 2.0 * MOST_CORRECTED;
+        for _ in 0..MOST_AT_LOAD {
+            let size = system.norm(&increment) / larger(system.norm(&u), self.length);
+            if !(size <= 0.5 * before) {
+                return (size <= CORRECTED).then_some(u);
+            }
+            before = size;
+            add_multiple(&mut u, 1.0, &increment);
+            let [behind, _] = expansion.residual(system, &u, load, &mut left);
+            if size * (behind / residual) <= AT_LOAD || size <= AT_LOAD {
+                return Some(u);
+            }
+            residual = behind;
+            expansion.factor(system, &u, load).ok()?;
+            increment = expansion.directions(system, &u, load).ok()?.increment;
+        }
+        None
     }
 }
 
@@ -408,6 +432,23 @@ fn usable_end(
         }
     }
     Err("the series has no usable length".into())
+}
+
+/// Refuses a crossing of a piece that is the fold of a path which nearly crosses it.
+fn refuse_fold(
+    system: &System,
+    expansion: &mut Expansion,
+    series: &Series,
+    (crossing, length): (&Found, f64),
+) -> Result<(), String> {
+    let loads = [series.load(0.0), crossing.point.load, series.load(length)];
+    let mut direction = series.u.clone();
+    refuse_fold_of_other_path(loads, [crossing.a, length], |a| {
+        let mut trial = End::new(system, expansion, series, a)?;
+        series.direction(a, &mut direction);
+        trial.correct(system, expansion, (series, &direction))?;
+        Ok(trial.load)
+    })
 }
 
 /// First bifurcation of a piece at which the path goes over to the crossing one, and the sign of the side wanted.

@@ -172,10 +172,10 @@ pub(super) fn leaves_speeds(system: &System, step: &[Nodal], speeds: (&[Nodal], 
 
 /// Distance of the displacement of a step from the triangle of the speeds u'(0) and −u'(1) at its ends and zero, over the displacement.
 fn distance_from_speeds(system: &System, step: &[Nodal], (start, back): (&[Nodal], &[Nodal])) -> f64 {
-    let end: Vec<Nodal> = back.iter().map(|x| x.map(|x| -x)).collect();
     let product = |a: &[Nodal], b: &[Nodal]| system.inner_product(a, b);
-    let (aa, ab, bb) = (product(start, start), product(start, &end), product(&end, &end));
-    let (ad, bd, dd) = (product(start, step), product(&end, step), product(step, step));
+    // The speed at the end is −`back`.
+    let (aa, ab, bb) = (product(start, start), -product(start, back), product(back, back));
+    let (ad, bd, dd) = (product(start, step), -product(back, step), product(step, step));
     // Squared distance at a point of the triangle.
     let distance =
         |[a, b]: [f64; 2]| dd - 2.0 * (a * ad + b * bd) + a * a * aa + 2.0 * a * b * ab + b * b * bb;

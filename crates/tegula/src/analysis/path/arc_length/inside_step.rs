@@ -7,6 +7,7 @@ use super::{ArcLengthSteps, ArcStart, End, Plane, TOLERANCES, TURN};
 use crate::analysis::Observer;
 use crate::analysis::newton::TangentPart;
 use crate::analysis::path::critical_points::{Curve, Found, INVERSE_ITERATIONS, Trial, bifurcations};
+use crate::analysis::path::crossing::refuse_fold_of_other_path;
 use crate::analysis::path::state::{CriticalKind, CriticalPoint};
 use crate::analysis::statics::StaticEquation;
 use crate::norm::larger;
@@ -20,6 +21,12 @@ const AT_DEAD_CENTRE: f64 = 1e-8;
 const MOST_TRIALS: usize = 30;
 /// Largest distance of a trial from the nearest known equilibrium on the same path: twice that along the step and a twentieth of the step.
 const FAR: [f64; 2] = [2.0, 0.05];
+
+/// Part of the length of a step that the way of Newton's method at constant load may be longer than that which the tangent tells and this factor, and the
+/// largest number of equilibria from which it begins.
+const NEAR: f64 = 1e-4;
+const REST: f64 = 3.0;
+const MOST_NEARER: usize = 6;
 
 /// Length of a step in which a zero of the symmetric part need not be found: next to it the unsymmetric tangent may be singular.
 const SHORT: f64 = 1e-3;
@@ -102,27 +109,43 @@ impl ArcLengthSteps<'_> {
         }
     }
 
-    /// Equilibrium at a load factor, near a distance from the start of the step.
+    /// Equilibrium at a load factor, near a distance from the start of the step. Next to a bifurcation Newton's method at this load factor may end on another path: where
+    /// its way is longer than the tangent tells, it begins nearer to the load factor.
     pub(super) fn at_load(
         &mut self,
-        known: &Known,
+        known: &mut Known,
         (a, load): (f64, f64),
         observer: &mut dyn Observer,
     ) -> std::result::Result<End, String> {
-        let near = self.equilibrium_near(known, a, observer)?;
-        let Self { newton, system, state, equation, statistics, .. } = self;
-        equation.time = load;
-        newton.restore(system, state, false);
-        let solved = newton.solve(system, equation, &state.history, &TOLERANCES, observer);
-        statistics.iterations +=
-            u64::from(solved.as_ref().map_or_else(|failed| failed.iterations, |s| s.iterations));
-        solved.map_err(|failed| failed.reason)?;
-        let [start, end] = known.ends();
-        self.stays_near(&near, FAR[1] * end.a)?;
-        let mut moved = self.equation.u.clone();
-        add_multiple(&mut moved, -1.0, &start.equation.u);
-        let a = self.system.inner_product(&start.tangent.direction, &moved);
-        self.end_at(a, &start.tangent, near.iterations)
+        let length = known.ends()[1].a;
+        let mut near = self.equilibrium_near(known, a, observer)?;
+        for _ in 0..MOST_NEARER {
+            let Self { newton, system, state, equation, statistics, .. } = self;
+            equation.time = load;
+            newton.restore(system, state, false);
+            let solved = newton.solve(system, equation, &state.history, &TOLERANCES, observer);
+            statistics.iterations +=
+                u64::from(solved.as_ref().map_or_else(|failed| failed.iterations, |s| s.iterations));
+            let rest = (load - near.equation.time) / near.tangent.load;
+            // Up to a limit point at this load factor the way is twice as long as the tangent tells.
+            let far = (REST * rest.abs() + NEAR * length).min(FAR[1] * length);
+            let stays = solved.map_err(|failed| failed.reason).and_then(|_| self.stays_near(&near, far));
+            let [start, _] = known.ends();
+            if stays.is_ok() {
+                let mut moved = self.equation.u.clone();
+                add_multiple(&mut moved, -1.0, &start.equation.u);
+                let a = self.system.inner_product(&start.tangent.direction, &moved);
+                return self.end_at(a, &start.tangent, near.iterations);
+            }
+            let along = self.system.inner_product(&start.tangent.direction, &near.tangent.direction);
+            let next = near.a + rest * along;
+            if !(next > 0.0 && next < length) {
+                return Err(stays.err().unwrap_or_default());
+            }
+            known.add(near);
+            near = self.equilibrium_near(known, next, observer)?;
+        }
+        Err("the equilibrium at a load factor in the step was not found".into())
     }
 
     /// Limit point of a step by the secant of the derivative of the load factor, kept in a bracket, from a first estimate: an equilibrium next to it, and
@@ -170,12 +193,13 @@ impl ArcLengthSteps<'_> {
     /// passes as the crossing one.
     ///
     /// # Errors
-    /// The linear solver failed; the text gives the reason.
+    /// The linear solver failed, or the extremum does not lie on the path; the text gives the reason.
     pub(super) fn extremum(
         &mut self,
-        known: &Known,
+        known: &mut Known,
         (end, load): (&mut End, f64),
         (has_potential, sign): (bool, i8),
+        observer: &mut dyn Observer,
     ) -> std::result::Result<Found, String> {
         let ends @ [start, whole] = known.ends();
         let works = ends.map(|end| end.tangent.work.abs());
@@ -209,6 +233,9 @@ impl ArcLengthSteps<'_> {
         if is_before {
             end.tangent.load = -end.tangent.load;
         }
+        if crosses {
+            self.refuse_fold(known, (end.a, load), observer)?;
+        }
         let point = CriticalPoint {
             kind,
             load,
@@ -218,6 +245,28 @@ impl ArcLengthSteps<'_> {
             mode: end.tangent.direction.clone(),
         };
         Ok(Found { a: end.a, point })
+    }
+}
+
+impl ArcLengthSteps<'_> {
+    /// Refuses an extremum of the load factor, taken for a crossing, that is the fold of a path which nearly crosses that of the step.
+    ///
+    /// # Errors
+    /// As [`refuse_fold_of_other_path`].
+    pub(super) fn refuse_fold(
+        &mut self,
+        known: &mut Known,
+        (at, load): (f64, f64),
+        observer: &mut dyn Observer,
+    ) -> std::result::Result<(), String> {
+        let [start, end] = known.ends();
+        let (loads, length) = ([start.equation.time, load, end.equation.time], end.a);
+        refuse_fold_of_other_path(loads, [at, length], |a| {
+            let trial = self.equilibrium_near(known, a, observer)?;
+            let load = trial.equation.time;
+            known.add(trial);
+            Ok(load)
+        })
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::LoadSteps;
 use crate::Result;
-use crate::analysis::newton::Converged;
+use crate::analysis::newton::{Cause, Converged};
 use crate::analysis::path::{ArcLengthSteps, CriticalKind};
 use crate::analysis::solver::TangentSolver;
 use crate::analysis::statics::continued::{on_path, path_options};
@@ -90,7 +90,11 @@ impl<S: TangentSolver> LoadSteps<'_, S> {
         failure: Failure,
         observer: &mut dyn Observer,
     ) -> std::result::Result<Converged, Failure> {
-        let leaps = matches!(failure.kind, Kind::Unstable | Kind::Leap);
+        let leaps = match failure.kind {
+            Kind::Unstable | Kind::Leap => true,
+            Kind::Iteration(cause) => cause != Cause::Material && failure.negative_pivots > 0,
+            _ => false,
+        };
         if !leaps || self.accepts_unstable() || self.options.continuation.is_some() {
             return Err(failure);
         }

@@ -96,10 +96,11 @@ impl<S: TangentSolver> LoadSteps<'_, S> {
             && !system.continues()
             && newton.assembly.strain_energy(system, &state.point(system)) > 0.0;
         let mut doubt = released.or(away).filter(|_| !preloaded);
+        let mut away = None;
         if doubt.is_none() {
-            doubt = self.doubt_of_tangents(&speeds, &converged);
+            [doubt, away] = self.doubts_of_tangents(&speeds, &converged);
+            away = away.filter(|_| !preloaded);
         }
-        let away = if doubt.is_none() && !preloaded { self.leaves_speeds() } else { None };
         if doubt.is_none() && !self.accepts_unstable() && (away.is_some() || self.turns_sharply(&converged)) {
             match self.along_path(target, observer) {
                 Some(end) => {
@@ -122,25 +123,23 @@ impl<S: TangentSolver> LoadSteps<'_, S> {
         Err(Failure::new(Kind::Leap, reason, converged.most_negative_pivots))
     }
 
-    /// Reason to doubt a step from the lengths of the responses at both its ends, as text.
-    fn doubt_of_tangents(&mut self, speeds: &Speeds, converged: &Converged) -> Option<String> {
-        if self.meets_unstable(converged) || speeds.need_the_end() {
-            speeds.doubt(self.speed_at_end())
-        } else {
-            None
-        }
-    }
-
-    /// Reason to doubt a step from the directions of the responses at both its ends, as text.
-    fn leaves_speeds(&mut self) -> Option<String> {
+    /// Reasons to doubt a step from the lengths of the responses at both its ends, and else from their directions, as text.
+    fn doubts_of_tangents(&mut self, speeds: &Speeds, converged: &Converged) -> [Option<String>; 2] {
         let is_direct = self.newton.linear_iterations() == 0;
         let smooth = self.system.without_internal_variables() && self.system.prescribed_strains.is_empty();
-        if !(is_direct && smooth && self.speed_at_end() > 0.0) {
-            return None;
+        let (by_lengths, by_directions) =
+            (self.meets_unstable(converged) || speeds.need_the_end(), is_direct && smooth);
+        if !by_lengths && !by_directions {
+            return [None, None];
+        }
+        let end = self.speed_at_end();
+        let of_lengths = if by_lengths { speeds.doubt(end) } else { None };
+        if of_lengths.is_some() || !by_directions || !(end > 0.0) {
+            return [of_lengths, None];
         }
         self.moved();
-        let speeds = (self.newton.first_response.as_slice(), self.newton.last_response());
-        leaves_speeds(self.system, &self.external, speeds)
+        let responses = (self.newton.first_response.as_slice(), self.newton.last_response());
+        [None, leaves_speeds(self.system, &self.external, responses)]
     }
 
     /// Norm of the linear response at the end of a step to the change of its loads, which the solver holds then; 0 where it is not found.
