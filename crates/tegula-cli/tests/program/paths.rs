@@ -268,41 +268,10 @@ fn statics_stay_on_the_path_of_an_imperfect_plate() {
 #[test]
 fn strained_strips_bend_to_the_side_of_their_imperfection() {
     let folder = tempfile::tempdir().unwrap();
+    let strip = imperfect_strip(1e-4, "hinge", "[[conditions]]\ntype = \"hinge\"\non = \"u_max\"\n");
     let middle = |name: &str, analysis: &str, strain: f64| {
-        let model = format!(
-            r#"
-            [analysis]
-            {analysis}
-            [mesh]
-            type = "plate"
-            size = [1.0, 0.1]
-            grid = {{ elements = [20, 1] }}
-            [materials.m]
-            type = "isotropic"
-            young = 1e9
-            poisson = 0.0
-            [[sections]]
-            material = "m"
-            thickness = 0.01
-            [[imperfections]]
-            type = "random"
-            amplitude = 1e-4
-            correlation_length = 0.2
-            seed = 3
-            [[conditions]]
-            type = "hinge"
-            on = "u_min"
-            [[conditions]]
-            type = "hinge"
-            on = "u_max"
-            [[prescribed_strains]]
-            type = "natural"
-            strain = [{strain}, 0.0, 0.0]
-            [output]
-            points = [{{ name = "middle", at = [0.5, 0.0, 0.0] }}]
-            pictures = false
-            "#
-        );
+        let strained = format!("[[prescribed_strains]]\ntype = \"natural\"\nstrain = [{strain}, 0.0, 0.0]\n");
+        let model = format!("[analysis]\n{analysis}\n{strip}{strained}");
         deflection(&completed(folder.path(), name, &model), "middle")
     };
     for (times, load_steps) in [(50.0, [1, 5].as_slice()), (300.0, &[20])] {
@@ -318,7 +287,7 @@ fn strained_strips_bend_to_the_side_of_their_imperfection() {
     }
 }
 
-/// Strip of 1 × 0.1 × 0.01 with a random imperfection of an amplitude, or straight, and a support at its right end besides its first one, without its analysis and loads.
+/// Strip of 1 × 0.1 × 0.01 with a random imperfection of an amplitude, or straight, and supports at both ends: a model without its analysis and loads.
 fn imperfect_strip(amplitude: f64, first: &str, last: &str) -> String {
     format!(
         r#"

@@ -213,7 +213,8 @@ impl<'a> StopWatch<'a> {
         observer: &mut dyn Observer,
     ) -> Result<(u32, Trial, u32)> {
         let mut bracket = Bracket::new(self, whole);
-        let (mut last, mut repeats, mut stands) = (iterations, 0, bracket.high.position);
+        // Whether the stepper stands at the end behind the crossing.
+        let (mut last, mut repeats, mut stands) = (iterations, 0, true);
         while repeats < MOST_REPEATS && !bracket.is_met(self) {
             stepper.repeat(&self.start, bracket.next(self));
             repeats += 1;
@@ -223,18 +224,15 @@ impl<'a> StopWatch<'a> {
                 // The longer step behind the crossing has succeeded.
                 Err(error) => {
                     observer.on_event(&format!("the crossing is not located more closely: {error}"));
-                    stands = f64::NAN;
+                    stands = false;
                     break;
                 }
             };
-            stands = stepper.position();
             let values = self.measure(last, stepper, observer)?;
-            if self.crossed(&values).next().is_none() {
-                stands = f64::NAN;
-            }
+            stands = self.crossed(&values).next().is_some();
             bracket.take(self, Trial { position: stepper.position(), values });
         }
-        if stands != bracket.high.position {
+        if !stands {
             let end = bracket.high.position;
             let (ends, is_whole) = ([end, f64::INFINITY], end == bracket.whole.position);
             let ends = if is_whole { &ends[..] } else { &ends[..1] };

@@ -25,7 +25,7 @@ const CORRECTIONS: usize = 3;
 /// Newton iterations at the load factor at which the path ends, and the largest first increment over the displacements: larger ones may lead to another path.
 const MOST_AT_LOAD: usize = 10;
 const MOST_CORRECTED: f64 = 1e-2;
-/// Increment over the displacements that is left out there.
+/// Size of the next increment over the displacements, by the decrease of the residual, below which the iteration there ends.
 const AT_LOAD: f64 = 1e-9;
 /// Factor by which a piece is shortened whose end has too large a residual or error, or a singular tangent.
 const SHORTER: f64 = 0.8;

@@ -22,8 +22,8 @@ const MOST_TRIALS: usize = 30;
 /// Largest distance of a trial from the nearest known equilibrium on the same path: twice that along the step and a twentieth of the step.
 const FAR: [f64; 2] = [2.0, 0.05];
 
-/// Part of the length of a step that the way of Newton's method at constant load may be longer than that which the tangent tells and this factor, and the
-/// largest number of equilibria from which it begins.
+/// Newton's method at constant load may move at most [`REST`] times the distance that the tangent predicts and this part of the length of the step; it
+/// begins from at most [`MOST_NEARER`] equilibria.
 const NEAR: f64 = 1e-4;
 const REST: f64 = 3.0;
 const MOST_NEARER: usize = 6;
