@@ -10,19 +10,22 @@
 //! the present place and the gradients G of the constraints
 //!
 //! 1. gaps are closed by the least increments `δ = −W⁻¹ Gᵀ (G W⁻¹ Gᵀ + μ)⁻¹ g` (Gauss and Newton; with the damping μ of Levenberg and Marquardt,
-//!    which also decides between redundant constraints): J. J. Moré, *The Levenberg–Marquardt algorithm*, Lecture Notes in Mathematics 630
+//!    which also decides between redundant constraints; bodies that are much lighter than others count as heavier ones there): J. J. Moré, *The Levenberg–Marquardt algorithm*, Lecture Notes in Mathematics 630
 //!    (1978) 105–116;
-//! 2. from there the bodies move along the part of `−W⁻¹ ∇f` that keeps the constraints, by steps whose length is that of J. Barzilai and
-//!    J. M. Borwein, IMA J. Numer. Anal. 8 (1988) 141–148, and the gaps are closed again, until that part vanishes.
+//! 2. from there the bodies move by [Newton's method](newton) to the minimum of f.
+//!
+//! Mechanisms have several positions in which the joints are closed, and f several minima: the search begins at [several places](starts).
 //!
 //! The position problem of multibody systems: J. García de Jalón, E. Bayo, *Kinematic and dynamic simulation of multibody systems* (1994),
 //! Sect. 3.1.
 
+mod newton;
+mod starts;
+
 use nalgebra::{DMatrix, DVector, Matrix3};
 
 use crate::constraint::{Joint, Row};
-use crate::mesh::Random;
-use crate::norm::max_norm;
+use crate::norm::{larger, max_norm};
 use crate::system::coordinates::Body;
 use crate::{Mat3, Vec3};
 
@@ -35,16 +38,9 @@ const DAMPING: [f64; 3] = [1e-6, 1e-15, 1e6];
 const LARGEST_TURN: f64 = 0.5;
 /// Iterations that close gaps, and those of the way to the nearest position.
 const ITERATIONS: usize = 200;
-/// Part of the model's size by which bodies are still off the nearest position.
-const NEAREST: f64 = 1e-13;
-/// Length of a step over that of the unconstrained minimum: least and most.
-const STEPS: [f64; 2] = [1e-6, 1e2];
-/// Positions with turned bodies from which the nearest one is looked for: least number, sum over the bodies, most.
-const STARTS: [usize; 3] = [8, 400, 48];
-/// Largest angles by which bodies are turned there (rad).
-const TURNS: [f64; 4] = [3.1, 0.05, 1.5, 0.5];
-/// Distance over that of the nearest position so far, below which another one is nearer.
-const NEARER: f64 = 1.0 - 1e-6;
+/// Mass and moment of inertia over the largest ones that a body has at least while gaps are closed: products of much smaller and of much larger ones would
+/// be lost in round-off.
+const LIGHTEST: f64 = 1e-6;
 /// Smallest moment of the Euler tensor beside the largest one, and what a body without inertia about an axis has in its place.
 const WITHOUT_INERTIA: f64 = 1e-12;
 const SUBSTITUTE: f64 = 1e-3;
@@ -107,6 +103,10 @@ pub(super) struct Closing<'a> {
     rows: Vec<(usize, usize)>,
     /// Weight of each of them: its value times the weight is a displacement in the norm of the mass.
     weights: Vec<f64>,
+    /// Size of the model (length).
+    length: f64,
+    /// Least mass and least moment of inertia of a body in the norm in which gaps are closed.
+    least: [f64; 2],
     /// Scale of displacements in the norm of the mass.
     scale: f64,
 }
@@ -121,14 +121,10 @@ pub(super) enum Aim<'a> {
 
 /// Constraints about a position.
 struct Linear {
-    /// Weighted gradients, body by body.
-    gradients: Vec<Vec<(usize, Twist)>>,
-    /// Products of the inverse mass matrix with them.
+    /// Products of the inverse mass matrix with the weighted gradients, body by body.
     responses: Vec<Vec<(usize, Twist)>>,
     /// Schur complement.
     schur: DMatrix<f64>,
-    /// Inertia of the bodies along the axes of space, and its inverse.
-    inertia: Vec<[Mat3; 2]>,
 }
 
 impl<'a> Closing<'a> {
@@ -148,7 +144,11 @@ impl<'a> Closing<'a> {
             joints.iter().enumerate().filter(|(_, joint)| movable(joint)).flat_map(own).collect();
         let mass = bodies.iter().map(|body| body.mass).sum::<f64>();
         let weights = vec![1.0; rows.len()];
-        let mut out = Self { joints, bodies, reference, owner, rows, weights, scale: mass.sqrt() * length };
+        let of_bodies =
+            |measure: fn(&Movable) -> f64| bodies.iter().map(measure).fold(0.0, larger) * LIGHTEST;
+        let least = [of_bodies(|body| body.mass), of_bodies(|body| body.of_norm.trace())];
+        let scale = mass.sqrt() * length;
+        let mut out = Self { joints, bodies, reference, owner, rows, weights, length, least, scale };
         let at_reference = out.linear(reference);
         for i in 0..out.rows.len() {
             let own = at_reference.schur[(i, i)];
@@ -203,18 +203,16 @@ impl<'a> Closing<'a> {
     }
 
     fn linear(&self, x: &[Vec3]) -> Linear {
-        let inertia: Vec<[Mat3; 2]> = self
-            .bodies
-            .iter()
-            .map(|body| {
-                let own = body.inertia(x);
-                [own, own.try_inverse().unwrap_or_else(Matrix3::zeros)]
-            })
-            .collect();
+        let [mass, moment] = self.least;
+        let inverse = |body: &Movable| {
+            let inertia = body.inertia(x) + Mat3::identity() * moment;
+            (1.0 / larger(body.mass, mass), inertia.try_inverse().unwrap_or_else(Matrix3::zeros))
+        };
+        let inverse: Vec<(f64, Mat3)> = self.bodies.iter().map(inverse).collect();
         let gradients: Vec<_> = (0..self.rows.len()).map(|i| self.gradient(i, x)).collect();
         let response = |gradient: &Vec<(usize, Twist)>| -> Vec<(usize, Twist)> {
             let of_body = |&(body, [force, moment]): &(usize, Twist)| {
-                (body, [force / self.bodies[body].mass, inertia[body][1] * moment])
+                (body, [force * inverse[body].0, inverse[body].1 * moment])
             };
             gradient.iter().map(of_body).collect()
         };
@@ -222,7 +220,7 @@ impl<'a> Closing<'a> {
         let schur = DMatrix::from_fn(gradients.len(), gradients.len(), |i, j| {
             sparse_product(&gradients[i], &responses[j])
         });
-        Linear { gradients, responses, schur, inertia }
+        Linear { responses, schur }
     }
 
     /// Weighted gradient of a constraint.
@@ -247,22 +245,13 @@ impl<'a> Closing<'a> {
         out
     }
 
-    /// Increment `δ − W⁻¹ Gᵀ y` with `(S + μ) y = G δ + g`; `None` where the matrix is not positive definite.
-    fn increment(
-        &self,
-        linear: &Linear,
-        damping: f64,
-        values: &DVector<f64>,
-        mut out: Vec<Twist>,
-    ) -> Option<Vec<Twist>> {
+    /// Increment `−W⁻¹ Gᵀ (S + μ)⁻¹ g`; `None` where the matrix is not positive definite.
+    fn increment(&self, linear: &Linear, damping: f64, values: &DVector<f64>) -> Option<Vec<Twist>> {
         let largest = max_norm(linear.schur.diagonal().iter().copied());
         let mut matrix = linear.schur.clone();
         (0..matrix.nrows()).for_each(|i| matrix[(i, i)] += damping * largest);
-        let along = |gradient: &Vec<(usize, Twist)>| -> f64 {
-            gradient.iter().map(|(body, g)| dot(g, &out[*body])).sum()
-        };
-        let right = DVector::from_iterator(values.len(), linear.gradients.iter().map(along)) + values;
-        let multipliers = matrix.cholesky()?.solve(&right);
+        let mut out = vec![[Vec3::zeros(); 2]; self.bodies.len()];
+        let multipliers = matrix.cholesky()?.solve(values);
         for (response, y) in linear.responses.iter().zip(multipliers.iter()) {
             for (body, [shift, rotation]) in response {
                 out[*body][0] -= shift * *y;
@@ -291,8 +280,7 @@ impl<'a> Closing<'a> {
             }
             let linear = self.linear(x);
             let accepted = loop {
-                let none = vec![[Vec3::zeros(); 2]; self.bodies.len()];
-                let trial = self.increment(&linear, damping, &values, none).map(|increment| {
+                let trial = self.increment(&linear, damping, &values).map(|increment| {
                     let turn = max_norm(increment.iter().map(|[_, rotation]| rotation.norm()));
                     self.moved(x, (LARGEST_TURN / turn).min(1.0), &increment)
                 });
@@ -339,127 +327,6 @@ impl<'a> Closing<'a> {
             Aim::Reference => self.distance(x),
             Aim::Gaps(others) => 0.5 * others.values(x).1.norm_squared(),
         }
-    }
-
-    /// Increments `−W⁻¹ ∇f` of all bodies.
-    fn free_descent(&self, aim: &Aim, linear: &Linear, x: &[Vec3]) -> Vec<Twist> {
-        if let Aim::Gaps(others) = aim {
-            let (values, others) = (others.values(x).1, others.linear(x));
-            let mut out = vec![[Vec3::zeros(); 2]; self.bodies.len()];
-            for (response, value) in others.responses.iter().zip(values.iter()) {
-                for (body, [shift, rotation]) in response {
-                    out[*body][0] -= shift * *value;
-                    out[*body][1] -= rotation * *value;
-                }
-            }
-            return out;
-        }
-        let of_body = |(body, [_, inverse]): (&Movable, &[Mat3; 2])| {
-            let mut moment = Vec3::zeros();
-            if let Some(d) = body.directors {
-                for i in 0..3 {
-                    for j in 0..3 {
-                        moment += x[d[i]].cross(&self.reference[d[j]]) * body.euler[(i, j)];
-                    }
-                }
-            }
-            [self.reference[body.centre] - x[body.centre], inverse * moment]
-        };
-        self.bodies.iter().zip(&linear.inertia).map(of_body).collect()
-    }
-
-    /// Part of `−W⁻¹ ∇f` that keeps the constraints, and the square of its size.
-    fn descent(&self, aim: &Aim, x: &[Vec3]) -> Option<(Vec<Twist>, f64)> {
-        let linear = self.linear(x);
-        let free = self.free_descent(aim, &linear, x);
-        if self.rows.is_empty() {
-            let square = self.product(&linear, &free, &free);
-            return Some((free, square));
-        }
-        let none = DVector::zeros(self.rows.len());
-        // A second projection takes away what the damping has left.
-        let once = self.increment(&linear, DAMPING[1] * 1e3, &none, free)?;
-        let out = self.increment(&linear, DAMPING[1] * 1e3, &none, once)?;
-        let square = self.product(&linear, &out, &out);
-        Some((out, square))
-    }
-
-    fn product(&self, linear: &Linear, a: &[Twist], b: &[Twist]) -> f64 {
-        let of_body = |(i, body): (usize, &Movable)| {
-            body.mass * a[i][0].dot(&b[i][0]) + a[i][1].dot(&(linear.inertia[i][0] * b[i][1]))
-        };
-        self.bodies.iter().enumerate().map(of_body).sum()
-    }
-
-    /// Moves a position in which the joints are closed to one in which the aim is least.
-    pub(super) fn approach(&self, aim: &Aim, x: &mut Vec<Vec3>) {
-        let Some((mut descent, mut square)) = self.descent(aim, x) else { return };
-        let mut part = 1.0;
-        for _ in 0..ITERATIONS {
-            if !(square.sqrt() > NEAREST * self.scale) {
-                return;
-            }
-            let turn = max_norm(descent.iter().map(|[_, rotation]| rotation.norm()));
-            part = f64::min(part, LARGEST_TURN / turn);
-            let value = self.value(aim, x);
-            let accepted = loop {
-                let mut trial = self.moved(x, part, &descent);
-                self.close(&mut trial);
-                let less = self.value(aim, &trial) - value;
-                if self.is_closed(&trial)
-                    && let Some((next, next_square)) = self.descent(aim, &trial)
-                    // Near the minimum f changes by less than its round-off.
-                    && (less < 0.0 || less <= ROUND_OFF * self.scale * self.scale && next_square < square)
-                {
-                    break Some((trial, next, next_square));
-                }
-                part *= 0.5;
-                if !(part >= STEPS[0]) {
-                    break None;
-                }
-            };
-            let Some((trial, next, next_square)) = accepted else { return };
-            let change: Vec<Twist> =
-                descent.iter().zip(&next).map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).collect();
-            let linear = self.linear(&trial);
-            let curvature = self.product(&linear, &descent, &change) / square;
-            part = if curvature > 0.0 { (part / curvature).clamp(STEPS[0], STEPS[1]) } else { 1.0 };
-            (*x, descent, square) = (trial, next, next_square);
-        }
-    }
-
-    /// Nearest of the closed positions that are reached from `x` and from positions in which the bodies are turned; `None` where none is
-    /// closed. Mechanisms have several positions, and where parts lie in one line a path from there may reach none of them.
-    pub(super) fn nearest(&self, x: Vec<Vec3>, axes: &[Vec3]) -> Option<Vec<Vec3>> {
-        let mut best: Option<(f64, Vec<Vec3>)> = None;
-        let count = (STARTS[1] / self.bodies.len().max(1)).clamp(STARTS[0], STARTS[2]);
-        for number in 0..=count {
-            let mut trial = if number == 0 { x.clone() } else { self.turned(number, axes) };
-            self.close(&mut trial);
-            if !self.is_closed(&trial) {
-                continue;
-            }
-            self.approach(&Aim::Reference, &mut trial);
-            let distance = self.distance(&trial);
-            if best.as_ref().is_none_or(|(least, _)| distance < NEARER * least) {
-                best = Some((distance, trial));
-            }
-        }
-        best.map(|(_, x)| x)
-    }
-
-    /// Reference positions in which each body is turned by a random angle, about an axis of the joints or one of its own.
-    fn turned(&self, number: usize, axes: &[Vec3]) -> Vec<Vec3> {
-        let mut random = Random(number as u64);
-        let largest = TURNS[number / 2 % TURNS.len()];
-        let common = axes.get(number / 2 % axes.len().max(1)).filter(|_| number % 2 == 1);
-        let mut x = self.reference.to_vec();
-        for body in self.bodies {
-            let own = Vec3::from_fn(|_, _| random.symmetric());
-            let axis = common.unwrap_or(&own).normalize();
-            body.turn(&[Vec3::zeros(), axis * (largest * random.symmetric())], &mut x);
-        }
-        x
     }
 
     /// Whether some body can change the constraints of a joint.

@@ -289,7 +289,7 @@ impl Row {
     }
 
     /// Adds the second derivative of the multiples of angles that the constraint contains, or of the curve on which it keeps a point.
-    pub(super) fn add_other_second_derivatives(&self, factor: f64, v: &[Vec3], blocks: &mut [f64]) {
+    pub(crate) fn add_other_second_derivatives(&self, factor: f64, v: &[Vec3], blocks: &mut [f64]) {
         if let Some(turning) = self.turning() {
             turning.add_second_derivative(factor, v, blocks);
         }

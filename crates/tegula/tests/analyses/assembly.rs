@@ -497,6 +497,54 @@ fn axes_a_right_angle_apart_are_closed() {
     }
 }
 
+/// Three boxes of masses 1, 1e-6 and 1000 and sizes 1, 0.01 and 30 on two hinges of other axes: an open chain, which can be closed whatever its masses.
+/// Its nearest position is the same whichever side of a hinge is named first, also in other units, and at rest.
+#[test]
+fn the_nearest_position_depends_neither_on_the_order_of_sides_nor_on_units() {
+    let chain = |swapped: [bool; 2], size: f64| {
+        let at = |x: [f64; 3]| x.map(|x| x * size);
+        let solid = |name: &str, place: [f64; 3], mass: f64, length: f64| {
+            let [a, b, c] = [1.0, 0.6, 0.3].map(|part| (part * length * size).powi(2) * mass / 12.0);
+            body(name, at(place), mass, Some([b + c, a + c, a + b]))
+        };
+        let bodies = vec![
+            solid("a", [0.5, 0.0, 0.0], 1.0, 1.0),
+            solid("b", [1.5, 0.3, 0.2], 1e-6, 0.01),
+            solid("c", [3.0, -1.0, 0.5], 1e3, 30.0),
+        ];
+        type Side = ([f64; 3], [f64; 3]);
+        let pin = |name: &str, sides: [&str; 2], places: [Side; 2], swapped: bool| {
+            let [first, second] = if swapped { [1, 0] } else { [0, 1] };
+            Joint::Revolute(
+                AxisJoint {
+                    second_at: Some(at(places[second].0)),
+                    second_axis: Some(places[second].1),
+                    ..axis_joint(name, sides[first], sides[second], at(places[first].0), places[first].1)
+                }
+                .into(),
+            )
+        };
+        let joints = vec![
+            pin("J1", ["a", "b"], [([1.0, 0.0, 0.0], Z), ([1.4, 0.3, 0.2], [0.0, 1.0, 0.0])], swapped[0]),
+            pin("J2", ["b", "c"], [([1.6, 0.3, 0.2], Z), ([2.8, -1.0, 0.5], [0.0, 0.0, -1.0])], swapped[1]),
+        ];
+        let (system, state) = run(&machine(0.05, 0.01, bodies, joints), &mut Silent);
+        assert!(gaps(&system, &state).iter().all(|gap| *gap < 1e-9 * size));
+        let (place, axes) = pose(&system, &state, 0);
+        (place / size, axes)
+    };
+    let (place, axes) = chain([false; 2], 1.0);
+    for (swapped, size) in
+        [([true, false], 1.0), ([false, true], 1.0), ([true; 2], 1.0), ([false; 2], 1e3), ([true; 2], 1e-3)]
+    {
+        let (other, turned) = chain(swapped, size);
+        assert!(
+            (place - other).norm() < 1e-7 && (axes - turned).norm() < 1e-7,
+            "{swapped:?} {place} {other}"
+        );
+    }
+}
+
 /// A drawer whose rail has a stop begins where its sides have come to stand.
 #[test]
 fn stops_count_from_where_the_sides_would_meet() {

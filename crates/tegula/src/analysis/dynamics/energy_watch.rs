@@ -26,12 +26,15 @@ const GAINED: f64 = 1e-2;
 /// Part of the energy that a scheme may gain in the first steps from rest, where the error is as large as the energy.
 const GAINED_AT_FIRST: f64 = 1.0;
 
-/// Round-off of a position over the size of the model, some units in the last place.
-const ROUND_OFF: f64 = 1e-14;
+/// Round-off of a position over the size of the model, and of what an iteration leaves of it.
+const ROUND_OFF: f64 = 1e-13;
 
-/// Kinetic energy of a model at rest whose positions change by round-off in a step: energies below are none.
+/// Kinetic energy of a model at rest whose positions and directors change by round-off in a step: energies below are none. Bodies may be larger
+/// than the distances between the points of the model.
 fn energy_of_round_off(system: &System, dt: f64) -> f64 {
-    0.5 * system.total_mass() * (ROUND_OFF * system.length / dt).powi(2)
+    let of_rotations: f64 = system.coordinates.bodies.iter().map(|body| body.inertia().1.trace()).sum();
+    let inertia = system.total_mass() * system.length.powi(2) + of_rotations;
+    0.5 * inertia * (ROUND_OFF / dt).powi(2)
 }
 
 /// Work of the loads on a model whose positions and directors change by round-off: of one that is held at rest there is no other.
