@@ -105,6 +105,49 @@ fn columns_under_partial_follower_loads_bifurcate_by_divergence() {
     assert!(found(&outcome).is_empty() && outcome.state.time == 6.0);
 }
 
+/// A column beside another one of `1 − apart` times its length, which carries the same load.
+fn two_columns(apart: f64) -> (Model, Mesh) {
+    let (m, mut mesh) = column(16, false);
+    let nodes = mesh.positions.len() as u32;
+    let beside = |x: &Vec3| Vec3::new(x.x * (1.0 - apart), x.y + 3.0, x.z);
+    mesh.positions.extend(mesh.positions.iter().map(beside).collect::<Vec<_>>());
+    let quads = mesh.quads.len() as u32;
+    mesh.quads.extend(mesh.quads.iter().map(|quad| quad.map(|node| node + nodes)).collect::<Vec<_>>());
+    if let Some(normals) = &mut mesh.normals {
+        normals.extend_from_within(..);
+    }
+    mesh.node_sets.retain(|name, _| !name.starts_with("node"));
+    mesh.node_sets.values_mut().for_each(|set| set.extend(set.clone().iter().map(|node| node + nodes)));
+    mesh.edge_sets
+        .values_mut()
+        .for_each(|set| set.extend(set.clone().iter().map(|edge| edge.map(|node| node + nodes))));
+    mesh.quad_sets.values_mut().for_each(|set| set.extend(set.clone().iter().map(|quad| quad + quads)));
+    (m, mesh)
+}
+
+/// Two bifurcations next to each other do not change the sign of the determinant: both are found, also in one step.
+#[test]
+fn two_columns_under_partial_follower_loads_bifurcate_one_after_the_other() {
+    let part = 0.25_f64;
+    let options = PathAnalysis { end_load: 1.9, ..Default::default() };
+    let (alone, _) = loaded(column(16, false), part, options.clone());
+    let first = found(&alone)[0].2;
+    for apart in [0.03, 5e-3, 5e-4, 5e-5] {
+        let (outcome, _) = loaded(two_columns(apart), part, options.clone());
+        let found = found(&outcome);
+        let [(CriticalKind::Bifurcation, 1, one), (CriticalKind::Bifurcation, 1, other)] = found[..] else {
+            panic!("{apart}: {found:?}");
+        };
+        // The shortening before and the shear of the columns are below 1e-5.
+        let second = first / (1.0 - apart).powi(2);
+        assert!(
+            (one / first - 1.0).abs() < 2e-5 && (other / second - 1.0).abs() < 2e-5,
+            "{apart}: {found:?}"
+        );
+        assert_eq!(outcome.state.time, 1.9);
+    }
+}
+
 /// Behind the bifurcation the path goes over to either side of the crossing one, which are mirror images of each other. A column that joints hold
 /// does the same as one on supports.
 #[test]

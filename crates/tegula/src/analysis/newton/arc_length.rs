@@ -73,6 +73,10 @@ pub struct PathTangent {
     /// eigenvalue passes through zero. It is 0 in other models, whose negative eigenvalues are counted, and where it is not found.
     #[serde(default)]
     pub determinant_sign: i8,
+    /// Number of real eigenvalues of the tangent that pass through zero while its circulatory part grows from zero; `None` in other models, at critical
+    /// points, and where it is not found.
+    #[serde(default)]
+    pub crossings: Option<usize>,
 }
 
 impl PathTangent {
@@ -92,6 +96,7 @@ impl PathTangent {
             load: mix(first.load, last.load) / size,
             work: mix(first.work, last.work) / size,
             determinant_sign: last.determinant_sign,
+            crossings: last.crossings,
         }
     }
 
@@ -307,12 +312,14 @@ impl<S: TangentSolver> Newton<S> {
         }
         let backwards = along.is_some_and(|along| system.inner_product(along, &response.field) < 0.0);
         let scale = if backwards { -1.0 / size } else { 1.0 / size };
+        let (determinant_sign, crossings) = self.determinant_sign(negative)?;
         let tangent = PathTangent {
             direction: response.field.iter().map(|x| x.map(|x| scale * x)).collect(),
             multipliers: response.multipliers.iter().map(|x| scale * x).collect(),
             load: scale,
             work: scale * response.work,
-            determinant_sign: self.determinant_sign(negative)?,
+            determinant_sign,
+            crossings,
         };
         Ok((tangent, negative))
     }

@@ -93,19 +93,21 @@ impl<S: TangentSolver> Newton<S> {
         loads.zero_crossings(&mut |x| linear.solve_at_rest(x), frames)
     }
 
-    /// Sign of the determinant of the tangent factored last, 1 or −1, in models whose follower loads may make it unsymmetric: its symmetric
-    /// part has the number of negative eigenvalues `negative`. 0 in other models, and where the sign is not found.
+    /// Sign of the determinant of the tangent factored last, 1 or −1, in models whose follower loads may make it unsymmetric, and number of eigenvalues
+    /// that pass through zero while its circulatory part grows: its symmetric part has the number of negative eigenvalues `negative`. 0 and `None` in other
+    /// models, and where they are not found.
     ///
     /// # Errors
     /// The linear solver failed; the text gives the reason.
-    pub(super) fn determinant_sign(&mut self, negative: usize) -> Result<i8, String> {
+    pub(super) fn determinant_sign(&mut self, negative: usize) -> Result<(i8, Option<usize>), String> {
         let crossings = match &self.circulatory {
-            None => return Ok(0),
+            None => return Ok((0, None)),
             // As at load factor 0.
             Some(loads) if loads.is_zero() => Some(0),
             Some(_) => self.zero_crossings()?,
         };
-        Ok(crossings.map_or(0, |n| if (negative + n).is_multiple_of(2) { 1 } else { -1 }))
+        let sign = crossings.map_or(0, |n| if (negative + n).is_multiple_of(2) { 1 } else { -1 });
+        Ok((sign, crossings))
     }
 
     /// Eigenvalue next to zero of the tangent factored last, at an equilibrium, in the metric of [`System::norm`], and its eigenvector

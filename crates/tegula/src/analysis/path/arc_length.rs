@@ -299,10 +299,12 @@ impl<'a> ArcLengthSteps<'a> {
         let flat = is_flat(&loads, length) && !self.is_driven();
         let flat_limit = limits.last().is_some_and(|limit| is_flat(&loads, *limit));
         let (mut negative, mut sign) = (self.state.negative_pivots, arc.tangent.determinant_sign);
+        let mut crossings = arc.tangent.crossings;
         if flat_limit && self.begins_beside_bifurcation(&arc.tangent) {
             // The eigenvalue that vanishes there, and the derivative of the load, are round-off at the start of the step.
             limits.clear();
             (negative, sign) = (end.negative, end.tangent.determinant_sign);
+            crossings = end.tangent.crossings;
         }
         if flat && end.negative == negative {
             // Next to a bifurcation the load of a crossing path is constant, but for round-off. In a dead centre no eigenvalue vanishes.
@@ -312,7 +314,9 @@ impl<'a> ArcLengthSteps<'a> {
             }
             limits.clear();
         }
-        let unchanged = end.negative == negative && end.tangent.determinant_sign == sign;
+        let unchanged = end.negative == negative
+            && end.tangent.determinant_sign == sign
+            && end.tangent.crossings == crossings;
         let simple = limits.is_empty() && unchanged;
         let has_potential = simple || self.have_potential(&end.equation);
         if limits.len() > 1 {
@@ -338,13 +342,14 @@ impl<'a> ArcLengthSteps<'a> {
             end = self.at_load(known, (a, load), observer)?;
             if self.system.inner_product(&tangent.direction, &end.tangent.direction) < TURN {
                 // Next to a bifurcation the response to the loads is the eigenvector of the eigenvalue that vanishes there.
-                end.tangent = PathTangent { determinant_sign: end.tangent.determinant_sign, ..tangent };
+                let PathTangent { determinant_sign, crossings, .. } = end.tangent;
+                end.tangent = PathTangent { determinant_sign, crossings, ..tangent };
             }
         }
         if end.a < length || length < planned {
             next = next.min(planned);
         }
-        let all = Explained { limits: &critical, negative, sign, has_potential };
+        let all = Explained { limits: &critical, negative, sign, crossings, has_potential };
         let found = self.other_bifurcations(&all, (arc, &mut known), &end, observer)?;
         if !found.is_empty() {
             critical.extend(found);

@@ -31,6 +31,9 @@ const MOST_NEARER: usize = 6;
 /// Length of a step in which a zero of the symmetric part need not be found: next to it the unsymmetric tangent may be singular.
 const SHORT: f64 = 1e-3;
 
+/// Change of the load factor over its size, within which two bifurcations need not be told apart.
+const TOGETHER: f64 = 1e-6;
+
 /// Work of the loads on the direction at an extremum of the load factor, over that at the ends of the step, below which it is none: the direction is
 /// the mode of a bifurcation.
 const CROSSING: f64 = 1e-2;
@@ -226,6 +229,7 @@ impl ArcLengthSteps<'_> {
             // At the extremum the sign that was found is round-off.
             let [first, last] = [sign, whole.tangent.determinant_sign];
             end.tangent.determinant_sign = if change == 0 { first } else { -first };
+            end.tangent.crossings = None;
             if end.tangent.determinant_sign != last {
                 return Err("there may be two critical points in the step".into());
             }
@@ -278,6 +282,8 @@ pub(super) struct Explained<'f> {
     pub negative: usize,
     /// Sign of the determinant at its start.
     pub sign: i8,
+    /// Eigenvalues that pass through zero while the circulatory part of the tangent at its start grows.
+    pub crossings: Option<usize>,
     /// Whether the loads have a potential.
     pub has_potential: bool,
 }
@@ -291,7 +297,7 @@ impl ArcLengthSteps<'_> {
     /// No eigenvalue passes through zero: the step has gone over to another path.
     pub(super) fn other_bifurcations(
         &mut self,
-        &Explained { limits, negative, sign, has_potential }: &Explained,
+        &Explained { limits, negative, sign, crossings, has_potential }: &Explained,
         (arc, known): (&ArcStart, &mut Option<Known>),
         end: &End,
         observer: &mut dyn Observer,
@@ -314,6 +320,19 @@ impl ArcLengthSteps<'_> {
             }
         }
         if by_sign {
+            let may_hide = crossings
+                .zip(end.tangent.crossings)
+                .is_some_and(|(first, last)| two_may_cross_zero([negative, end.negative], [first, last]));
+            if may_hide && sign == end.tangent.determinant_sign {
+                let [first, last] = [self.state.time, end.equation.time];
+                if end.a > SHORT || (last - first).abs() > TOGETHER * larger(first.abs(), last.abs()) {
+                    return Err("there may be two bifurcations in the step".into());
+                }
+                observer.on_warning(&format!(
+                    "between load factors {:.6} and {:.6} there may be two bifurcations next to each other, which are not told apart",
+                    self.state.time, end.equation.time
+                ));
+            }
             return self.changes_of_sign(sign, (arc, known), end, observer);
         }
         observer.on_warning(&format!(
@@ -323,6 +342,15 @@ impl ArcLengthSteps<'_> {
         ));
         Ok(Vec::new())
     }
+}
+
+/// Whether two eigenvalues of the tangent `K + s N` may pass through zero at s = 1 between two equilibria, whose symmetric parts (s = 0) have these numbers
+/// of negative eigenvalues, and for which these numbers of eigenvalues pass through zero on the way from s = 0 to 1. Where an eigenvalue passes through zero at s = 0, both
+/// numbers change by one, and either their sum or their difference stays; where it does at s = 1, only the second one changes.
+fn two_may_cross_zero(negative: [usize; 2], crossings: [usize; 2]) -> bool {
+    let change = |of: [usize; 2]| of[1] as i64 - of[0] as i64;
+    let (by_negative, by_crossings) = (change(negative), change(crossings));
+    (by_negative + by_crossings).abs() > 1 && (by_negative - by_crossings).abs() > 1
 }
 
 /// Path of an arc-length step.

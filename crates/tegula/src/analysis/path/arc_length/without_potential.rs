@@ -2,7 +2,8 @@
 //!
 //! The tangent `K + N` is unsymmetric, and the inertia of its symmetric part tells no critical points. The sign of its determinant does:
 //! it changes where a real eigenvalue passes through zero, at limit points and at bifurcations (R. Seydel, *Practical bifurcation and
-//! stability analysis*, 2010, Sect. 5.2). Two eigenvalues that pass through zero in one step are not noticed.
+//! stability analysis*, 2010, Sect. 5.2). Two eigenvalues that pass through zero in one step do not change it; the numbers of negative eigenvalues of the symmetric
+//! part and of eigenvalues that pass through zero while the circulatory part grows tell them, and the step is divided.
 //!
 //! At a critical point the left eigenvector ψ, `(K − N) ψ = 0`, tells both kinds apart: the loads F do work on it at limit points, and none
 //! at bifurcations. The eigenvalue μ passes through zero as `dμ/da = (d²λ/da²) ψᵀF / ψᵀφ` there.
@@ -12,12 +13,13 @@ use super::{ArcLengthSteps, ArcStart, End};
 use crate::analysis::Observer;
 use crate::analysis::newton::TangentPart;
 use crate::analysis::path::critical_points::{Curve, Found, INVERSE_ITERATIONS, Trial, bifurcations};
+use crate::element::Nodal;
 use crate::norm::larger;
 
 /// Eigenvalue next to zero over the largest one of the trials below which it tells the sign of the determinant better than the count.
 const NEXT_TO_ZERO: f64 = 1e-2;
-/// Eigenvalue next to zero over the largest one of the trials below which its sign is round-off.
-const ROUND_OFF: f64 = 1e-5;
+/// Cosine between two modes above which they are the same one.
+const SAME_MODE: f64 = 0.9;
 
 /// Least of these works of the loads on the left eigenvector that may be round-off at a bifurcation.
 const WORK: f64 = 1e-7;
@@ -53,7 +55,7 @@ impl ArcLengthSteps<'_> {
         let mut curve = SignCurve { steps: self, known, observer, first, size, trials: Vec::new() };
         let mut found = bifurcations(&mut curve, end.a, (0, 1), &[])?;
         for Found { a, point } in &mut found {
-            point.change = curve.change_at(*a);
+            point.change = curve.change_at(*a, &point.mode);
         }
         Ok(found)
     }
@@ -75,19 +77,24 @@ struct SignCurve<'s, 'a, 'o> {
 struct SignTrial {
     a: f64,
     sign: i8,
-    /// Eigenvalue next to zero.
+    /// Eigenvalue next to zero, and its eigenvector.
     eigenvalue: f64,
+    mode: Vec<Nodal>,
     /// Work of the loads on its left eigenvector over that on the direction of the path.
     work: f64,
 }
 
 impl SignCurve<'_, '_, '_> {
-    /// Change of the number of negative real eigenvalues at a bifurcation, by the eigenvalue beside it.
-    fn change_at(&self, a: f64) -> i32 {
-        let largest = self.trials.iter().map(|trial| trial.eigenvalue.abs()).fold(0.0, larger);
-        let other = self.trials.iter().filter(|trial| trial.eigenvalue.abs() > ROUND_OFF * largest);
-        let rises = other
-            .min_by(|p, q| (p.a - a).abs().total_cmp(&(q.a - a).abs()))
+    /// Change of the number of negative real eigenvalues at a bifurcation with this mode, by the eigenvalue beside it.
+    fn change_at(&self, a: f64, mode: &[Nodal]) -> i32 {
+        // Next to another bifurcation the eigenvalue may be that of the other one, and all of them round-off: the largest one of the same mode counts.
+        let system = self.steps.system;
+        let own = self.trials.iter().filter(|trial| {
+            let sizes = system.norm(&trial.mode) * system.norm(mode);
+            system.inner_product(&trial.mode, mode).abs() >= SAME_MODE * sizes
+        });
+        let rises = own
+            .max_by(|p, q| p.eigenvalue.abs().total_cmp(&q.eigenvalue.abs()))
             .is_some_and(|trial| (trial.eigenvalue > 0.0) == (trial.a > a));
         if rises { -1 } else { 1 }
     }
@@ -118,7 +125,7 @@ impl Curve for SignCurve<'_, '_, '_> {
         if sign == 0 {
             return Err("the sign of the determinant of the tangent was not found".into());
         }
-        self.trials.push(SignTrial { a, sign, eigenvalue: softest.0, work });
+        self.trials.push(SignTrial { a, sign, eigenvalue: softest.0, mode: softest.1.clone(), work });
         // The round-off grows towards the bifurcation.
         let work = -self.trials.iter().map(|trial| -trial.work).fold(f64::NEG_INFINITY, larger);
         let (u, load) = (end.equation.u.clone(), end.equation.time);
